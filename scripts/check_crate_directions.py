@@ -23,9 +23,15 @@ MAY_DEPEND_ON = {
     "lumivox-scene": set(),
     "lumivox": set(),
     "lumivox-classics": {"lumivox"},
-    "lumivox-render": {"lumivox", "lumivox-classics", "lumivox-scene"},
+    "lumivox-render": {"lumivox", "lumivox-scene"},
     "lumivox-vxct": {"lumivox", "lumivox-render", "lumivox-scene"},
-    "lumivox-explorer": {"lumivox", "lumivox-render", "lumivox-scene", "lumivox-vxct"},
+    "lumivox-explorer": {
+        "lumivox",
+        "lumivox-classics",
+        "lumivox-render",
+        "lumivox-scene",
+        "lumivox-vxct",
+    },
     "lumivox-console": {"lumivox", "lumivox-explorer", "lumivox-render", "lumivox-scene"},
     "lumivox-app": {
         "lumivox",
@@ -38,7 +44,6 @@ MAY_DEPEND_ON = {
     },
     "lumivox-web": {
         "lumivox",
-        "lumivox-classics",
         "lumivox-console",
         "lumivox-explorer",
         "lumivox-render",
@@ -171,9 +176,9 @@ def self_test_cases():
                 lumivox_scene="glam gltf image dev:proptest",
                 lumivox="wgpu naga dev:image dev:pollster",
                 lumivox_classics="lumivox wgpu",
-                lumivox_render="lumivox lumivox-classics lumivox-scene wgpu image",
+                lumivox_render="lumivox lumivox-scene wgpu image",
                 lumivox_vxct="lumivox lumivox-render lumivox-scene",
-                lumivox_explorer="lumivox lumivox-render lumivox-scene lumivox-vxct dev:pollster",
+                lumivox_explorer="lumivox-classics lumivox-render lumivox-scene lumivox-vxct",
                 lumivox_app="lumivox lumivox-explorer lumivox-render lumivox-scene winit egui",
                 lumivox_web="lumivox lumivox-explorer lumivox-render lumivox-scene",
             ),
@@ -211,9 +216,12 @@ def self_test_cases():
             [f"lumivox-render -> lumivox-app (dev dependency) {wrong_way}"],
         ),
         (
-            "nor the looks, which stand on its hook",
-            graph(lumivox_render="lumivox lumivox-vxct", lumivox_vxct="lumivox-render"),
-            [f"lumivox-render -> lumivox-vxct (normal dependency) {wrong_way}"],
+            "nor what stands on its hook and the library's, not even in tests",
+            graph(lumivox_render="lumivox lumivox-vxct dev:lumivox-classics"),
+            [
+                f"lumivox-render -> lumivox-vxct (normal dependency) {wrong_way}",
+                f"lumivox-render -> lumivox-classics (dev dependency) {wrong_way}",
+            ],
         ),
         (
             "the explorer may not know the programs, nor wait as they do",

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the table of stage times and memory in the README, from the program's own --json output.
+"""Prints the table of stage times and memory in docs/speed.md, from the program's own --json output.
 
 Usage: scripts/measure.py [PROGRAM]   (default: target/release/lumivox; build it first, on an idle machine)
 """

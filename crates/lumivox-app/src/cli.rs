@@ -1,6 +1,6 @@
 //! The command line: commands, options, and their help.
 //!
-//! Each option states its unit, range and default; the tests below hold it to that.
+//! Each option states its unit, range and default; the tests below check that.
 
 mod compare;
 mod cones;
@@ -39,7 +39,7 @@ pub use voxels::VoxelsArgs;
 pub use window::WindowArgs;
 
 use crate::args::number;
-use crate::args::settings::{Given, SettingArgs, Volume};
+use crate::args::settings::{Given, SettingArgs, VolumeGroups};
 use crate::commands::settings;
 use crate::exit;
 use crate::motion::{AnimationName, animation};
@@ -84,19 +84,19 @@ Examples:
 
 /// Global illumination by voxel cone tracing
 ///
-/// Lumivox renders scenes with light that bounces: it turns the triangles into voxels, computes the
-/// light of the voxels, and gathers it by cones at every pixel. All of it runs on the GPU, in
-/// physical units.
+/// Lumivox renders scenes with indirect light: it turns triangles into voxels, computes the light
+/// of the voxels, and gathers it with cones at every pixel. All of it runs on the GPU, in physical
+/// units.
 #[derive(Debug, Parser)]
 #[command(name = "lumivox", version, max_term_width = 100)]
 #[command(after_help = format!("{EXAMPLES}\n{}", exit::CODES))]
 pub struct Cli {
-    /// Say more: -v adds notes and, after rendering, tables of times and memory; -vv adds details
+    /// Print more: -v adds notes and, after rendering, tables of times and memory; -vv adds details
     /// [default: warnings only]
     #[arg(short, long, action = ArgAction::Count, global = true, help_heading = "Messages")]
     pub verbose: u8,
 
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Option<Command>,
 }
@@ -107,20 +107,20 @@ pub enum Command {
     /// Render a scene to a picture
     #[command(after_long_help = format!("{RENDER_EXAMPLES}\n{}", exit::CODES))]
     Render(Box<RenderArgs>),
-    /// Open a window to look at a scene and to change everything in it while it is rendered
+    /// Open a window to view a scene and change it while it is rendered
     #[command(after_long_help = window::EXAMPLES)]
     View(Box<WindowArgs>),
-    /// Path-trace a scene: the truth that renderings are measured by
+    /// Path-trace a scene: the reference that errors of renderings are measured against
     #[command(
         after_help = "Examples:\n  lumivox reference builtin:cornell -o cornell.exr --samples \
                             1024\n  lumivox reference hall.glb -o hall.exr --samples 4096 \
                             --checkpoint hall.sums --resume"
     )]
     Reference(Box<ReferenceArgs>),
-    /// Show the GPUs of this machine and what runs on them, or what is in a scene
+    /// Describe the GPUs of this machine, or a scene
     #[command(after_help = "Examples:\n  lumivox info\n  lumivox info hall.glb --json")]
     Info(InfoArgs),
-    /// Voxelize a scene, and show how many voxels it has, what memory and what time they take
+    /// Voxelize a scene, and print the number of voxels, their memory and time
     #[command(
         after_help = "Examples:\n  lumivox voxels builtin:atrium\n  lumivox voxels hall.glb \
                             --resolution 256 --isotropic --json\n  lumivox voxels builtin:atrium \
@@ -128,7 +128,7 @@ pub enum Command {
                             --dynamic-share 0.1"
     )]
     Voxels(Box<VoxelsArgs>),
-    /// Measure what dense and octree volumes take: memory, time to build, time to trace
+    /// Measure memory, build time and trace time of dense and octree volumes
     #[command(after_help = volumes::EXAMPLES)]
     Volumes(Box<VolumesArgs>),
     /// Write a scene as one GLB file (glTF 2.0)
@@ -137,13 +137,14 @@ pub enum Command {
                             convert robot.glb --animation walk --time 1.5 -o pose.glb"
     )]
     Convert(ConvertArgs),
-    /// Tell how far a picture is from a reference: bias, RMSE, 95th percentile, FLIP
+    /// Measure the error of a picture against a reference: bias, RMSE, 95th percentile, FLIP
     #[command(after_help = compare::EXAMPLES)]
     Compare(Box<CompareArgs>),
-    /// Measure the errors of built-in scenes for presets and resolutions, and write a page about them
+    /// Measure the errors of built-in scenes for presets and resolutions, and write a page about
+    /// them
     #[command(after_help = quality::EXAMPLES)]
     Quality(Box<QualityArgs>),
-    /// Run commands that look at and change a scene and take pictures of it: a script, or a prompt
+    /// Run commands that show and change a scene and save pictures of it: a script, or a prompt
     #[command(after_help = run::EXAMPLES)]
     Run(Box<RunArgs>),
     /// List the commands of `run`
@@ -152,11 +153,11 @@ pub enum Command {
     Scenes,
 }
 
-/// Which GPU.
+/// The choice of the GPU.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "GPU")]
 pub struct GpuArgs {
-    /// Part of the GPU's name, in upper or lower case [default: the fastest kind there is]
+    /// Part of the GPU's name, in upper or lower case [default: the fastest kind of GPU]
     ///
     /// `lumivox info` lists them.
     #[arg(long, value_name = "NAME")]
@@ -174,13 +175,13 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub scene: SceneArg,
 
-    /// The picture's file: .png (8 bits a channel) or .exr (floats, in cd/m2); or where a sequence
-    /// goes: a folder, or a file with #### for the number [required]
+    /// The picture's file: .png (8 bits a channel) or .exr (floats, in cd/m2); for a sequence a
+    /// folder, or a file with #### for the number [required]
     ///
-    /// A file of that name is replaced once the picture is complete, never half. A folder gets PNG
-    /// files with the names 0000.png and so on. Beside the pictures of a sequence lies an index in
-    /// JSON of what each shows (index.json, or the file's name with `index` for ####). The same
-    /// command again goes on where it was stopped.
+    /// A file of that name is replaced once the picture is complete, never half. In a folder,
+    /// pictures are PNG files with the names 0000.png and so on. An index in JSON beside the
+    /// pictures says what each shows (index.json, or the file's name with `index` for ####). The
+    /// same command continues a sequence that was stopped.
     #[arg(short, long, value_name = "FILE|FOLDER", help_heading = "Picture")]
     pub output: PathBuf,
 
@@ -188,15 +189,15 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub picture: PictureArgs,
 
-    /// What moves.
+    /// Motion of the scene and the camera.
     #[command(flatten)]
     pub motion: MotionArgs,
 
     /// The voxels.
     #[command(flatten)]
-    pub voxels: SettingArgs<Volume>,
+    pub voxels: SettingArgs<VolumeGroups>,
 
-    /// What shines.
+    /// Light, and how it is found.
     #[command(flatten)]
     pub light: LightArgs,
 
@@ -241,9 +242,9 @@ pub struct InfoArgs {
     #[command(flatten)]
     pub load: lumivox_console::LoadArgs,
 
-    /// The voxels whose memory is told.
+    /// The voxels whose memory is estimated.
     #[command(flatten)]
-    pub voxels: SettingArgs<Volume>,
+    pub voxels: SettingArgs<VolumeGroups>,
 
     /// Print one JSON object instead of text [default: off]
     #[arg(long, help_heading = "Messages")]
@@ -263,16 +264,16 @@ pub struct ConvertArgs {
     #[arg(short, long, value_name = "FILE", help_heading = "Scene")]
     pub output: PathBuf,
 
-    /// The moment that is written, in seconds, -10000 to 10000 [default: the scene as its file shows
-    /// it]
+    /// The time of the animation that is written, in seconds, -10000 to 10000 [default: the scene
+    /// as its file shows it]
     ///
-    /// Animations themselves are not written.
+    /// The animations themselves are not written.
     #[arg(long, value_name = "SECONDS", value_parser = number::number(-10_000.0..=10_000.0))]
     #[arg(allow_hyphen_values = true, help_heading = "Scene")]
     pub time: Option<f32>,
 
-    /// What the scene plays: an animation's name or number, or all of them at once [default: the
-    /// first, if there is a --time]
+    /// The animation to show: its name or number, or all at once [default: the first, if there is a
+    /// --time]
     ///
     /// Numbers count from 0; `lumivox info SCENE` lists them.
     #[arg(long, value_name = "NAME|NUMBER|all", value_parser = animation)]

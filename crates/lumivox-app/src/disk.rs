@@ -1,26 +1,26 @@
-//! The disk as the console reaches it: files, and scenes by name in folders.
+//! The console's access to the disk: files, and scenes by name in folders.
 
 use std::collections::HashSet;
 use std::io::Write as _;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
-use lumivox_console::{Failure, Opening, Outside, Reading, SceneSource, is_scene, suggest};
+use lumivox_console::{Failure, Outside, Reading, SceneRequest, SceneSource, is_scene, suggest};
 use lumivox_scene::{builtin, extensions_in_words, write_atomically};
 
 use crate::args::output;
 use crate::args::scene::{self, within};
 use crate::commands::light;
 
-/// The disk, as the console sees it.
+/// The console's access to the disk.
 #[derive(Clone, Copy, Debug)]
 pub struct Disk;
 
 impl Outside for Disk {
-    fn scenes(&self, open: Option<&Opening>) -> Vec<String> {
+    fn scenes(&self, open: Option<&SceneRequest>) -> Vec<String> {
         scenes(&folders(open))
     }
 
-    fn find(&self, name: &str, open: Option<&Opening>) -> anyhow::Result<SceneSource> {
+    fn find(&self, name: &str, open: Option<&SceneRequest>) -> anyhow::Result<SceneSource> {
         let source = scene::source(name.into());
         let SceneSource::File(path) = &source else { return Ok(source) };
         if path.is_file() {
@@ -34,7 +34,7 @@ impl Outside for Disk {
             return Ok(source);
         }
         let known = scenes(&folders);
-        // Names without their prefix are alike, too.
+        // Names without their prefix are compared, too.
         let short = |known: &str| known.strip_prefix("builtin:").unwrap_or(known).to_owned();
         let shorts: Vec<String> = known.iter().map(|known| short(known)).collect();
         let like = suggest::like(&short(name), shorts.iter().map(String::as_str));
@@ -50,7 +50,7 @@ impl Outside for Disk {
         .into())
     }
 
-    fn check(&self, opening: &Opening) -> anyhow::Result<()> {
+    fn check(&self, opening: &SceneRequest) -> anyhow::Result<()> {
         scene::check(&opening.source)?;
         Ok(light::check(&opening.light)?)
     }
@@ -72,7 +72,7 @@ impl Outside for Disk {
     }
 }
 
-/// A file that a command names.
+/// Reads a file that a command names.
 ///
 /// # Errors
 /// When it cannot be read.
@@ -83,9 +83,9 @@ pub fn read(file: &Path) -> Result<Vec<u8>, Failure> {
     })
 }
 
-/// The folders where scenes are looked for by name: `scenes` in the working folder, beside the scene that is open, and
-/// beside its folder (VXCT keeps `models` there).
-fn folders(open: Option<&Opening>) -> Vec<PathBuf> {
+/// The folders in which scenes are found by name: `scenes` in the working folder, beside the open
+/// scene, and beside its folder (VXCT keeps `models` there).
+fn folders(open: Option<&SceneRequest>) -> Vec<PathBuf> {
     let mut folders = vec![PathBuf::from("scenes")];
     if let Some(SceneSource::File(file)) = open.map(|opening| &opening.source) {
         let beside = file.parent().unwrap_or(Path::new("")).to_owned();
@@ -95,7 +95,7 @@ fn folders(open: Option<&Opening>) -> Vec<PathBuf> {
     folders
 }
 
-/// Names of scenes: the built-in ones, and files in folders without their extensions.
+/// Names of scenes: the built-in ones, and those of files in folders, without extension.
 fn scenes(folders: &[PathBuf]) -> Vec<String> {
     let mut names: Vec<String> =
         builtin::names().iter().map(|name| format!("builtin:{name}")).collect();

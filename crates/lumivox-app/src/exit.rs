@@ -1,4 +1,4 @@
-//! How the program ends: exit codes, error messages, and what happens when it is at fault itself.
+//! The end of the program: exit codes, error messages, and panics.
 
 use std::fmt;
 use std::io::Write as _;
@@ -14,14 +14,14 @@ use lumivox_scene::SceneError;
 use crate::args::Refused;
 use crate::host::Host;
 
-/// What the exit code says.
+/// The exit codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// All went well.
+    /// Success.
     Ok = 0,
     /// The GPU failed, or Lumivox has a defect.
     Internal = 1,
-    /// The command line cannot be understood.
+    /// The command line is malformed.
     Usage = 2,
     /// A scene is broken, or a value out of range.
     Input = 3,
@@ -29,7 +29,7 @@ pub enum Exit {
     Gpu = 4,
     /// The output cannot be written.
     Output = 5,
-    /// Ctrl-C ended it: 128 and the number of the signal, as shells have it.
+    /// The user pressed Ctrl-C: 128 and the number of the signal, as in shells.
     Stopped = 130,
 }
 
@@ -50,12 +50,12 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// Several errors that were told already, with the code of the first.
+/// Several errors that were reported already, with the exit code of the first.
 #[derive(Debug)]
 pub struct Told {
     /// The code.
     pub exit: Exit,
-    /// How many there were, in words.
+    /// The message: the number of errors.
     pub message: String,
 }
 
@@ -67,7 +67,7 @@ impl fmt::Display for Told {
 
 impl std::error::Error for Told {}
 
-/// An error of a line of a script.
+/// An error in a line of a script.
 #[derive(Debug)]
 pub struct Located {
     place: String,
@@ -115,7 +115,7 @@ pub fn of_error(error: &anyhow::Error) -> Exit {
         if let Some(error) = cause.downcast_ref::<RenderError>() {
             return of_render_error(error);
         }
-        // What it wraps is no cause of its own.
+        // The error that it wraps is not a further cause.
         match cause.downcast_ref::<ExplorerError>() {
             Some(ExplorerError::Render(error)) => return of_render_error(error),
             Some(ExplorerError::Scene(error)) => return of_scene_error(error),
@@ -171,11 +171,11 @@ fn of_gi_error(error: &GiError) -> Exit {
     }
 }
 
-/// Prints what is wrong with the command line, or the help that was asked for.
+/// Prints an error of the command line, or the requested help.
 pub fn with_clap(error: &clap::Error, host: &Host) -> Exit {
-    // Help into a closed pipe is no mistake worth a word.
+    // Help into a closed pipe is not worth a message.
     let _ = match (host.is_embedded(), error.use_stderr()) {
-        // With the colours that a terminal has.
+        // With colours if the terminal has them.
         (false, _) => error.print().map_err(Into::into),
         (true, true) => {
             host.complain(&error.render().to_string());
@@ -186,7 +186,7 @@ pub fn with_clap(error: &clap::Error, host: &Host) -> Exit {
     of_clap(error)
 }
 
-/// The exit code for a command line that is wrong, or asks for help.
+/// The exit code of an error of the command line, or of a request for help.
 pub fn of_clap(error: &clap::Error) -> Exit {
     let refused = std::error::Error::source(error).and_then(|e| e.downcast_ref::<Refused>());
     match (error.use_stderr(), refused) {
@@ -196,16 +196,16 @@ pub fn of_clap(error: &clap::Error) -> Exit {
     }
 }
 
-/// Prints an error: what happened, then its causes, a line each.
+/// Prints an error, then its causes, one in a line.
 pub fn with_error(error: &anyhow::Error, host: &Host) -> Exit {
     let code = of_error(error);
-    // Nothing went wrong where the user wished it to end.
+    // Nothing failed if the user asked for the end.
     let start = if code == Exit::Stopped { "" } else { "error: " };
     let mut text = String::new();
     let mut said = String::new();
     for cause in error.chain() {
         let line = one_line(&cause.to_string());
-        // Messages of the crates below tell their causes themselves.
+        // Messages of the crates below name their causes themselves.
         if text.is_empty() {
             text = format!("{start}{line}\n");
         } else if !said.contains(&line) {
@@ -223,7 +223,7 @@ fn one_line(text: &str) -> String {
 
 /// Runs `work`; a panic in it becomes an apology and [`Exit::Internal`].
 ///
-/// The stack is unwound first, so that temporary files go.
+/// The stack is unwound first, so that temporary files are removed.
 pub fn guard(work: impl FnOnce() -> Exit + std::panic::UnwindSafe) -> Exit {
     std::panic::set_hook(Box::new(|info| {
         let reason = info.payload_as_str().unwrap_or("no reason given");

@@ -1,7 +1,7 @@
-//! The surroundings of a run of the program: streams, progress bars, the GPU.
+//! The environment of a run of the program: streams, progress bars, the GPU.
 //!
-//! All that a command says goes through its [`Host`]. The program has the one of its process; tests give each run
-//! streams of its own, and one GPU to all of them ([`Host::embedded`]).
+//! Commands write all output through their [`Host`]. The program has one for its process; tests
+//! give each run streams of its own, and share one GPU ([`Host::embedded`]).
 
 use std::fmt;
 use std::io::{self, BufRead, IsTerminal as _, Read as _, Write};
@@ -24,18 +24,18 @@ pub struct Host {
     embedded: Option<Arc<Shared>>,
 }
 
-/// Opens a GPU for a run that asks for it with these options.
+/// Opens a GPU with these options.
 pub type OpenGpu = Box<dyn Fn(&GpuOptions) -> Result<Gpu, RenderError> + Send + Sync>;
 
-/// The streams and the GPU of a run inside of another program.
+/// The streams and the GPU of a run inside another program.
 pub struct Embedded {
     /// The run's stdin, which is not a terminal.
     pub input: Box<dyn BufRead + Send>,
-    /// Gets what the run writes to stdout.
+    /// Receives what the run writes to stdout.
     pub output: Box<dyn Write + Send>,
-    /// Gets what the run writes to stderr: errors and the log.
+    /// Receives what the run writes to stderr: errors and the log.
     pub errors: Box<dyn Write + Send>,
-    /// Opens its GPU.
+    /// Opens the GPU.
     pub open_gpu: OpenGpu,
 }
 
@@ -63,13 +63,13 @@ fn lock<T: ?Sized>(stream: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Host {
-    /// The process itself.
+    /// The host of the process.
     pub fn of_process() -> Self {
         Self { bars: MultiProgress::new(), embedded: None }
     }
 
-    /// A part of another program. Its log is that of the thread that runs it, and it looks at no environment variables
-    /// for it; nobody interrupts it.
+    /// A host inside another program. Its log is that of the thread that runs it; it reads no
+    /// environment variables for the log, and Ctrl-C does not stop it.
     pub fn embedded(embedded: Embedded) -> Self {
         let Embedded { input, output, errors, open_gpu } = embedded;
         let bars = MultiProgress::with_draw_target(ProgressDrawTarget::hidden());
@@ -87,15 +87,15 @@ impl Host {
         self.embedded.is_some()
     }
 
-    /// Where progress bars are drawn.
+    /// The display of progress bars.
     pub(crate) fn bars(&self) -> &MultiProgress {
         &self.bars
     }
 
-    /// Writes a command's whole output to stdout, with what terminals obey escaped.
+    /// Writes a command's whole output to stdout, with control characters escaped.
     ///
     /// # Errors
-    /// A [`Failure`] of output; a reader that has gone away early is none.
+    /// A [`Failure`] of output. A reader that has closed the pipe early is not an error.
     pub(crate) fn print(&self, text: &str) -> anyhow::Result<()> {
         self.print_as_it_is(&shown::text(text))
     }
@@ -126,7 +126,8 @@ impl Host {
         }
     }
 
-    /// Writes to stderr, with what terminals obey escaped. There is nobody to tell when that fails.
+    /// Writes to stderr, with control characters escaped. Errors are ignored: there is no other
+    /// place to report them.
     pub(crate) fn complain(&self, text: &str) {
         let text = shown::text(text);
         let _ = match &self.embedded {
@@ -135,17 +136,17 @@ impl Host {
         };
     }
 
-    /// Whether somebody types what the run reads.
+    /// Whether stdin is a terminal.
     pub(crate) fn has_terminal_for_input(&self) -> bool {
         !self.is_embedded() && io::stdin().is_terminal()
     }
 
-    /// Whether somebody sees what the run says on stderr.
+    /// Whether stderr is a terminal.
     pub(crate) fn has_terminal_for_errors(&self) -> bool {
         !self.is_embedded() && io::stderr().is_terminal()
     }
 
-    /// All of stdin.
+    /// Reads all of stdin.
     ///
     /// # Errors
     /// When it cannot be read.
@@ -158,7 +159,7 @@ impl Host {
         Ok(bytes)
     }
 
-    /// The next line of stdin with its line feed; empty at the end.
+    /// Reads the next line of stdin, with its line feed; empty at the end.
     ///
     /// # Errors
     /// When it cannot be read.
@@ -172,7 +173,7 @@ impl Host {
         Ok(line)
     }
 
-    /// Opens the GPU that the command line asks for.
+    /// Opens the GPU of the command line.
     ///
     /// # Errors
     /// As [`Gpu::new`].
@@ -186,14 +187,14 @@ impl Host {
         Ok(gpu)
     }
 
-    /// Makes the first Ctrl-C a wish to stop, and the second the end. Who asks for it looks at the wish often, and then
-    /// ends with [`Failure::stopped`].
+    /// Makes the first Ctrl-C a request to stop, and the second the end of the program. The caller
+    /// checks the returned flag often, and then ends with [`Failure::stopped`].
     ///
     /// # Errors
-    /// When the system takes no handler.
+    /// When the system accepts no handler.
     pub(crate) fn stop_on_interrupt(&self) -> anyhow::Result<Arc<AtomicBool>> {
         let is_stopped = Arc::new(AtomicBool::new(false));
-        // Signals are the process's.
+        // Signals belong to the process.
         if !self.is_embedded() {
             let seen = is_stopped.clone();
             ctrlc::set_handler(move || {

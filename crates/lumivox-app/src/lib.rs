@@ -1,19 +1,21 @@
 //! The `lumivox` program: voxel cone tracing on the command line and in a window.
 //!
-//! [`run`] reads a command line and does what it says; each command is a module of its own. All output of a command goes
-//! to stdout at its end, all messages to stderr. Both, and the GPU, come from a [`Host`]: the program has that of its
-//! process, tests run many commands in one process, on one device.
+//! [`run`] reads a command line and runs its command; each command is a module. All output of a
+//! command goes to stdout at its end, all messages to stderr. Both, and the GPU, come from a
+//! [`Host`]: the program has that of its process; tests run many commands in one process, on one
+//! device.
 //!
 //! # Features
 //!
-//! None is on by default: a build renders, compares, converts and runs scripts, and knows no windows.
+//! None is on by default: such a build renders, compares, converts and runs scripts, and has no
+//! window.
 //!
 //! | feature | adds |
 //! | --- | --- |
 //! | `prompt` | line editing, history and completion to `lumivox run` on a terminal, which reads plain lines without it |
 //! | `window` | `lumivox view`; and `prompt`, for the terminal beside the window |
 //!
-//! Each is asked for in one place: `commands/mod.rs` (`view`), here (`prompt`, `window`).
+//! Each feature is checked in one place: `commands/mod.rs` (`view`), here (`prompt`, `window`).
 
 #![allow(
     clippy::format_push_string,
@@ -25,11 +27,7 @@
 )]
 #![cfg_attr(
     not(feature = "window"),
-    allow(
-        dead_code,
-        unused_imports,
-        reason = "some of what commands have in common serves the window alone"
-    )
+    allow(dead_code, unused_imports, reason = "some shared code serves the window alone")
 )]
 
 mod args;
@@ -68,7 +66,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
     let cli = match Cli::try_parse_from(&args) {
         Ok(cli) => cli,
         Err(error) => {
-            // Names of files that a shell filled in may hold anything, and messages repeat them: as they are shown.
+            // File names that a shell filled in may contain control characters, and messages repeat
+            // them: escape them.
             let shown = args.iter().map(|arg| shown::line(&arg.to_string_lossy()).into_owned());
             let error = Cli::try_parse_from(shown).err().unwrap_or(error);
             return exit::with_clap(&error, host);

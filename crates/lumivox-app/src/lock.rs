@@ -1,7 +1,7 @@
-//! Work on files that only one process may do at a time.
+//! Locks for files on which only one process may work at a time.
 //!
-//! The lock is the operating system's, on a hidden file beside what is worked on. It ends with the process, however that
-//! ends: a file that is left behind by one that was killed is locked by nobody, and stands in nobody's way.
+//! The lock is the operating system's, on a hidden file beside the locked one. It ends with the
+//! process, however that ends: the file of a killed process stays, but is not locked.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
@@ -17,10 +17,11 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Takes the lock of `path`; `work` says what another process that has it is doing, as in "renders this sequence".
+    /// Takes the lock of `path`. `work` describes, for the error message, what another process with
+    /// the lock does, as in "renders this sequence".
     ///
     /// # Errors
-    /// A [`Failure`] of output when another process has it, or the lock's file cannot be made.
+    /// A [`Failure`] of output when another process has the lock, or its file cannot be made.
     pub fn take(path: &Path, work: &str) -> Result<Self, Failure> {
         let hidden = hidden(path);
         let fail = |error: &io::Error| {
@@ -42,17 +43,18 @@ impl Lock {
                         path.display()
                     )));
                 }
-                // Some file systems of networks have no locks.
+                // Some network file systems have no locks.
                 Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {
                     tracing::warn!(
-                        "{}: nothing can be locked there ({error}); see to it that no other process \
+                        "{}: files cannot be locked there ({error}); make sure that no other process \
                          {work}",
                         path.display()
                     );
                 }
                 Err(TryLockError::Error(error)) => return Err(fail(&error)),
             }
-            // Who had it before may have removed the file after it was opened here: then this lock is nobody's.
+            // The previous owner may have removed the file after it was opened here: then this lock
+            // is worthless.
             if is_at(&file, &hidden) {
                 return Ok(Self { path: hidden, file });
             }
@@ -62,7 +64,8 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // While it is still locked, so that nobody else's is removed. One that stays does no harm.
+        // The file is removed while it is locked, so that another's is never removed. A file that
+        // stays does no harm.
         let _ = std::fs::remove_file(&self.path);
         let _ = self.file.unlock();
     }
@@ -76,7 +79,7 @@ fn hidden(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Whether the file that is open is the one at the path.
+/// Whether the open file is still the one at the path.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt as _;
@@ -103,7 +106,7 @@ mod tests {
         let first = Lock::take(&path, "renders this sequence").unwrap();
         let error = Lock::take(&path, "renders this sequence").unwrap_err().to_string();
         assert!(error.contains("index.json: another process renders this sequence"), "{error}");
-        // Others in the same folder have a lock of their own.
+        // Other files in the same folder have locks of their own.
         drop(Lock::take(&folder.path().join("b_index.json"), "renders").unwrap());
         drop(first);
         assert_eq!(folder.path().read_dir().unwrap().count(), 0);

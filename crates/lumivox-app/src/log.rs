@@ -1,4 +1,4 @@
-//! The log on stderr, in the form of the program's other messages, and clear of the progress bar.
+//! The log on stderr, in the form of the program's other messages, above the progress bar.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -13,13 +13,13 @@ use tracing_subscriber::util::SubscriberInitExt as _;
 
 use crate::host::Host;
 
-/// Starts the log: of the process, or of this thread until the guard is dropped. The process's
-/// environment variable `RUST_LOG` overrules `verbosity`. `tells_warnings` says that the command's
-/// output has the scene's warnings itself.
+/// Starts the log of the process, or of this thread until the guard is dropped. The environment
+/// variable `RUST_LOG` of the process overrides `verbosity`. `tells_warnings` says that the
+/// command's own output includes the scene's warnings.
 #[must_use]
 pub fn start(verbosity: u8, tells_warnings: bool, host: &Host) -> Option<DefaultGuard> {
-    // wgpu's crates tell of drivers' quirks that the user can do nothing about. Of errors on the GPU
-    // the command's own error tells the first; what follows from it is for -v.
+    // wgpu's crates log quirks of drivers that the user cannot change. The command's own error
+    // reports the first GPU error; -v adds those that follow from it.
     let default = match verbosity {
         0 if tells_warnings => "error,lumivox_render::gpu=off",
         0 => "warn,lumivox_render::gpu=off,wgpu_core=error,wgpu_hal=error,naga=error",
@@ -44,12 +44,13 @@ pub fn start(verbosity: u8, tells_warnings: bool, host: &Host) -> Option<Default
         return Some(log.set_default());
     }
     if let Err(error) = log.try_init() {
-        host.complain(&format!("warning: there is no log: {error}\n"));
+        host.complain(&format!("warning: the log cannot be started: {error}\n"));
     }
     None
 }
 
-/// `warning: message`, on one line whatever names are in it; from debug on with the module that speaks.
+/// Formats events as `warning: message` on one line, whatever names are in it; from debug on with
+/// the module.
 struct OneLine;
 
 impl<S, N> FormatEvent<S, N> for OneLine
@@ -77,7 +78,7 @@ where
     }
 }
 
-/// Writes to stderr with the bars out of the way.
+/// Writes to stderr above the progress bars.
 struct BesideBars(Host);
 
 impl Write for BesideBars {

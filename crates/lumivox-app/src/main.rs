@@ -10,11 +10,11 @@ fn main() -> ExitCode {
     guard(|| run(std::env::args_os(), &Host::of_process())).into()
 }
 
-/// Keeps a Vulkan layer of Mesa's from asking a desktop that is not there for its favourite GPU.
+/// Keeps Mesa's Vulkan layer from asking a missing desktop for the preferred GPU.
 ///
-/// The layer (`VkLayer_MESA_device_select`) does no more than to put that GPU first, and this program sorts them itself.
-/// It asks by way of libwayland, which prints an "error:" of its own where it finds no socket. Who chooses a GPU by the
-/// layer's variables still can.
+/// The layer (`VkLayer_MESA_device_select`) only puts that GPU first, and this program sorts GPUs
+/// itself. The layer asks through libwayland, which prints an "error:" of its own if it finds no
+/// socket. The layer's variables still work.
 #[cfg(target_os = "linux")]
 #[allow(unsafe_code, reason = "the only way to tell the layer")]
 fn do_without_a_desktop() {
@@ -28,7 +28,7 @@ fn do_without_a_desktop() {
     if has_socket || chooses.iter().any(|name| var_os(name).is_some()) {
         return;
     }
-    // SAFETY: no other thread reads the environment meanwhile, for this is the first thing that `main` does and there is
-    // none yet.
+    // SAFETY: no other thread reads the environment meanwhile, because this is the first thing that
+    // `main` does and no other thread exists yet.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
 }

@@ -1,21 +1,21 @@
-//! Scenes that the console and the window open: how the command line asks for them, and how they are read.
+//! Scenes for the console and the window: requests from the command line, and their loading.
 
-use lumivox_console::{Opening, Ready, SceneSource};
+use lumivox_console::{OpenedScene, SceneRequest, SceneSource};
 
 use crate::args::scene;
 use crate::cli::ExploreArgs;
 use crate::commands::light;
-use crate::progress::{Progress, words};
+use crate::progress::{ProgressDisplay, words};
 
-/// The opening of the scene that the command line names, if it names one.
-pub fn of_args(args: &ExploreArgs) -> Option<Opening> {
+/// The request for the scene that the command line names, if any.
+pub fn of_args(args: &ExploreArgs) -> Option<SceneRequest> {
     let source = args.scene.clone()?;
-    Some(Opening { camera: args.picture.camera.clone(), ..of(args, source) })
+    Some(SceneRequest { camera: args.picture.camera.clone(), ..of(args, source) })
 }
 
-/// The opening of another scene, read and lit as the command line asks for.
-pub fn of(args: &ExploreArgs, source: SceneSource) -> Opening {
-    Opening {
+/// The request for another scene, with the options of the command line.
+pub fn of(args: &ExploreArgs, source: SceneSource) -> SceneRequest {
+    SceneRequest {
         source,
         load: args.load.clone(),
         light: args.light.sources.clone(),
@@ -28,15 +28,15 @@ pub fn of(args: &ExploreArgs, source: SceneSource) -> Opening {
 ///
 /// # Errors
 /// When the scene or a panorama cannot be read, or there is no such camera.
-pub fn load(opening: Opening, progress: &Progress) -> anyhow::Result<Ready> {
-    scene::check(&opening.source)?;
-    light::check(&opening.light)?;
-    let mut scene = scene::load(&opening.source, &opening.load, progress)?;
-    light::add(&mut scene, &opening.light, progress)?;
-    let mut tell = |step: lumivox_render::Progress| {
+pub fn load(request: SceneRequest, progress: &ProgressDisplay) -> anyhow::Result<OpenedScene> {
+    scene::check(&request.source)?;
+    light::check(&request.light)?;
+    let mut scene = scene::load(&request.source, &request.load, progress)?;
+    light::add(&mut scene, &request.light, progress)?;
+    let mut tell = |step: lumivox_render::RenderProgress| {
         progress.set(words(step.stage), step.done, step.total);
     };
-    let ready = opening.ready(scene, &mut tell)?;
-    light::tell(ready.opened.notes());
-    Ok(ready)
+    let scene = request.prepare(scene, &mut tell)?;
+    light::tell(scene.prepared.notes());
+    Ok(scene)
 }

@@ -1,6 +1,7 @@
-//! Progress on stderr: a bar on a terminal, a line now and then elsewhere, nothing for short work.
+//! Progress on stderr: a bar on a terminal, otherwise a line now and then, and nothing for short
+//! work.
 //!
-//! The work itself blocks for long, in drivers and loaders, so a thread of its own shows what it reports.
+//! The work blocks for long in drivers and loaders, so a separate thread shows its progress.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -14,79 +15,79 @@ use indicatif::{FormattedDuration, HumanDuration, ProgressBar, ProgressState, Pr
 
 use crate::host::Host;
 
-/// Shorter work has no bar.
+/// Work shorter than this has no bar.
 const SHOW_AFTER: Duration = Duration::from_secs(1);
-/// How often the bar is drawn.
+/// The interval at which the bar is drawn.
 const REFRESH: Duration = Duration::from_millis(100);
-/// How often a line is written where there is no terminal.
+/// The interval of lines where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
-/// The bar's parts of a step: a step may be done by a share.
+/// The bar's parts of a step, for steps that are partly done.
 const PARTS: f64 = 1000.0;
 
-/// Shows how far the work is until it is dropped.
+/// Shows the progress of work until it is dropped.
 #[derive(Debug)]
-pub struct Progress {
-    /// Its prefix is the stage, its message the steps; it has a length where there are several.
+pub struct ProgressDisplay {
+    /// Its prefix is the stage, its message the steps; it has a length if there are several steps.
     bar: ProgressBar,
-    /// Shows the bar until the channel is closed.
+    /// The thread that shows the bar, until the channel is closed.
     shown: Option<(Sender<()>, JoinHandle<()>)>,
     stop: Arc<AtomicBool>,
 }
 
-impl Progress {
-    /// Starts with a stage of one step.
+impl ProgressDisplay {
+    /// Starts the display with a stage of one step.
     pub fn start(host: &Host, stage: &'static str) -> Self {
         let mut progress = Self::silent(stage);
         let (sender, over) = mpsc::channel();
         let (bar, host) = (progress.bar.clone(), host.clone());
-        // Without a thread (the system may refuse one) the work goes on, unseen.
+        // Without a thread (the system may refuse one) the work is not shown.
         let thread = std::thread::Builder::new().spawn(move || show(&bar, &host, &over)).ok();
         progress.shown = thread.map(|thread| (sender, thread));
         progress
     }
 
-    /// Shows nothing by itself; a [`Watch`] reads it.
+    /// Starts without a display; a [`ProgressReader`] reads it.
     pub fn silent(stage: &'static str) -> Self {
         let bar = ProgressBar::hidden().with_style(style(false)).with_prefix(stage);
         Self { bar, shown: None, stop: Arc::default() }
     }
 
-    /// From now on Ctrl-C is a wish to stop, which the work must look at: see [`Host::stop_on_interrupt`].
+    /// Makes Ctrl-C a request to stop, which the work must check: see [`Host::stop_on_interrupt`].
     ///
     /// # Errors
-    /// When the system takes no handler.
+    /// When the system accepts no handler.
     pub fn stop_on_interrupt(&mut self, host: &Host) -> anyhow::Result<()> {
         self.stop = host.stop_on_interrupt()?;
         Ok(())
     }
 
-    /// Whether the user wishes the work to stop.
+    /// Whether the user has asked to stop.
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// The same for work that asks whether to go on.
+    /// The same for work that asks whether to continue.
     pub fn goes_on(&self) -> ControlFlow<()> {
         if self.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    /// Reads it from another thread.
-    pub fn watch(&self) -> Watch {
-        Watch(self.bar.clone())
+    /// A reader for another thread.
+    pub fn watch(&self) -> ProgressReader {
+        ProgressReader(self.bar.clone())
     }
 
-    /// Reports how far the work is: `done` steps of `total`.
+    /// Reports progress: `done` steps of `total`.
     pub fn set(&self, stage: &'static str, done: u32, total: u32) {
         self.set_within(stage, done, total, 0.0);
     }
 
-    /// The same with a share of the next step, from 0 to 1, that is done.
+    /// The same when a share of the next step, 0 to 1, is done.
     pub fn set_within(&self, stage: &'static str, done: u32, total: u32, share: f64) {
         let exact = f64::from(done) + share.min(0.999);
         self.change(stage, format!(" {done}/{total}"), exact, f64::from(total));
     }
 
-    /// The same for what nobody counts, such as bytes: it is shown in per cent.
+    /// The same for amounts such as bytes, which are shown in per cent.
     pub fn set_share(&self, stage: &'static str, done: u64, total: u64) {
         let percent = done.saturating_mul(100) / total.max(1);
         self.change(stage, format!(" {percent} %"), done as f64, total as f64);
@@ -98,7 +99,7 @@ impl Progress {
             bar.set_prefix(stage);
             bar.reset();
         }
-        // A stage of one step has nothing to count.
+        // A stage of one step has no count.
         let has_steps = total > 1.0;
         if has_steps != bar.length().is_some() {
             bar.set_style(style(has_steps));
@@ -114,34 +115,34 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for ProgressDisplay {
     fn drop(&mut self) {
         if let Some((sender, thread)) = self.shown.take() {
             drop(sender);
-            // The hook has reported a panic in there.
+            // The panic hook has reported a panic in that thread.
             let _ = thread.join();
         }
     }
 }
 
-/// Reads how far the work of a [`Progress`] is, from another thread.
+/// Reads the progress of a [`ProgressDisplay`] from another thread.
 #[derive(Clone, Debug)]
-pub struct Watch(ProgressBar);
+pub struct ProgressReader(ProgressBar);
 
-impl Watch {
-    /// The stage, how far it is, and how long it will take.
+impl ProgressReader {
+    /// The stage, its progress, and the estimated time left.
     pub fn words(&self) -> String {
         let (stage, steps) = (self.0.prefix(), self.0.message());
         format!("{stage}{steps}, {}{}", FormattedDuration(self.0.elapsed()), left(self.0.eta()))
     }
 
-    /// The share of the stage that is done, from 0 to 1; `None` where there are no steps to count.
+    /// The share of the stage that is done, from 0 to 1; `None` if it has only one step.
     pub fn share(&self) -> Option<f32> {
         self.0.length().map(|length| self.0.position() as f32 / length as f32)
     }
 }
 
-/// A stage of the renderer as the progress names it.
+/// The name of a renderer's stage in the progress.
 pub fn words(stage: &'static str) -> &'static str {
     match stage {
         "upload" => "uploading",
@@ -153,12 +154,12 @@ pub fn words(stage: &'static str) -> &'static str {
     }
 }
 
-/// The thread: shows the bar until the work is over.
+/// Runs on the thread: shows the bar until the work is done.
 fn show(bar: &ProgressBar, host: &Host, over: &Receiver<()>) {
     let lasts = |time| over.recv_timeout(time) == Err(RecvTimeoutError::Timeout);
     if !host.has_terminal_for_errors() || host.bars().is_hidden() {
         while lasts(LINE_EVERY) {
-            host.complain(&format!("{}\n", Watch(bar.clone()).words()));
+            host.complain(&format!("{}\n", ProgressReader(bar.clone()).words()));
         }
     } else if lasts(SHOW_AFTER) {
         host.bars().add(bar.clone());
@@ -182,7 +183,7 @@ fn style(has_steps: bool) -> ProgressStyle {
     .progress_chars("= ")
 }
 
-/// The time that is left, which is zero where it is unknown.
+/// The estimated time left, as text; empty while it is unknown.
 fn left(eta: Duration) -> String {
     if eta.is_zero() { String::new() } else { format!(", about {:#} left", HumanDuration(eta)) }
 }
@@ -193,7 +194,7 @@ mod tests {
 
     #[test]
     fn the_words_say_the_stage_the_steps_and_the_time() {
-        let progress = Progress::silent("loading");
+        let progress = ProgressDisplay::silent("loading");
         let watch = progress.watch();
         assert_eq!((watch.words(), watch.share()), ("loading, 00:00:00".to_owned(), None));
         progress.set_share("loading", 123_456, 987_654);
@@ -211,7 +212,7 @@ mod tests {
     #[test]
     fn it_ends_at_once() {
         let start = std::time::Instant::now();
-        let progress = Progress::start(&Host::of_process(), "testing");
+        let progress = ProgressDisplay::start(&Host::of_process(), "testing");
         progress.set("testing", 1, 2);
         drop(progress);
         assert!(start.elapsed() < SHOW_AFTER);

@@ -1,4 +1,4 @@
-//! The words after a command's name, read by kind. Each error names what was expected.
+//! Readers of a command's arguments, by kind. Each error names what was expected.
 
 use std::ops::RangeInclusive;
 
@@ -12,10 +12,10 @@ use crate::values::number::{Number, in_words as range_in_words, read};
 /// The largest coordinate, m: differences of two still resolve a kilometre.
 pub const FARTHEST_M: f32 = 1e9;
 
-/// A place in the world, m, or something as large.
+/// The range of a place in the world, m, or of something as large.
 pub const PLACE: RangeInclusive<f32> = -FARTHEST_M..=FARTHEST_M;
 
-/// An error about the value of something.
+/// The error that a value is not what was expected.
 pub fn wrong(what: &str, expected: &str, got: &str) -> Failure {
     Failure::input(format!("{what} is {expected}; got \"{got}\""))
 }
@@ -30,7 +30,8 @@ pub fn number<T: Number>(text: &str, what: &str, range: RangeInclusive<T>) -> Re
     read(text, &range).map_err(|_| wrong(what, &range_in_words(&range), text))
 }
 
-/// An angle in degrees, as radians: read in f64, so that every `f32` of radians can be written.
+/// An angle in degrees, as radians. It is read in f64, so that every `f32` of radians can be
+/// written.
 pub fn angle(text: &str, what: &str, range_deg: RangeInclusive<f64>) -> Result<f32, Failure> {
     let angle = read(text, &range_deg).map_err(|_| {
         let (low, high) = (range_deg.start(), range_deg.end());
@@ -39,7 +40,7 @@ pub fn angle(text: &str, what: &str, range_deg: RangeInclusive<f64>) -> Result<f
     Ok(angle.to_radians() as f32)
 }
 
-/// An angle in radians as degrees, in the fewest digits that [`angle`] reads as it was.
+/// An angle in radians as degrees, in the fewest digits that [`angle`] reads back exactly.
 pub fn degrees(angle_rad: f32) -> String {
     let exact = f64::from(angle_rad).to_degrees();
     let is_exact = |text: &String| {
@@ -60,8 +61,8 @@ pub fn vector(words: &[&str], what: &str, range: RangeInclusive<f32>) -> Result<
     Ok(Vec3::new(part(x)?, part(y)?, part(z)?))
 }
 
-/// A direction of unit length. One that is of unit length except for rounding stays as it is,
-/// because scripts keep every bit.
+/// A direction of unit length. One that has unit length up to rounding stays as it is, because
+/// scripts keep every bit.
 pub fn direction(words: &[&str], what: &str) -> Result<Vec3, Failure> {
     let along = vector(words, what, -1e6..=1e6)?;
     let is_unit = (along.as_dvec3().length() - 1.0).abs() <= 1e-5;
@@ -71,7 +72,7 @@ pub fn direction(words: &[&str], what: &str) -> Result<Vec3, Failure> {
     })
 }
 
-/// A colour of three linear parts, and alpha where there is a fourth word.
+/// A colour of three linear components, and alpha if there is a fourth word.
 pub fn color(words: &[&str], what: &str, alpha: f32) -> Result<Vec4, Failure> {
     let parts: Vec<&str> = words.iter().flat_map(|word| word.split(',')).collect();
     match *parts.as_slice() {
@@ -92,7 +93,7 @@ pub fn switch(text: &str, what: &str) -> Result<bool, Failure> {
     }
 }
 
-/// The new state of a switch: the one that is asked for, or else the opposite of the present one.
+/// The new state of a switch: the requested one, or the opposite of the present one.
 pub fn toggled(arguments: &[&str], what: &str, is_on: bool) -> Result<bool, Failure> {
     arguments.first().map_or(Ok(!is_on), |text| switch(text, what))
 }
@@ -121,12 +122,12 @@ pub fn in_words(names: &[&str]) -> String {
     }
 }
 
-/// Three numbers with commas, read back to the same bits.
+/// Three numbers with commas, which read back to the same bits.
 pub fn commas(v: Vec3) -> String {
     format!("{},{},{}", v.x, v.y, v.z)
 }
 
-/// Three numbers in three words, read back to the same bits.
+/// Three numbers in three words, which read back to the same bits.
 pub fn spaces(v: Vec3) -> String {
     format!("{} {} {}", v.x, v.y, v.z)
 }
@@ -145,7 +146,7 @@ pub fn short(v: Vec3) -> String {
 /// One word that is a number in a range.
 ///
 /// # Errors
-/// When there are more or less, or it is none.
+/// When there are more or fewer words, or it is not a number.
 pub fn number_of(words: &[&str], what: &str, range: RangeInclusive<f32>) -> Result<f32, Failure> {
     match words {
         [word] => number(word, what, range),

@@ -7,7 +7,7 @@ use crate::command::PLAIN;
 
 const WINDOW: Command = Command { group: Group::Program, edits: Edits::Nothing, ..PLAIN };
 
-/// Commands that only the window runs. Other front ends pass over them in scripts.
+/// Commands that only the window has. Other front ends skip them in scripts.
 const OF_WINDOW: [Command; 5] = [
     Command { name: "select", sets: Some(1), ..WINDOW },
     Command { name: "compare_with", sets: Some(1), ..WINDOW },
@@ -19,18 +19,18 @@ const OF_WINDOW: [Command; 5] = [
 /// Properties of a line that are known before it is run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LineInfo {
-    /// The target that it sets, if it does nothing else: a later line of the same target supersedes
+    /// The target of a line that only sets something: a later line of the same target supersedes
     /// it.
     pub target: Option<String>,
-    /// Whether it goes before lines that wait.
+    /// Whether it goes before waiting lines.
     pub urgency: Option<Urgency>,
-    /// Whether the camera is where it has put it afterwards.
+    /// Whether it determines the camera.
     pub moves_camera: bool,
     /// The part of the scene that it may change.
     pub edits: Edits,
-    /// Whether it asks for all frames of the picture.
+    /// Whether it needs all frames of the picture.
     pub needs_all_frames: bool,
-    /// The command's name, if only the window has it.
+    /// The command's name if only the window has it.
     pub window_command: Option<&'static str>,
 }
 

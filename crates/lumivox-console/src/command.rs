@@ -19,7 +19,7 @@ pub enum Group {
     Camera,
     /// Voxels.
     Voxels,
-    /// Surfaces, voxels, wires.
+    /// What is shown: surfaces, voxels, wires.
     View,
     /// Lamps and surroundings.
     Light,
@@ -72,7 +72,7 @@ pub enum Takes {
     Light,
     /// A camera of the scene, or one that was stored.
     Camera,
-    /// Where a camera is stored.
+    /// A name for a stored camera.
     Stored,
     /// A scene: a file, a name in a folder of scenes, or a built-in one.
     Scene,
@@ -90,7 +90,7 @@ pub enum Takes {
     Word(&'static [&'static str]),
 }
 
-/// Why a command goes before those that wait.
+/// The reason why a command goes before waiting ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Urgency {
     /// It stops what is under way.
@@ -104,10 +104,11 @@ pub enum Urgency {
 pub enum Edits {
     /// Nothing.
     Nothing,
-    /// Objects, or the scene as a whole. Changes of objects stay when the scene's file is read again.
+    /// Objects, or the scene as a whole. Changes of objects survive when the scene's file is read
+    /// again.
     #[default]
     Scene,
-    /// Materials, lights or surroundings, which are those of the file when it is read again.
+    /// Materials, lights or surroundings. The file's own replace them when it is read again.
     Look,
 }
 
@@ -122,7 +123,7 @@ pub struct Command {
     pub group: Group,
     /// Its arguments, as in `NAME X Y Z` or `[FILE]`.
     pub usage: &'static str,
-    /// How many there may be, the least and the most.
+    /// The least and the most arguments.
     pub count: (usize, usize),
     /// The kinds of its arguments, in order; the last also applies to further ones.
     pub takes: &'static [Takes],
@@ -132,37 +133,37 @@ pub struct Command {
     pub details: &'static str,
     /// A line that uses it.
     pub example: &'static str,
-    /// For a command that VXCT has: the difference here; empty where there is none. `None`: VXCT
-    /// has no such command.
+    /// For a command that VXCT has: the difference, empty where there is none. `None`: VXCT has no
+    /// such command.
     pub vxct: Option<&'static str>,
-    /// If it does nothing but set something to what it says: how many of its words, its name included, say what it
-    /// sets. It has more words then, and a later line that begins with these supersedes it.
+    /// For a command that only sets something: how many of its words, its name included, name the
+    /// target. A later line that begins with the same words supersedes it.
     pub sets: Option<usize>,
-    /// Whether the camera is where it has put it afterwards.
+    /// Whether it determines the camera.
     pub moves_camera: bool,
-    /// Without arguments it goes before lines that wait.
+    /// Whether it goes before waiting lines when it has no arguments.
     pub urgency: Option<Urgency>,
     /// The part of the scene that it may change.
     pub edits: Edits,
-    /// Whether it asks for all frames of the picture: front ends render them before, one by one.
+    /// Whether it needs all frames of the picture: front ends render them first, one by one.
     pub needs_all_frames: bool,
-    /// Does it.
+    /// Its code.
     pub run: Run,
 }
 
-/// How a command is done.
+/// The code of a command.
 #[derive(Clone, Copy, Debug)]
 pub enum Run {
-    /// At once.
+    /// Runs at once.
     Now(fn(&mut Console, &[&str]) -> anyhow::Result<Reply>),
-    /// It waits, for the GPU or for a file.
+    /// Waits for the GPU or for a file.
     Waits(for<'a> fn(&'a mut Console, &'a [&'a str]) -> Waiting<'a>),
 }
 
-/// A command that is being done.
+/// A running command.
 pub type Waiting<'a> = Pin<Box<dyn Future<Output = anyhow::Result<Reply>> + 'a>>;
 
-/// As many arguments as one likes.
+/// Any number of arguments.
 pub const MANY: usize = usize::MAX;
 
 /// The defaults of commands.
@@ -191,17 +192,17 @@ impl Command {
         COMMANDS.iter().find(|command| command.names().any(|known| known == name))
     }
 
-    /// Its name and its aliases.
+    /// The name and the aliases.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         [self.name].into_iter().chain(self.aliases.iter().copied())
     }
 
-    /// How many arguments there may be.
+    /// The range of the number of arguments.
     pub fn counts(&self) -> RangeInclusive<usize> {
         self.count.0..=self.count.1
     }
 
-    /// Its name and its arguments.
+    /// The name and the arguments.
     pub fn form(&self) -> String {
         format!("{} {}", self.name, self.usage).trim_end().to_owned()
     }

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::report::Table;
 
-/// The figures of one comparison: of a scene's parts of light, or of two files, which are `final`.
+/// The errors of one comparison: of a scene's shares of light, or of two files, as `final`.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Comparison {
     /// The scene's name.
@@ -14,12 +14,12 @@ pub struct Comparison {
     /// The file of the reference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<String>,
-    /// The file that is held against it.
+    /// The file that is compared with it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ours: Option<String>,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Irradiance that came over one other surface.
+    /// Irradiance after one bounce.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub one_bounce: Option<ErrorFigures>,
     /// Irradiance after all bounces.
@@ -28,8 +28,8 @@ pub struct Comparison {
     /// The finished picture.
     #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
     pub final_picture: Option<ErrorFigures>,
-    /// Light in a dark room that came through its walls, in percent of the light next door: after
-    /// one gather.
+    /// Light that leaked into a dark room through its walls after one gather, in percent of the
+    /// light in the room next door.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub leak_percent: Option<f64>,
     /// The same after all bounces.
@@ -38,7 +38,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// The report for people: a row for each picture, and the meaning of the columns.
+    /// The report for people: a row for each picture, and an explanation of the columns.
     pub fn table(&self) -> String {
         let names = named_figures(&ErrorFigures::default()).map(|(name, _)| name);
         let mut table = Table::new(&[&[""], &names[..]].concat());
@@ -58,13 +58,13 @@ impl Comparison {
             }
             text.push('\n');
         }
-        text + "\n  In % of the reference's mean; p95 (95 % of the pixels are no worse) of their own \
-                luminance;\n  FLIP from 0, the same, to 1. Noise is the reference's own; the RMSE is without \
+        text + "\n  In % of the reference's mean; p95 (95 % of the pixels are no worse) in % of the pixel's own \
+                luminance;\n  FLIP from 0 (equal) to 1. Noise is the reference's own; the RMSE excludes \
                 it where it is known.\n"
     }
 }
 
-/// The figures for people, in the order of the columns; None where one is not known.
+/// The figures for people, in the order of the columns; `None` where one is unknown.
 pub fn named_figures(figures: &ErrorFigures) -> [(&'static str, Option<String>); 6] {
     let percent = |value: f64| format!("{value:.2} %");
     [

@@ -1,7 +1,7 @@
 //! Completion of the word at the cursor.
 //!
-//! It works only from [`Names`], so that a window can complete while its console is busy in another
-//! thread; files come from the caller.
+//! It needs only [`Names`], so that a window can complete while its console is busy in another
+//! thread. Files come from the caller.
 
 use std::path::Path;
 
@@ -14,14 +14,14 @@ use super::{COMMANDS, Command, Names, Takes};
 /// The possible completions of a word.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Completion {
-    /// Where the word begins that is replaced, up to the cursor: a byte of the line.
+    /// Start of the word that is replaced, up to the cursor: a byte of the line.
     pub start: usize,
-    /// The words that are possible there, quoted where that is necessary.
+    /// The possible words, quoted where necessary.
     pub candidates: Vec<String>,
 }
 
-/// Completes the word that ends at the cursor, a byte of the line. `files` lists those whose paths
-/// begin with its argument.
+/// Completes the word that ends at the cursor, a byte of the line. `files` lists the files whose
+/// paths begin with its argument.
 pub fn complete(
     names: &Names,
     files: &dyn Fn(&str) -> Vec<String>,
@@ -31,7 +31,7 @@ pub fn complete(
     let Some(before) = text.get(..cursor) else { return Completion::default() };
     let is_new = before.chars().next_back().is_none_or(|c| c.is_whitespace() || c == ';');
     let mut commands = line::commands(before);
-    // A comment, or a blank in quotation marks.
+    // A comment, or a blank within quotation marks.
     let mut words = commands.pop().unwrap_or_default();
     let is_open = words.last().is_some_and(|word| word.open.is_some());
     if before.trim_end().ends_with(';') && !is_open {
@@ -52,7 +52,7 @@ pub fn complete(
     Completion { start, candidates }
 }
 
-/// The words that are possible after some words.
+/// The possible words after the given ones.
 fn possible(
     names: &Names,
     files: &dyn Fn(&str) -> Vec<String>,
@@ -92,7 +92,7 @@ fn possible(
     }
 }
 
-/// All that a command can begin with, in order.
+/// All words that a line can begin with, in order.
 fn commands_and_parameters() -> Vec<String> {
     let commands = COMMANDS.iter().flat_map(Command::names);
     let mut all: Vec<String> =
@@ -102,7 +102,7 @@ fn commands_and_parameters() -> Vec<String> {
     all
 }
 
-/// The values of a setting that are words.
+/// The values of a setting that has words as values.
 fn values(parameter: &Parameter) -> Vec<String> {
     parameter.kind.words().into_iter().map(str::to_owned).collect()
 }

@@ -1,6 +1,6 @@
-//! Runs the corpus of the fuzz target of lines and values with the tests.
+//! Runs the corpus of the fuzz target for lines and values as a test.
 
-// The target does not depend on this crate, and so do the files that it includes.
+// The target does not depend on this crate, and neither do the files that it includes.
 #[allow(clippy::duplicate_mod)]
 #[path = "../../../fuzz/command.rs"]
 mod command;

@@ -1,25 +1,24 @@
-//! Errors for people, by the thing at fault.
+//! Errors for people, with the kind of their cause.
 
 use std::fmt;
 
-/// The kind of thing that is to blame for an error.
+/// The cause of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blame {
     /// Bad input.
     Input,
     /// No display for a window.
     Display,
-    /// The user's wish to stop.
+    /// The user stopped the work.
     Stopped,
     /// An output that cannot be written.
     Output,
 }
 
-/// An error that is found before anything fails by itself. Its message names the obstacle, and what
-/// would be right.
+/// An error found by a check, before something fails. Its message names the fault and the remedy.
 #[derive(Debug)]
 pub struct Failure {
-    /// The kind of error.
+    /// The cause.
     pub blame: Blame,
     message: String,
 }
@@ -39,7 +38,7 @@ impl Failure {
         Self::new(Blame::Display, message)
     }
 
-    /// The user's wish to stop; the message says how much is done.
+    /// The user stopped the work; the message says how much is done.
     pub fn stopped(message: impl Into<String>) -> Self {
         Self::new(Blame::Stopped, message)
     }

@@ -6,7 +6,7 @@ use super::arguments::in_words;
 use super::{COMMANDS, Command, Group, Reply, suggest};
 use crate::Failure;
 
-/// Letters of a line of the overview.
+/// The width of the overview in characters.
 const WIDTH: usize = 100;
 
 /// `help [NAME]`
@@ -25,7 +25,7 @@ pub(crate) fn tell(name: Option<&str>) -> anyhow::Result<Reply> {
     Ok(Reply::say(parts.join("\n")))
 }
 
-/// All about a command.
+/// The help of a command.
 fn of_command(command: &Command) -> String {
     let mut text = format!("{}\n  {}.", command.form(), command.summary);
     if !command.details.is_empty() {
@@ -35,13 +35,13 @@ fn of_command(command: &Command) -> String {
         text += &format!("\n  Also: {}.", command.aliases.join(", "));
     }
     if let Some(difference) = command.vxct {
-        let same = if difference.is_empty() { "as in VXCT" } else { difference };
-        text += &format!("\n  VXCT has it: {same}.");
+        let same = if difference.is_empty() { "the same" } else { difference };
+        text += &format!("\n  In VXCT: {same}.");
     }
     text + &format!("\n  Example: {}", command.example)
 }
 
-/// All about a setting.
+/// The help of a setting.
 fn of_parameter(parameter: &Parameter) -> String {
     let Parameter { name, unit, summary, kind, help, .. } = parameter;
     let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
@@ -72,7 +72,7 @@ fn overview() -> String {
         let names = PARAMETERS.iter().filter(|p| p.group == group).map(|parameter| parameter.name);
         text += &wrapped(&format!("Settings: {}", group.name()), names);
     }
-    text + "`help NAME` tells about one, `commands` lists all with a line on each. TAB completes."
+    text + "`help NAME` explains one, `commands` lists all with a line on each. TAB completes."
 }
 
 /// Names below a heading.
@@ -91,7 +91,7 @@ fn wrapped<'a>(heading: &str, names: impl Iterator<Item = &'a str>) -> String {
     text + "\n"
 }
 
-/// The commands and settings with a line on each, those alone that a text occurs in.
+/// The commands and settings with a line on each; with a text, only those that contain it.
 pub fn list(text: Option<&str>) -> String {
     let wanted = text.map(str::to_lowercase);
     let line = |form: String, aliases: &[&str], summary: &str| {
@@ -107,7 +107,7 @@ pub fn list(text: Option<&str>) -> String {
     let fits = |line: &String| wanted.as_ref().is_none_or(|w| line.to_lowercase().contains(w));
     let lines: Vec<String> = commands.chain(settings).filter(fits).collect();
     match lines.as_slice() {
-        [] => format!("no command has \"{}\" in its name or its line", text.unwrap_or_default()),
+        [] => format!("no command or setting contains \"{}\"", text.unwrap_or_default()),
         _ => lines.join("\n"),
     }
 }

@@ -2,30 +2,30 @@
 //!
 //! A line is a command's name and its arguments, separated by white space; [`line`](self) describes
 //! quotation marks, comments and several commands in a line. All commands are in one table
-//! ([`COMMANDS`]), put together from a file for each group, from which the help, the completion and
-//! the page in the docs are made as well. Each setting of [`lumivox_explorer::parameters`] is a
-//! command as well: without a value it prints the setting, with a value it sets it.
+//! ([`COMMANDS`]), assembled from a file for each group. The help, the completion and the page in
+//! the docs are made from it. Each setting of [`lumivox_explorer::parameters`] is a command as
+//! well: without a value it prints the setting, with a value it sets it.
 //!
-//! The window, the terminal, scripts and pages all give lines to a [`Console`]; it requests work
-//! that takes long, or that is not its own, from them by an [`Effect`]. Lines that wait for such
-//! effects are in a [`Queue`]. Files are reached by an [`Outside`], because a browser has no disk;
-//! and code that waits is `async`, because a browser must not block.
+//! The window, the terminal, scripts and pages all give lines to a [`Console`]. It requests long
+//! work, and work that is not its own, from them by an [`Effect`]. Lines that wait for such effects
+//! are in a [`Queue`]. Files are read and written through an [`Outside`], because a browser has no
+//! disk; code that waits is `async`, because a browser must not block.
 //!
 //! | file | is |
 //! | --- | --- |
 //! | `line.rs` | lines split into commands and words |
 //! | `command.rs` | what a command is, and the table |
-//! | `commands/` | what the commands do, a file for each group |
-//! | `arguments.rs` | arguments read by kind |
-//! | `queue.rs` | scripts, and lines that wait |
-//! | `names.rs`, `complete.rs` | what can be named, and completion by it |
-//! | `help.rs`, `page.rs` | the help, and the page in the docs |
-//! | `opening/`, `outside.rs` | which scene is opened and how, and what is reached besides |
-//! | `values/` | values that command lines have as well |
-//! | `report.rs`, `comparison.rs`, `shown.rs` | what is said: tables, figures, text that a terminal does not obey |
-//! | `classify.rs` | properties of a line that are known before it is run |
+//! | `commands/` | the commands, one file for each group |
+//! | `arguments.rs` | reading arguments by kind |
+//! | `queue.rs` | scripts and queued lines |
+//! | `names.rs`, `complete.rs` | the names in a scene, and completion with them |
+//! | `help.rs`, `page.rs` | the help, and the generated page `docs/console.md` |
+//! | `opening/`, `outside.rs` | requests to open a scene, and access to files and the network |
+//! | `values/` | values shared with command-line options |
+//! | `report.rs`, `comparison.rs`, `shown.rs` | output: tables, comparisons, text without control characters |
+//! | `classify.rs` | properties of a line known before it runs |
 
-#![allow(clippy::format_push_string, reason = "what is said is put together once for each command")]
+#![allow(clippy::format_push_string, reason = "output is assembled once for each command")]
 #![cfg_attr(
     test,
     allow(clippy::unwrap_used, clippy::float_cmp, reason = "in a test a panic is the message")
@@ -54,8 +54,8 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Weak};
 
-use lumivox_explorer::{Asked, Explorer, Revoxelize};
-use lumivox_render::{PresetChoice, Progress, RenderSettings};
+use lumivox_explorer::{Explorer, RequestedSettings, Revoxelize};
+use lumivox_render::{PresetChoice, RenderProgress, RenderSettings};
 use lumivox_scene::{EnvironmentMap, Scene};
 use wgpu::WasmNotSend;
 
@@ -68,21 +68,21 @@ pub use failure::{Blame, Failure};
 pub use line::{LineError, Word, Words, commands as begun, is_obeyed, quote, split};
 pub use lumivox_explorer::suggest;
 pub use names::{Names, is_scene};
-pub use opening::{BUILTIN, LoadArgs, Opening, Ready, SceneSource, SourceArgs};
+pub use opening::{BUILTIN, LoadArgs, OpenedScene, SceneRequest, SceneSource, SourceArgs};
 pub use outside::{Outside, Reading};
 pub use queue::{Line, Queue, script};
 
-/// The work that a command leaves to the front end that gave the line.
+/// Work that a command leaves to its front end.
 #[derive(Debug, Default)]
 pub enum Effect {
     /// Nothing.
     #[default]
     Nothing,
     /// Read a scene and give it to [`Console::open`].
-    Open(Box<Opening>),
-    /// Render this number of frames before the next command.
+    Open(Box<SceneRequest>),
+    /// Render this many frames before the next command.
     Wait(u32),
-    /// Do these lines next, before any that wait: [`Queue::interpose`].
+    /// Run these lines next, before any that wait: [`Queue::interpose`].
     Run(Vec<Line>),
     /// End the program.
     Quit,
@@ -91,33 +91,34 @@ pub enum Effect {
 /// The result of a command.
 #[derive(Debug, Default)]
 pub struct Reply {
-    /// For the user, without a line feed at its end; may be empty.
+    /// Text for the user, without a line feed at its end; may be empty.
     pub text: String,
-    /// The work that is left to do.
+    /// Work left to the front end.
     pub effect: Effect,
 }
 
 impl Reply {
-    /// Words for the user.
+    /// A reply of text.
     pub fn say(text: impl Into<String>) -> Self {
         Self { text: text.into(), effect: Effect::Nothing }
     }
 
-    /// Something left to do.
+    /// A reply that leaves work to the front end.
     pub fn ask(effect: Effect) -> Self {
         Self { text: String::new(), effect }
     }
 }
 
-/// Hears how far a command is that takes long; those that can be broken off end when it breaks.
-pub trait Hear: WasmNotSend {
-    /// Hears of a step.
-    fn hear(&mut self, progress: Progress) -> ControlFlow<()>;
+/// Listens to the progress of long commands. A command that can be cancelled ends when the listener
+/// breaks.
+pub trait ProgressListener: WasmNotSend {
+    /// Receives a step.
+    fn progress(&mut self, step: RenderProgress) -> ControlFlow<()>;
 }
 
-impl<F: FnMut(Progress) -> ControlFlow<()> + WasmNotSend> Hear for F {
-    fn hear(&mut self, progress: Progress) -> ControlFlow<()> {
-        self(progress)
+impl<F: FnMut(RenderProgress) -> ControlFlow<()> + WasmNotSend> ProgressListener for F {
+    fn progress(&mut self, step: RenderProgress) -> ControlFlow<()> {
+        self(step)
     }
 }
 
@@ -125,24 +126,24 @@ impl<F: FnMut(Progress) -> ControlFlow<()> + WasmNotSend> Hear for F {
 pub struct Console {
     /// The state that the commands work on.
     pub explorer: Explorer,
-    /// How its scene was opened.
-    opening: Option<Opening>,
-    /// How scenes are read and lit that `load` says nothing of.
+    /// The request that opened the scene.
+    opening: Option<SceneRequest>,
+    /// How scenes are read and lit where `load` does not say it.
     defaults: Option<(LoadArgs, SourceArgs)>,
-    hear: Box<dyn Hear>,
+    listener: Box<dyn ProgressListener>,
     outside: Box<dyn Outside>,
-    /// The scene that the following is about.
+    /// The scene that the following fields belong to.
     generation: u32,
-    /// The bounces that come back when indirect light is switched on.
+    /// The bounces that return when indirect light is switched on again.
     bounces: Option<u32>,
-    /// The switches of voxels, and of objects, after the last flip of one.
+    /// The states of the switches for voxels and for objects after their last flip.
     shown: commands::view::Shown,
     objects: commands::view::Objects,
     /// Panoramas and skies, with the commands that made them.
     maps: Vec<(Weak<EnvironmentMap>, String)>,
-    /// The ray that is marked.
-    ray: Option<commands::ray::Mark>,
-    /// The interval of voxelizations when `dynamic` is on again.
+    /// The ray that is drawn.
+    ray: Option<commands::ray::RayMarker>,
+    /// The interval of voxelizations that `dynamic on` restores.
     dynamic: Option<Revoxelize>,
 }
 
@@ -153,13 +154,13 @@ impl fmt::Debug for Console {
 }
 
 impl Console {
-    /// The console of an explorer, and its access to things outside of it.
+    /// Makes the console of an explorer; `outside` gives it files and scenes.
     pub fn new(explorer: Explorer, outside: Box<dyn Outside>) -> Self {
         Self {
             explorer,
             opening: None,
             defaults: None,
-            hear: Box::new(|_| ControlFlow::Continue(())),
+            listener: Box::new(|_| ControlFlow::Continue(())),
             outside,
             generation: 0,
             bounces: None,
@@ -171,58 +172,58 @@ impl Console {
         }
     }
 
-    /// Scenes are read and lit like this where `load` does not say otherwise.
+    /// Sets how scenes are read and lit where `load` does not say it.
     #[must_use]
     pub fn with_defaults(mut self, load: LoadArgs, light: SourceArgs) -> Self {
         self.defaults = Some((load, light));
         self
     }
 
-    /// Shows a scene from its camera: [`Explorer::open`]. From one of VXCT's scenes to another the
-    /// camera stays, unless one was asked for: they fill the same cube.
-    pub fn open(&mut self, ready: Ready) {
+    /// Shows a scene from its camera: [`Explorer::open`]. Between two of VXCT's scenes the camera
+    /// stays, unless another was asked for, because they all fill the same cube.
+    pub fn open(&mut self, scene: OpenedScene) {
         let is_of_vxct = |scene: &Scene| scene.grid_bounds.is_some() && scene.has_display_values();
-        let stays = ready.opening.camera.is_none()
-            && is_of_vxct(ready.opened.scene())
+        let stays = scene.request.camera.is_none()
+            && is_of_vxct(scene.prepared.scene())
             && self.explorer.scene().is_some_and(is_of_vxct);
         let camera = stays.then(|| self.explorer.camera().clone());
-        self.explorer.open(ready.opened);
+        self.explorer.open(scene.prepared);
         if let Some(camera) = camera {
             self.explorer.set_camera(camera);
         }
-        self.opening = Some(ready.opening);
+        self.opening = Some(scene.request);
     }
 
-    /// Shows a scene that was read again, with the changes of its objects: [`Explorer::reopen`].
-    pub fn reopen(&mut self, ready: Ready) -> usize {
-        self.opening = Some(ready.opening);
-        self.explorer.reopen(ready.opened)
+    /// Shows a scene that was read again, keeping the edits of its objects: [`Explorer::reopen`].
+    pub fn reopen(&mut self, scene: OpenedScene) -> usize {
+        self.opening = Some(scene.request);
+        self.explorer.reopen(scene.prepared)
     }
 
-    /// How the scene was opened that is shown.
-    pub fn opening(&self) -> Option<&Opening> {
+    /// The request that opened the present scene.
+    pub fn scene_request(&self) -> Option<&SceneRequest> {
         self.opening.as_ref().filter(|_| self.explorer.scene().is_some())
     }
 
     /// Sets the listener for the progress of long commands, such as `screenshot` and `compare`.
-    pub fn on_progress(&mut self, hear: Box<dyn Hear>) {
-        self.hear = hear;
+    pub fn on_progress(&mut self, listener: Box<dyn ProgressListener>) {
+        self.listener = listener;
     }
 
-    /// Executes a line; an empty one, or a comment, does nothing. Several commands in a line come
-    /// back as [`Effect::Run`].
+    /// Runs a line; an empty one, or a comment, does nothing. Several commands in a line come back
+    /// as [`Effect::Run`].
     ///
     /// # Errors
-    /// When there is no such command, an argument is wrong, or it cannot be done. The message says
-    /// what would have been right. Nothing has changed then.
+    /// When there is no such command, an argument is wrong, or the command cannot be done. The
+    /// message names the remedy. Nothing has changed then.
     pub async fn run(&mut self, line: &str) -> anyhow::Result<Reply> {
         let reply = self.run_on(line).await;
         self.explorer.end_gesture();
         reply
     }
 
-    /// The same as a part of the last line's work, such as a drag: changes of the same things are
-    /// one step for `undo`.
+    /// Runs a line that continues the last one, as in a drag: changes of the same things are one
+    /// step for `undo`.
     ///
     /// # Errors
     /// As [`Self::run`].
@@ -248,8 +249,8 @@ impl Console {
         let before = self.explorer.asked();
         let reply = match Command::find(name) {
             None => commands::parameters::run(self, name, arguments)?,
-            // `sf` with a value is another command than `sf` without, as in VXCT, and so are
-            // commands that are also settings.
+            // As in VXCT, `sf` with a value is another command than `sf` without one. The same
+            // holds for commands that are also settings.
             Some(command) if !command.counts().contains(&arguments.len()) => {
                 return Err(wrong_count(command, arguments.len()).into());
             }
@@ -262,24 +263,24 @@ impl Console {
         Ok(reply)
     }
 
-    /// Settings that take memory for voxels are applied at once, where there is a picture: a
-    /// refusal of the renderer is then reported at its own line, and affects nothing else.
-    async fn confirm(&mut self, before: Asked) -> anyhow::Result<()> {
+    /// Applies settings that need memory for voxels at once if there is a picture: a refusal of the
+    /// renderer is then reported at the line that caused it, and affects nothing else.
+    async fn confirm(&mut self, before: RequestedSettings) -> anyhow::Result<()> {
         let of_voxels = |s: &RenderSettings| {
             let grid = (s.resolution, s.grid_offset, s.grid_bounds);
             (grid, s.directionality, s.volume, s.volume_memory, s.injection.clone())
         };
-        let Self { explorer, hear, .. } = self;
+        let Self { explorer, listener, .. } = self;
         if of_voxels(explorer.settings()) != of_voxels(&before.settings) {
-            let mut tell = |progress| {
-                let _ = hear.hear(progress);
+            let mut progress = |step| {
+                let _ = listener.progress(step);
             };
-            explorer.confirm(before, &mut tell).await?;
+            explorer.confirm(before, &mut progress).await?;
         }
         Ok(())
     }
 
-    /// Forgets data of a scene that is no longer there.
+    /// Forgets the data of a scene that is no longer open.
     fn notice_scene(&mut self) {
         if self.generation != self.explorer.generation() {
             self.generation = self.explorer.generation();
@@ -288,7 +289,7 @@ impl Console {
         }
     }
 
-    /// Remembers how a panorama was made, for `script`.
+    /// Remembers the command that made a panorama, for `script`.
     fn remember_map(&mut self, map: &Arc<EnvironmentMap>, line: String) {
         self.maps.push((Arc::downgrade(map), line));
     }
@@ -301,7 +302,7 @@ impl Console {
         self.maps.iter().find(is_it).map(|(_, line)| line.as_str())
     }
 
-    /// Changes settings, all or nothing.
+    /// Changes settings, all or none.
     ///
     /// # Errors
     /// When one is out of range.
@@ -311,7 +312,7 @@ impl Console {
         self.set(settings, self.explorer.preset())
     }
 
-    /// Asks for settings.
+    /// Requests settings.
     ///
     /// # Errors
     /// When one is out of range.
@@ -323,13 +324,13 @@ impl Console {
     /// Brings the renderer up to date.
     ///
     /// # Errors
-    /// When there is nothing to show, or as [`Explorer::update`].
+    /// When nothing can be shown, or as [`Explorer::update`].
     async fn update(&mut self) -> anyhow::Result<()> {
-        let Self { explorer, hear, .. } = self;
-        let mut tell = |progress| {
-            let _ = hear.hear(progress);
+        let Self { explorer, listener, .. } = self;
+        let mut progress = |step| {
+            let _ = listener.progress(step);
         };
-        explorer.update(&mut tell).await?;
+        explorer.update(&mut progress).await?;
         if explorer.renderer().is_some() { Ok(()) } else { Err(nothing_to_show().into()) }
     }
 }
@@ -351,7 +352,7 @@ fn wrong_count(command: &Command, count: usize) -> Failure {
         count => format!("{count} words"),
     };
     let name = command.name;
-    Failure::input(format!("{name} takes {takes}; got {got} (`help {name}` tells more)"))
+    Failure::input(format!("{name} takes {takes}; got {got} (see `help {name}`)"))
 }
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
 //! Lines of the console's language, split into commands and words.
 //!
-//! Words are separated by white space. Single quotes keep everything between them as it is; within
-//! double quotes `\"` and `\\` mean the mark and the backslash, and `\u{1b}` for the character of
-//! that number, so that names that terminals would obey, or that have several lines, can be written
-//! down. Elsewhere a backslash is itself, so that paths of Windows need no quotes. A semicolon or a
+//! Words are separated by white space. Single quotes keep everything between them as it is. Within
+//! double quotes `\"` and `\\` mean the mark and the backslash, and `\u{1b}` the character of that
+//! number, so that names with line feeds or control characters can be written. Elsewhere a
+//! backslash is an ordinary character, so that paths of Windows need no quotes. A semicolon or a
 //! line feed ends a command; a `#` at the start of a word begins a comment, which goes to the end
 //! of the line.
 //!
-//! This file needs nothing but the standard library, so that `fuzz/` takes it in as it is.
+//! This file needs only the standard library, so that `fuzz/` can include it.
 
 use std::fmt;
 use std::ops::Range;
@@ -15,9 +15,9 @@ use std::ops::Range;
 /// A line that cannot be split.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LineError {
-    /// The mark that has no second one.
+    /// The mark that is not closed.
     pub mark: char,
-    /// Its place: a character of the line, from 1.
+    /// Its column: a character of the line, from 1.
     pub column: usize,
 }
 
@@ -34,7 +34,7 @@ impl fmt::Display for LineError {
 impl std::error::Error for LineError {}
 
 /// Whether a terminal obeys the character instead of showing it: control characters, separators of
-/// lines and paragraphs, and the marks that turn the direction of writing.
+/// lines and paragraphs, and the marks that change the direction of writing.
 pub fn is_obeyed(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
@@ -44,16 +44,16 @@ pub fn is_obeyed(c: char) -> bool {
 pub struct Word {
     /// Without its quotation marks.
     pub text: String,
-    /// Its place, with its marks, in bytes.
+    /// Its bytes in the line, with its marks.
     pub range: Range<usize>,
-    /// The mark that is open at its end, and the mark's place in the line, in bytes.
+    /// The mark that is open at its end, and the byte at which it is.
     pub open: Option<(char, usize)>,
 }
 
-/// A command: its words in order, never none.
+/// A command: its words in order, at least one.
 pub type Words = Vec<Word>;
 
-/// The commands of a line, however it ends.
+/// The commands of a line, complete or not.
 pub fn commands(line: &str) -> Vec<Words> {
     let mut commands = vec![Words::new()];
     let mut rest = line.char_indices().peekable();
@@ -100,7 +100,7 @@ pub fn text<'a>(line: &'a str, words: &[Word]) -> &'a str {
     line.get(first.range.start..last.range.end).unwrap_or_default()
 }
 
-/// A word, quoted so that a line reads it as it is. All of it can be shown.
+/// Quotes a word so that a line reads it as it is, in printable characters.
 pub fn quote(word: &str) -> String {
     if word.contains(is_obeyed) {
         let mut quoted = String::from("\"");
@@ -124,7 +124,7 @@ pub fn quote(word: &str) -> String {
     format!("\"{escaped}\"")
 }
 
-/// The character for `u{1b}` at the start of a text, and the length of that in characters.
+/// The character of `u{1b}` at the start of a text, and the length of that text in characters.
 fn numbered(text: &str) -> Option<(char, usize)> {
     let (digits, _) = text.strip_prefix("u{")?.split_once('}')?;
     let is_number =
@@ -150,7 +150,7 @@ fn word(
                 rest.next();
                 if let Some((escaped, length)) = numbered(&line[at + 1..]) {
                     text.push(escaped);
-                    // All of them but the last, which is taken below.
+                    // All but the last, which is taken below.
                     rest.nth(length - 2);
                 } else if let Some(&(_, escaped @ ('"' | '\\'))) = rest.peek() {
                     text.push(escaped);

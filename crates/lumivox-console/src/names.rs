@@ -1,4 +1,4 @@
-//! The names that arguments can use, apart from the console: cheap to copy to other threads.
+//! Names that can be arguments, apart from the console: cheap to copy to other threads.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use lumivox_scene::EXTENSIONS;
 use super::Console;
 use crate::values::camera::{FRAMING, INSIDE, OUTSIDE};
 
-/// Names of the present things.
+/// The present names.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Names {
     /// Objects.
@@ -18,7 +18,7 @@ pub struct Names {
     pub lights: Vec<String>,
     /// Cameras of the scene, and the views that every scene has.
     pub cameras: Vec<String>,
-    /// Cameras that were stored under names.
+    /// Stored cameras.
     pub stored: Vec<String>,
     /// Animations, and `all`.
     pub animations: Vec<String>,
@@ -27,7 +27,7 @@ pub struct Names {
 }
 
 impl Console {
-    /// The names that arguments can use now.
+    /// The names that can be arguments now.
     pub fn names(&self) -> Names {
         let explorer = &self.explorer;
         let scene = explorer.scene();
@@ -46,12 +46,12 @@ impl Console {
                 .collect(),
             stored: explorer.stored_cameras().map(|(name, _)| name.to_owned()).collect(),
             animations: animations.into_iter().chain(all).collect(),
-            scenes: self.outside.scenes(self.opening()),
+            scenes: self.outside.scenes(self.scene_request()),
         }
     }
 }
 
-/// Whether a file's extension is one that loads.
+/// Whether a file has the extension of a scene.
 pub fn is_scene(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))

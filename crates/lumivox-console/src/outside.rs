@@ -1,32 +1,32 @@
-//! Things outside of a console: files, and scenes by name.
+//! A console's access to files, and to scenes by name.
 
 use std::fmt::Debug;
 use std::pin::Pin;
 
 use wgpu::WasmNotSend;
 
-use crate::{Opening, SceneSource};
+use crate::{SceneRequest, SceneSource};
 
 /// A file that is being read.
 pub type Reading<'a> = Pin<Box<dyn Future<Output = anyhow::Result<Vec<u8>>> + 'a>>;
 
-/// The access of a console to things outside of its explorer: to a disk, or to those of a browser.
-/// Errors name the file and the remedy.
+/// The access of a console to things outside its explorer: the disk, or addresses and downloads in
+/// a browser. Errors name the file and the remedy.
 pub trait Outside: Debug + WasmNotSend {
-    /// The scenes that are found by name, where one is open or none.
-    fn scenes(&self, open: Option<&Opening>) -> Vec<String>;
+    /// The scenes that can be opened by name, given the open one.
+    fn scenes(&self, open: Option<&SceneRequest>) -> Vec<String>;
 
     /// The scene of a name or a path.
     ///
     /// # Errors
-    /// When it is known that there is none.
-    fn find(&self, name: &str, open: Option<&Opening>) -> anyhow::Result<SceneSource>;
+    /// When it is known not to exist.
+    fn find(&self, name: &str, open: Option<&SceneRequest>) -> anyhow::Result<SceneSource>;
 
     /// Checks everything that is cheap to check before a scene is opened.
     ///
     /// # Errors
-    /// When it is known that it cannot be.
-    fn check(&self, opening: &Opening) -> anyhow::Result<()>;
+    /// When it is known that the scene cannot be opened.
+    fn check(&self, opening: &SceneRequest) -> anyhow::Result<()>;
 
     /// A file's bytes.
     fn read<'a>(&'a self, file: &'a str) -> Reading<'a>;
@@ -34,10 +34,10 @@ pub trait Outside: Debug + WasmNotSend {
     /// Checks that a file can be written, before work is done for it.
     ///
     /// # Errors
-    /// When it is known that it cannot be.
+    /// When it is known that it cannot be written.
     fn check_output(&self, file: &str) -> anyhow::Result<()>;
 
-    /// Writes a file; one of that name is replaced, never half.
+    /// Writes a file. A file of that name is replaced as a whole, never half.
     ///
     /// # Errors
     /// When it cannot be written.

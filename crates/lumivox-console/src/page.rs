@@ -1,4 +1,4 @@
-//! The page in the docs, made from the tables: `docs/console.md`.
+//! The page `docs/console.md`, made from the tables.
 
 use lumivox_explorer::parameters::{GROUPS, PARAMETERS, Parameter};
 
@@ -7,16 +7,15 @@ use super::{COMMANDS, Command, Group};
 const HEAD: &str = "\
 # The console
 
-Commands in words look at and change everything at run time: in the console pane of the window, in the terminal that
-started it, in scripts without a window (`lumivox run`), and in the page. There names of files are addresses, and files that
-are written are downloads. This page is printed by `lumivox commands --markdown`; a test
-holds it to the program.
+The console has a command for everything that can be shown or changed at run time. It is in the window, in the terminal that
+started the window, in scripts without a window (`lumivox run`), and in the page. In the page, names of files are addresses, and
+written files are downloads. `lumivox commands --markdown` prints this document, and a test keeps it up to date.
 
-A line is a command and its arguments, separated by blanks. `'...'` and `\"...\"` keep blanks together; `\\\"` and `\\\\` within
-double quotes stand for themselves, and `\\u{1b}` for the character of that number. `;` separates commands, and a `#` at the start of a word begins a comment. In the usages
-below, `[...]` may be left out, `|` separates choices, and `...` may be repeated. Words in capitals stand for something
-of that kind. A switch without a value toggles; `on`, `true`, `yes` and `1` are the same, and so are `off`, `false`, `no`
-and `0`. A wrong name or value is an error that says what would have been right, and changes nothing.
+A line is a command and its arguments, separated by blanks. `'...'` and `\"...\"` keep blanks together; within double quotes
+`\\\"` and `\\\\` mean the mark and the backslash, and `\\u{1b}` the character of that number. `;` separates commands, and a `#`
+at the start of a word begins a comment. In the usages below, `[...]` may be left out, `|` separates choices, `...` may be
+repeated, and words in capitals are placeholders. A switch without a value toggles; `on`, `true`, `yes` and `1` are the same,
+and so are `off`, `false`, `no` and `0`. A wrong name or value changes nothing; the error names the allowed ones.
 
 ```sh
 lumivox run evening.txt --scene builtin:cornell --resolution 64   # a file of commands
@@ -25,17 +24,17 @@ lumivox run                                                       # a prompt, wi
 generate_commands | lumivox run -                                 # from another program
 ```
 
-What commands print goes to stdout; progress, warnings and errors go to stderr. A script stops at its first error, which is
-told with `FILE:LINE` and gives the exit code, unless `--keep-going` is given: then all are told, and the first one's code
-is returned. Relative paths are relative to the folder that the program was started in, also in scripts that lie
-elsewhere. `script` prints the commands that lead to the present picture, to the bit.
+Commands print to stdout; progress, warnings and errors go to stderr. A script stops at its first error, which is reported as
+`FILE:LINE` and decides the exit code. With `--keep-going` all errors are reported, and the first one decides. Relative
+paths start at the folder in which the program was started, wherever the script is. `script` prints the commands that lead to
+the present picture, to the bit.
 ";
 
 const VXCT_HEAD: &str = "
 ## Commands of VXCT
 
-All commands of the program VXCT (2019) have their names and aliases here. Where VXCT passes over a wrong name or number in
-silence, this console says so.
+All commands of the program VXCT (2019) exist here with their names and aliases. VXCT silently ignores wrong names and
+numbers; here they are errors.
 
 | VXCT | here | what differs |
 | --- | --- | --- |
@@ -44,9 +43,9 @@ silence, this console says so.
 const SETTINGS_HEAD: &str = "
 ## Settings
 
-Each setting is a command of its own: its name alone prints the value, with a value it is set. Those of the look `vxct` that
-are among the commands above do as it says there: its switches toggle without a value. `reset NAME` gives a setting the
-value of the preset, `parameters` lists all with their values, and `help NAME` says more about one.
+Each setting is a command: without a value it prints the setting, with one it sets it. Settings of the look `vxct` that are also
+commands above behave as described there: their switches toggle without a value. `reset NAME` resets a setting to the
+preset's value, `parameters` lists all with their values, and `help NAME` explains one.
 
 | setting | unit | value | is |
 | --- | --- | --- | --- |

@@ -10,14 +10,14 @@ pub struct Property<T: 'static> {
     pub name: &'static str,
     /// Other names.
     pub aliases: &'static [&'static str],
-    /// Numbers that its value has, at most.
+    /// The most numbers of its value.
     pub count: usize,
-    /// The meaning of the numbers, with unit and range.
+    /// The value's meaning, with unit and range.
     pub is: &'static str,
-    /// Its value in words that are read to the same bits; `None` where the thing has no such
+    /// Its value in words that read back to the same bits; `None` where the thing has no such
     /// property.
     pub get: fn(&T) -> Option<String>,
-    /// Takes a value.
+    /// Sets its value.
     pub set: fn(&mut T, &[&str]) -> Result<(), Failure>,
 }
 
@@ -37,7 +37,7 @@ pub fn first<'a>(words: &[&'a str]) -> &'a str {
     words.first().copied().unwrap_or_default()
 }
 
-/// The properties of a thing, a line each.
+/// The properties of a thing, one in a line.
 pub fn list<T>(table: &[Property<T>], thing: &T) -> String {
     let lines: Vec<String> = table
         .iter()
@@ -46,7 +46,7 @@ pub fn list<T>(table: &[Property<T>], thing: &T) -> String {
     lines.join("\n")
 }
 
-/// Sets properties: words of a name and its value, then of the next. All or none.
+/// Sets properties, all or none. `words` are a name and its value, then the next name.
 ///
 /// # Errors
 /// When there is no such property, or a value is wrong.
@@ -71,10 +71,12 @@ pub fn set<T: Clone>(
         };
         if (property.get)(&changed).is_none() {
             let known = in_words(&known().collect::<Vec<_>>());
-            return Err(Failure::input(format!("{what} has no {name} as it is; it has {known}")));
+            return Err(Failure::input(format!(
+                "{what} has no {name} with its present shading; it has {known}"
+            )));
         }
-        // Up to as many numbers as the property takes; a value that is not a number is one word,
-        // such as `none`.
+        // As many numbers as the property takes; a value that is not a number is one word, such as
+        // `none`.
         let is_number =
             |word: &&&str| word.split(',').all(|part| part.trim().parse::<f64>().is_ok());
         let numbers = rest.iter().take(property.count).take_while(is_number).count();
@@ -91,7 +93,7 @@ pub fn set<T: Clone>(
     Ok(changed)
 }
 
-/// The properties in which a thing differs from another, as words that set them.
+/// The properties that differ between two things, as words that set them.
 pub fn difference<T>(table: &[Property<T>], thing: &T, from: &T) -> Vec<String> {
     let differing = table.iter().filter_map(|property| {
         let value = (property.get)(thing)?;

@@ -1,35 +1,35 @@
-//! Lines that wait for their turn: scripts, and lines of several commands.
+//! Waiting lines: scripts, and lines of several commands.
 
 use std::collections::VecDeque;
 
 use super::line;
 use crate::Failure;
 
-/// Scripts that run scripts, at most.
+/// The greatest depth of scripts that run scripts.
 const DEEPEST: u32 = 16;
 
-/// A command that waits.
+/// A waiting command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
     /// The command, or several with semicolons.
     pub text: String,
-    /// Its source, as in `file:12`; empty where that has no use.
+    /// Its source, as in `file:12`; empty for typed lines.
     pub place: String,
     depth: u32,
 }
 
 impl Line {
-    /// The line without a place, as for typed lines.
+    /// The line without a place, as if typed.
     pub(super) fn nowhere(self) -> Self {
         Self { place: String::new(), ..self }
     }
 }
 
-/// Commands in the order in which they run; those that [`super::Effect::Run`] brings come first.
+/// Commands in the order in which they run; those of [`super::Effect::Run`] come first.
 #[derive(Clone, Debug, Default)]
 pub struct Queue {
     lines: VecDeque<Line>,
-    /// The depth in scripts of the last line that was taken.
+    /// The depth in scripts of the last taken line.
     depth: u32,
 }
 
@@ -51,7 +51,7 @@ impl Queue {
         Some(line)
     }
 
-    /// Puts lines before all others, as the line that was last taken asks for.
+    /// Puts lines before all others, on behalf of the line that was taken last.
     ///
     /// # Errors
     /// When scripts run each other without end.
@@ -68,8 +68,8 @@ impl Queue {
         Ok(())
     }
 
-    /// Drops the rest of the script that the last line was in, and of those that it runs: after an
-    /// error, a user does not expect them to go on.
+    /// Drops the rest of the script of the last line, and of the scripts that it runs. After an
+    /// error a user does not expect them to continue.
     pub fn abandon(&mut self) {
         if self.depth > 0 {
             while self.lines.front().is_some_and(|line| line.depth > 0) {
@@ -85,7 +85,7 @@ impl Queue {
 /// When a quotation mark is open at the end of a line.
 pub fn script(text: &str, file: &str) -> Result<Vec<Line>, Failure> {
     let mut lines = Vec::new();
-    // Some editors put a mark of the byte order before UTF-8.
+    // Some editors put a byte order mark before UTF-8.
     for (index, text) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         let place = format!("{file}:{}", index + 1);
         let commands = line::split(text).map_err(|e| Failure::input(format!("{place}: {e}")))?;

@@ -32,7 +32,7 @@ impl Table {
         self.rows.len().saturating_sub(1)
     }
 
-    /// The table, or its first rows and a word on the others.
+    /// The table, or its first rows and the number of the others.
     pub fn text_of(&self, most: usize) -> String {
         let rows = self.rows.iter().take(most + 1).cloned().collect();
         let mut text = Self { rows, is_left: self.is_left }.text();
@@ -42,7 +42,7 @@ impl Table {
         text
     }
 
-    /// Adds a row. Names in it stay on its line.
+    /// Adds a row. Line feeds in names are escaped.
     pub fn row<const N: usize>(&mut self, cells: [String; N]) {
         self.rows.push(cells.map(|cell| shown::line(&cell).into_owned()).into());
     }
@@ -107,7 +107,7 @@ pub fn counted(value: usize, one: &str, many: &str) -> String {
 pub struct AdapterReport {
     /// Its name.
     pub name: String,
-    /// `discrete GPU` and so on, the API, the driver, all in words.
+    /// The kind (`discrete GPU` and so on), the API and the driver as a text.
     pub description: String,
     /// The API.
     pub backend: String,
@@ -167,18 +167,18 @@ impl SceneCounts {
     }
 }
 
-/// An octree's parts, and how they were built.
+/// The size of an octree, and how it was built.
 #[derive(Clone, Debug, Serialize)]
 pub struct OctreeReport {
-    /// Places for nodes: eight in each group.
+    /// Slots for nodes: eight in each group.
     pub nodes: u64,
-    /// Groups of eight, the root's included.
+    /// Groups of eight nodes, including the root's.
     pub groups: u32,
     /// Bricks of 3x3x3 texels.
     pub bricks: u32,
-    /// Passes of the builder with locks; 0 with ranks.
+    /// Passes of the builder with locks; 0 for the builder with ranks.
     pub lock_passes: u32,
-    /// Threads that it deferred in all of them together.
+    /// Threads that it deferred, over all passes.
     pub deferred: u64,
 }
 
@@ -190,7 +190,7 @@ impl From<OctreeStats> for OctreeReport {
 }
 
 impl OctreeReport {
-    /// In a line.
+    /// A summary in one line.
     pub fn line(&self) -> String {
         let built = if self.lock_passes == 0 {
             "by ranks".to_owned()
@@ -210,7 +210,7 @@ impl OctreeReport {
     }
 }
 
-/// Where the voxels are.
+/// The box of the grid.
 #[derive(Clone, Debug, Serialize)]
 pub struct GridReport {
     /// Voxels along x, y and z.
@@ -235,7 +235,7 @@ impl GridReport {
     }
 }
 
-/// GPU memory of one thing.
+/// GPU memory of one item.
 #[derive(Clone, Debug, Serialize)]
 pub struct MemoryReport {
     /// Its name.
@@ -271,7 +271,7 @@ pub fn memory_table(memory: &[MemoryReport]) -> String {
 pub struct TimeReport {
     /// The stage.
     pub stage: String,
-    /// The pass; absent where it is the stage as a whole.
+    /// The pass; absent for the stage as a whole.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pass: Option<String>,
     /// Milliseconds.
@@ -280,14 +280,14 @@ pub struct TimeReport {
 
 /// The times of stages and passes, in order.
 #[derive(Clone, Debug, Serialize)]
-pub struct Times {
+pub struct TimesReport {
     /// Sums by stage.
     pub stages: Vec<TimeReport>,
     /// Each pass by itself.
     pub passes: Vec<TimeReport>,
 }
 
-impl Times {
+impl TimesReport {
     /// Sums by stage and by pass, each in the order in which they first ran.
     pub fn new(times: &[StageTime]) -> Self {
         let mut sums = Self { stages: Vec::new(), passes: Vec::new() };
@@ -357,7 +357,7 @@ mod tests {
             duration: Duration::from_millis(ms),
         };
         let times = [time("a", "x", 1), time("b", "y", 2), time("a", "z", 4), time("a", "x", 8)];
-        let times = Times::new(&times);
+        let times = TimesReport::new(&times);
         let stages: Vec<_> = times.stages.iter().map(|s| (s.stage.as_str(), s.ms)).collect();
         assert_eq!(stages, [("a", 13.0), ("b", 2.0)]);
         assert_eq!(times.passes.len(), 3);

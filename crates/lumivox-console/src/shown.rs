@@ -1,35 +1,35 @@
-//! Text on its way to a terminal.
+//! Escaping text for a terminal.
 //!
-//! Names of files and of what is in them come from strangers, and terminals obey control
-//! characters: an escape sequence in the name of a material could recolour, overwrite or retitle
-//! what a user reads. So everything that is printed for people goes through [`text`], and text that
-//! must stay on one line through [`line()`]. Both replace control characters, and the marks that
-//! turn the direction of writing, by escapes in ASCII.
+//! Names of files and names in files come from strangers, and terminals obey control characters: an
+//! escape sequence in the name of a material could recolour, overwrite or retitle what a user
+//! reads. So everything printed for people goes through [`text`], and text that must stay on one
+//! line through [`line()`]. Both replace control characters, and the marks that change the
+//! direction of writing, by escapes in ASCII.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
 pub use crate::is_obeyed;
 
-/// Text of several lines, with all that a terminal would obey but line feeds and tabs escaped.
+/// Text of several lines, with all control characters but line feeds and tabs escaped.
 pub fn text(text: &str) -> Cow<'_, str> {
     escaped(text, |c| is_obeyed(c) && !matches!(c, '\n' | '\t'), escape)
 }
 
-/// Text that stays on one line, such as a name, escaped like that.
+/// Text that stays on one line, such as a name, escaped in the same way.
 pub fn line(text: &str) -> Cow<'_, str> {
     escaped(text, is_obeyed, escape)
 }
 
-/// JSON whose strings mean the same and hold nothing that a terminal would obey.
+/// JSON with the same meaning, whose strings have no characters that a terminal obeys.
 pub fn json(text: &str) -> Cow<'_, str> {
-    // Control characters of ASCII are escaped already, and the line feeds between values are not in
+    // ASCII control characters are escaped already, and the line feeds between values are not in
     // strings.
     escaped(
         text,
         |c| is_obeyed(c) && !c.is_ascii_control() || c == '\x7f',
         |c, out| {
-            // None of them is beyond 16 bits.
+            // None of these characters needs more than 16 bits.
             let _ = write!(out, "\\u{:04x}", c as u32);
         },
     )

@@ -206,7 +206,7 @@ fn what_a_script_brings_comes_first_and_goes_with_its_error() {
 
 #[test]
 fn a_plain_opening_is_a_line_without_options() {
-    let opening = Opening::plain(SceneSource::named("builtin:cornell"), 1.5);
+    let opening = SceneRequest::plain(SceneSource::named("builtin:cornell"), 1.5);
     assert_eq!(commands::files::line(&opening, Some(1.5)), "builtin:cornell");
     assert_eq!(commands::files::line(&opening, Some(2.0)), "builtin:cornell --aspect 1.5");
 }

@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use glam::{Mat4, UVec2, Vec3};
-use lumivox_explorer::{Explorer, Opened};
+use lumivox_explorer::{Explorer, PreparedScene};
 use lumivox_render::{Gpu, GpuOptions, PresetChoice, RenderSettings};
 use lumivox_scene::{
     Camera, Instance, Light, LightKind, Material, Mesh, Scene, SightOptions, Staging,
@@ -16,7 +16,7 @@ use lumivox_scene::{
 const EDGE: usize = 100;
 /// Different meshes; each has as many triangles.
 const MESHES: usize = 20;
-/// Frames of which the median is told.
+/// Frames that the median is taken of.
 const FRAMES: usize = 21;
 
 /// A ball of 200 triangles.
@@ -113,7 +113,7 @@ fn main() {
     };
     let mut explorer = Explorer::new(gpu, settings, PresetChoice::default());
     let options = SightOptions { staging: Staging::None, ..SightOptions::default() };
-    explorer.open(Opened::new(scene(), &options, &mut |_| {}).expect("the scene is valid"));
+    explorer.open(PreparedScene::new(scene(), &options, &mut |_| {}).expect("the scene is valid"));
     let frame = |explorer: &mut Explorer| {
         pollster::block_on(explorer.frame(&mut |_| {})).expect("a frame is rendered");
     };

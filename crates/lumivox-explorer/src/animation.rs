@@ -1,28 +1,29 @@
-//! What a scene plays.
+//! Playback of the scene's animations.
 
 use lumivox_scene::{AnimationChoice, Instance, InstanceBounds};
 use web_time::Instant;
 
-use crate::opened::Opened;
+use crate::opened::PreparedScene;
 use crate::{Explorer, ExplorerError};
 
-/// An animation that plays, or stands still.
+/// The state of playback: which animation, and whether it runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Playback {
-    /// What plays; `None` where nothing moves.
+    /// The animation that plays; `None` if the scene has none.
     pub animation: Option<AnimationChoice>,
-    /// Whether time goes on.
+    /// Whether time advances.
     pub is_playing: bool,
-    /// The moment that is shown, s.
+    /// The time that is shown, s.
     pub time_s: f32,
-    /// Whether a moment was asked for: the scene as its file shows it need not be that of any time.
+    /// Whether a time was asked for. Until then the scene is shown as its file has it, which need
+    /// not be its pose at any time.
     pub is_moved: bool,
-    /// When it starts again, s.
+    /// Length after which the animation starts again, s.
     pub duration_s: f32,
 }
 
 impl Playback {
-    pub(crate) fn of(opened: &Opened) -> Self {
+    pub(crate) fn of(opened: &PreparedScene) -> Self {
         let animations = opened.scene.animations();
         let first = animations.first();
         Self {
@@ -36,21 +37,21 @@ impl Playback {
 }
 
 impl Explorer {
-    /// What plays.
+    /// Returns the state of playback.
     pub fn playback(&self) -> Playback {
         self.playback
     }
 
-    /// Starts or stops what plays.
+    /// Starts or pauses the animation.
     pub fn play(&mut self, is_playing: bool) {
         self.playback.is_playing = is_playing && self.playback.animation.is_some();
         self.ticked = Instant::now();
     }
 
-    /// Chooses what plays, from its start.
+    /// Chooses the animation, from its start.
     ///
     /// # Errors
-    /// When the scene has no such animation, or nothing is left of it there.
+    /// When the scene has no such animation, or has no triangles left at its start.
     pub fn set_animation(&mut self, animation: AnimationChoice) -> Result<(), ExplorerError> {
         let Some(scene) = self.scene() else { return Ok(()) };
         let mut durations = scene.animations().into_iter().map(|a| a.duration_s);
@@ -62,14 +63,14 @@ impl Explorer {
         self.seek(0.0)
     }
 
-    /// Shows a moment, s; beyond the end it starts again.
+    /// Shows a time, s; beyond the end the animation starts again.
     ///
     /// # Errors
-    /// When nothing of the scene is left at that time.
+    /// When the scene has no triangles left at that time.
     pub fn seek(&mut self, time_s: f32) -> Result<(), ExplorerError> {
         let Playback { animation, duration_s, .. } = self.playback;
         let (Some(animation), Some(opened)) = (animation, &mut self.opened) else { return Ok(()) };
-        // The end itself is shown.
+        // The end itself is shown, not the start.
         let is_within = time_s <= duration_s || duration_s <= 0.0;
         let time_s = if is_within { time_s } else { time_s.rem_euclid(duration_s) };
         let kind = |i: &Instance| (i.world_from_local, i.is_hidden, i.mesh);
@@ -94,7 +95,7 @@ impl Explorer {
         Ok(())
     }
 
-    /// Lets time go on for what plays.
+    /// Advances the animation if it plays.
     ///
     /// # Errors
     /// As [`Self::seek`].

@@ -1,19 +1,19 @@
-//! What happens as time goes on.
+//! The passing of time: animations advance, and voxels are renewed at intervals.
 
 use web_time::Instant;
 
 use crate::{Explorer, ExplorerError, Revoxelize};
 
-/// After a long sleep an animation goes on where it was: it skips this at most, s.
+/// The longest step of an animation, s: after a long pause it continues where it was.
 const LONGEST_STEP_S: f32 = 1.0;
 
 impl Explorer {
-    /// Lets time go on: what plays moves, and voxels are made again where [`Explorer::revoxelize`]
-    /// asks for it. Whoever renders frames for a file says how long each takes, and scripts how
-    /// long a frame lasts. Returns whether something has changed by it.
+    /// Advances time: the animation moves, and voxels are made again where [`Explorer::revoxelize`]
+    /// asks for it. Sequences pass the duration of each frame, scripts a nominal one. Returns
+    /// whether the scene has changed.
     ///
     /// # Errors
-    /// When nothing of the scene is left at the new time.
+    /// When the scene has no triangles left at the new time.
     pub fn tick(&mut self, seconds: f32) -> Result<bool, ExplorerError> {
         self.advance(seconds)?;
         self.since_voxels_s += seconds;
@@ -29,7 +29,7 @@ impl Explorer {
         Ok(is_due || self.playback().is_playing)
     }
 
-    /// The same by the time that has passed since the last call, for pictures on a screen.
+    /// Advances by the time that has passed since the last call, for pictures on a screen.
     ///
     /// # Errors
     /// As [`Self::tick`].
@@ -40,7 +40,7 @@ impl Explorer {
         self.tick(if is_playing { passed_s.min(LONGEST_STEP_S) } else { passed_s })
     }
 
-    /// Whether the scene changes as time goes on.
+    /// Whether the scene changes without further commands.
     pub fn changes_by_itself(&self) -> bool {
         let is_renewed = matches!(self.revoxelize, Revoxelize::Every(_) | Revoxelize::EveryFrame);
         is_renewed || self.playback().is_playing

@@ -1,12 +1,12 @@
-//! Changes that come faster than they can be made: a later one supersedes those of the same target
-//! that still wait.
+//! A queue of changes that arrive faster than they can be applied: a later one supersedes a waiting
+//! one of the same target.
 
 use std::collections::VecDeque;
 
-/// Changes that wait, in their order.
+/// Waiting changes, in their order.
 ///
-/// A change with a target does nothing but set that: it supersedes the one of the same target that
-/// waits. One without a target does more, and no change is moved past it.
+/// A change with a target only sets that target, so it supersedes a waiting change of the same
+/// target. One without a target may do more, and no change is moved past it.
 #[derive(Clone, Debug)]
 pub struct ChangeQueue<T> {
     waiting: VecDeque<Waiting<T>>,
@@ -20,7 +20,7 @@ struct Waiting<T> {
     change: T,
 }
 
-/// A change of a [`ChangeQueue`].
+/// Identifies a change of a [`ChangeQueue`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ticket(u64);
 
@@ -47,13 +47,13 @@ impl<T> ChangeQueue<T> {
         ticket
     }
 
-    /// Takes a change out; `None` where a later one has superseded it.
+    /// Takes a change out; `None` if a later one has superseded it.
     pub fn take(&mut self, ticket: Ticket) -> Option<T> {
         let at = self.waiting.iter().position(|waiting| waiting.ticket == ticket)?;
         self.waiting.remove(at).map(|waiting| waiting.change)
     }
 
-    /// Takes the first change out that fits.
+    /// Takes out the first change that fits.
     pub fn take_first(&mut self, fits: impl Fn(&T) -> bool) -> Option<T> {
         let at = self.waiting.iter().position(|waiting| fits(&waiting.change))?;
         self.waiting.remove(at).map(|waiting| waiting.change)

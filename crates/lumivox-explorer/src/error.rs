@@ -1,32 +1,32 @@
-//! What can go wrong while a scene is looked at and changed.
+//! Errors of an explorer.
 
 use lumivox_render::RenderError;
 use lumivox_scene::SceneError;
 
 use crate::NotFound;
 
-/// An error of an explorer: one of those below it, with its message.
+/// An error of an explorer: one of the errors below it, with its message.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExplorerError {
-    /// The renderer refuses, or the device has failed.
+    /// The renderer refuses the request, or the device has failed.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The scene cannot be shown so.
+    /// The scene cannot be shown like this.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// There is nothing of a name.
+    /// No object, material, light or animation has this name.
     #[error(transparent)]
     NotFound(#[from] NotFound),
-    /// A camera cannot be stored under a name.
+    /// A camera cannot be stored under this name.
     #[error("no camera can be stored as \"{name}\": {problem}")]
     CameraName {
         /// The name.
         name: String,
-        /// Why not.
+        /// The reason.
         problem: &'static str,
     },
-    /// No change is there to be taken back, or none to be done again.
+    /// There is no change to undo, or none to redo.
     #[error("there is nothing to {what}")]
     Nothing {
         /// `undo` or `redo`.

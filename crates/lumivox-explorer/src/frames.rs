@@ -1,35 +1,35 @@
-//! Rendering frame by frame, and how long it took.
+//! Rendering frame by frame, and the times of frames.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use glam::UVec2;
-use lumivox_render::{Metering, Photometry, Picture, Progress};
+use lumivox_render::{Metering, Photometry, Picture, RenderProgress};
 use web_time::Instant;
 
 use crate::{Explorer, ExplorerError};
 
-/// Frames whose times are kept.
+/// The number of frames whose times are kept.
 const KEPT: usize = 4096;
 
-/// How long frames took.
+/// The times of the last frames.
 #[derive(Clone, Debug, Default)]
 pub struct FrameTimes {
     times: VecDeque<Duration>,
 }
 
 impl FrameTimes {
-    /// Forgets them all.
+    /// Forgets all times.
     pub fn clear(&mut self) {
         self.times.clear();
     }
 
-    /// Those of the last frames, the newest last; 4096 at most.
+    /// Times of the last `count` frames, 4096 at most, the newest last.
     pub fn last(&self, count: usize) -> impl Iterator<Item = Duration> + '_ {
         self.times.iter().skip(self.times.len().saturating_sub(count)).copied()
     }
 
-    /// How many are kept.
+    /// The number of kept times.
     pub fn count(&self) -> usize {
         self.times.len()
     }
@@ -43,14 +43,17 @@ impl FrameTimes {
 }
 
 impl Explorer {
-    /// Renders one frame more, until the picture has all that the settings ask for; `false` once it is complete, or where
-    /// there is nothing to render. Brings the renderer up to date first.
+    /// Brings the renderer up to date and renders one more frame. Returns `false` when the picture
+    /// already has all frames that the settings ask for, or when there is nothing to render.
     ///
     /// # Errors
     /// As [`Explorer::update`], and when the device fails.
-    pub async fn frame(&mut self, tell: &mut dyn FnMut(Progress)) -> Result<bool, ExplorerError> {
+    pub async fn frame(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<bool, ExplorerError> {
         self.catch_up();
-        self.update(tell).await?;
+        self.update(progress).await?;
         let frames = self.settings.frames;
         let Some(renderer) = &mut self.renderer else { return Ok(false) };
         let is_complete = renderer.frame_count() >= frames;
@@ -63,7 +66,7 @@ impl Explorer {
         if !self.waits_for_gpu {
             self.gpu.finished("rendering a frame").await?;
         }
-        // An overlay that came later catches up with the picture.
+        // An overlay that was set later is drawn over the finished picture.
         if is_complete {
             renderer.render_overlay_frame().await?;
         } else {
@@ -76,7 +79,7 @@ impl Explorer {
         Ok(true)
     }
 
-    /// Renders a frame for its time alone: the picture stays as it is.
+    /// Renders a frame only for its time: the picture stays as it is.
     ///
     /// # Errors
     /// When the device fails.
@@ -94,18 +97,19 @@ impl Explorer {
         Ok(())
     }
 
-    /// The finished picture: all frames that are not there yet are rendered. `None` where there is nothing to show.
+    /// Renders all missing frames and returns the finished picture; `None` if there is nothing to
+    /// show.
     ///
     /// # Errors
     /// As [`Self::frame`].
     pub async fn picture(
         &mut self,
-        tell: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<Option<Picture>, ExplorerError> {
-        while self.frame(tell).await? {
+        while self.frame(progress).await? {
             if let Some(renderer) = &self.renderer {
                 let done = renderer.frame_count();
-                tell(Progress { stage: "render", done, total: self.settings.frames });
+                progress(RenderProgress { stage: "render", done, total: self.settings.frames });
             }
         }
         if let Some(renderer) = &mut self.renderer {
@@ -114,7 +118,7 @@ impl Explorer {
         self.finish().await
     }
 
-    /// The picture of the frames so far, one at least.
+    /// The picture of the frames so far; renders one if there is none.
     ///
     /// # Errors
     /// When the device fails.
@@ -123,7 +127,7 @@ impl Explorer {
         Ok(Some(renderer.finish().await?))
     }
 
-    /// What a screen shows of the frames so far, exposed by `stops`; see [`Self::meter`].
+    /// The pixels for a screen from the frames so far, exposed by `stops`; see [`Self::meter`].
     ///
     /// # Errors
     /// When the device fails.
@@ -132,7 +136,7 @@ impl Explorer {
         Ok(Some(renderer.screen(stops).await?))
     }
 
-    /// The same left on the device, in [`Self::screen_texture`].
+    /// The same as [`Self::screen`], left on the device in [`Self::screen_texture`].
     ///
     /// # Errors
     /// When the device fails.
@@ -143,7 +147,7 @@ impl Explorer {
         }
     }
 
-    /// What [`Self::draw`] drew last; see [`lumivox_render::Renderer::screen_texture`].
+    /// The texture that [`Self::draw`] drew last; see [`lumivox_render::Renderer::screen_texture`].
     pub fn screen_texture(&self) -> Option<&lumivox::gpu::Texture> {
         self.renderer.as_ref().map(lumivox_render::Renderer::screen_texture)
     }
@@ -157,7 +161,8 @@ impl Explorer {
         Ok(renderer.photometry(pixel).await?)
     }
 
-    /// The stops that the exposure asks for, given the frames so far, and what is wrong with them.
+    /// Measures the frames so far: the stops that the exposure asks for, and a warning if something
+    /// is wrong with them.
     ///
     /// # Errors
     /// When the device fails.
@@ -167,12 +172,12 @@ impl Explorer {
         Ok(renderer.meter().await?)
     }
 
-    /// How long frames took.
+    /// The times of the last frames.
     pub fn times(&self) -> &FrameTimes {
         &self.times
     }
 
-    /// Forgets how long frames took.
+    /// Forgets the times of all frames.
     pub fn clear_times(&mut self) {
         self.times.clear();
     }

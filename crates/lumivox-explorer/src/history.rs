@@ -1,9 +1,9 @@
-//! What was changed and can be taken back: undo and redo.
+//! Undo and redo.
 //!
-//! Every change keeps what was there before it, and nothing else: a material, the list of lights, what was changed of
-//! an object, or the settings. Meshes and textures are never copied. [`Explorer::note_change`] makes a step of what
-//! was kept since the last one. Changes of the same things are one step until [`Explorer::end_gesture`], so that a
-//! drag is taken back as a whole.
+//! Every change keeps the previous value, and nothing else: a material, the list of lights, the
+//! edit of an object, or the settings. Meshes and textures are never copied.
+//! [`Explorer::note_change`] makes a step of all values kept since the last one. Changes of the
+//! same things are one step until [`Explorer::end_gesture`], so that a drag is undone as a whole.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,10 +15,10 @@ use lumivox_scene::{Environment, Light, Material};
 use crate::objects::Edit;
 use crate::{Explorer, ExplorerError};
 
-/// Steps that can be taken back.
+/// The number of steps that can be undone.
 const DEPTH: usize = 100;
 
-/// What a change is of.
+/// The thing that a change is about.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Key {
     Settings,
@@ -28,27 +28,27 @@ pub(crate) enum Key {
     Object(String),
 }
 
-/// What was there.
+/// A previous value.
 #[derive(Clone, Debug)]
 pub(crate) enum Value {
-    Settings(Box<Asked>),
+    Settings(Box<SettingsSnapshot>),
     Lights(Vec<Light>),
     Environment(Environment),
     Material(Box<Material>),
     Object(Option<Edit>),
 }
 
-/// Settings as somebody asked for them.
+/// Settings as the user asked for them.
 #[derive(Clone, Debug)]
-pub(crate) struct Asked {
+pub(crate) struct SettingsSnapshot {
     settings: RenderSettings,
     preset: PresetChoice,
     has_fitted_grid: bool,
 }
 
-impl Asked {
-    /// These settings where nobody has asked for something: the size is the window's, times are taken for its panels,
-    /// and the box widens by itself.
+impl SettingsSnapshot {
+    /// These settings, but with the present values of what no user asks for: the size is the
+    /// window's, the timing its panels', and the box widens by itself.
     fn beside(mut self, now: &RenderSettings, has_fitted_grid: bool) -> RenderSettings {
         self.settings.size = now.size;
         self.settings.timing = now.timing;
@@ -89,35 +89,36 @@ impl Value {
 
 type Values = BTreeMap<Key, Value>;
 
-/// One step: what it changed, as it was on the other side of it.
+/// One step: the values on its other side.
 #[derive(Clone, Debug)]
 struct Step {
     words: String,
     values: Values,
-    /// The renderer has shown what came of it.
+    /// Whether the renderer has shown its result.
     is_shown: bool,
 }
 
-/// Steps to be taken back, and those that were.
+/// The steps that can be undone, and those that can be redone.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct History {
     past: Vec<Step>,
     future: Vec<Step>,
-    /// What was there before changes that are no step yet.
+    /// Values before the changes that are not a step yet.
     before: Values,
-    /// The last step goes on with further changes of the same things.
+    /// Whether further changes of the same things still belong to the last step.
     is_open: bool,
 }
 
 impl History {
-    /// The renderer has taken everything.
+    /// Notes that the renderer has accepted all changes.
     pub(crate) fn accept(&mut self) {
         for step in self.past.iter_mut().rev().take_while(|step| !step.is_shown) {
             step.is_shown = true;
         }
     }
 
-    /// The renderer has refused the settings: those of before are asked for again, and no step leads to the others.
+    /// Notes that the renderer has refused the settings: the previous ones are asked for again, and
+    /// no step leads to the refused ones.
     pub(crate) fn refuse_settings(&mut self) {
         let unseen = self.past.iter().rposition(|step| step.is_shown).map_or(0, |at| at + 1);
         for step in &mut self.past[unseen..] {
@@ -128,8 +129,8 @@ impl History {
 }
 
 impl Explorer {
-    /// Makes a step of all changes since the last call; none where everything is as it was. A front end calls it after
-    /// each thing that its user does.
+    /// Makes a step of all changes since the last call; none if nothing differs. A front end calls
+    /// it after each action of its user.
     pub fn note_change(&mut self) {
         let before = std::mem::take(&mut self.history.before);
         let is_changed = |key: &Key, value: &Value| {
@@ -156,20 +157,20 @@ impl Explorer {
         history.is_open = true;
     }
 
-    /// What is changed from now on is a step of its own, even of the same thing.
+    /// Ends the last step: the next change begins a new one, even of the same thing.
     pub fn end_gesture(&mut self) {
         self.note_change();
         self.history.is_open = false;
     }
 
-    /// Takes the last step back, and tells in words what it was.
+    /// Undoes the last step, and returns a description of it.
     ///
     /// # Errors
-    /// [`ExplorerError::Nothing`] when there is none.
+    /// [`ExplorerError::Nothing`] when there is no step.
     pub fn undo(&mut self) -> Result<String, ExplorerError> {
         self.end_gesture();
         let nothing = || ExplorerError::Nothing { what: "undo" };
-        // What the renderer refused in the meantime may have left a step that leads nowhere.
+        // A refusal by the renderer may have left a step that changes nothing.
         loop {
             let step = self.history.past.pop().ok_or_else(nothing)?;
             if let Some(step) = self.step_back(step) {
@@ -180,10 +181,10 @@ impl Explorer {
         }
     }
 
-    /// Does again what was taken back last, and tells in words what it is.
+    /// Redoes the step that was undone last, and returns a description of it.
     ///
     /// # Errors
-    /// [`ExplorerError::Nothing`] when nothing was, or something else was changed since.
+    /// [`ExplorerError::Nothing`] when no step was undone, or something else has changed since.
     pub fn redo(&mut self) -> Result<String, ExplorerError> {
         self.end_gesture();
         let nothing = || ExplorerError::Nothing { what: "redo" };
@@ -197,17 +198,17 @@ impl Explorer {
         }
     }
 
-    /// What [`Self::undo`] would take back, in words.
+    /// Description of the step that [`Self::undo`] would undo.
     pub fn undoable(&self) -> Option<&str> {
         self.history.past.last().map(|step| step.words.as_str())
     }
 
-    /// What [`Self::redo`] would do again, in words.
+    /// Description of the step that [`Self::redo`] would redo.
     pub fn redoable(&self) -> Option<&str> {
         self.history.future.last().map(|step| step.words.as_str())
     }
 
-    /// Keeps what is there, before it is changed.
+    /// Keeps the present value before it is changed.
     pub(crate) fn keep(&mut self, key: Key) {
         if !self.history.before.contains_key(&key)
             && let Some(value) = self.value_of(&key)
@@ -216,7 +217,8 @@ impl Explorer {
         }
     }
 
-    /// Brings the other side of a step back, and returns the step that leads here again; `None` where nothing differs.
+    /// Restores the other side of a step, and returns the step that leads back; `None` if nothing
+    /// differs.
     fn step_back(&mut self, step: Step) -> Option<Step> {
         let mut values = Values::new();
         for (key, value) in step.values {
@@ -234,7 +236,7 @@ impl Explorer {
     fn value_of(&self, key: &Key) -> Option<Value> {
         let opened = self.opened.as_ref();
         Some(match key {
-            Key::Settings => Value::Settings(Box::new(Asked {
+            Key::Settings => Value::Settings(Box::new(SettingsSnapshot {
                 settings: self.settings.clone(),
                 preset: self.preset,
                 has_fitted_grid: self.has_fitted_grid(),
@@ -286,7 +288,7 @@ impl Explorer {
         }
     }
 
-    /// What has changed, given what was there before.
+    /// Describes the changes since the given values.
     fn words_of(&self, before: &Values) -> String {
         let objects = before.keys().filter(|key| matches!(key, Key::Object(_))).count();
         let mut words = Vec::new();
@@ -309,7 +311,7 @@ impl Explorer {
         words.join(", ")
     }
 
-    fn words_of_settings(&self, before: &Asked) -> String {
+    fn words_of_settings(&self, before: &SettingsSnapshot) -> String {
         if before.preset != self.preset {
             return format!("preset {}", self.preset.name());
         }

@@ -1,28 +1,31 @@
-//! A scene that is looked at and changed while it is rendered: what consoles, scripts, windows and pages work on.
+//! A scene that is viewed and changed while it is rendered: the core of consoles, scripts, windows
+//! and pages.
 //!
-//! [`Explorer`] holds the state: the scene with all changes made to it, the camera, the settings. Changes are made to
-//! the state alone, and are cheap; [`Explorer::update`] then brings the renderer up to date with all of them at once.
-//! What the renderer refuses is taken back, so that there is always a state that can be shown.
+//! [`Explorer`] holds the state: the scene with all its changes, the camera, the settings. A change
+//! only changes this state, and is cheap; [`Explorer::update`] then brings the renderer up to date
+//! with all changes at once. A change that the renderer refuses is taken back, so the state can
+//! always be shown.
 //!
-//! Nothing here knows of windows, files, command lines or threads, so that it works in browsers, too. What waits for the
-//! GPU is `async` and is to be awaited to its end: a change that is dropped halfway may be lost. [`Opened::new`] needs no
-//! GPU, so that a scene can be made ready beside the frames of another.
+//! The crate knows no windows, files, command lines or threads, so it works in browsers, too.
+//! Functions that wait for the GPU are `async`. Await them to their end: a change that is dropped
+//! halfway may be lost. [`PreparedScene::new`] needs no GPU, so a scene can be prepared while
+//! another is rendered.
 //!
 //! ```no_run
 //! # async fn show() -> Result<(), Box<dyn std::error::Error>> {
-//! use lumivox_explorer::{Explorer, Opened};
+//! use lumivox_explorer::{Explorer, PreparedScene};
 //! use lumivox_render::{Gpu, GpuOptions, PresetChoice, RenderSettings};
 //! use lumivox_scene::SightOptions;
 //!
 //! let gpu = Gpu::new(&GpuOptions::default()).await?;
 //! let mut explorer = Explorer::new(gpu, RenderSettings::default(), PresetChoice::default());
 //! let scene = lumivox_scene::builtin::scene("cornell")?;
-//! explorer.open(Opened::new(scene, &SightOptions::default(), &mut |_| {})?);
+//! explorer.open(PreparedScene::new(scene, &SightOptions::default(), &mut |_| {})?);
 //! while explorer.frame(&mut |_| {}).await? {
 //!     let stops = explorer.meter().await?.stops;
 //!     let pixels = explorer.screen(stops).await?; // show them
 //! }
-//! explorer.set_hidden(0, true); // the next frame starts anew
+//! explorer.set_hidden(0, true); // the picture starts again
 //! # drop(explorer);
 //! # Ok(())
 //! # }
@@ -30,21 +33,21 @@
 //!
 //! | file | is |
 //! | --- | --- |
-//! | `opened.rs` | a scene made ready, and what is remembered of it |
-//! | `objects.rs` | its instances: found by name, moved, hidden |
+//! | `opened.rs` | a scene prepared for rendering |
+//! | `objects.rs` | the instances of a scene: finding, moving and hiding them |
 //! | `history.rs` | undo and redo |
-//! | `names.rs` | names of objects, materials and lights, each once |
-//! | `suggest.rs` | what was meant, where a name is wrong |
-//! | `original.rs` | what the scene was before it was changed |
-//! | `animation.rs` | what it plays |
-//! | `clock.rs` | what happens as time goes on |
+//! | `names.rs` | unique names of objects, materials and lights |
+//! | `suggest.rs` | suggestions for misspelled names |
+//! | `original.rs` | the scene as it was opened |
+//! | `animation.rs` | which animation plays |
+//! | `clock.rs` | advancing the time of the scene |
 //! | `update.rs` | bringing the renderer up to date |
 //! | `frames.rs` | rendering frame by frame, and their times |
-//! | `pacing.rs` | how large the next picture is |
+//! | `pacing.rs` | the size of the next picture |
 //! | `metering.rs` | when the exposure is measured |
 //! | `split.rs` | which of two pictures side by side is rendered next |
 //! | `coalesce.rs` | changes that supersede each other while they wait |
-//! | `live.rs` | what a screen asks besides: reading a scene again, times of stages |
+//! | `live.rs` | what only interactive front ends ask: reading a scene again, times of stages |
 
 #![cfg_attr(
     test,
@@ -72,7 +75,7 @@ mod update;
 use std::collections::BTreeMap;
 
 use glam::{UVec2, Vec3};
-use lumivox_render::{Gpu, PresetChoice, Progress, RenderSettings, Renderer};
+use lumivox_render::{Gpu, PresetChoice, RenderProgress, RenderSettings, Renderer};
 use lumivox_scene::{Bounds, Camera, InstanceBounds, Scene};
 use web_time::Instant;
 
@@ -84,76 +87,78 @@ use history::{History, Key};
 pub use metering::ExposureMeter;
 pub use names::NotFound;
 pub use objects::Placement;
-pub use opened::{Opened, first_look};
+pub use opened::{PreparedScene, first_look};
 pub use original::Original;
 pub use pacing::{Pacing, REST};
 pub use split::{Side, SplitSchedule};
 use update::Pending;
 
-/// When triangles that have moved become voxels again.
+/// When moved triangles are voxelized again.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Revoxelize {
     /// Whenever something has moved.
     #[default]
     WhenMoved,
-    /// Only when asked to.
+    /// Only on request ([`Explorer::ask_for_voxels`]).
     WhenAsked,
-    /// Every so many seconds, moved or not.
+    /// At this interval in seconds, moved or not.
     Every(f32),
     /// At every frame, moved or not.
     EveryFrame,
 }
 
-/// Settings that are asked for, and what they started from.
+/// Requested settings, with the preset that they started from.
 #[derive(Clone, Debug)]
-pub struct Asked {
+pub struct RequestedSettings {
     /// The settings.
     pub settings: RenderSettings,
     preset: PresetChoice,
     fitted: Option<Bounds>,
 }
 
-/// A scene at work.
+/// A scene that is viewed and changed while it is rendered.
 #[derive(Debug)]
 pub struct Explorer {
     gpu: Gpu,
-    opened: Option<Opened>,
-    /// What is asked for; [`Explorer::update`] makes it so.
+    opened: Option<PreparedScene>,
+    /// The requested settings; [`Explorer::update`] applies them.
     settings: RenderSettings,
     preset: PresetChoice,
-    /// Those that a renderer took last, or else the first; what one refuses becomes these again.
+    /// The settings that the renderer accepted last, or the first ones; they return when it refuses
+    /// others.
     accepted: RenderSettings,
     /// Their preset.
     accepted_preset: PresetChoice,
-    /// The grid's box that was found here, and not asked for by a user: it widens.
+    /// The grid's box if it was fitted here and not set by a user: it widens.
     fitted: Option<Bounds>,
     camera: Camera,
-    /// Two cameras to come back to.
+    /// Two cameras to return to.
     positions: [Option<Camera>; 2],
-    /// Others, by the names that they were stored under.
+    /// Further stored cameras, by name.
     stored: BTreeMap<String, Camera>,
-    /// When voxels are made anew.
+    /// When voxels are made again.
     pub revoxelize: Revoxelize,
-    /// Frames are rendered one by one, on demand.
+    /// Whether frames are rendered one by one, on demand. Default: no.
     pub is_single_frame: bool,
-    /// Each frame is waited for at its end, else at the beginning of the next one. Default: yes.
+    /// Whether each frame is waited for at its end instead of at the start of the next. Default:
+    /// yes.
     pub waits_for_gpu: bool,
     playback: Playback,
     renderer: Option<Renderer>,
     pending: Pending,
-    /// Around the objects as they stand.
+    /// Bounds of the objects at their present places.
     boxes: InstanceBounds,
     history: History,
     times: FrameTimes,
-    /// Seconds since voxels were last made anew for the time's sake.
+    /// Seconds since voxels were last made at an interval.
     since_voxels_s: f32,
-    /// When [`Explorer::tick_clock`] was called last, or playing began.
+    /// The last call of [`Explorer::tick_clock`], or the start of playback.
     ticked: Instant,
     generation: u32,
 }
 
 impl Explorer {
-    /// Without a scene yet. `preset` is the one that the settings were made from.
+    /// Makes an explorer without a scene. `preset` is the one that the settings were made from.
     pub fn new(gpu: Gpu, settings: RenderSettings, preset: PresetChoice) -> Self {
         Self {
             gpu,
@@ -181,8 +186,9 @@ impl Explorer {
         }
     }
 
-    /// Shows another scene from its camera. Settings stay; what was stored of the last scene goes.
-    pub fn open(&mut self, mut opened: Opened) {
+    /// Shows another scene from its camera. Settings stay; cameras stored for the last scene are
+    /// forgotten.
+    pub fn open(&mut self, mut opened: PreparedScene) {
         self.camera = opened.camera.clone();
         self.positions = opened.positions();
         self.stored.clear();
@@ -203,7 +209,7 @@ impl Explorer {
         self.times.clear();
     }
 
-    /// Shows nothing.
+    /// Closes the scene: nothing is shown.
     pub fn close(&mut self) {
         self.opened = None;
         self.positions = [None, None];
@@ -220,12 +226,12 @@ impl Explorer {
         self.times.clear();
     }
 
-    /// What is shown, with all changes; `None` before anything was opened.
+    /// The scene with all changes; `None` before one was opened.
     pub fn scene(&self) -> Option<&Scene> {
         self.opened.as_ref().map(|opened| &opened.scene)
     }
 
-    /// Goes up whenever another scene is opened, or the scene is closed.
+    /// A number that rises whenever a scene is opened or closed.
     pub fn generation(&self) -> u32 {
         self.generation
     }
@@ -235,18 +241,18 @@ impl Explorer {
         &self.gpu
     }
 
-    /// Goes on with another device, after this one was lost: everything is uploaded again.
+    /// Continues on another device after this one was lost: everything is uploaded again.
     pub fn set_gpu(&mut self, gpu: Gpu) {
         self.gpu = gpu;
         self.renderer = None;
     }
 
-    /// The settings that are asked for; those of the renderer once [`Self::update`] succeeded.
+    /// The requested settings; those of the renderer once [`Self::update`] succeeded.
     pub fn settings(&self) -> &RenderSettings {
         &self.settings
     }
 
-    /// Asks for other settings.
+    /// Requests other settings.
     ///
     /// # Errors
     /// When one is out of range; then nothing changes.
@@ -261,8 +267,8 @@ impl Explorer {
         self.preset
     }
 
-    /// Asks for settings, and takes note of what they are instead of, for [`Self::undo`]: what a user asks for, where
-    /// [`Self::set_settings`] is for what only passes.
+    /// Requests settings on behalf of the user, as a step for [`Self::undo`].
+    /// [`Self::set_settings`] is for temporary ones.
     ///
     /// # Errors
     /// As [`Self::set_settings`].
@@ -278,7 +284,8 @@ impl Explorer {
         Ok(())
     }
 
-    /// [`Self::choose_settings`], and makes them so at once, as [`Self::confirm`] does.
+    /// Requests settings as [`Self::choose_settings`] does, and applies them at once as
+    /// [`Self::confirm`] does.
     ///
     /// # Errors
     /// As [`Self::choose_settings`] and [`Self::update`].
@@ -286,39 +293,47 @@ impl Explorer {
         &mut self,
         settings: RenderSettings,
         preset: PresetChoice,
-        tell: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), ExplorerError> {
         let before = self.asked();
         self.choose_settings(settings, preset)?;
-        self.confirm(before, tell).await
+        self.confirm(before, progress).await
     }
 
-    /// What is asked for now, for [`Self::confirm`].
-    pub fn asked(&self) -> Asked {
-        Asked { settings: self.settings.clone(), preset: self.preset, fitted: self.fitted }
+    /// The present request, for [`Self::confirm`].
+    pub fn asked(&self) -> RequestedSettings {
+        RequestedSettings {
+            settings: self.settings.clone(),
+            preset: self.preset,
+            fitted: self.fitted,
+        }
     }
 
-    /// Makes the settings so at once that are asked for: where the renderer refuses them, those of before are asked for
-    /// again, and nothing else is lost. Without a renderer they stay asked for.
+    /// Applies the requested settings at once. If the renderer refuses them, those of `before` are
+    /// requested again, and nothing else is lost. Without a renderer they stay requested.
     ///
     /// # Errors
     /// As [`Self::update`].
     pub async fn confirm(
         &mut self,
-        before: Asked,
-        tell: &mut dyn FnMut(Progress),
+        before: RequestedSettings,
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), ExplorerError> {
         if self.renderer.is_none() {
             return Ok(());
         }
-        let updated = self.update(tell).await;
+        let updated = self.update(progress).await;
         if updated.is_err() {
-            Asked { settings: self.settings, preset: self.preset, fitted: self.fitted } = before;
+            RequestedSettings {
+                settings: self.settings,
+                preset: self.preset,
+                fitted: self.fitted,
+            } = before;
         }
         updated
     }
 
-    /// Says whether the grid's box widens for what leaves it, as the first one does.
+    /// Sets whether the grid's box widens for objects that leave it, as the first one does.
     pub fn set_grid_widens(&mut self, widens: bool) {
         self.fitted = self.settings.grid_bounds.filter(|_| widens);
     }
@@ -328,12 +343,12 @@ impl Explorer {
         self.fitted = bounds;
     }
 
-    /// Whether the grid widens for what leaves it: not where a user has asked for its box.
+    /// Whether the grid's box widens for objects that leave it; it does not if a user has set it.
     pub fn has_fitted_grid(&self) -> bool {
         self.settings.grid_bounds == self.fitted
     }
 
-    /// The settings of a preset; picture, view and resolution stay.
+    /// The settings of a preset with the present picture, view and resolution.
     pub fn settings_of(&self, preset: PresetChoice) -> RenderSettings {
         self.settings.with_preset(preset, self.scene())
     }
@@ -343,7 +358,7 @@ impl Explorer {
         self.settings.size
     }
 
-    /// Where the picture is taken from.
+    /// The camera of the picture.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
@@ -353,27 +368,27 @@ impl Explorer {
         self.camera = camera;
     }
 
-    /// Camera 0 or 1 of those to come back to.
+    /// Stored camera 0 or 1.
     pub fn position(&self, number: usize) -> Option<&Camera> {
         self.positions.get(number)?.as_ref()
     }
 
-    /// Keeps the present camera as number 0 or 1.
+    /// Stores the present camera as number 0 or 1.
     pub fn store_position(&mut self, number: usize) {
         if let Some(position) = self.positions.get_mut(number) {
             *position = Some(self.camera.clone());
         }
     }
 
-    /// The cameras that were stored under names, in the order of these.
+    /// The cameras stored under names, sorted by name.
     pub fn stored_cameras(&self) -> impl Iterator<Item = (&str, &Camera)> {
         self.stored.iter().map(|(name, camera)| (name.as_str(), camera))
     }
 
-    /// Keeps the present camera under a name, instead of the one that was stored under it before.
+    /// Stores the present camera under a name, in place of an earlier one of that name.
     ///
     /// # Errors
-    /// [`ExplorerError::CameraName`] when the name is empty, or that of a camera of the scene.
+    /// [`ExplorerError::CameraName`] when the name is empty or belongs to a camera of the scene.
     pub fn store_camera(&mut self, name: &str) -> Result<(), ExplorerError> {
         let cameras = self.scene().map_or(&[][..], |scene| &scene.cameras);
         let problem = if name.trim().is_empty() {
@@ -391,12 +406,12 @@ impl Explorer {
         Ok(())
     }
 
-    /// The renderer, once there is one.
+    /// The renderer; `None` before the first frame.
     pub fn renderer(&self) -> Option<&Renderer> {
         self.renderer.as_ref()
     }
 
-    /// Changes lights and surroundings.
+    /// Changes lights and surroundings of the scene.
     pub fn edit_lights(&mut self, edit: impl FnOnce(&mut Scene)) {
         self.keep(Key::Lights);
         self.keep(Key::Environment);
@@ -406,7 +421,7 @@ impl Explorer {
         }
     }
 
-    /// Changes a material; `false` when there is none of that number.
+    /// Changes a material; returns `false` when there is none of that number.
     pub fn edit_material(
         &mut self,
         number: usize,
@@ -422,7 +437,7 @@ impl Explorer {
         true
     }
 
-    /// The box around the scene as it stands.
+    /// The box around the present scene.
     pub fn bounds(&self) -> Bounds {
         let nothing = Bounds { min: Vec3::ZERO, max: Vec3::ZERO };
         self.scene().map_or(nothing, |scene| self.boxes.all(scene))

@@ -1,4 +1,4 @@
-//! What front ends with a picture on the screen ask of an explorer besides.
+//! What only interactive front ends ask of an explorer: reading a scene again, and times of stages.
 
 use std::collections::HashSet;
 
@@ -6,12 +6,12 @@ use lumivox::gpu::{StageTime, Timing};
 use lumivox_render::PresetChoice;
 
 use crate::Explorer;
-use crate::opened::Opened;
+use crate::opened::PreparedScene;
 
 impl Explorer {
-    /// Shows a scene that was read again: the camera, those that were stored and the changes of objects that are still there
-    /// stay. Returns for how many objects changes were kept.
-    pub fn reopen(&mut self, mut opened: Opened) -> usize {
+    /// Shows a scene that was read again. The camera, the stored views and the changes of objects
+    /// that still exist are kept. Returns the number of objects whose changes were kept.
+    pub fn reopen(&mut self, mut opened: PreparedScene) -> usize {
         let (camera, positions) = (self.camera.clone(), self.positions.clone());
         let stored = std::mem::take(&mut self.stored);
         if let Some(old) = &mut self.opened {
@@ -26,18 +26,18 @@ impl Explorer {
         kept
     }
 
-    /// Takes note of the preset that the settings started from.
+    /// Records the preset that the settings started from.
     pub fn note_preset(&mut self, preset: PresetChoice) {
         self.preset = preset;
     }
 
-    /// Whether the times of stages are taken. It costs some time itself.
+    /// Sets whether the times of stages are measured. Measuring takes some time itself.
     pub fn set_timed(&mut self, is_timed: bool) {
         let timing = if is_timed { Timing::for_device(&self.gpu.device) } else { Timing::Off };
         self.settings.timing = timing;
     }
 
-    /// The times of all passes since the last call; empty unless they are taken.
+    /// The times of all passes since the last call; empty unless they are measured.
     pub fn take_stage_times(&mut self) -> Vec<StageTime> {
         let Some(renderer) = &mut self.renderer else { return Vec::new() };
         let times = renderer.times();

@@ -1,4 +1,4 @@
-//! When pictures that get better are metered again: metering reads all of a picture back.
+//! When a picture that is still improving is metered again. Metering reads the whole picture back.
 
 use std::mem::discriminant;
 use std::time::Duration;
@@ -8,7 +8,7 @@ use web_time::Instant;
 
 use crate::{Explorer, ExplorerError};
 
-/// The least time between two measurements while everything moves.
+/// The least time between two measurements while the scene or the camera moves.
 const MEASURE_EVERY: Duration = Duration::from_millis(250);
 
 /// The exposure that pictures are shown with, and when it was measured.
@@ -16,7 +16,8 @@ const MEASURE_EVERY: Duration = Duration::from_millis(250);
 pub struct ExposureMeter {
     last: Metering,
     measured: Option<Instant>,
-    /// Frames of the picture that was measured last; `None` where nothing of the present state was.
+    /// Frames of the picture that was measured last; `None` if the present state was not measured
+    /// yet.
     frames: Option<u32>,
 }
 
@@ -28,12 +29,12 @@ impl Default for ExposureMeter {
 }
 
 impl ExposureMeter {
-    /// The picture starts again.
+    /// Call this when the picture starts again.
     pub fn start_again(&mut self) {
         self.frames = None;
     }
 
-    /// The next picture shows something else: it is measured whenever it comes.
+    /// Call this when the next picture shows something else: it is then measured whenever it comes.
     pub fn forget(&mut self) {
         self.measured = None;
     }
@@ -48,16 +49,16 @@ impl ExposureMeter {
         Some((self.last.histogram?, self.last.stops))
     }
 
-    /// Why the picture is not what a camera would make of the scene.
+    /// Why the exposure is not the one that a camera would choose.
     pub fn warning(&self) -> Option<ExposureWarning> {
         self.last.warning
     }
 
-    /// Measures the frames so far if it is time. Returns a warning once for each reason, for the
-    /// first frames are as dark as the last.
+    /// Measures the picture if a measurement is due. Returns each warning only once: the first
+    /// frames are as dark as the last.
     ///
     /// # Errors
-    /// When the device fails.
+    /// If the device fails.
     pub async fn follow(
         &mut self,
         explorer: &Explorer,
@@ -73,22 +74,22 @@ impl ExposureMeter {
         Ok(self.take(&metering, frames))
     }
 
-    /// The stops for a scene's first, coarse picture. The pictures of full size get a histogram and
-    /// warnings.
+    /// Measures a scene's first, coarse picture for its stops alone. The pictures of full size get
+    /// a histogram and warnings.
     ///
     /// # Errors
-    /// When the device fails.
+    /// If the device fails.
     pub async fn follow_first(&mut self, explorer: &Explorer) -> Result<(), ExplorerError> {
         self.last.stops = explorer.meter().await?.stops;
         self.forget();
         Ok(())
     }
 
-    /// The stops for the frames so far of another view, which is shown beside a picture of `first`:
-    /// both are exposed alike where both show light.
+    /// The stops for another view, which is shown beside a picture of `first`. Both get the same
+    /// exposure if both show light.
     ///
     /// # Errors
-    /// When the device fails.
+    /// If the device fails.
     pub async fn beside(&self, explorer: &Explorer, first: View) -> Result<f32, ExplorerError> {
         if first.is_light() && explorer.settings().view.is_light() {
             return Ok(self.last.stops);
@@ -96,8 +97,8 @@ impl ExposureMeter {
         Ok(explorer.meter().await?.stops)
     }
 
-    /// Pictures are measured at 1, 2, 4, 8, ... frames and at the last one. While everything moves
-    /// there is never more than one frame, and time decides.
+    /// Pictures are measured at 1, 2, 4, 8, ... frames and at the last one. While something moves,
+    /// each picture has one frame, and the time since the last measurement decides.
     fn is_due(&self, frames: u32, is_last: bool) -> bool {
         let Some(measured) = self.measured else { return true };
         if self.frames == Some(frames) {

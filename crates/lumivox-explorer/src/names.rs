@@ -6,21 +6,21 @@ use lumivox_scene::Scene;
 
 use crate::{Explorer, suggest};
 
-/// There is nothing of a name.
+/// The error that nothing has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no {kind} \"{name}\"{remedy}")]
 pub struct NotFound {
-    /// Of what kind it would be.
+    /// The kind of the thing, such as `object`.
     pub kind: &'static str,
-    /// What was asked for.
+    /// The name that was asked for.
     pub name: String,
-    /// Those that there are.
+    /// The names that exist.
     pub known: Vec<String>,
     remedy: String,
 }
 
 impl NotFound {
-    /// The place of a name among those that there are.
+    /// The place of a name among the known ones.
     ///
     /// # Errors
     /// When it is not among them.
@@ -37,11 +37,12 @@ impl NotFound {
     }
 }
 
-/// The names of things of a kind, each once: what has none is called by its place, what is there already is numbered.
-/// Line feeds and the like become blanks, for a name is a word of a line.
+/// The names of things of one kind, each once: an unnamed thing is called by its place, and a
+/// repeated name gets a number. Line feeds and the like become blanks, because a name is a word of
+/// a line.
 fn unique<'a>(kind: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut used = HashSet::new();
-    // The number that comes next for a name: many may have the same.
+    // The next number for each name: many things may share one.
     let mut next = HashMap::new();
     let name = |(index, name): (usize, &str)| {
         let mut name = name.replace(char::is_control, " ");
@@ -72,10 +73,10 @@ impl Explorer {
         unique("material", materials.map(|material| material.name.as_str()))
     }
 
-    /// The number of the material of a name.
+    /// The number of the material of this name.
     ///
     /// # Errors
-    /// [`NotFound`], with names like it.
+    /// [`NotFound`], with similar names.
     pub fn material(&self, name: &str) -> Result<usize, NotFound> {
         NotFound::or_place("material", name, &self.material_names())
     }
@@ -86,10 +87,10 @@ impl Explorer {
         unique("light", lights.map(|light| light.name.as_str()))
     }
 
-    /// The number of the light of a name.
+    /// The number of the light of this name.
     ///
     /// # Errors
-    /// [`NotFound`], with names like it.
+    /// [`NotFound`], with similar names.
     pub fn light(&self, name: &str) -> Result<usize, NotFound> {
         NotFound::or_place("light", name, &self.light_names())
     }

@@ -5,18 +5,18 @@ use glam::{EulerRot, Mat4, Quat, Vec3, Vec4};
 use crate::Explorer;
 use crate::history::Key;
 use crate::names::NotFound;
-use crate::opened::Opened;
+use crate::opened::PreparedScene;
 
-/// What was changed of an object.
+/// The changes made to an object.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Edit {
-    /// Applied before the place that the file or the animation gives it.
+    /// The transform that is applied before the place that the file or the animation gives it.
     local: Mat4,
     is_hidden: Option<bool>,
     is_static: Option<bool>,
 }
 
-/// What its file says of an object.
+/// The marks that the file gives an object.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Marks {
     is_hidden: bool,
@@ -35,19 +35,19 @@ impl Default for Edit {
     }
 }
 
-/// Where an object stands in the world.
+/// The place of an object in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// Of its origin, m.
+    /// The position of its origin, m.
     pub position: Vec3,
-    /// Turns about x, y and z in degrees: about z first, in the world's axes.
+    /// Rotation about x, y and z in degrees: about z first, in the world's axes.
     pub rotation_deg: Vec3,
-    /// Along its own axes.
+    /// Scale along its own axes.
     pub scale: Vec3,
 }
 
 impl Placement {
-    /// The placement of a matrix; what shears is lost.
+    /// The placement of a matrix, without its shear.
     pub fn of(world_from_local: Mat4) -> Self {
         let (scale, rotation, position) = world_from_local.to_scale_rotation_translation();
         let (x, y, z) = rotation.to_euler(EulerRot::XYZ);
@@ -62,15 +62,15 @@ impl Placement {
     }
 }
 
-impl Opened {
-    /// Brings the instances up to date with the edits.
+impl PreparedScene {
+    /// Applies the edits to the instances.
     pub(crate) fn apply_edits(&mut self) {
         for object in 0..self.scene.instances.len() {
             self.apply_edit(object);
         }
     }
 
-    /// Brings one of them up to date.
+    /// Applies the edit of one object.
     pub(crate) fn apply_edit(&mut self, object: usize) {
         let (Some(instance), Some(posed), Some(marks)) =
             (self.scene.instances.get_mut(object), self.posed.get(object), self.marks.get(object))
@@ -99,7 +99,8 @@ impl Explorer {
         self.opened.as_ref().map_or(&[], |opened| &opened.names)
     }
 
-    /// The number of the object of a name, as [`Self::object_names`] has it, in the scene's instances.
+    /// The number of the object of this name: its place in [`Self::object_names`] and in the
+    /// scene's instances.
     ///
     /// # Errors
     /// [`NotFound`], with names like it.
@@ -107,24 +108,24 @@ impl Explorer {
         NotFound::or_place("object", name, self.known_objects())
     }
 
-    /// Where an object stands; `None` beyond the last.
+    /// The placement of an object; `None` beyond the last.
     pub fn placement(&self, object: usize) -> Option<Placement> {
         let instance = self.scene()?.instances.get(object)?;
         Some(Placement::of(instance.world_from_local))
     }
 
-    /// The place that its file or its animation gives an object; `None` beyond the last.
+    /// The transform that its file or its animation gives an object; `None` beyond the last.
     pub fn posed(&self, object: usize) -> Option<Mat4> {
         self.opened.as_ref()?.posed.get(object).copied()
     }
 
-    /// What [`Self::set_local_edit`] takes to put an object somewhere in the world; no finite matrix where an animation has
-    /// taken all its size.
+    /// The edit for [`Self::set_local_edit`] that puts an object at a place in the world. It is not
+    /// finite where an animation has scaled the object to nothing.
     pub fn local_edit_for(&self, object: usize, placement: Placement) -> Option<Mat4> {
         Some(self.posed(object)?.inverse() * placement.matrix())
     }
 
-    /// Moves an object within its own axes: `local` comes before all that it has been through.
+    /// Moves an object along its own axes: `local` is applied before all earlier transforms.
     pub fn transform(&mut self, object: usize, local: Mat4) {
         self.edit(object, |edit| edit.local *= local);
     }
@@ -134,31 +135,32 @@ impl Explorer {
         self.edit(object, |edit| edit.is_hidden = Some(is_hidden));
     }
 
-    /// Says that an object stays as it is while others move, or not.
+    /// Sets whether an object is static: it stays while others move.
     pub fn set_static(&mut self, object: usize, is_static: bool) {
         self.edit(object, |edit| edit.is_static = Some(is_static));
     }
 
-    /// The part of an object's transform that was added to the place which its file or its animation gives it, and
-    /// what it comes before.
+    /// The transform that was added to an object, applied before the place that its file or its
+    /// animation gives it.
     pub fn local_edit(&self, object: usize) -> Option<Mat4> {
         self.posed(object)?;
         let edit = self.opened.as_ref().and_then(|opened| opened.edit_of(object));
         Some(edit.map_or(Mat4::IDENTITY, |edit| edit.local))
     }
 
-    /// Sets it.
+    /// Sets the transform of [`Self::local_edit`].
     pub fn set_local_edit(&mut self, object: usize, local: Mat4) {
         self.edit(object, |edit| edit.local = local);
     }
 
-    /// Whether an object was hidden or shown, and made static or not, against what its file says.
+    /// Whether a user has hidden or shown the object, and made it static or dynamic; `None` where
+    /// the file decides.
     pub fn marks(&self, object: usize) -> (Option<bool>, Option<bool>) {
         let edit = self.opened.as_ref().and_then(|opened| opened.edit_of(object));
         edit.map_or((None, None), |edit| (edit.is_hidden, edit.is_static))
     }
 
-    /// An object may stand elsewhere now, or be hidden or shown.
+    /// Notes that an object may have moved, or was hidden or shown.
     pub(crate) fn note_moved(&mut self, object: usize) {
         if let Some(opened) = &self.opened {
             self.boxes.follow(&opened.scene, object);
@@ -174,7 +176,7 @@ impl Explorer {
         if let Some(name) = opened.names.get(object) {
             let edit = opened.edits.entry(name.clone()).or_default();
             change(edit);
-            // What rounding left of a projection would shear what it is multiplied with.
+            // Rounding in the last row of a projection would shear whatever it is multiplied with.
             let last_row = Vec4::W;
             edit.local = edit.local.transpose();
             edit.local.w_axis = last_row;

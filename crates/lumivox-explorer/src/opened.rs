@@ -1,10 +1,10 @@
-//! A scene made ready to be looked at, and what is remembered of it.
+//! A scene prepared for viewing: its camera, its light, the bounds of its motion.
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use glam::Mat4;
-use lumivox_render::{Progress, RenderSettings};
+use lumivox_render::{RenderProgress, RenderSettings};
 use lumivox_scene::{AnimationChoice, Bounds, Camera, Framing, Note, Scene, Sight, SightOptions};
 
 use crate::ExplorerError;
@@ -14,57 +14,57 @@ use crate::original::Original;
 
 /// A scene that is ready for [`Explorer::open`](crate::Explorer::open), with the changes made to it since.
 #[derive(Debug)]
-pub struct Opened {
-    /// As it is shown.
+pub struct PreparedScene {
+    /// The scene as it is shown.
     pub(crate) scene: Scene,
     pub(crate) camera: Camera,
-    /// What the grid is fitted to.
+    /// The box that the grid is fitted to.
     pub(crate) grid_bounds: Option<Bounds>,
     /// The objects' names, each once, in the order of the scene's instances.
     pub(crate) names: Vec<String>,
-    /// The objects' places without edits, in the same order.
+    /// The objects' transforms without edits, in the same order.
     pub(crate) posed: Vec<Mat4>,
-    /// What the file says of them, in the same order.
+    /// The marks that the file gives them, in the same order.
     pub(crate) marks: Vec<Marks>,
-    /// Changes of objects by their names.
+    /// The objects' edits by name.
     pub(crate) edits: BTreeMap<String, Edit>,
-    /// Lights and materials before they were changed.
+    /// Lights and materials before any change.
     pub(crate) original: Original,
     notes: Vec<Note>,
 }
 
-/// Steps of an animation at which the room that it takes is measured.
+/// The number of poses from which an animation's bounds are measured.
 const POSES: u32 = 32;
 
-impl Opened {
-    /// Decides how a scene is seen, lights it where it needs light, and measures the room that its animation takes. This
-    /// may take seconds and needs no GPU; `tell` hears how far it is.
+impl PreparedScene {
+    /// Finds a camera, adds light where the scene has too little, and measures the bounds of its
+    /// animation. This may take seconds and needs no GPU; `progress` is called at each step.
     ///
     /// # Errors
-    /// When nothing of the scene is left at some time of its animation.
+    /// When the scene has no triangles left at some time of its animation.
     pub fn new(
         scene: Scene,
         options: &SightOptions,
-        tell: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<Self, ExplorerError> {
-        Self::surveyed(scene, options, &OnceCell::new(), tell)
+        Self::surveyed(scene, options, &OnceCell::new(), progress)
     }
 
-    /// The same for a scene that was surveyed before, if its triangles are still the same.
+    /// The same for a scene that was surveyed before, if its triangles have not changed since.
     ///
     /// # Errors
-    /// As [`Opened::new`].
+    /// As [`PreparedScene::new`].
     pub fn surveyed(
         mut scene: Scene,
         options: &SightOptions,
         framing: &OnceCell<Framing>,
-        tell: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<Self, ExplorerError> {
-        tell(Progress { stage: "looking at the scene", done: 0, total: 1 });
+        progress(RenderProgress { stage: "looking at the scene", done: 0, total: 1 });
         let sight = Sight::of(&scene, options, framing);
         scene.light_up(&sight);
         let Sight { camera, notes, .. } = sight;
-        let grid_bounds = bounds_of_all_poses(&mut scene, tell)?;
+        let grid_bounds = bounds_of_all_poses(&mut scene, progress)?;
         let posed = scene.instances.iter().map(|instance| instance.world_from_local).collect();
         let marks = scene.instances.iter().map(Marks::of).collect();
         let (names, original) = (names_of_objects(&scene), Original::of(&scene));
@@ -72,38 +72,38 @@ impl Opened {
         Ok(Self { scene, camera, grid_bounds, names, posed, marks, edits, original, notes })
     }
 
-    /// The scene, lit.
+    /// The scene, with its light.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// Where it is seen from.
+    /// The camera of the first picture.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
-    /// What was chosen for the scene, its camera and its light; users want to hear of it.
+    /// Notes for the user on what was chosen: camera and light.
     pub fn notes(&self) -> &[Note] {
         &self.notes
     }
 
-    /// The scene's second and third camera: those to come back to.
+    /// The scene's second and third camera: the stored positions at first.
     pub(crate) fn positions(&self) -> [Option<Camera>; 2] {
         [1, 2].map(|number| self.scene.cameras.get(number).cloned())
     }
 }
 
-/// The box around what moves, in all its poses; a grid that follows them would flicker.
+/// The box around all poses of what moves; a grid that followed each pose would flicker.
 fn bounds_of_all_poses(
     scene: &mut Scene,
-    tell: &mut dyn FnMut(Progress),
+    progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<Option<Bounds>, ExplorerError> {
     let animations = scene.animations();
     let Some(first) = animations.first() else { return Ok(None) };
     let rest = scene.clone();
     let mut bounds = scene.bounds();
     for step in 0..=POSES {
-        tell(Progress { stage: "measuring the animation", done: step, total: POSES });
+        progress(RenderProgress { stage: "measuring the animation", done: step, total: POSES });
         let time_s = first.duration_s * step as f32 / POSES as f32;
         scene.pose(AnimationChoice::One(0), time_s)?;
         bounds = bounds.union(scene.bounds());
@@ -112,12 +112,12 @@ fn bounds_of_all_poses(
     Ok(Some(bounds))
 }
 
-/// A first picture has at most so many voxels along the longest axis.
+/// The most voxels along the longest axis in a first picture.
 const FIRST_RESOLUTION: u32 = 32;
 
-/// Settings for a scene's first picture, which is there while what is asked for takes its time: at most 32 voxels along
-/// the longest axis, and one bounce. Those asked for where the view shows voxels instead of light. The size is the
-/// caller's.
+/// Settings for a scene's first picture, which is shown while the requested one takes its time: at
+/// most 32 voxels along the longest axis, and one bounce. Where the view shows voxels instead of
+/// light, the requested settings are returned. The size is left as requested.
 pub fn first_look(asked: &RenderSettings) -> RenderSettings {
     if !asked.view.is_light() {
         return asked.clone();

@@ -1,10 +1,10 @@
-//! What a scene was before it was changed: what scripts that repeat the changes start from.
+//! The scene before it was changed: scripts that repeat the changes start from it.
 
 use lumivox_scene::{Camera, Environment, Light, Material, Scene};
 
 use crate::Explorer;
 
-/// Lights and materials as they were opened.
+/// Lights and materials of the scene as it was opened.
 #[derive(Clone, Debug)]
 pub struct Original {
     /// The lights.
@@ -26,12 +26,13 @@ impl Original {
 }
 
 impl Explorer {
-    /// Lights and materials as they were opened.
+    /// Lights and materials of the scene as it was opened.
     pub fn original(&self) -> Option<&Original> {
         self.opened.as_ref().map(|opened| &opened.original)
     }
 
-    /// What was chosen when the scene was opened: [`Opened::notes`](crate::Opened::notes).
+    /// Notes on the choices made when the scene was opened:
+    /// [`PreparedScene::notes`](crate::PreparedScene::notes).
     pub fn notes(&self) -> &[lumivox_scene::Note] {
         self.opened.as_ref().map_or(&[], |opened| opened.notes())
     }
@@ -41,7 +42,7 @@ impl Explorer {
         self.opened.as_ref().map(|opened| &opened.camera)
     }
 
-    /// Camera 0 or 1 of those to come back to, as the scene has it.
+    /// Camera 0 or 1 of the stored positions, as the scene has it.
     pub fn original_position(&self, number: usize) -> Option<Camera> {
         self.opened.as_ref().and_then(|opened| opened.positions().into_iter().nth(number)?)
     }

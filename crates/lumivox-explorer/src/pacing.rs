@@ -1,15 +1,15 @@
-//! How large pictures are: coarse while a scene is new, and while the camera moves if frames are
-//! slow.
+//! The size of the next picture: coarse while a scene is new, and while the camera moves if frames
+//! are slow.
 
 use std::time::Duration;
 
 use glam::UVec2;
 use web_time::Instant;
 
-/// The camera has come to rest when it has not moved for this long.
+/// The camera is at rest when it has not moved for this long.
 pub const REST: Duration = Duration::from_millis(300);
 
-/// The edges of the coarsest pictures are divided by this.
+/// The divisor of the edges of the coarsest pictures.
 const COARSEST: u32 = 4;
 
 /// Chooses the size of the next picture.
@@ -29,23 +29,23 @@ impl Default for Pacing {
 }
 
 impl Pacing {
-    /// The camera was moved by hand.
+    /// Notes that the user moved the camera.
     pub fn camera_moved(&mut self) {
         self.moved = Some(Instant::now());
     }
 
-    /// Whether it was moved a moment ago.
+    /// Whether the camera was moved within the last [`REST`].
     pub fn is_moving(&self) -> bool {
         self.moved.is_some_and(|moved| moved.elapsed() < REST)
     }
 
-    /// Another scene was opened: its first picture is a coarse one, so that there is something to
-    /// see soon.
+    /// Notes that another scene was opened: its first picture is a coarse one, so that something is
+    /// visible soon.
     pub fn scene_opened(&mut self) {
         self.is_first = true;
     }
 
-    /// The first picture of a scene is there, or is not wanted.
+    /// Notes that the first picture of a scene is shown, or is not wanted.
     pub fn first_shown(&mut self) {
         self.is_first = false;
     }
@@ -56,12 +56,12 @@ impl Pacing {
         self.is_first
     }
 
-    /// Takes how long a frame of full size took.
+    /// Notes the time of a frame of full size.
     pub fn note_frame(&mut self, duration: Duration) {
         self.full_frame = duration;
     }
 
-    /// Whether the next picture has fewer pixels than it will have.
+    /// Whether the next picture has fewer pixels than its final size.
     pub fn is_coarse(&self) -> bool {
         self.divisor() > 1
     }
@@ -82,8 +82,8 @@ impl Pacing {
     }
 }
 
-/// At 100 ms a frame one looks at stills; a quarter of the pixels takes about a quarter of the
-/// time.
+/// The divisor of the edges for a frame time at full size. From 100 ms on, a user sees single
+/// pictures; a quarter of the pixels takes about a quarter of the time.
 fn divisor(full_frame: Duration) -> u32 {
     match full_frame.as_millis() {
         0..100 => 1,

@@ -1,8 +1,8 @@
-//! Two pictures side by side, of which one renderer makes one at a time.
+//! The schedule of two pictures side by side, which one renderer makes in turn.
 //!
-//! After a change each gets one frame, so that both halves show the same moment; then the left is
-//! completed, then the right, and both stay until something changes again. Frames that alternated
-//! all the time would start their means again each time, and neither picture would get better.
+//! After a change each side gets one frame, so that both show the same moment; then the left is
+//! completed, then the right, and both stay until something changes. Alternating all the time would
+//! restart both means at every frame, and neither picture would improve.
 
 /// One of two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +34,7 @@ pub struct SplitSchedule {
 }
 
 impl SplitSchedule {
-    /// The side of the next frame; `None` once both are complete.
+    /// The side of the next frame; `None` when both are complete.
     pub fn next(&self) -> Option<Side> {
         match self.phase {
             Phase::FirstLeft | Phase::Left => Some(Side::Left),
@@ -43,9 +43,9 @@ impl SplitSchedule {
         }
     }
 
-    /// Goes on after the side of [`Self::next`] was looked after. `has_rendered` is whether it had
-    /// a frame to render, and `is_changing` whether the next frames show something else, as while
-    /// an animation plays.
+    /// Advances after the side of [`Self::next`] had its turn. `has_rendered` says whether it had a
+    /// frame to render, `is_changing` whether the next frames show something else, as while an
+    /// animation plays.
     pub fn advance(&mut self, has_rendered: bool, is_changing: bool) {
         self.phase = match self.phase {
             Phase::FirstLeft => Phase::FirstRight,
@@ -57,13 +57,13 @@ impl SplitSchedule {
         };
     }
 
-    /// Both pictures start again.
+    /// Starts both pictures again.
     pub fn start_again(&mut self) {
         self.phase = Phase::FirstLeft;
     }
 
-    /// The scene has changed by itself: both start again, once both have their frame of the last
-    /// change.
+    /// Notes that the scene has changed by itself: both pictures start again, once both have a
+    /// frame of the last change.
     pub fn scene_changed(&mut self) {
         if self.phase != Phase::FirstRight {
             self.phase = Phase::FirstLeft;
@@ -75,7 +75,7 @@ impl SplitSchedule {
 mod tests {
     use super::*;
 
-    /// Sides that are rendered of pictures of this number of frames, until both are complete.
+    /// The sides that are rendered until both pictures of `frames` frames are complete.
     fn sides(schedule: &mut SplitSchedule, frames: u32) -> String {
         let mut left = [frames; 2];
         let mut sides = String::new();

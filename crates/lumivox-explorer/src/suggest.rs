@@ -1,13 +1,14 @@
-//! What was meant, where a name is wrong.
+//! Suggestions for misspelt names.
 
-/// Names must be this alike, of 1, to be suggested.
+/// The least similarity of a suggestion, 0 to 1.
 const ALIKE: f64 = 0.7;
 
-/// How alike names of three letters and more are that one letter too many, too few, another or swapped tells apart.
+/// The similarity of names of three or more letters that differ by one slip: a letter too many, too
+/// few, another one, or two swapped.
 const ONE_SLIP: f64 = 0.9;
 
-/// The known name that is most like a wrong one, by Jaro and Winkler's measure (Winkler 1990) or by a single slip
-/// (Damerau 1964), whatever the case; `None` where nothing is like it.
+/// The known name most similar to a wrong one, by the measure of Jaro and Winkler (Winkler 1990) or
+/// by a single slip (Damerau 1964), ignoring case; `None` if none is similar.
 pub fn like<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let wrong = wrong.to_lowercase();
     let alike = |name: &str| {
@@ -24,7 +25,8 @@ pub fn like<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option
         .map(|(_, name)| name.to_owned())
 }
 
-/// What to do about a wrong name, to follow what is wrong: the name like it, or the command that lists all.
+/// The remedy for a wrong name, as the end of an error message: a similar name, or the command that
+/// lists all.
 pub fn remedy<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>, lister: &str) -> String {
     match like(wrong, known) {
         Some(like) => format!("; did you mean \"{like}\"?"),

@@ -42,9 +42,9 @@ pub(crate) fn small() -> RenderSettings {
     }
 }
 
-pub(crate) fn opened(scene: &str) -> Opened {
+pub(crate) fn opened(scene: &str) -> PreparedScene {
     let scene = lumivox_scene::builtin::scene(scene).unwrap();
-    Opened::new(scene, &SightOptions::default(), &mut |_| {}).unwrap()
+    PreparedScene::new(scene, &SightOptions::default(), &mut |_| {}).unwrap()
 }
 
 pub(crate) fn explorer(scene: &str) -> Explorer {
@@ -259,7 +259,7 @@ fn cameras_are_stored_under_names() {
 #[test]
 fn dark_scenes_are_lit_and_say_so() {
     let mut dark = lumivox_scene::builtin::scene("cornell").unwrap();
-    let shining = Opened::new(dark.clone(), &SightOptions::default(), &mut |_| {}).unwrap();
+    let shining = PreparedScene::new(dark.clone(), &SightOptions::default(), &mut |_| {}).unwrap();
     assert_eq!(shining.scene(), &dark);
     assert!(shining.notes()[0].text.starts_with("its own"), "{:?}", shining.notes());
     dark.lights.clear();
@@ -267,11 +267,11 @@ fn dark_scenes_are_lit_and_say_so() {
         material.emissive = Vec3::ZERO;
     }
     let left = SightOptions { staging: Staging::None, ..SightOptions::default() };
-    let left = Opened::new(dark.clone(), &left, &mut |_| {}).unwrap();
+    let left = PreparedScene::new(dark.clone(), &left, &mut |_| {}).unwrap();
     assert!(left.notes().is_empty() && !left.scene().shines());
     let mut stages = Vec::new();
-    let mut tell = |step: Progress| stages.push(step.stage);
-    let lit = Opened::new(dark, &SightOptions::default(), &mut tell).unwrap();
+    let mut tell = |step: RenderProgress| stages.push(step.stage);
+    let lit = PreparedScene::new(dark, &SightOptions::default(), &mut tell).unwrap();
     assert!(lit.scene().shines() && lit.notes()[0].text.contains("none of its own"));
     assert_eq!(stages, ["looking at the scene"]);
 }
@@ -282,7 +282,7 @@ fn cameras_are_the_wanted_ones_or_found() {
     let own = scene.cameras[0].clone();
     let wanted = Camera::look_at(Vec3::ONE, Vec3::ZERO, 1.0);
     let camera = |scene: &Scene, options: &SightOptions| {
-        Opened::new(scene.clone(), options, &mut |_| {}).unwrap().camera().clone()
+        PreparedScene::new(scene.clone(), options, &mut |_| {}).unwrap().camera().clone()
     };
     assert_eq!(camera(&scene, &SightOptions::default()), own);
     let options = SightOptions { camera: Some(wanted.clone()), ..SightOptions::default() };
@@ -310,7 +310,7 @@ fn errors_keep_their_words() {
 fn settings_are_tried_at_once() {
     let mut explorer = explorer("cornell");
     let first = picture(&mut explorer);
-    let report = PresetChoice::Report;
+    let report = parameters::find_preset("report").unwrap();
     let settings = RenderSettings { volume_memory: Some(1), ..explorer.settings_of(report) };
     assert!(block_on(explorer.try_settings(settings, report, &mut |_| {})).is_err());
     assert_eq!(explorer.preset(), PresetChoice::Cones(Preset::Balanced));

@@ -1,51 +1,54 @@
-//! Bringing the renderer up to date with what is asked for.
+//! Bringing the renderer up to date with the requested state.
 
 use std::collections::BTreeSet;
 
 use lumivox::GiError;
-use lumivox_render::{Progress, RenderError, Renderer};
+use lumivox_render::{RenderError, RenderProgress, Renderer};
 use lumivox_scene::Scene;
 
 use crate::{Explorer, ExplorerError, Revoxelize};
 
-/// What of the scene the renderer has not seen yet.
+/// Changes of the scene that the renderer has not seen yet.
 #[allow(clippy::struct_excessive_bools)] // One for each thing that may have changed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Pending {
-    /// Lights or surroundings.
+    /// Whether lights or surroundings changed.
     pub(crate) lights: bool,
-    /// Shapes of objects.
+    /// Whether shapes of objects changed.
     pub(crate) shapes: bool,
-    /// Objects whose places have changed, or whether they are there.
+    /// Objects that moved, or were hidden or shown.
     pub(crate) objects: BTreeSet<usize>,
-    /// Materials.
+    /// Whether materials changed.
     pub(crate) materials: bool,
-    /// Voxels are to be made anew, whatever has changed.
+    /// Whether voxels are made again in any case.
     pub(crate) voxels: bool,
 }
 
 impl Explorer {
-    /// Makes voxels anew at the next update.
+    /// Requests new voxels at the next update.
     pub fn ask_for_voxels(&mut self) {
         self.pending.voxels = true;
     }
 
-    /// Whether voxels stand where objects no longer are.
+    /// Whether voxels are still where objects no longer are.
     pub fn has_stale_voxels(&self) -> bool {
         self.renderer.as_ref().is_some_and(Renderer::has_stale_voxels)
     }
 
-    /// Lets voxels follow that were left behind under another policy.
+    /// Requests the voxels that another policy has left behind.
     pub(crate) fn catch_up(&mut self) {
         self.pending.voxels |= self.revoxelize == Revoxelize::WhenMoved && self.has_stale_voxels();
     }
 
-    /// Brings the renderer up to date with all changes since the last call; without a scene, or with an empty one, there
-    /// is nothing to bring. `tell` hears how far it is.
+    /// Brings the renderer up to date with all changes since the last call; does nothing without a
+    /// scene, or with an empty one. `progress` is called at each step.
     ///
     /// # Errors
-    /// When the renderer refuses. Settings that it refuses are those of before again.
-    pub async fn update(&mut self, tell: &mut dyn FnMut(Progress)) -> Result<(), ExplorerError> {
+    /// When the renderer refuses. Refused settings are replaced by the previous ones.
+    pub async fn update(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<(), ExplorerError> {
         let Some(opened) = &self.opened else { return Ok(()) };
         let has_grid = opened.scene.grid_bounds.is_some();
         if opened.scene.shown().next().is_none() && !has_grid {
@@ -53,20 +56,24 @@ impl Explorer {
             return Ok(());
         }
         self.fit_grid();
-        self.bring(tell).await
+        self.bring(progress).await
     }
 
-    async fn bring(&mut self, tell: &mut dyn FnMut(Progress)) -> Result<(), ExplorerError> {
+    async fn bring(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<(), ExplorerError> {
         let Some(opened) = &self.opened else { return Ok(()) };
         let scene = &opened.scene;
         let Some(renderer) = &mut self.renderer else {
-            // What is hidden or moved later must not change the grid: light would flicker.
+            // An object that is hidden or moved later must not change the grid: light would
+            // flicker.
             if scene.grid_bounds.is_none() && self.settings.grid_bounds.is_none() {
                 self.fitted = Some(self.boxes.all(scene));
                 self.settings.grid_bounds = self.fitted;
             }
             let (camera, settings) = (Some(&self.camera), self.settings.clone());
-            match Renderer::new(&self.gpu, scene, camera, settings, tell).await {
+            match Renderer::new(&self.gpu, scene, camera, settings, progress).await {
                 Ok(renderer) => self.renderer = Some(renderer),
                 Err(error) => {
                     self.settings = self.accepted.clone();
@@ -80,7 +87,7 @@ impl Explorer {
             return Ok(());
         };
         if *renderer.settings() != self.settings
-            && let Err(error) = renderer.set_settings(self.settings.clone(), tell).await
+            && let Err(error) = renderer.set_settings(self.settings.clone(), progress).await
         {
             let is_fitted = self.settings.grid_bounds == self.fitted;
             self.settings = renderer.settings().clone();
@@ -95,12 +102,12 @@ impl Explorer {
         self.accepted_preset = self.preset;
         self.history.accept();
         let pending = std::mem::take(&mut self.pending);
-        if let Err(error) = show(renderer, scene, pending, self.revoxelize, tell).await {
-            // Whatever it holds now: the next one is made from the scene as it stands.
+        if let Err(error) = show(renderer, scene, pending, self.revoxelize, progress).await {
+            // The renderer may be in any state now: the next one is made from the present scene.
             self.renderer = None;
             let is_empty = matches!(error, RenderError::Gi(GiError::NothingToVoxelize { .. }));
             if is_empty && scene.grid_bounds.is_some() {
-                return Box::pin(self.bring(tell)).await;
+                return Box::pin(self.bring(progress)).await;
             }
             return Err(error.into());
         }
@@ -116,8 +123,8 @@ impl Explorer {
         self.history.accept();
     }
 
-    /// Widens the grid if something has left it, unless its box is the scene's or the user's own; it does not follow
-    /// what moves within, since light would flicker.
+    /// Widens the grid if something has left it, unless its box is the scene's or the user's own.
+    /// The grid does not follow motion within it, since light would flicker.
     fn fit_grid(&mut self) {
         let (Some(renderer), Some(scene)) = (&self.renderer, self.scene()) else { return };
         if scene.grid_bounds.is_some() || !self.has_fitted_grid() {
@@ -133,31 +140,31 @@ impl Explorer {
     }
 }
 
-/// Shows what is pending of a scene.
+/// Applies the pending changes of the scene.
 async fn show(
     renderer: &mut Renderer,
     scene: &Scene,
     pending: Pending,
     revoxelize: Revoxelize,
-    tell: &mut dyn FnMut(Progress),
+    progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<(), RenderError> {
     let follows = revoxelize == Revoxelize::WhenMoved || pending.voxels;
     if pending.materials {
-        return renderer.set_materials(scene, tell).await;
+        return renderer.set_materials(scene, progress).await;
     }
     let has_moved = pending.shapes || !pending.objects.is_empty();
     if has_moved && follows {
         if pending.shapes {
-            return renderer.set_scene(scene, tell).await;
+            return renderer.set_scene(scene, progress).await;
         }
         let moved: Vec<usize> = pending.objects.into_iter().collect();
-        return renderer.move_instances(scene, &moved, tell).await;
+        return renderer.move_instances(scene, &moved, progress).await;
     }
     if has_moved {
         renderer.place(scene).await?;
     }
     if pending.lights {
-        renderer.set_lights(scene, tell).await?;
+        renderer.set_lights(scene, progress).await?;
     }
-    if pending.voxels { renderer.revoxelize(tell).await } else { Ok(()) }
+    if pending.voxels { renderer.revoxelize(progress).await } else { Ok(()) }
 }

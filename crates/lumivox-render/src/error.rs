@@ -1,4 +1,4 @@
-//! What can go wrong in rendering, typed, with the remedy in the message.
+//! Errors of rendering, typed, with the remedy in the message.
 
 use std::path::PathBuf;
 
@@ -7,35 +7,34 @@ use lumivox::gpu::ShaderError;
 use lumivox::settings::SettingError;
 use lumivox_scene::Scene;
 
-/// An error of the renderer. Every message says what was asked, what stands in the way and what
-/// would help.
+/// An error of the renderer. Every message names the request, the obstacle and a remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// There is no adapter at all, or none with the name asked for.
+    /// There is no adapter at all, or none of the requested name.
     #[error("{problem}; {remedy}")]
     Adapter {
-        /// What was looked for, and what there is instead.
+        /// The requested adapter, and the available ones.
         problem: String,
-        /// What would help.
+        /// The remedy.
         remedy: String,
     },
-    /// The adapter does not give a device with WebGPU's default limits.
+    /// The adapter has no device with WebGPU's default limits.
     #[error(
         "{adapter} offers no device with WebGPU's default limits: {reason}; choose another adapter"
     )]
     NoDevice {
         /// The adapter's name.
         adapter: String,
-        /// What the driver said.
+        /// The message of the driver.
         reason: String,
     },
     /// The device was lost, ran out of memory, or refused a command.
     #[error("the GPU failed while {doing}: {reason}")]
     Device {
-        /// What was under way.
+        /// The work that failed.
         doing: &'static str,
-        /// What the driver said.
+        /// The message of the driver.
         reason: String,
     },
     /// Something is larger than the device allows.
@@ -45,15 +44,15 @@ pub enum RenderError {
     Limit {
         /// The thing that does not fit.
         what: String,
-        /// How much it needs.
+        /// The needed amount.
         needed: u64,
         /// The unit of `needed` and `available`.
         unit: &'static str,
         /// The name of the limit.
         limit: &'static str,
-        /// What the device offers.
+        /// The limit's value on this device.
         available: u64,
-        /// What would fit, or help.
+        /// The size that would fit, or another remedy.
         remedy: String,
     },
     /// The device has too little memory.
@@ -61,61 +60,61 @@ pub enum RenderError {
     OutOfMemory {
         /// The thing that does not fit.
         what: String,
-        /// How much it needs, in MiB; `None` where that shows only while it grows.
+        /// The needed memory in MiB; `None` if it is only known while it grows.
         needed_mib: Option<u64>,
-        /// How much the device has left, in MiB; `None` where its driver does not tell, as that of no GPU does.
+        /// The free memory in MiB; `None` if the driver does not report it (no GPU's driver does).
         available_mib: Option<u64>,
-        /// What would help.
+        /// The remedy.
         remedy: String,
     },
-    /// Nothing of a scene becomes a voxel.
+    /// No triangle of a scene becomes a voxel.
     #[error(
         "the scene \"{scene}\" has no triangle that is large enough to be seen in a grid around all {triangles}; {remedy}"
     )]
     NothingToVoxelize {
         /// The scene's name.
         scene: String,
-        /// How many triangles it has.
+        /// The number of its triangles.
         triangles: u64,
-        /// Why that is, and what would help.
+        /// The cause and the remedy.
         remedy: String,
     },
-    /// A setting lies outside its range.
+    /// A setting is outside its range.
     #[error("{name} is {value}, but must be {expected}")]
     Setting {
         /// The name of the setting.
         name: &'static str,
-        /// What it was set to.
+        /// Its value.
         value: String,
-        /// What is allowed.
+        /// The allowed values.
         expected: String,
     },
-    /// The extension of a picture's file is none that is written here.
+    /// The extension of a picture's file is not one of the written formats.
     #[error(
         "{}: cannot tell the picture's format from the extension \"{extension}\"; end the name \
          with .png (8 bits a channel, tone mapped) or .exr (linear, full range)",
         file.display()
     )]
     UnknownFormat {
-        /// The file asked for.
+        /// The file.
         file: PathBuf,
-        /// Its extension, maybe empty.
+        /// Its extension; may be empty.
         extension: String,
     },
     /// A picture cannot be written.
     #[error("{}: cannot write the picture: {reason}; check the folder and its permissions", file.display())]
     Write {
-        /// The file asked for.
+        /// The file.
         file: PathBuf,
-        /// What the system said.
+        /// The message of the system.
         reason: String,
     },
     /// A reference cannot be read.
-    #[error("{}: cannot read the reference: {reason}; trace it anew", file.display())]
+    #[error("{}: cannot read the reference: {reason}; trace it again", file.display())]
     Reference {
         /// The file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         reason: String,
     },
     /// Global illumination failed.
@@ -127,8 +126,8 @@ pub enum RenderError {
 }
 
 impl RenderError {
-    /// An error of the library with the scene that it was met in: what the library cannot know is why there is nothing
-    /// to voxelize.
+    /// Converts an error of the library for a scene: only the scene can explain why there is
+    /// nothing to voxelize.
     pub fn of_scene(error: GiError, scene: &Scene) -> Self {
         let GiError::NothingToVoxelize { triangles, .. } = error else { return Self::Gi(error) };
         let remedy = match scene.outlier() {
@@ -139,7 +138,7 @@ impl RenderError {
     }
 }
 
-/// What is needed, and what there is.
+/// Describes the needed and the free memory.
 fn shortage(needed_mib: Option<u64>, available_mib: Option<u64>) -> String {
     let needed =
         needed_mib.map_or("more GPU memory".to_owned(), |mib| format!("{mib} MiB of GPU memory"));
@@ -151,10 +150,10 @@ fn shortage(needed_mib: Option<u64>, available_mib: Option<u64>) -> String {
             "{needed} than the {available} MiB that are free (a software driver takes those of the machine)"
         ),
         (None, Some(_)) => {
-            format!("{needed}, more than the driver gave; it does not tell how much it has")
+            format!("{needed}, more than the driver gave; it does not report how much it has")
         }
         (None, None) => {
-            format!("{needed} than the driver gave, which does not tell how much it has")
+            format!("{needed} than the driver gave, which does not report how much it has")
         }
     }
 }
@@ -183,8 +182,8 @@ mod tests {
         );
         assert_eq!(
             text(Some(900), None),
-            "a picture needs 900 MiB of GPU memory, more than the driver gave; it does not tell how \
-             much it has; ask for less"
+            "a picture needs 900 MiB of GPU memory, more than the driver gave; it does not report \
+             how much it has; ask for less"
         );
         assert!(text(None, Some(700)).contains("more GPU memory than the 700 MiB that are free"));
         assert!(text(None, None).contains("more GPU memory than the driver gave, which"));

@@ -76,7 +76,7 @@ fn the_path_tracers_structs_lie_in_memory_alike() {
     library.check_struct::<FilmRecord>("render::reference::path", "Pixel").unwrap();
 }
 
-/// How many entry points a module's own source declares.
+/// The number of entry points that a module's own source declares.
 fn declared_entry_points(source: &str) -> usize {
     let stages = ["@compute", "@vertex", "@fragment"];
     stages.iter().map(|stage| source.matches(stage).count()).sum()

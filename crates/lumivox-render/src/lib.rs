@@ -28,7 +28,6 @@
 // Tests compare floats that must be equal to the bit.
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
-pub mod classics;
 pub mod compare;
 mod error;
 mod gpu;
@@ -41,7 +40,7 @@ mod scene;
 mod settings;
 pub mod shaders;
 
-// What tests inside share with those from outside names the crate as these do.
+// Tests inside the crate and in `tests/` share code that names the crate like this.
 #[cfg(test)]
 extern crate self as lumivox_render;
 #[cfg(test)]
@@ -61,10 +60,10 @@ pub use picture::srgb::srgb_encode;
 pub use picture::tone_map::{EV100_RANGE, ExposureWarning, Histogram, Metering};
 pub use picture::{ImageFormat, Picture};
 pub use renderer::estimate::MemoryEstimate;
-pub use renderer::{Photometry, Progress, Renderer, global_illumination};
+pub use renderer::{Photometry, RenderProgress, Renderer, global_illumination};
 pub use scene::{GpuScene, Lighting, radiance_unit};
 pub use settings::parameters;
-pub use settings::preset::{Companions, PresetChoice};
+pub use settings::preset::{AddedPreset, Companions, PresetChoice};
 pub use settings::{
     COST_SCALE_SAMPLES, Exposure, PHYSICAL, RenderSettings, ShadowMethod, ToneMap, View,
 };

@@ -1,10 +1,10 @@
 //! Looks: the hook by which a caller draws the picture in place of the physical passes.
 //!
-//! Write one for rendering that is not photorealistic, for the shading of another engine that is to be compared, or for a
-//! study that leaves terms out. A [`Look`] is a description that costs nothing and is named in
-//! [`RenderSettings::look`](crate::RenderSettings::look); [`LookPasses`] are what it makes of a scene on a device. The
-//! renderer uploads the scene, counts frames and averages them, draws overlays and develops the picture, as without a look.
-//! `lumivox-vxct` is an example.
+//! Write one for non-photorealistic rendering, for the shading of another engine to compare with,
+//! or for a study that leaves terms out. A [`Look`] is a cheap description, named in
+//! [`RenderSettings::look`](crate::RenderSettings::look); it makes [`LookPasses`] for a scene on a
+//! device. The renderer uploads the scene, counts and averages frames, draws overlays and develops
+//! the picture, as without a look. `lumivox-vxct` is an example.
 
 use std::any::Any;
 use std::fmt::Debug;
@@ -19,13 +19,13 @@ pub use crate::passes::gbuffer::NORMALS_FORMAT;
 pub use crate::passes::raster::DEPTH_FORMAT;
 pub use crate::scene::{Attributes, GpuMaterial, SceneDraw, VertexBuffers};
 use crate::scene::{GpuScene, Lighting};
-use crate::settings::preset::Companions;
 use crate::{Exposure, Gpu, MemoryUse, RenderError, ToneMap, View};
 
-/// How a picture comes about, as [`RenderSettings::look`](crate::RenderSettings::look) takes it; `None` is by the physics.
+/// A look, as [`RenderSettings::look`](crate::RenderSettings::look) takes it; `None` is the
+/// physical one.
 pub type LookChoice = Option<Arc<dyn Look>>;
 
-/// A way from a scene to a picture, with its settings.
+/// A way of drawing a scene, with its settings.
 pub trait Look: Any + Debug + Send + Sync {
     /// The name, in lower case.
     fn name(&self) -> &'static str;
@@ -36,22 +36,22 @@ pub trait Look: Any + Debug + Send + Sync {
     /// Checks the settings against their ranges.
     ///
     /// # Errors
-    /// [`RenderError::Setting`], naming the first one that is out of range.
+    /// [`RenderError::Setting`] for the first one that is out of range.
     fn validate(&self) -> Result<(), RenderError>;
 
-    /// Whether it draws a view. Others are drawn by Lumivox.
+    /// Whether it draws a view. Lumivox draws the others.
     fn shows(&self, view: View) -> bool;
 
-    /// The coarsest level of voxels that its views of them have.
+    /// The coarsest level in its views of voxels.
     fn last_level(&self) -> u32 {
         0
     }
 
-    /// The exposure and the curve that it is made for, with a scene if it is known.
+    /// Its exposure and curve, for a scene if it is known.
     fn display(&self, scene: Option<&Scene>) -> (Exposure, ToneMap);
 
-    /// What draws a scene. `grid` is the box that the grid is fitted to. Nothing need be on the GPU before
-    /// [`LookPasses::prepare`].
+    /// Makes the passes that draw a scene. `grid` is the box that the grid is fitted to. Nothing
+    /// need be on the GPU before [`LookPasses::prepare`].
     fn passes(&self, scene: &LookScene, grid: Bounds) -> Box<dyn LookPasses>;
 }
 
@@ -62,21 +62,21 @@ impl PartialEq for dyn Look {
     }
 }
 
-/// The parts of a scene that looks are given beside those on the GPU.
+/// The parts of a scene that a look receives in addition to those on the GPU.
 #[derive(Clone, Debug)]
 pub struct LookScene {
-    /// The materials, of which textures are in [`GpuScene`].
+    /// The materials; [`GpuScene`] has their textures.
     pub materials: Vec<Material>,
     /// Lights and surroundings.
     pub lighting: Lighting,
     /// [`Scene::has_display_values`].
     pub has_display_values: bool,
-    /// [`Scene::voxel_bounds`], when the lights became what they are.
+    /// [`Scene::voxel_bounds`] at the last change of the lights.
     pub bounds: Bounds,
 }
 
 impl LookScene {
-    /// Those of a scene.
+    /// Takes the parts of a scene.
     pub fn of(scene: &Scene) -> Self {
         Self {
             materials: scene.materials.clone(),
@@ -87,34 +87,35 @@ impl LookScene {
     }
 }
 
-/// The passes of a look for one scene, made by [`Look::passes`]. They are made anew when materials or the grid change,
-/// and dropped when another look is taken.
+/// The passes of a look for one scene, made by [`Look::passes`]. They are made again when materials
+/// or the grid change, and dropped when another look is chosen.
 pub trait LookPasses: Debug + wgpu::WasmNotSendSync {
-    /// Takes up other lights or places; materials stay.
+    /// Takes other lights or transforms; materials stay.
     fn set_scene(&mut self, scene: &LookScene);
 
-    /// Lets the next frame make again what depends on places and light.
+    /// Invalidates everything that depends on transforms and light, for the next frame.
     fn relight(&mut self);
 
-    /// Links shaders and makes what the next frame needs and is not there yet. It comes before each frame.
+    /// Links shaders and makes the missing resources of the next frame. Called before each frame.
     ///
     /// # Errors
     /// When something does not fit the device, or a shader does not link.
     fn prepare(&mut self, parts: &LookParts<'_>) -> Result<(), RenderError>;
 
-    /// Records a frame. Buffers that it writes take effect at the next submission: one frame per recorder.
+    /// Records a frame. Buffers that it writes take effect at the next submission: one frame per
+    /// recorder.
     fn record(&mut self, gpu: &Gpu, recorder: &mut Recorder, frame: &LookFrame<'_>);
 
     /// GPU memory by what it holds.
     fn memory(&self) -> Vec<MemoryUse>;
 }
 
-/// What [`LookPasses`] are prepared with.
+/// The input of [`LookPasses::prepare`].
 #[derive(Clone, Copy, Debug)]
 pub struct LookParts<'a> {
     /// The device, with its pipelines.
     pub gpu: &'a Gpu,
-    /// All modules of Lumivox and of this crate, for the volume in use; add your own to a clone.
+    /// All modules of Lumivox and of this crate, for the present volume; add your own to a clone.
     pub shaders: &'a ShaderLibrary,
     /// The volume, for its layouts.
     pub gi: &'a Gi,
@@ -124,7 +125,7 @@ pub struct LookParts<'a> {
     pub resolution: u32,
 }
 
-/// What a frame of a look is made from and drawn into.
+/// The input and the targets of a look's frame.
 #[derive(Clone, Copy, Debug)]
 pub struct LookFrame<'a> {
     /// The look, with its settings.
@@ -133,40 +134,21 @@ pub struct LookFrame<'a> {
     pub scene: &'a GpuScene,
     /// Lights, surroundings and shadow maps.
     pub lights: &'a Lights,
-    /// The G-buffer's bindings, with the view.
+    /// The G-buffer's bindings, with the camera.
     pub gbuffer: &'a GBuffer,
     /// The camera and the picture's size.
-    pub view: &'a lumivox::View,
-    /// What is shown: a view that [`Look::shows`].
+    pub view: &'a lumivox::CameraView,
+    /// The view to draw: one that [`Look::shows`].
     pub shown: View,
-    /// The level of voxels that is shown.
+    /// The level of voxels to draw.
     pub level: u32,
-    /// Where the picture goes, of [`PICTURE_FORMAT`], by a storage binding: multiples of
+    /// The target of the picture, of [`PICTURE_FORMAT`], for a storage binding: multiples of
     /// [`GpuScene::radiance_unit`], with the share that surfaces cover as alpha.
     pub picture: &'a TextureView,
-    /// Where depths of surfaces go, of [`DEPTH_FORMAT`], by a render pass; nearer is greater. Overlays read them.
+    /// The target of the surfaces' depths, of [`DEPTH_FORMAT`], for a render pass; nearer is
+    /// greater. Overlays read them.
     pub depth: &'a TextureView,
-    /// Where normals of surfaces go, of [`NORMALS_FORMAT`], by a render pass. Overlays read them.
+    /// The target of the surfaces' normals, of [`NORMALS_FORMAT`], for a render pass. Overlays read
+    /// them.
     pub normals: &'a TextureView,
 }
-
-/// A preset that takes a look: [`PresetChoice::Look`](crate::PresetChoice::Look).
-#[derive(Clone, Copy, Debug)]
-pub struct LookPreset {
-    /// The name in lower case; presets are compared by it.
-    pub name: &'static str,
-    /// What it is, in a line without a full stop.
-    pub summary: &'static str,
-    /// The look, with voxels of a resolution.
-    pub look: fn(resolution: u32) -> Arc<dyn Look>,
-    /// What goes with it, given what goes with the physics. Exposure and curve are [`Look::display`]'s.
-    pub companions: fn(Companions) -> Companions,
-}
-
-impl PartialEq for LookPreset {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
-    }
-}
-
-impl Eq for LookPreset {}

@@ -4,9 +4,9 @@ use lumivox::gpu::ShaderLibrary;
 
 use crate::{passes, picture, reference, scene};
 
-/// A library's modules and this crate's beside them, as `package::render::...`.
+/// Adds this crate's modules to a library, as `package::render::...`.
 ///
-/// `base` is the library of the volume in use (`Gi::shaders`): the direct light may march it for
+/// `base` is the library of the present volume (`Gi::shaders`): direct light may march it for
 /// shadows, and the voxel view shows it.
 #[must_use]
 pub fn library(base: &ShaderLibrary) -> ShaderLibrary {

@@ -1,4 +1,4 @@
-//! What the tests inside the crate share with those from outside: the device, and a scene.
+//! Common parts of the tests inside and outside the crate: the device, and a scene.
 
 #[path = "../tests/it/common/device.rs"]
 mod device;

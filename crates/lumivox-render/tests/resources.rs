@@ -14,7 +14,7 @@ use lumivox::gpu::{LiveResources, Timing};
 use lumivox::{Directionality, OctreeBuilder, OctreeOptions, VolumeKind};
 use lumivox_render::reference::{PathTracer, ReferenceSettings};
 use lumivox_render::{
-    Gpu, Overlay, RenderSettings, Renderer, ShadowMethod, View, Wireframe, Wires, classics,
+    Gpu, Overlay, RenderSettings, Renderer, ShadowMethod, View, Wireframe, Wires,
 };
 use lumivox_scene::{Instance, Scene};
 
@@ -51,11 +51,6 @@ fn variants() -> Vec<(&'static str, RenderSettings)> {
             "isotropic voxels",
             RenderSettings { directionality: Directionality::Isotropic, ..small() },
         ),
-        (
-            "a rasterizer",
-            RenderSettings { voxelizer: classics::voxelizer("conservative"), ..small() },
-        ),
-        ("photons", RenderSettings { injection: classics::injection("photons"), ..small() }),
         ("three bounces", RenderSettings { bounces: 3, ..small() }),
         ("cone shadows", RenderSettings { shadows: ShadowMethod::Cone, ..small() }),
         ("finer shadows", RenderSettings { shadow_resolution: 256, ..small() }),

@@ -1,38 +1,49 @@
-//! The errors of scenes: each says what is wrong, where, and what to do.
+//! The errors of scenes: each names the fault, its place, and a remedy.
 
 use std::path::PathBuf;
 
-/// The reason for which a scene could not be loaded, made or saved. Each message names the file (or
-/// the scene), the part of it, and a remedy.
+/// Why a scene could not be loaded, made or saved. Each message names the file (or the scene), the
+/// part of it, and a remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// The file's extension is not one of the formats that are read.
+    /// The file's extension is not that of a known format.
     #[error(
         "{}: cannot tell the format from the extension \"{extension}\"; \
          give a {} file",
         file.display(), crate::extensions_in_words()
     )]
     UnknownFormat {
-        /// The file asked for.
+        /// The file.
         file: PathBuf,
-        /// Its extension in lower case, maybe empty.
+        /// Its extension in lower case; may be empty.
         extension: String,
     },
 
-    /// No built-in scene has that name.
+    /// A scene of VXCT, in a build without the feature `vxct`.
+    #[error(
+        "{}: this build does not read scenes of VXCT; build it with the feature vxct of lumivox-scene, \
+         or save the scene as glTF with the program (lumivox convert)",
+        file.display()
+    )]
+    WithoutVxct {
+        /// The file asked for.
+        file: PathBuf,
+    },
+
+    /// There is no built-in scene of that name.
     #[error("no built-in scene is called \"{name}\"; there are: {}", known.join(", "))]
     UnknownBuiltin {
-        /// The name asked for.
+        /// The name.
         name: String,
-        /// The names that exist.
+        /// The names of the built-in scenes.
         known: Vec<&'static str>,
     },
 
     /// The file itself cannot be read.
     #[error("{}: cannot read the file: {source}; check the path and its permissions", file.display())]
     Read {
-        /// The file asked for.
+        /// The file.
         file: PathBuf,
         /// The error of the system.
         source: std::io::Error,
@@ -55,7 +66,7 @@ pub enum SceneError {
         source: std::io::Error,
     },
 
-    /// A file that the scene names lies outside of the folders that scenes may reach.
+    /// A file that the scene names is outside the folders that scenes may read.
     #[error(
         "{}: {part} names \"{uri}\": {reason}; scenes may only name files in their own folder \
          and below: copy it there, or allow others to a scene that you trust (--allow-outside)",
@@ -72,7 +83,7 @@ pub enum SceneError {
         reason: String,
     },
 
-    /// The content breaks the format.
+    /// The content violates the format.
     #[error("{}: {part} is malformed: {reason}; re-export the scene", file.display())]
     Malformed {
         /// The scene's file.
@@ -83,7 +94,7 @@ pub enum SceneError {
         reason: String,
     },
 
-    /// A text breaks its grammar.
+    /// A text violates its grammar.
     #[error("{}:{line}:{column}: found {found}, expected {expected}", file.display())]
     Syntax {
         /// The scene's file.
@@ -92,9 +103,9 @@ pub enum SceneError {
         line: u32,
         /// The character in the line, from 1.
         column: u32,
-        /// The text that is there.
+        /// The text at that place.
         found: String,
-        /// The text that would be right.
+        /// The expected text.
         expected: String,
     },
 
@@ -146,7 +157,7 @@ pub enum SceneError {
         remedy: &'static str,
     },
 
-    /// The scene needs more memory than it may take.
+    /// The scene needs more memory than its budget.
     #[error(
         "{}: with {part} vertices and indices need {needed}, but the budget is {budget}; raise the \
          budget for geometry or simplify the scene",
@@ -155,11 +166,11 @@ pub enum SceneError {
     TooLarge {
         /// The scene's file.
         file: PathBuf,
-        /// The part that is too much.
+        /// The part that exceeds it.
         part: String,
-        /// The memory that all parts up to there need, with a unit.
+        /// The memory that all parts up to this one need, with a unit.
         needed: String,
-        /// The memory that may be taken, with a unit.
+        /// The budget, with a unit.
         budget: String,
     },
 
@@ -172,7 +183,7 @@ pub enum SceneError {
         part: String,
     },
 
-    /// A number lies outside of its meaningful range.
+    /// A number is outside its range.
     #[error("{}: {part} is {value}, but must be {expected}; correct it", file.display())]
     OutOfRange {
         /// The scene's file or name.
@@ -181,11 +192,11 @@ pub enum SceneError {
         part: String,
         /// The value in the file.
         value: String,
-        /// The values that would be right.
+        /// The allowed values.
         expected: String,
     },
 
-    /// An index points at nothing.
+    /// An index is out of range.
     #[error(
         "{}: {part} is {index}, but there are only {count} {target}; re-export the scene",
         file.display()
@@ -215,7 +226,7 @@ pub enum SceneError {
         source: std::io::Error,
     },
 
-    /// The scene does not fit the format.
+    /// The scene is too large for the format.
     #[error(
         "{}: the scene takes {bytes} bytes, but a GLB file holds at most {}; \
          save it in parts or with smaller textures",
@@ -241,7 +252,7 @@ pub enum SceneError {
         reason: String,
     },
 
-    /// Everything lies in one point.
+    /// All vertices are at one point.
     #[error(
         "{}: the scene has size zero, all of it lies at {point}; check the units and scales of \
          the export",
@@ -262,7 +273,7 @@ pub enum SceneError {
     UnknownScene {
         /// The scene's file.
         file: PathBuf,
-        /// The name or number asked for.
+        /// The requested name or number.
         wanted: String,
         /// The scenes that exist, each with number and name.
         known: Vec<String>,
@@ -273,9 +284,9 @@ pub enum SceneError {
     UnknownAnimation {
         /// The scene's file or name.
         file: PathBuf,
-        /// The number asked for.
+        /// The requested number.
         index: usize,
-        /// The names of those that exist.
+        /// The names of the animations.
         known: Vec<String>,
     },
 
@@ -288,12 +299,12 @@ pub enum SceneError {
     NothingAtTime {
         /// The scene's file or name.
         file: PathBuf,
-        /// The time asked for, in seconds.
+        /// The requested time, in seconds.
         time_s: f32,
     },
 }
 
-/// Names in a message; a file may have thousands.
+/// Lists names in a message; a file may have thousands.
 fn list(names: &[String]) -> String {
     const MOST: usize = 20;
     if names.is_empty() {

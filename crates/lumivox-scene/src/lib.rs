@@ -11,8 +11,8 @@
 //! - every index points at something, every number is finite, no triangle has zero area;
 //! - triangles wind counter-clockwise seen from their front *after* the instance's transform, also
 //!   where that transform mirrors;
-//! - the scene has at least one triangle that is not hidden and a size above zero, or brings the
-//!   box of its voxels ([`Scene::grid_bounds`]).
+//! - the scene has at least one triangle that is not hidden and a size above zero, or has a box for
+//!   its voxels ([`Scene::grid_bounds`]).
 //!
 //! ```
 //! let scene = lumivox_scene::builtin::scene("cornell")?;
@@ -52,7 +52,7 @@ pub use model::{
 pub use pick::{Pick, Picker};
 pub use pose::{AnimationChoice, AnimationInfo, Rig};
 
-/// The name under which a file's `extras` hold the things that glTF cannot express.
+/// The key in a file's `extras` for everything that glTF cannot express.
 const EXTRAS: &str = "lumivox";
 pub use save::write_atomically;
 pub use validate::Outlier;

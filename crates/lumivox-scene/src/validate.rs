@@ -1,4 +1,4 @@
-//! The promises of a scene, checked.
+//! Checks of a scene's promises.
 
 mod outlier;
 
@@ -16,16 +16,16 @@ use crate::{
 impl Scene {
     /// Checks a hand-made scene, and removes things without extent: triangles of zero area (counted
     /// in [`Scene::notes`]), meshes that have none left, and instances whose transform flattens
-    /// them (a warning). Normals are brought to unit length. Calling it again changes nothing.
+    /// them (with a warning). Normals are normalised. Calling it again changes nothing.
     ///
-    /// Areas are taken in local space, in f64, and only exact zeros count: thin triangles stay.
+    /// Areas are computed in local space, in f64, and only exact zeros count: thin triangles stay.
     /// After the transform, f32 may still round a tiny triangle to nothing.
     ///
     /// # Errors
-    /// [`SceneError`] for numbers that are not finite or out of range, indices that point at
-    /// nothing, arrays whose lengths disagree, no triangles at all that are not hidden, and a scene
-    /// of size zero. A scene with [`Scene::grid_bounds`] may be empty or a point. The message names
-    /// the scene and the part.
+    /// [`SceneError`] for numbers that are not finite or out of range, invalid indices, arrays
+    /// whose lengths disagree, a scene without visible triangles, and one of size zero. A scene
+    /// with [`Scene::grid_bounds`] may be empty or a point. The message names the scene and the
+    /// part.
     pub fn validate(&mut self) -> Result<(), SceneError> {
         let name = PathBuf::from(&self.name);
         validate(self, &name)
@@ -74,14 +74,14 @@ pub(crate) fn check(scene: &Scene, file: &Path) -> Result<(), SceneError> {
     check.extent(scene)
 }
 
-/// Brings normals to unit length, which have a direction.
+/// Normalises the normals that have a direction.
 fn normalize_normals(mesh: &mut Mesh) {
     for normal in &mut mesh.normals {
         *normal = to_unit(*normal).unwrap_or(*normal);
     }
 }
 
-/// Instances that a zero scale hides, as some exporters do.
+/// Removes instances that a zero scale hides, as some exporters do.
 fn drop_flattened_instances(scene: &mut Scene) {
     let mut notes = std::mem::take(&mut scene.notes);
     retain_instances(scene, |instance| {
@@ -259,7 +259,7 @@ impl Check<'_> {
             if let Some(uv) = mesh.uvs1.get(i) {
                 self.finite(|| part("second texture coordinate"), &uv.to_array())?;
             }
-            // Most are right: the message is made only for the wrong ones.
+            // Most are valid: the message is only made for the others.
             if let Some(color) = mesh.colors.get(i)
                 && color.to_array().iter().any(|c| !(0.0..=1.0).contains(c))
             {
@@ -430,8 +430,8 @@ impl Check<'_> {
         map.rgb.iter().try_for_each(|texel| self.not_negative(&part, texel))
     }
 
-    /// There are triangles, and they span a finite box that is not a point; or the scene brings
-    /// such a box.
+    /// Checks that there are triangles, and that they span a finite box that is not a point; or
+    /// that the scene has such a box.
     fn extent(&self, scene: &Scene) -> Result<(), SceneError> {
         let file = self.file.to_owned();
         let is_empty = scene.triangle_count() == 0;

@@ -20,13 +20,14 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
-use lumivox::Directionality;
 use lumivox::gpu::{BindGroup, BindGroupBuilder, Buffer, Recorder, ShaderLibrary};
 use lumivox::settings::{Choice, check};
-use lumivox_render::look::{Look, LookFrame, LookParts, LookPasses, LookPreset, LookScene};
+use lumivox::{Directionality, TraceSettings};
+use lumivox_render::look::{Look, LookFrame, LookParts, LookPasses, LookScene};
 use lumivox_render::parameters::{Group, Parameter};
 use lumivox_render::{
-    Companions, Exposure, Gpu, MemoryUse, PresetChoice, RenderError, RenderSettings, ToneMap, View,
+    AddedPreset, Companions, Exposure, Gpu, MemoryUse, PresetChoice, RenderError, RenderSettings,
+    ToneMap, View,
 };
 use lumivox_scene::{Bounds, Scene};
 
@@ -46,10 +47,12 @@ pub const CHOICE: Choice =
 pub const GROUP: Group = Group::Look(NAME);
 
 /// The preset that takes it, with what goes with it.
-pub const PRESET: PresetChoice = PresetChoice::Look(&LookPreset {
+pub const PRESET: PresetChoice = PresetChoice::Added(&AddedPreset {
     name: NAME,
     summary: "VXCT's look: Phong's light and its own cones, isotropic voxels, colours as display values",
-    look: |resolution| Arc::new(VxctSettings::for_resolution(resolution)),
+    // It has cones of its own.
+    trace: TraceSettings::default,
+    look: |resolution| Some(Arc::new(VxctSettings::for_resolution(resolution))),
     companions: |usual| Companions {
         directionality: Directionality::Isotropic,
         bounces: 1,

@@ -1,10 +1,10 @@
 // @ts-check
-// How the camera is moved by hand: pure functions from a camera to the next. Angles in rad, lengths in metres.
+// Camera moves: pure functions from a camera to the next. Angles in rad, lengths in metres.
 
 /** @typedef {import("./types.js").Camera} Camera */
 /** @typedef {import("./types.js").Vec3} Vec3 */
 
-/** How near to the vertical it may look, rad: further on, left and right would swap. */
+/** The steepest line of sight, rad: beyond it, left and right would swap. */
 const STEEPEST_RAD = 1.55;
 
 /** @param {Vec3} a @param {Vec3} b @returns {Vec3} */
@@ -50,7 +50,7 @@ function rotate(v, axis, angle) {
     return add(add(scale(v, cos), scale(cross(axis, v), sin)), along);
 }
 
-/** A turn to the left, then up as far as it goes.
+/** A turn to the left, then up as far as allowed.
  * @param {Camera} camera @param {number} left @param {number} above @returns {(v: Vec3) => Vec3} */
 function turn(camera, left, above) {
     const { forward, right, up } = axes(camera);
@@ -59,21 +59,21 @@ function turn(camera, left, above) {
     return (v) => rotate(rotate(v, right, raised - elevation), up, left);
 }
 
-/** Turns the camera about its target, which stays: dragged to the right, the scene turns to the right.
+/** Orbits the camera about its target: dragged to the right, the scene turns to the right.
  * @param {Camera} camera @param {number} right @param {number} down @returns {Camera} */
 export function orbit(camera, right, down) {
     const offset = turn(camera, -right, -down)(subtract(camera.position, camera.target));
     return { ...camera, position: add(camera.target, offset) };
 }
 
-/** Turns the camera where it stands, to the right and down.
+/** Turns the camera in place, to the right and down.
  * @param {Camera} camera @param {number} right @param {number} down @returns {Camera} */
 export function look(camera, right, down) {
     const offset = turn(camera, -right, -down)(subtract(camera.target, camera.position));
     return { ...camera, target: add(camera.position, offset) };
 }
 
-/** Moves the camera within the picture's plane, by shares of the picture's height: what is at its target follows
+/** Moves the camera within the picture's plane, by shares of the picture's height: a point at its target follows
  * the pointer.
  * @param {Camera} camera @param {number} right @param {number} down @returns {Camera} */
 export function pan(camera, right, down) {
@@ -106,7 +106,7 @@ export function frame(camera, bounds) {
     return { ...camera, target, position: subtract(target, scale(axes(camera).forward, distance)) };
 }
 
-/** Turns the camera where it stands towards a point, which it orbits from then on.
+/** Turns the camera in place towards a point, which it then orbits.
  * @param {Camera} camera @param {Vec3} point @returns {Camera} */
 export function lookAt(camera, point) {
     return length(subtract(point, camera.position)) > 0 ? { ...camera, target: point } : camera;

@@ -1,5 +1,5 @@
 // @ts-check
-// The cameras that one can choose: the scene's, and views that are kept under names, scene by scene, in the browser.
+// The cameras to choose from: the scene's, and views stored under names, scene by scene, in the browser.
 
 import { byId, fillSelect } from "./dom.js";
 import { cameraOf, cameraText } from "./link.js";
@@ -9,7 +9,7 @@ import { say } from "./messages.js";
 /** @typedef {import("./types.js").SceneInfo} SceneInfo */
 /** @typedef {Pick<Storage, "getItem" | "setItem" | "removeItem">} Store */
 
-/** The views of a scene. The storage may be full, forbidden, or hold what somebody else has written. */
+/** The stored views of a scene. The storage may be full, forbidden, or hold unknown data. */
 export class KeptCameras {
     #store;
     #key;
@@ -36,7 +36,7 @@ export class KeptCameras {
         return [...this.#cameras.values()];
     }
 
-    /** Keeps a camera, in the place of one of the same name.
+    /** Stores a camera, in place of one of the same name.
      * @param {string} name @param {Camera} camera */
     keep(name, camera) {
         this.#cameras.set(name, { ...camera, name });
@@ -55,7 +55,7 @@ export class KeptCameras {
             if (this.#cameras.size > 0) this.#store().setItem(this.#key, JSON.stringify(texts));
             else this.#store().removeItem(this.#key);
         } catch {
-            throw new Error("This browser lets the page keep nothing: the view is there until the page is closed");
+            throw new Error("This browser does not let the page store anything: the view is lost when the page is closed");
         }
     }
 }
@@ -93,7 +93,7 @@ export class CameraList {
         this.#show();
     }
 
-    /** Goes to the one that is chosen. */
+    /** Moves to the chosen camera. */
     home() {
         const to = this.#chosen;
         if (!to) return;

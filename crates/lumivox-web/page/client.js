@@ -1,11 +1,11 @@
 // @ts-check
-// The page's side of the worker: calls are promises, and what the worker tells by itself are events.
+// The page's side of the worker: calls are promises, and the worker's own reports are events.
 
 /** @typedef {import("./types.js").Failure} Failure */
 /** @typedef {import("./types.js").FromWorker} FromWorker */
 /** @typedef {import("./types.js").Progress} Progress */
 
-/** An error from the worker: `code` says which kind, `fatal` that the renderer is of no use any more. */
+/** An error from the worker: `code` is its kind; if it is `fatal`, the renderer cannot be used any more. */
 export class WorkerError extends Error {
     /** @param {Failure} failure */
     constructor({ message, code, fatal }) {
@@ -52,7 +52,7 @@ export class Client {
         });
     }
 
-    /** Listens for what the worker tells by itself: "frame", "error", "lost", "restored".
+    /** Listens for an event of the worker: "frame", "error", "lost", "restored".
      * @param {string} event @param {(data: any) => void} listener */
     on(event, listener) {
         this.#listeners.set(event, listener);

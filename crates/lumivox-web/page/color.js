@@ -1,9 +1,9 @@
 // @ts-check
-// Linear colours and those of screens (IEC 61966-2-1).
+// Linear colours and their screen codes (IEC 61966-2-1).
 
 /** @typedef {import("./types.js").Vec3} Vec3 */
 
-/** A linear colour as the screen shows it, as bright as its strongest part, or with `white` as the brightest.
+/** A linear colour's screen code, relative to its strongest channel, or to `white`.
  * @param {Vec3} color @param {number} [white] */
 export function hex(color, white = Math.max(...color, 1e-12)) {
     const byte = (/** @type {number} */ part) => {
@@ -14,7 +14,7 @@ export function hex(color, white = Math.max(...color, 1e-12)) {
     return `#${color.map(byte).join("")}`;
 }
 
-/** The linear colour of a screen's.
+/** The linear colour of a screen code.
  * @param {string} text @returns {Vec3} */
 export function linear(text) {
     const part = (/** @type {number} */ at) => {
@@ -24,7 +24,7 @@ export function linear(text) {
     return [part(1), part(3), part(5)];
 }
 
-/** A colour's strongest part, and the colour with that as one; of black white.
+/** A colour's strongest channel, and the colour divided by it; white for black.
  * @param {Vec3} color @returns {{ strength: number, color: Vec3 }} */
 export function apart(color) {
     const strength = Math.max(...color);

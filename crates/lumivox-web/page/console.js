@@ -1,13 +1,13 @@
 // @ts-check
-// The console: lines that look at and change everything, in the same words as in the window and in scripts.
+// The console: the same commands as in the window and in scripts.
 
 import { byId, h } from "./dom.js";
 
 /** @typedef {{ start: number, candidates: string[] }} Completion */
 
-/** Lines that are kept in sight. */
+/** The most lines of the log. */
 const MOST_LINES = 500;
-/** What the prompt tells at first. */
+/** The initial text of the prompt. */
 const HELLO = "help lists all commands, help NAME tells about one; TAB completes, arrows bring lines back.";
 
 export class Console {
@@ -65,7 +65,7 @@ export class Console {
         if (event.key === "Escape") this.show(false);
         else if (event.key === "ArrowUp") this.#recall(-1);
         else if (event.key === "ArrowDown") this.#recall(1);
-        // An empty line lets the focus go on.
+        // An empty line passes the focus on.
         else if (event.key === "Tab" && !event.shiftKey && this.#line.value !== "") void this.#finish();
         else return;
         event.preventDefault();
@@ -78,7 +78,7 @@ export class Console {
         this.#line.value = this.#history[this.#at] ?? "";
     }
 
-    /** Completes the word at the cursor as far as there is one way, and prints the ways from there. */
+    /** Completes the word at the cursor as far as it is unambiguous, and prints the candidates. */
     async #finish() {
         const { value } = this.#line;
         const cursor = this.#line.selectionStart ?? value.length;

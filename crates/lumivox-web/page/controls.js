@@ -10,13 +10,13 @@ import { dolly, fitted, fly, look, orbit, pan, radius } from "./camera.js";
 const TURN_RAD = Math.PI;
 /** Turn by the arrow keys, rad/s. */
 const TURN_RAD_S = 1.2;
-/** What a pixel of the wheel is worth: 100 of them, one notch, change the distance by a seventh. */
+/** The factor for a pixel of the wheel: 100 of them, one notch, change the distance by a seventh. */
 const WHEEL = 0.0015;
-/** Pixels in a line and in a page of wheels that count these. */
+/** Pixels of a line and of a page, for wheels that report these. */
 const WHEEL_PIXELS = [1, 16, 400];
 /** Flight in radii of the scene a second, and how much faster with Shift. */
 const [SPEED, FASTER] = [0.5, 4];
-/** The nearest that the wheel leads to the target, radii of the scene. */
+/** The least distance to the target with the wheel, in radii of the scene. */
 const NEAREST = 1e-3;
 
 /** Keys that move as long as they are held: to the right, up, forwards; turns to the right and down. */
@@ -58,7 +58,7 @@ export class Controls {
         canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
         canvas.addEventListener("keydown", (event) => this.#key(event));
         canvas.addEventListener("keyup", (event) => this.#held.delete(event.code));
-        // Whoever leaves never lets go here.
+        // A key that is held when the page loses the focus is never released here.
         canvas.addEventListener("blur", () => this.#held.clear());
         addEventListener("blur", () => this.#held.clear());
     }
@@ -132,7 +132,7 @@ export class Controls {
     /** @param {number} before @param {number} now both ms */
     #step(before, now) {
         if (this.#held.size === 0) return;
-        // A page that hung does not throw the camera far away.
+        // A page that was blocked must not throw the camera far away.
         const seconds = Math.min(now - before, 100) / 1000;
         const keys = [...this.#held].map((code) => HELD[code]);
         const [right, up, forwards, aside, down] = [0, 1, 2, 3, 4].map((part) => keys.reduce((sum, key) => sum + key[part], 0));

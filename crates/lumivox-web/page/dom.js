@@ -3,7 +3,7 @@
 
 /** @typedef {Record<string, string | number | boolean | EventListener | ((event: any) => void)>} Attributes */
 
-/** An element; attributes that are functions listen, those that are false are left out. Text is never read as HTML.
+/** Makes an element; attributes that are functions are listeners, false ones are left out. Text is never parsed as HTML.
  * @template {keyof HTMLElementTagNameMap} T
  * @param {T} tag @param {Attributes} attributes @param {(Node | string)[]} children
  * @returns {HTMLElementTagNameMap[T]} */
@@ -17,7 +17,7 @@ export function h(tag, attributes = {}, ...children) {
     return element;
 }
 
-/** The element of an id that the page has.
+/** The page's element with this id.
  * @template {HTMLElement} [T=HTMLElement]
  * @param {string} id @param {new () => T} [type] @returns {T} */
 export function byId(id, type) {
@@ -26,7 +26,7 @@ export function byId(id, type) {
     return /** @type {T} */ (element);
 }
 
-/** A button that is an icon of the page.
+/** A button with an icon of the page.
  * @param {string} icon @param {string} label @param {() => void} click */
 export function iconButton(icon, label, click) {
     const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
@@ -37,14 +37,14 @@ export function iconButton(icon, label, click) {
     return h("button", { class: "plain", "aria-label": label, title: label, click }, svg);
 }
 
-/** A name as a label has it: "shadow_resolution" is "Shadow resolution".
+/** A name as a label: "shadow_resolution" becomes "Shadow resolution".
  * @param {string} name */
 export function title(name) {
     const words = name.replace(/[_-]/g, " ");
     return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
-/** A number in as few digits as tell it apart for a reader: those of a single float.
+/** A number in the few digits that a reader needs: those of a single float.
  * @param {number} value */
 export const plain = (value) => String(Number(value.toPrecision(6)));
 
@@ -54,7 +54,7 @@ export const grouped = (value) => value.toLocaleString("en").replace(/,/g, "\u20
 /** @param {number} bytes */
 export const mebibytes = (bytes) => `${(bytes / 1048576).toFixed(bytes < 10485760 ? 1 : 0)} MiB`;
 
-/** A number's field that tells of numbers only, and says by `data-typing` that one is being typed in.
+/** A number's field that reports only numbers; `data-typing` marks it while the user types.
  * @param {Attributes} attributes @param {(value: number) => void} change */
 export function numberInput(attributes, change) {
     const input = h("input", { type: "number", step: "any", ...attributes });
@@ -101,7 +101,7 @@ export function fillSelect(select, options, chosen) {
 /** A row of name and field.
  * @param {string} label @param {string} unit @param {HTMLElement} field @param {HTMLElement[]} more */
 export function row(label, unit, field, ...more) {
-    // Of several fields the number bears the name: the others have their own.
+    // Of several fields the number has the name: the others have their own.
     const named = field.querySelector(`input[type="number"]:not([aria-label])`) ?? field;
     named.id ||= `field-${(last += 1)}`;
     const name = h("label", { for: named.id }, label);

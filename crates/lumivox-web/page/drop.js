@@ -5,7 +5,7 @@ import { byId } from "./dom.js";
 
 /** @typedef {import("./types.js").SourceFile} SourceFile */
 
-/** Files that are taken from a dropped folder: more is no scene but a disk. */
+/** The most files of a dropped folder: a scene has fewer. */
 const MOST_FILES = 5000;
 
 /** Listens for files on the whole page and from the file dialog.
@@ -44,7 +44,7 @@ export function listenForFiles(open, refuse) {
     };
 }
 
-/** All files of a drop. What is dropped must be asked for at once: later it is gone.
+/** All files of a drop. They must be requested at once: later they are gone.
  * @param {DataTransfer} transfer @returns {Promise<SourceFile[]>} */
 async function dropped(transfer) {
     const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.() ?? null);

@@ -1,16 +1,16 @@
 // @ts-check
-// How bright the picture is: its pixels by their luminance, in stops, with what the exposure makes grey and white.
+// The histogram of the picture: its pixels by luminance, in stops, with the grey and white of the exposure.
 
 import { byId } from "./dom.js";
 
 /** @typedef {import("./types.js").Histogram} Histogram */
 
-/** How often it is drawn anew at most, ms. */
+/** The shortest interval between drawings, ms. */
 const EVERY_MS = 300;
-/** Stops that are shown at least, up to white and a little beyond. */
+/** The fewest stops that are shown, up to white and a little beyond. */
 const [BELOW_WHITE, ABOVE_WHITE] = [12, 3];
 
-/** The bins that are shown: those around what the screen shows, and all that hold pixels.
+/** The shown bins: those around the screen's range, and all that have pixels.
  * @param {Histogram} histogram @returns {{ first: number, end: number }} */
 export function shown({ bins, white, bins_per_stop }) {
     const filled = (/** @type {number} */ bin) => bins[bin] > 0;
@@ -22,7 +22,7 @@ export function shown({ bins, white, bins_per_stop }) {
     return { first, end: Math.min(bins.length, Math.max(most + 1, Math.ceil(white) + ABOVE_WHITE * bins_per_stop, first + 1)) };
 }
 
-/** What it says in words.
+/** Its description in words.
  * @param {Histogram} histogram */
 export function inWords({ stops, share_above_white }) {
     const percent = 100 * share_above_white;
@@ -32,12 +32,12 @@ export function inWords({ stops, share_above_white }) {
 
 let isAsked = false;
 
-/** Draws it anew while it is to be seen, but not all the time.
+/** Draws it again while it is visible, but not at every frame.
  * @param {() => Promise<Histogram | undefined>} ask */
 export async function followHistogram(ask) {
     if (isAsked || !byId("picture-section", HTMLDetailsElement).open) return;
     isAsked = true;
-    // The last picture counts: what is asked for late is what is there then.
+    // The last picture counts: a late request gets the present one.
     await new Promise((resolve) => setTimeout(resolve, EVERY_MS));
     isAsked = false;
     showHistogram(await ask());
@@ -58,7 +58,7 @@ function showHistogram(histogram) {
     const bins = histogram.bins.slice(first, end);
     const width = clientWidth / bins.length;
     const x = (/** @type {number} */ bin) => (bin - first) * width;
-    // Most of a room is of a few brightnesses: roots let the rest be seen.
+    // Most of a room has few brightnesses: square roots make the rest visible.
     const most = Math.sqrt(Math.max(...bins, 1));
     bins.forEach((count, index) => {
         const height = (Math.sqrt(count) / most) * clientHeight;

@@ -4,7 +4,7 @@
 import { byId } from "./dom.js";
 import { closeNewest, say } from "./messages.js";
 
-/** Fields that take back what was typed themselves. */
+/** Fields with an undo of their own. */
 const TYPED = `input:not([type="range"], [type="checkbox"], [type="radio"], [type="color"])`;
 
 /** Letters that press a button. */
@@ -16,14 +16,14 @@ export function showPanel(isOpen) {
     byId("panel-toggle").setAttribute("aria-expanded", String(isOpen));
 }
 
-/** Shows the page on the whole screen, without its panel at first, or no longer. */
+/** Switches the full screen on, at first without the panel, or off. */
 async function toggleFullScreen() {
     if (document.fullscreenElement) return document.exitFullscreen();
     await document.documentElement.requestFullscreen();
     showPanel(false);
 }
 
-/** The button says what it will do, whoever has ended the full screen.
+/** The button follows the full screen, however that has ended.
  * @param {boolean} hadPanel whether the panel was there before */
 function followFullScreen(hadPanel) {
     const isFull = document.fullscreenElement !== null;
@@ -31,7 +31,7 @@ function followFullScreen(hadPanel) {
     if (!isFull) showPanel(hadPanel);
 }
 
-/** What can be taken back and done again.
+/** Shows what can be undone and redone.
  * @param {{ undo?: string, redo?: string }} report */
 export function showSteps({ undo, redo }) {
     for (const [id, what, keys] of [["undo", undo, "Ctrl + Z"], ["redo", redo, "Ctrl + Shift + Z"]]) {
@@ -47,7 +47,7 @@ export function showSteps({ undo, redo }) {
 export function listenToTools(actions) {
     const keys = byId("keys", HTMLDialogElement);
     let hadPanel = true;
-    // Phones of one maker have none.
+    // The phones of one manufacturer have none.
     byId("fullscreen").hidden = !document.fullscreenEnabled;
     document.addEventListener("fullscreenchange", () => followFullScreen(hadPanel));
     /** @type {Record<string, () => void>} */
@@ -57,7 +57,7 @@ export function listenToTools(actions) {
         help: () => keys.showModal(),
         fullscreen: () => {
             if (!document.fullscreenElement) hadPanel = !byId("panel").hidden;
-            toggleFullScreen().catch((error) => say(`The browser gives no full screen: ${error.message}`));
+            toggleFullScreen().catch((error) => say(`The browser refuses full screen: ${error.message}`));
         },
         "panel-toggle": () => showPanel(byId("panel").hidden),
         "panel-close": () => (showPanel(false), byId("panel-toggle").focus()),

@@ -15,7 +15,7 @@ const MOST_OBJECTS = 200;
 
 const KINDS = { directional: "sun", point: "point", spot: "spot" };
 
-/** A light as it is added: where the camera is, as the console adds it.
+/** A new light: at the camera, as the console adds it.
  * @param {Kind} kind @param {Camera} camera @param {number} count lights that there are @returns {Light} */
 export function newLight(kind, camera, count) {
     const name = `${KINDS[kind]} ${count + 1}`;
@@ -28,7 +28,7 @@ export function newLight(kind, camera, count) {
     return { ...lamp, direction: [to[0] - from[0], to[1] - from[1], to[2] - from[2]], inner_cone_deg: 20, outer_cone_deg: 30 };
 }
 
-/** Fields for all lights. A change tells the whole light.
+/** Fields for all lights. A change sends the whole light.
  * @param {Light[]} lights @param {(index: number, light: Light) => void} change @param {(index: number) => void} remove */
 export function showLights(lights, change, remove) {
     const list = byId("lights");
@@ -37,10 +37,10 @@ export function showLights(lights, change, remove) {
         Object.assign(light, changes);
         change(index, light);
     }, () => remove(index))));
-    if (lights.length === 0) list.append(h("p", { class: "weak" }, "No lamps; what emits and the surroundings shine."));
+    if (lights.length === 0) list.append(h("p", { class: "weak" }, "No lamps; light comes from emission and the surroundings."));
 }
 
-/** What each kind heeds besides colour and strength.
+/** The properties of each kind besides colour and strength.
  * @type {Record<Kind, (keyof Light)[]>} */
 const HEEDED = {
     directional: ["direction", "angular_radius_deg"],

@@ -9,7 +9,7 @@
 /** @typedef {import("./types.js").Value} Value */
 /** @typedef {import("./types.js").Vec3} Vec3 */
 
-/** The longest link that is read, characters: many times what a page writes. */
+/** The longest link that is read, in characters: many times the length that a page writes. */
 const LONGEST = 16384;
 
 /** The text behind the '#'.
@@ -31,7 +31,7 @@ export function encode(state) {
     return fields.map(([name, value]) => `${plain(name)}=${plain(value)}`).join("&");
 }
 
-/** Reads what stands behind a '#', with or without it. What cannot be read is left out and told of.
+/** Reads the text behind a '#', with or without it. Unreadable parts are left out and reported.
  * @param {string} hash
  * @param {{ parameters: ParameterInfo[], presets: { name: string }[] }} known
  * @returns {{ state: LinkState, problems: string[] }} */
@@ -46,7 +46,7 @@ export function decode(hash, known) {
         if (field === "") continue;
         try {
             const [name, text] = nameAndText(field);
-            if (seen.has(name)) throw new Error(`${name} stands in it twice`);
+            if (seen.has(name)) throw new Error(`${name} is given twice`);
             seen.add(name);
             readField(state, name, text, known);
         } catch (error) {
@@ -74,7 +74,7 @@ function readField(state, name, text, { parameters, presets }) {
     }
 }
 
-/** The value that a text gives a setting. Its range is left to the renderer, whose error tells it.
+/** The value of a setting from its text. The renderer checks the range.
  * @param {ParameterInfo} info @param {string} text @returns {Value} */
 export function valueOf(info, text) {
     const words = info.words ?? [];
@@ -97,7 +97,7 @@ function valueText(value) {
     return typeof value === "string" ? value : value.map(short).join(",");
 }
 
-/** As few digits as tell the number apart from others when it is a single float, as the renderer has it: nine at most.
+/** The fewest digits that identify the number as a single float, which the renderer uses: nine at most.
  * @param {number} number */
 function short(number) {
     for (let digits = 6; digits < 9; digits += 1) {
@@ -145,7 +145,7 @@ function sceneOf(text) {
     return /^builtin:[a-z0-9-]+$/.test(text) ? text : addressOf("scene", text, "builtin:NAME or ");
 }
 
-/** Only what a page may fetch: no scripts, no data from within the link.
+/** Accepts only addresses that a page may fetch: no scripts, no data within the link.
  * @param {string} name @param {string} text @param {string} [others] what it may be besides */
 function addressOf(name, text, others = "") {
     if (/^https?:\/\/[^/\s]/i.test(text) || (text !== "" && !/^[a-z][a-z0-9+.-]*:/i.test(text))) return text;

@@ -1,5 +1,5 @@
 // @ts-check
-// The page: what is shown, what was asked for, and how the parts come together. The renderer is in the worker.
+// The page: its state, and the connection of its parts. The renderer is in the worker.
 
 import { fitted, frame, lookAt } from "./camera.js";
 import { CameraList } from "./cameras.js";
@@ -64,7 +64,7 @@ let opened = null;
 let source = null;
 /** The panorama that was put around it by itself. @type {{ source: Source, name?: string } | null} */
 let panorama = null;
-/** How often something was opened: what was overtaken is silent. */
+/** The number of opened things: superseded ones report nothing. */
 let openings = 0;
 /** The object that was chosen last. @type {Picked | undefined} */
 let chosen;
@@ -80,15 +80,15 @@ let preset = FIRST_PRESET;
 const touched = new Set();
 let aspect = 1;
 const cameras = new CameraList(() => camera, (to) => moveTo(to, false));
-/** Phones and the like have more pixels than one sees. */
+/** Phones have more pixels than one sees. */
 const usualScale = devicePixelRatio >= 2 ? 0.5 : 1;
 
-/** Where the page is: starting, loading, rendering, complete, empty (no scene), lost, failed, unsupported.
+/** The state of the page: starting, loading, rendering, complete, empty (no scene), lost, failed, unsupported.
  * @param {string} [now] */
 const state = (now = document.documentElement.dataset.state) => (document.documentElement.dataset.state = now);
 /** Changes that the worker has not answered. */
 let asked = 0;
-/** Since when the next frame is waited for, ms. */
+/** The time since which the next frame is awaited, ms. */
 let waitedSince = 0;
 
 /** Asks the worker for a change: until it is answered and rendered, no picture is complete.
@@ -114,7 +114,7 @@ function fail(error) {
     else say(text);
 }
 
-/** What a promise gives; if it fails, that is told.
+/** The result of a promise; a failure is reported.
  * @template T @param {Promise<T>} promise @returns {Promise<T | undefined>} */
 async function attempt(promise) {
     try {
@@ -134,7 +134,7 @@ function startAgain() {
 
 const surroundings = byId("surroundings", HTMLSelectElement);
 
-/** Shows what takes a while and can be cancelled; gives what came of it, or nothing where the last scene stays.
+/** Shows the progress of work that can be cancelled; returns its result, or nothing if the last scene stays.
  * @template T
  * @param {string} name @param {(onProgress: (progress: Progress) => void) => Promise<T>} load @returns {Promise<T | undefined>} */
 async function opening(name, load) {
@@ -147,7 +147,7 @@ async function opening(name, load) {
         state("rendering");
         return now;
     } catch (error) {
-        // Another has taken its place.
+        // Another one has replaced it.
         if (mine !== openings) return undefined;
         state(opened ? "rendering" : "empty");
         if (error instanceof WorkerError && error.code === "aborted") say(`Loading ${name} was cancelled`, { kind: "note" });
@@ -159,7 +159,7 @@ async function opening(name, load) {
     }
 }
 
-/** Opens a scene, or puts a panorama around the one that is there; the one before stays if that fails.
+/** Opens a scene, or puts a panorama around the present one, which stays if that fails.
  * @param {Source} from @param {Camera} [place] where the camera shall be
  * @param {string} [around] the address of a panorama */
 async function open(from, place, around) {
@@ -176,7 +176,7 @@ async function open(from, place, around) {
     if (!place && aspect < 1) sendCamera(false);
 }
 
-/** Shows what is known of another scene.
+/** Shows the properties of another scene.
  * @param {Opened} now @param {Source} from @param {Camera} place */
 function showOpened(now, from, place) {
     [opened, source, chosen, camera] = [now, from, undefined, place];
@@ -187,7 +187,7 @@ function showOpened(now, from, place) {
     announce(`${now.scene.name} is loaded: ${byId("facts").textContent}`);
 }
 
-/** Shows all that may have changed of the scene that is open.
+/** Shows everything that may have changed in the open scene.
  * @param {{ scene: Opened["scene"], materials: Opened["materials"], settings: Settings }} now */
 function showAll({ scene, materials, settings }) {
     if (!opened) return;
@@ -201,10 +201,10 @@ function showAll({ scene, materials, settings }) {
     showSettings(settings);
 }
 
-/** Does what lines of the console say.
+/** Runs lines of the console.
  * @param {string} line */
 async function run(line) {
-    const busy = loading(`Doing ${line}`, () => void client.call("cancel"));
+    const busy = loading(`Running ${line}`, () => void client.call("cancel"));
     /** @type {Ran | undefined} */
     const ran = await attempt(ask("run", line, busy.progress));
     busy.end();
@@ -237,7 +237,7 @@ async function surround(from) {
     announce(`${now.environment.panorama} is around the scene`);
 }
 
-/** Whether the one that was put there is still there. */
+/** Whether that panorama is still there. */
 const isPanoramaThere = () => panorama !== null && opened?.scene.environment.panorama === panorama.name;
 
 /** @param {Environment} environment */
@@ -254,7 +254,7 @@ function showAllObjects() {
     showChosen(chosen?.object);
 }
 
-/** Takes the last change back, or does it again.
+/** Undoes the last change, or redoes it.
  * @param {"undo" | "redo"} way */
 async function step(way) {
     if (!opened || byId(way, HTMLButtonElement).disabled) return;
@@ -275,10 +275,10 @@ function choose(object) {
     chosen = object;
     showChosen(object?.object);
     showAllMaterials();
-    announce(object && opened ? `${opened.scene.objects[object.object].name} is chosen` : "Nothing is chosen");
+    announce(object && opened ? `${opened.scene.objects[object.object].name} is selected` : "Nothing is selected");
 }
 
-/** Chooses what is at a place of the picture, and looks at it, or shows all of it.
+/** Selects the object at a place of the picture, and looks at the point, or shows the whole object.
  * @param {MouseEvent} event */
 async function pick({ clientX, clientY, shiftKey }) {
     if (!opened) return;
@@ -369,7 +369,7 @@ async function setPreset(name) {
     return true;
 }
 
-/** Shows a preset; what it has changed is usual in it.
+/** Shows a preset; its values are the new defaults.
  * @param {string} name @param {Settings} now @param {Settings} [before] */
 function showPreset(name, now, before = settings) {
     preset = name;
@@ -380,7 +380,7 @@ function showPreset(name, now, before = settings) {
     fields.show(now);
 }
 
-/** What a link to this has to carry. */
+/** The content of a link to the present state. */
 function link() {
     const scale = byId("scale", HTMLInputElement).valueAsNumber;
     const changed = { preset: preset === FIRST_PRESET ? undefined : preset, scale: scale === usualScale ? undefined : scale };
@@ -409,7 +409,7 @@ function resize() {
     if (isUpright || aspect < 1) sendCamera(false);
 }
 
-// --- What the worker tells -----------------------------------------------------------------------------------------
+// --- Events of the worker ------------------------------------------------------------------------------------------
 function listenToWorker() {
     /** @type {{ end: () => void } | null} */
     let restoring = null;
@@ -458,7 +458,7 @@ function listenToWorker() {
     });
     client.on("restored", () => {
         endRestoring();
-        announce("The graphics device is back");
+        announce("The graphics device is restored");
         state("rendering");
     });
 }
@@ -519,19 +519,19 @@ async function start() {
     }
     fillPanel();
     const { state: linked, problems } = decode(location.hash, catalogue);
-    if (problems.length > 0) say(`The link has an error: ${problems.join("; ")}. What could be read is shown.`);
+    if (problems.length > 0) say(`The link has an error: ${problems.join("; ")}. The rest is shown.`);
     if (linked.scale !== undefined) byId("scale", HTMLInputElement).value = String(linked.scale);
     new ResizeObserver(resize).observe(canvas);
     matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", resize);
     listenForCamera();
     listenToTools({ picture: () => void savePicture(), link: () => void copyLink(link()), undo: () => void step("undo"), redo: () => void step("redo"), "console-toggle": () => lines.show() });
-    // A slider that is let go of, a number that was typed: what comes next is a change of its own.
+    // After a slider is released or a number typed, the next change is a new step.
     addEventListener("change", () => void client.call("endGesture"), true);
     listenForFiles((files) => void open(files), (text) => say(text));
     addEventListener("hashchange", () => location.reload());
     resize();
     if (linked.preset !== undefined && (await setPreset(linked.preset))) presetList.show(preset);
-    // One by one, so that one that is refused is told of by name: the worker sets them together.
+    // One by one, so that a refused one is reported by name; the worker applies them together.
     await Promise.all(Object.entries(linked.settings).map(([name, value]) => set({ [name]: value })));
     if (linked.split) {
         split.show(linked.split);
@@ -539,7 +539,7 @@ async function start() {
     }
     await open(linked.scene ?? `builtin:${catalogue.scenes[0].name}`, linked.camera, linked.environment);
     if (linked.environment !== undefined) await turnSurroundings(linked);
-    // An address that is gone leaves no empty page.
+    // A missing address does not leave the page empty.
     if (!opened && linked.scene !== undefined) await open(`builtin:${catalogue.scenes[0].name}`);
 }
 

@@ -1,5 +1,5 @@
 // @ts-check
-// The scene's materials: what can be changed of each, as in the window.
+// The scene's materials, with the same properties as in the window.
 
 import { apart, hex, linear } from "./color.js";
 import { byId, h, number, row, slider } from "./dom.js";

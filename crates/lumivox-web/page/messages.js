@@ -1,14 +1,14 @@
 // @ts-check
-// What the page says: errors that stay until they are closed, how far a loading is, and news for screen readers.
+// Messages: errors that stay until they are closed, progress of loading, and announcements for screen readers.
 
 import { byId, h, iconButton, title } from "./dom.js";
 import { seconds } from "./status.js";
 
 /** @typedef {import("./types.js").Progress} Progress */
 
-/** Older messages make room. */
+/** The most messages; older ones are removed. */
 const MOST = 4;
-/** What ends sooner shows no bar, ms. */
+/** Shorter work shows no bar, ms. */
 const PATIENCE_MS = 200;
 
 /** Words for the renderer's stages. */
@@ -21,7 +21,7 @@ const STAGES = /** @type {Record<string, string>} */ ({
     light: "Lighting",
 });
 
-/** Shows a message until it is closed. The same again takes the place of the first.
+/** Shows a message until it is closed. An equal message replaces the first.
  * @param {string} text @param {{ kind?: "error" | "note", action?: { label: string, run: () => void }, link?: string }} options */
 export function say(text, { kind = "error", action, link } = {}) {
     const list = byId("messages");
@@ -49,18 +49,18 @@ export function closeNewest() {
     return newest !== null;
 }
 
-/** Tells screen readers.
+/** Announces a text to screen readers.
  * @param {string} text */
 export function announce(text) {
     byId("live").textContent = text;
 }
 
-/** Stages from which on there is no way back to what was before. */
+/** Stages from which on loading cannot be cancelled. */
 const FINAL = new Set(["compile", "upload", "voxelize", "light"]);
 
 let loadings = 0;
 
-/** Shows what is waited for and for how long, if it takes a moment. `end` must be called whatever happens.
+/** Shows the present work and its time, if it takes a moment. `end` must be called in every case.
  * @param {string} what @param {() => void} [cancel]
  * @returns {{ progress: (progress: Progress) => void, end: () => void }} */
 export function loading(what, cancel) {
@@ -101,14 +101,14 @@ export function loading(what, cancel) {
     };
 }
 
-/** Where there is no renderer: what is missing, by the code of the error.
+/** Why there is no renderer, by the code of the error.
  * @type {Record<string, string>} */
 const MISSING = {
     "no-webgpu": "This browser has no WebGPU",
     "no-adapter": "WebGPU finds no graphics adapter",
 };
 
-/** Browsers without what is needed get a page of their own; false where the error is another one.
+/** Shows a page for browsers without WebGPU; returns false for other errors.
  * @param {string} code @param {string} reason */
 export function showUnsupported(code, reason) {
     if (!Object.hasOwn(MISSING, code)) return false;

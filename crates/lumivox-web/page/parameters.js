@@ -14,7 +14,7 @@ const WIDEST_SLIDER = 64;
 export class Parameters {
     /** @type {Map<string, Field>} */
     #fields = new Map();
-    /** What the reset buttons lead back to.
+    /** The values that the reset buttons restore.
      * @type {Settings} */
     usual = {};
 
@@ -35,7 +35,7 @@ export class Parameters {
         }
     }
 
-    /** Shows values, but leaves the field alone that someone types in.
+    /** Shows values, except in the field that the user types in.
      * @param {Settings} settings */
     show(settings) {
         for (const [name, { info, show, reset }] of this.#fields) {
@@ -51,7 +51,7 @@ export class Parameters {
     }
 }
 
-/** Whether two values are one: numbers pass through single floats, and three of them may be a text.
+/** Whether two values are equal: numbers pass through single floats, and three of them may be a text.
  * @param {Value} a @param {Value} b */
 export function same(a, b) {
     return String(a) === String(b) || (typeof a === "number" && typeof b === "number" && plain(a) === plain(b));
@@ -94,7 +94,7 @@ function choiceField(info, change, id) {
     return { control, show: (/** @type {Value} */ value) => void (control.value = String(value)) };
 }
 
-/** Three numbers, or whatever else has a text.
+/** Three numbers, or any value with a text.
  * @param {ParameterInfo} info @param {(value: Value) => void} change @param {string} id */
 function textField(info, change, id) {
     const control = h("input", { id, autocomplete: "off", spellcheck: "false" });
@@ -138,11 +138,11 @@ function numberField(info, change, id) {
     return { control, show };
 }
 
-/** What a kind of value is set by; others have a text.
+/** The field for a kind of value; other kinds have a text field.
  * @type {Record<string, typeof switchField | typeof choiceField | typeof numberField>} */
 const FIELDS = { switch: switchField, choice: choiceField, whole: numberField, number: numberField };
 
-/** The views as a list of which one is chosen; it needs no way back.
+/** The views as a list with a choice; it needs no reset button.
  * @param {ParameterInfo} info @param {(value: Value) => void} change */
 function viewList(info, change) {
     const { group, show } = radios("view", title(info.name), (info.choices ?? []).map((name) => ({ name, title: name.replace(/-/g, " ") })), change);

@@ -1,11 +1,11 @@
 // @ts-check
-// The light under the mouse: what arrives there, and what a camera sees.
+// The light under the mouse: illuminance and luminance.
 
 import { byId, grouped } from "./dom.js";
 
 /** @typedef {import("./types.js").LightHere} LightHere */
 
-/** How often it is asked for at most, ms. */
+/** The shortest interval between requests, ms. */
 const EVERY_MS = 120;
 
 /** Three digits of a number that spans many powers of ten.
@@ -33,7 +33,7 @@ export class Probe {
     constructor(canvas, ask) {
         this.#ask = ask;
         canvas.addEventListener("pointermove", (event) => {
-            // Who drags looks at something else.
+            // While dragging, the user looks at something else.
             if (event.buttons !== 0) return this.#leave();
             const { left, top, width, height } = canvas.getBoundingClientRect();
             const inside = (/** @type {number} */ share) => Math.min(1, Math.max(0, share));
@@ -43,7 +43,7 @@ export class Probe {
         canvas.addEventListener("pointerleave", () => this.#leave());
     }
 
-    /** Asks anew: the mouse or the picture has changed. */
+    /** Asks again: the mouse or the picture has changed. */
     look() {
         this.#isDue = true;
         if (!this.#isAsking) void this.#all();
@@ -53,7 +53,7 @@ export class Probe {
         this.#isAsking = true;
         while (this.#isDue && this.#place) {
             this.#isDue = false;
-            // A device that is lost tells of itself.
+            // A lost device reports itself.
             const light = await this.#ask(this.#place).catch(() => undefined);
             byId("probe").textContent = this.#place ? lightText(light) : "";
             await new Promise((resolve) => setTimeout(resolve, EVERY_MS));

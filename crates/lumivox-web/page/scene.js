@@ -1,5 +1,5 @@
 // @ts-check
-// What the panel says of a scene: its name and size, animations, objects, and what was approximated.
+// The scene in the panel: its name and size, animations, objects, and notes of the loader.
 
 import { byId, fillSelect, grouped, h } from "./dom.js";
 
@@ -66,7 +66,7 @@ function showAnimations({ animations }, tell) {
     };
 }
 
-/** The slider follows what plays, unless somebody drags it.
+/** Moves the slider along with the animation, unless the user drags it.
  * @param {number | undefined} seconds */
 export function showTime(seconds) {
     const time = byId("time", HTMLInputElement);

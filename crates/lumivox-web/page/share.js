@@ -1,5 +1,5 @@
 // @ts-check
-// What leaves the page: a link to what is seen, and the picture as a file.
+// Sharing: a link to the present picture, and the picture as a file.
 
 import { same } from "./parameters.js";
 import { encode } from "./link.js";
@@ -13,8 +13,8 @@ import { say } from "./messages.js";
 /** @typedef {import("./types.js").Source} Source */
 /** @typedef {import("./types.js").Split} Split */
 
-/** What a link has to carry. Of the settings those that were set by hand, since others follow from these: VXCT's own
- * change with the volume, and setting them would ask for its look. What is back at its default is left out, but not
+/** The content of a link. Only settings set by hand, since others follow from these: VXCT's own
+ * change with the volume, and setting them would select its look. Settings back at their default are left out, but not
  * behind a preset, which has its own.
  * @param {{ source: Source | null, panorama?: Source | null, environment?: Environment, preset?: string, camera: Camera | null, split?: Split | null, scale?: number,
  *   settings: Settings, touched: Set<string> }} now
@@ -72,6 +72,6 @@ export function save(file, name) {
     anchor.href = URL.createObjectURL(file);
     anchor.download = name;
     anchor.click();
-    // The download has begun long before.
+    // The download has begun long before this.
     setTimeout(() => URL.revokeObjectURL(anchor.href), 60_000);
 }

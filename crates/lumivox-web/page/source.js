@@ -1,16 +1,16 @@
 // @ts-check
-// What a source is, told by its names.
+// The kind of a source, from its names.
 
 /** @typedef {import("./types.js").Source} Source */
 
 const SCENE = /\.(gltf|glb|obj|ply|stl|scene|vxct|txt)$/i;
 const PANORAMA = /\.(hdr|exr|pic|png|jpe?g)$/i;
 
-/** The path of an address, without what stands behind it.
+/** The path of an address, without query and fragment.
  * @param {string} address */
 const path = (address) => address.replace(/[?#].*$/, "");
 
-/** Whether a source is a panorama alone, to be put around the scene that is there. Beside a scene pictures are its
+/** Whether a source is only a panorama, to be put around the present scene. Beside a scene, pictures are its
  * textures.
  * @param {Source} source */
 export function isPanorama(source) {
@@ -18,7 +18,7 @@ export function isPanorama(source) {
     return source.some(({ path }) => PANORAMA.test(path)) && !source.some(({ path }) => SCENE.test(path));
 }
 
-/** What a source is called.
+/** The name of a source.
  * @param {Source} source */
 export function nameOf(source) {
     if (typeof source === "string") return source.replace(/^builtin:/, "");

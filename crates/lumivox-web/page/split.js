@@ -1,11 +1,11 @@
 // @ts-check
-// The line between two views: a handle over the picture, and what is on its right.
+// The split: a handle over the picture, and the view to its right.
 
 import { byId, fillSelect } from "./dom.js";
 
 /** @typedef {import("./types.js").Split} Split */
 
-/** What an arrow key moves, and what Page Up and Page Down do, shares of the width. */
+/** The steps of the arrow keys, and of Page Up and Page Down, as shares of the width. */
 const [STEP, LEAP] = [0.02, 0.1];
 
 export class SplitLine {
@@ -43,7 +43,7 @@ export class SplitLine {
         return this.#split;
     }
 
-    /** Shows a split without telling of it.
+    /** Shows a split without sending an event.
      * @param {Split | null} split */
     show(split) {
         this.#split = split;
@@ -79,7 +79,7 @@ export class SplitLine {
     #toggle(left, right) {
         const isOn = this.#left === left && this.#split?.right === right;
         if (!isOn && this.#left !== left) this.#setView(left);
-        // Without a split the left view would stay alone: then all the light is what one wants to see.
+        // Without a split only the left view would remain: then the user wants to see all light.
         if (isOn && left !== "final") this.#setView("final");
         this.#compareWith(isOn ? "" : right);
     }

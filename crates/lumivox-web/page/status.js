@@ -1,16 +1,16 @@
 // @ts-check
-// The line that says what is being waited for, and for how long.
+// The status line: the present work, and how long it has taken.
 
 import { grouped } from "./dom.js";
 
 /** @typedef {import("./types.js").FrameReport} FrameReport */
 
-/** How often the time that is waited is told anew, ms. */
+/** The interval at which the elapsed time is updated, ms. */
 export const EVERY_MS = 250;
-/** What comes sooner is not waited for, ms. */
+/** The time from which work is shown as waiting, ms. */
 const PATIENCE_MS = 500;
 
-/** A time that someone waits.
+/** An elapsed time.
  * @param {number} ms */
 export function seconds(ms) {
     if (ms < 59_950) return `${(ms / 1000).toFixed(ms < 9_950 ? 1 : 0)} s`;
@@ -20,7 +20,7 @@ export function seconds(ms) {
 /** @param {number} ms */
 export const milliseconds = (ms) => `${ms < 10 ? ms.toFixed(1) : grouped(Math.round(ms))} ms`;
 
-/** The line of a picture that gets better.
+/** The line of a picture that improves.
  * @param {FrameReport} report the last frame's @param {number} waited since it came, ms */
 export function statusText({ frame, frames, frame_ms, complete, reference_samples }, waited) {
     const parts = [`${frame}/${frames} frames`, milliseconds(frame_ms)];

@@ -1,5 +1,5 @@
 // @ts-check
-// What is around the scene: a panorama's strength and turn, or plain light.
+// The surroundings: a panorama's strength and rotation, or uniform light.
 
 import { apart, hex, linear } from "./color.js";
 import { byId, h, number, row, slider } from "./dom.js";

@@ -7,9 +7,9 @@ import { milliseconds } from "./status.js";
 /** @typedef {import("./types.js").FrameReport} FrameReport */
 /** @typedef {import("./types.js").Memory} Memory */
 
-/** Frames that are shown. */
+/** The number of shown frames. */
 const FRAMES = 80;
-/** Colours of stages, told apart on dark ground also without colour vision (after Okabe and Ito 2008). */
+/** Colours of stages, distinguishable on dark ground even without colour vision (after Okabe and Ito 2008). */
 const COLORS = ["#8c8c8c", "#cc79a7", "#f0e442", "#56b4e9", "#009e73", "#e69f00", "#0072b2", "#d55e00"];
 /** Time without a stage. */
 const REST = "#4a4e57";

@@ -1,4 +1,4 @@
-// What the page's modules pass to each other. The renderer's own types come from the package.
+// The types that the page's modules pass to each other. The renderer's own types come from the package.
 
 import type {
     Camera as AnyCamera, EnvironmentChange, EnvironmentInfo as Environment, FrameReport,
@@ -10,11 +10,11 @@ export type {
     Picked, Progress, SceneOptions,
 };
 export type Vec3 = [number, number, number];
-/** What comes from the renderer has all that may be left out on the way to it. */
+/** Objects from the renderer have all properties that are optional in its input. */
 export type Camera = Required<Omit<AnyCamera, "name">> & { name?: string };
 export interface SceneInfo extends AnySceneInfo { camera: Camera; cameras: Camera[] }
 
-/** A setting's value; of three numbers also their text, separated by commas. */
+/** A setting's value; for three numbers also their text, separated by commas. */
 export type Value = boolean | number | string | Vec3;
 export type Settings = Record<string, Value>;
 
@@ -25,10 +25,10 @@ export interface SourceFile { file: File; path: string }
 /** The line between two views: the right one's name or "reference", and its place from 0 (left) to 1. */
 export interface Split { right: string; at: number }
 
-/** What a link carries: all but what is as it would be anyway. */
+/** The content of a link: everything that differs from the defaults. */
 export interface LinkState {
     scene?: string;
-    /** The address of a panorama, what it is multiplied by, and its turn in degrees. */
+    /** The address of a panorama, its factor, and its rotation in degrees. */
     environment?: string;
     environment_intensity?: number;
     environment_rotation?: number;
@@ -39,7 +39,7 @@ export interface LinkState {
     settings: Settings;
 }
 
-/** What the worker knows before any scene. */
+/** The worker's data before any scene. */
 export interface Catalogue {
     scenes: { name: string; title: string }[];
     presets: { name: string; title: string }[];
@@ -47,40 +47,40 @@ export interface Catalogue {
     settings: Settings;
 }
 
-/** A scene that was opened; its number tells cameras of the one before apart. */
+/** An opened scene; its number distinguishes its cameras from those of earlier scenes. */
 export interface Opened { scene: SceneInfo; materials: Material[]; settings: Settings; number: number }
 
-/** All that may be another after a step back, and what was taken back. */
+/** Everything that may change with undo, and the undone step. */
 export interface Stepped { words: string; scene: SceneInfo; materials: Material[]; settings: Settings }
 
-/** What lines of the console have printed and written, and all that may be another after them. */
+/** The output and the files of console lines, and everything that they may change. */
 export interface Ran {
     text: string;
     files: File[];
     /** The scene that they opened last. */
     opened?: string;
-    /** Why the lines after were not done. */
+    /** Why the following lines were not run. */
     failed?: string;
     scene?: SceneInfo;
     materials: Material[];
     settings: Settings;
     preset: string;
-    /** Where the camera is now, if it has moved. */
+    /** The camera, if it has moved. */
     camera?: Camera;
     number: number;
 }
 
-/** What a change of settings leads to. */
+/** The result of a change of settings. */
 export interface Changed { settings: Settings; voxels?: number }
 
 export interface Memory { name: string; bytes: number }
 
-/** What crosses from the worker: the end of a call, its progress, or an event. */
+/** A message from the worker: the end of a call, its progress, or an event. */
 export type FromWorker =
     | { id: number; result: unknown }
     | { id: number; error: Failure }
     | { id: number; progress: Progress }
     | { event: string; data: unknown };
 
-/** An error as it crosses; after a fatal one the worker's renderer is of no use. */
+/** An error in a message; after a fatal one the worker's renderer cannot be used. */
 export interface Failure { message: string; code?: string; fatal: boolean }

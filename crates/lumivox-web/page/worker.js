@@ -23,11 +23,11 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 /** @typedef {import("./types.js").Stepped} Stepped */
 /** @typedef {(progress: Progress) => void} OnProgress */
 
-/** A device that is lost says so within this time after a frame has failed, ms. */
+/** The time within which a lost device reports itself after a failed frame, ms. */
 const LOSS_MS = 250;
-/** A browser that wants no picture for this time, ms, gets one all the same. */
+/** The time, ms, after which a browser gets a picture even if it asks for none. */
 const UNASKED_MS = 500;
-/** A device that is lost so often without a frame in between is not asked for again by itself. */
+/** The number of losses without a frame in between after which no device is requested automatically. */
 const LOSSES = 3;
 
 /** @type {Renderer} */
@@ -55,7 +55,7 @@ function changed() {
     wake();
 }
 
-/** Until the browser wants another picture; a hidden page wants few. After its GPU process has crashed Chromium asks no
+/** Waits until the browser wants another picture; a hidden page wants few. After its GPU process has crashed Chromium asks no
  * more, but takes what it is given. */
 const nextPicture = () => new Promise((resolve) => {
     if (typeof requestAnimationFrame === "function") requestAnimationFrame(resolve);
@@ -70,7 +70,7 @@ async function frames() {
             continue;
         }
         try {
-            // What changes from here on sets it to false.
+            // Changes from here on set it to false.
             isComplete = true;
             const asked = place;
             place = null;
@@ -81,7 +81,7 @@ async function frames() {
             tell("frame", { ...report, complete: isComplete });
         } catch (error) {
             isComplete = true;
-            // A lost device makes the frame fail before it tells of itself.
+            // A lost device makes the frame fail before it reports itself.
             await new Promise((resolve) => setTimeout(resolve, LOSS_MS));
             if (!isLost) tell("error", failure(error));
         }
@@ -91,7 +91,7 @@ async function frames() {
 
 // --- A lost device -------------------------------------------------------------------------------------------------
 
-/** Hears when the present device is lost. */
+/** Waits for the loss of the present device. */
 const listen = () => void renderer.lost().then(lost);
 
 /** @param {string} reason */
@@ -125,20 +125,20 @@ function sourceFor(source) {
     return files.length === 1 ? files[0] : files;
 }
 
-/** The signal of another loading, in the place of the last. */
+/** The signal for loading something else, in place of the last. */
 function another() {
     loading.abort();
     loading = new AbortController();
     return loading.signal;
 }
 
-/** All that a change may have changed. */
+/** Everything that a change may affect. */
 const everything = async () => {
     const scene = /** @type {SceneInfo} */ (await renderer.scene());
     return { scene, materials: scene ? await renderer.materials() : [], settings: await renderer.settings() };
 };
 
-/** Takes a step back or does it again; gives all that may be another now.
+/** Undoes or redoes a step; returns everything that it may affect.
  * @param {"undo" | "redo"} way @returns {Promise<Stepped>} */
 async function step(way) {
     const words = await renderer[way]();
@@ -159,7 +159,7 @@ const calls = {
         const settings = await renderer.settings();
         return { scenes: builtinScenes(), presets: presets(), parameters: parameters(), settings };
     },
-    /** A scene, with a panorama around it if one is named. What is being loaded gives way.
+    /** Loads a scene, with a panorama around it if one is named. Earlier loading is cancelled.
      * @param {{ source: Source, panorama?: Source, camera?: Camera, options?: SceneOptions }} data @param {OnProgress} onProgress
      * @returns {Promise<Opened>} */
     async load(data, onProgress) {
@@ -191,7 +191,7 @@ const calls = {
         await renderer.setPreset(name, onProgress);
         return outcome();
     },
-    /** A camera of the scene of that number; of one that is gone it counts no more.
+    /** Moves the camera if the scene still has that number.
      * @param {{ camera: Camera, number: number, isMoving: boolean }} data */
     async camera(data) {
         if (data.number !== number) return;
@@ -260,7 +260,7 @@ const calls = {
         try {
             ran = await renderer.run(line, onProgress, { signal });
         } catch (error) {
-            // What went before it has been done.
+            // The lines before it have been run.
             const { printed = "" } = /** @type {{ printed?: string }} */ (error ?? {});
             if (error instanceof WebAssembly.RuntimeError) throw error;
             ran = { text: printed, files: [], failed: failure(error).message };
@@ -278,7 +278,7 @@ const calls = {
     },
     undo: () => step("undo"),
     redo: () => step("redo"),
-    /** What comes after is a step of its own. */
+    /** Begins a new step of undo. */
     async endGesture() {
         await renderer.endGesture();
     },
@@ -307,9 +307,9 @@ const LOOKS = new Set(["picture", "complete", "memory", "pick", "cancel", "probe
 function failure(error) {
     const message = error instanceof Error ? error.message : String(error);
     const { name, code } = /** @type {{ name?: string, code?: string }} */ (error ?? {});
-    // An exception of the browser's own has a number for a code.
+    // The browser's own exceptions have a number as code.
     if (name === "AbortError") return { message, code: "aborted", fatal: false };
-    // A trap in WASM leaves its memory in the middle of something.
+    // A trap in WASM leaves its memory in an unknown state.
     return { message, code, fatal: error instanceof WebAssembly.RuntimeError };
 }
 

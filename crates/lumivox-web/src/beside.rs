@@ -1,4 +1,4 @@
-//! What is beside the picture: another view of it, or the path-traced reference as it gets better.
+//! The right side of a split: another view, or the path-traced reference as it improves.
 
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -14,25 +14,25 @@ use crate::error::WebError;
 use crate::session::{Session, no_scene};
 use crate::types::Split;
 
-/// How long paths are traced before the page hears of it.
+/// The time for which paths are traced between reports to the page.
 const TRACE_FOR: Duration = Duration::from_millis(150);
-/// Far more than any eye needs.
+/// The most samples of a reference, far more than anybody needs.
 const MOST_SAMPLES: u32 = 1 << 20;
 
-/// What is on the right.
+/// The content of the right side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Right {
     /// Another view.
     View(View),
-    /// The path tracer's picture, with so many samples of each pixel.
+    /// The path-traced reference with this many samples of each pixel.
     Reference(u32),
 }
 
 impl Right {
-    /// What a split asks for.
+    /// Reads a page's request.
     ///
     /// # Errors
-    /// When there is no such view, or a number is out of its range.
+    /// When there is no such view, or a number is out of range.
     pub fn named(split: &Split) -> Result<Self, WebError> {
         if !(0.0..=1.0).contains(&split.at) {
             return Err(WebError::value(format!(
@@ -62,7 +62,7 @@ impl Right {
     }
 }
 
-/// A finished picture that stands.
+/// A finished picture that is shown.
 #[derive(Debug)]
 struct Still {
     pixels: Vec<[u8; 4]>,
@@ -95,12 +95,12 @@ impl Still {
     }
 }
 
-/// What is beside the picture.
+/// The right side of a split.
 #[derive(Debug)]
 pub struct Beside {
-    /// What it is.
+    /// Its content.
     pub right: Right,
-    /// Where it begins, from 0 to 1.
+    /// Its left edge, from 0 to 1.
     pub at: f32,
     schedule: SplitSchedule,
     left_still: Option<Still>,
@@ -109,23 +109,23 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// Nothing of it is there yet.
+    /// A right side without a picture yet.
     pub fn new(right: Right, at: f32) -> Self {
         let schedule = SplitSchedule::default();
         Self { right, at, schedule, left_still: None, right_still: None, tracer: None }
     }
 
-    /// The picture has changed.
+    /// Starts again because the picture has changed.
     pub fn start_again(&mut self) {
         self.schedule.start_again();
     }
 
-    /// The scene has changed by itself.
+    /// Starts again because the scene has changed by itself.
     pub fn scene_changed(&mut self) {
         self.schedule.scene_changed();
     }
 
-    /// The scene has changed, or where it is seen from: a reference would be one of something else.
+    /// Forgets the reference: the scene or the camera has changed.
     pub fn forget(&mut self) {
         self.tracer = None;
         if matches!(self.right, Right::Reference(_)) {
@@ -133,27 +133,27 @@ impl Beside {
         }
     }
 
-    /// What stands on the left; nothing while the explorer's own picture is that of the left.
+    /// The texture on the left; `None` while the explorer's own picture is the left one.
     pub fn left(&self) -> Option<&Texture> {
         self.left_still.as_ref().map(|still| &still.texture)
     }
 
-    /// Its pixels.
+    /// The pixels on the left.
     pub fn left_pixels(&self) -> Option<&[[u8; 4]]> {
         self.left_still.as_ref().map(|still| still.pixels.as_slice())
     }
 
-    /// What stands on the right, once something does.
+    /// The texture on the right; `None` before the first frame.
     pub fn texture(&self) -> Option<&Texture> {
         self.right_still.as_ref().map(|still| &still.texture)
     }
 
-    /// Its pixels, and where they begin.
+    /// The pixels on the right, and their left edge.
     pub fn right_pixels(&self) -> Option<(&[[u8; 4]], f32)> {
         self.right_still.as_ref().map(|still| (still.pixels.as_slice(), self.at))
     }
 
-    /// Samples of the reference.
+    /// Samples of the reference so far.
     pub fn samples(&self) -> Option<u32> {
         match self.right {
             Right::View(_) => None,
@@ -161,7 +161,8 @@ impl Beside {
         }
     }
 
-    /// Does what is next; `true` once nothing is left to do. Pictures that are changing are not completed.
+    /// Does the next piece of work; returns `true` once none is left. Pictures that are changing
+    /// are not completed.
     ///
     /// # Errors
     /// When a view is refused, or the device fails.
@@ -194,7 +195,7 @@ impl Beside {
         Ok(self.schedule.next().is_none())
     }
 
-    /// One frame of the right, after what is on the left was kept.
+    /// Renders one frame of the right side, after keeping the left one's picture.
     async fn render_right(&mut self, session: &mut Session, view: View) -> Result<bool, WebError> {
         let size = session.explorer().size();
         if self.left_still.is_none() {
@@ -207,7 +208,7 @@ impl Beside {
         Ok(has_rendered)
     }
 
-    /// The left is completed first: it is done at once, compared with a reference.
+    /// The left side is completed first: compared with a reference, it is done at once.
     async fn advance_reference(
         &mut self,
         session: &mut Session,

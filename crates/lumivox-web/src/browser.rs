@@ -1,17 +1,17 @@
-//! The console's access to files in a browser: addresses to read from, and files that a page hands
-//! to its user.
+//! The console's access to files in a browser: it reads from addresses, and writes files that a
+//! page offers to its user.
 
 use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use lumivox_console::{BUILTIN, Failure, Opening, Outside, Reading, SceneSource, suggest};
+use lumivox_console::{BUILTIN, Failure, Outside, Reading, SceneRequest, SceneSource, suggest};
 use lumivox_scene::{SceneError, builtin, extensions_in_words};
 
 use crate::listener::Listener;
 use crate::load::bytes_at;
 
-/// The files that were written, with their names, until they are taken.
+/// Written files with their names, until the page takes them.
 pub type Written = Rc<RefCell<Vec<(String, Vec<u8>)>>>;
 
 /// A browser's substitute for a disk.
@@ -21,18 +21,18 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Files that are written go there.
+    /// Makes the access; written files are put into `written`.
     pub fn new(written: Written) -> Self {
         Self { written }
     }
 }
 
 impl Outside for Browser {
-    fn scenes(&self, _: Option<&Opening>) -> Vec<String> {
+    fn scenes(&self, _: Option<&SceneRequest>) -> Vec<String> {
         builtin::names().iter().map(|name| format!("{BUILTIN}{name}")).collect()
     }
 
-    fn find(&self, name: &str, _: Option<&Opening>) -> anyhow::Result<SceneSource> {
+    fn find(&self, name: &str, _: Option<&SceneRequest>) -> anyhow::Result<SceneSource> {
         let source = SceneSource::named(name);
         if let SceneSource::File(path) = &source
             && path.extension().is_none()
@@ -47,7 +47,7 @@ impl Outside for Browser {
         Ok(source)
     }
 
-    fn check(&self, opening: &Opening) -> anyhow::Result<()> {
+    fn check(&self, opening: &SceneRequest) -> anyhow::Result<()> {
         match &opening.source {
             SceneSource::Builtin(name) if !builtin::names().contains(&name.as_str()) => {
                 let known = builtin::names().to_vec();
@@ -64,7 +64,7 @@ impl Outside for Browser {
     fn check_output(&self, file: &str) -> anyhow::Result<()> {
         match PathBuf::from(file).file_name() {
             Some(_) => Ok(()),
-            None => Err(Failure::output(format!("\"{file}\" is no name of a file")).into()),
+            None => Err(Failure::output(format!("\"{file}\" is not the name of a file")).into()),
         }
     }
 

@@ -1,10 +1,10 @@
-//! Lines of the console, as a page has them.
+//! Console lines of a page.
 
 use std::ops::ControlFlow;
 
 use lumivox_console::complete::complete;
-use lumivox_console::{Effect, Hear, LineInfo, Queue, Reply, script};
-use lumivox_render::Progress;
+use lumivox_console::{Effect, LineInfo, ProgressListener, Queue, Reply, script};
+use lumivox_render::RenderProgress;
 use wasm_bindgen::prelude::*;
 
 use crate::error::WebError;
@@ -13,25 +13,25 @@ use crate::load::load_as;
 use crate::renderer::Renderer;
 use crate::session::Session;
 
-/// Tells a page how far a command is, which may break it off.
-fn hearer(listener: &Listener) -> Box<dyn Hear> {
+/// Reports a command's progress to a page, which may cancel it.
+fn listener_of(listener: &Listener) -> Box<dyn ProgressListener> {
     let listener = listener.clone();
-    Box::new(move |step: Progress| {
+    Box::new(move |step: RenderProgress| {
         listener.tell(step.stage, step.done.into(), step.total.into());
         if listener.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })
 }
 
 impl Session {
-    /// Executes a line, and waits for its frames.
+    /// Runs a line, and waits for its frames.
     ///
     /// # Errors
-    /// As the command has it.
+    /// The errors of the command.
     pub async fn run_line(&mut self, line: &str, listener: &Listener) -> Result<Reply, WebError> {
         self.show_view_of_left()?;
         self.fit(self.full_size(), listener).await?;
         let size = self.full_size();
-        self.console.on_progress(hearer(listener));
+        self.console.on_progress(listener_of(listener));
         let reply = self.console.run(line).await;
         self.console.on_progress(Box::new(|_| ControlFlow::Continue(())));
         self.view = self.explorer().settings().view;
@@ -49,8 +49,8 @@ impl Session {
         Ok(reply)
     }
 
-    /// The possible completions of the last word of a line: where it begins, in UTF-16 as
-    /// JavaScript counts, and the words.
+    /// The possible completions of a line's last word: the word's start in UTF-16 units, as
+    /// JavaScript counts, and the completions.
     pub fn complete(&self, line: &str) -> (usize, Vec<String>) {
         let found = complete(&self.console.names(), &|_| Vec::new(), line, line.len());
         let before = line.get(..found.start).unwrap_or_default();
@@ -59,7 +59,7 @@ impl Session {
 }
 
 impl Renderer {
-    /// Runs lines, and those that they bring; the scene that they opened last, if they opened one.
+    /// Runs lines, and the lines that those add; returns the scene that they opened last, if any.
     pub(crate) async fn run_lines(
         &self,
         lines: &str,
@@ -105,7 +105,7 @@ impl Renderer {
     }
 }
 
-/// The result of lines, for a page.
+/// The result of lines, as an object for the page.
 pub(crate) fn ran(text: &str, files: &js_sys::Array, opened: Option<String>) -> JsValue {
     let ran = js_sys::Object::new();
     let parts: [(&str, JsValue); 3] =

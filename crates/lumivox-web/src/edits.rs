@@ -1,4 +1,4 @@
-//! The changes of a scene that a page makes, and undoes.
+//! A page's changes of a scene, with undo.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::types::{
 };
 
 impl Session {
-    /// Changes the lights by their list.
+    /// Changes the list of lights.
     ///
     /// # Errors
     /// The error of `edit`; then nothing has changed.
@@ -27,10 +27,10 @@ impl Session {
         Ok(result)
     }
 
-    /// Changes one.
+    /// Changes a light.
     ///
     /// # Errors
-    /// When there is none of that number, or it cannot be so.
+    /// When there is no light of that number, or a value is out of range.
     pub fn set_light(&mut self, number: usize, light: &Light) -> Result<(), WebError> {
         self.edit_lights(|lights| {
             let count = lights.len();
@@ -41,10 +41,10 @@ impl Session {
         })
     }
 
-    /// Removes one.
+    /// Removes a light.
     ///
     /// # Errors
-    /// When there is none of that number.
+    /// When there is no light of that number.
     pub fn remove_light(&mut self, number: usize) -> Result<(), WebError> {
         self.edit_lights(|lights| {
             if number >= lights.len() {
@@ -58,7 +58,7 @@ impl Session {
     /// Hides an object, or shows it.
     ///
     /// # Errors
-    /// When there is none of that number.
+    /// When there is no object of that number.
     pub fn set_hidden(&mut self, object: usize, is_hidden: bool) -> Result<(), WebError> {
         let count = self.console.explorer.scene().ok_or_else(no_scene)?.instances.len();
         if object >= count {
@@ -72,16 +72,16 @@ impl Session {
     /// The materials.
     ///
     /// # Errors
-    /// Without a scene.
+    /// When no scene is open.
     pub fn materials(&self) -> Result<Vec<Material>, WebError> {
         let scene = self.console.explorer.scene().ok_or_else(no_scene)?;
         Ok(scene.materials.iter().map(Material::from).collect())
     }
 
-    /// Changes one.
+    /// Changes a material.
     ///
     /// # Errors
-    /// When there is none of that number, or it cannot be so.
+    /// When there is no material of that number, or a value is out of range.
     pub fn set_material(&mut self, number: usize, change: &MaterialChange) -> Result<(), WebError> {
         let materials = &self.console.explorer.scene().ok_or_else(no_scene)?.materials;
         let present = materials
@@ -96,15 +96,15 @@ impl Session {
     /// The surroundings of the scene.
     ///
     /// # Errors
-    /// Without a scene.
+    /// When no scene is open.
     pub fn environment(&self) -> Result<EnvironmentInfo, WebError> {
         Ok((&self.console.explorer.scene().ok_or_else(no_scene)?.environment).into())
     }
 
-    /// Changes it.
+    /// Changes the surroundings.
     ///
     /// # Errors
-    /// When it cannot be so.
+    /// When a value is out of range.
     pub fn set_environment(&mut self, change: &EnvironmentChange) -> Result<(), WebError> {
         let changed =
             change.of(&self.console.explorer.scene().ok_or_else(no_scene)?.environment)?;
@@ -116,7 +116,7 @@ impl Session {
     /// Puts a panorama around the scene, in place of the earlier surroundings.
     ///
     /// # Errors
-    /// Without a scene.
+    /// When no scene is open.
     pub fn surround(&mut self, map: Arc<EnvironmentMap>) -> Result<EnvironmentInfo, WebError> {
         self.console.explorer.scene().ok_or_else(no_scene)?;
         let staged = self.staged.clone();
@@ -131,10 +131,10 @@ impl Session {
         self.environment()
     }
 
-    /// Undoes the last step, or redoes it; returns the step in words.
+    /// Undoes the last step, or redoes it; returns its description.
     ///
     /// # Errors
-    /// When there is none, or the device refuses.
+    /// When there is no step, or the device refuses.
     pub async fn step(&mut self, is_back: bool) -> Result<String, WebError> {
         self.show_view_of_left()?;
         let words =

@@ -1,5 +1,4 @@
-//! Errors as a page gets them: exceptions with the renderer's own messages, and a code for each
-//! kind.
+//! Errors for a page: exceptions with the renderer's own messages, and a code for each kind.
 
 use lumivox::GiError;
 use lumivox_console::Failure;
@@ -13,7 +12,7 @@ use lumivox_scene::SceneError;
 pub enum Code {
     /// The browser has no WebGPU at all.
     NoWebGpu,
-    /// It has, but no GPU for it, or none that offers WebGPU's default limits.
+    /// The browser has WebGPU, but no GPU for it, or none with WebGPU's default limits.
     NoAdapter,
     /// The device was lost, or refused a command.
     Device,
@@ -23,14 +22,14 @@ pub enum Code {
     Scene,
     /// A file or an address cannot be fetched.
     Fetch,
-    /// The page has cancelled it: it gets the reason of its own signal.
+    /// The page has cancelled the work; it gets the reason of its own signal.
     Aborted,
     /// A value, a name or a number is not allowed.
     Value,
 }
 
 impl Code {
-    /// As the page reads it.
+    /// The code in JavaScript.
     pub const fn name(self) -> &'static str {
         match self {
             Self::NoWebGpu => "no-webgpu",
@@ -45,7 +44,7 @@ impl Code {
     }
 }
 
-/// An error on its way to a page.
+/// An error for a page.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct WebError {
@@ -61,7 +60,7 @@ impl WebError {
         Self { code, message: in_words_of_a_page(&message.into()) }
     }
 
-    /// The same error in a line of a script; for typed lines the place is empty.
+    /// The same error in a line of a script; the place is empty for typed lines.
     #[must_use]
     pub fn at(self, place: &str) -> Self {
         if place.is_empty() {
@@ -70,7 +69,7 @@ impl WebError {
         Self { message: format!("{place}: {}", self.message), ..self }
     }
 
-    /// The error of a value that is not allowed.
+    /// An error about a value that is not allowed.
     pub fn value(message: impl Into<String>) -> Self {
         Self::new(Code::Value, message)
     }
@@ -103,12 +102,12 @@ impl From<ExplorerError> for WebError {
 
 impl From<Failure> for WebError {
     fn from(failure: Failure) -> Self {
-        // A line of the console has options, as a command line has them.
+        // A line of the console has options like a command line.
         Self { code: Code::Value, message: failure.to_string() }
     }
 }
 
-/// The error of a line of the console.
+/// Converts an error of a line of the console.
 impl From<anyhow::Error> for WebError {
     fn from(error: anyhow::Error) -> Self {
         let error = match error.downcast::<ExplorerError>() {
@@ -142,11 +141,11 @@ impl From<SettingError> for WebError {
     }
 }
 
-/// Where a message names an option of the command line, a page gets the setting: they have the same
-/// names, with `_` for `-`.
+/// Replaces options of the command line in a message by the settings of the page, which have the
+/// same names with `_` for `-`.
 fn in_words_of_a_page(message: &str) -> String {
-    // A page has no such options: it does not read the disk, and shows files without unsupported
-    // extensions.
+    // A page does not have these options: it does not read the disk, and shows files without
+    // unsupported extensions.
     let message = [" (--allow-outside)", " (--ignore-required)"]
         .iter()
         .fold(message.to_owned(), |message, option| message.replace(option, ""));
@@ -172,7 +171,7 @@ fn in_words_of_a_page(message: &str) -> String {
 impl From<WebError> for wasm_bindgen::JsValue {
     fn from(error: WebError) -> Self {
         let exception = js_sys::Error::new(&error.message);
-        // An object that was just made takes any property.
+        // A new object takes any property.
         let _ = js_sys::Reflect::set(&exception, &"code".into(), &error.code.name().into());
         exception.into()
     }

@@ -1,4 +1,4 @@
-//! The files of a scene in memory: dropped on a page, or fetched one after the other.
+//! A scene's files in memory: dropped on a page, or fetched one after the other.
 
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -12,7 +12,7 @@ use crate::error::WebError;
 /// The extensions of panoramas that no scene uses for textures.
 const PANORAMAS: [&str; 3] = ["hdr", "exr", "pic"];
 
-/// Files by their paths, separated by `/`. It remembers the requests that failed.
+/// Files by their paths, separated by `/`. Requests for missing files are recorded.
 #[derive(Debug, Default)]
 pub struct Files {
     files: BTreeMap<String, Vec<u8>>,
@@ -25,7 +25,7 @@ impl Files {
         self.files.insert(path.trim_start_matches('/').to_owned(), bytes);
     }
 
-    /// The files that a loader requested since the last call and did not get, in order.
+    /// The missing files that a loader has requested since the last call, in order.
     pub fn take_missing(&self) -> Vec<String> {
         std::mem::take(&mut *self.missing.borrow_mut()).into_iter().collect()
     }
@@ -35,11 +35,12 @@ impl Files {
         self.files.get(path).map(Vec::as_slice)
     }
 
-    /// The one that is a scene: of several formats the first of [`EXTENSIONS`], since geometry may
-    /// belong to another; and VXCT's, which names geometry, before that.
+    /// The file that is the scene. Of several formats it is the first of [`EXTENSIONS`], since
+    /// geometry may belong to another file; VXCT's format comes before that, because it names
+    /// geometry.
     ///
     /// # Errors
-    /// When there is none, or there are several.
+    /// When there is no scene, or several.
     pub fn scene(&self) -> Result<&str, WebError> {
         let of = |extension: &str| -> Vec<&str> {
             let has_it = |path: &&String| {
@@ -47,7 +48,7 @@ impl Files {
                 found.as_deref() == Some(extension)
             };
             let all: Vec<&str> = self.files.keys().filter(has_it).map(String::as_str).collect();
-            // Text about a model is not a scene.
+            // A text about a model is not a scene.
             let is_one = |path: &&str| extension != "txt" || self.is_text_of_scene(path);
             if self.files.len() == 1 { all } else { all.into_iter().filter(is_one).collect() }
         };
@@ -71,15 +72,15 @@ impl Files {
         }
     }
 
-    /// Whether a text begins as VXCT's scenes do.
+    /// Whether a text begins like VXCT's scenes.
     fn is_text_of_scene(&self, path: &str) -> bool {
         let text = String::from_utf8_lossy(self.get(path).unwrap_or_default());
         let mut words = text.split_ascii_whitespace();
         words.any(|word| word == "scene") && matches!(words.next(), Some("{" | "="))
     }
 
-    /// The panorama, if there is one: a file without others, or else one of a format that textures
-    /// do not use.
+    /// The panorama, if there is one: a single file, or a file of a format that textures do not
+    /// use.
     ///
     /// # Errors
     /// When there are several.
@@ -102,7 +103,7 @@ impl Files {
         }
     }
 
-    /// The message where there is none.
+    /// The error that no file is a panorama.
     pub fn no_panorama(&self) -> WebError {
         let names: Vec<&str> = self.files.keys().take(8).map(String::as_str).collect();
         WebError::value(format!(
@@ -111,7 +112,7 @@ impl Files {
         ))
     }
 
-    /// A file of that path, or else the only one that bears its name: files chosen in a dialog come
+    /// The file of that path, or else the only file of that name: files chosen in a dialog come
     /// without their folders.
     fn find(&self, path: &str) -> Option<&Vec<u8>> {
         if let Some(bytes) = self.files.get(path) {
@@ -129,7 +130,7 @@ impl FileSource for Files {
     fn read(&self, path: &str) -> io::Result<Cow<'_, [u8]>> {
         self.find(path).map(|bytes| Cow::Borrowed(bytes.as_slice())).ok_or_else(|| {
             self.missing.borrow_mut().insert(path.to_owned());
-            io::Error::new(io::ErrorKind::NotFound, "it is not among the files that were opened")
+            io::Error::new(io::ErrorKind::NotFound, "the file is not among those that were opened")
         })
     }
 
@@ -175,7 +176,7 @@ mod tests {
         let mut files = of(&["box.obj"]);
         files.add("readme.txt", b"A box for every scene.".to_vec());
         assert_eq!(files.scene(), Ok("box.obj"));
-        // A single file is the one that was meant, and its loader reports its faults.
+        // A single file is the scene; its loader reports its errors.
         let mut files = Files::default();
         files.add("readme.txt", b"A box.".to_vec());
         assert_eq!(files.scene(), Ok("readme.txt"));
@@ -186,7 +187,7 @@ mod tests {
         let found = |paths: &[&str]| of(paths).panorama().map(|found| found.map(str::to_owned));
         assert_eq!(found(&["hall.HDR"]), Ok(Some("hall.HDR".to_owned())));
         assert_eq!(found(&["room.glb", "sky/day.exr"]), Ok(Some("sky/day.exr".to_owned())));
-        // A picture is one where there is nothing else; beside a scene it is a texture.
+        // A picture alone is a panorama; beside a scene it is a texture.
         assert_eq!(found(&["hall.jpg"]), Ok(Some("hall.jpg".to_owned())));
         assert_eq!(found(&["room.obj", "wood.jpg"]), Ok(None));
         assert_eq!(found(&["room.glb"]), Ok(None));
@@ -200,7 +201,7 @@ mod tests {
         let files = of(&["room.gltf", "wood.png", "b/stone.png"]);
         assert_eq!(files.read("textures/wood.png").unwrap().as_ref(), b"wood.png");
         assert_eq!(files.read("b/stone.png").unwrap().as_ref(), b"b/stone.png");
-        // One that has a folder stays there.
+        // A path with a folder keeps it.
         assert!(files.read("c/stone.png").is_err());
         assert_eq!(files.take_missing(), ["c/stone.png"]);
         assert!(files.take_missing().is_empty());

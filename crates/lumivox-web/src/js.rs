@@ -1,11 +1,11 @@
-//! Values of the types that JavaScript and Rust share, on their way between both.
+//! Conversion of values between JavaScript and Rust.
 
 use tsify::{Ts, Tsify};
 use wasm_bindgen::prelude::*;
 
 use crate::error::WebError;
 
-/// A value as the page has it.
+/// Converts a value for the page.
 pub fn to_js<T: Tsify + serde::Serialize>(value: &T) -> Result<Ts<T>, JsValue> {
     value.into_ts().map_err(|error| WebError::value(error.to_string()).into())
 }
@@ -16,7 +16,7 @@ pub fn keys(object: &JsValue) -> String {
     object.map_or_else(String::new, |object| js_sys::Object::keys(object).join(" ").into())
 }
 
-/// An object of the page.
+/// Converts an object of the page.
 pub fn from_js<T: Tsify + serde::de::DeserializeOwned>(
     value: &Ts<T>,
     what: &str,
@@ -24,8 +24,8 @@ pub fn from_js<T: Tsify + serde::de::DeserializeOwned>(
     of_text_of(&value.js_value(), what)
 }
 
-/// By way of its text, since that refuses unknown properties; properties that are left out are
-/// null.
+/// Converts an object through its JSON text, which refuses unknown properties; missing properties
+/// are null.
 pub fn of_text_of<T: serde::de::DeserializeOwned>(
     value: &JsValue,
     what: &str,

@@ -1,22 +1,23 @@
 //! Lumivox in the browser: the same library and renderer, compiled to WebAssembly, on WebGPU.
 //!
-//! JavaScript sees `renderer.rs`: a class that shows a scene on a canvas. It works in windows and in workers alike; the
-//! page of this project (`page/`) lets a worker own it, so that nothing that takes long holds up its panels.
+//! JavaScript sees `renderer.rs`: a class that shows a scene on a canvas, in windows and in
+//! workers. This project's page (`page/`) runs it in a worker, so that long work does not block its
+//! panels.
 //!
 //! | file | is |
 //! | --- | --- |
 //! | `renderer.rs` | what JavaScript calls; calls wait for each other |
 //! | `session.rs` | the state behind it: an explorer, the canvas, what is beside |
 //! | `opening.rs` | another scene in the place of the last |
-//! | `edits.rs` | what a page changes of a scene, and takes back |
-//! | `looking.rs` | what a page asks of the picture: what is there, how bright it is |
-//! | `staged.rs` | what was put around a scene that its file does not have |
+//! | `edits.rs` | changing a scene, undo and redo |
+//! | `looking.rs` | questions about the picture: what is at a point, how bright it is |
+//! | `staged.rs` | light and objects added to a scene |
 //! | `beside.rs` | another view or the path-traced reference on the right |
 //! | `present.rs` | the last step onto the canvas |
-//! | `exposing.rs` | when pictures are exposed anew |
+//! | `exposing.rs` | when a picture is metered again |
 //! | `load.rs`, `files.rs` | scenes and panoramas from addresses and files |
-//! | `listener.rs` | who hears of progress, and may cancel |
-//! | `settings.rs`, `types/` | what is handed over, with declarations for TypeScript |
+//! | `listener.rs` | progress callbacks and cancelling |
+//! | `settings.rs`, `types/` | values exchanged with JavaScript, with TypeScript declarations |
 //! | `error.rs` | exceptions and their codes |
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "in a test a panic is the message"))]
@@ -64,7 +65,7 @@ mod tests {
         assert_eq!(package["version"], env!("CARGO_PKG_VERSION"));
     }
 
-    /// The tests in the browser run it.
+    /// The browser tests run the example, so this test only compares the texts.
     #[test]
     fn the_readme_shows_the_example_that_runs() {
         assert!(README.contains(EXAMPLE));

@@ -1,4 +1,4 @@
-//! Listeners for progress, which may cancel the work.
+//! Progress reports to a page, which may cancel the work.
 
 use wasm_bindgen::prelude::*;
 
@@ -17,7 +17,7 @@ extern "C" {
     async fn breathe() -> Result<JsValue, JsValue>;
 }
 
-/// The listener for progress, and the signal that cancels the work.
+/// A page's function for progress, and the signal that cancels the work.
 #[derive(Clone, Debug)]
 pub struct Listener {
     function: Option<js_sys::Function>,
@@ -25,15 +25,15 @@ pub struct Listener {
 }
 
 impl Listener {
-    /// A page's function, or none.
+    /// A listener with a page's function, if there is one.
     pub fn new(function: Option<js_sys::Function>) -> Self {
         Self { function, signal: JsValue::UNDEFINED }
     }
 
-    /// The same with the signal among some options.
+    /// The same with the signal of some options.
     ///
     /// # Errors
-    /// When the value is neither.
+    /// When `signal` is not an AbortSignal.
     pub fn with_signal(mut self, options: &JsValue) -> Result<Self, WebError> {
         let signal = js_sys::Reflect::get(options, &"signal".into()).unwrap_or_default();
         if !signal.is_undefined() && !signal.is_null() {
@@ -61,15 +61,15 @@ impl Listener {
         &self.signal
     }
 
-    /// Whether the signal has cancelled.
+    /// Whether the signal has cancelled the work.
     pub fn is_cancelled(&self) -> bool {
         is_aborted(&self.signal)
     }
 
-    /// Lets the page's messages through, among which may be the one that cancels.
+    /// Lets the browser process messages; one of them may cancel the work.
     ///
     /// # Errors
-    /// When it was cancelled.
+    /// When the work was cancelled.
     pub async fn check(&self) -> Result<(), WebError> {
         if self.signal.is_undefined() {
             return Ok(());
@@ -82,7 +82,7 @@ impl Listener {
         Ok(())
     }
 
-    /// An error as the page gets it: cancelled work fails with the signal's own reason, as `fetch`
+    /// The exception for the page: cancelled work fails with the signal's own reason, as `fetch`
     /// does.
     pub fn exception(&self, error: WebError) -> JsValue {
         if error.code == Code::Aborted {

@@ -1,9 +1,9 @@
-//! Scenes and panoramas from where a page has them: built in, at an address, in files.
+//! Loading scenes and panoramas: built-in ones, addresses, files.
 
 use std::sync::Arc;
 
 use js_sys::{Array, Uint8Array};
-use lumivox_console::{LoadArgs, Opening, SceneSource};
+use lumivox_console::{LoadArgs, SceneRequest, SceneSource};
 use lumivox_scene::{EnvironmentMap, LoadOptions, MemoryBudget, Scene, builtin};
 use wasm_bindgen::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::listener::Listener;
 
 const BUILTIN: &str = "builtin:";
 
-/// A browser gives a page 4 GiB at most, for all that it does.
+/// The memory budget of a scene: a browser gives a page at most 4 GiB in all.
 const BUDGET: MemoryBudget = MemoryBudget { texture_bytes: 512 << 20, geometry_bytes: 1 << 30 };
 
 #[wasm_bindgen(module = "/src/fetch.js")]
@@ -29,7 +29,7 @@ extern "C" {
     async fn read_bytes(file: &web_sys::Blob) -> Result<JsValue, JsValue>;
 }
 
-/// A scene, and the things that came with it.
+/// A scene with everything that was loaded for it.
 #[derive(Debug)]
 pub struct Loaded {
     /// The scene.
@@ -38,11 +38,11 @@ pub struct Loaded {
     pub name: String,
     /// Its new surroundings.
     pub panorama: Option<Arc<EnvironmentMap>>,
-    /// Sentences on things that were ignored.
+    /// Sentences on ignored files.
     pub notes: Vec<String>,
 }
 
-/// Where something is to be had.
+/// The source of a scene or a panorama.
 enum Source {
     Files(Array),
     Address(String),
@@ -65,11 +65,11 @@ impl Source {
     }
 }
 
-/// Loads the scene that `source` says: text, a `URL`, a `File` or several; with a panorama from
-/// elsewhere, if there is one.
+/// Loads the scene of `source`: text, a `URL`, a `File` or several; optionally with a panorama from
+/// another source.
 ///
 /// # Errors
-/// When it is none of these, cannot be fetched, is not a scene, or was cancelled.
+/// When the source is none of these, cannot be fetched, is not a scene, or loading was cancelled.
 pub async fn load(
     source: &JsValue,
     panorama: &JsValue,
@@ -97,11 +97,11 @@ pub async fn load(
     Ok(loaded)
 }
 
-/// Loads and lights the scene that a line of the console asks for.
+/// Loads and lights the scene of a console's request.
 ///
 /// # Errors
 /// As [`load`].
-pub async fn load_as(opening: &Opening, listener: &Listener) -> Result<Scene, WebError> {
+pub async fn load_as(opening: &SceneRequest, listener: &Listener) -> Result<Scene, WebError> {
     opening.load.check(&opening.source)?;
     let mut scene = match &opening.source {
         SceneSource::Builtin(name) => builtin::scene(name)?,
@@ -121,7 +121,7 @@ pub async fn load_as(opening: &Opening, listener: &Listener) -> Result<Scene, We
 /// Fetches the file at an address.
 ///
 /// # Errors
-/// When it is none, or nothing is there.
+/// When it is not an address, or nothing is there.
 pub async fn bytes_at(address: &str, listener: &Listener) -> Result<Vec<u8>, WebError> {
     fetch_there(&address_of(address)?, listener).await
 }
@@ -156,7 +156,8 @@ async fn load_files(list: &Array, listener: &Listener) -> Result<Loaded, WebErro
     let files = read_files(list, listener).await?;
     let file = files.scene()?.to_owned();
     let scene = parse(&files, &file, None, listener)?;
-    // Of several files none is chosen: the right one is unknown, and the scene does not need one.
+    // Of several panoramas none is chosen: the right one is unknown, and the scene does not need
+    // one.
     let (name, notes) = match files.panorama() {
         Ok(name) => (name, Vec::new()),
         Err(error) => (None, vec![error.message]),
@@ -173,11 +174,11 @@ async fn read_files(list: &Array, listener: &Listener) -> Result<Files, WebError
     let total = f64::from(list.length());
     for (number, file) in list.iter().enumerate() {
         let Ok(file) = file.dyn_into::<web_sys::File>() else {
-            return Err(WebError::value("what is in a list of files must be File objects"));
+            return Err(WebError::value("a list of files must contain only File objects"));
         };
         listener.check().await?;
         listener.tell("fetching", number as f64, total);
-        // The path within a folder that was chosen as a whole; else empty.
+        // The path within a chosen folder; otherwise empty.
         let path = js_sys::Reflect::get(&file, &"webkitRelativePath".into()).ok();
         let path = path.and_then(|path| path.as_string()).filter(|path| !path.is_empty());
         let path = path.unwrap_or_else(|| file.name());
@@ -189,8 +190,8 @@ async fn read_files(list: &Array, listener: &Listener) -> Result<Files, WebError
     Ok(files)
 }
 
-/// Fetches a scene, and the files that it names: loaders ask for files, and run again when these
-/// are there.
+/// Fetches a scene with the files that it names: loaders record missing files, and run again once
+/// these are there.
 async fn fetch(
     address: &str,
     asked: Option<&LoadArgs>,
@@ -204,7 +205,7 @@ async fn fetch(
     loop {
         listener.check().await?;
         // A file that is missing in this round may be there in the next: only the last round's
-        // warnings are right.
+        // warnings count.
         let nobody = tracing::subscriber::NoSubscriber::default();
         let loaded =
             tracing::subscriber::with_default(nobody, || parse(&files, &name, asked, listener));
@@ -230,7 +231,7 @@ async fn fetch(
 
 fn address_of(address: &str) -> Result<web_sys::Url, WebError> {
     resolve(address, None)
-        .ok_or_else(|| WebError::new(Code::Fetch, format!("{address}: is no address of the web")))
+        .ok_or_else(|| WebError::new(Code::Fetch, format!("{address}: is not a web address")))
 }
 
 /// The name of the file at an address.
@@ -240,8 +241,8 @@ fn name_in(url: &web_sys::Url) -> String {
     js_sys::decode_uri_component(name).map_or_else(|_| name.to_owned(), String::from)
 }
 
-/// The path of the file at an address, and the address that paths are relative to: a folder
-/// `scenes` belongs to the path, since VXCT's models lie in the folder above it.
+/// The path of the file at an address, and the address that its relative paths start at. A folder
+/// `scenes` belongs to the path, since VXCT's models are in the folder above it.
 fn place_of(address: &web_sys::Url) -> (String, web_sys::Url) {
     let name = name_in(address);
     let folder = address.pathname().rsplit('/').nth(1).unwrap_or_default().to_owned();
@@ -252,7 +253,7 @@ fn place_of(address: &web_sys::Url) -> (String, web_sys::Url) {
     }
 }
 
-/// Fetches the file at an address, where there must be one.
+/// Fetches the file at an address; a missing file is an error.
 async fn fetch_there(url: &web_sys::Url, listener: &Listener) -> Result<Vec<u8>, WebError> {
     get(&url.href(), listener).await?.ok_or_else(|| {
         let reason =
@@ -265,13 +266,13 @@ fn resolve(address: &str, base: Option<&web_sys::Url>) -> Option<web_sys::Url> {
     if let Some(base) = base {
         return web_sys::Url::new_with_base(address, &base.href()).ok();
     }
-    // Relative addresses are relative to the page, or to the worker's script.
+    // Relative addresses start at the page, or at the worker's script.
     let here = js_sys::Reflect::get(&js_sys::global(), &"location".into()).ok()?;
     let here = js_sys::Reflect::get(&here, &"href".into()).ok()?.as_string()?;
     web_sys::Url::new_with_base(address, &here).ok()
 }
 
-/// A path as an address has it.
+/// A path with the escapes of an address.
 fn escape(path: &str) -> String {
     let words = path.split('/').map(|word| String::from(js_sys::encode_uri_component(word)));
     words.collect::<Vec<_>>().join("/")
@@ -290,7 +291,7 @@ fn unreadable(what: &str, error: &JsValue, listener: &Listener) -> WebError {
         return WebError::new(Code::Aborted, "loading was cancelled");
     }
     let reason = error.dyn_ref::<js_sys::Error>().map(|error| String::from(error.message()));
-    let reason = reason.unwrap_or_else(|| "nobody says why".to_owned());
+    let reason = reason.unwrap_or_else(|| "no reason given".to_owned());
     WebError::new(
         Code::Fetch,
         format!(
@@ -299,7 +300,7 @@ fn unreadable(what: &str, error: &JsValue, listener: &Listener) -> WebError {
     )
 }
 
-/// Makes the scene from files that are all there, or returns the missing one.
+/// Makes the scene if all files are there, or returns the missing ones.
 fn parse(
     files: &Files,
     name: &str,

@@ -1,4 +1,4 @@
-//! The questions of a page about the picture: what is there, and how bright it is.
+//! A page's questions about the picture: the surface and the light at a place.
 
 use glam::{UVec2, Vec2};
 use lumivox_scene::{Bounds, Picker};
@@ -8,11 +8,11 @@ use crate::session::{Session, no_scene};
 use crate::types::{HistogramInfo, LightHere, Picked};
 
 impl Session {
-    /// The surface at a place of the picture, from 0 to 1 from its upper left corner to its lower
-    /// right one.
+    /// The surface at a place of the picture, from (0, 0) in its upper left corner to (1, 1) in its
+    /// lower right one.
     ///
     /// # Errors
-    /// When the place is outside, or there is no scene.
+    /// When the place is outside the picture, or no scene is open.
     pub fn pick(&mut self, at: Vec2) -> Result<Option<Picked>, WebError> {
         check(at)?;
         let scene = self.console.explorer.scene().ok_or_else(no_scene)?;
@@ -35,11 +35,11 @@ impl Session {
         }))
     }
 
-    /// The light at such a place; nothing beside another picture, over views without light, or
-    /// before the first frame.
+    /// The light at such a place; `None` beside another picture, in views without light, and before
+    /// the first frame.
     ///
     /// # Errors
-    /// When the place is outside, or the device fails.
+    /// When the place is outside the picture, or the device fails.
     pub async fn probe(&self, at: Vec2) -> Result<Option<LightHere>, WebError> {
         check(at)?;
         if self.beside.is_some() {
@@ -50,7 +50,7 @@ impl Session {
         Ok(self.console.explorer.probe(pixel).await?.map(LightHere::from))
     }
 
-    /// How bright the picture's pixels were when it was exposed last.
+    /// The histogram of the picture when it was last exposed.
     pub fn histogram(&self) -> Option<HistogramInfo> {
         let (histogram, stops) = self.meter.histogram()?;
         Some(HistogramInfo::new(&histogram, stops))

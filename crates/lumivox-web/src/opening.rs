@@ -1,8 +1,7 @@
-//! Another scene in the place of the last: decided how it is seen, shown coarsely at once, then as
-//! it was asked for.
+//! Opening another scene: choosing its view, showing it coarsely at once, then as requested.
 
 use lumivox_console::values::camera::CameraChoice;
-use lumivox_console::{Opening, SceneSource};
+use lumivox_console::{SceneRequest, SceneSource};
 use lumivox_explorer::{ExposureMeter, first_look};
 use lumivox_render::RenderSettings;
 use lumivox_scene::Scene;
@@ -15,11 +14,11 @@ use crate::staged::Staged;
 use crate::types::{Camera, SceneInfo, SceneOptions, of_panorama};
 
 impl Session {
-    /// Shows another scene, unless it is cancelled before the last one has to go.
+    /// Shows another scene, unless loading is cancelled before the last scene is closed.
     ///
     /// # Errors
-    /// When it does not fit, or the device fails. The last one is gone then: both at once need not
-    /// fit.
+    /// When the scene does not fit, or the device fails. The last scene is closed then: both
+    /// together might not fit.
     pub async fn open(
         &mut self,
         loaded: Loaded,
@@ -30,35 +29,35 @@ impl Session {
         if let Some(map) = panorama {
             scene.environment = of_panorama(map);
         }
-        let mut opening = Opening::plain(SceneSource::named(&name), self.aspect());
+        let mut opening = SceneRequest::plain(SceneSource::named(&name), self.aspect());
         opening.light.surroundings = Some(asked.surroundings.into());
         opening.camera = asked.from.map(|from| CameraChoice::Name(from.name().to_owned()));
         self.show_as(scene, opening, notes, Some(asked.camera), listener).await?;
         self.info().ok_or_else(no_scene)
     }
 
-    /// Width by height of the picture.
+    /// Width over height of the picture.
     pub(crate) fn aspect(&self) -> f32 {
         let size = self.console.explorer.size();
         size.x as f32 / size.y as f32
     }
 
-    /// Shows a scene as it was asked for. With `place` the camera goes there, or to the scene's
-    /// own; without, the console decides.
+    /// Shows a scene as requested. With `place` the camera moves there, or to the scene's own
+    /// place; without it the console decides.
     ///
     /// # Errors
     /// As [`Self::open`].
     pub async fn show_as(
         &mut self,
         scene: Scene,
-        opening: Opening,
+        opening: SceneRequest,
         notes: Vec<String>,
         place: Option<Option<Camera>>,
         listener: &Listener,
     ) -> Result<(), WebError> {
         let before = (scene.instances.len(), scene.lights.len());
-        let ready = opening.ready(scene, &mut tell_of(listener))?;
-        let opened = &ready.opened;
+        let scene = opening.prepare(scene, &mut tell_of(listener))?;
+        let opened = &scene.prepared;
         let first = opened.camera().clone();
         let place = match place {
             None => None,
@@ -71,7 +70,7 @@ impl Session {
         self.notes.extend(notes);
         self.notes
             .extend(opened.notes().iter().map(|note| format!("{}: {}", note.about, note.text)));
-        self.console.open(ready);
+        self.console.open(scene);
         if let Some(place) = place {
             self.console.explorer.set_camera(place);
         }
@@ -86,7 +85,7 @@ impl Session {
         self.update(listener).await
     }
 
-    /// A first picture of few pixels and voxels, while the full one takes its time.
+    /// Renders a first picture of few pixels and voxels, since the full one takes time.
     async fn preview(&mut self, listener: &Listener) -> Result<(), WebError> {
         let asked = RenderSettings { view: self.view, ..self.console.explorer.settings().clone() };
         let coarse =

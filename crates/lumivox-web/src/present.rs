@@ -1,4 +1,4 @@
-//! The last step: finished pictures onto the page's canvas.
+//! Drawing finished pictures on the page's canvas.
 
 use glam::{UVec2, Vec2};
 use lumivox::gpu::Texture;
@@ -8,17 +8,17 @@ use wgpu::util::DeviceExt as _;
 
 use crate::error::{Code, WebError};
 
-/// Every browser's canvases take it.
+/// The format of the canvas, which every browser supports.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Half the width of the line between two pictures, px.
 const HALF_LINE: f32 = 1.0;
 
-/// A canvas of a page, or one that was handed to a worker.
+/// A canvas of a page, or one that was transferred to a worker.
 #[derive(Clone, Debug)]
 pub enum Canvas {
-    /// An element.
+    /// An element of the page.
     Element(HtmlCanvasElement),
-    /// Without one.
+    /// A canvas without an element.
     Offscreen(OffscreenCanvas),
 }
 
@@ -64,16 +64,18 @@ pub struct Presenter {
 }
 
 impl Presenter {
-    /// A presenter for a canvas in its present size.
+    /// A presenter for a canvas at its present size.
     ///
     /// # Errors
-    /// When something else draws on the canvas already.
+    /// When something else already draws on the canvas.
     pub fn new(gpu: &Gpu, canvas: Canvas) -> Result<Self, WebError> {
         let surface = Gpu::instance().create_surface(canvas.target());
         let surface = surface.map_err(|error| {
             WebError::new(
                 Code::Value,
-                format!("the canvas gives no WebGPU context: {error}; hand over one that nothing has drawn on"),
+                format!(
+                    "the canvas has no WebGPU context: {error}; use one that nothing else draws on"
+                ),
             )
         })?;
         let device = &gpu.device;
@@ -139,7 +141,7 @@ impl Presenter {
         Ok(presenter)
     }
 
-    /// Its canvas.
+    /// The canvas.
     pub fn canvas(&self) -> &Canvas {
         &self.canvas
     }
@@ -171,11 +173,11 @@ impl Presenter {
         self.surface.configure(&gpu.device, &configuration);
     }
 
-    /// Shows a picture, as large as the canvas, and on its right another one from a share of the
-    /// width on.
+    /// Shows a picture of the canvas's size, and optionally another one to the right of a share of
+    /// the width.
     ///
     /// # Errors
-    /// When the canvas is gone.
+    /// When the canvas is lost.
     pub fn show(
         &self,
         gpu: &Gpu,
@@ -188,7 +190,7 @@ impl Presenter {
             other => {
                 return Err(WebError::new(
                     Code::Device,
-                    format!("the canvas gives no picture: {other:?}"),
+                    format!("the canvas has no texture to draw on: {other:?}"),
                 ));
             }
         };

@@ -31,15 +31,15 @@ const SETTINGS: &'static str = include_str!("settings.d.ts");
 
 #[wasm_bindgen(typescript_custom_section)]
 const OTHERS: &'static str = r#"
-/** Hears how far something is. */
+/** Gets reports of the progress of a call. */
 export type OnProgress = (progress: Progress) => void;
-/** What came of lines of the console: what they print, the files that they write, and the scene that they opened last. */
+/** The result of console lines: the text they print, the files they write, and the scene they opened last. */
 export interface Ran { text: string; files: File[]; opened?: string }
-/** What the last word of a line may become, and where it begins. */
+/** Completions of the last word of a line, and the index where the word begins. */
 export interface Completion { start: number; candidates: string[] }
-/** What went wrong: `message` says what stands in the way and what would help, `code` tells errors apart. */
+/** Errors of this package: `message` names the problem and the remedy, `code` the kind of error. */
 export interface LumivoxError extends Error {
-  /** What the lines of a script had printed before. */
+  /** The text that the lines of a script had printed before. */
   printed?: string;
   code: "no-webgpu" | "no-adapter" | "device" | "limit" | "scene" | "fetch" | "value";
 }
@@ -64,11 +64,11 @@ fn start() {
         .without_time()
         .with_writer(tracing_web::MakeWebConsoleWriter::new().with_pretty_level());
     let filter = tracing_subscriber::filter::LevelFilter::WARN;
-    // Another subscriber may be there already.
+    // Another subscriber may already be set.
     let _ = tracing_subscriber::registry().with(console.with_filter(filter)).try_init();
 }
 
-/// The scenes that are built in, for `loadScene("builtin:NAME")`.
+/// The built-in scenes, for `loadScene("builtin:NAME")`.
 #[wasm_bindgen(js_name = builtinScenes)]
 pub fn builtin_scenes() -> Result<Vec<Ts<Named>>, JsValue> {
     let scenes = lumivox_scene::builtin::names().iter().filter(|name| !name.ends_with("-rotated"));
@@ -86,7 +86,7 @@ pub fn parameters() -> Result<Vec<Ts<ParameterInfo>>, JsValue> {
     ParameterInfo::all().iter().map(to_js).collect()
 }
 
-/// Sets of settings, for `setPreset`.
+/// The presets, for `setPreset`.
 #[wasm_bindgen]
 pub fn presets() -> Result<Vec<Ts<Named>>, JsValue> {
     let named = |preset: &PresetChoice| {
@@ -96,10 +96,10 @@ pub fn presets() -> Result<Vec<Ts<Named>>, JsValue> {
     PRESETS.iter().map(named).collect()
 }
 
-/// Makes a renderer that draws on a canvas: an element, or one without for workers.
+/// Makes a renderer that draws on a canvas: an element, or an `OffscreenCanvas` for workers.
 ///
-/// Throws with the code `no-webgpu` where the browser has no WebGPU, `no-adapter` where it has no
-/// GPU for it.
+/// Throws an error with the code `no-webgpu` if the browser has no WebGPU, and `no-adapter` if it
+/// has no GPU for it.
 #[wasm_bindgen(js_name = createRenderer)]
 pub async fn create_renderer(
     #[wasm_bindgen(unchecked_param_type = "HTMLCanvasElement | OffscreenCanvas")] canvas: JsValue,
@@ -107,7 +107,7 @@ pub async fn create_renderer(
     if !has_web_gpu() {
         return Err(WebError::new(
             Code::NoWebGpu,
-            "this browser has no WebGPU here: Chrome and Edge have it from 113 on, Safari from 26, Firefox from 141 \
+            "this browser has no WebGPU here: Chrome and Edge have it since version 113, Safari since 26, Firefox since 141 \
              (Windows) and 145 (macOS), and all of them only at addresses with https, or at localhost",
         )
         .into());
@@ -122,23 +122,23 @@ pub async fn create_renderer(
     Ok(Renderer { session: Rc::new(Mutex::new(session)), changes: RefCell::default() })
 }
 
-/// Shows a scene with global illumination on a canvas. Calls may overlap: each waits for those before it, and one that
-/// sets something is left out where a later one that waits sets the same.
+/// Shows a scene with global illumination on a canvas. Calls may overlap: each waits for the ones
+/// before it, and one that only sets something is skipped if a later waiting call sets the same.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Renderer {
     session: Rc<Mutex<Session>>,
-    /// Calls that wait and only set something.
+    /// Waiting calls that only set something.
     changes: RefCell<ChangeQueue<()>>,
 }
 
 #[wasm_bindgen]
 impl Renderer {
-    /// Loads a scene and shows it instead of the last one: `"builtin:NAME"`, an address, a `File`,
+    /// Loads a scene and shows it in place of the last one: `"builtin:NAME"`, an address, a `File`,
     /// or several files that belong together (a .gltf or .obj with the files that it names, and a
-    /// .hdr or .exr panorama to put around it). A load that fails or is cancelled leaves the last
-    /// scene in place, except for errors of the device. Where the file has no view or too little
-    /// light, these are chosen; `scene().notes` says which, and `options` overrule it.
+    /// .hdr or .exr panorama). If loading fails or is cancelled, the last scene stays, except after
+    /// errors of the device. A view and light are chosen for a file that lacks them;
+    /// `scene().notes` names the choice, and `options` override it.
     #[wasm_bindgen(js_name = loadScene)]
     pub async fn load_scene(
         &self,
@@ -159,8 +159,8 @@ impl Renderer {
         to_js(&open.await.map_err(|error| listener.exception(error))?)
     }
 
-    /// Puts a panorama of 360 by 180 degrees around the scene, in the place of its surroundings: an
-    /// address or a `File` (.hdr, .exr; .png and .jpg are read, too).
+    /// Puts a panorama of 360 by 180 degrees around the scene, in place of its surroundings: an
+    /// address or a `File` (.hdr or .exr; also .png and .jpg).
     #[wasm_bindgen(js_name = loadPanorama)]
     pub async fn load_panorama(
         &self,
@@ -185,7 +185,7 @@ impl Renderer {
         to_js(&self.session().await.environment()?)
     }
 
-    /// Changes the surroundings: strength and turn of a panorama, or plain light.
+    /// Changes the surroundings: strength and rotation of a panorama, or uniform light.
     #[wasm_bindgen(js_name = setEnvironment)]
     pub async fn set_environment(&self, change: Ts<EnvironmentChange>) -> Result<(), JsValue> {
         let target = format!("environment {}", keys(&change.js_value()));
@@ -194,10 +194,9 @@ impl Renderer {
         Ok(session.set_environment(&change)?)
     }
 
-    /// Runs a line of the console, or a script of several: see the list of commands. Scenes that it
-    /// loads are there when it ends; the result is its output and the files that it writes, such as
-    /// pictures. An error ends it, and has the output of the lines before in its property
-    /// `printed`.
+    /// Runs a line of the console, or a script of several. Scenes that it loads are open when it
+    /// ends; the result is its output and the files that it writes, such as pictures. An error ends
+    /// it, and has the output of the lines before in its property `printed`.
     #[wasm_bindgen(unchecked_return_type = "Ran")]
     pub async fn run(
         &self,
@@ -235,7 +234,7 @@ impl Renderer {
         Ok(completion.into())
     }
 
-    /// The properties of the scene; undefined before one was loaded.
+    /// The properties of the scene; undefined before one is loaded.
     pub async fn scene(&self) -> Result<Option<Ts<SceneInfo>>, JsValue> {
         self.session().await.info().as_ref().map(to_js).transpose()
     }
@@ -248,8 +247,8 @@ impl Renderer {
         Ok(serde::Serialize::serialize(&settings, &serializer)?)
     }
 
-    /// Changes settings; those that are not named stay. Where one is wrong or the device refuses,
-    /// nothing has changed.
+    /// Changes settings; those that are not named stay. If one is wrong or the device refuses,
+    /// nothing changes.
     pub async fn set(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Settings")] changes: JsValue,
@@ -271,7 +270,8 @@ impl Renderer {
         self.session().await.preset().name().to_owned()
     }
 
-    /// Takes the settings of a preset (`presets()` lists them); picture, view and resolution stay.
+    /// Applies the settings of a preset (`presets()` lists them); picture, view and resolution
+    /// stay.
     #[wasm_bindgen(js_name = setPreset)]
     pub async fn set_preset(
         &self,
@@ -282,13 +282,13 @@ impl Renderer {
         Ok(self.session().await.set_preset(&name, &Listener::new(on_progress)).await?)
     }
 
-    /// Where the picture is taken from.
+    /// The camera of the picture.
     pub async fn camera(&self) -> Result<Ts<Camera>, JsValue> {
         to_js(&self.session().await.camera())
     }
 
-    /// Moves the camera; the picture starts again. With `moving`, pictures have fewer pixels for a moment if frames are
-    /// slow: what is dragged follows sooner.
+    /// Moves the camera; the picture starts again. With `moving`, pictures have fewer pixels for a
+    /// moment if frames are slow, so that dragging stays responsive.
     #[wasm_bindgen(js_name = setCamera)]
     pub async fn set_camera(
         &self,
@@ -300,13 +300,13 @@ impl Renderer {
         Ok(session.set_camera(&camera, moving.unwrap_or(false))?)
     }
 
-    /// Whether pictures may have fewer pixels while the camera is moving. Default: yes.
+    /// Sets whether pictures may have fewer pixels while the camera moves. Default: yes.
     #[wasm_bindgen(js_name = setCoarseMotion)]
     pub async fn set_coarse_motion(&self, coarse: bool) {
         self.session().await.pacing.is_allowed = coarse;
     }
 
-    /// Changes the light of a number in `scene().lights`.
+    /// Changes the light of this number in `scene().lights`.
     #[wasm_bindgen(js_name = setLight)]
     pub async fn set_light(&self, number: usize, light: Ts<Light>) -> Result<(), JsValue> {
         let light = from_js(&light, "a light")?;
@@ -314,7 +314,7 @@ impl Renderer {
         Ok(session.set_light(number, &light)?)
     }
 
-    /// Adds a light; its number.
+    /// Adds a light and returns its number.
     #[wasm_bindgen(js_name = addLight)]
     pub async fn add_light(&self, light: Ts<Light>) -> Result<usize, JsValue> {
         let light: Light = from_js(&light, "a light")?;
@@ -325,18 +325,18 @@ impl Renderer {
         Ok(number)
     }
 
-    /// Removes the light of a number; those after it move up.
+    /// Removes the light of this number; those after it move up.
     #[wasm_bindgen(js_name = removeLight)]
     pub async fn remove_light(&self, number: usize) -> Result<(), JsValue> {
         Ok(self.session().await.remove_light(number)?)
     }
 
-    /// The materials, as they are now.
+    /// The present materials.
     pub async fn materials(&self) -> Result<Vec<Ts<Material>>, JsValue> {
         self.session().await.materials()?.iter().map(to_js).collect()
     }
 
-    /// Changes the material of a number in `materials()`; properties that are not named stay.
+    /// Changes the material of this number in `materials()`; properties that are not named stay.
     #[wasm_bindgen(js_name = setMaterial)]
     pub async fn set_material(
         &self,
@@ -349,25 +349,25 @@ impl Renderer {
         Ok(session.set_material(number, &change)?)
     }
 
-    /// The surface at a place of the picture, from 0 to 1 from its left edge to its right one and
-    /// from its top to its bottom; undefined where there is nothing.
+    /// The surface at a place of the picture; x is from 0 (left) to 1, y from 0 (top) to 1.
+    /// Undefined where there is none.
     pub async fn pick(&self, x: f32, y: f32) -> Result<Option<Ts<Picked>>, JsValue> {
         self.session().await.pick(Vec2::new(x, y))?.as_ref().map(to_js).transpose()
     }
 
-    /// The light at a place of the picture, as `pick` counts it, in its frames so far; undefined
-    /// before the first one, beside another picture, and in views without light.
+    /// The light at a place of the picture as in `pick`, from its frames so far; undefined before
+    /// the first one, beside another picture, and in views without light.
     pub async fn probe(&self, x: f32, y: f32) -> Result<Option<Ts<LightHere>>, JsValue> {
         self.session().await.probe(Vec2::new(x, y)).await?.as_ref().map(to_js).transpose()
     }
 
-    /// How bright the picture's pixels are; undefined before the first frame.
+    /// The histogram of the picture's luminance; undefined before the first frame.
     pub async fn histogram(&self) -> Result<Option<Ts<HistogramInfo>>, JsValue> {
         self.session().await.histogram().as_ref().map(to_js).transpose()
     }
 
     /// Undoes the last change of settings, lights, materials, surroundings or objects, and returns
-    /// it in words. The reports of frames say whether there is one.
+    /// its description. The reports of frames say whether there is one.
     pub async fn undo(&self) -> Result<String, JsValue> {
         Ok(self.session().await.step(true).await?)
     }
@@ -377,24 +377,24 @@ impl Renderer {
         Ok(self.session().await.step(false).await?)
     }
 
-    /// Ends a drag: changes of the same thing are one step for `undo` until then.
+    /// Ends a drag: until then, changes of the same thing are one step for `undo`.
     #[wasm_bindgen(js_name = endGesture)]
     pub async fn end_gesture(&self) {
         self.session().await.end_gesture();
     }
 
-    /// Hides the object of a number in `scene().objects`, or shows it.
+    /// Hides the object of this number in `scene().objects`, or shows it.
     #[wasm_bindgen(js_name = setHidden)]
     pub async fn set_hidden(&self, object: usize, hidden: bool) -> Result<(), JsValue> {
         Ok(self.session().await.set_hidden(object, hidden)?)
     }
 
-    /// Plays the animation of a number in `scene().animations`; null stops.
+    /// Plays the animation of this number in `scene().animations`; null stops.
     pub async fn play(&self, animation: Option<usize>) -> Result<(), JsValue> {
         Ok(self.session().await.play(animation)?)
     }
 
-    /// Shows a moment of it, in seconds.
+    /// Shows a time of the animation, in seconds.
     #[wasm_bindgen(js_name = setTime)]
     pub async fn set_time(&self, seconds: f32) -> Result<(), JsValue> {
         Ok(self.session().await.seek(seconds)?)
@@ -408,21 +408,21 @@ impl Renderer {
         Ok(session.set_split(split.as_ref())?)
     }
 
-    /// Whether reports of frames contain the times of stages, which takes some time itself.
-    /// Default: no.
+    /// Sets whether reports of frames contain the times of stages; measuring them takes some time
+    /// itself. Default: no.
     #[wasm_bindgen(js_name = setTimed)]
     pub async fn set_timed(&self, timed: bool) {
         self.session().await.set_timed(timed);
     }
 
-    /// Gives canvas and picture another size, in pixels of the device.
+    /// Sets the size of canvas and picture, in device pixels.
     pub async fn resize(&self, width: u32, height: u32) -> Result<(), JsValue> {
         let size = UVec2::new(width, height);
         let Some(mut session) = self.change("size".to_owned()).await else { return Ok(()) };
         Ok(session.resize(size, &Listener::new(None)).await?)
     }
 
-    /// Renders one frame more and shows it. Once the report says `complete`, nothing is left to do
+    /// Renders one more frame and shows it. Once its report says `complete`, nothing is left to do
     /// until something changes.
     pub async fn render(&self) -> Result<Ts<FrameReport>, JsValue> {
         to_js(&self.session().await.render().await?)
@@ -444,31 +444,31 @@ impl Renderer {
         self.session().await.memory().iter().map(to_js).collect()
     }
 
-    /// The device that all is done with, to be shared with other WebGPU code.
+    /// The WebGPU device, to be shared with other WebGPU code.
     #[wasm_bindgen(unchecked_return_type = "GPUDevice")]
     pub async fn device(&self) -> JsValue {
         let session = self.session().await;
         session.gpu().device.as_webgpu().map_or(JsValue::UNDEFINED, |device| device.into())
     }
 
-    /// Whether the device is lost; then `restore` goes on with another one.
+    /// Whether the device is lost; `restore` continues with another one.
     #[wasm_bindgen(js_name = isLost)]
     pub async fn is_lost(&self) -> bool {
         self.session().await.gpu().is_lost()
     }
 
-    /// Resolves once the present device is lost, with the reason; never before. After `restore`,
-    /// ask again.
+    /// Resolves with the reason when the present device is lost, and never before. Call it again
+    /// after `restore`.
     pub async fn lost(&self) -> Result<String, JsValue> {
         let device = self.device().await;
         let lost: js_sys::Promise = js_sys::Reflect::get(&device, &"lost".into())?.unchecked_into();
         let info = wasm_bindgen_futures::JsFuture::from(lost).await?;
         let text = |name: &str| js_sys::Reflect::get(&info, &name.into()).ok()?.as_string();
         let message = text("message").filter(|message| !message.is_empty());
-        Ok(message.or_else(|| text("reason")).unwrap_or_else(|| "nobody says why".to_owned()))
+        Ok(message.or_else(|| text("reason")).unwrap_or_else(|| "no reason given".to_owned()))
     }
 
-    /// Goes on after the device was lost: all is uploaded to another one.
+    /// Continues after the device was lost: everything is uploaded to another one.
     pub async fn restore(
         &self,
         #[wasm_bindgen(unchecked_optional_param_type = "OnProgress | null", js_name = onProgress)]
@@ -479,12 +479,13 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// The session, once it is free.
+    /// The session, once no other call uses it.
     pub(crate) async fn session(&self) -> MutexGuard<'_, Session> {
         self.session.lock().await
     }
 
-    /// The same for a call that only sets a target; `None` where a later one has superseded it in the meantime.
+    /// The same for a call that only sets a target; `None` if a later one has superseded it in the
+    /// meantime.
     async fn change(&self, target: String) -> Option<MutexGuard<'_, Session>> {
         let ticket = self.changes.borrow_mut().push(Some(target), ());
         let session = self.session().await;

@@ -1,6 +1,6 @@
-/** All settings by name. Ranges and defaults are in `parameters()`; what is left out stays. */
+/** All settings by name. Ranges and defaults are in `parameters()`; settings that are left out keep their values. */
 export interface Settings {
-  /** Frames that are averaged: a whole number from 1 to 65536, frames. Default: 16. */
+  /** Frames to average: a whole number from 1 to 65536, frames. Default: 16. */
   frames?: number;
   /** Radiance in cd/m2 times 2 to this power is shown; auto makes the average a middle grey: a number from -64 to 64, or auto, or auto-each, stops. Default: auto. */
   exposure?: number | "auto" | "auto-each";
@@ -8,13 +8,13 @@ export interface Settings {
   tone_map?: "neutral" | "aces" | "linear" | "raw";
   /** What the picture shows: final, direct, indirect, diffuse, specular, occlusion, shadow, albedo, normal, depth, cost, voxels, lit, nodes, bricks, lod or wire-voxels. Default: final. */
   view?: "final" | "direct" | "indirect" | "diffuse" | "specular" | "occlusion" | "shadow" | "albedo" | "normal" | "depth" | "cost" | "voxels" | "lit" | "nodes" | "bricks" | "lod" | "wire-voxels";
-  /** Level of the voxels that are shown; 0 is the finest: a whole number from 0 to 10. Default: 0. */
+  /** Level of the shown voxels; 0 is the finest: a whole number from 0 to 10. Default: 0. */
   level?: number;
-  /** Edges of triangles over the picture: those that are visible, or all through surfaces: off, over or through. Default: off. */
+  /** Edges of triangles over the picture: only visible ones, or all: off, over or through. Default: off. */
   wireframe?: "off" | "over" | "through";
-  /** Voxels as wire cubes over the picture: those that are visible, or all through surfaces: off, over or through. Default: off. */
+  /** Voxels as wire cubes over the picture: only visible ones, or all: off, over or through. Default: off. */
   wire_voxels?: "off" | "over" | "through";
-  /** The box that the voxels lie in: on or off. Default: false. */
+  /** The box of the voxel grid: on or off. Default: false. */
   show_grid?: boolean;
   /** A plain background instead of the picture under the overlay: on or off. Default: false. */
   hide_surfaces?: boolean;
@@ -26,31 +26,31 @@ export interface Settings {
   directionality?: "six_lobes" | "isotropic";
   /** Where the voxels' light is stored: dense or octree. Default: dense. */
   volume?: "dense" | "octree";
-  /** How an octree's nodes come into being; asks for an octree: ranks or locks. Default: ranks. */
+  /** How an octree's nodes are made; selects an octree: ranks or locks. Default: ranks. */
   octree_builder?: "ranks" | "locks";
-  /** How bricks find their neighbours' texels; asks for an octree: ranks, pointers or search. Default: ranks. */
+  /** How bricks find their neighbours' texels; selects an octree: ranks, pointers or search. Default: ranks. */
   octree_duplication?: "ranks" | "pointers" | "search";
-  /** Over which cells coarser levels are filtered; asks for an octree: occupied or every. Default: occupied. */
+  /** The cells over which coarser levels are filtered; selects an octree: occupied or every. Default: occupied. */
   octree_mipmaps?: "occupied" | "every";
-  /** The most memory that the volume may take: a number from 0 to 1048576, or unlimited, MiB. Default: unlimited. */
+  /** The most memory of the volume: a number from 0 to 1048576, or unlimited, MiB. Default: unlimited. */
   volume_memory?: number | "unlimited";
   /** How triangles become voxels: exact, dominant-axis, conservative or three-plane. Default: exact. */
   voxelizer?: "exact" | "dominant-axis" | "conservative" | "three-plane";
   /** How light comes into the voxels: direct or photons. Default: direct. */
   injection?: "direct" | "photons";
-  /** Reflections of indirect light, the one at the visible surface included: a whole number from 0 to 16. Default: 8. */
+  /** Bounces of indirect light, including the one at the visible surface: a whole number from 0 to 16. Default: 8. */
   bounces?: number;
   /** How shadows of lamps and sun are found: map or cone. Default: map. */
   shadows?: "map" | "cone";
   /** Edge of a shadow map: a whole number from 16 to 32768, texels. Default: 1024. */
   shadow_resolution?: number;
-  /** Diffuse cones a pixel and frame: 6, 9 or 12. Default: 6. */
+  /** Diffuse cones of a pixel in a frame: 6, 9 or 12. Default: 6. */
   cones?: "6" | "9" | "12";
   /** Cones from every pixel, or from one of each 2x2 block: full or half. Default: full. */
   trace_resolution?: "full" | "half";
   /** Sampled voxel's edge as a share of the cone's diameter: a number from 0.05 to 1, share. Default: 0.125. */
   voxel_per_diameter?: number;
-  /** Growth of the sampled voxels by metre and cosine, at most; 0 is off: a number from 0.1 to 1, or 0, ratio. Default: 0.33333334. */
+  /** Greatest growth of the sampled voxels by metre and cosine; 0 is off: a number from 0.1 to 1, or 0, ratio. Default: 0.33333334. */
   clearance?: number;
   /** Start of the cones above the surface: a number from 0 to 4, voxels. Default: 0.5. */
   normal_offset?: number;
@@ -72,7 +72,7 @@ export interface Settings {
   width_attenuation?: number;
   /** Radiance that is gained with each level; 1 is the physics: a number from 1 to 8, factor. Default: 1. */
   level_gain?: number;
-  /** How the picture comes about; preset vxct takes what goes with that look as well: physical or vxct. Default: physical. */
+  /** How the picture is made; preset vxct also sets what this look needs: physical or vxct. Default: physical. */
   look?: "physical" | "vxct";
   /** Cones; without them Phong's shader shows all of its terms, and no shadows: on or off. Default: true. */
   indirect_light?: boolean;

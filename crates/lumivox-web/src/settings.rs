@@ -1,4 +1,4 @@
-//! Settings by name, as a page has them: the table of `lumivox-render` in JavaScript's values.
+//! A page's settings by name: the table of settings in JavaScript's values.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::WebError;
 
-/// A value as JavaScript has it.
+/// A setting's value in JavaScript.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum SettingValue {
@@ -40,13 +40,13 @@ impl From<Value> for SettingValue {
     }
 }
 
-/// The number that is written as the same decimals: 0.1 and not 0.10000000149.
+/// The f64 with the same decimals as the f32: 0.1 and not 0.10000000149.
 fn shortest(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
 }
 
 impl SettingValue {
-    /// As a parameter of some kind has it; `None` where it is none of these.
+    /// The value for a setting of this kind; `None` if it does not fit.
     fn of_kind(&self, kind: Kind) -> Option<Value> {
         match (self, kind) {
             (Self::Switch(on), Kind::Switch) => Some(Value::Switch(*on)),
@@ -83,12 +83,12 @@ pub fn all(settings: &RenderSettings) -> Settings {
     PARAMETERS.iter().map(of).collect()
 }
 
-/// Changes settings, in the order of the table, so that a setting that asks for an octree comes
-/// before the octree's options, whatever the order in an object.
+/// Changes settings in the order of the table, whatever their order in an object: a setting that
+/// requires an octree comes before the octree's options.
 ///
 /// # Errors
-/// When there is no such setting, or it has no such value; the caller must then drop the changes so
-/// far.
+/// When there is no such setting, or a value is not allowed. The caller must then discard the
+/// changes so far.
 pub fn change(settings: &mut RenderSettings, changes: &Settings) -> Result<(), WebError> {
     for name in changes.keys() {
         find(name)?;
@@ -100,7 +100,8 @@ pub fn change(settings: &mut RenderSettings, changes: &Settings) -> Result<(), W
             // Texts are read as on a command line, so that fields and addresses need no types.
             None => parameter.parse(&value.in_words())?,
         };
-        // A value that is already set is skipped: an option of an octree would ask for an octree.
+        // Values that are already set are skipped: an option of an octree would switch to an
+        // octree.
         if parameter.get(settings) != value {
             parameter.set(settings, value)?;
         }
@@ -108,7 +109,7 @@ pub fn change(settings: &mut RenderSettings, changes: &Settings) -> Result<(), W
     Ok(())
 }
 
-/// The parameter of a name.
+/// The setting of this name.
 fn find(name: &str) -> Result<&'static Parameter, WebError> {
     find_parameter(name).ok_or_else(|| {
         let known = PARAMETERS.iter().flat_map(Parameter::names);
@@ -117,10 +118,10 @@ fn find(name: &str) -> Result<&'static Parameter, WebError> {
     })
 }
 
-/// TypeScript's declaration of all settings.
+/// The TypeScript declaration of all settings.
 pub fn declarations() -> String {
     let mut text = String::from(
-        "/** All settings by name. Ranges and defaults are in `parameters()`; what is left out stays. */\n\
+        "/** All settings by name. Ranges and defaults are in `parameters()`; settings that are left out keep their values. */\n\
          export interface Settings {\n",
     );
     let defaults = RenderSettings::default();

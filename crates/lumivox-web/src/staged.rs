@@ -1,19 +1,19 @@
-//! The light and things that were added to a scene, so that a panorama can replace them.
+//! The light and objects that were added to a scene, so that a panorama can replace them.
 
 use std::ops::Range;
 
 use lumivox_scene::{Light, Scene};
 
-/// The ground and the lights of a studio or of a clear day.
+/// The added light and objects: the ground and the lights of a studio or of a clear day.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Staged {
     objects: Range<usize>,
-    /// By their names: lights may come and go.
+    /// The names of the lights, since lights may be added and removed.
     lights: Vec<String>,
 }
 
 impl Staged {
-    /// The additions to a file's scene that has this many `objects` and `lights`.
+    /// The additions to a scene whose file has this many `objects` and `lights`.
     pub fn of(scene: &Scene, (objects, lights): (usize, usize)) -> Self {
         let added = scene.lights.iter().skip(lights);
         Self {
@@ -22,12 +22,12 @@ impl Staged {
         }
     }
 
-    /// The numbers of its objects.
+    /// The numbers of the added objects.
     pub fn objects(&self) -> Range<usize> {
         self.objects.clone()
     }
 
-    /// Whether a light is one of its own.
+    /// Whether a light is one of the added ones.
     pub fn has_light(&self, light: &Light) -> bool {
         self.lights.contains(&light.name)
     }

@@ -150,6 +150,13 @@ impl GeometryBatch {
         let (positions, indices) = (positions.into(), indices.into());
         Self { positions, attributes: None, indices, draws }
     }
+
+    /// Whether all but the draws is the same.
+    pub(crate) fn is_same_but_draws(&self, other: &Self) -> bool {
+        self.positions == other.positions
+            && self.attributes == other.attributes
+            && self.indices == other.indices
+    }
 }
 
 /// Where in a buffer the positions of vertices stand.

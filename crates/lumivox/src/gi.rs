@@ -13,11 +13,11 @@ use crate::light::{Injection, Injector, Light, Lighting, Lights, ShadowSource, l
 use crate::mounted::{Mounted, Resource};
 use crate::points::PointGatherer;
 use crate::trace::{
-    Bound, GBuffer, GBufferViews, ScreenSettings, TraceTargets, Tracer, View, gbuffer_layout,
+    Bound, CameraView, GBuffer, GBufferViews, ScreenSettings, TraceTargets, Tracer, gbuffer_layout,
 };
 use crate::volume::changes::Changes;
-use crate::volume::{Cells, Directionality, Lists, OctreeStats, Volume, VolumeKind};
-use crate::voxelize::{KeptStatic, Voxelization, VoxelizeStats, Voxelizer};
+use crate::volume::{Directionality, OctreeStats, Volume, VolumeKind};
+use crate::voxelize::{FrameVoxels, Taken, Voxelization, VoxelizeStats, VoxelizedScene, Voxelizer};
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
 
@@ -87,9 +87,7 @@ pub struct Gi {
     config: GiConfig,
     shaders: ShaderLibrary,
     voxelizer: Voxelizer,
-    /// Of the static draws.
-    kept: KeptStatic,
-    voxels: Option<VoxelList>,
+    scene: VoxelizedScene,
     volume: Volume,
     changes: Changes,
     lighting: Lighting,
@@ -151,8 +149,9 @@ impl Gi {
             (config.volume, config.directionality),
             config.memory_budget,
         )?;
-        let changes = Changes::new(device, &shaders, &config.grid)?;
         let voxelizer = Voxelizer::with(device, &shaders, config.voxelizer.as_deref())?;
+        let scene = voxelizer.scene(device, queue, &config.grid);
+        let changes = Changes::new(device, &shaders, &config.grid, scene.changed())?;
         let lights_layout = lights_layout(device, config.shadow_maps.as_ref());
         let gbuffer_layout = gbuffer_layout(device, config.gbuffer.as_ref());
         let globals = volume.globals_layout();
@@ -164,8 +163,7 @@ impl Gi {
             config,
             shaders,
             voxelizer,
-            kept: KeptStatic::default(),
-            voxels: None,
+            scene,
             volume,
             changes,
             lighting,
@@ -193,7 +191,7 @@ impl Gi {
         geometry: &Geometry,
         timing: Timing,
     ) -> Result<Voxelized, GiError> {
-        self.kept = KeptStatic::default();
+        self.scene.forget_static();
         self.voxelize_dynamic(geometry, timing).await
     }
 
@@ -211,27 +209,62 @@ impl Gi {
         geometry: &Geometry,
         timing: Timing,
     ) -> Result<Voxelized, GiError> {
-        let grid = &self.config.grid;
-        let (voxels, stats, mut times) = self
-            .voxelizer
-            .voxelize_dynamic(&self.device, &self.queue, grid, geometry, timing, &mut self.kept)
-            .await?;
         let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
-        let faces = self.lighting.prepare(&self.device, &voxels);
-        self.volume.prepare(&mut recorder, &voxels).await?;
-        let old = self.voxels.as_ref();
-        let (lists, clears) = ((old, &voxels), self.volume.clears_in_place());
-        let wrong = self.changes.rebuild(&mut recorder, lists, faces.shown(), clears);
-        if let Some((changed, bits)) = self.changes.cells().zip(self.changes.bits()) {
-            let lists = Lists { old, new: &voxels, radiance: faces.shown() };
-            let cells = Cells { wrong: wrong.as_ref(), changed, bits };
-            self.volume.rebuild(&mut recorder, lists, cells);
+        self.changes.begin(&mut recorder);
+        let Self { device, voxelizer, scene, volume, changes, lighting, .. } = self;
+        let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
+            follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
+        };
+        let stats = voxelizer.voxelize_into(&mut recorder, scene, geometry, follow).await?;
+        if let Some(list) = scene.list() {
+            volume.prepare(&mut recorder, list).await?;
         }
-        self.lighting.take(&self.device, &voxels, faces);
-        // Whatever happens from here on, everything is bound to the new list.
-        self.voxels = Some(voxels);
-        times.extend(recorder.finish().await?);
-        Ok(Voxelized { stats, times })
+        self.follow_taken(&mut recorder);
+        Ok(Voxelized { stats, times: recorder.finish().await? })
+    }
+
+    /// Records the voxelization of dynamic draws into the caller's frame, without waiting for the GPU: for engines, in
+    /// each frame in which something has moved. [`Self::light_frame`] goes with it.
+    ///
+    /// The result has the same bits as that of [`Self::voxelize_dynamic`]. If there is no room for all that has moved into
+    /// the grid, the voxels stay what they were: how much room is needed is known a few frames later, and then there is. New static
+    /// draws take a few frames, too. [`FrameVoxels::is_late`] tells. Once everything has room, no buffer and no bind group is made.
+    ///
+    /// Transforms are set for what is recorded here, vertices are read when it runs: submit the encoders in the order in
+    /// which they were recorded.
+    ///
+    /// # Errors
+    /// [`GiError::Geometry`] when draws and buffers contradict each other, [`GiError::Limit`] when the room that is needed
+    /// does not fit the device. The voxels stay what they were.
+    pub fn voxelize_frame(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        geometry: &Geometry,
+    ) -> Result<FrameVoxels, GiError> {
+        self.changes.begin(recorder);
+        let Self { device, voxelizer, scene, volume, changes, lighting, .. } = self;
+        let mut is_taken = false;
+        let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
+            is_taken = true;
+            follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
+        };
+        let frame = voxelizer.record(recorder, scene, geometry, follow)?;
+        if is_taken {
+            self.follow_taken(recorder);
+        }
+        Ok(frame)
+    }
+
+    /// After the list was taken: light and volume follow it.
+    fn follow_taken(&mut self, recorder: &mut Recorder<'_>) {
+        let Self { device, scene, volume, changes, lighting, .. } = self;
+        lighting.inherit(recorder);
+        changes.wrong(recorder);
+        let Some(list) = scene.list() else { return };
+        if let Some((cells, shown)) = changes.cells().zip(lighting.shown()) {
+            volume.follow(recorder, (list, shown.now), cells, scene.changed());
+        }
+        lighting.take(device, list);
     }
 
     /// Binds lights for [`Self::light`] and [`Self::trace`]. `environment` is what lies outside the grid: a
@@ -290,7 +323,32 @@ impl Gi {
         let gathers = bounces.saturating_sub(1);
         let volume = (&mut self.volume, &mut self.changes);
         let cones = (settings, self.cone_values);
-        self.lighting.run(recorder, volume, lights, gathers, cones);
+        self.lighting.solve(recorder, volume, lights, gathers, cones);
+        Ok(())
+    }
+
+    /// Lights the voxels in the caller's frame, from what the last call of this or of [`Self::light`] has left: direct
+    /// light, where lights or surfaces have changed, and one gather. Light travels one bounce a frame, and converges to
+    /// what [`Self::light`] gives with very many bounces. Some 32 gathers after the last change it has settled, and nothing is
+    /// recorded any more.
+    ///
+    /// `faces_per_frame` is the most faces that gather in a frame; `None`: all. With fewer than there are they take
+    /// turns, in the same order in every run.
+    ///
+    /// # Errors
+    /// [`GiError::Setting`] when a setting is out of range.
+    pub fn light_frame(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        lights: &Lights,
+        faces_per_frame: Option<u32>,
+        settings: &TraceSettings,
+    ) -> Result<(), GiError> {
+        settings.validate()?;
+        self.bounces = u32::MAX;
+        let volume = (&mut self.volume, &mut self.changes);
+        let cones = (settings, self.cone_values);
+        self.lighting.step(recorder, volume, lights, faces_per_frame, cones);
         Ok(())
     }
 
@@ -304,6 +362,7 @@ impl Gi {
     /// volume holds already: for measurements.
     pub fn forget_light(&mut self) {
         self.changes.forget();
+        self.lighting.disturb();
     }
 
     /// A bit per cell, laid out as [`VoxelList::occupancy`], once there is a list. After [`Self::light`]: the cells that
@@ -328,13 +387,13 @@ impl Gi {
     }
 
     /// Binds the caller's G-buffer for [`Self::trace`].
-    pub fn bind_gbuffer(&self, views: GBufferViews<'_>, view: View) -> GBuffer {
+    pub fn bind_gbuffer(&self, views: GBufferViews<'_>, view: CameraView) -> GBuffer {
         GBuffer::new(&self.device, &self.gbuffer_layout, views, view)
     }
 
     /// Binds what [`GiConfig::gbuffer`]'s module reads, in the order of its bindings, for [`Self::trace`]. wgpu reports
     /// resources that do not fit the bindings.
-    pub fn bind_own_gbuffer(&self, resources: &[Resource], view: View) -> GBuffer {
+    pub fn bind_own_gbuffer(&self, resources: &[Resource], view: CameraView) -> GBuffer {
         GBuffer::own(&self.device, &self.gbuffer_layout, resources, view)
     }
 
@@ -348,7 +407,7 @@ impl Gi {
     /// # use glam::{Mat4, UVec2, Vec3};
     /// # use lumivox::gpu::Recorder;
     /// # use lumivox::wgpu::TextureFormat::{Depth32Float, Rgba16Float};
-    /// # use lumivox::{GBufferViews, Gi, GiConfig, Grid, TraceSettings, View};
+    /// # use lumivox::{CameraView, GBufferViews, Gi, GiConfig, Grid, TraceSettings};
     /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
     /// # let gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
     /// # let lights = gi.bind_lights(&[], Vec3::ONE, None);
@@ -372,7 +431,7 @@ impl Gi {
     /// # let position = Vec3::ZERO;
     /// let settings = TraceSettings::default();
     /// let targets = gi.targets(size, settings.resolution);
-    /// let mut view = View::new(clip_from_world, position, size);
+    /// let mut view = CameraView::new(clip_from_world, position, size);
     /// let views = GBufferViews {
     ///     depth: &depth,
     ///     normals: &normals,
@@ -385,7 +444,7 @@ impl Gi {
     /// for frame in 0..2 {
     ///     view.previous_clip_from_world = view.clip_from_world;
     ///     view.frame = frame;
-    ///     gbuffer.set_view(&queue, view);
+    ///     gbuffer.set_camera(&queue, view);
     ///     let mut encoder = device.create_command_encoder(&Default::default());
     ///     // The engine's G-buffer pass, then the cones, then its shading, which reads the targets.
     ///     let mut recorder = Recorder::on(&device, &queue, &mut encoder);
@@ -443,7 +502,7 @@ impl Gi {
 
     /// The list of voxels, once there is one.
     pub fn voxels(&self) -> Option<&VoxelList> {
-        self.voxels.as_ref()
+        self.scene.list()
     }
 
     /// What the octree is made of; `None` for other volumes, and before there are voxels.
@@ -492,12 +551,29 @@ impl Gi {
         let mut memory = self.volume.memory();
         memory.extend(self.changes.memory());
         memory.extend(self.lighting.memory());
-        if let Some(voxels) = &self.voxels {
+        if let Some(voxels) = self.scene.list() {
             memory.extend(voxels.memory());
         }
-        if self.kept.bytes() > 0 {
-            memory.push(("voxels: kept of static draws", self.kept.bytes()));
+        if self.scene.kept_bytes() > 0 {
+            memory.push(("voxels: kept of static draws", self.scene.kept_bytes()));
         }
         memory
+    }
+}
+
+/// Binds whatever follows a list to one that is about to be taken.
+fn follow(
+    device: &Pipelines,
+    recorder: &mut Recorder<'_>,
+    taken: Taken<'_>,
+    (lighting, changes, volume): (&mut Lighting, &mut Changes, &mut Volume),
+) {
+    if !lighting.follow(recorder, taken) {
+        return;
+    }
+    let Some(shown) = lighting.shown() else { return };
+    changes.bind(device, taken.replaced, taken.list, shown);
+    if let Some(cells) = changes.cells() {
+        volume.bind(device, (taken.list, shown.now), cells);
     }
 }

@@ -4,9 +4,9 @@ use crate::cones::ConeSettings;
 use crate::gpu::ShaderLibrary;
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
 use crate::points::{GatheredPoint, PointSettings};
-use crate::trace::{ScreenSettings, ViewUniform};
-use crate::volume::changes::{LevelWords, ListParams, MovedParams};
-use crate::volume::{LockPass, MaskLevels, NodeRange, TreeUniform};
+use crate::trace::{CameraViewUniform, ScreenSettings};
+use crate::volume::changes::{LevelWords, ListParams};
+use crate::volume::{LockPass, MaskLevels, TreeUniform};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{Directionality, OctreeOptions, VolumeKind, shaders};
 
@@ -33,9 +33,7 @@ fn structs_lie_in_memory_alike() {
     library.check_struct::<PointSettings>("points::gather", "PointSettings").unwrap();
     library.check_struct::<GatheredPoint>("points::gather", "GatheredPoint").unwrap();
     library.check_struct::<ScreenSettings>("trace::screen", "ScreenSettings").unwrap();
-    library.check_struct::<ViewUniform>("trace::view", "View").unwrap();
-    library.check_struct::<NodeRange>("volume::level_range", "NodeRange").unwrap();
-    library.check_struct::<MovedParams>("volume::changes::moved", "MovedParams").unwrap();
+    library.check_struct::<CameraViewUniform>("trace::view", "CameraView").unwrap();
     library.check_struct::<ListParams>("volume::changes::list", "ListParams").unwrap();
     library.check_struct::<LevelWords>("volume::changes::cells", "LevelWords").unwrap();
     library.check_struct::<MaskLevels>("volume::dense::masks", "MaskLevels").unwrap();

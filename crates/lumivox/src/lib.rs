@@ -51,10 +51,10 @@ pub use gloss::Gloss;
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps, ShadowSource};
 pub use points::{GatherPoints, GatherSettings, GatheredPoint, Irradiance};
-pub use trace::{GBuffer, GBufferViews, TraceTargets, View};
+pub use trace::{CameraView, GBuffer, GBufferViews, TraceTargets};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
 // The engine's wgpu must be this one.
 pub use wgpu;
 
-pub use voxelize::{KeptStatic, VoxelizeStats, Voxelizer};
+pub use voxelize::{FrameVoxels, VoxelizeStats, VoxelizedScene, Voxelizer};

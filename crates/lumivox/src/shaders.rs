@@ -11,6 +11,7 @@ const MODULES: &[(&str, &str)] = &[
     ("gpu::scan", include_str!("gpu/scan.wgsl")),
     ("grid", include_str!("grid.wgsl")),
     ("voxels::cells", include_str!("voxels/cells.wgsl")),
+    ("voxels::counts", include_str!("voxels/counts.wgsl")),
     ("voxels::inner_lobes", include_str!("voxels/inner_lobes.wgsl")),
     ("voxels::list", include_str!("voxels/list.wgsl")),
     ("voxels::lookup", include_str!("voxels/lookup.wgsl")),
@@ -38,6 +39,7 @@ pub fn library() -> ShaderLibrary {
         .constant_u32("SCAN_WORKGROUP_SIZE", crate::gpu::SCAN_WORKGROUP_SIZE)
         .constant_u32("SCAN_ITEMS", crate::gpu::SCAN_ITEMS)
         .constant_u32("MAX_WORKGROUPS", crate::gpu::MAX_WORKGROUPS)
+        .constant_u32("COUNT_BLOCK_WORDS", crate::voxels::COUNT_BLOCK_WORDS)
         .constant_u32("LIGHT_DIRECTIONAL", crate::light::LIGHT_DIRECTIONAL)
         .constant_u32("LIGHT_POINT", crate::light::LIGHT_POINT)
         .constant_u32("LIGHT_SPOT", crate::light::LIGHT_SPOT)

@@ -1,9 +1,9 @@
-//! What stands on the command line, value by value: each parser refuses by name and range.
+//! Parsers of values on the command line; each error names the value and its range.
 //!
-//! A value can be wrong in two ways. It may not be of the form asked for (`--size big`), which is a
-//! mistake of usage; or it may be of that form but out of range (`--size 0x0`), which is bad input.
-//! [`Refused`] keeps them apart, and the program's exit code says which it was: 2 or 3. A number out of
-//! range is 3 whichever option it stands behind, and so is one that a script or a file gives.
+//! A value can be wrong in two ways. It may not have the expected form (`--size big`), which is a
+//! mistake of usage; or it may be out of range (`--size 0x0`), which is bad input. [`Refused`]
+//! tells the two apart, and so does the program's exit code: 2 or 3. A number out of range gives 3
+//! for every option, and also in scripts and files.
 
 pub mod choices;
 pub mod output;

@@ -1,4 +1,4 @@
-//! Where the picture goes, checked before any work is done for it.
+//! The output's path, checked before any work is done for it.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,21 +7,21 @@ use anyhow::bail;
 use lumivox_console::Failure;
 use lumivox_render::ImageFormat;
 
-/// Checks that a picture can be written to `file`: the format, the folder, and that files may be
-/// made in it.
+/// Checks that a picture can be written to `file`: its format, its folder, and the folder's
+/// permissions.
 ///
 /// # Errors
-/// A [`lumivox_render::RenderError::UnknownFormat`], or a [`Failure`] that names the file and what
-/// stands in the way.
+/// A [`lumivox_render::RenderError::UnknownFormat`], or a [`Failure`] that names the file and the
+/// obstacle.
 pub fn check(file: &Path) -> anyhow::Result<()> {
     ImageFormat::from_path(file)?;
     check_folder(file, &folder_of(file))
 }
 
-/// Checks that `file` ends in `.EXTENSION`, as `rule` demands, and can be written.
+/// Checks that `file` ends in `.EXTENSION`, as `rule` says, and can be written.
 ///
 /// # Errors
-/// A [`Failure`] that names the file and what stands in the way.
+/// A [`Failure`] that names the file and the obstacle.
 pub fn check_kind(file: &Path, extension: &str, rule: &str) -> anyhow::Result<()> {
     if !file.extension().unwrap_or_default().eq_ignore_ascii_case(extension) {
         let name = file.display();
@@ -30,10 +30,10 @@ pub fn check_kind(file: &Path, extension: &str, rule: &str) -> anyhow::Result<()
     check_folder(file, &folder_of(file))
 }
 
-/// Checks that `what`, a file or a folder to be made, can be made in `folder`.
+/// Checks that a new file or folder `what` can be made in `folder`.
 ///
 /// # Errors
-/// A [`Failure`] of output that names both and what stands in the way.
+/// A [`Failure`] of output that names both and the obstacle.
 pub fn check_folder(what: &Path, folder: &Path) -> anyhow::Result<()> {
     let refuse = |reason: &str, remedy: &str| -> anyhow::Result<()> {
         bail!(Failure::output(format!("{}: {reason}; {remedy}", what.display())))
@@ -56,9 +56,10 @@ pub fn check_folder(what: &Path, folder: &Path) -> anyhow::Result<()> {
             return refuse(&reason, "check the path and its permissions");
         }
     }
-    // Permissions have many sources; trying is the one sure way. The file goes when it is dropped.
+    // Permissions have many sources; only trying is certain. The file is removed when it is
+    // dropped.
     if let Err(error) = tempfile::Builder::new().prefix(".lumivox-").tempfile_in(folder) {
-        // The error itself names the temporary file, which nobody asked for.
+        // The error itself names the temporary file, which means nothing to the user.
         let reason = io::Error::from(error.kind());
         let reason = format!("no file can be made in {}: {reason}", folder.display());
         return refuse(&reason, "check the folder's permissions, or choose another");
@@ -66,7 +67,7 @@ pub fn check_folder(what: &Path, folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The folder that a file is in.
+/// The folder of a file.
 pub fn folder_of(file: &Path) -> PathBuf {
     match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),

@@ -1,4 +1,4 @@
-//! Which scene: where it is looked for, and how it is read.
+//! Scenes on the command line: finding and reading them.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -9,9 +9,9 @@ use lumivox_scene::{
     EXTENSIONS, LoadOptions, LoadProgress, Scene, SceneError, builtin, check_regular,
 };
 
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
-/// The scene of a name on the command line; names of files are looked for in `scenes`, too.
+/// The scene of a name on the command line; files are also looked for in the folder `scenes`.
 pub fn source(text: OsString) -> SceneSource {
     match text.to_str().map(SceneSource::named) {
         Some(builtin @ SceneSource::Builtin(_)) => builtin,
@@ -19,7 +19,7 @@ pub fn source(text: OsString) -> SceneSource {
     }
 }
 
-/// The file of a path, or of a name in the folder `scenes`, as VXCT has them.
+/// The file of a path, or of a name in the folder `scenes`, as in VXCT.
 fn found(path: PathBuf) -> PathBuf {
     if path.exists() {
         return path;
@@ -27,7 +27,7 @@ fn found(path: PathBuf) -> PathBuf {
     within(Path::new("scenes"), &path).unwrap_or(path)
 }
 
-/// A scene in a folder: a file of that name, with or without one of the extensions.
+/// The file of a scene in a folder: of that name, with or without one of the known extensions.
 pub fn within(folder: &Path, name: &Path) -> Option<PathBuf> {
     let file = folder.join(name);
     if file.is_file() {
@@ -41,10 +41,10 @@ pub fn within(folder: &Path, name: &Path) -> Option<PathBuf> {
     })
 }
 
-/// Checks what is cheap to check: that there is such a scene at all.
+/// Checks that the scene exists, which is cheap.
 ///
 /// # Errors
-/// When the name is unknown or the file is not there.
+/// When there is no built-in scene or no file of that name.
 pub fn check(source: &SceneSource) -> anyhow::Result<()> {
     match source {
         SceneSource::Builtin(name) if builtin::names().contains(&name.as_str()) => Ok(()),
@@ -72,12 +72,16 @@ pub fn check(source: &SceneSource) -> anyhow::Result<()> {
     }
 }
 
-/// Makes or reads the scene.
+/// Makes a built-in scene, or reads a file.
 ///
 /// # Errors
 /// As [`Scene::load_with`] and [`builtin::scene`], and when options for files are given with a
 /// built-in scene.
-pub fn load(source: &SceneSource, args: &LoadArgs, progress: &Progress) -> anyhow::Result<Scene> {
+pub fn load(
+    source: &SceneSource,
+    args: &LoadArgs,
+    progress: &ProgressDisplay,
+) -> anyhow::Result<Scene> {
     args.check(source)?;
     let mut scene = match source {
         SceneSource::Builtin(name) => builtin::scene(name)?,
@@ -92,8 +96,8 @@ pub fn load(source: &SceneSource, args: &LoadArgs, progress: &Progress) -> anyho
     Ok(scene)
 }
 
-/// The stamp that tells a file from an older one of the same name: its size in bytes, and when it was
-/// changed, in milliseconds since 1970.
+/// The stamp of a scene's file, which differs from that of an older file of the same name: its size
+/// in bytes, and the time of its last change in milliseconds since 1970.
 pub fn stamp_of(source: &SceneSource) -> Option<(u64, u64)> {
     let SceneSource::File(file) = source else { return None };
     stamp(file)
@@ -104,14 +108,14 @@ fn is_builtin_without_prefix(source: &SceneSource) -> bool {
         if file.to_str().is_some_and(|name| builtin::names().contains(&name)))
 }
 
-/// What tells a file from an older one of the same name.
+/// The stamp of a file, as in [`stamp_of`].
 pub fn stamp(file: &Path) -> Option<(u64, u64)> {
     let metadata = std::fs::metadata(file).ok()?;
     let changed = metadata.modified().ok()?.duration_since(SystemTime::UNIX_EPOCH).ok()?;
     Some((metadata.len(), changed.as_millis() as u64))
 }
 
-/// A stage of the loader as the progress names it.
+/// The name of a loader's stage in the progress.
 fn words(stage: &'static str) -> &'static str {
     match stage {
         "textures" => "loading textures",

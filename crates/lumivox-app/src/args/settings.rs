@@ -1,7 +1,8 @@
-//! Options for settings, made from the one table of them (`lumivox_explorer::parameters`).
+//! Options for settings, made from the table of settings (`lumivox_explorer::parameters`).
 //!
-//! A setting is an option of its name, with `-` for `_`. A switch that is off by default is given by the option itself, any
-//! other with a value; shorthands are options without one. The settings of VXCT's look are given as `--vxct NAME=VALUE`.
+//! Each setting is an option of its name, with `-` for `_`. A switch that is off by default has no
+//! value; any other option has one. Shorthands have no value either. The settings of VXCT's look
+//! are given as `--vxct NAME=VALUE`.
 
 use std::fmt::Write as _;
 use std::marker::PhantomData;
@@ -14,10 +15,10 @@ use lumivox_render::PresetChoice;
 
 use super::Refused;
 
-/// A setting and the value that a command line gives it.
+/// A setting with its value on the command line.
 pub type Given = (&'static Parameter, Value);
 
-/// Groups of settings that a command takes.
+/// Groups of settings, as one set of options.
 pub trait Groups {
     /// The groups.
     const GROUPS: &'static [Group];
@@ -25,37 +26,37 @@ pub trait Groups {
 
 /// The groups of a picture: its frames, exposure, view and overlay.
 #[derive(Clone, Debug)]
-pub struct Picture;
+pub struct PictureGroups;
 /// The group of voxels, and where they are stored.
 #[derive(Clone, Debug)]
-pub struct Volume;
+pub struct VolumeGroups;
 /// The group of light and shadows.
 #[derive(Clone, Debug)]
-pub struct Light;
+pub struct LightGroups;
 /// The groups of the cones and of looks.
 #[derive(Clone, Debug)]
-pub struct Cones;
+pub struct ConeGroups;
 
-impl Groups for Picture {
+impl Groups for PictureGroups {
     const GROUPS: &'static [Group] = &[Group::Picture, Group::View, Group::Overlay];
 }
 
-impl Groups for Volume {
+impl Groups for VolumeGroups {
     const GROUPS: &'static [Group] = &[Group::Volume];
 }
 
-impl Groups for Light {
+impl Groups for LightGroups {
     const GROUPS: &'static [Group] = &[Group::Light];
 }
 
-impl Groups for Cones {
+impl Groups for ConeGroups {
     const GROUPS: &'static [Group] = &[Group::Cones, OF_VXCT];
 }
 
-/// The group of VXCT's look.
+/// The group of the settings of VXCT's look.
 const OF_VXCT: Group = Group::Look("vxct");
 
-/// The options of some groups.
+/// The options of some groups of settings.
 #[derive(Clone, Debug)]
 pub struct SettingArgs<G> {
     given: Vec<Given>,
@@ -63,7 +64,7 @@ pub struct SettingArgs<G> {
 }
 
 impl<G> SettingArgs<G> {
-    /// The settings that the command line gives, in the order of the table.
+    /// The settings given on the command line, in the order of the table.
     pub fn given(&self) -> &[Given] {
         &self.given
     }
@@ -117,7 +118,7 @@ fn is_of_vxct(parameter: &Parameter) -> bool {
     parameter.needs == Some(("look", "vxct"))
 }
 
-/// The option of a setting, and its shorthands.
+/// The option of a setting, with its shorthands.
 fn options(parameter: &'static Parameter) -> Vec<Arg> {
     let heading = match parameter.group {
         Group::Picture | Group::View => "Picture",
@@ -134,7 +135,7 @@ fn options(parameter: &'static Parameter) -> Vec<Arg> {
             .long(name.replace('_', "-"))
             .help_heading(heading)
             .conflicts_with_all(others(name))
-            // Options of an octree are for those who compare its ways.
+            // Options of an octree matter only for comparing its variants.
             .hide_short_help(parameter.needs.is_some())
     };
     let is_flag = parameter.kind == Kind::Switch && !is_on_by_default(parameter);
@@ -165,8 +166,8 @@ fn is_on_by_default(parameter: &Parameter) -> bool {
 
 /// The option for all settings of VXCT's look.
 fn vxct_option() -> Arg {
-    const SHORT: &str = "A parameter of VXCT's look by the name of its console; may be given again [default: \
-                         those of the resolution]";
+    const SHORT: &str = "A setting of VXCT's look, by its name in the console; may be repeated [default: \
+                         depends on the resolution]";
     const MORE: &str = "Such as `shadow_str=2` or `side_cones=on`; `lumivox run -c 'parameters vxct'` lists them with \
                         their ranges. Only with --preset vxct.";
     Arg::new("vxct")
@@ -191,7 +192,7 @@ fn vxct_setting(text: &str) -> Result<Given, String> {
     Ok((parameter, value))
 }
 
-/// The summary with range, unit and the values of the presets.
+/// The summary with range, unit and the presets' values.
 fn short_help(parameter: &'static Parameter) -> String {
     let mut text = parameter.summary.to_owned();
     if value_parser(parameter).possible_values().is_none() {
@@ -203,7 +204,7 @@ fn short_help(parameter: &'static Parameter) -> String {
     text + &defaults(parameter)
 }
 
-/// The value by default, and those of the presets that have another one: ` [default: 6; preset high: 12]`.
+/// The default value, and those of presets that differ: ` [default: 6; preset high: 12]`.
 fn defaults(parameter: &Parameter) -> String {
     let usual = parameter.default(PresetChoice::default());
     let mut others: Vec<(Value, Vec<&str>)> = Vec::new();
@@ -228,7 +229,7 @@ fn defaults(parameter: &Parameter) -> String {
     text + "]"
 }
 
-/// A value to four decimals, as one reads it in a help text.
+/// A value to four decimals, for help texts.
 fn rounded(value: Value) -> String {
     match value {
         Value::Number(number) => ((f64::from(number) * 1e4).round() / 1e4).to_string(),
@@ -262,7 +263,7 @@ fn value_parser(parameter: &'static Parameter) -> ValueParser {
         Kind::Switch => {
             named(vec![PossibleValue::new("on").help("yes"), PossibleValue::new("off").help("no")])
         }
-        // Numbers among a few may be out of range, too.
+        // Choices of numbers may be out of range, too.
         Kind::Choice(choices) if choices.iter().all(|c| c.name.parse::<u32>().is_ok()) => {
             ValueParser::new(move |text: &str| number(parameter, text))
         }
@@ -280,7 +281,7 @@ fn value_parser(parameter: &'static Parameter) -> ValueParser {
     }
 }
 
-/// Reads numbers, and tells a number out of range from a text that is not a number.
+/// Reads a number; text that is not a number is another error than a number out of range.
 fn number(parameter: &Parameter, text: &str) -> Result<Value, Refused> {
     let read = parameter.kind.parse(text, parameter.unit);
     if let Some(value) = read.filter(|value| parameter.kind.allows(*value)) {
@@ -307,13 +308,13 @@ mod tests {
     #[derive(Parser)]
     struct Line {
         #[command(flatten)]
-        picture: SettingArgs<Picture>,
+        picture: SettingArgs<PictureGroups>,
         #[command(flatten)]
-        volume: SettingArgs<Volume>,
+        volume: SettingArgs<VolumeGroups>,
         #[command(flatten)]
-        light: SettingArgs<Light>,
+        light: SettingArgs<LightGroups>,
         #[command(flatten)]
-        cones: SettingArgs<Cones>,
+        cones: SettingArgs<ConeGroups>,
     }
 
     fn given(line: &str) -> Vec<(&'static str, String)> {

@@ -8,7 +8,7 @@ use lumivox_console::{LoadArgs, SceneSource};
 
 use super::load::scene_source;
 use super::{ConeArgs, GpuArgs, LightArgs, ViewArgs};
-use crate::args::settings::{SettingArgs, Volume};
+use crate::args::settings::{SettingArgs, VolumeGroups};
 use crate::args::{number, size};
 
 /// Examples for the help.
@@ -20,7 +20,7 @@ Examples:
   lumivox compare --images reference.exr ours.exr -o strip.png --json
 ";
 
-/// What is compared, and how it is told.
+/// The arguments of `compare`.
 #[derive(Args, Debug)]
 pub struct CompareArgs {
     /// The scene that is rendered and path-traced: a glTF, OBJ, PLY or STL file, or builtin:NAME
@@ -29,62 +29,63 @@ pub struct CompareArgs {
     #[arg(value_name = "SCENE", value_parser = scene_source())]
     pub scene: Option<SceneSource>,
 
-    /// Two picture files of one size: the reference, and the one that is held against it (.exr, .hdr,
-    /// .png or .jpg) [default: none; required without a SCENE]
+    /// Two picture files of one size: the reference, and the picture to compare with it (.exr,
+    /// .hdr, .png or .jpg) [default: none; required without a SCENE]
     ///
-    /// OpenEXR and Radiance hold linear light. PNG and JPEG are decoded from sRGB; they hold what a
-    /// screen shows, so both must have been made with the same exposure and curve.
+    /// OpenEXR and Radiance files hold linear light. PNG and JPEG files are decoded from sRGB; they
+    /// hold what a screen shows, so both must have been made with the same exposure and curve.
     #[arg(long, num_args = 2, value_names = ["REFERENCE", "OURS"], conflicts_with = "scene")]
     #[arg(help_heading = "Pictures", required_unless_present = "scene")]
     pub images: Vec<PathBuf>,
 
-    /// Name of the layer to take from OpenEXR files that name their layers [default: the one without
-    /// a name, else the first]
+    /// The layer of OpenEXR files with named layers [default: the one without a name, else the
+    /// first]
     ///
-    /// It is what stands before the last dot of its channels' names, as in full.R, or a part's name.
+    /// It is the part of the channels' names before the last dot, as in full.R, or a part's name.
     #[arg(long, value_name = "NAME", requires = "images", help_heading = "Pictures")]
     pub layer: Option<String>,
 
-    /// PNG file to write a strip to: the reference, ours, and where ours is too dark or too bright
+    /// PNG file for a strip: the reference, the picture, and where it is too dark or too bright
     /// [default: none]
     ///
     /// Small pictures are enlarged. A file of that name is replaced.
     #[arg(short, long, value_name = "FILE", help_heading = "Pictures")]
     pub output: Option<PathBuf>,
 
-    /// File that keeps the scene's reference, .exr: read if it is there, else traced and written
-    /// [default: none, trace it anew]
+    /// File of the scene's reference, .exr: read if it exists, else traced and written [default:
+    /// none, always trace]
     #[arg(long, value_name = "FILE", conflicts_with = "images", help_heading = "Reference")]
     pub reference: Option<PathBuf>,
 
     /// Samples of each pixel of the reference, a number from 1 to 16777216
     ///
-    /// Noise falls with their root. It is told beside the errors, and taken out of the RMSE.
+    /// Noise falls with their square root. The errors are printed with it; the RMSE excludes it.
     #[arg(long, visible_alias = "spp", value_name = "SAMPLES")]
     #[arg(value_parser = number::whole(1..=1 << 24), help_heading = "Reference")]
     #[arg(default_value = "256", allow_negative_numbers = true)]
     pub samples: u32,
 
-    /// Frames that are averaged, 1 to 65536
+    /// Frames to average, 1 to 65536
     #[arg(long, value_name = "FRAMES", value_parser = number::whole(1..=65_536))]
     #[arg(help_heading = "Rendering", default_value = "32", allow_negative_numbers = true)]
     pub frames: u32,
 
-    /// Number of places of the grid that the errors are the mean of, 1 to 64
+    /// Number of grid positions over which the errors are averaged, 1 to 64
     ///
-    /// The first is --grid-offset. Errors of voxels depend on where walls fall in the grid.
+    /// The first position is --grid-offset. Errors of voxels depend on where walls fall in the
+    /// grid.
     #[arg(long, value_name = "COUNT", value_parser = number::whole(1..=64))]
     #[arg(help_heading = "Rendering", default_value = "2", allow_negative_numbers = true)]
     pub offsets: u32,
 
     /// Width and height in pixels, each from 1 to 16384
     ///
-    /// Errors hardly depend on it; time goes with the number of pixels.
+    /// Errors hardly depend on it; time is proportional to the number of pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size, help_heading = "Picture")]
     #[arg(default_value = "160x90", allow_hyphen_values = true)]
     pub size: UVec2,
 
-    /// What it shows.
+    /// The camera and the time of the picture.
     #[command(flatten)]
     pub view: ViewArgs,
 
@@ -94,9 +95,9 @@ pub struct CompareArgs {
 
     /// The voxels.
     #[command(flatten)]
-    pub voxels: SettingArgs<Volume>,
+    pub voxels: SettingArgs<VolumeGroups>,
 
-    /// What shines.
+    /// Light, and how it is found.
     #[command(flatten)]
     pub light: LightArgs,
 

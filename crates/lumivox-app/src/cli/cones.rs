@@ -1,26 +1,27 @@
-//! A preset, and changes to its cones.
+//! A preset, and changes to its settings.
 
 use clap::Args;
 use lumivox_render::PresetChoice;
 
 use crate::args::choices;
-use crate::args::settings::{Cones, SettingArgs};
+use crate::args::settings::{ConeGroups, SettingArgs};
 
-/// The cones.
+/// The preset and the settings of the cones.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Cones")]
 pub struct ConeArgs {
-    /// How much is spent on the cones [default: balanced]
+    /// Preset of quality against cost [default: balanced]
     ///
-    /// All but report and vxct obey the same physics; they differ in noise, sharpness and cost. The options
-    /// below change single values of the preset. vxct has cones of its own for the resolution, as VXCT had
-    /// (docs/vxct-look.md): of the options below only those of the voxels' bounces change anything there.
+    /// All presets but report and vxct obey the same physics; they differ in noise, sharpness and
+    /// cost. The options below change single values of the preset. vxct has VXCT's own cones for
+    /// the resolution (docs/vxct-look.md); of the options below it only uses those of the voxels'
+    /// bounces.
     #[arg(long, value_name = "NAME", value_parser = choices::preset_or_look())]
     pub preset: Option<PresetChoice>,
 
-    /// Changes to it.
+    /// Changes to the preset.
     #[command(flatten)]
-    pub settings: SettingArgs<Cones>,
+    pub settings: SettingArgs<ConeGroups>,
 }
 
 impl ConeArgs {

@@ -1,4 +1,4 @@
-//! What the window and scripts start from.
+//! The initial state of the window and of scripts.
 
 use clap::Args;
 use lumivox_console::{Failure, LoadArgs, SceneSource};
@@ -6,31 +6,31 @@ use lumivox_render::RenderSettings;
 
 use super::load::scene_source;
 use super::{ConeArgs, GpuArgs, LightArgs, PictureArgs};
-use crate::args::settings::{Given, SettingArgs, Volume};
+use crate::args::settings::{Given, SettingArgs, VolumeGroups};
 use crate::commands::settings;
 
-/// A scene, or none yet, and the settings that its first picture has.
+/// A scene, or none yet, and the settings of its first picture.
 #[derive(Args, Debug)]
 pub struct ExploreArgs {
-    /// The scene to begin with: a file, or builtin:NAME [default: none]
+    /// The scene to open: a file, or builtin:NAME [default: none]
     ///
     /// `lumivox scenes` lists the built-in ones.
     #[arg(long, value_name = "SCENE", value_parser = scene_source(), help_heading = "Scene")]
     pub scene: Option<SceneSource>,
 
-    /// How its file is read, and those of scenes that are opened later.
+    /// How its file, and those of scenes opened later, are read.
     #[command(flatten)]
     pub load: LoadArgs,
 
-    /// What the picture shows, and how.
+    /// Size, camera, view and exposure of the picture.
     #[command(flatten)]
     pub picture: PictureArgs,
 
     /// The voxels.
     #[command(flatten)]
-    pub voxels: SettingArgs<Volume>,
+    pub voxels: SettingArgs<VolumeGroups>,
 
-    /// What shines.
+    /// Light, and how it is found.
     #[command(flatten)]
     pub light: LightArgs,
 
@@ -44,13 +44,13 @@ pub struct ExploreArgs {
 }
 
 impl ExploreArgs {
-    /// The settings that the command line gives.
+    /// The settings given on the command line.
     pub fn given(&self) -> Vec<Given> {
         let Self { picture, voxels, light, cones, .. } = self;
         given([picture.settings.given(), voxels.given(), light.settings.given()], cones)
     }
 
-    /// All settings that the first picture has.
+    /// All settings of the first picture.
     ///
     /// # Errors
     /// When two options contradict each other.
@@ -59,7 +59,7 @@ impl ExploreArgs {
     }
 }
 
-/// All settings that a command line gives, those of the cones last.
+/// All settings given on a command line, those of the cones last.
 pub fn given(others: [&[Given]; 3], cones: &ConeArgs) -> Vec<Given> {
     [others.concat().as_slice(), cones.settings.given()].concat()
 }

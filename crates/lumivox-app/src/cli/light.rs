@@ -1,19 +1,19 @@
-//! What shines, and how its light is found.
+//! Options for light, and for how it is found.
 
 use clap::Args;
 use lumivox_console::SourceArgs;
 
-use crate::args::settings::{Light, SettingArgs};
+use crate::args::settings::{LightGroups, SettingArgs};
 
-/// Light, and how it is found.
+/// Options for light, and for how it is found.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Light")]
 pub struct LightArgs {
-    /// What shines.
+    /// Light added to the scene.
     #[command(flatten)]
     pub sources: SourceArgs,
 
-    /// How its light is found.
+    /// How light is found.
     #[command(flatten)]
-    pub settings: SettingArgs<Light>,
+    pub settings: SettingArgs<LightGroups>,
 }

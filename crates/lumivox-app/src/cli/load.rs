@@ -1,4 +1,4 @@
-//! Which scene.
+//! The scene of a command.
 
 use std::ffi::OsString;
 
@@ -8,9 +8,9 @@ use lumivox_console::{LoadArgs, SceneSource};
 use lumivox_scene::Scene;
 
 use crate::args::scene;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
-/// A scene to work on.
+/// The scene of a command.
 #[derive(Args, Debug)]
 pub struct SceneArg {
     /// The scene: a glTF, OBJ, PLY, STL or VXCT file (.gltf, .glb, .obj, .ply, .stl, .scene, .vxct, .txt),
@@ -30,7 +30,7 @@ impl SceneArg {
     ///
     /// # Errors
     /// As [`scene::load`].
-    pub fn load(&self, progress: &Progress) -> anyhow::Result<Scene> {
+    pub fn load(&self, progress: &ProgressDisplay) -> anyhow::Result<Scene> {
         scene::load(&self.scene, &self.load, progress)
     }
 }

@@ -1,4 +1,4 @@
-//! What moves, and the pictures taken of it.
+//! Options for motion, and for the pictures taken of it.
 
 use std::path::PathBuf;
 
@@ -7,53 +7,53 @@ use clap::Args;
 use crate::args::number;
 use crate::motion::{self, AnimationName, TimeChoice};
 
-/// What moves. With it, a rendering can be a sequence of pictures.
+/// Motion of the scene and the camera. With it, a rendering can be a sequence of pictures.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Sequence")]
 pub struct MotionArgs {
-    /// One moment in seconds, or a sequence from START to just before END [default: all of what
-    /// moves, if the output is a sequence; else the scene as its file shows it]
+    /// One time in seconds, or a sequence from START to just before END [default: the whole motion
+    /// if the output is a sequence; else the scene as its file shows it]
     ///
-    /// Times are from -10000 to 10000. The picture at END is left out, so that a motion that ends as
-    /// it began can be shown over and over. START.. goes on to the end of the animation and of the
-    /// camera's path; an orbit without either takes 4 seconds.
+    /// Times are from -10000 to 10000. END itself is left out, so that a motion that ends as it
+    /// began can loop. START.. ends with the animation or the camera's path; an orbit without
+    /// either takes 4 seconds.
     #[arg(long, value_name = "SECONDS|START..END", value_parser = motion::time)]
     #[arg(allow_hyphen_values = true)]
     pub time: Option<TimeChoice>,
 
-    /// Pictures of a second, a number from 0.001 to 1000
+    /// Pictures per second, a number from 0.001 to 1000
     #[arg(long, value_name = "NUMBER", value_parser = number::number(0.001..=1000.0))]
     #[arg(default_value = "24", allow_negative_numbers = true)]
     pub fps: f32,
 
-    /// What the scene plays: an animation's name or number, all of them at once, or none [default:
-    /// the first]
+    /// The animation to show: its name or number, all at once, or none [default: the first]
     ///
-    /// Numbers count from 0; `lumivox info SCENE` lists them. It starts at 0 s; before its first key
-    /// and after its last the scene stands still.
+    /// Numbers count from 0; `lumivox info SCENE` lists them. An animation starts at 0 s; before
+    /// its first key and after its last the scene does not move.
     #[arg(long, value_name = "NAME|NUMBER|all|none", value_parser = motion::animation)]
     pub animation: Option<AnimationName>,
 
-    /// Turn the camera round the middle of the scene by this number of degrees, -36000 to 36000
+    /// Orbit the camera about the centre of the scene by this many degrees, -36000 to 36000
     /// [default: none]
     ///
-    /// 360 is one full turn, counter-clockwise seen from above; the camera of --camera is its start.
+    /// 360 is one full orbit, counter-clockwise seen from above; it starts at the camera of
+    /// --camera.
     #[arg(long, value_name = "DEGREES", value_parser = number::number(-36_000.0..=36_000.0))]
     #[arg(allow_hyphen_values = true, conflicts_with = "camera_path")]
     pub orbit: Option<f32>,
 
     /// Move the camera along the key frames of a JSON file [default: none]
     ///
-    /// A list of at least two keys in the order of time, each with `time_s` in seconds, `position`
-    /// and `target` in metres (or `camera`, a camera's name or number) and, if you like, `fov_deg`,
-    /// the vertical field of view. Between them the camera moves smoothly.
+    /// A list of at least two keys in order of time, each with `time_s` in seconds, `position` and
+    /// `target` in metres (or `camera`, a camera's name or number) and optionally `fov_deg`, the
+    /// vertical field of view. Between them the camera moves smoothly.
     #[arg(long, value_name = "FILE", conflicts_with = "camera")]
     pub camera_path: Option<PathBuf>,
 
-    /// Render all pictures of a sequence anew [default: off, those that are there already stay]
+    /// Render all pictures of a sequence again [default: off, existing ones stay]
     ///
-    /// Needed where a setting has changed since the others were rendered. The pictures that the
-    /// index lists are removed first.
+    /// Needed if a setting has changed since the others were rendered. The pictures that the index
+    /// lists are removed first.
     #[arg(long)]
     pub restart: bool,
 }

@@ -19,33 +19,34 @@ Examples:
 /// The arguments of `quality`.
 #[derive(Args, Debug)]
 pub struct QualityArgs {
-    /// Folder that gets the page, a file quality.md, and its pictures, images/quality/
+    /// Folder for the page, a file quality.md, and its pictures, images/quality/
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
 
-    /// Names of built-in scenes that are measured [default: all]
+    /// Names of the built-in scenes to measure [default: all]
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
 
-    /// Folder that keeps the files of references and of what is measured, so that a later run goes on where this one
-    /// stopped [default: none]
+    /// Folder for files of references and measurements, so that a later run continues where this
+    /// one stopped [default: none]
     ///
-    /// It must be of the same version and the same machine; delete it after a change of either.
+    /// It is only valid for the same version on the same machine; delete it after a change of
+    /// either.
     #[arg(long, value_name = "FOLDER", help_heading = "Measurement")]
     pub cache: Option<PathBuf>,
 
-    /// Measure nothing: write the page from what the cache keeps [default: off]
+    /// Measure nothing: write the page from the cache [default: off]
     #[arg(long, requires = "cache", help_heading = "Measurement")]
     pub kept: bool,
 
-    /// Presets that are measured, separated by commas
+    /// Presets to measure, separated by commas
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = choices::physical_preset())]
     #[arg(default_value = "fast,balanced,high", help_heading = "Measurement")]
     pub presets: Vec<PresetChoice>,
 
     /// Voxels along the scene's longest axis, separated by commas: multiples of 8 from 16 to 1024
     ///
-    /// Turned scenes are measured at the middle one alone.
+    /// Rotated scenes are only measured at the middle one.
     #[arg(long, value_name = "VOXELS", value_delimiter = ',', value_parser = number::resolution)]
     #[arg(default_value = "64,128,256", allow_hyphen_values = true, help_heading = "Measurement")]
     pub resolutions: Vec<u32>,
@@ -60,14 +61,14 @@ pub struct QualityArgs {
     #[arg(default_value = "512", allow_negative_numbers = true, help_heading = "Measurement")]
     pub samples: u32,
 
-    /// Frames that are averaged, 1 to 65536
+    /// Frames to average, 1 to 65536
     #[arg(long, value_name = "FRAMES", value_parser = number::whole(1..=65_536))]
     #[arg(default_value = "32", allow_negative_numbers = true, help_heading = "Measurement")]
     pub frames: u32,
 
-    /// Number of places of the grid that figures at the middle resolution are the mean of, 1 to 64
+    /// Number of grid positions over which figures at the middle resolution are averaged, 1 to 64
     ///
-    /// Other resolutions, and turned scenes, are measured in one.
+    /// Other resolutions, and rotated scenes, are measured in one position.
     #[arg(long, value_name = "COUNT", value_parser = number::whole(1..=64))]
     #[arg(default_value = "2", allow_negative_numbers = true, help_heading = "Measurement")]
     pub offsets: u32,

@@ -18,11 +18,12 @@ pub struct ReferenceArgs {
 
     /// The picture's file: .exr (floats, all layers) or .png (8 bits a channel, tone mapped) [required]
     ///
-    /// The layers of an OpenEXR file: radiance in cd/m2 (R, G, B); direct; `one_bounce` and `full`, irradiance in
-    /// lux by what emits and what lamps light directly, and by all light but that straight from lamps;
-    /// occlusion, albedo, normal, depth; and variance, of the mean of each pixel. A file of that name is
-    /// replaced once the picture is complete, never half. Ctrl-C finishes the batch of 16 samples, writes what is there
-    /// and ends with the exit code 130; a second one ends at once.
+    /// The layers of an OpenEXR file: radiance in cd/m2 (R, G, B); direct; `one_bounce`, the
+    /// irradiance in lux from emitters and from surfaces that lamps light directly; `full`, the
+    /// irradiance of all light except that straight from lamps; occlusion, albedo, normal, depth;
+    /// and variance, that of each pixel's mean. A file of that name is replaced once the picture is
+    /// complete, never half. Ctrl-C finishes the batch of 16 samples, writes the picture and ends
+    /// with the exit code 130; a second one ends at once.
     #[arg(short, long, value_name = "FILE", help_heading = "Picture")]
     pub output: PathBuf,
 
@@ -31,26 +32,26 @@ pub struct ReferenceArgs {
     #[arg(default_value = "640x360", allow_hyphen_values = true)]
     pub size: UVec2,
 
-    /// What it shows.
+    /// The camera and the time of the picture.
     #[command(flatten)]
     pub view: ViewArgs,
 
     /// Samples of each pixel, a number from 1 to 16777216
     ///
-    /// Noise falls with their root: four times as many halve it.
+    /// Noise falls with their square root: four times as many halve it.
     #[arg(long, visible_alias = "spp", value_name = "SAMPLES")]
     #[arg(value_parser = number::whole(1..=1 << 24), help_heading = "Paths")]
     #[arg(default_value = "256", allow_negative_numbers = true)]
     pub samples: u32,
 
-    /// Number that the random numbers follow from, 0 to 4294967295
+    /// Seed of the random numbers, 0 to 4294967295
     ///
     /// The same seed gives the same picture, to the bit on the same GPU.
     #[arg(long, value_name = "NUMBER", value_parser = number::whole(0..=u32::MAX))]
     #[arg(help_heading = "Paths", default_value = "0", allow_negative_numbers = true)]
     pub seed: u32,
 
-    /// Reflections of indirect light at most, 0 to 4096 [default: as many as there are]
+    /// Most bounces of indirect light, 0 to 4096 [default: no limit]
     #[arg(long, value_name = "BOUNCES", value_parser = number::whole(0..=4096))]
     #[arg(help_heading = "Paths", allow_negative_numbers = true)]
     pub bounces: Option<u32>,
@@ -60,19 +61,20 @@ pub struct ReferenceArgs {
     #[arg(help_heading = "Paths", allow_negative_numbers = true)]
     pub occlusion_distance: Option<f32>,
 
-    /// A file that keeps the sums on the way, written every half minute and at the end [default: none]
+    /// File that keeps the sums of the samples, written every half minute and at the end [default:
+    /// none]
     ///
-    /// With --resume a later run goes on from there, to the same bits and the same noise as if it had never stopped:
-    /// also after Ctrl-C; but where --samples was reached that were no multiple of 16, only to the same but for
-    /// rounding. While a run keeps its sums there, no other may.
+    /// With --resume a later run continues from there, to the same bits and the same noise as if it
+    /// had never stopped, also after Ctrl-C. (Where --samples was reached and is not a multiple of
+    /// 16, the bits may differ by rounding.) Only one run at a time may use the file.
     #[arg(long, value_name = "FILE", help_heading = "Paths")]
     pub checkpoint: Option<PathBuf>,
 
-    /// Go on from the --checkpoint, if the file is there [default: off, start anew]
+    /// Continue from the --checkpoint, if the file exists [default: off, start from nothing]
     #[arg(long, requires = "checkpoint", help_heading = "Paths")]
     pub resume: bool,
 
-    /// What shines.
+    /// Light added to the scene.
     #[command(flatten)]
     pub sources: SourceArgs,
 

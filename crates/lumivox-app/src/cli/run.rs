@@ -14,25 +14,26 @@ Examples:
   generate | lumivox run -
 docs/console.md lists all commands, and so does `lumivox run -c help`.";
 
-/// A script, and what it starts from.
+/// A script, and its initial state.
 #[derive(Args, Debug)]
 pub struct RunArgs {
-    /// A file of commands, or - for stdin [default: a prompt on a terminal, else stdin]
+    /// File of commands, or - for stdin [default: a prompt on a terminal, else stdin]
     ///
-    /// One or more commands a line, with ; between them; # begins a comment. UTF-8. The commands' relative paths
-    /// are relative to the working folder.
+    /// One or more commands a line, with ; between them; # begins a comment. UTF-8. Relative paths
+    /// in commands start at the working folder.
     #[arg(value_name = "SCRIPT", conflicts_with = "commands")]
     pub script: Option<PathBuf>,
 
-    /// Commands by name, with ; between them, instead of a script; may be given again [default: none]
+    /// Commands by name, with ; between them, instead of a script; may be repeated [default: none]
     #[arg(short, long = "command", value_name = "COMMANDS", allow_hyphen_values = true)]
     pub commands: Vec<String>,
 
-    /// Go on after errors, tell them all, and end with the first one's exit code [default: stop at the first]
+    /// Continue after errors, report them all, and end with the exit code of the first [default:
+    /// stop at the first]
     #[arg(long)]
     pub keep_going: bool,
 
-    /// Where it starts.
+    /// The initial state.
     #[command(flatten)]
     pub explore: ExploreArgs,
 }

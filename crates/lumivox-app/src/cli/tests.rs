@@ -1,6 +1,11 @@
+use std::sync::Arc;
+
 use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
 use glam::{UVec2, Vec3};
 use lumivox::{Directionality, OctreeOptions, VolumeKind};
+use lumivox_classics::photons::photons;
+use lumivox_classics::raster::Raster;
+use lumivox_classics::report::ReportCones;
 use lumivox_render::{
     Exposure, Overlay, RenderSettings, ShadowMethod, ToneMap, View, Wireframe, Wires,
 };
@@ -50,7 +55,7 @@ fn every_argument_has_help_and_a_default() {
 
 #[test]
 fn every_value_has_a_unit_or_choices() {
-    const UNITS: [&str; 21] = [
+    const UNITS: [&str; 23] = [
         "seconds",
         "degrees",
         "mib",
@@ -65,6 +70,8 @@ fn every_value_has_a_unit_or_choices() {
         "frames",
         "cones",
         "reflections",
+        "bounces",
+        "factor",
         "share",
         "level",
         "metre",
@@ -183,7 +190,7 @@ fn arguments_reach_the_settings() {
         resolution: 64,
         grid_offset: Vec3::new(0.0, 0.5, 0.0),
         directionality: Directionality::Isotropic,
-        voxelizer: lumivox_render::classics::voxelizer("three-plane"),
+        voxelizer: Some(Arc::new(Raster::ThreePlane)),
         volume: VolumeKind::Octree(OctreeOptions::default()),
         volume_memory: Some(1 << 30),
         trace: lumivox::TraceSettings::preset(lumivox::Preset::Fast),
@@ -202,7 +209,7 @@ fn arguments_reach_the_settings() {
         tone_map: ToneMap::Aces,
         shadows: ShadowMethod::Cone,
         shadow_resolution: 64,
-        injection: lumivox_render::classics::injection("photons"),
+        injection: Some(photons()),
         ..RenderSettings::default()
     };
     assert_eq!(settings(&args), expected);
@@ -219,9 +226,9 @@ fn a_preset_brings_its_companions_unless_told_otherwise() {
     let report = RenderSettings {
         directionality: Directionality::Isotropic,
         volume: VolumeKind::Octree(OctreeOptions::default()),
-        injection: lumivox_render::classics::injection("photons"),
-        trace: lumivox_render::PresetChoice::Report.trace(),
-        report_cones: lumivox_render::classics::ReportCones::REPORT,
+        injection: Some(photons()),
+        trace: ReportCones::trace_settings(),
+        cone_model: ReportCones::REPORT.model(),
         bounces: 1,
         ..RenderSettings::default()
     };
@@ -245,7 +252,7 @@ fn the_look_of_vxct_brings_its_companions() {
         args
     };
     let look = RenderSettings {
-        look: Some(std::sync::Arc::new(VxctSettings::for_resolution(256))),
+        look: Some(Arc::new(VxctSettings::for_resolution(256))),
         resolution: 256,
         directionality: Directionality::Isotropic,
         bounces: 1,

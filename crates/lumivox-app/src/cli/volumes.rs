@@ -26,7 +26,7 @@ pub struct VolumesArgs {
 
     /// Voxels along the scene's longest axis, separated by commas: multiples of 8 from 16 to 1024
     ///
-    /// What does not fit the GPU is told as such.
+    /// Volumes that do not fit the GPU are reported as such.
     #[arg(long, value_name = "VOXELS", value_delimiter = ',', value_parser = number::resolution)]
     #[arg(default_value = "64,128,256", allow_hyphen_values = true, help_heading = "Measurement")]
     pub resolutions: Vec<u32>,
@@ -35,16 +35,16 @@ pub struct VolumesArgs {
     #[arg(long, help_heading = "Measurement")]
     pub isotropic: bool,
 
-    /// Measure the other ways to build an octree too: nodes by locks, neighbours by pointers and by search, mipmaps
-    /// over every cell [default: off]
+    /// Also measure the other variants of an octree: nodes by locks, neighbours by pointers and by
+    /// search, mipmaps over every cell [default: off]
     #[arg(long, help_heading = "Measurement")]
     pub alternatives: bool,
 
-    /// Leave out how long frames take [default: off]
+    /// Do not measure the time of frames [default: off]
     #[arg(long, help_heading = "Measurement")]
     pub no_trace: bool,
 
-    /// Width and height of the frames in pixels, each from 1 to 32768 (or less, as the GPU allows)
+    /// Width and height of the frames in pixels, each from 1 to 32768 (or to the GPU's own limit)
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size)]
     #[arg(default_value = "320x180", allow_hyphen_values = true, help_heading = "Measurement")]
     #[arg(conflicts_with = "no_trace")]

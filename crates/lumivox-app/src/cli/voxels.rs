@@ -1,4 +1,4 @@
-//! How voxels are made and where their light is stored, and the comparison of the ways to make them.
+//! The arguments of `voxels`.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use glam::UVec2;
 
 use super::{GpuArgs, SceneArg};
 use crate::args::camera::{self, CameraChoice};
-use crate::args::settings::{SettingArgs, Volume};
+use crate::args::settings::{SettingArgs, VolumeGroups};
 use crate::args::{number, size};
 
 /// The arguments of `voxels`.
@@ -19,14 +19,14 @@ pub struct VoxelsArgs {
 
     /// The voxels.
     #[command(flatten)]
-    pub voxels: SettingArgs<Volume>,
+    pub voxels: SettingArgs<VolumeGroups>,
 
-    /// Share of the triangles that moves, 0.0001 to 1: measure what it saves to keep the others
+    /// Share of the triangles that moves, 0.0001 to 1: measure the gain of keeping the others
     /// [default: measure one voxelization of everything]
     ///
-    /// Small things are chosen first, and moved by up to three voxels at a time. Each move is voxelized
-    /// and lit once as a whole and once keeping what is static, and both must give the same voxels and the
-    /// same light of them, to the bit.
+    /// Small objects are chosen first, and moved by up to three voxels at a time. Each move is
+    /// voxelized and lit twice, as a whole and with the static surface kept, and both must give the
+    /// same voxels with the same light, to the bit.
     #[arg(long, value_name = "SHARE", value_parser = number::number(0.0001..=1.0))]
     #[arg(help_heading = "Measurement", allow_negative_numbers = true)]
     #[arg(conflicts_with = "compare_voxelizers")]
@@ -51,33 +51,33 @@ pub struct VoxelsArgs {
     pub gpu: GpuArgs,
 }
 
-/// The comparison of all ways to make voxels.
+/// The comparison of all voxelizers.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Comparison")]
 pub struct VoxelizersArgs {
-    /// Voxelize in every way that there is, and tell how far each is from the exact one [default: off]
+    /// Voxelize with every voxelizer, and print the errors against the exact one [default: off]
     ///
-    /// Voxels found, missing and too many; the share of the surface that is missed; the error of
+    /// The voxels found, missing and extra; the share of the surface that is missed; the error of
     /// colours; and the time.
     #[arg(long, conflicts_with = "voxelizer")]
     pub compare_voxelizers: bool,
 
-    /// A picture's file, .png: what each way finds as cubes, what it misses in magenta, what it finds
-    /// too many in cyan [default: none]
+    /// Picture's file, .png: the voxels of each voxelizer as cubes, missing ones in magenta, extra
+    /// ones in cyan [default: none]
     ///
     /// A file of that name is replaced once the picture is complete, never half.
     #[arg(short, long, value_name = "FILE", requires = "compare_voxelizers")]
     pub output: Option<PathBuf>,
 
-    /// Width and height of each way's part of the picture in pixels, each from 1 to 32768
+    /// Width and height of each voxelizer's picture in pixels, each from 1 to 32768
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size, requires = "output")]
     #[arg(default_value = "400x300", allow_hyphen_values = true)]
     pub size: UVec2,
 
-    /// Where from: a camera's name or number, or position and target in metres [default: the
-    /// scene's first camera, else `framing`, the view that shows it best]
+    /// The camera: its name or number, or position and target in metres [default: the scene's first
+    /// camera, else `framing`, the view that shows the scene best]
     ///
-    /// As of `lumivox render`.
+    /// As for `lumivox render`.
     #[arg(long, value_name = "NAME|NUMBER|PX,PY,PZ,TX,TY,TZ[,FOV]", value_parser = camera::camera)]
     #[arg(allow_hyphen_values = true, requires = "output")]
     pub camera: Option<CameraChoice>,

@@ -6,7 +6,7 @@ use lumivox_console::SceneSource;
 use super::ExploreArgs;
 use super::load::scene_source;
 
-/// For the end of the help.
+/// Examples for the help.
 pub const EXAMPLES: &str = "\
 Examples:
   lumivox view
@@ -16,29 +16,29 @@ Examples:
 
 In the window F1 shows all keys. Lines on stdin are commands, as in the window's console.";
 
-/// A scene, or none yet, and the settings that its first picture has.
+/// The arguments of `view`.
 #[derive(Args, Debug)]
 #[command(mut_arg("scene", |arg| arg.hide(true)), mut_arg("size", |arg| arg.hide(true)))]
 pub struct WindowArgs {
-    /// The scene to begin with: a file, or builtin:NAME [default: none; the window offers some]
+    /// The scene to open: a file, or builtin:NAME [default: none; the window offers some]
     ///
     /// `lumivox scenes` lists the built-in ones. Files can be dropped onto the window, too.
     #[arg(value_name = "SCENE", value_parser = scene_source(), help_heading = "Scene")]
     pub file: Option<SceneSource>,
 
-    /// What pictures are made of.
+    /// Picture, voxels, light and cones.
     #[command(flatten)]
     pub explore: ExploreArgs,
 
-    /// Start with the defaults, not with the settings that were kept of the last time [default: off]
+    /// Start with the defaults instead of the settings kept from the last time [default: off]
     ///
-    /// Options of the command line go before kept settings anyway. What is changed is kept again.
+    /// Options of the command line override kept settings in any case. Changes are kept again.
     #[arg(long, help_heading = "Window")]
     pub fresh: bool,
 }
 
 impl WindowArgs {
-    /// The scene to begin with.
+    /// The scene to open.
     pub fn scene(&self) -> Option<&SceneSource> {
         self.file.as_ref().or(self.explore.scene.as_ref())
     }

@@ -1,4 +1,4 @@
-//! `lumivox convert`: a scene as one GLB file.
+//! `lumivox convert`: writes a scene as one GLB file.
 
 use lumivox_console::Failure;
 use lumivox_console::report::{SceneCounts, bytes, counted};
@@ -9,16 +9,16 @@ use crate::args::scene;
 use crate::cli::ConvertArgs;
 use crate::host::Host;
 use crate::motion::choose;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
-/// Reads, poses if asked to, writes.
+/// Reads a scene, poses it if asked to, and writes it.
 ///
 /// # Errors
 /// When the scene cannot be read or posed, or the file cannot be written; the message says what.
 pub fn run(args: &ConvertArgs, host: &Host) -> anyhow::Result<()> {
     output::check_kind(&args.output, "glb", "scenes are written as GLB")?;
     scene::check(&args.scene.scene)?;
-    let progress = Progress::start(host, "loading");
+    let progress = ProgressDisplay::start(host, "loading");
     let mut scene = args.scene.load(&progress)?;
     if args.time.is_some() || args.animation.is_some() {
         let Some(animation) = choose(args.animation.as_ref(), &scene)? else {
@@ -51,11 +51,11 @@ pub fn run(args: &ConvertArgs, host: &Host) -> anyhow::Result<()> {
     ))
 }
 
-/// What was written.
+/// The report on what was written.
 #[derive(Clone, Debug, Serialize)]
 struct Report {
     file: String,
-    /// Its length.
+    /// The file's length.
     bytes: u64,
     scene: SceneCounts,
 }

@@ -1,4 +1,4 @@
-//! The light that the command line adds to a scene or puts in the place of the scene's.
+//! The light that the command line adds to a scene, or that replaces the scene's.
 
 use lumivox_console::SourceArgs;
 use lumivox_scene::{EnvironmentMap, LightKind, Note, Scene, SceneError, check_regular};
@@ -6,12 +6,12 @@ use serde_json::{Value, json};
 
 use crate::args::light::Surroundings;
 use crate::args::scene::stamp;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// The remedy for a picture with too little light, or too much.
 pub const REMEDY: &str = "light it otherwise with --surroundings studio or sky, --sun or --environment, or set --exposure";
 
-/// Checks what is cheap to check: that there is such a panorama at all.
+/// Checks that the panorama's file exists, which is cheap.
 ///
 /// # Errors
 /// [`SceneError::Read`].
@@ -27,20 +27,24 @@ pub fn check(args: &SourceArgs) -> Result<(), SceneError> {
 ///
 /// # Errors
 /// When a panorama cannot be read.
-pub fn add(scene: &mut Scene, args: &SourceArgs, progress: &Progress) -> Result<(), SceneError> {
+pub fn add(
+    scene: &mut Scene,
+    args: &SourceArgs,
+    progress: &ProgressDisplay,
+) -> Result<(), SceneError> {
     progress.set("loading the surroundings", 0, 1);
     let panorama = args.panorama().map(EnvironmentMap::load).transpose()?;
     args.light(scene, panorama)
 }
 
-/// Tells what was chosen for the user.
+/// Logs the choices made for the user.
 pub fn tell(notes: &[Note]) {
     for note in notes {
         tracing::info!("{}: {note}", note.about);
     }
 }
 
-/// What decides the light, for the index of a sequence.
+/// All values that decide the light, for the index of a sequence.
 pub fn settings(args: &SourceArgs) -> Value {
     let sun = args.sun.as_ref().map(|sun| {
         let lux = match sun.kind {

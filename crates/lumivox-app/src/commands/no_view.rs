@@ -5,10 +5,10 @@ use lumivox_console::Failure;
 use crate::cli::WindowArgs;
 use crate::host::Host;
 
-/// Tells how a build with the window is made.
+/// Explains how to build the program with the window.
 ///
 /// # Errors
-/// Always; first, as with a window, when the scene cannot be found.
+/// Always. As with a window, a scene that cannot be found is reported first.
 pub fn run(args: &WindowArgs, _: &Host) -> anyhow::Result<()> {
     if let Some(source) = args.scene() {
         crate::args::scene::check(source)?;

@@ -1,4 +1,4 @@
-//! `lumivox reference`: a path-traced picture, with all that it is made of.
+//! `lumivox reference`: a path-traced picture with its layers.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -20,12 +20,12 @@ use crate::args::scene;
 use crate::cli::ReferenceArgs;
 use crate::host::Host;
 use crate::lock::Lock;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
-/// How often a checkpoint is written.
+/// The time between checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
 
-/// Traces, writes, reports.
+/// Traces, writes and reports.
 ///
 /// # Errors
 /// When anything that the arguments ask for cannot be done; the message says what.
@@ -39,7 +39,7 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     let checkpoint = args.checkpoint.as_deref();
     let _lock = checkpoint.map(|file| Lock::take(file, "keeps its sums there")).transpose()?;
     let start = Instant::now();
-    let mut progress = Progress::start(host, "loading");
+    let mut progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let (scene, camera) = stage(
         &args.scene.scene,
@@ -55,7 +55,7 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
         size: args.size,
         samples: args.samples,
         seed: args.seed,
-        gathers: args.bounces,
+        bounces: args.bounces,
         occlusion_distance_m: args.occlusion_distance.unwrap_or(f32::INFINITY),
     };
     let tracer = PathTracer::new(&gpu, &scene, Some(&camera), settings);
@@ -67,7 +67,7 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     }
     let resumed = tracer.samples();
     progress.stop_on_interrupt(host)?;
-    tracing::info!("tracing; Ctrl-C writes what is there after the batch of {BATCH} samples");
+    tracing::info!("tracing; Ctrl-C writes the samples so far, after the batch of {BATCH}");
     trace(&mut tracer, args, &progress)?;
 
     progress.set("writing", 0, 1);
@@ -91,11 +91,11 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     if report.is_complete { Ok(()) } else { Err(stopped(args, report.samples).into()) }
 }
 
-/// What a stopped run leaves.
+/// The failure that reports how much a stopped run has traced.
 fn stopped(args: &ReferenceArgs, samples: u32) -> Failure {
     let goes_on = match &args.checkpoint {
-        Some(file) => format!("the same command with --resume goes on from {}", file.display()),
-        None => "with a --checkpoint it could be gone on with".to_owned(),
+        Some(file) => format!("the same command with --resume continues from {}", file.display()),
+        None => "with a --checkpoint it could be continued".to_owned(),
     };
     Failure::stopped(format!(
         "stopped after {samples} of {} samples, which {} has; {goes_on}",
@@ -104,9 +104,14 @@ fn stopped(args: &ReferenceArgs, samples: u32) -> Failure {
     ))
 }
 
-/// Traces until all samples are there or Ctrl-C is pressed, and keeps the checkpoint. Batches are finished: a run that
-/// goes on later then has the bits, and the estimate of its noise, of one that was never stopped.
-fn trace(tracer: &mut PathTracer, args: &ReferenceArgs, progress: &Progress) -> anyhow::Result<()> {
+/// Traces until all samples are there or Ctrl-C is pressed, and keeps the checkpoint. Batches are
+/// finished, so that a resumed run has the bits, and the noise estimate, of one that was never
+/// stopped.
+fn trace(
+    tracer: &mut PathTracer,
+    args: &ReferenceArgs,
+    progress: &ProgressDisplay,
+) -> anyhow::Result<()> {
     let mut written = Instant::now();
     let mut is_told = false;
     let mut hear = |step: ReferenceProgress| {
@@ -177,8 +182,8 @@ pub fn write(layers: &ReferenceLayers, gpu: &Gpu, file: &Path) -> anyhow::Result
     Ok(())
 }
 
-/// The noise of each layer: the root of the mean variance over the mean, in per cent; none where it is black or
-/// there is one sample.
+/// The noise of each layer, in per cent: the root of the mean variance over the mean. `None` where
+/// the layer is black or has one sample.
 #[derive(Clone, Debug, Serialize)]
 struct Noise {
     radiance: Option<f64>,
@@ -212,11 +217,11 @@ struct Report {
     size: [u32; 2],
     scene: SceneCounts,
     camera: String,
-    /// Of each pixel.
+    /// Samples of each pixel.
     samples: u32,
-    /// Of those, from the checkpoint.
+    /// Of those, the samples from the checkpoint.
     samples_before: u32,
-    /// Whether all samples are there that were asked for.
+    /// Whether all requested samples are there.
     is_complete: bool,
     noise_percent: Noise,
     seconds: f64,
@@ -249,7 +254,8 @@ impl Report {
 mod tests {
     use super::*;
 
-    /// Two pixels around a mean of 5, whose variances have a mean of 0.25: one half, a tenth of the mean.
+    /// Two pixels with a mean of 5 whose variances have a mean of 0.25: the noise is one half, a
+    /// tenth of the mean.
     #[test]
     fn noise_is_the_deviation_over_the_mean() {
         let pixels = [[4.0, 5.0, 6.0], [6.0, 5.0, 4.0]];

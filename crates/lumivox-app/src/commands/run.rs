@@ -5,26 +5,26 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use lumivox_console::{
-    Console, Effect, Failure, LineInfo, Opening, Queue, help, page, script, script_of_bytes,
+    Console, Effect, Failure, LineInfo, Queue, SceneRequest, help, page, script, script_of_bytes,
 };
 use lumivox_explorer::Explorer;
-use lumivox_render::Progress as Step;
+use lumivox_render::RenderProgress as Step;
 
 use crate::cli::RunArgs;
 use crate::disk::{self, Disk};
 use crate::exit::{self, Located, Told};
 use crate::host::Host;
 use crate::opening;
-use crate::progress::{Progress, words};
+use crate::progress::{ProgressDisplay, words};
 use crate::prompt::Prompt;
 
-/// What a frame that a script waits for stands for, s.
+/// The time of the scene that passes with each frame of a script, s.
 const FRAME_S: f32 = 1.0 / 30.0;
 
 /// Runs commands.
 ///
 /// # Errors
-/// The first error of a command, or a summary of all where it goes on after them.
+/// The first error of a command, or a summary of all errors if it continues after them.
 pub fn run(args: &RunArgs, host: &Host) -> anyhow::Result<()> {
     let is_terminal = host.has_terminal_for_input();
     let is_stdin = args.script.as_deref() == Some(Path::new("-"));
@@ -37,7 +37,8 @@ pub fn run(args: &RunArgs, host: &Host) -> anyhow::Result<()> {
             queue.extend(script(commands, &format!("-c {}", index + 1))?);
         }
     } else if !is_prompt {
-        // A pipe is read to its end first: what is wrong in a line is known before anything runs.
+        // A pipe is read to its end first, so that a malformed line is reported before anything
+        // runs.
         queue.extend(script(&read_stdin(host)?, "stdin")?);
     }
     let mut runner = Runner::new(args, host)?;
@@ -61,13 +62,14 @@ pub fn list(is_markdown: bool, host: &Host) -> anyhow::Result<()> {
 fn read_stdin(host: &Host) -> Result<String, Failure> {
     let bytes = host.read_input();
     let bytes = bytes.map_err(|error| Failure::input(format!("stdin cannot be read: {error}")))?;
-    String::from_utf8(bytes).map_err(|_| Failure::input("stdin is no text in UTF-8; give commands"))
+    String::from_utf8(bytes)
+        .map_err(|_| Failure::input("stdin is not text in UTF-8; give commands"))
 }
 
-/// The bar of the command that runs, if one does.
-type Shown = Mutex<Option<Progress>>;
+/// The progress display of the running command, if there is one.
+type Shown = Mutex<Option<ProgressDisplay>>;
 
-/// Shows how far a command is.
+/// Shows the progress of a command.
 fn tell(shown: &Shown, step: Step) {
     if let Ok(shown) = shown.lock()
         && let Some(progress) = shown.as_ref()
@@ -102,7 +104,7 @@ impl Runner {
         Ok(Self { console, host: host.clone(), progress, is_over: false })
     }
 
-    /// Runs all lines, and those that they bring.
+    /// Runs all lines, and the lines that those add.
     fn run(&mut self, mut queue: Queue, keeps_going: bool) -> anyhow::Result<()> {
         let mut first = None;
         let mut failed = 0_u32;
@@ -128,13 +130,13 @@ impl Runner {
         Err(Told { exit: code, message }.into())
     }
 
-    /// Does what a line says, and what it leaves to do.
+    /// Runs a line, and the work that it leaves.
     fn line(&mut self, line: &str, queue: &mut Queue) -> anyhow::Result<()> {
         if let Some(name) = LineInfo::of(line).window_command {
-            tracing::warn!("`{name}` is a command of the window; it is passed over");
+            tracing::warn!("`{name}` is a command of the window; it is skipped");
             return Ok(());
         }
-        self.show(Some(Progress::start(&self.host, "working")));
+        self.show(Some(ProgressDisplay::start(&self.host, "working")));
         let reply = pollster::block_on(self.console.run(line));
         let done = reply.and_then(|reply| {
             if !reply.text.is_empty() {
@@ -158,8 +160,8 @@ impl Runner {
         done
     }
 
-    fn show(&self, progress: Option<Progress>) {
-        // The one before is dropped outside of the lock: it waits for its thread.
+    fn show(&self, progress: Option<ProgressDisplay>) {
+        // The previous display is dropped outside the lock: it waits for its thread.
         let before = self
             .progress
             .lock()
@@ -168,11 +170,11 @@ impl Runner {
         drop(before);
     }
 
-    fn open(&mut self, opening: Opening) -> anyhow::Result<()> {
-        let progress = Progress::start(&self.host, "loading");
-        let ready = opening::load(opening, &progress)?;
+    fn open(&mut self, opening: SceneRequest) -> anyhow::Result<()> {
+        let progress = ProgressDisplay::start(&self.host, "loading");
+        let scene = opening::load(opening, &progress)?;
         drop(progress);
-        self.console.open(ready);
+        self.console.open(scene);
         Ok(())
     }
 
@@ -186,7 +188,7 @@ impl Runner {
         Ok(())
     }
 
-    /// Asks for lines until the end.
+    /// Reads and runs lines until the end of the input.
     fn prompt(&mut self) -> anyhow::Result<()> {
         let mut terminal = Prompt::new(&self.host)?;
         while !self.is_over {

@@ -4,7 +4,7 @@ use lumivox_scene::builtin;
 
 use crate::host::Host;
 
-/// Lists them, a line each.
+/// Lists the built-in scenes, one in a line.
 ///
 /// # Errors
 /// When stdout cannot be written.

@@ -1,4 +1,4 @@
-//! The settings of a rendering: from the command line, and back under their names.
+//! The settings of a rendering: read from the command line, and reported under their names.
 
 use glam::UVec2;
 use lumivox_console::Failure;
@@ -8,21 +8,21 @@ use lumivox_scene::Scene;
 use serde::{Serialize as _, Serializer};
 use serde_json::{Map, json};
 
-use crate::args::settings::{Given, SettingArgs, Volume};
+use crate::args::settings::{Given, SettingArgs, VolumeGroups};
 
-/// The settings of a preset, for a picture of that size, with the values that a command line gives.
+/// The settings of a preset for a picture of this size, with the values of a command line.
 ///
 /// # Errors
 /// When two of them contradict each other.
 pub fn of(preset: PresetChoice, size: UVec2, given: &[Given]) -> Result<RenderSettings, Failure> {
     let take = |settings: &mut RenderSettings| {
         for (parameter, value) in given {
-            // Values of the command line were checked as they were read.
+            // Values of the command line were checked when they were read.
             let _ = parameter.set(settings, *value);
         }
     };
     let physical = RenderSettings { size, ..RenderSettings::default() };
-    // The cones of VXCT's look go with the resolution.
+    // The cones of VXCT's look depend on the resolution.
     let mut settings = physical.clone();
     take(&mut settings);
     settings = RenderSettings { resolution: settings.resolution, ..physical };
@@ -37,7 +37,7 @@ pub fn of(preset: PresetChoice, size: UVec2, given: &[Given]) -> Result<RenderSe
         if matches!(parameter.needs, Some(("look", needed)) if needed != look) {
             let option = option(parameter);
             return Err(Failure::input(format!(
-                "{option}: it belongs to the look vxct; give --preset vxct with it"
+                "{option}: it is a setting of the look vxct; add --preset vxct"
             )));
         }
         if parameter.get(&settings) != *value && !is_rounded(*value) {
@@ -52,25 +52,25 @@ pub fn of(preset: PresetChoice, size: UVec2, given: &[Given]) -> Result<RenderSe
     Ok(settings)
 }
 
-/// The settings of the default preset with those of voxels that a command line gives.
+/// The settings of the default preset with the voxel settings of a command line.
 ///
 /// # Errors
 /// When two of them contradict each other.
-pub fn of_voxels(args: &SettingArgs<Volume>) -> Result<RenderSettings, Failure> {
+pub fn of_voxels(args: &SettingArgs<VolumeGroups>) -> Result<RenderSettings, Failure> {
     of(PresetChoice::default(), RenderSettings::default().size, args.given())
 }
 
-/// Whether a value may be kept less exactly than it is given.
+/// Whether a value may be stored less exactly than it is given.
 fn is_rounded(value: Value) -> bool {
     matches!(value, Value::Number(_))
 }
 
-/// Whether the command line gives a setting.
+/// Whether the command line gives this setting.
 pub fn gives(given: &[Given], name: &str) -> bool {
     given.iter().any(|(parameter, _)| parameter.name == name)
 }
 
-/// In a look exposure and curve are those that it has for the scene, unless the command line says otherwise.
+/// Sets the exposure and curve that a look has for the scene, unless the command line gives them.
 pub fn expose_for_look(settings: &mut RenderSettings, given: &[Given], scene: &Scene) {
     let Some((exposure, tone_map)) = settings.look.as_ref().map(|look| look.display(Some(scene)))
     else {
@@ -84,13 +84,14 @@ pub fn expose_for_look(settings: &mut RenderSettings, given: &[Given], scene: &S
     }
 }
 
-/// All settings that mean something, under their names: numbers, booleans, and texts for choices and words.
+/// All settings that have an effect, under their names: numbers, booleans, and texts for choices
+/// and words.
 pub fn report(settings: &RenderSettings) -> Map<String, serde_json::Value> {
     let rows = PARAMETERS.iter().filter(|parameter| parameter.means_something(settings));
     rows.map(|row| (row.name.to_owned(), json_of(row.get(settings)))).collect()
 }
 
-/// Writes settings as [`report`] has them.
+/// Serializes settings as [`report`] lists them.
 ///
 /// # Errors
 /// The errors of the writer `to`.

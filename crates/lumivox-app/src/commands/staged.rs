@@ -1,4 +1,4 @@
-//! A scene that is ready for a still picture: loaded, posed, lit, with its camera.
+//! A scene prepared for a still picture: loaded, posed, lit, with its camera.
 
 use std::cell::OnceCell;
 
@@ -11,20 +11,20 @@ use super::light;
 use crate::args::camera::resolve_with;
 use crate::cli::ViewArgs;
 use crate::motion::choose;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// Loads, poses and lights a scene, and finds its camera.
 ///
 /// # Errors
-/// When the scene or a panorama cannot be read, nothing moves where a time is asked for, or there is no such
-/// camera.
+/// When the scene or a panorama cannot be read, a time is given but nothing moves, or there is no
+/// such camera.
 pub fn stage(
     source: &SceneSource,
     load: &LoadArgs,
     sources: &SourceArgs,
     view: &ViewArgs,
     size: UVec2,
-    progress: &Progress,
+    progress: &ProgressDisplay,
 ) -> anyhow::Result<(Scene, Camera)> {
     let mut scene = crate::args::scene::load(source, load, progress)?;
     light::add(&mut scene, sources, progress)?;
@@ -45,8 +45,8 @@ pub fn stage(
     Ok((scene, camera))
 }
 
-/// Finds the camera, adds the light that the scene needs, and logs what was chosen. For commands
-/// whose reports do not say it.
+/// Finds the camera, adds the light that the scene needs, and logs both choices, for commands whose
+/// reports do not name them.
 ///
 /// # Errors
 /// When there is no such camera.
@@ -55,7 +55,7 @@ pub fn look_at(
     choice: Option<&CameraChoice>,
     size: UVec2,
     staging: Staging,
-    progress: &Progress,
+    progress: &ProgressDisplay,
 ) -> anyhow::Result<Camera> {
     let (aspect, framing) = (size.x as f32 / size.y as f32, OnceCell::new());
     let camera = resolve_with(choice, scene, aspect, &framing)?;

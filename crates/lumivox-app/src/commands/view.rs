@@ -1,6 +1,6 @@
 //! `lumivox view`: the window.
 
-use lumivox_console::{Console, Opening};
+use lumivox_console::{Console, SceneRequest};
 use lumivox_explorer::Explorer;
 
 use crate::cli::WindowArgs;
@@ -14,15 +14,15 @@ use crate::window::{self, Config, Restore, Start};
 /// # Errors
 /// When there is no display or no GPU, or the scene cannot be found.
 pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
-    // Bars are for terminals that nobody types commands into.
+    // Progress bars would disturb a terminal in which nobody types commands.
     host.bars().set_draw_target(indicatif::ProgressDrawTarget::hidden());
     if let Some(source) = args.scene() {
         crate::args::scene::check(source)?;
     }
     let settings = args.explore.settings()?;
-    // First what is cheap to fail.
+    // Cheap checks come first.
     let event_loop = window::event_loop()?;
-    // What the driver starts gives way as the thread does that opens the device.
+    // The driver's threads inherit the lower priority of the thread that opens the device.
     let open = || {
         window::give_way();
         host.open_gpu(&args.explore.gpu)
@@ -33,7 +33,7 @@ pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
     let explore = &args.explore;
     let mut explorer = Explorer::new(gpu, settings, explore.cones.preset());
     config.apply(&mut explorer, &explore.given(), explore.cones.preset.is_some());
-    let opening = args.scene().map(|source| Opening {
+    let opening = args.scene().map(|source| SceneRequest {
         camera: explore.picture.camera.clone(),
         ..opening::of(explore, source.clone())
     });

@@ -1,4 +1,4 @@
-//! `lumivox volumes`: what the kinds of volumes take, side by side.
+//! `lumivox volumes`: cost of the kinds of volumes, side by side.
 
 use glam::Vec3;
 use lumivox::gpu::{StageTime, Timing};
@@ -16,10 +16,10 @@ use super::staged;
 use crate::args::{output, scene};
 use crate::cli::VolumesArgs;
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 use crate::quality::{MemoryPoint, memory_against_resolution};
 
-/// Frames that are timed, after one that is not.
+/// Frames that are timed, after one untimed frame.
 const FRAMES: u32 = 2;
 
 /// Measures and reports.
@@ -31,7 +31,7 @@ pub fn run(args: &VolumesArgs, host: &Host) -> anyhow::Result<()> {
     if let Some(file) = &args.output {
         output::check_kind(file, "svg", "a chart is written as SVG")?;
     }
-    let progress = Progress::start(host, "loading");
+    let progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let mut scene = args.scene.load(&progress)?;
     staged::look_at(&mut scene, None, args.size, Staging::Auto, &progress)?;
@@ -61,7 +61,7 @@ pub fn run(args: &VolumesArgs, host: &Host) -> anyhow::Result<()> {
     host.print(&report.text())
 }
 
-/// A way to make a volume.
+/// A kind of volume with its options.
 struct Variant {
     name: &'static str,
     volume: VolumeKind,
@@ -92,29 +92,29 @@ fn variants(with_alternatives: bool) -> Vec<Variant> {
     variants
 }
 
-/// What one volume at one resolution takes.
+/// The cost of one volume at one resolution.
 #[derive(Clone, Debug, Serialize)]
 struct Row {
     resolution: u32,
     name: &'static str,
     volume: &'static str,
     voxels: Option<u32>,
-    /// Of the volume alone; a dense one's is known even where it does not fit.
+    /// Bytes of the volume itself; known for a dense one even if it does not fit.
     bytes: Option<u64>,
-    /// Nodes from the voxel list, or masks.
+    /// Time to build nodes from the voxel list, or masks.
     build_ms: Option<f64>,
-    /// Storing the faces' radiance, filtering, filling bricks: each time when light changes.
+    /// Time to store the faces' radiance, filter, and fill bricks: needed at each change of light.
     update_ms: Option<f64>,
-    /// Of that, filtering alone.
+    /// Of that, the time to filter.
     filter_ms: Option<f64>,
-    /// Of that, filling bricks alone.
+    /// Of that, the time to fill bricks.
     fill_ms: Option<f64>,
-    /// One frame's cones.
+    /// Time of the cones of one frame.
     trace_ms: Option<f64>,
-    /// Groups of eight places for nodes.
+    /// Groups of eight slots for nodes.
     groups: Option<u32>,
     bricks: Option<u32>,
-    /// Passes of the builder with locks, and threads deferred in all of them.
+    /// Passes of the builder with locks, and the threads deferred in all of them.
     lock_passes: Option<u32>,
     deferred: Option<u64>,
     /// Why it was not measured.
@@ -201,8 +201,8 @@ impl Row {
     }
 }
 
-/// A renderer that has voxelized, lit and traced, with the times of a second run: the first includes what drivers
-/// compile.
+/// A renderer that has voxelized, lit and traced, with the times of a second run: drivers compile
+/// shaders in the first.
 async fn timed(
     gpu: &Gpu,
     scene: &Scene,
@@ -223,7 +223,7 @@ async fn timed(
     Ok(renderer)
 }
 
-/// Whether an error says that something does not fit.
+/// Whether the error is that something does not fit.
 fn is_limit(error: &lumivox_render::RenderError) -> bool {
     use lumivox::GiError;
     use lumivox_render::RenderError;
@@ -243,7 +243,7 @@ struct Report {
 }
 
 impl Report {
-    /// What the chart shows: dense and octree as they are by default.
+    /// The points of the chart: dense volumes and octrees with default options.
     fn points(&self) -> Vec<MemoryPoint> {
         let usual = self.rows.iter().filter(|row| row.name == row.volume);
         usual

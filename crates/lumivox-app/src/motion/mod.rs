@@ -1,4 +1,4 @@
-//! What moves between the pictures of a sequence: time, the camera, the scene.
+//! Motion between the pictures of a sequence: time, the camera, the scene.
 
 mod moments;
 mod path;
@@ -7,10 +7,11 @@ mod spline;
 
 pub use moments::{Moments, TimeChoice, time};
 pub use path::PathFile;
-pub use schedule::{AnimationName, Asked, Schedule, When, animation, choose};
+pub use schedule::{AnimationName, PictureTimes, Schedule, ScheduleOptions, animation, choose};
 
-/// Nearly three hours, either way: an `f32`, by which scenes are posed, still tells milliseconds apart.
+/// The latest time, s: nearly three hours, either way. The `f32` by which scenes are posed still
+/// resolves milliseconds there.
 pub const LATEST_S: f64 = 1e4;
 
-/// How long an orbit takes in a scene without an animation, s.
+/// The duration of an orbit in a scene without an animation, s.
 pub const ORBIT_S: f64 = 4.0;

@@ -9,17 +9,17 @@ use crate::args::Refused;
 use super::LATEST_S;
 
 const FORM: &str =
-    "seconds, such as 1.5, or a range START..END, such as 0..4 (0.. ends with what moves)";
+    "seconds, such as 1.5, or a range START..END, such as 0..4 (0.. ends with the motion)";
 
 /// The most pictures of a sequence.
 const MOST_FRAMES: f64 = 1e6;
 
-/// A time, as the command line names it.
+/// A time as the command line names it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeChoice {
-    /// One moment, s.
+    /// One time, s.
     At(f64),
-    /// From the first number to just before the second, s; `None` is the end of what moves.
+    /// From the first number to just before the second, s; `None` is the end of the motion.
     Range(f64, Option<f64>),
 }
 
@@ -27,9 +27,9 @@ pub enum TimeChoice {
 pub fn time(text: &str) -> Result<TimeChoice, Refused> {
     let seconds = |text: &str| {
         let value: f64 = text.trim().parse().map_err(|_| {
-            Refused::Malformed(format!("expected {FORM}, but \"{text}\" is no number"))
+            Refused::Malformed(format!("expected {FORM}, but \"{text}\" is not a number"))
         })?;
-        // Compared this way round, what is no number is refused.
+        // Compared this way round, NaN is refused.
         if value.abs() <= LATEST_S {
             return Ok(value);
         }
@@ -49,15 +49,15 @@ pub fn time(text: &str) -> Result<TimeChoice, Refused> {
     Ok(TimeChoice::Range(start, Some(end)))
 }
 
-/// Evenly spaced moments: the start is one, the end none, so that what ends as it began can be shown
-/// over and over without a picture twice.
+/// Evenly spaced times. The start is included and the end is not, so that a motion that ends as it
+/// began can loop without a picture shown twice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moments {
-    /// The first moment and the end, s.
+    /// The first time and the end, s.
     pub range_s: Range<f64>,
-    /// Moments a second.
+    /// Times per second.
     pub fps: f64,
-    /// How many there are, at least one.
+    /// The number of times, at least one.
     pub count: u32,
 }
 
@@ -70,12 +70,12 @@ impl Moments {
         let Range { start, end } = range_s;
         if end <= start {
             return Err(Failure::input(format!(
-                "the range of time is empty: what moves ends at {end} s, and {start} s is asked for; \
+                "the range of time is empty: the motion ends at {end} s, before {start} s; \
                  give --time START..END"
             ))
             .into());
         }
-        // A length that is a whole number of pictures but for rounding is one.
+        // A length that is a whole number of pictures up to rounding is one.
         let count = ((end - start) * fps - 1e-6).ceil().max(1.0);
         if count > MOST_FRAMES {
             return Err(Failure::input(format!(
@@ -87,12 +87,12 @@ impl Moments {
         Ok(Self { range_s, fps, count: count as u32 })
     }
 
-    /// When moment `number` is, s.
+    /// The time of picture `number`, s.
     pub fn time_s(&self, number: u32) -> f64 {
         self.range_s.start + f64::from(number) / self.fps
     }
 
-    /// The share of the range that has passed at moment `number`, from 0 to below 1.
+    /// The share of the range that has passed at picture `number`, from 0 to below 1.
     pub fn share(&self, number: u32) -> f64 {
         (self.time_s(number) - self.range_s.start) / (self.range_s.end - self.range_s.start)
     }
@@ -124,7 +124,7 @@ mod tests {
         assert_eq!(moments.time_s(0), 1.0);
         assert!(moments.time_s(47) < 3.0);
         assert_eq!(moments.share(24), 0.5);
-        // Ten times 1.1, which has no exact binary fraction, is a little more than 11.
+        // Ten times 1.1 is a little more than 11, since 1.1 has no exact binary fraction.
         assert_eq!(Moments::new(0.0..1.1, 10.0).unwrap().count, 11);
         assert_eq!(Moments::new(0.0..0.31, 10.0).unwrap().count, 4);
         assert_eq!(Moments::new(0.0..1e-9, 24.0).unwrap().count, 1);

@@ -1,4 +1,4 @@
-//! A camera's way, as key frames in a JSON file.
+//! A camera's path, as key frames in a JSON file.
 //!
 //! ```json
 //! [
@@ -8,8 +8,9 @@
 //! ]
 //! ```
 //!
-//! Position and target go along a [`Spline`] each, so that the camera keeps looking at a target that
-//! stays; the field of view goes along a [`Pace`], which never leaves what the keys say.
+//! Position and target follow a [`Spline`] each, so that the camera keeps looking at a target that
+//! does not move; the field of view follows a [`MonotoneCubic`], which stays within the keys'
+//! values.
 
 use std::io::Read as _;
 use std::path::{Path as FilePath, PathBuf};
@@ -19,50 +20,50 @@ use lumivox_console::Failure;
 use lumivox_scene::{Camera, Scene, check_regular};
 use serde::{Deserialize, Serialize};
 
-use super::spline::{Pace, Spline};
+use super::spline::{MonotoneCubic, Spline};
 use crate::args::camera::{CameraChoice, DEFAULT_FOV_DEG, fit_near, resolve};
 
-/// Far above any path, far below what would be slow.
+/// Far above any path, and far below a size that would be slow.
 const MOST_BYTES: u64 = 16 << 20;
 const MOST_KEYS: usize = 10_000;
-/// In metres; with squares of it, f32 is far from overflowing.
+/// The farthest coordinate, m; even the square is far from overflowing f32.
 const FARTHEST_M: f32 = 1e9;
 
-/// The keys of a file, checked as far as that goes without a scene.
+/// The keys of a file, checked as far as possible without a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathFile {
     file: PathBuf,
-    /// At least two, with times that rise.
+    /// At least two, with rising times.
     pub keys: Vec<Key>,
 }
 
-/// A key frame, as it stands in the file.
+/// A key frame, as in the file.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Key {
-    /// When, s.
+    /// The time, s.
     pub time_s: f64,
     /// The eye in the world, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position: Option<[f32; 3]>,
-    /// A point in the middle of the picture, m.
+    /// A point at the centre of the picture, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<[f32; 3]>,
-    /// One of the scene's cameras instead of position and target.
+    /// A camera of the scene instead of position and target.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<NameOrNumber>,
-    /// Vertical field of view; default: that of the camera, else of the key before, else 45.
+    /// Vertical field of view. Default: that of the camera, else that of the key before, else 45.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fov_deg: Option<f32>,
 }
 
-/// How a file names a camera.
+/// A camera's name or number in a file.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum NameOrNumber {
-    /// By its place, from 0.
+    /// Its index, from 0.
     Number(usize),
-    /// By its name.
+    /// Its name.
     Name(String),
 }
 
@@ -84,26 +85,28 @@ impl PathFile {
         opened.take(MOST_BYTES + 1).read_to_end(&mut text).map_err(unreadable)?;
         if text.len() as u64 > MOST_BYTES {
             let most = MOST_BYTES >> 20;
-            return Err(fail(format!("is above {most} MiB, which is no path of a camera")).into());
+            return Err(
+                fail(format!("is above {most} MiB, which is too long for a camera path")).into()
+            );
         }
         let keys = parse(&text).map_err(fail)?;
         Ok(Self { file: file.to_owned(), keys })
     }
 
-    /// When the first key is, s.
+    /// The time of the first key, s.
     pub fn start_s(&self) -> f64 {
         self.keys.first().map_or(0.0, |key| key.time_s)
     }
 
-    /// When the last key is, s.
+    /// The time of the last key, s.
     pub fn end_s(&self) -> f64 {
         self.keys.last().map_or(0.0, |key| key.time_s)
     }
 
-    /// The way through a scene, whose cameras the keys may name.
+    /// The path through a scene, whose cameras the keys may name.
     ///
     /// # Errors
-    /// A [`Failure`] of input where there is no such camera.
+    /// A [`Failure`] of input if there is no such camera.
     pub fn resolve(&self, scene: &Scene, aspect: f32) -> anyhow::Result<CameraPath> {
         let bounds = scene.bounds();
         let mut fov_deg = f64::from(DEFAULT_FOV_DEG);
@@ -129,7 +132,7 @@ impl PathFile {
                 }
             };
             fov_deg = key.fov_deg.map_or(fov_deg, f64::from);
-            // A camera has a direction only: it looks at what lies as far as the scene is large.
+            // A camera only has a direction: its target is as far away as the scene is large.
             let target = match key.target {
                 Some(target) if key.camera.is_none() => Vec3::from(target),
                 _ => camera.position + camera.forward * bounds.radius_m(),
@@ -142,7 +145,7 @@ impl PathFile {
         let times: Vec<f64> = self.keys.iter().map(|key| key.time_s).collect();
         let spline = |points: &[DVec3]| Spline::new(&times, points);
         let (position, target, up) = (spline(&positions), spline(&targets), spline(&ups));
-        let fov_deg = Pace::new(&times, &fovs);
+        let fov_deg = MonotoneCubic::new(&times, &fovs);
         Ok(CameraPath { position, target, up, fov_deg, radius_m: bounds.radius_m() })
     }
 }
@@ -218,26 +221,26 @@ fn check(key: &Key) -> Result<(), String> {
     }
 }
 
-/// A camera's way through a scene.
+/// A camera's path through a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraPath {
     position: Spline,
     target: Spline,
     up: Spline,
-    fov_deg: Pace,
-    /// Of the scene.
+    fov_deg: MonotoneCubic,
+    /// The scene's radius.
     radius_m: f32,
 }
 
 impl CameraPath {
-    /// The camera at a time; that of the first or last key outside of the keys' times.
+    /// The camera at a time; before the first key and after the last it stands still.
     pub fn at(&self, time_s: f64) -> Camera {
         let position = self.position.at(time_s).as_vec3();
         let target = self.target.at(time_s).as_vec3();
         let fov_rad = (self.fov_deg.at(time_s) as f32).to_radians();
         let mut camera = Camera::look_at(position, target, fov_rad);
         let up = self.up.at(time_s).as_vec3();
-        // Along the line of sight it fixes no roll; what the camera brings itself then does.
+        // The keys fix no roll along the line of sight; the camera's own up direction does.
         if let Some(up) = up.try_normalize().filter(|up| up.cross(camera.forward).length() > 1e-3) {
             camera.up = up;
         }
@@ -302,7 +305,8 @@ mod tests {
         }
     }
 
-    /// A named camera looks at what lies as far as the scene is large: from that far away, at its middle.
+    /// The target of a named camera is at a distance of the scene's size: from that far away, its
+    /// centre.
     #[test]
     fn a_named_camera_has_a_target_in_the_scene() {
         let mut scene = scene();

@@ -1,4 +1,4 @@
-//! What a rendering shows when: the poses of the scene and the places of the camera.
+//! The schedule of a rendering: poses of the scene and positions of the camera over time.
 
 use std::cell::OnceCell;
 
@@ -11,10 +11,10 @@ use super::{Moments, ORBIT_S, PathFile, TimeChoice};
 use crate::args::Refused;
 use crate::args::camera::{self, CameraChoice};
 
-/// An animation, as the command line names it.
+/// An animation as the command line names it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AnimationName {
-    /// By its name, or where none is called that, by its place from 0.
+    /// By its name, or else by its index from 0.
     Named(String),
     /// All at once.
     All,
@@ -32,62 +32,63 @@ pub fn animation(text: &str) -> Result<AnimationName, Refused> {
     }
 }
 
-/// What of the command line moves something.
+/// The options of the command line that concern motion.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked<'a> {
+pub struct ScheduleOptions<'a> {
     pub time: Option<TimeChoice>,
     pub fps: f64,
     pub animation: Option<&'a AnimationName>,
     pub orbit_deg: Option<f32>,
     pub path: Option<&'a PathFile>,
     pub camera: Option<&'a CameraChoice>,
-    /// Whether the output has room for many pictures.
+    /// Whether the output can hold many pictures.
     pub is_sequence: bool,
     /// Width over height of the pictures.
     pub aspect: f32,
 }
 
-/// When pictures are taken.
+/// The times of the pictures.
 #[derive(Clone, Debug, PartialEq)]
-pub enum When {
-    /// One, of the scene as its file shows it.
+pub enum PictureTimes {
+    /// One picture of the scene as its file shows it.
     Rest,
-    /// One, at this time in seconds.
+    /// One picture at this time in seconds.
     At(f64),
-    /// Many.
+    /// A sequence of pictures.
     Sequence(Moments),
 }
 
-/// Where the camera is.
+/// The motion of the camera.
 #[derive(Clone, Debug)]
-enum Eye {
-    /// Where the scene has it, which may move.
+enum CameraMotion {
+    /// A camera of the scene, which may move.
     Scene(usize),
-    /// Where it always is.
+    /// A camera that does not move.
     Still(Camera),
-    /// Round the vertical line through a point.
+    /// An orbit about the vertical line through a point.
     Orbit { start: Camera, pivot: Vec3, angle_rad: f64 },
-    /// On its way.
+    /// A path.
     Path(Box<CameraPath>),
 }
 
-/// What a rendering shows when.
+/// The schedule of a rendering.
 #[derive(Clone, Debug)]
 pub struct Schedule {
-    /// When.
-    pub when: When,
-    /// What the scene plays; `None` where it does not move.
+    /// The times of the pictures.
+    pub times: PictureTimes,
+    /// The animation; `None` if the scene does not move.
     pub animation: Option<AnimationChoice>,
-    eye: Eye,
+    eye: CameraMotion,
 }
 
 impl Schedule {
-    /// Finds out what is asked for. `framing` is the survey of the scene, made where it is needed.
+    /// Determines the schedule. `framing` is the survey of the scene, made if it is needed.
     ///
     /// # Errors
-    /// A [`Failure`] of input that says what does not fit together, or is not in the scene.
+    /// A [`Failure`] of input that names the options that contradict each other, or what is not in
+    /// the scene.
     pub fn new(
-        asked: &Asked<'_>,
+        asked: &ScheduleOptions<'_>,
         scene: &Scene,
         framing: &OnceCell<Framing>,
     ) -> anyhow::Result<Self> {
@@ -110,7 +111,7 @@ impl Schedule {
                 scene.name
             ))),
         };
-        let when = match asked.time {
+        let times = match asked.time {
             Some(TimeChoice::At(time_s)) => {
                 if asked.orbit_deg.is_some() {
                     return Err(Failure::input(
@@ -122,36 +123,36 @@ impl Schedule {
                 if end_s.is_none() {
                     whole(0.0)?;
                 }
-                When::At(time_s)
+                PictureTimes::At(time_s)
             }
             Some(TimeChoice::Range(start, Some(end))) => {
                 whole(start)?;
-                When::Sequence(Moments::new(start..end, asked.fps)?)
+                PictureTimes::Sequence(Moments::new(start..end, asked.fps)?)
             }
             Some(TimeChoice::Range(start, None)) => {
-                When::Sequence(Moments::new(whole(start)?, asked.fps)?)
+                PictureTimes::Sequence(Moments::new(whole(start)?, asked.fps)?)
             }
             None => match asked.path {
                 Some(path) => {
-                    When::Sequence(Moments::new(path.start_s()..path.end_s(), asked.fps)?)
+                    PictureTimes::Sequence(Moments::new(path.start_s()..path.end_s(), asked.fps)?)
                 }
                 None if asked.orbit_deg.is_some() || asked.is_sequence => {
-                    When::Sequence(Moments::new(whole(0.0)?, asked.fps)?)
+                    PictureTimes::Sequence(Moments::new(whole(0.0)?, asked.fps)?)
                 }
-                None if asked.animation.is_some() => When::At(0.0),
-                None => When::Rest,
+                None if asked.animation.is_some() => PictureTimes::At(0.0),
+                None => PictureTimes::Rest,
             },
         };
-        let animation = if when == When::Rest { None } else { choice };
-        Ok(Self { when, animation, eye: eye(asked, scene, framing)? })
+        let animation = if times == PictureTimes::Rest { None } else { choice };
+        Ok(Self { times, animation, eye: eye(asked, scene, framing)? })
     }
 
     /// The time of the first picture, s.
     pub fn start_s(&self) -> f64 {
-        match &self.when {
-            When::Rest => 0.0,
-            When::At(time_s) => *time_s,
-            When::Sequence(moments) => moments.time_s(0),
+        match &self.times {
+            PictureTimes::Rest => 0.0,
+            PictureTimes::At(time_s) => *time_s,
+            PictureTimes::Sequence(moments) => moments.time_s(0),
         }
     }
 
@@ -166,8 +167,8 @@ impl Schedule {
         Ok(())
     }
 
-    /// The box around the scene in all its poses: without the ends of a motion, the grid would lose
-    /// them, and a grid that follows would flicker. The scene is left in the last pose.
+    /// The box around all poses of the scene: a smaller grid would miss the ends of the motion, and
+    /// one that follows would flicker. The scene is left in the last pose.
     ///
     /// # Errors
     /// As [`Scene::pose`].
@@ -176,7 +177,7 @@ impl Schedule {
         scene: &mut Scene,
         tell: &mut dyn FnMut(u32, u32),
     ) -> anyhow::Result<Bounds> {
-        let (When::Sequence(moments), Some(_)) = (&self.when, self.animation) else {
+        let (PictureTimes::Sequence(moments), Some(_)) = (&self.times, self.animation) else {
             return Ok(scene.bounds());
         };
         let mut bounds = Bounds::EMPTY;
@@ -188,21 +189,24 @@ impl Schedule {
         Ok(bounds)
     }
 
-    /// The camera at a time, of which `share` of the sequence has passed. `scene` is posed for it.
+    /// The camera at a time, when `share` of the sequence has passed. `scene` is posed for that
+    /// time.
     pub fn camera(&self, scene: &Scene, time_s: f64, share: f64) -> Camera {
         match &self.eye {
-            Eye::Scene(index) => scene.cameras.get(*index).cloned().unwrap_or_default(),
-            Eye::Still(camera) => camera.clone(),
-            Eye::Orbit { start, pivot, angle_rad } => orbit(start, *pivot, angle_rad * share),
-            Eye::Path(path) => path.at(time_s),
+            CameraMotion::Scene(index) => scene.cameras.get(*index).cloned().unwrap_or_default(),
+            CameraMotion::Still(camera) => camera.clone(),
+            CameraMotion::Orbit { start, pivot, angle_rad } => {
+                orbit(start, *pivot, angle_rad * share)
+            }
+            CameraMotion::Path(path) => path.at(time_s),
         }
     }
 }
 
-/// The animation that is asked for; without a name the first, if there is one.
+/// The requested animation; without a request the first, if there is one.
 ///
 /// # Errors
-/// A [`Failure`] of input that lists the animations that there are.
+/// A [`Failure`] of input that lists the animations.
 pub fn choose(
     asked: Option<&AnimationName>,
     scene: &Scene,
@@ -229,30 +233,34 @@ pub fn choose(
     }
 }
 
-fn eye(asked: &Asked<'_>, scene: &Scene, framing: &OnceCell<Framing>) -> anyhow::Result<Eye> {
+fn eye(
+    asked: &ScheduleOptions<'_>,
+    scene: &Scene,
+    framing: &OnceCell<Framing>,
+) -> anyhow::Result<CameraMotion> {
     if let Some(path) = asked.path {
-        return Ok(Eye::Path(Box::new(path.resolve(scene, asked.aspect)?)));
+        return Ok(CameraMotion::Path(Box::new(path.resolve(scene, asked.aspect)?)));
     }
     let start = camera::resolve_with(asked.camera, scene, asked.aspect, framing)?;
     if let Some(degrees) = asked.orbit_deg {
         let pivot = scene.bounds().center();
         let angle_rad = f64::from(degrees).to_radians();
-        return Ok(Eye::Orbit { start, pivot, angle_rad });
+        return Ok(CameraMotion::Orbit { start, pivot, angle_rad });
     }
-    // By its place: an animation may move it.
+    // By its index: an animation may move it.
     let place = match asked.camera {
         Some(CameraChoice::LookAt { .. }) => None,
         _ => scene.cameras.iter().position(|camera| *camera == start),
     };
-    Ok(place.map_or(Eye::Still(start), Eye::Scene))
+    Ok(place.map_or(CameraMotion::Still(start), CameraMotion::Scene))
 }
 
-/// The camera, turned as a whole about the vertical line through `pivot`, counter-clockwise seen from
-/// above.
+/// The camera, rotated as a whole about the vertical line through `pivot`, counter-clockwise seen
+/// from above.
 fn orbit(start: &Camera, pivot: Vec3, angle_rad: f64) -> Camera {
     let turn = Mat4::from_rotation_y(angle_rad as f32);
     let arm = turn.transform_vector3(start.position - pivot);
-    // With the error of f32 in a turn of zero: none.
+    // A rotation of zero must not change the camera by rounding.
     let position = if angle_rad == 0.0 { start.position } else { pivot + arm };
     Camera {
         name: format!("orbit of {}", start.name),
@@ -267,8 +275,8 @@ fn orbit(start: &Camera, pivot: Vec3, angle_rad: f64) -> Camera {
 mod tests {
     use super::*;
 
-    fn asked(time: Option<TimeChoice>) -> Asked<'static> {
-        Asked {
+    fn asked(time: Option<TimeChoice>) -> ScheduleOptions<'static> {
+        ScheduleOptions {
             time,
             fps: 10.0,
             animation: None,
@@ -287,15 +295,15 @@ mod tests {
     #[test]
     fn an_orbit_goes_round_the_middle() {
         let mut scene = scene();
-        // Rolled, and it stays so.
+        // It is rolled, and stays so.
         scene.cameras[0].up = Vec3::new(0.6, 0.8, 0.0);
         let schedule = Schedule::new(
-            &Asked { orbit_deg: Some(360.0), ..asked(None) },
+            &ScheduleOptions { orbit_deg: Some(360.0), ..asked(None) },
             &scene,
             &OnceCell::new(),
         )
         .unwrap();
-        let When::Sequence(moments) = &schedule.when else { panic!("a sequence") };
+        let PictureTimes::Sequence(moments) = &schedule.times else { panic!("a sequence") };
         assert_eq!(moments.count, 40);
         let start = &scene.cameras[0];
         let first = schedule.camera(&scene, 0.0, 0.0);
@@ -314,21 +322,21 @@ mod tests {
     #[test]
     fn what_does_not_fit_together_is_told() {
         let scene = scene();
-        let error = |asked: &Asked<'_>| {
+        let error = |asked: &ScheduleOptions<'_>| {
             Schedule::new(asked, &scene, &OnceCell::new()).unwrap_err().to_string()
         };
         let still = error(&asked(Some(TimeChoice::At(1.0))));
         assert!(still.contains("nothing moves") && still.contains("--orbit"), "{still}");
         let range = error(&asked(Some(TimeChoice::Range(0.0, Some(1.0)))));
         assert!(range.contains("nothing moves"), "{range}");
-        let pattern = error(&Asked { is_sequence: true, ..asked(None) });
+        let pattern = error(&ScheduleOptions { is_sequence: true, ..asked(None) });
         assert!(pattern.contains("nothing moves"), "{pattern}");
-        let orbit = Asked { orbit_deg: Some(90.0), ..asked(Some(TimeChoice::At(1.0))) };
+        let orbit = ScheduleOptions { orbit_deg: Some(90.0), ..asked(Some(TimeChoice::At(1.0))) };
         assert!(error(&orbit).contains("START..END"));
         let name = AnimationName::Named("walk".to_owned());
-        let unknown = error(&Asked { animation: Some(&name), ..asked(None) });
+        let unknown = error(&ScheduleOptions { animation: Some(&name), ..asked(None) });
         assert!(unknown.contains("\"walk\"") && unknown.contains("none"), "{unknown}");
-        let all = error(&Asked { animation: Some(&AnimationName::All), ..asked(None) });
+        let all = error(&ScheduleOptions { animation: Some(&AnimationName::All), ..asked(None) });
         assert!(all.contains("no animation"), "{all}");
     }
 
@@ -336,7 +344,7 @@ mod tests {
     fn without_a_wish_it_is_one_picture_at_rest() {
         let scene = scene();
         let schedule = Schedule::new(&asked(None), &scene, &OnceCell::new()).unwrap();
-        assert_eq!(schedule.when, When::Rest);
+        assert_eq!(schedule.times, PictureTimes::Rest);
         assert!(schedule.animation.is_none());
         assert_eq!(schedule.camera(&scene, 0.0, 0.0), scene.cameras[0]);
     }

@@ -1,18 +1,19 @@
-//! A smooth curve through points that each have a time.
+//! A smooth curve through points with times.
 //!
-//! The curve itself is the centripetal Catmull-Rom spline (Catmull and Rom 1974, "A class of local
-//! interpolating splines"; knots as far apart as the square root of the distance, for which Yuksel,
-//! Schaefer and Keyser 2011, "Parameterization and applications of Catmull-Rom curves", show that it
-//! has neither cusps nor loops within a piece). How far along it one is at a time is a monotone cubic
-//! (Fritsch and Carlson 1980, "Monotone piecewise cubic interpolation"; slopes by Fritsch and Butland
-//! 1984), so that the motion is smooth at the keys, too, never runs backwards, and rests where two
-//! keys are the same point. Before the first key and after the last it stands still.
+//! The curve is the centripetal Catmull-Rom spline (Catmull and Rom 1974, "A class of local
+//! interpolating splines"; the distance of its knots is the square root of the points' distance,
+//! for which Yuksel, Schaefer and Keyser 2011, "Parameterization and applications of Catmull-Rom
+//! curves", show that it has neither cusps nor loops within a piece). A monotone cubic gives the
+//! place on the curve at a time (Fritsch and Carlson 1980, "Monotone piecewise cubic
+//! interpolation"; slopes by Fritsch and Butland 1984). So the motion is smooth at the keys, too,
+//! never runs backwards, and rests where two keys are the same point. Before the first key and
+//! after the last it stands still.
 
 use std::ops::{Add, Mul};
 
 use glam::DVec3;
 
-/// Cubic pieces between values at rising places, by the values and their derivatives there.
+/// Cubic pieces between values at rising places, given by the values and derivatives there.
 #[derive(Clone, Debug, PartialEq)]
 struct Hermite<T> {
     places: Vec<f64>,
@@ -21,7 +22,7 @@ struct Hermite<T> {
 }
 
 impl<T: Copy + Add<Output = T> + Mul<f64, Output = T>> Hermite<T> {
-    /// The value at `x`; before the first place and after the last it is that of the end.
+    /// The value at `x`; before the first place and after the last, the value at the end.
     fn at(&self, x: f64) -> T {
         let last = self.places.len() - 1;
         if last == 0 {
@@ -41,14 +42,15 @@ impl<T: Copy + Add<Output = T> + Mul<f64, Output = T>> Hermite<T> {
 /// A curve through points at times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
-    /// From times to knots: equal knots where the point stays.
-    pace: Pace,
-    /// From knots, which rise strictly, to distinct points.
+    /// Maps times to knots; the knots are equal where the point rests.
+    pace: MonotoneCubic,
+    /// Maps knots, which rise strictly, to distinct points.
     curve: Hermite<DVec3>,
 }
 
 impl Spline {
-    /// The curve through `points` at `times_s`, which rise strictly; as many of both, at least one.
+    /// The curve through `points` at `times_s`, which rise strictly; both have the same length, at
+    /// least one.
     pub fn new(times_s: &[f64], points: &[DVec3]) -> Self {
         let mut knot = 0.0;
         let mut knots_of_keys = Vec::with_capacity(points.len());
@@ -66,7 +68,7 @@ impl Spline {
         }
         let slopes = tangents(&distinct, &knots);
         let curve = Hermite { places: knots, values: distinct, slopes };
-        Self { pace: Pace::new(times_s, &knots_of_keys), curve }
+        Self { pace: MonotoneCubic::new(times_s, &knots_of_keys), curve }
     }
 
     /// The point at a time.
@@ -92,10 +94,11 @@ fn tangents(points: &[DVec3], knots: &[f64]) -> Vec<DVec3> {
 
 /// A monotone cubic through values at times: it stays between neighbouring values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pace(Hermite<f64>);
+pub struct MonotoneCubic(Hermite<f64>);
 
-impl Pace {
-    /// Through `values` at `times_s`, which rise strictly; as many of both, at least one.
+impl MonotoneCubic {
+    /// The cubic through `values` at `times_s`, which rise strictly; both have the same length, at
+    /// least one.
     pub fn new(times_s: &[f64], values: &[f64]) -> Self {
         let slope = |i: usize| (values[i + 1] - values[i]) / (times_s[i + 1] - times_s[i]);
         let last = values.len() - 1;
@@ -156,7 +159,7 @@ mod tests {
         }
     }
 
-    /// In the plane of a square's corners, a centripetal curve does not loop: it goes round once.
+    /// Through the corners of a square, a centripetal curve does not loop: it goes round once.
     #[test]
     fn uneven_keys_make_no_loops() {
         let points = [[0.0, 0.0], [0.1, 0.0], [10.0, 0.0], [10.0, 0.1], [10.0, 10.0]];
@@ -165,14 +168,15 @@ mod tests {
         let mut last = spline.at(0.0);
         for step in 1..=400 {
             let now = spline.at(f64::from(step) * 0.01);
-            // The little overshoot of a corner is a part of the curve; a step back is not.
+            // The little overshoot of a corner belongs to the curve; a step back would not.
             let back = (now - last).dot(DVec3::new(1.0, 1.0, 0.0));
             assert!(back > -1e-9, "step {step}: {last} to {now}");
             last = now;
         }
     }
 
-    /// However long a piece is beside a short one, the curve swings out no farther than the short one is long.
+    /// However long a piece beside a short one is, the curve swings out no farther than the short
+    /// one is long.
     #[test]
     fn long_pieces_swing_out_little() {
         let points = [[0.0, 0.0], [0.0, 1.0], [10.0, 1.0], [10.0, 0.0]];
@@ -205,7 +209,7 @@ mod tests {
 
     #[test]
     fn a_pace_stays_between_its_values() {
-        let pace = Pace::new(&[0.0, 1.0, 2.0, 3.0], &[0.0, 0.0, 5.0, 4.0]);
+        let pace = MonotoneCubic::new(&[0.0, 1.0, 2.0, 3.0], &[0.0, 0.0, 5.0, 4.0]);
         for step in 0..=300 {
             let time = f64::from(step) * 0.01;
             let (low, high) = match step {

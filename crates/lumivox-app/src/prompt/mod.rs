@@ -1,4 +1,4 @@
-//! A prompt on a terminal: line editing, history that is kept, completion, hints.
+//! A prompt on a terminal: line editing, a history that is kept, completion, hints.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,12 +16,12 @@ use rustyline::{Config, Context, Editor, ExternalPrinter, Helper};
 use crate::disk::files;
 use crate::host::Host;
 
-/// The prompt's own words.
+/// The text of the prompt.
 const PROMPT: &str = "lumivox> ";
-/// Lines of the history.
+/// The most lines of the history.
 const HISTORY: usize = 1000;
 
-/// What the editor asks while a line is typed.
+/// The editor's helper while a line is typed.
 #[derive(Debug, Default)]
 struct Assistant {
     names: Arc<Mutex<Names>>,
@@ -59,7 +59,7 @@ impl Hinter for Assistant {
     }
 }
 
-/// A prompt.
+/// A prompt with line editing.
 pub struct Prompt {
     editor: Editor<Assistant, FileHistory>,
     names: Arc<Mutex<Names>>,
@@ -72,7 +72,7 @@ impl std::fmt::Debug for Prompt {
     }
 }
 
-/// Where the history is kept: the user's data folder, if there is one.
+/// The file of the history, in the user's data folder if there is one.
 fn history_file() -> Option<PathBuf> {
     let folders = directories::ProjectDirs::from("", "", "lumivox")?;
     let folder = folders.data_dir();
@@ -81,7 +81,7 @@ fn history_file() -> Option<PathBuf> {
 }
 
 impl Prompt {
-    /// A prompt on the process's terminal, with the history of former ones.
+    /// A prompt on the process's terminal, with the history of earlier ones.
     ///
     /// # Errors
     /// When there is no terminal.
@@ -92,30 +92,30 @@ impl Prompt {
         editor.set_helper(Some(Assistant { names: names.clone() }));
         let history = history_file();
         if let Some(file) = &history {
-            // There is none at the first start.
+            // At the first start there is none.
             let _ = editor.load_history(file);
         }
         Ok(Self { editor, names, history })
     }
 
-    /// What can be completed from now on.
+    /// Sets the names that can be completed.
     pub fn set_names(&self, names: Names) {
         *self.names.lock().unwrap_or_else(PoisonError::into_inner) = names;
     }
 
-    /// The names that can be completed, to change them from elsewhere.
+    /// The names that can be completed, to be changed from elsewhere.
     pub fn names(&self) -> Arc<Mutex<Names>> {
         self.names.clone()
     }
 
-    /// Prints clear of the line that is being edited, from elsewhere; `None` where the terminal cannot. It tells whether
-    /// it has printed.
+    /// A printer that writes above the edited line; `None` if the terminal has none. It returns
+    /// whether it has printed.
     pub fn printer(&mut self) -> Option<Box<dyn FnMut(String) -> bool + Send>> {
         let mut printer = self.editor.create_external_printer().ok()?;
         Some(Box::new(move |text| printer.print(text).is_ok()))
     }
 
-    /// The next line; `None` at the end (Ctrl-D). Ctrl-C drops a line.
+    /// The next line; `None` at the end (Ctrl-D). Ctrl-C discards a line.
     ///
     /// # Errors
     /// When the terminal fails.
@@ -124,7 +124,7 @@ impl Prompt {
             match self.editor.readline(PROMPT) {
                 Ok(line) => {
                     if let Some(file) = &self.history {
-                        // A history that cannot be kept is no reason to stop.
+                        // A history that cannot be saved is no reason to stop.
                         let _ = self.editor.append_history(file);
                     }
                     return Ok(Some(line));

@@ -1,13 +1,14 @@
-//! A prompt on a terminal in a build without line editing: the terminal's own line, no history, no completion.
+//! A prompt for a build without line editing: the terminal's own line, without history or
+//! completion.
 
 use lumivox_console::Names;
 
 use crate::host::Host;
 
-/// The prompt's own words.
+/// The text of the prompt.
 const PROMPT: &str = "lumivox> ";
 
-/// A prompt.
+/// A prompt that reads lines.
 #[derive(Debug)]
 pub struct Prompt {
     host: Host,
@@ -26,7 +27,7 @@ impl Prompt {
         Ok(Self { host: host.clone() })
     }
 
-    /// Takes note of nothing: nothing is completed.
+    /// Ignores the names: this prompt completes nothing.
     #[allow(
         clippy::needless_pass_by_value,
         clippy::unused_self,
@@ -42,7 +43,7 @@ impl Prompt {
         self.host.print(PROMPT)?;
         let line = self.host.read_line()?;
         if line.is_empty() {
-            // The shell's prompt begins a line of its own.
+            // The shell's prompt starts on a new line.
             self.host.print("\n")?;
             return Ok(None);
         }

@@ -1,9 +1,9 @@
-//! A picture to draw on: areas, other pictures, text.
+//! A picture to draw on: rectangles, pictures, text.
 
 use ab_glyph::{Font as _, FontRef, Glyph, Point, PxScale, ScaleFont as _, point};
 use image::{Rgb, RgbImage, imageops};
 
-/// Where a text begins, ends, or has its middle.
+/// The alignment of text at a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Align {
     Left,
@@ -11,7 +11,7 @@ pub enum Align {
     Right,
 }
 
-/// A picture that is drawn on.
+/// A picture to draw on.
 pub struct Canvas {
     image: RgbImage,
     font: FontRef<'static>,
@@ -25,17 +25,17 @@ impl Canvas {
         Self { image: RgbImage::from_pixel(width, height, color), font }
     }
 
-    /// What was drawn.
+    /// The finished picture.
     pub fn into_image(self) -> RgbImage {
         self.image
     }
 
-    /// Puts a picture at a place, in pixels from the top left; what does not fit is cut off.
+    /// Draws a picture at a place in pixels from the top left; parts outside are cut off.
     pub fn put(&mut self, picture: &RgbImage, x: u32, y: u32) {
         imageops::replace(&mut self.image, picture, x.into(), y.into());
     }
 
-    /// Writes a line of `size` pixels in height, its top at `y` and its alignment at `x`.
+    /// Draws a line of text with a height of `size` pixels, its top at `y` and aligned at `x`.
     pub fn text(&mut self, text: &str, x: u32, y: u32, size: f32, align: Align, color: Rgb<u8>) {
         let width = self.text_width(text, size);
         let left = match align {
@@ -63,7 +63,7 @@ impl Canvas {
         }
     }
 
-    /// The width of a line of `size` pixels in height.
+    /// The width of a line of text with a height of `size` pixels.
     pub fn text_width(&self, text: &str, size: f32) -> f32 {
         self.layout(text, size, Point::default()).1
     }

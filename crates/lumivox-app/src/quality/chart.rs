@@ -1,8 +1,8 @@
-//! Charts of error against cost: which presets and resolutions are worth what they take.
+//! Charts of error against cost: which presets and resolutions are worth their cost.
 //!
-//! A row for each scene, a column for each cost. Settings that no other beats in both error and cost
-//! (the Pareto front) are filled and joined by a line of steps; what lies above the steps is hollow: for
-//! the same cost there is something better.
+//! A row for each scene, a column for each cost. Marks of settings that no other beats in both
+//! error and cost (the Pareto front) are filled and joined by steps; marks above the steps are
+//! hollow: something better has the same cost.
 
 use anyhow::ensure;
 use plotters::coord::Shift;
@@ -25,7 +25,7 @@ pub struct Point {
     pub error_percent: f64,
 }
 
-/// What is on the horizontal axis.
+/// The quantity on the horizontal axis.
 #[derive(Clone, Copy)]
 struct Cost {
     name: &'static str,
@@ -46,7 +46,7 @@ pub(super) const INK: RGBColor = RGBColor(38, 38, 42);
 pub(super) const DIM: RGBColor = RGBColor(110, 110, 118);
 const FRONT: RGBColor = RGBColor(170, 170, 176);
 
-/// Colours that all can tell apart (Okabe and Ito 2008, "Color universal design").
+/// Colours that everybody can tell apart (Okabe and Ito 2008, "Color universal design").
 pub(super) const SERIES: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -59,7 +59,7 @@ pub(super) const SERIES: [RGBColor; 6] = [
 /// Draws error against cost as an SVG, one row of panels for each scene.
 ///
 /// # Errors
-/// When there are no points, or a cost is not positive or an error not at least 0.
+/// When there are no points, a cost is not positive, or an error is negative.
 pub fn error_against_cost(points: &[Point]) -> anyhow::Result<String> {
     ensure!(!points.is_empty(), "there are no measurements to draw");
     for point in points {
@@ -95,7 +95,7 @@ pub fn error_against_cost(points: &[Point]) -> anyhow::Result<String> {
     Ok(svg)
 }
 
-/// Each once, in the order in which they first occur.
+/// The distinct names, in the order in which they first occur.
 fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut distinct = Vec::new();
     for name in names {
@@ -106,8 +106,8 @@ fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     distinct
 }
 
-/// The points that no other beats: none has less of one of error and cost without more of the other.
-/// In the order of their cost.
+/// The points on the Pareto front, in the order of their cost: no other point has less error or
+/// cost without more of the other.
 fn front<'a>(points: &[&'a Point], cost: Cost) -> Vec<&'a Point> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| {
@@ -127,7 +127,7 @@ fn front<'a>(points: &[&'a Point], cost: Cost) -> Vec<&'a Point> {
     front
 }
 
-/// Where a point stands in a panel.
+/// The position of a point in a panel.
 fn at(point: &Point, cost: Cost) -> (f64, f64) {
     ((cost.of)(point), point.error_percent)
 }
@@ -174,7 +174,7 @@ fn draw_panel(
 ) -> anyhow::Result<()> {
     let costs = || points.iter().map(|point| (cost.of)(point));
     let (least, most) = (costs().fold(f64::MAX, f64::min), costs().fold(0.0, f64::max));
-    // Room for marks and labels, and for a tick or two where all costs are alike.
+    // Room for marks and labels, and for a tick or two if all costs are alike.
     let (left, right) = (least / 1.5, most * 1.9);
     let top = points.iter().map(|point| point.error_percent).fold(0.0, f64::max);
     let top = if top > 0.0 { 1.15 * top } else { 1.0 };
@@ -226,19 +226,19 @@ fn draw_panel(
     Ok(())
 }
 
-/// The numbers 1, 2 and 5 times powers of ten that lie between two.
+/// The numbers 1, 2 and 5 times powers of ten between two numbers.
 fn ticks(left: f64, right: f64) -> Vec<f64> {
     let decades = left.log10().floor() as i32..=right.log10().floor() as i32;
     let ticks = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| digit * 10_f64.powi(decade)));
     ticks.filter(|tick| (left..right).contains(tick)).collect()
 }
 
-/// A number without the dust of its arithmetic.
+/// A number without its rounding errors.
 fn short(value: f64) -> String {
     format!("{}", (value * 1e3).round() / 1e3)
 }
 
-/// The lower left edge of all that the front beats, from the top of the panel to its right.
+/// The lower left edge of the area that the front beats, from the top of the panel to its right.
 fn steps(front: &[(f64, f64)], top: f64, right: f64) -> Vec<(f64, f64)> {
     let mut steps = Vec::new();
     let mut height = top;
@@ -275,7 +275,7 @@ mod tests {
             point("b", 6, 8.0, 2.0), // worse than 4 for the same
         ];
         assert_eq!(resolutions(&points), [1, 3, 4]);
-        // Neither of two that are alike beats the other.
+        // Of two equal points neither beats the other.
         assert_eq!(resolutions(&[point("a", 1, 1.0, 2.0), point("b", 2, 1.0, 2.0)]), [1, 2]);
         assert_eq!(resolutions(&points[..1]), [4]);
     }
@@ -340,7 +340,7 @@ mod tests {
             let error = error_against_cost(&[bad]).unwrap_err().to_string();
             assert!(error.contains("cornell, fast at 64 voxels"), "{error}");
         }
-        // One point alone, without any error, is no problem.
+        // A single point without error is valid.
         error_against_cost(&[point("fast", 64, 1.0, 0.0)]).unwrap();
     }
 }

@@ -1,4 +1,4 @@
-//! A scene's errors: its reference, traced or read, and renderings held against it.
+//! The errors of a scene: its reference, traced or read, and renderings compared with it.
 
 use std::cell::OnceCell;
 use std::path::Path;
@@ -16,38 +16,38 @@ use lumivox_scene::{Camera, Scene};
 use serde::{Deserialize, Serialize};
 
 use super::Row;
-use crate::progress::{Progress, words};
+use crate::progress::{ProgressDisplay, words};
 
-/// Cameras by these names are in two rooms between which light may leak.
+/// The names of cameras in two rooms between which light may leak.
 const DARK_ROOM: &str = "dark room";
 const LIT_ROOM: &str = "lit room";
-/// Samples a pixel for the mean of the lit room.
+/// Samples of each pixel for the mean of the lit room.
 const LIT_SAMPLES: u32 = 64;
 
-/// What is measured.
+/// A scene to measure.
 #[derive(Clone, Copy, Debug)]
 pub struct Subject<'a> {
     pub gpu: &'a Gpu,
     pub scene: &'a Scene,
     pub camera: &'a Camera,
-    pub progress: &'a Progress,
+    pub progress: &'a ProgressDisplay,
 }
 
-/// How a rendering differs from the truth.
+/// The errors of a rendering against the reference.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    /// The mean over places of the grid.
+    /// The mean over grid positions.
     pub figures: LayerFigures,
     /// Light through walls, where the scene has two rooms.
     pub leak: Option<Leak>,
-    /// Of the first place of the grid.
+    /// The cost at the first grid position.
     pub cost: Cost,
-    /// The same.
+    /// The pictures at the first grid position.
     pub layers: RenderedLayers,
     first: LayerFigures,
 }
 
-/// Light in a dark room that came through its walls, in percent of the light next door.
+/// Light in a dark room that came through its walls, in percent of the light in the room next door.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Leak {
     pub one_bounce_percent: f64,
@@ -61,14 +61,14 @@ pub struct Truth {
     one_bounce: LinearPicture,
     full: LinearPicture,
     picture: LinearPicture,
-    /// Traced when they are needed.
+    /// Traced when needed.
     rooms: OnceCell<Option<Rooms>>,
 }
 
 /// The reference of a scene: read from `file` if it is there, else traced, and written there.
 ///
 /// # Errors
-/// When the file is of something else or has fewer samples, and when tracing or writing fails.
+/// When the file shows something else or has fewer samples, and when tracing or writing fails.
 pub fn reference(
     subject: &Subject<'_>,
     settings: ReferenceSettings,
@@ -90,7 +90,7 @@ pub fn reference(
         return match problem {
             None => Ok(Truth::new(layers)),
             Some(problem) => Err(Failure::input(format!(
-                "{}: {problem}; delete it to have it traced anew, or name another file",
+                "{}: {problem}; delete it to trace it again, or name another file",
                 file.display()
             ))
             .into()),
@@ -109,11 +109,11 @@ pub fn reference(
     Ok(Truth::new(layers))
 }
 
-/// Ends what the user wishes to stop.
+/// Ends the work if the user has asked to stop.
 ///
 /// # Errors
 /// A [`Failure`] that says so.
-pub fn check_wish(progress: &Progress) -> Result<(), Failure> {
+pub fn check_wish(progress: &ProgressDisplay) -> Result<(), Failure> {
     if progress.is_stopped() {
         Err(Failure::stopped("stopped; nothing was written"))
     } else {
@@ -140,7 +140,7 @@ impl Subject<'_> {
     }
 
     fn render(&self, settings: &RenderSettings, camera: &Camera) -> anyhow::Result<RenderedLayers> {
-        let mut tell = |step: lumivox_render::Progress| {
+        let mut tell = |step: lumivox_render::RenderProgress| {
             self.progress.set(words(step.stage), step.done, step.total);
         };
         let rendering = render_layers(self.gpu, self.scene, camera, settings, &mut tell);
@@ -148,23 +148,23 @@ impl Subject<'_> {
     }
 }
 
-/// Where the grid stands for measurement number `index`: the first place is the one asked for, the others are spread
-/// evenly (the additive recurrence of the plastic number's sibling in three dimensions: Roberts 2018, "The
-/// unreasonable effectiveness of quasirandom sequences").
+/// The grid offset of measurement number `index`: the first is the requested one, the others are
+/// spread evenly (the three-dimensional additive recurrence of Roberts 2018, "The unreasonable
+/// effectiveness of quasirandom sequences").
 fn offset(first: Vec3, index: u32) -> Vec3 {
     (first + Vec3::new(0.819_172_5, 0.671_043_6, 0.549_700_5) * index as f32).fract()
 }
 
-/// The truth of two rooms between which light may leak.
+/// The references of two rooms between which light may leak.
 #[derive(Clone, Debug)]
 struct Rooms {
-    /// Of the dark one, where it is not the subject's own.
+    /// That of the dark room, if it is not the subject's own.
     dark: Option<Box<Truth>>,
     lit: Box<Truth>,
 }
 
 impl Rooms {
-    /// The rooms of a scene that has cameras of their names.
+    /// The rooms of a scene that has cameras of those names.
     fn of(subject: &Subject<'_>, layers: &ReferenceLayers) -> anyhow::Result<Option<Self>> {
         let Some((dark, lit)) = subject.camera(DARK_ROOM).zip(subject.camera(LIT_ROOM)) else {
             return Ok(None);
@@ -209,7 +209,7 @@ impl Rooms {
 }
 
 impl Measured {
-    /// Renders the subject with the grid in several places, and holds it against its reference.
+    /// Renders the subject at several grid positions, and compares it with its reference.
     ///
     /// # Errors
     /// When rendering fails or a value is not finite.
@@ -223,7 +223,7 @@ impl Measured {
         let mut leaks = Vec::new();
         let mut first: Option<RenderedLayers> = None;
         if truth.rooms.get().is_none() {
-            // Nobody else sets it meanwhile.
+            // Nothing else sets it meanwhile.
             let _ = truth.rooms.set(Rooms::of(subject, &truth.layers)?);
         }
         let rooms = truth.rooms.get().and_then(Option::as_ref);
@@ -254,7 +254,7 @@ impl Measured {
         })
     }
 
-    /// Pictures of the first place of the grid, with its own figures, for a strip.
+    /// Pictures at the first grid position, with their own figures, for a strip.
     pub fn rows<'a>(&'a self, truth: &'a Truth) -> Vec<Row<'a>> {
         let rows = [
             ("one bounce", &truth.one_bounce, &self.layers.one_bounce, &self.first.one_bounce),

@@ -1,4 +1,4 @@
-//! A chart of the memory that volumes take against their resolution.
+//! A chart of the memory of volumes against their resolution.
 
 use anyhow::ensure;
 use plotters::prelude::*;
@@ -12,19 +12,20 @@ pub struct MemoryPoint {
     pub volume: &'static str,
     /// Voxels along the longest axis.
     pub resolution: u32,
-    /// What it takes.
+    /// Its size in bytes.
     pub bytes: u64,
-    /// Whether it was made; else it is computed, and did not fit.
+    /// Whether it was measured; otherwise it did not fit, and was computed.
     pub is_measured: bool,
 }
 
 const SIZE: (u32, u32) = (620, 420);
 const MIB: f64 = 1_048_576.0;
 
-/// Draws it as an SVG, both axes logarithmic: a straight line is a power, and its slope the exponent.
+/// Draws the chart as SVG. Both axes are logarithmic: a power law is a straight line, and its slope
+/// the exponent.
 ///
 /// # Errors
-/// When there is nothing to draw.
+/// When there are no points.
 pub fn memory_against_resolution(scene: &str, points: &[MemoryPoint]) -> anyhow::Result<String> {
     ensure!(!points.is_empty(), "there are no measurements to draw");
     let least = |of: &dyn Fn(&MemoryPoint) -> f64| points.iter().map(of).fold(f64::MAX, f64::min);
@@ -116,7 +117,7 @@ mod tests {
         for text in ["dense", "octree", "64", "512", "Memory of the volume: a hall"] {
             assert!(svg.lines().any(|line| line.trim() == text), "{text} in {svg}");
         }
-        // A hollow mark for what did not fit: white inside.
+        // A hollow mark for a volume that did not fit: white inside.
         let hollow = |line: &&str| line.starts_with("<circle") && line.contains("#FFFFFF");
         assert_eq!(svg.lines().filter(hollow).count(), 1, "{svg}");
         assert!(memory_against_resolution("nothing", &[]).is_err());

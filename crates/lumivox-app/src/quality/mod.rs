@@ -1,5 +1,5 @@
-//! How good pictures are: what is reported of a comparison, strips of pictures to look at, and charts
-//! of error against cost.
+//! The quality of pictures: reports of comparisons, strips of pictures, and charts of error against
+//! cost.
 
 mod canvas;
 mod chart;

@@ -1,4 +1,4 @@
-//! Strips of pictures to look at: the reference, ours, and where ours is too dark or too bright.
+//! Strips of pictures: the reference, ours, and where ours is too dark or too bright.
 
 use image::{Rgb, RgbImage, imageops};
 use lumivox_console::named_figures;
@@ -6,37 +6,37 @@ use lumivox_render::compare::{CompareError, ErrorFigures, LinearPicture, relativ
 
 use super::canvas::{Align, Canvas};
 
-/// The relative error at the ends of the colour scale; what is beyond has the colour of the end.
+/// The relative error at the ends of the colour scale; larger errors have the colour of the end.
 const SCALE_END: f64 = 0.5;
 
-/// Small pictures are enlarged until they are this wide, in pixels, so that text beside them can be
+/// The width in pixels to which small pictures are enlarged, so that the text beside them can be
 /// read.
 const LEAST_WIDTH: u32 = 360;
-/// But not beyond this height, in pixels.
+/// The greatest height of an enlarged picture, in pixels.
 const MOST_ENLARGED_HEIGHT: u32 = 1440;
 
 const BACKGROUND: Rgb<u8> = Rgb([24, 24, 27]);
 const BRIGHT: Rgb<u8> = Rgb([240, 240, 240]);
 const DIM: Rgb<u8> = Rgb([178, 178, 184]);
 
-/// One comparison of a strip.
+/// One comparison in a strip.
 #[derive(Clone, Copy, Debug)]
 pub struct Row<'a> {
-    /// What is compared.
+    /// Its name.
     pub label: &'a str,
-    /// What is right.
+    /// The reference.
     pub reference: &'a LinearPicture,
-    /// What is held against it.
+    /// The picture that is compared with it.
     pub ours: &'a LinearPicture,
-    /// How far it is off.
+    /// Its errors.
     pub figures: &'a ErrorFigures,
 }
 
-/// Draws a row for each comparison: reference, ours, and the signed error as colours.
+/// Draws a row for each comparison: the reference, ours, and the signed error as colours.
 ///
 /// Both pictures of a row have the automatic exposure of its reference and the curve
 /// [`Neutral`](lumivox_render::ToneMap::Neutral). The error is that of [`relative_errors`]. Small
-/// pictures are enlarged by a whole factor.
+/// pictures are enlarged by an integer factor.
 ///
 /// # Errors
 /// As [`relative_errors`].
@@ -56,7 +56,7 @@ pub fn strip(title: &str, rows: &[Row<'_>]) -> Result<RgbImage, CompareError> {
 
 /// Sizes in pixels. Text and gaps grow with the pictures.
 struct Layout {
-    /// Of one of the three columns.
+    /// Width of each of the three columns.
     column: u32,
     width: u32,
     gap: u32,
@@ -73,7 +73,7 @@ impl Layout {
         Self { column, width: 3 * column + 4 * gap, gap, text }
     }
 
-    /// From one line of text to the next.
+    /// The distance of two lines of text.
     fn line(&self) -> u32 {
         (1.4 * self.text).round() as u32
     }
@@ -114,7 +114,7 @@ impl Layout {
         Ok(())
     }
 
-    /// The colours of errors, under their column.
+    /// Draws the colours of errors, under their column.
     fn draw_scale(&self, canvas: &mut Canvas, y: u32) {
         let small = 0.85 * self.text;
         let (x, width) = (self.left(2), self.column);
@@ -143,7 +143,7 @@ impl Layout {
     }
 }
 
-/// The whole number by which a picture is enlarged.
+/// The integer factor by which a picture is enlarged.
 fn factor(picture: &LinearPicture) -> u32 {
     let [width, height] = picture.size.to_array().map(|edge| edge.max(1));
     LEAST_WIDTH.div_ceil(width).min(MOST_ENLARGED_HEIGHT / height).max(1)
@@ -156,7 +156,8 @@ fn enlarged(pixels: &[[u8; 3]], picture: &LinearPicture) -> RgbImage {
     imageops::resize(&image, width * factor, height * factor, imageops::FilterType::Nearest)
 }
 
-/// Blue is too dark, near white is right, red is too bright (Brewer 2003, the scheme red to blue).
+/// The colour of an error: blue is too dark, near white is right, red is too bright (Brewer 2003,
+/// the scheme red to blue).
 fn color(error: f64) -> [u8; 3] {
     let share = (error / SCALE_END).clamp(-1.0, 1.0);
     let color = colorous::RED_BLUE.eval_continuous(0.5 - 0.5 * share);

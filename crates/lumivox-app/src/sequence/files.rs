@@ -8,10 +8,10 @@ use lumivox_render::ImageFormat;
 use crate::args::output;
 use crate::lock::Lock;
 
-/// Digits of the numbers in a folder.
+/// The fewest digits of the numbers in a folder.
 const LEAST_DIGITS: usize = 4;
 
-/// Where the pictures of a sequence go: `prefix` and a number and `suffix`, all in one folder.
+/// The files of a sequence: `prefix`, a number and `suffix`, all in one folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameFiles {
     folder: PathBuf,
@@ -23,11 +23,11 @@ pub struct FrameFiles {
 }
 
 impl FrameFiles {
-    /// Whether `output` is that of a sequence: a name with a `#`, or a folder. `is_asked` says that the
+    /// Whether `output` names a sequence: a name with a `#`, or a folder. `is_asked` says that the
     /// other options ask for a sequence; then a bare name is a folder, too.
     pub fn is_meant(output: &Path, is_asked: bool) -> bool {
         let name = output.file_name().unwrap_or_default().to_string_lossy();
-        // A slash at the end names a folder; `Path` itself does not tell.
+        // A slash at the end names a folder; `Path` itself ignores it.
         let ends_as_folder = output.to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR]);
         let is_picture = ImageFormat::from_path(output).is_ok();
         let is_bare = output.extension().is_none();
@@ -37,7 +37,7 @@ impl FrameFiles {
             || (is_bare && is_asked)
     }
 
-    /// Understands `output`: a folder, or a file with a run of `#` for the number.
+    /// Parses `output`: a folder, or a file with a run of `#` for the number.
     ///
     /// # Errors
     /// A [`Failure`] of input when it is neither, and [`lumivox_render::RenderError::UnknownFormat`].
@@ -83,8 +83,8 @@ impl FrameFiles {
         })
     }
 
-    /// Makes the numbers of a folder's files as long as `count` files need, and checks that those of a
-    /// name are.
+    /// Makes the numbers in a folder long enough for `count` files, and checks that a name with `#`
+    /// has enough of them.
     ///
     /// # Errors
     /// A [`Failure`] of input when the name has too few `#`.
@@ -105,11 +105,11 @@ impl FrameFiles {
         Ok(())
     }
 
-    /// Checks that files can be written there. A folder that is not there yet is made later, with the
-    /// first picture.
+    /// Checks that files can be written there. A missing folder is made later, with the first
+    /// picture.
     ///
     /// # Errors
-    /// A [`Failure`] of output that names what stands in the way.
+    /// A [`Failure`] of output that names the obstacle.
     pub fn check(&self) -> anyhow::Result<()> {
         if self.is_folder && !self.folder.exists() {
             return output::check_folder(&self.folder, &output::folder_of(&self.folder));
@@ -118,7 +118,7 @@ impl FrameFiles {
         output::check_folder(&pattern, &output::folder_of(&pattern))
     }
 
-    /// Makes the folder, where it may.
+    /// Makes the folder, if it may be made.
     ///
     /// # Errors
     /// A [`Failure`] of output.
@@ -142,7 +142,7 @@ impl FrameFiles {
         self.folder.join(self.name(number))
     }
 
-    /// Whether exposure shows in the files: `OpenEXR` holds radiance itself.
+    /// Whether the exposure affects the files: `OpenEXR` holds radiance itself.
     pub fn are_exposed(&self) -> bool {
         matches!(ImageFormat::from_path(&self.path(0)), Ok(ImageFormat::Png))
     }
@@ -161,7 +161,7 @@ impl FrameFiles {
         Lock::take(&self.index(), "renders this sequence")
     }
 
-    /// All pictures' files in one name.
+    /// The pattern of all pictures' files, with # for the digits.
     pub fn pattern(&self) -> PathBuf {
         self.folder.join(format!("{}{}{}", self.prefix, "#".repeat(self.digits), self.suffix))
     }

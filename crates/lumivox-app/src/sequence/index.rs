@@ -1,8 +1,8 @@
-//! The index of a sequence: which pictures there are, what each shows, and how they were rendered.
+//! The index of a sequence: its finished pictures, their content, and their settings.
 //!
-//! It is written anew after each picture, whole or not at all. So whenever the program is stopped, the
-//! index and the files that it lists are complete, and the same command goes on from there. Other
-//! settings would give pictures that do not fit those that are there: they are refused.
+//! It is written after each picture, whole or not at all. So whenever the program is stopped, the
+//! index and the files that it lists are complete, and the same command continues. Other settings
+//! would give pictures that do not fit the existing ones: they are refused.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -18,43 +18,43 @@ use super::FrameFiles;
 /// The index of a sequence.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Index {
-    /// How many pictures there will be.
+    /// The number of pictures of the whole sequence.
     pub frame_count: u32,
-    /// What all pictures have in common. Equal settings give equal pictures.
+    /// The settings of all pictures. Equal settings give equal pictures.
     pub settings: Map<String, Value>,
-    /// The stops that all pictures are exposed by, where they were found for all together.
+    /// The exposure in stops, if it was found for all pictures together.
     pub exposure: Option<f32>,
     /// The GPU that rendered the last picture.
     pub adapter: String,
-    /// The pictures that are there, in order.
+    /// The finished pictures, in order.
     pub frames: Vec<Frame>,
 }
 
 /// A picture.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Frame {
-    /// Its place in the sequence, from 0.
+    /// Its number in the sequence, from 0.
     pub number: u32,
     /// Its file, beside the index.
     pub file: String,
     /// The size of the file in bytes.
     pub bytes: u64,
-    /// The time that it shows, s.
+    /// The time of the scene, s.
     pub time_s: f64,
-    /// Where it was taken from.
+    /// The camera.
     pub camera: Value,
-    /// In stops; none where the view is not exposed.
+    /// The exposure in stops; `None` if the view has none.
     pub exposure: Option<f32>,
-    /// How long it took, s.
+    /// The seconds that it took.
     pub seconds: f64,
 }
 
-/// What is to be done.
+/// The work that is left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
-    /// The index to go on with.
+    /// The index to continue.
     pub index: Index,
-    /// The pictures that are missing, in order.
+    /// The numbers of the missing pictures, in order.
     pub missing: Vec<u32>,
 }
 
@@ -67,12 +67,12 @@ impl Index {
         Self { frame_count, settings, exposure: None, adapter: String::new(), frames: Vec::new() }
     }
 
-    /// Looks for what is there already, and decides where to go on.
+    /// Reads an existing index, and decides where to continue.
     ///
     /// # Errors
-    /// A [`Failure`] of input when the index that is there has other settings, and of output when it
-    /// cannot be read, or a file is in the way that no index lists. The remedy is `--restart`, which
-    /// takes none of it into account.
+    /// A [`Failure`] of input when the existing index has other settings; one of output when it
+    /// cannot be read, or an unlisted file is in the way. The remedy is `--restart`, which ignores
+    /// the index.
     pub fn start(mut self, files: &FrameFiles, is_restart: bool) -> anyhow::Result<Start> {
         let file = files.index();
         let found = read(&file);
@@ -87,7 +87,7 @@ impl Index {
             let in_the_way = (0..self.frame_count).map(|n| files.path(n)).find(|p| p.exists());
             if let Some(picture) = in_the_way {
                 return Err(Failure::output(format!(
-                    "{}: is there already, but there is no index {} that tells how it was rendered; \
+                    "{}: is there already, but there is no index {} that says how it was rendered; \
                      choose another place, or replace it with --restart",
                     picture.display(),
                     file.display()
@@ -100,7 +100,7 @@ impl Index {
         if let Some(difference) = difference(&old.settings, &self.settings) {
             return Err(Failure::input(format!(
                 "{}: the pictures there were rendered with other settings ({difference}); use the \
-                 same, choose another place, or render all anew with --restart",
+                 same, choose another place, or render all again with --restart",
                 file.display()
             ))
             .into());
@@ -137,11 +137,11 @@ impl Index {
         })
     }
 
-    /// Removes what the index lists. Names with folders in them are not ours.
+    /// Removes the files that the index lists. Names with folders in them are never ours.
     fn remove_pictures(&self, files: &FrameFiles) {
         for frame in &self.frames {
             if frame.file == files.name(frame.number) {
-                // A file that is not there needs no removal; one that stays will be replaced.
+                // A missing file needs no removal; one that stays will be replaced.
                 let _ = std::fs::remove_file(files.path(frame.number));
             }
         }
@@ -153,7 +153,7 @@ fn read(file: &Path) -> anyhow::Result<Option<Index>> {
     let fail = |reason: String| {
         Failure::output(format!(
             "{}: cannot read the index of the pictures there: {reason}; choose another place, or \
-             render all anew with --restart",
+             render all again with --restart",
             file.display()
         ))
     };
@@ -167,7 +167,7 @@ fn read(file: &Path) -> anyhow::Result<Option<Index>> {
     }
 }
 
-/// The first setting that differs, in words.
+/// A description of the first setting that differs.
 fn difference(old: &Map<String, Value>, new: &Map<String, Value>) -> Option<String> {
     let keys = old.keys().chain(new.keys().filter(|key| !old.contains_key(*key)));
     let mut keys = keys.filter(|key| old.get(*key) != new.get(*key));
@@ -216,7 +216,7 @@ mod tests {
         for number in [2, 0, 3] {
             index.add(frame(number, &files, "picture"), &files).unwrap();
         }
-        // One was cut off, one went.
+        // One file was truncated, one removed.
         std::fs::write(files.path(0), "pic").unwrap();
         std::fs::remove_file(files.path(3)).unwrap();
         let start = new().start(&files, false).unwrap();

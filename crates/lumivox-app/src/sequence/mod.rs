@@ -1,4 +1,4 @@
-//! Many pictures: their files, and the index that tells what is there.
+//! Sequences of pictures: their files, and the index of the finished ones.
 
 mod files;
 mod index;

@@ -15,7 +15,7 @@ use super::gizmo;
 use super::lines::{Origin, quoted};
 use super::model::{LogKind, Model, Selected};
 use super::orders::{Order, Published, Shared};
-use super::outbox::{Held, Outbox};
+use super::outbox::{Outbox, PendingValue};
 use super::panels::{self, console, files};
 use super::surface::PICTURES;
 use super::{camera, theme};
@@ -209,7 +209,7 @@ impl App {
     /// A parameter's value, or what it will be.
     pub fn value(&self, parameter: &Parameter, model: &Model) -> Value {
         match self.outbox.held(parameter.name) {
-            Some(Held::Value(value)) => value,
+            Some(PendingValue::Value(value)) => value,
             _ => parameter.get(&model.settings),
         }
     }
@@ -217,13 +217,13 @@ impl App {
     /// Sets a parameter.
     pub fn set_value(&mut self, parameter: &Parameter, value: Value) {
         let line = self.line(format!("{} {value}", parameter.name));
-        self.outbox.hold(parameter.name, Held::Value(value), line);
+        self.outbox.hold(parameter.name, PendingValue::Value(value), line);
     }
 
     /// Numbers of something, or what they will be.
     pub fn numbers<const N: usize>(&self, key: &str, now: [f32; N]) -> [f32; N] {
         match self.outbox.held(key) {
-            Some(Held::Numbers(held)) => {
+            Some(PendingValue::Numbers(held)) => {
                 std::array::from_fn(|i| held.get(i).copied().unwrap_or(now[i]))
             }
             _ => now,
@@ -234,7 +234,7 @@ impl App {
     pub fn set_numbers<const N: usize>(&mut self, key: &str, numbers: [f32; N], command: String) {
         let line = self.line(command);
         let held = std::array::from_fn(|i| numbers.get(i).copied().unwrap_or(0.0));
-        self.outbox.hold(key, Held::Numbers(held), line);
+        self.outbox.hold(key, PendingValue::Numbers(held), line);
     }
 
     /// Chooses something.

@@ -157,7 +157,7 @@ impl Config {
             let value = parameter.parse(text);
             let set = value.and_then(|value| parameter.set(&mut settings, value));
             if let Err(error) = set {
-                self.warning = Some(format!("a kept setting was passed over: {error}"));
+                self.warning = Some(format!("a kept setting was ignored: {error}"));
             }
         }
         for (parameter, _) in given {

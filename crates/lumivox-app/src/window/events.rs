@@ -13,7 +13,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Fullscreen, Window, WindowId};
 
 use super::app::App;
-use super::orders::{Order, Wish};
+use super::orders::{Order, WindowRequest};
 use super::surface::Surface;
 use super::{Start, theme, worker};
 
@@ -137,9 +137,9 @@ impl Handler {
     fn paint(&mut self, event_loop: &ActiveEventLoop) {
         let Some(Open { window, input, surface }) = &mut self.open else { return };
         let published = self.app.look();
-        match published.wish {
-            Some(Wish::LoseDevice) => surface.lose(),
-            Some(Wish::FullScreen) => {
+        match published.request {
+            Some(WindowRequest::LoseDevice) => surface.lose(),
+            Some(WindowRequest::FullScreen) => {
                 let is_full = window.fullscreen().is_some();
                 window.set_fullscreen((!is_full).then_some(Fullscreen::Borderless(None)));
             }

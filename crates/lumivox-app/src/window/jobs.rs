@@ -7,14 +7,14 @@ use std::sync::mpsc::Sender;
 use std::time::Instant;
 
 use glam::UVec2;
-use lumivox_console::{Opening, Ready};
+use lumivox_console::{OpenedScene, SceneRequest};
 use lumivox_render::reference::{PathTracer, ReferenceProgress, ReferenceSettings};
 use lumivox_render::{Gpu, RenderSettings, ToneMap};
 use lumivox_scene::{Camera, Environment, Instance, Light, Material, Scene};
 
 use super::orders::Order;
 use super::reload::Watched;
-use crate::progress::{Progress, Watch};
+use crate::progress::{ProgressDisplay, ProgressReader};
 
 /// A scene that is being read.
 #[derive(Debug)]
@@ -22,7 +22,7 @@ pub struct Loading {
     /// Tells it from others.
     pub number: u64,
     /// How far it is.
-    pub watch: Watch,
+    pub watch: ProgressReader,
     /// What is read.
     pub title: String,
     /// Whether it is the scene that is shown already.
@@ -37,13 +37,13 @@ pub struct Loaded {
     /// As in [`Loading`].
     pub number: u64,
     /// The scene.
-    pub result: anyhow::Result<Ready>,
+    pub result: anyhow::Result<OpenedScene>,
 }
 
 /// Reads a scene on a thread of its own. Loaders cannot be stopped; what nobody waits for any more is dropped when it
 /// comes.
-pub fn load(number: u64, opening: Opening, is_reload: bool, orders: Sender<Order>) -> Loading {
-    let progress = Progress::silent("reading");
+pub fn load(number: u64, opening: SceneRequest, is_reload: bool, orders: Sender<Order>) -> Loading {
+    let progress = ProgressDisplay::silent("reading");
     let (watch, title) = (progress.watch(), opening.source.to_string());
     let work = move || {
         let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {

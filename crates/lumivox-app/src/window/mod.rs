@@ -47,7 +47,7 @@ mod worker;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use lumivox_console::{Console, Failure, Opening};
+use lumivox_console::{Console, Failure, SceneRequest};
 use winit::event_loop::EventLoop;
 
 pub use config::Config;
@@ -61,7 +61,7 @@ pub struct Start {
     /// The console, with settings but without a scene.
     pub console: Console,
     /// The scene to open.
-    pub opening: Option<Opening>,
+    pub opening: Option<SceneRequest>,
     /// How another device is opened if the first is lost.
     pub options: lumivox_render::GpuOptions,
     /// What was kept of the last time.

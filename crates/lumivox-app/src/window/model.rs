@@ -308,7 +308,7 @@ pub fn scene_model(console: &Console, mesh_bounds: &[Bounds]) -> Option<SceneMod
     let animations = scene.animations();
     Some(SceneModel {
         name: scene.name.clone(),
-        source: console.opening().map(|o| o.source.to_string()).unwrap_or_default(),
+        source: console.scene_request().map(|o| o.source.to_string()).unwrap_or_default(),
         objects,
         materials: material_names.into_iter().zip(scene.materials.iter().cloned()).collect(),
         lights: light_names.into_iter().zip(scene.lights.iter().cloned()).collect(),

@@ -62,7 +62,7 @@ pub struct Published {
     /// The present work of the worker, and since when.
     pub doing: Option<Doing>,
     /// The next thing that the window itself has to do.
-    pub wish: Option<Wish>,
+    pub request: Option<WindowRequest>,
     /// The worker has published a model.
     pub has_model: bool,
     /// The worker has ended, however that came.
@@ -71,7 +71,7 @@ pub struct Published {
 
 /// Something that only the window can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wish {
+pub enum WindowRequest {
     /// Lose its own device.
     LoseDevice,
     /// Take all of the screen, or no longer.
@@ -91,7 +91,7 @@ impl Shared {
     pub fn get(&self) -> Published {
         let mut published = self.published.lock().unwrap_or_else(PoisonError::into_inner);
         let copy = published.clone();
-        published.wish = None;
+        published.request = None;
         copy
     }
 

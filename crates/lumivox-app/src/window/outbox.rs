@@ -12,7 +12,7 @@ use super::orders::{Order, Published, Shared};
 
 /// A value that was sent and that the model does not have yet: what a slider shows in the meantime.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Held {
+pub enum PendingValue {
     Value(Value),
     Numbers([f32; 9]),
 }
@@ -24,7 +24,7 @@ pub struct Outbox {
     lines_sent: u64,
     /// Counts gestures: presses of buttons, and keys while none is held.
     gesture: u64,
-    held: HashMap<String, (Held, u64)>,
+    held: HashMap<String, (PendingValue, u64)>,
     size: UVec2,
     is_timed: bool,
     is_coarse: bool,
@@ -105,12 +105,12 @@ impl Outbox {
     }
 
     /// Shows a value until the line of this number is done.
-    pub fn hold(&mut self, key: &str, value: Held, line: u64) {
+    pub fn hold(&mut self, key: &str, value: PendingValue, line: u64) {
         self.held.insert(key.to_owned(), (value, line));
     }
 
     /// The value that is shown until its line is done.
-    pub fn held(&self, key: &str) -> Option<Held> {
+    pub fn held(&self, key: &str) -> Option<PendingValue> {
         self.held.get(key).map(|(held, _)| *held)
     }
 

@@ -347,7 +347,7 @@ fn the_look_takes_its_parameters() {
     for (options, needles) in [
         ("--preset vxct --vxct shadow=2", "one of indirect_light, phong"),
         ("--preset vxct --vxct shadow_str=99", "from 0 to 16"),
-        ("--preset fast --vxct shadow_str=2", "give --preset vxct"),
+        ("--preset fast --vxct shadow_str=2", "add --preset vxct"),
     ] {
         let run = lumivox(folder.path(), &format!("render dice {options} -o c.png"));
         assert!(run.code != 0 && run.stderr.contains(needles), "{options}: {}", run.stderr);

@@ -187,7 +187,10 @@ fn measurements_that_are_stopped_can_be_gone_on_with() {
     interrupt(&child);
     stderr.read_to_string(&mut said).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(STOPPED), "{said}");
-    assert!(said.contains("measurements; cache has them, and the same command goes on"), "{said}");
+    assert!(
+        said.contains("measurements; cache has them, and the same command continues"),
+        "{said}"
+    );
     let kept = fs::read(folder.path().join("cache/measurements.json")).unwrap();
     let kept: serde_json::Value = serde_json::from_slice(&kept).unwrap();
     let count = kept["entries"].as_object().unwrap().len();

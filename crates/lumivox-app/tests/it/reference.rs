@@ -157,7 +157,7 @@ fn interrupted(folder: &Path, line: &str) -> Run {
         .unwrap();
     let mut stderr = BufReader::new(child.stderr.take().unwrap());
     let mut said = String::new();
-    while !said.contains("Ctrl-C writes what is there") {
+    while !said.contains("Ctrl-C writes the samples so far") {
         assert!(stderr.read_line(&mut said).unwrap() > 0, "it ended early: {said}");
     }
     interrupt(&child);

@@ -159,7 +159,7 @@ fn a_sequence_that_is_stopped_can_be_gone_on_with() {
     assert!(!run.stderr.contains("error: ") && run.stdout.is_empty(), "{}", run.stderr);
     let turn = folder.path().join("turn");
     let frames = index(&turn, "index.json")["frames"].as_array().unwrap().len();
-    let told = format!("stopped: {frames} of 40 pictures are there; the same command goes on");
+    let told = format!("stopped: {frames} of 40 pictures are there; the same command continues");
     assert!(run.stderr.contains(&told), "{}", run.stderr);
     let mut expected: Vec<String> = (0..frames).map(|number| format!("{number:04}.png")).collect();
     expected.push("index.json".to_owned());

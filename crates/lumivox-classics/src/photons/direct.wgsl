@@ -8,7 +8,6 @@ import package::voxels::list::Face;
 
 @group(1) @binding(0) var<storage, read> faces: array<Face>;
 @group(1) @binding(1) var<storage, read_write> direct: array<vec4f>;
-@group(1) @binding(2) var<storage, read_write> radiance: array<vec4f>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
@@ -28,5 +27,4 @@ fn main(
         }
     }
     direct[index] = vec4f(leaving, 1.0);
-    radiance[index] = vec4f(leaving, 1.0);
 }

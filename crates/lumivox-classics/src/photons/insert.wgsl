@@ -38,6 +38,12 @@ const FATE_ABSORBED: u32 = 2u;
 // Met a surface where there is no voxel, or one that is only touched.
 const FATE_LOST: u32 = 3u;
 
+// A voxel: its place in the list, or NO_VOXEL, and its Morton code.
+struct Voxel {
+    place: u32,
+    code: u32,
+}
+
 const NO_VOXEL: u32 = 0xffffffffu;
 
 // Places that are tried, in voxels along the beam. A surface on the border of two voxels is in one of them, and
@@ -48,17 +54,16 @@ const STEPS = array<f32, TRIES>(0.0, 0.015625, -0.015625, 0.125, -0.125);
 
 var<workgroup> own_fates: array<atomic<u32>, FATES>;
 
-// Index of the voxel at a place, or NO_VOXEL.
-fn voxel_at(position_in_grid: vec3f) -> u32 {
+fn voxel_at(position_in_grid: vec3f) -> Voxel {
     if any(position_in_grid < vec3f(0.0)) || any(position_in_grid >= vec3f(grid.dimensions)) {
-        return NO_VOXEL;
+        return Voxel(NO_VOXEL, 0u);
     }
     let code = morton_encode(vec3u(position_in_grid));
     let bits = occupancy[code >> 5u];
     if (bits & (1u << (code & 31u))) == 0u {
-        return NO_VOXEL;
+        return Voxel(NO_VOXEL, 0u);
     }
-    return ranks[code >> 5u] + bits_below(bits, code & 31u);
+    return Voxel(ranks[code >> 5u] + bits_below(bits, code & 31u), code);
 }
 
 // What a face covers of a beam, in units of a voxel's side.
@@ -67,9 +72,13 @@ fn cover(face: u32, direction: vec3f) -> f32 {
 }
 
 // Shares a bundle out to the faces of a voxel.
-fn insert(position: vec3f, voxel: u32, direction: vec3f, counts: f32, seed: u32) -> u32 {
-    let first = first_faces[voxel];
-    let end = first_faces[voxel + 1u];
+fn insert(position: vec3f, voxel: Voxel, direction: vec3f, counts: f32, seed: u32) -> u32 {
+    let first = first_faces[voxel.place];
+    // A voxel's faces stand one after another, if it has any.
+    var end = first;
+    while end < min(first + 6u, arrayLength(&faces)) && faces[end].cell == voxel.code {
+        end++;
+    }
     var covered = 0.0;
     for (var face = first; face < end; face++) {
         covered += cover(face, direction);
@@ -143,7 +152,7 @@ fn follow(texel: vec2u, layer_in_light: u32) -> u32 {
     var fate = FATE_LOST;
     for (var i = 0u; i < TRIES && fate != FATE_KEPT; i++) {
         let voxel = voxel_at(place + direction * steps[i]);
-        if voxel != NO_VOXEL {
+        if voxel.place != NO_VOXEL {
             let counts = flux * photon_map.counts_per_flux;
             fate = min(fate, insert(position, voxel, direction, counts, seed));
         }

@@ -55,6 +55,9 @@ pub fn photon_fates(gi: &Gi) -> Option<&Buffer> {
 /// The name of the injection.
 pub const NAME: &str = "photons";
 
+/// Photons scatter by about the texels that a voxel's side is seen by: two along an edge are the least.
+const MAX_TEXEL_VOXELS: f32 = 0.5;
+
 #[derive(Debug)]
 struct PhotonInjection;
 
@@ -65,6 +68,10 @@ impl Injection for PhotonInjection {
 
     fn bytes_per_face(&self) -> u64 {
         SUMS_BYTES
+    }
+
+    fn largest_texel_voxels(&self) -> f32 {
+        MAX_TEXEL_VOXELS
     }
 
     fn make(&self, parts: &InjectionParts<'_>) -> Result<Box<dyn Injector>, GiError> {
@@ -189,11 +196,8 @@ impl Photons {
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let grid_group =
             BindGroupBuilder::new(&grid_layout).buffer(&grid.uniform(device)).build(device, "grid");
-        let direct_layout = LayoutBuilder::compute()
-            .storage()
-            .storage_mut()
-            .storage_mut()
-            .build(device, "light before photons");
+        let direct_layout =
+            LayoutBuilder::compute().storage().storage_mut().build(device, "light before photons");
         let insert_layout = LayoutBuilder::compute()
             .uniform()
             .storage()
@@ -206,7 +210,6 @@ impl Photons {
         let reflect_layout = LayoutBuilder::compute()
             .uniform()
             .storage()
-            .storage_mut()
             .storage_mut()
             .storage_mut()
             .build(device, "reflect photons");
@@ -230,7 +233,11 @@ impl Photons {
 
 impl Injector for Photons {
     fn take(&mut self, device: &Pipelines, voxels: &VoxelList) {
-        let face_count = u64::from(voxels.face_count);
+        // With room to spare, which is as large for all that the list holds on the way.
+        let face_count = voxels.face_capacity();
+        if self.list.as_ref().is_some_and(|list| list.faces == voxels.faces) {
+            return;
+        }
         self.list = Some(List {
             occupancy: voxels.occupancy.clone(),
             ranks: voxels.ranks.clone(),
@@ -245,12 +252,11 @@ impl Injector for Photons {
         let Some(list) = &self.list else {
             return;
         };
-        let FaceLight { globals, lights, direct, radiance } = light;
+        let FaceLight { globals, lights, direct } = light;
         let device = recorder.device().clone();
         let direct_group = BindGroupBuilder::new(&self.direct_layout)
             .buffer(&list.faces)
             .buffer(direct)
-            .buffer(radiance)
             .build(&device, "light before photons");
         self.direct.run_linear(recorder, &[globals, &direct_group, &lights.group], list.face_count);
         recorder.clear(&self.fates);
@@ -273,7 +279,6 @@ impl Injector for Photons {
                 .buffer(&list.faces)
                 .buffer(&list.sums)
                 .buffer(direct)
-                .buffer(radiance)
                 .build(&device, "reflect photons");
             let groups = [&self.grid_group, &insert_group, &lights.group];
             self.insert.run(recorder, &groups, [width, height, layers]);

@@ -19,7 +19,6 @@ import package::voxels::list::Face;
 @group(1) @binding(1) var<storage, read> faces: array<Face>;
 @group(1) @binding(2) var<storage, read_write> sums: array<Taken>;
 @group(1) @binding(3) var<storage, read_write> direct: array<vec4f>;
-@group(1) @binding(4) var<storage, read_write> radiance: array<vec4f>;
 
 const PI: f32 = 3.14159265359;
 
@@ -59,5 +58,4 @@ fn main(
     }
     let leaving = direct[index].rgb + reflected_from(face, cosine) / PI * irradiance;
     direct[index] = vec4f(leaving, 1.0);
-    radiance[index] = vec4f(leaving, 1.0);
 }

@@ -4,11 +4,12 @@
 //! Each of its measures is a setting of its own, whose default is the physics ([`ReportCones`]).
 //! The values are a uniform of the model, so that they can change while a picture is on the screen.
 
+use std::any::Any;
 use std::sync::Arc;
 
 use lumivox::TraceSettings;
 use lumivox::hooks::ConeModel;
-use lumivox::settings::{Kind, Redoes, Setting, Value};
+use lumivox::settings::{Kind, Redoes, Setting, SettingError, Value, check};
 
 /// Departures of the report's cones from the physics. The default is the physics.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +57,12 @@ impl ReportCones {
     /// is faster at.
     pub fn model(self) -> Option<Arc<dyn ConeModel>> {
         (self != Self::default()).then(|| Arc::new(self) as Arc<dyn ConeModel>)
+    }
+
+    /// The departures of a model as [`Self::model`] gives it; any other model has none of these.
+    pub fn of(model: Option<&dyn ConeModel>) -> Self {
+        let model = model.map(|model| model as &dyn Any);
+        model.and_then(|model| model.downcast_ref()).copied().unwrap_or_default()
     }
 
     /// The table of the settings: names, ranges and meaning.
@@ -121,5 +128,9 @@ impl ConeModel for ReportCones {
         let switch = |on| f32::from(u8::from(on));
         let gain_stops = self.level_gain.log2();
         [self.width_attenuation, gain_stops, switch(self.jitter), switch(self.clear_of_walls)]
+    }
+
+    fn validate(&self) -> Result<(), SettingError> {
+        check(&Self::SETTINGS, self)
     }
 }

@@ -1,4 +1,4 @@
-//! The animation that plays.
+//! Commands for animations.
 
 use lumivox_scene::AnimationChoice;
 
@@ -16,7 +16,7 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "play",
         summary: "Let the animation play",
-        details: "In the window time passes as it does; in scripts each frame of `wait` stands for 1/30 s.",
+        details: "In the window time passes as usual; in scripts each frame of `wait` lasts 1/30 s.",
         example: "play",
         run: Now(|console, _| play(console, true)),
         ..FRAMES
@@ -33,8 +33,8 @@ pub const TABLE: &[Command] = &[
         usage: "[SECONDS]",
         count: (0, 1),
         takes: &[Takes::Anything],
-        summary: "Show a moment of the animation, or print which is shown",
-        details: "From 0 to 10000 s; beyond its end an animation starts again.",
+        summary: "Show a time of the animation in seconds, or print the present one",
+        details: "From 0 to 10000 s; beyond its end the animation starts again.",
         example: "time 1.5",
         sets: Some(1),
         run: Now(time),
@@ -45,7 +45,7 @@ pub const TABLE: &[Command] = &[
         usage: "[NAME|NUMBER|all]",
         count: (0, 1),
         takes: &[Takes::Animation],
-        summary: "Choose what plays, from its start, or list what there is",
+        summary: "Choose the animation and start it, or list all",
         details: "Numbers count from 0; `all` plays all at once.",
         example: "animation walk",
         run: Now(animation),
@@ -63,7 +63,7 @@ fn check(console: &Console) -> Result<(), Failure> {
     if console.explorer.playback().animation.is_some() {
         return Ok(());
     }
-    Err(Failure::input("the scene has no animation; `load` one that has"))
+    Err(Failure::input("the scene has no animation; `load` a scene that has one"))
 }
 
 fn time(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
@@ -108,7 +108,7 @@ fn animation(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply>
     Ok(Reply::default())
 }
 
-/// The commands that lead to the present moment.
+/// The commands that lead to the present time of the animation.
 pub fn lines(console: &Console) -> Vec<String> {
     let playback = console.explorer.playback();
     let mut lines = Vec::new();

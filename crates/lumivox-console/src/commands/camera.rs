@@ -1,4 +1,4 @@
-//! Where the picture is taken from.
+//! Commands for cameras.
 
 use glam::{Quat, Vec3};
 use lumivox_scene::Camera;
@@ -12,9 +12,9 @@ use crate::{Console, Failure, Reply, nothing_to_show, shown, suggest};
 const CAMERA: Command =
     Command { group: Group::Camera, takes: &[Takes::Anything], edits: Edits::Nothing, ..PLAIN };
 
-/// Turns, degrees.
+/// The range of turns, degrees.
 const TURN: std::ops::RangeInclusive<f64> = -36_000.0..=36_000.0;
-/// As near to the vertical as a camera tilts: nearer, its top is no longer determined.
+/// The steepest tilt of a camera: closer to the vertical its up direction is undetermined.
 const MOST_TILT_RAD: f32 = 1.569;
 
 pub const TABLE: &[Command] = &[
@@ -51,8 +51,10 @@ pub const TABLE: &[Command] = &[
                         .map(|(name, _)| format!("  \"{}\", stored", shown::line(name))),
                 )
                 .chain([
-                    format!("  \"{FRAMING}\", the view that shows it best"),
-                    format!("  \"{OUTSIDE}\" and \"{INSIDE}\", the same from there"),
+                    format!("  \"{FRAMING}\", the view that shows the scene best"),
+                    format!(
+                        "  \"{OUTSIDE}\" and \"{INSIDE}\", the same from outside and from inside"
+                    ),
                 ])
                 .collect();
             Ok(Reply::say(lines.join("\n")))
@@ -63,9 +65,9 @@ pub const TABLE: &[Command] = &[
         name: "camera_axes",
         usage: "PX PY PZ FX FY FZ UX UY UZ FOV [NEAR]",
         count: (10, 11),
-        summary: "Put the camera down by its position, the direction it looks in, and its top",
-        details: "Position in metres; direction and top at any length, not parallel; the vertical field of view in degrees, \
-                  0.001 to 179; the near plane in metres. `script` prints it, for it keeps every bit.",
+        summary: "Place the camera by its position, viewing direction and up direction",
+        details: "Position in metres; both directions of any length, not parallel; the vertical field of view in degrees, \
+                  0.001 to 179; the near plane in metres. `script` prints this command, because it keeps every bit.",
         example: "camera_axes 0 1 3 0 0 -1 0 1 0 45",
         moves_camera: true,
         run: Now(axes),
@@ -112,8 +114,8 @@ pub const TABLE: &[Command] = &[
         name: "orbit",
         usage: "RIGHT UP [X,Y,Z]",
         count: (2, 3),
-        summary: "Move the camera about a point, by degrees to the right and upwards",
-        details: "The point is the middle of the scene where none is given; the camera keeps its distance and turns along.",
+        summary: "Orbit the camera about a point, by degrees to the right and upwards",
+        details: "Without a point it orbits the centre of the scene. It keeps its distance and keeps looking at the point.",
         example: "orbit 30 10",
         moves_camera: true,
         run: Now(orbit),
@@ -123,7 +125,7 @@ pub const TABLE: &[Command] = &[
         name: "turn",
         usage: "RIGHT UP",
         count: (2, 2),
-        summary: "Turn the camera where it stands, by degrees to the right and upwards",
+        summary: "Turn the camera in place, by degrees to the right and upwards",
         example: "turn -15 5",
         moves_camera: true,
         run: Now(|console, arguments| {
@@ -139,7 +141,7 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "pos1",
         summary: "Look from the first stored position",
-        details: "The scene's second camera until something is stored.",
+        details: "The scene's second camera until another is stored.",
         example: "pos1",
         vxct: Some("positions are stored by `store` and by scenes, VXCT's are fixed"),
         moves_camera: true,
@@ -149,7 +151,7 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "pos2",
         summary: "Look from the second stored position",
-        details: "The scene's third camera until something is stored.",
+        details: "The scene's third camera until another is stored.",
         example: "pos2",
         vxct: Some("as `pos1`"),
         moves_camera: true,
@@ -161,9 +163,9 @@ pub const TABLE: &[Command] = &[
         usage: "1|2|NAME",
         count: (1, 1),
         takes: &[Takes::Stored],
-        summary: "Keep the present camera, to come back to it by `pos1`, `pos2` or `camera NAME`",
-        details: "What was stored there before goes. Names are neither numbers nor those of the scene's cameras; `cameras` \
-                  lists them. They are kept until another scene is opened, and in what `script` prints.",
+        summary: "Store the present camera, to return to it by `pos1`, `pos2` or `camera NAME`",
+        details: "Replaces what was stored there. Numbers and names of the scene's cameras are not allowed as names; `cameras` \
+                  lists the stored cameras. They are kept until another scene is opened; `script` prints them, too.",
         example: "store 'window seat'",
         edits: Edits::Scene,
         run: Now(store),
@@ -211,7 +213,7 @@ fn store(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         return Ok(Reply::default());
     }
     console.explorer.scene().ok_or_else(nothing_to_show)?;
-    // A name that `camera` would read as something else could not be used.
+    // A name that `camera` reads as something else could not be used.
     let is_name = matches!(camera::camera(text), Ok(CameraChoice::Name(name)) if name == text);
     if !text.trim().is_empty() && (!is_name || [FRAMING, OUTSIDE, INSIDE].contains(&text)) {
         return Err(Failure::input(format!(
@@ -223,7 +225,7 @@ fn store(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::default())
 }
 
-/// A camera in words.
+/// A description of a camera.
 fn told(camera: &Camera) -> String {
     let target = camera.position + camera.forward;
     format!(
@@ -254,9 +256,12 @@ fn axes(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let mut camera = console.explorer.camera().clone();
     camera.position = vector(&position, "the position in metres", PLACE)?;
     camera.forward = direction(&forward, "the direction")?;
-    camera.up = direction(&up, "the top")?;
+    camera.up = direction(&up, "the up direction")?;
     if camera.forward.cross(camera.up).length() < 1e-6 {
-        return Err(Failure::input("the direction and the top must not be parallel").into());
+        return Err(Failure::input(
+            "the viewing direction and the up direction must not be parallel",
+        )
+        .into());
     }
     camera.vertical_fov_rad = angle(fov, "the field of view", 0.001..=179.0)?;
     if let Some(near) = near {
@@ -268,7 +273,9 @@ fn axes(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
 
 fn axes_form(arguments: &[&str]) -> Failure {
     let count = arguments.len();
-    Failure::input(format!("camera_axes takes nine numbers, FOV and maybe NEAR; got {count} words"))
+    Failure::input(format!(
+        "camera_axes takes nine numbers, FOV and optionally NEAR; got {count} words"
+    ))
 }
 
 fn turns(arguments: &[&str]) -> Result<(f32, f32), Failure> {
@@ -278,8 +285,8 @@ fn turns(arguments: &[&str]) -> Result<(f32, f32), Failure> {
     Ok((turn(0, "the turn to the right")?, turn(1, "the turn upwards")?))
 }
 
-/// A turn about the vertical and then about the camera's right, and where it stops short of the
-/// vertical.
+/// The rotation for a turn about the vertical and then about the camera's right; it stops short of
+/// the vertical.
 fn turn(camera: &Camera, right_rad: f32, up_rad: f32) -> (Quat, f32) {
     let forward = camera.forward.normalize_or(Vec3::NEG_Z);
     let tilt = forward.y.clamp(-1.0, 1.0).asin();
@@ -304,7 +311,7 @@ fn orbit(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
             .ok_or_else(nothing_to_show)?,
     };
     let mut camera = console.explorer.camera().clone();
-    // To the right: the eye goes to the right, and so the world turns to the left.
+    // To the right: the eye moves to the right, so the world turns to the left.
     let (turn, _) = turn(&camera, -yaw, -pitch);
     camera.position = center + turn * (camera.position - center);
     check_place(camera.position)?;
@@ -326,7 +333,7 @@ fn go(console: &mut Console, number: usize) -> anyhow::Result<Reply> {
     let camera = console.explorer.position(number).cloned().ok_or_else(|| {
         let number = number + 1;
         Failure::input(format!(
-            "no position {number} is stored; `store {number}` keeps the present camera"
+            "no position {number} is stored; `store {number}` stores the present camera"
         ))
     })?;
     console.explorer.set_camera(camera);

@@ -5,7 +5,9 @@ use clap::Parser;
 use crate::command::Run::Now;
 use crate::command::{Command, Edits, Group, MANY, PLAIN, Takes};
 use crate::values::camera::{self, CameraChoice};
-use crate::{Console, Effect, Failure, LoadArgs, Opening, Reply, SceneSource, SourceArgs, shown};
+use crate::{
+    Console, Effect, Failure, LoadArgs, Reply, SceneRequest, SceneSource, SourceArgs, shown,
+};
 
 const FILES: Command = Command { group: Group::Files, ..PLAIN };
 
@@ -15,23 +17,23 @@ pub const TABLE: &[Command] = &[
         usage: "[SCENE [OPTIONS...]]",
         count: (0, MANY),
         takes: &[Takes::Scene, Takes::Word(&OPTIONS)],
-        summary: "Open a scene, or print which is open",
+        summary: "Open a scene, or print the command that opened the present one",
         details: "SCENE is a file, a name in the folder `scenes` (of the working folder, beside the open scene or beside \
                   its folder; with any extension that loads), or builtin:NAME. Options are those of `lumivox render` for \
-                  files, turns, sun, sky and surroundings, such as `--up z --sky 30,120`; without any, those of the \
-                  program's command line hold. Settings stay as they are; changes of objects, materials and lights go.",
+                  files, rotation, sun, sky and surroundings, such as `--up z --sky 30,120`; the defaults are those of the \
+                  program's command line. Settings stay; changes of objects, materials and lights are lost.",
         example: "load builtin:atrium --sky 40,120",
-        vxct: Some("any format that loads; what VXCT passes over in scene files is reported"),
+        vxct: Some("any format that loads; entries of scene files that VXCT ignores are reported"),
         run: Now(load),
         ..FILES
     },
     Command {
         name: "reload",
-        summary: "Open the present scene again, as its file is now, without the changes made to it",
+        summary: "Read the present scene's file again, without the changes made to the scene",
         example: "reload",
         edits: Edits::Nothing,
         run: Now(|console, _| {
-            let opening = console.opening().cloned();
+            let opening = console.scene_request().cloned();
             let opening = opening
                 .ok_or_else(|| Failure::input("no scene is open; `load SCENE` opens one"))?;
             Ok(Reply::ask(Effect::Open(Box::new(opening))))
@@ -61,7 +63,7 @@ pub const TABLE: &[Command] = &[
     },
 ];
 
-/// Options that are completed.
+/// Options that the completion offers.
 const OPTIONS: [&str; 18] = [
     "--scene-in-file",
     "--up",
@@ -94,14 +96,14 @@ struct LoadLine {
     light: SourceArgs,
     #[arg(long, value_parser = camera::camera, allow_hyphen_values = true)]
     camera: Option<CameraChoice>,
-    /// Width by height of the picture that a camera and lamps are found for; the present one's by
-    /// default.
+    /// Width by height of the picture for which a camera and lamps are found; the present picture's
+    /// by default.
     #[arg(long, value_parser = crate::values::number::number(1e-3..=1e3), allow_negative_numbers = true)]
     aspect: Option<f32>,
 }
 
-impl Opening {
-    /// The opening of a scene as it is, seen in a picture of this aspect.
+impl SceneRequest {
+    /// A request for a scene without options, seen in a picture of this aspect (width over height).
     #[allow(
         clippy::missing_panics_doc,
         reason = "the line is always the same, and a test reads it"
@@ -115,7 +117,7 @@ impl Opening {
 
 fn load(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     if arguments.is_empty() {
-        return Ok(Reply::say(match console.opening() {
+        return Ok(Reply::say(match console.scene_request() {
             Some(opening) => format!("load {}", line(opening, None)),
             None => "no scene is open; `scenes` lists those that `load` finds by name".to_owned(),
         }));
@@ -126,8 +128,8 @@ fn load(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         _ => (read.load, read.light),
     };
     let size = console.explorer.size();
-    let opening = Opening {
-        source: console.outside.find(&read.scene, console.opening())?,
+    let opening = SceneRequest {
+        source: console.outside.find(&read.scene, console.scene_request())?,
         load,
         light,
         camera: read.camera,
@@ -137,7 +139,7 @@ fn load(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::ask(Effect::Open(Box::new(opening))))
 }
 
-/// The fault of options, in a line.
+/// The error about options, in one line.
 fn told(error: &clap::Error) -> Failure {
     let text = error.render().to_string();
     let said: Vec<&str> = text
@@ -150,9 +152,9 @@ fn told(error: &clap::Error) -> Failure {
     Failure::input(format!("load: {}", said.trim_start_matches("error: ")))
 }
 
-/// The arguments of `load` to open a scene like this. `aspect` is that of the picture, if it is
-/// known.
-pub fn line(opening: &Opening, aspect: Option<f32>) -> String {
+/// The arguments of `load` that repeat this request. `aspect` is the aspect of the picture, if it
+/// is known.
+pub fn line(opening: &SceneRequest, aspect: Option<f32>) -> String {
     use crate::line::quote;
     let mut words = vec![quote(&opening.source.to_string())];
     let mut option = |name: &str, value: String| words.push(format!("{name} {}", quote(&value)));
@@ -256,7 +258,7 @@ fn camera_words(camera: &CameraChoice) -> String {
     let CameraChoice::LookAt { position, target, vertical_fov_rad } = camera else {
         return camera.to_string();
     };
-    // The command line reads degrees in f32: one of the numbers about this one gives the same
+    // The command line reads degrees in f32: one of the numbers next to this one gives the same
     // radians.
     let near = vertical_fov_rad.to_degrees();
     let numbers = [

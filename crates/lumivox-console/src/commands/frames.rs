@@ -1,17 +1,17 @@
-//! Frames, and how long they take.
+//! Commands for frames and their times.
 
 use std::time::Duration;
 
-use lumivox_render::Progress;
+use lumivox_render::RenderProgress;
 use web_time::Instant;
 
 use crate::arguments::{number, on_or_off, toggled};
 use crate::command::Run::{Now, Waits};
 use crate::command::{Command, Edits, Group, PLAIN, Takes};
-use crate::report::Times;
+use crate::report::TimesReport;
 use crate::{Console, Effect, Failure, Reply};
 
-/// How long `avgf` takes to find times that are not there.
+/// The longest time for which `avgf` renders frames that are missing.
 const LONGEST_MEASUREMENT: Duration = Duration::from_secs(1);
 
 /// The most frames that a script may wait for at once.
@@ -26,8 +26,8 @@ pub const TABLE: &[Command] = &[
         count: (1, 1),
         takes: &[Takes::Anything],
         summary: "Render a number of frames before the next command",
-        details: "From 0 to 65536. Each frame of a script stands for 1/30 s of what plays, and of the time between \
-                  voxelizations. A picture that is complete takes no more frames.",
+        details: "From 0 to 65536. Each frame of a script lasts 1/30 s for animations and for the time between \
+                  voxelizations. A complete picture renders no more frames.",
         example: "wait 4",
         edits: Edits::Nothing,
         run: Now(|_, arguments| {
@@ -42,8 +42,8 @@ pub const TABLE: &[Command] = &[
         usage: "[on|off]",
         count: (0, 1),
         takes: &[Takes::Switch],
-        summary: "Render frames one by one, on demand, or go on by itself",
-        details: "Without a value it toggles, and prints what it is. In scripts frames come on demand in any case.",
+        summary: "Render frames one by one, on demand, or continuously",
+        details: "Without a value it toggles, and prints the new state. In scripts frames are always on demand.",
         example: "sfMode on",
         vxct: Some(""),
         run: Now(|console, arguments| {
@@ -59,7 +59,7 @@ pub const TABLE: &[Command] = &[
         count: (0, 1),
         takes: &[Takes::Anything],
         summary: "Render one frame; with a value, set the shininess falloff",
-        details: "Alone it renders one frame into the mean and prints which it is and how long it took. With a value it is \
+        details: "Without a value it renders one more frame of the picture, and prints its number and time. With a value it sets \
                   `shininess_falloff`.",
         example: "sf",
         vxct: Some("prints the frame and its time"),
@@ -69,8 +69,8 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "avgf",
         summary: "Print the mean time of the last 100 frames in milliseconds",
-        details: "`clearf` starts anew. Where there are fewer, as of a picture that is complete, others are rendered for \
-                  their times alone, for a second at most.",
+        details: "`clearf` forgets them. If there are fewer, more frames are rendered only to \
+                  be timed, for a second at most.",
         example: "avgf",
         vxct: Some("milliseconds, where VXCT prints seconds under that label"),
         run: Waits(|console, _| Box::pin(average(console))),
@@ -93,7 +93,7 @@ pub const TABLE: &[Command] = &[
         count: (1, 1),
         takes: &[Takes::Anything],
         summary: "Print the times of the last frames in milliseconds, the newest last",
-        details: "From 1 to 4096; fewer where there are fewer.",
+        details: "From 1 to 4096, or as many as there are.",
         example: "lastframes 8",
         vxct: Some("milliseconds"),
         run: Now(|console, arguments| {
@@ -113,8 +113,8 @@ pub const TABLE: &[Command] = &[
         count: (0, 1),
         takes: &[Takes::Switch],
         summary: "Wait for the GPU at the end of each frame, or at the beginning of the next one",
-        details: "On, a frame's time is that of the frame; off, the CPU goes on meanwhile, and times are those from frame to \
-                  frame. Without a value it toggles, and prints what it is.",
+        details: "On: each time is that of one frame. Off: the CPU works ahead, and times are from frame to \
+                  frame. Without a value it toggles, and prints the new state.",
         example: "draw_block on",
         vxct: Some("on at first"),
         run: Now(|console, arguments| {
@@ -129,8 +129,8 @@ pub const TABLE: &[Command] = &[
         usage: "[on|off]",
         count: (0, 1),
         takes: &[Takes::Switch],
-        summary: "Take the times of all stages from now on, for `times`",
-        details: "It costs time itself where the GPU has no timestamps: every pass is then waited for. Without a value it \
+        summary: "Measure the times of all stages from now on, for `times`",
+        details: "Without GPU timestamps every pass is waited for, which costs time. Without a value it \
                   toggles.",
         example: "timing on",
         run: Now(timing),
@@ -141,8 +141,8 @@ pub const TABLE: &[Command] = &[
         usage: "[passes]",
         count: (0, 1),
         takes: &[Takes::Word(&["passes"])],
-        summary: "Print the time of each stage in milliseconds, of a frame the mean",
-        details: "After `timing on`. With `passes`, each pass of a stage as well.",
+        summary: "Print the mean time of each stage in a frame, in milliseconds",
+        details: "Needs `timing on` before. With `passes` it lists the passes of each stage as well.",
         example: "times",
         edits: Edits::Nothing,
         run: Now(times),
@@ -163,10 +163,10 @@ async fn step(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply
         return super::parameters::run(console, "shininess_falloff", arguments);
     }
     console.update().await?;
-    let Console { explorer, hear, .. } = console;
+    let Console { explorer, listener, .. } = console;
     let is_new = explorer
-        .frame(&mut |progress| {
-            let _ = hear.hear(progress);
+        .frame(&mut |step| {
+            let _ = listener.progress(step);
         })
         .await?;
     let total = explorer.settings().frames;
@@ -184,13 +184,13 @@ const MEASURED: usize = 100;
 
 async fn average(console: &mut Console) -> anyhow::Result<Reply> {
     console.update().await?;
-    let Console { explorer, hear, .. } = console;
+    let Console { explorer, listener, .. } = console;
     let start = Instant::now();
     while explorer.times().count() < MEASURED {
         explorer.rehearse().await?;
         let done = explorer.times().count() as u32;
-        let progress = Progress { stage: "render", done, total: MEASURED as u32 };
-        if hear.hear(progress).is_break() || start.elapsed() > LONGEST_MEASUREMENT {
+        let step = RenderProgress { stage: "render", done, total: MEASURED as u32 };
+        if listener.progress(step).is_break() || start.elapsed() > LONGEST_MEASUREMENT {
             break;
         }
     }
@@ -214,18 +214,19 @@ fn times(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         [] => false,
         ["passes", ..] => true,
         [other, ..] => {
-            return Err(
-                Failure::input(format!("times takes passes or nothing; got \"{other}\"")).into()
-            );
+            return Err(Failure::input(format!(
+                "times takes passes or no argument; got \"{other}\""
+            ))
+            .into());
         }
     };
     if console.explorer.settings().timing == lumivox::gpu::Timing::Off {
         return Err(
-            Failure::input("no times are taken; `timing on` takes them from then on").into()
+            Failure::input("stages are not timed; `timing on` times them from now on").into()
         );
     }
     let times = console.explorer.renderer().map(lumivox_render::Renderer::times);
-    let mut times = Times::new(&times.unwrap_or_default());
+    let mut times = TimesReport::new(&times.unwrap_or_default());
     if times.stages.is_empty() {
         return Ok(Reply::say("no frame has been rendered yet"));
     }

@@ -1,4 +1,4 @@
-//! Lamps and suns.
+//! Commands for lights.
 
 use glam::Vec3;
 use lumivox_scene::{Attenuation, Light, LightKind};
@@ -41,8 +41,8 @@ pub const TABLE: &[Command] = &[
         count: (1, MANY),
         takes: &[Takes::Word(&KINDS), Takes::Word(&NAMES)],
         summary: "Add a light",
-        details: "Where its properties (see `light`) are not given: at the camera, looking where it looks; 100 cd, a sun from \
-                  above with 100000 lux. NAME may be left out. Prints the light's name.",
+        details: "Defaults of its properties (see `light`): at the camera, in its direction, 100 cd; a sun shines from \
+                  above with 100000 lux. Prints the light's name.",
         example: "add_light point lamp position 0 1.5 0 strength 50",
         edits: Edits::Look,
         run: Now(add),
@@ -61,7 +61,7 @@ pub const TABLE: &[Command] = &[
 ];
 
 const KINDS: [&str; 3] = ["point", "spot", "sun"];
-/// As of the command line.
+/// The same limit as on the command line.
 const BRIGHTEST: f32 = 1e10;
 
 type P = Property<Light>;
@@ -77,7 +77,7 @@ fn range_of(light: &Light) -> Option<String> {
     }
 }
 
-/// The table.
+/// The properties of a light.
 pub const PROPERTIES: &[P] = &[
     P {
         name: "strength",
@@ -255,7 +255,7 @@ fn is_sun(light: &Light) -> bool {
     matches!(light.kind, LightKind::Directional { .. })
 }
 
-/// The kind in a word, as of `add_light`.
+/// The kind of a light as `add_light` names it.
 pub fn kind_name(light: &Light) -> &'static str {
     match light.kind {
         LightKind::Directional { .. } => "sun",
@@ -310,7 +310,7 @@ fn light(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::default())
 }
 
-/// A light as it is added.
+/// A new light of a kind, with the defaults of `add_light`.
 pub fn new_light(kind: &str, camera: &lumivox_scene::Camera) -> Light {
     let light = Light { position: camera.position, direction: camera.forward, ..Light::default() };
     match kind {

@@ -1,6 +1,7 @@
-//! Light, cones, the look: the switches of VXCT that mean something in the physical look, too.
+//! Commands for light, cones and the look: VXCT's switches that also mean something in the physical
+//! look.
 //!
-//! All its other switches and numbers are settings of the look `vxct`, and commands by their names.
+//! VXCT's other switches and numbers are settings of the look `vxct`, and commands by their names.
 
 use lumivox_explorer::parameters::{Value, find_parameter};
 use lumivox_render::{RenderSettings, ShadowMethod, View};
@@ -18,7 +19,7 @@ const LOOK: Command = Command {
     ..PLAIN
 };
 
-/// A component of light by itself.
+/// A command that shows one component of light.
 macro_rules! only {
     ($name:literal, $summary:literal, $details:literal, $view:expr, $on:expr) => {
         Command {
@@ -27,7 +28,10 @@ macro_rules! only {
             count: (0, 0),
             takes: &[],
             summary: $summary,
-            details: concat!("Look vxct: it sets the switches phong, vox_diffuse, vox_specular and vox_shadows. ", $details),
+            details: concat!(
+                "Look vxct: sets the switches phong, vox_diffuse, vox_specular and vox_shadows. ",
+                $details
+            ),
             example: $name,
             vxct: Some("in the physical look a view"),
             run: Now(|console, _| only(console, $view, $on)),
@@ -39,8 +43,8 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "phong",
         summary: "Show direct light, or leave it out",
-        details: "Look vxct: Phong's terms altogether. Physical look: off shows the view `indirect`, on `final`. Without a value \
-                  it toggles, and prints what it is.",
+        details: "Look vxct: all terms of Phong's model. Physical look: off shows the view `indirect`, on `final`. Without a value \
+                  it toggles, and prints the new state.",
         example: "phong off",
         vxct: Some("in the physical look a choice of views"),
         run: Now(phong),
@@ -51,7 +55,7 @@ pub const TABLE: &[Command] = &[
         aliases: &["vdiff"],
         summary: "Add diffuse indirect light, or leave it out",
         details: "Physical look: off sets `bounces` to 0, which ends glossy reflections as well; on brings the former number \
-                  back. Without a value it toggles, and prints what it is.",
+                  back. Without a value it toggles, and prints the new state.",
         example: "vdiff off",
         vxct: Some("in the physical look it sets `bounces`"),
         run: Now(diffuse),
@@ -61,7 +65,7 @@ pub const TABLE: &[Command] = &[
         name: "vox_specular",
         aliases: &["vspec"],
         summary: "Add glossy reflections, or leave them out",
-        details: "Physical look: the setting `specular`. Without a value it toggles, and prints what it is.",
+        details: "Physical look: the setting `specular`. Without a value it toggles, and prints the new state.",
         example: "vspec off",
         vxct: Some("in the physical look it sets `specular`"),
         run: Now(specular),
@@ -72,7 +76,7 @@ pub const TABLE: &[Command] = &[
         aliases: &["vshad"],
         summary: "Trace shadows through the voxels, or not",
         details: "Look vxct: off is without shadows. Physical look: on is `shadows cone`, off `shadows map`. Without a value it \
-                  toggles, and prints what it is.",
+                  toggles, and prints the new state.",
         example: "vshad on",
         vxct: Some("in the physical look there are always shadows, by cones or by maps"),
         run: Now(shadows),
@@ -81,28 +85,28 @@ pub const TABLE: &[Command] = &[
     only!("all", "Show all light", "Physical look: the view `final`.", View::Final, [true; 4]),
     only!(
         "phong_only",
-        "Show direct light alone",
+        "Show only direct light",
         "Physical look: the view `direct`.",
         View::Direct,
         [true, false, false, false]
     ),
     only!(
         "shadows_only",
-        "Show shadows alone",
+        "Show only shadows",
         "Physical look: the view `shadow`.",
         View::Shadow,
         [false, false, false, true]
     ),
     only!(
         "specular_only",
-        "Show glossy reflections alone",
+        "Show only glossy reflections",
         "Physical look: the view `specular`.",
         View::Specular,
         [false, false, true, false]
     ),
     only!(
         "diffuse_only",
-        "Show diffuse indirect light alone",
+        "Show only diffuse indirect light",
         "Physical look: the view `diffuse`.",
         View::Diffuse,
         [false, true, false, false]
@@ -166,7 +170,7 @@ fn shadows(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
 /// VXCT's switches of the components of light.
 const SWITCHES: [&str; 4] = ["phong", "vox_diffuse", "vox_specular", "vox_shadows"];
 
-/// Shows a part of light. `on` is what [`SWITCHES`] become.
+/// Shows one component of light. `on` are the new states of [`SWITCHES`].
 fn only(console: &mut Console, view: View, on: [bool; 4]) -> anyhow::Result<Reply> {
     if !is_vxct(console) {
         super::view::show(console, view)?;

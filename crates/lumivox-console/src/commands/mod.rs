@@ -1,4 +1,4 @@
-//! The code of the commands, a file for each group, each with its part of the table.
+//! The code of the commands: a file for each group, with its part of the table.
 
 pub mod animation;
 pub mod camera;

@@ -1,4 +1,4 @@
-//! Objects: their places, and whether they are shown.
+//! Commands for objects: their transforms and visibility.
 
 use glam::{EulerRot, Mat4, Quat, Vec3};
 use lumivox_explorer::Placement;
@@ -12,12 +12,12 @@ use crate::{Console, Failure, Reply, nothing_to_show};
 const OBJECTS: Command =
     Command { group: Group::Objects, takes: &[Takes::Object, Takes::Anything], ..PLAIN };
 
-/// An object, then perhaps an axis.
+/// An object, optionally followed by an axis.
 const AXIS: [Takes; 3] = [Takes::Object, Takes::Word(&["x", "y", "z"]), Takes::Anything];
 
-/// Turns, degrees: the range in which f32 still resolves them.
+/// The range of turns in degrees in which f32 still resolves them.
 const TURN: std::ops::RangeInclusive<f32> = -36_000.0..=36_000.0;
-/// Factors of sizes. A thing without extent cannot be voxelized, nor scaled back.
+/// The range of scale factors. An object without extent can be neither voxelized nor scaled back.
 const SCALE: std::ops::RangeInclusive<f32> = -1e6..=1e6;
 
 pub const TABLE: &[Command] = &[
@@ -25,7 +25,7 @@ pub const TABLE: &[Command] = &[
         name: "objects",
         usage: "[NAME]",
         count: (0, 1),
-        summary: "List the objects: whether they are shown, static or not, material, place",
+        summary: "List the objects: shown or hidden, static or dynamic, material, place",
         example: "objects",
         run: Now(list),
         ..OBJECTS
@@ -36,9 +36,9 @@ pub const TABLE: &[Command] = &[
         count: (3, 4),
         takes: &AXIS,
         summary: "Move an object along its own axes",
-        details: "Metres of its own space, along one axis or all, on top of all that was done to it before.",
+        details: "In metres of its own space, along one axis or all, in addition to earlier transforms.",
         example: "translate 'tall block' x 0.1",
-        vxct: Some("unknown names and wrong numbers are errors; VXCT passes over them"),
+        vxct: Some("unknown names and wrong numbers are errors; VXCT ignores them"),
         run: Now(|console, arguments| {
             transform(console, arguments, "the distance in metres", PLACE, |by| {
                 Ok(Mat4::from_translation(by))
@@ -52,9 +52,9 @@ pub const TABLE: &[Command] = &[
         count: (3, 4),
         takes: &AXIS,
         summary: "Turn an object about its own axes",
-        details: "Degrees about one axis, or about x, y and z, z first, on top of all that was done to it before.",
+        details: "In degrees about one axis, or about x, y and z (z first), in addition to earlier transforms.",
         example: "rotate 'tall block' y 30",
-        vxct: Some("unknown names and wrong numbers are errors; VXCT passes over them"),
+        vxct: Some("unknown names and wrong numbers are errors; VXCT ignores them"),
         run: Now(|console, arguments| {
             transform(console, arguments, "the angle in degrees", TURN, |degrees| {
                 let [x, y, z] = degrees.map(f32::to_radians).to_array();
@@ -68,10 +68,10 @@ pub const TABLE: &[Command] = &[
         usage: "NAME FACTOR|X Y Z",
         count: (2, 4),
         summary: "Multiply an object's size",
-        details: "By one factor, or one for each of its own axes, from -1000000 to 1000000 but not 0, on top of all that was \
-                  done to it before.",
+        details: "By one factor, or one for each of its own axes, from -1000000 to 1000000 but not 0, in addition to \
+                  earlier transforms.",
         example: "scale 'tall block' 0.5",
-        vxct: Some("unknown names and wrong numbers are errors; VXCT passes over them"),
+        vxct: Some("unknown names and wrong numbers are errors; VXCT ignores them"),
         run: Now(|console, arguments| {
             let arguments = match arguments {
                 [name, factor] => vec![*name, *factor, *factor, *factor],
@@ -90,8 +90,8 @@ pub const TABLE: &[Command] = &[
         name: "place",
         usage: "NAME [PX PY PZ RX RY RZ S|SX SY SZ]",
         count: (1, 10),
-        summary: "Put an object somewhere in the world, or print where it stands",
-        details: "Position in metres, turns in degrees about x, y and z (z first, in the world's axes), and its size as one \
+        summary: "Place an object in the world, or print its place",
+        details: "Position in metres, rotation in degrees about x, y and z (z first, in the world's axes), and scale as one \
                   factor or three.",
         example: "place 'tall block' 0 0.3 0 0 45 0 1",
         sets: Some(2),
@@ -102,9 +102,9 @@ pub const TABLE: &[Command] = &[
         name: "matrix",
         usage: "NAME [12 NUMBERS]",
         count: (1, 13),
-        summary: "Set all that was done to an object at once, or print it",
-        details: "A matrix of its own space: the three axes, then the shift, three numbers each. It comes before the place \
-                  that the file or the animation gives the object; `script` prints it, for it keeps every bit.",
+        summary: "Set the matrix of all transforms of an object, or print it",
+        details: "In its own space: the three axes, then the translation, three numbers each. It is applied before the place \
+                  that the file or the animation gives the object; `script` prints this command, because it keeps every bit.",
         example: "matrix 'tall block' 1 0 0 0 1 0 0 0 1 0 0.2 0",
         run: Now(matrix),
         ..OBJECTS
@@ -114,7 +114,7 @@ pub const TABLE: &[Command] = &[
         usage: "NAME",
         count: (1, 1),
         summary: "Hide an object, or show it again",
-        details: "What is hidden is neither drawn nor voxelized, and casts no shadow. Prints which it is now.",
+        details: "A hidden object is neither drawn nor voxelized, and casts no shadow. Prints the new state.",
         example: "toggle FrontWall",
         vxct: Some("unknown names are errors; it prints what it did"),
         run: Now(|console, arguments| {
@@ -153,8 +153,8 @@ pub const TABLE: &[Command] = &[
         usage: "NAME [on|off]",
         count: (1, 2),
         takes: &[Takes::Object, Takes::Switch],
-        summary: "Say that an object stays where it is while others move, or print whether it does",
-        details: "What is static is voxelized once and kept. It may be moved all the same, at the cost of all voxels.",
+        summary: "Set whether an object is static, that is, stays while others move, or print it",
+        details: "A static object is voxelized once, and its voxels are kept. Moving it voxelizes the whole scene again.",
         example: "static 'tall block' off",
         sets: Some(2),
         run: Now(set_static),
@@ -162,7 +162,7 @@ pub const TABLE: &[Command] = &[
     },
 ];
 
-/// The number of the object that is named first.
+/// The number of the object that the first argument names.
 fn object(console: &Console, arguments: &[&str]) -> Result<usize, Failure> {
     let name = arguments.first().copied().unwrap_or_default();
     console.explorer.object(name).map_err(|error| Failure::input(error.to_string()))
@@ -177,7 +177,7 @@ fn transform(
 ) -> anyhow::Result<Reply> {
     let object = object(console, arguments)?;
     let local = matrix(match arguments.get(1..).unwrap_or_default() {
-        // VXCT's way.
+        // VXCT's syntax.
         [axis, value] if !axis.contains(',') => {
             let along = match choice(axis, "the axis", &["x", "y", "z"])? {
                 "x" => Vec3::X,
@@ -194,8 +194,8 @@ fn transform(
     Ok(Reply::default())
 }
 
-/// Refuses transforms that f32 cannot hold or invert, and those that `matrix` would not take,
-/// because `script` prints it.
+/// Refuses transforms that f32 cannot hold or invert, and those that `matrix` would not read back
+/// from a script.
 fn check_transform(console: &Console, object: usize, edit: Mat4) -> Result<(), Failure> {
     let world = console.explorer.posed(object).unwrap_or(Mat4::IDENTITY) * edit;
     let is_held = |matrix: Mat4| matrix.to_cols_array().iter().all(|number| PLACE.contains(number));
@@ -262,7 +262,7 @@ fn place(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         }
         words => {
             return Err(Failure::input(format!(
-                "place takes NAME, or NAME PX PY PZ RX RY RZ and one or three numbers of scale; got {} numbers",
+                "place takes NAME, or NAME PX PY PZ RX RY RZ and one or three scale factors; got {} numbers",
                 words.len()
             ))
             .into());
@@ -271,7 +271,7 @@ fn place(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let local = console.explorer.local_edit_for(number, placement).ok_or_else(nothing_to_show)?;
     if !local.is_finite() {
         return Err(Failure::input(format!(
-            "at this moment of the animation \"{name}\" has no size, and so no place; `time SECONDS` shows another"
+            "at this moment of the animation \"{name}\" has no size, and so no place; `time SECONDS` shows another time"
         ))
         .into());
     }
@@ -307,7 +307,7 @@ fn matrix(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::default())
 }
 
-/// The numbers of a matrix as `matrix` takes them.
+/// The twelve numbers that `matrix` takes for a matrix.
 pub fn matrix_words(matrix: Mat4) -> String {
     let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis, matrix.w_axis];
     columns.map(|column| crate::arguments::spaces(column.truncate())).join(" ")

@@ -1,4 +1,4 @@
-//! Settings by their names.
+//! Commands for settings.
 
 use lumivox_explorer::parameters::{
     GROUPS, Kind, PARAMETERS, PRESETS, Parameter, Value, find_parameter, find_preset,
@@ -19,7 +19,7 @@ pub const TABLE: &[Command] = &[
         count: (0, 1),
         takes: &[Takes::Word(&GROUP_NAMES)],
         summary: "List the settings with their values and ranges",
-        details: "Each setting is a command, too: its name alone prints it, with a value it is set; switches of the look vxct toggle \
+        details: "Each setting is a command, too: without a value it prints the setting, with one it sets it; switches of the look vxct toggle \
                   without one.",
         example: "parameters cones",
         run: Now(list),
@@ -31,8 +31,8 @@ pub const TABLE: &[Command] = &[
         usage: "[SETTING|all]",
         count: (0, 1),
         takes: &[Takes::Parameter],
-        summary: "Give a setting, or all of them, the value of the preset",
-        details: "Alone it lists what differs from the preset. The size of the picture stays.",
+        summary: "Reset a setting, or all of them, to the preset's value",
+        details: "Without an argument it lists the settings that differ from the preset. The size of the picture stays.",
         example: "reset bounces",
         run: Now(reset),
         ..PLAIN
@@ -44,7 +44,7 @@ pub const TABLE: &[Command] = &[
         count: (0, 1),
         takes: &[Takes::Word(&PRESET_NAMES)],
         summary: "Take the settings of a preset, or print its name",
-        details: "As `--preset` of the command line, with what it brings along; picture, view and resolution stay.",
+        details: "As `--preset` on the command line; picture, view and resolution stay.",
         example: "preset high",
         run: Now(preset),
         ..PLAIN
@@ -71,7 +71,7 @@ const PRESET_NAMES: [&str; PRESETS.len()] = {
     names
 };
 
-/// `SETTING [VALUE]`: prints or sets it.
+/// `SETTING [VALUE]`: prints or sets a setting.
 pub fn run(console: &mut Console, name: &str, arguments: &[&str]) -> anyhow::Result<Reply> {
     let Some(parameter) = find_parameter(name) else { return Err(unknown(name).into()) };
     let settings = console.explorer.settings();
@@ -79,12 +79,12 @@ pub fn run(console: &mut Console, name: &str, arguments: &[&str]) -> anyhow::Res
     let is_of_look = parameter.needs.is_some_and(|(needed, _)| needed == "look");
     if is_of_look && !parameter.means_something(settings) {
         return Err(Failure::input(format!(
-            "{name} belongs to the look vxct, and the look is physical; `preset vxct` takes it with its settings"
+            "{name} is a setting of the look vxct, but the look is physical; `preset vxct` sets that look and its settings"
         ))
         .into());
     }
     match arguments {
-        // VXCT's switches toggle, and say so.
+        // VXCT's switches toggle, and print the new state.
         [] | [_] if is_of_look && parameter.kind == Kind::Switch => {
             let is_on = toggled(arguments, name, parameter.get(settings).is_on())?;
             console.change(|settings| {
@@ -94,7 +94,7 @@ pub fn run(console: &mut Console, name: &str, arguments: &[&str]) -> anyhow::Res
         }
         [] => Ok(Reply::say(format!("{name} {}", parameter.get(settings)))),
         words => {
-            // Vectors may be written with blanks, too.
+            // Vectors may also be written with blanks.
             let text = words.join(",");
             let value = parameter.parse(&text).map_err(|error| {
                 let like = suggest::like(&text, parameter.kind.words());
@@ -109,12 +109,12 @@ pub fn run(console: &mut Console, name: &str, arguments: &[&str]) -> anyhow::Res
     }
 }
 
-/// The settings of the present preset, and else the defaults.
+/// The settings of the present preset, or else the defaults.
 pub fn of_preset(console: &Console) -> RenderSettings {
     of_preset_at(console, console.explorer.settings().resolution)
 }
 
-/// The same, with cones as they are at a resolution.
+/// The same, with the cones of a resolution.
 fn of_preset_at(console: &Console, resolution: u32) -> RenderSettings {
     let preset = console.explorer.preset();
     let defaults = RenderSettings { resolution, ..RenderSettings::default() };
@@ -123,7 +123,7 @@ fn of_preset_at(console: &Console, resolution: u32) -> RenderSettings {
     RenderSettings { resolution: RenderSettings::default().resolution, ..settings }
 }
 
-/// The parameters in which settings differ.
+/// The settings that differ.
 pub fn differing<'a>(
     settings: &'a RenderSettings,
     from: &'a RenderSettings,
@@ -176,7 +176,7 @@ fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
             }))
         }
         ["all"] => {
-            // The resolution goes back as well, and the cones of VXCT's look with it.
+            // The resolution is reset as well, and with it the cones of VXCT's look.
             let preset = of_preset_at(console, RenderSettings::default().resolution);
             console.change(|settings| set_all(settings, &preset))?;
             Ok(Reply::default())
@@ -200,13 +200,13 @@ fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     }
 }
 
-/// Whether a setting can be taken from others without more than it changing: the options of an
-/// octree ask for one, and those of VXCT's look for that.
+/// Whether a setting can be copied from others without changing more: the options of an octree
+/// require an octree, and those of VXCT's look require that look.
 fn is_free(parameter: &Parameter, settings: &RenderSettings, from: &RenderSettings) -> bool {
     parameter.means_something(settings) && parameter.means_something(from)
 }
 
-/// Takes all parameters of other settings.
+/// Copies all settings of the table.
 fn set_all(settings: &mut RenderSettings, from: &RenderSettings) {
     (settings.volume, settings.look) = (from.volume, from.look.clone());
     for parameter in PARAMETERS.iter() {

@@ -1,4 +1,4 @@
-//! Pictures: screenshots, references, and how far the one is from the other.
+//! Commands for pictures: screenshots, references, and the error against a reference.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use lumivox_render::compare::{ErrorFigures, LinearPicture};
 use lumivox_render::reference::{
     PathTracer, ReferenceLayers, ReferenceProgress, ReferenceSettings,
 };
-use lumivox_render::{ImageFormat, Picture, Progress, View};
+use lumivox_render::{ImageFormat, Picture, RenderProgress, View};
 
 use crate::arguments::number;
 use crate::command::Run::{Now, Waits};
@@ -16,7 +16,7 @@ use crate::{Comparison, Console, Failure, Reply, nothing_to_show};
 
 const FILES: Command = Command { group: Group::Files, ..PLAIN };
 
-/// Samples of a reference where none are asked for.
+/// Default samples a pixel of a reference.
 const SAMPLES: u32 = 64;
 
 pub const TABLE: &[Command] = &[
@@ -26,7 +26,7 @@ pub const TABLE: &[Command] = &[
         count: (1, 1),
         takes: &[Takes::File],
         summary: "Write the picture to a file, .png or .exr, once all its frames are rendered",
-        details: "Frames that are missing are rendered first. A relative path is relative to the working folder; a file of \
+        details: "Missing frames are rendered first. A relative path starts at the working folder; a file of \
                   that name is replaced.",
         example: "screenshot hall.png",
         edits: Edits::Nothing,
@@ -40,7 +40,7 @@ pub const TABLE: &[Command] = &[
         count: (0, 1),
         takes: &[Takes::Anything],
         summary: "Set the size of the picture in pixels, or print it",
-        details: "Each from 1 to 32768, or less, as the GPU allows.",
+        details: "Width and height are from 1 to 32768, or to the GPU's own limit if that is less.",
         example: "size 1280x720",
         sets: Some(1),
         edits: Edits::Nothing,
@@ -52,8 +52,8 @@ pub const TABLE: &[Command] = &[
         usage: "FILE [SAMPLES]",
         count: (1, 2),
         takes: &[Takes::File, Takes::Anything],
-        summary: "Path-trace the picture from here, as it ought to look, and write it to a file, .png or .exr",
-        details: "SAMPLES a pixel, from 1 to 1048576; 64 where none are given. As `lumivox reference`; .exr has all layers.",
+        summary: "Path-trace a reference of the present picture, and write it to a file, .png or .exr",
+        details: "SAMPLES is the samples a pixel, from 1 to 1048576 (64 by default). As `lumivox reference`; .exr has all layers.",
         example: "reference truth.exr 256",
         run: Waits(|console, arguments| Box::pin(reference(console, arguments))),
         ..FILES
@@ -63,9 +63,9 @@ pub const TABLE: &[Command] = &[
         usage: "[SAMPLES]",
         count: (0, 1),
         takes: &[Takes::Anything],
-        summary: "Path-trace the picture from here, and print how far the present one is from it",
-        details: "Bias, RMSE, 95th percentile and FLIP, as `lumivox compare`. SAMPLES a pixel, from 1 to 1048576; 64 where \
-                  none are given. The view must be `final`.",
+        summary: "Path-trace a reference of the present picture, and print the errors against it",
+        details: "Bias, RMSE, 95th percentile and FLIP, as `lumivox compare`. SAMPLES is the samples a pixel, from 1 to 1048576 (64 \
+                  by default). The view must be `final`.",
         example: "compare 128",
         edits: Edits::Nothing,
         needs_all_frames: true,
@@ -86,20 +86,20 @@ async fn screenshot(console: &mut Console, arguments: &[&str]) -> anyhow::Result
 }
 
 impl Console {
-    /// The format of a picture's file, once it is known that the file can be written.
+    /// Checks that the file can be written, and returns its format.
     fn picture_file(&self, file: &str) -> anyhow::Result<ImageFormat> {
         let format = ImageFormat::from_path(Path::new(file))?;
         self.outside.check_output(file)?;
         Ok(format)
     }
 
-    /// The picture with all of its frames.
+    /// The picture with all its frames.
     async fn picture(&mut self) -> anyhow::Result<Picture> {
-        let Self { explorer, hear, .. } = self;
-        let mut tell = |progress| {
-            let _ = hear.hear(progress);
+        let Self { explorer, listener, .. } = self;
+        let mut progress = |step| {
+            let _ = listener.progress(step);
         };
-        let picture = explorer.picture(&mut tell).await?;
+        let picture = explorer.picture(&mut progress).await?;
         Ok(picture.ok_or_else(nothing_to_show)?)
     }
 }
@@ -108,9 +108,9 @@ fn samples(text: Option<&&str>) -> Result<u32, Failure> {
     text.map_or(Ok(SAMPLES), |text| number(text, "samples", 1..=1 << 20))
 }
 
-/// Traces the present view.
+/// Path-traces the present view.
 async fn trace(console: &mut Console, samples: u32) -> anyhow::Result<ReferenceLayers> {
-    let Console { explorer, hear, .. } = console;
+    let Console { explorer, listener, .. } = console;
     let scene = explorer.scene().filter(|scene| scene.shown().next().is_some());
     let scene = scene.ok_or_else(nothing_to_show)?;
     let settings = ReferenceSettings {
@@ -122,16 +122,16 @@ async fn trace(console: &mut Console, samples: u32) -> anyhow::Result<ReferenceL
     let mut tracer =
         PathTracer::new(explorer.gpu(), scene, Some(explorer.camera()), settings).await?;
     let mut is_broken_off = false;
-    let mut tell = |step: ReferenceProgress| {
-        let progress =
-            Progress { stage: "path sample", done: step.samples as u32, total: step.total };
-        let told = hear.hear(progress);
-        is_broken_off |= told.is_break();
-        told
+    let mut progress = |step: ReferenceProgress| {
+        let step =
+            RenderProgress { stage: "path sample", done: step.samples as u32, total: step.total };
+        let goes_on = listener.progress(step);
+        is_broken_off |= goes_on.is_break();
+        goes_on
     };
-    tracer.render(&mut tell).await?;
+    tracer.render(&mut progress).await?;
     if is_broken_off {
-        return Err(Failure::input("the reference was broken off").into());
+        return Err(Failure::input("the reference was cancelled").into());
     }
     Ok(tracer.layers())
 }
@@ -152,7 +152,7 @@ async fn compare(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Re
     let view = console.explorer.settings().view;
     if view != View::Final {
         return Err(Failure::input(format!(
-            "compare is about the view final, not {}; `view final` shows it",
+            "compare needs the view final, not {}; `view final` shows it",
             view.name()
         ))
         .into());
@@ -162,7 +162,7 @@ async fn compare(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Re
     let picture = console.picture().await?;
     let truth = layers.layer(&layers.radiance);
     let variance = layers.radiance_variance.as_slice();
-    // Few samples do not give their variance.
+    // Too few samples give no estimate of their variance.
     let variance = variance.iter().all(|value| value.is_finite()).then_some(variance);
     let figures = ErrorFigures::new(&truth, variance, &LinearPicture::from(&picture))?;
     let comparison = Comparison {

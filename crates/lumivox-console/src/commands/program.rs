@@ -1,4 +1,4 @@
-//! The program itself.
+//! Commands for the program itself.
 
 use crate::command::Run::{Now, Waits};
 use crate::command::{Command, Edits, Group, MANY, PLAIN, Takes, Urgency};
@@ -11,7 +11,7 @@ pub const TABLE: &[Command] = &[
         usage: "[COMMAND|SETTING]",
         count: (0, 1),
         takes: &[Takes::Command],
-        summary: "Tell about a command or a setting, or list all of them",
+        summary: "Explain a command or a setting, or list all of them",
         example: "help translate",
         edits: Edits::Nothing,
         run: Now(|_, arguments| help::tell(arguments.first().copied())),
@@ -22,7 +22,7 @@ pub const TABLE: &[Command] = &[
         usage: "[TEXT]",
         count: (0, 1),
         takes: &[Takes::Anything],
-        summary: "List the commands with a line on each, or those that a text occurs in",
+        summary: "List all commands with a line on each, or only those that contain a text",
         example: "commands cone",
         run: Now(|_, arguments| Ok(Reply::say(help::list(arguments.first().copied())))),
         ..PROGRAM
@@ -32,7 +32,7 @@ pub const TABLE: &[Command] = &[
         usage: "[TEXT...]",
         count: (0, MANY),
         takes: &[Takes::Anything],
-        summary: "Print words",
+        summary: "Print the arguments",
         example: "echo 'two lamps'",
         edits: Edits::Nothing,
         run: Now(|_, arguments| Ok(Reply::say(arguments.join(" ")))),
@@ -43,9 +43,9 @@ pub const TABLE: &[Command] = &[
         usage: "FILE",
         count: (1, 1),
         takes: &[Takes::File],
-        summary: "Do the commands of a file",
-        details: "One or more a line, with ; between them; # begins a comment. It stops at the first error. Scripts may \
-                  run scripts, 16 deep. A relative path is relative to the folder that the program was started in.",
+        summary: "Run the commands of a file",
+        details: "One or more commands a line, with ; between them; # begins a comment. It stops at the first error. Scripts may \
+                  run scripts, 16 deep. A relative path starts at the folder in which the program was started.",
         example: "run evening.txt",
         run: Waits(|console, arguments| Box::pin(run(console, arguments))),
         ..PROGRAM
@@ -57,7 +57,7 @@ pub const TABLE: &[Command] = &[
         takes: &[Takes::File],
         summary: "Print the commands that lead from a fresh start to the present picture, or write them to a file",
         details: "`lumivox run` with them gives the same picture to the bit: scene, settings that differ from the \
-                  preset's, camera, changes of objects, materials and lights. What is left out is said in comments.",
+                  preset's, camera, changes of objects, materials and lights. Comments name what is left out.",
         example: "script evening.txt",
         edits: Edits::Nothing,
         run: Now(super::script::run),
@@ -65,9 +65,9 @@ pub const TABLE: &[Command] = &[
     },
     Command {
         name: "undo",
-        summary: "Take the last change back, and tell what it was",
+        summary: "Undo the last change, and print what it was",
         details: "Changes of objects, materials, lights, surroundings and settings; the last 100, until another scene is \
-                  opened. A drag in the window is one. The camera, what plays and `revoxelize` stay as they are.",
+                  opened. A drag in the window is one change. The camera, the animation and `revoxelize` are not affected.",
         example: "undo",
         run: Now(|console, _| {
             let what =
@@ -78,8 +78,8 @@ pub const TABLE: &[Command] = &[
     },
     Command {
         name: "redo",
-        summary: "Do again what `undo` has taken back, and tell what it is",
-        details: "Until something else is changed.",
+        summary: "Redo the change that `undo` has undone last, and print what it is",
+        details: "Only until something else is changed.",
         example: "redo",
         run: Now(|console, _| {
             let what =
@@ -109,15 +109,15 @@ async fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply>
     Ok(Reply::ask(Effect::Run(read(&bytes, file)?)))
 }
 
-/// The commands of a script's file, whose name is for messages.
+/// The commands of a script's file. Error messages use `name`.
 ///
 /// # Errors
-/// When the file is not text, and when a quotation mark is open at the end of a line.
+/// When the file is not text, or when a quotation mark is open at the end of a line.
 pub fn read(bytes: &[u8], name: &str) -> Result<Vec<Line>, Failure> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let before = bytes.get(..error.valid_up_to()).unwrap_or_default();
         let line = before.split(|byte| *byte == b'\n').count();
-        Failure::input(format!("{name}:{line}: this is no text in UTF-8; give a file of commands"))
+        Failure::input(format!("{name}:{line}: this is not text in UTF-8; give a file of commands"))
     })?;
     script(text, name)
 }

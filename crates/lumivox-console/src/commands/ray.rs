@@ -1,4 +1,4 @@
-//! A ray that marks the place that it hits.
+//! The command `ray`: it marks the point that a ray hits.
 
 use glam::{Vec2, Vec3};
 use lumivox_render::OverlayLine;
@@ -16,10 +16,10 @@ pub const TABLE: &[Command] = &[Command {
     count: (0, 5),
     takes: &[Takes::Word(&["off", "mark"]), Takes::Anything],
     summary: "Send a ray into the scene, print what it hits, and mark the place and the surface's normal",
-    details: "From the camera through the middle of the picture, or through a pixel (from the upper left corner), or from a \
-              place in a direction. The ray and a cross are red, the normal is green; `off` removes them. They \
-              stay where they are when things move. `mark` draws them without a ray, from where to where, with a normal of a length \
-              in metres: `script` prints it.",
+    details: "From the camera through the centre of the picture, or through a pixel (from the upper left corner), or from a \
+              point in a direction. The ray and a cross are red, the normal is green; `off` removes them. They \
+              stay in place when objects move. `mark` draws them without casting a ray: from a point to a point, with a normal of a length \
+              in metres; `script` prints it.",
     example: "ray 320 180",
     vxct: Some("prints the object, the place and the normal, too"),
     run: Now(run),
@@ -32,19 +32,19 @@ const GREEN: [f32; 4] = [0.1, 0.9, 0.2, 1.0];
 /// Length of the normal as a share of the scene's radius; the cross has a third of it.
 const NORMAL: f32 = 0.15;
 
-/// A ray as it is marked.
+/// A ray, drawn with the point that it hits and the normal there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mark {
-    /// Where it begins, m.
+pub struct RayMarker {
+    /// The ray's origin, m.
     origin: Vec3,
-    /// The place that it hits, m.
+    /// The point that it hits, m.
     at: Vec3,
     normal: Vec3,
     /// The drawn length of the normal, m.
     length_m: f32,
 }
 
-fn show(console: &mut Console, mark: Mark) -> anyhow::Result<()> {
+fn show(console: &mut Console, mark: RayMarker) -> anyhow::Result<()> {
     console.change(|settings| settings.overlay.lines = mark.lines())?;
     console.ray = Some(mark);
     Ok(())
@@ -63,7 +63,7 @@ fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
             return Ok(Reply::default());
         }
         ["mark", from, at, normal, length] => {
-            let mark = Mark {
+            let mark = RayMarker {
                 origin: vector(&[from], "the ray's place in metres", PLACE)?,
                 at: vector(&[at], "the marked place in metres", PLACE)?,
                 normal: vector(&[normal], "the normal", -2.0..=2.0)?,
@@ -101,7 +101,7 @@ fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let material =
         instance.and_then(|instance| explorer.material_names().into_iter().nth(instance.material));
     let length_m = NORMAL * explorer.bounds().radius_m();
-    show(console, Mark { origin, at: pick.position, normal: pick.shading_normal, length_m })?;
+    show(console, RayMarker { origin, at: pick.position, normal: pick.shading_normal, length_m })?;
     Ok(Reply::say(format!(
         "\"{name}\" (material \"{}\") at {} m, {} m away, normal {}",
         material.unwrap_or_default(),
@@ -111,8 +111,8 @@ fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     )))
 }
 
-impl Mark {
-    /// The lines of the mark. They are seen through surfaces, because most of them lie within one.
+impl RayMarker {
+    /// The lines of the marker. They are visible through surfaces, because most of them lie on one.
     fn lines(&self) -> Vec<OverlayLine> {
         let Self { origin, at, normal, length_m } = *self;
         let line = |from, to, color| OverlayLine { from, to, color, is_hidden_by_surfaces: false };
@@ -128,7 +128,7 @@ impl Mark {
     }
 }
 
-/// The command that draws this mark again, wherever things have moved since.
+/// The command that draws this marker again, even if objects have moved since.
 pub fn line(console: &Console) -> Option<String> {
     let mark = console.ray.filter(|_| !console.explorer.settings().overlay.lines.is_empty())?;
     let (origin, at, normal) = (commas(mark.origin), commas(mark.at), commas(mark.normal));

@@ -1,4 +1,4 @@
-//! The commands that lead to the present picture.
+//! The command `script`: the commands that lead to the present picture.
 
 use lumivox_explorer::Revoxelize;
 use lumivox_explorer::parameters::{Parameter, find_parameter};
@@ -17,20 +17,20 @@ pub fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::say(format!("{file}: {} commands", lines.len())))
 }
 
-/// The commands. Order matters: the size and the preset come before the scene, which is lit for
-/// them; the grid comes before the things that move in it.
+/// The commands. Their order matters: the size and the preset come before the scene, which is lit
+/// for them; the grid comes before the objects that move in it.
 fn lines(console: &Console) -> Vec<String> {
     let explorer = &console.explorer;
     let settings = explorer.settings();
     let mut lines = vec![format!("size {}x{}", settings.size.x, settings.size.y)];
-    // VXCT's cones are those of the resolution at which its look is taken.
+    // VXCT's cones depend on the resolution at which its look is chosen.
     lines.push(format!("resolution {}", settings.resolution));
     lines.push(format!("preset {}", explorer.preset().name()));
     let preset = parameters::of_preset(console);
     let mut differing: Vec<&Parameter> =
         parameters::differing(settings, &preset).filter(|p| p.name != "resolution").collect();
-    // Settings that others need come first, and settings that need others last, such as the view of
-    // an octree's nodes.
+    // Settings that others need come first, and settings that need others come last, such as the
+    // view of an octree's nodes.
     differing.sort_by_key(|parameter| match parameter.name {
         "look" | "volume" => 0,
         "view" | "level" => 2,
@@ -41,11 +41,13 @@ fn lines(console: &Console) -> Vec<String> {
     if explorer.revoxelize != Revoxelize::WhenMoved {
         lines.push(voxels::revoxelize_line(explorer.revoxelize));
     }
-    let (Some(scene), Some(opening)) = (explorer.scene(), console.opening()) else { return lines };
+    let (Some(scene), Some(opening)) = (explorer.scene(), console.scene_request()) else {
+        return lines;
+    };
     let aspect = settings.size.x as f32 / settings.size.y as f32;
     lines.push(format!("load {}", files::line(opening, Some(aspect))));
     if settings.look.is_some() {
-        // A scene that is opened is exposed for the look.
+        // Opening a scene sets the exposure that its look needs.
         let shown = ["exposure", "tone_map"].into_iter().filter_map(find_parameter);
         lines.extend(shown.map(line));
     }
@@ -62,7 +64,7 @@ fn lines(console: &Console) -> Vec<String> {
     lines.extend(super::ray::line(console));
     if explorer.has_stale_voxels() {
         lines.push(
-            "# voxels have not followed what moved; here they will, unlike in the picture"
+            "# in the picture, voxels have not followed the moved objects; in this script they will"
                 .to_owned(),
         );
     }
@@ -102,7 +104,7 @@ fn material_lines(console: &Console, scene: &Scene) -> Vec<String> {
         .collect()
 }
 
-/// The surroundings of the scene; `true` where they bring a sun.
+/// The commands for the surroundings of the scene; `true` if they add a sun.
 fn surroundings_lines(console: &Console, scene: &Scene) -> (Vec<String>, bool) {
     use crate::arguments::{commas, degrees};
     let Some(original) = console.explorer.original() else { return (Vec::new(), false) };
@@ -156,7 +158,8 @@ fn light_lines(console: &Console, scene: &Scene, has_sky: bool) -> Vec<String> {
             })
             .collect();
     }
-    // Others, or in another order, which the sum of their light depends on in its last bits.
+    // Lights were added, removed or reordered. The order matters: the sum of their light depends on
+    // it in its last bits.
     let mut lines = vec!["remove_light all".to_owned()];
     for (light, name) in scene.lights.iter().zip(names) {
         let properties = lights::PROPERTIES

@@ -1,4 +1,4 @@
-//! The surroundings of the scene: skies, panoramas, plain light.
+//! Commands for the surroundings: skies, panoramas, uniform light.
 
 use std::sync::Arc;
 
@@ -24,8 +24,8 @@ pub const TABLE: &[Command] = &[
         usage: "ELEVATION,AZIMUTH|X,Y,Z [TURBIDITY]",
         count: (1, 2),
         summary: "Put a clear sky and its sun around the scene",
-        details: "Where the sun stands: degrees above the horizon and from -z over +x, or a vector. The turbidity is from 1 \
-                  (the clearest) to 10, 2 where none is given. In cd/m2 and lux. A sky that was there goes, its sun too.",
+        details: "The sun's position: degrees above the horizon and from -z towards +x, or a vector. The turbidity is from 1 \
+                  (the clearest) to 10, by default 2. The sky is in cd/m2 and lux. It replaces an earlier sky and its sun.",
         example: "sky 30,120",
         sets: Some(1),
         edits: Edits::Look,
@@ -37,8 +37,8 @@ pub const TABLE: &[Command] = &[
         usage: "[R,G,B|FILE]",
         count: (0, 1),
         takes: &[Takes::File],
-        summary: "Surround the scene with the same light from everywhere, or with a panorama, or print what surrounds it",
-        details: "R,G,B in cd/m2, from 0 to 1e10; a panorama is an .hdr or .exr file (.png and .jpg are read, too).",
+        summary: "Surround the scene with uniform light or a panorama, or print the surroundings",
+        details: "R,G,B in cd/m2, from 0 to 1e10; a panorama is an .hdr or .exr file (or .png or .jpg).",
         example: "environment 2000,2600,3600",
         sets: Some(1),
         edits: Edits::Look,
@@ -49,8 +49,8 @@ pub const TABLE: &[Command] = &[
         name: "environment_intensity",
         usage: "[FACTOR|R,G,B]",
         count: (0, 1),
-        summary: "Multiply what surrounds the scene: the texels of a panorama or a sky, or set plain light; or print it",
-        details: "From 0 to 1e10; for colours three numbers.",
+        summary: "Set the factor of a panorama or a sky, or the radiance of uniform light, or print it",
+        details: "One number, or three for R G B, from 0 to 1e10.",
         example: "environment_intensity 0.5",
         run: Now(intensity),
         ..LIGHT
@@ -59,8 +59,8 @@ pub const TABLE: &[Command] = &[
         name: "environment_rotation",
         usage: "[DEGREES]",
         count: (0, 1),
-        summary: "Turn the panorama about the vertical, counter-clockwise seen from above, or print its turn",
-        details: "From -360 to 360 degrees. The sun of a sky does not turn along.",
+        summary: "Set the panorama's rotation about the vertical, counter-clockwise seen from above, or print it",
+        details: "From -360 to 360 degrees. The sun of a sky does not turn with it.",
         example: "environment_rotation 90",
         sets: Some(1),
         edits: Edits::Look,

@@ -1,4 +1,4 @@
-//! The content of the picture: surfaces, voxels, wires.
+//! Commands for the content of the picture: surfaces, voxels, wires.
 
 use lumivox_explorer::parameters::{Value, find_parameter};
 use lumivox_render::{Overlay, View, Wireframe};
@@ -19,9 +19,9 @@ const VIEW: Command = Command {
 pub const TABLE: &[Command] = &[
     Command {
         name: "objs",
-        summary: "Show the objects' surfaces, or leave them out",
-        details: "Left out, a plain background stands in for the picture, and overlays are seen alone. Without a value it \
-                  toggles, and prints what it is.",
+        summary: "Show or hide the objects' surfaces",
+        details: "Without surfaces, only overlays are seen, on a plain background. Without a value it \
+                  toggles, and prints the new state.",
         example: "objs off",
         vxct: Some(""),
         run: Now(|console, arguments| {
@@ -33,7 +33,7 @@ pub const TABLE: &[Command] = &[
         name: "objsW",
         aliases: &["objsw"],
         summary: "Show the objects as wires instead of surfaces, or as surfaces again",
-        details: "All edges of all triangles. Without a value it toggles, and prints what it is.",
+        details: "Draws all edges of all triangles. Without a value it toggles, and prints the new state.",
         example: "objsW on",
         vxct: Some(""),
         run: Now(|console, arguments| {
@@ -44,9 +44,9 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "overlayW",
         aliases: &["overlayw"],
-        summary: "Draw the edges of triangles over the shaded surfaces, or no more",
-        details: "Hidden edges are left out; `wireframe through` shows those, too. Without a value it toggles, and prints what \
-                  it is.",
+        summary: "Draw or hide the edges of triangles over the shaded surfaces",
+        details: "Hidden edges are left out; `wireframe through` shows those, too. Without a value it toggles, and prints \
+                  the new state.",
         example: "overlayW on",
         vxct: Some(""),
         run: Now(|console, arguments| {
@@ -57,8 +57,8 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "voxs",
         summary: "Show the voxels as cubes, or what was shown before",
-        details: "Of the level that `lod` sets. The view `voxels`, or `wire-voxels` while `voxsW` is on. Without a value it \
-                  toggles, and prints what it is.",
+        details: "`lod` sets their level. It is the view `voxels`, or `wire-voxels` while `voxsW` is on. Without a value it \
+                  toggles, and prints the new state.",
         example: "voxs on",
         vxct: Some(""),
         run: Now(|console, arguments| flip_view(console, arguments, "voxs", |now| &mut now.voxels)),
@@ -67,9 +67,9 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "voxsW",
         aliases: &["voxsw"],
-        summary: "Let `voxs` show wire cubes, or solid ones",
+        summary: "Choose whether `voxs` shows wire cubes or solid ones",
         details: "While `voxs` is on it changes the picture. `wire_voxels over` draws wire cubes over surfaces. Without a value \
-                  it toggles, and prints what it is.",
+                  it toggles, and prints the new state.",
         example: "voxsW on",
         vxct: Some(""),
         run: Now(|console, arguments| flip_view(console, arguments, "voxsW", |now| &mut now.wires)),
@@ -77,9 +77,9 @@ pub const TABLE: &[Command] = &[
     },
     Command {
         name: "loclod",
-        summary: "Show what the voxels of a level hold on the surfaces, or what was shown before",
-        details: "Of the level that `lod` sets. The view `lod`; it overrides `iLight`, which keeps its state. Without a value it \
-                  toggles, and prints what it is.",
+        summary: "Show the light of the voxels of a level on the surfaces, or what was shown before",
+        details: "`lod` sets the level. It is the view `lod`, which overrides `iLight`; that keeps its state. Without a value it \
+                  toggles, and prints the new state.",
         example: "loclod on",
         vxct: Some(""),
         run: Now(|console, arguments| flip_view(console, arguments, "loclod", |now| &mut now.lod)),
@@ -89,8 +89,8 @@ pub const TABLE: &[Command] = &[
         name: "lod",
         usage: "[LEVEL]",
         takes: &[Takes::Anything],
-        summary: "Set the level of the voxels that are shown, or print it",
-        details: "0 is the finest; the setting `level`. Look vxct: 0 to 6.",
+        summary: "Set the level of the shown voxels, or print it",
+        details: "0 is the finest. It is the setting `level`. Look vxct: 0 to 6.",
         example: "lod 2",
         vxct: Some(""),
         run: Now(|console, arguments| super::parameters::run(console, "level", arguments)),
@@ -99,9 +99,9 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "iLight",
         aliases: &["ilight"],
-        summary: "Show indirect light, or direct light alone",
-        details: "Physical look: off is the view `direct`, on `final`. Look vxct: off is Phong's shader, with highlights and \
-                  without shadows. Without a value it toggles, and prints what it is.",
+        summary: "Show all light, or only direct light",
+        details: "Physical look: off is the view `direct`, on `final`. Look vxct: off is Phong shading, with highlights and \
+                  without shadows. Without a value it toggles, and prints the new state.",
         example: "iLight off",
         vxct: Some("on at first"),
         run: Now(indirect),
@@ -112,7 +112,7 @@ pub const TABLE: &[Command] = &[
         usage: "",
         count: (0, 0),
         takes: &[],
-        summary: "List what the setting `view` can show",
+        summary: "List the values of the setting `view`",
         example: "views",
         run: Now(|_, _| {
             let kind = find_parameter("view").map(|parameter| parameter.kind.in_words());
@@ -122,10 +122,10 @@ pub const TABLE: &[Command] = &[
     },
 ];
 
-/// The states of VXCT's switches of voxels: each is on or off by itself, whatever the others are.
+/// The states of VXCT's switches of voxels, each independent of the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shown {
-    /// The view where no switch is on.
+    /// The view when no switch is on.
     base: View,
     /// `voxs`
     voxels: bool,
@@ -136,7 +136,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// The states that go with a view; `before` are those after the last flip.
+    /// The states that match a view; `before` are those after the last flip.
     fn of(view: View, before: Self) -> Self {
         match view {
             _ if before.view() == view => before,
@@ -172,7 +172,7 @@ fn flip_view(
     Ok(Reply::say(format!("{name} {}", on_or_off(is_on))))
 }
 
-/// Chooses the view for when neither voxels nor their levels are shown.
+/// Chooses the view that is shown when neither voxels nor their levels are.
 pub fn show(console: &mut Console, view: View) -> anyhow::Result<()> {
     let shown = Shown { base: view, ..Shown::of(console.explorer.settings().view, console.shown) };
     console.change(|settings| settings.view = shown.view())?;
@@ -180,7 +180,7 @@ pub fn show(console: &mut Console, view: View) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The view where no switch is on.
+/// The view when no switch is on.
 pub fn base(console: &Console) -> View {
     Shown::of(console.explorer.settings().view, console.shown).base
 }
@@ -213,8 +213,8 @@ impl Objects {
     }
 }
 
-/// Flips one of the switches. Their states are those of the last flip; overlays that were set
-/// otherwise determine them again.
+/// Flips one of the switches. Their states are those of the last flip; an overlay set otherwise
+/// determines them again.
 fn flip_objects(
     console: &mut Console,
     arguments: &[&str],

@@ -1,4 +1,4 @@
-//! Voxels: when they are made, their number, their memory.
+//! Commands for voxels: when they are made, their number, their memory.
 
 use glam::Vec3;
 use lumivox::Grid;
@@ -14,9 +14,9 @@ use crate::{Console, Failure, Reply, nothing_to_show, shown};
 
 const VOXELS: Command = Command { group: Group::Voxels, takes: &[Takes::Anything], ..PLAIN };
 
-/// Seconds between voxelizations where none are given: VXCT's.
+/// The default seconds between voxelizations, as in VXCT.
 const PERIOD_S: f32 = 0.5;
-/// From the shortest frame to a day.
+/// The range of the seconds between voxelizations: from the shortest frame to a day.
 const PERIODS: std::ops::RangeInclusive<f32> = 1e-3..=LONGEST_S;
 const LONGEST_S: f32 = 86_400.0;
 
@@ -24,9 +24,9 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "vox",
         summary: "Voxelize once more, now",
-        details: "Also what is static; prints how many voxels there are.",
+        details: "Static objects as well; prints the number of voxels.",
         example: "vox",
-        vxct: Some("clears what was there, the first time, too"),
+        vxct: Some("also clears earlier voxels at the first time"),
         run: Waits(|console, _| {
             Box::pin(async {
                 console.explorer.ask_for_voxels();
@@ -41,10 +41,12 @@ pub const TABLE: &[Command] = &[
         usage: "[on|off]",
         count: (0, 1),
         takes: &[Takes::Switch],
-        summary: "Voxelize again and again as time goes on, every half second or as `vox_freq` says, or no more",
-        details: "Without a value it toggles, and prints what it is. Off is `revoxelize when_moved`; on again is as it was.",
+        summary: "Voxelize at an interval, every half second or as `vox_freq` says, or stop it",
+        details: "Without a value it toggles, and prints the new state. Off is `revoxelize when_moved`; on restores the last interval.",
         example: "dynamic on",
-        vxct: Some("off, voxels still follow what moves; `revoxelize when_asked` is VXCT's off"),
+        vxct: Some(
+            "when off, voxels still follow moved objects; `revoxelize when_asked` is VXCT's off",
+        ),
         run: Now(dynamic),
         ..VOXELS
     },
@@ -67,8 +69,8 @@ pub const TABLE: &[Command] = &[
             Takes::Word(&["when_moved", "when_asked", "every", "every_frame"]),
             Takes::Anything,
         ],
-        summary: "Choose when triangles that have moved become voxels, or print it",
-        details: "SECONDS from 0.001 to 86400. At first: when_moved. Materials that change are voxelized at once in any case.",
+        summary: "Choose when moved triangles are voxelized again, or print it",
+        details: "SECONDS is from 0.001 to 86400. Default: when_moved. Changed materials are always voxelized at once.",
         example: "revoxelize every 0.5",
         run: Now(revoxelize),
         ..VOXELS
@@ -78,9 +80,9 @@ pub const TABLE: &[Command] = &[
         usage: "[auto|[auto] X,Y,Z X,Y,Z]",
         count: (0, 3),
         takes: &[Takes::Word(&["auto"]), Takes::Anything],
-        summary: "Fit the voxel grid to a box, from corner to corner in metres, or to the scene, or print the box",
-        details: "`auto` is the box of the scene as it stands now, and with corners it begins with that box: what moves out of it \
-                  widens it. A box without `auto` stays as it is; what is outside has no voxels.",
+        summary: "Fit the voxel grid to a box, given by two corners in metres, or to the scene, or print the box",
+        details: "`auto` is the present box of the scene, or starts with the given corners: objects that leave it \
+                  widen it. A box without `auto` never changes; surfaces outside it have no voxels.",
         example: "grid_bounds -1,-1,-1 1,1,1",
         run: Now(grid_bounds),
         ..VOXELS
@@ -88,7 +90,7 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "stats",
         aliases: &["info"],
-        summary: "Print what there is: triangles, voxels, the grid, frames",
+        summary: "Print the numbers of triangles, voxels and frames, and the grid",
         example: "stats",
         run: Waits(|console, _| Box::pin(stats(console))),
         ..VOXELS
@@ -115,10 +117,10 @@ fn voxels(renderer: &Renderer) -> String {
     format!("{voxels} with {}", counted(stats.faces as usize, "face", "faces"))
 }
 
-/// Checks that the level that is to be shown is there.
+/// Checks that the level to be shown exists.
 ///
 /// # Errors
-/// When it is not.
+/// When it does not.
 pub fn check_level(explorer: &Explorer, settings: &RenderSettings) -> Result<(), Failure> {
     let Some(scene) = explorer.scene() else { return Ok(()) };
     let bounds = settings.grid_bounds.unwrap_or_else(|| scene.voxel_bounds());
@@ -142,7 +144,7 @@ fn in_words(revoxelize: Revoxelize) -> String {
     }
 }
 
-/// The command that has voxels made as they are.
+/// The command that sets this policy.
 pub fn revoxelize_line(revoxelize: Revoxelize) -> String {
     format!("revoxelize {}", in_words(revoxelize))
 }
@@ -226,7 +228,7 @@ fn grid_bounds(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Repl
     Ok(Reply::default())
 }
 
-/// The command that sets a box.
+/// The command that sets this box.
 pub fn bounds_line(bounds: Bounds, widens: bool) -> String {
     let auto = if widens { "auto " } else { "" };
     format!("grid_bounds {auto}{} {}", commas(bounds.min), commas(bounds.max))

@@ -1,4 +1,4 @@
-//! How a scene's file is read.
+//! Options for reading a scene's file.
 
 use clap::Args;
 use glam::Vec3;
@@ -9,12 +9,12 @@ use crate::{Failure, SceneSource};
 
 const RADIANS_PER_DEGREE: f32 = std::f32::consts::PI / 180.0;
 
-/// How a scene's file is read.
+/// Options for reading a scene's file.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "File")]
 pub struct LoadArgs {
-    /// Which of the file's scenes (glTF, VXCT), by name or number [default: the one that the file
-    /// marks, else the first]
+    /// The scene to show of a file with several (glTF, VXCT), by name or number [default: the one
+    /// that the file marks, else the first]
     ///
     /// Numbers count from 0; `lumivox info SCENE` lists them.
     #[arg(long, value_name = "NAME|NUMBER")]
@@ -22,66 +22,67 @@ pub struct LoadArgs {
 
     /// Axis of the file that points up
     ///
-    /// Ask for z where a model of CAD or a scan lies on its back.
+    /// Use z if a CAD model or a scan lies on its back.
     #[arg(long, value_name = "AXIS", value_parser = choices::up(), default_value = "y")]
     pub up: UpAxis,
 
     /// The file's unit of length: mm, cm, m, km, in, ft, or a number of metres, 1e-9 to 1e9
     ///
-    /// Lengths are multiplied by it, strengths of lights are not. STL and OBJ do not tell theirs.
+    /// Lengths are multiplied by it, strengths of lights are not. STL and OBJ files do not name
+    /// their unit.
     #[arg(long, value_name = "UNIT", value_parser = load::unit, default_value = "m")]
     #[arg(allow_negative_numbers = true)]
     pub unit: f32,
 
     /// Angle in degrees, 0 to 180, above which an edge of a surface without normals stays sharp
-    /// (OBJ, PLY, STL) [default: as each format means it]
+    /// (OBJ, PLY, STL) [default: depends on the format]
     ///
-    /// 0 keeps all edges sharp, 180 none. Without it, PLY is smooth, STL is flat, OBJ is flat
-    /// outside of its smoothing groups.
+    /// 0 keeps all edges sharp, 180 none. By default PLY is smooth, STL is flat, and OBJ is flat
+    /// outside its smoothing groups.
     #[arg(long, value_name = "DEGREES", value_parser = number::number(0.0..=180.0))]
     #[arg(allow_negative_numbers = true)]
     pub crease: Option<f32>,
 
-    /// Turn the scene about the centre of its bounds: degrees about x, y and z, each -360 to 360
+    /// Rotate the scene about the centre of its bounds: degrees about x, y and z, each -360 to 360
     ///
-    /// About z first, then y, then x. Its lights and cameras turn with it, so their pictures stay
-    /// the same; the surroundings and what other options place do not. Errors of voxels depend on
-    /// how walls lie in the grid; measurements try several angles.
+    /// About z first, then y, then x. Lights and cameras of the scene rotate with it, so their
+    /// pictures stay the same; the surroundings and everything that other options place do not.
+    /// Errors of voxels depend on how walls lie in the grid; measurements try several angles.
     #[arg(long, value_name = "X,Y,Z", value_parser = number::angles, help_heading = "Scene")]
     #[arg(default_value = "0,0,0", allow_hyphen_values = true)]
     pub rotate: Vec3,
 
-    /// Let the scene's file name files outside of its own folder [default: off]
+    /// Let the scene's file refer to files outside its own folder [default: off]
     ///
-    /// Only for files that you trust: they may then name any file that you may read.
+    /// Only for files that you trust: they may then read any file that you may read.
     #[arg(long)]
     pub allow_outside: bool,
 
-    /// Show a glTF file as far as it goes whose required extensions are not supported [default:
-    /// off]
+    /// Show a glTF file as well as possible even if it requires extensions that are not supported
+    /// [default: off]
     ///
-    /// What they would change is told in a warning, and may be anything. Extensions that only
-    /// refine the picture, such as variants of materials, need no leave.
+    /// The picture may then be wrong in any way; a warning names the extensions. Extensions that
+    /// only refine the picture, such as variants of materials, do not need this option.
     #[arg(long)]
     pub ignore_required: bool,
 
-    /// Memory for all textures, finest levels, as a number with MiB, GiB, MB or GB
+    /// Memory for all textures with their finest levels, as a number with MiB, GiB, MB or GB
     ///
-    /// Textures that need more are shrunk by halves until they fit, with a warning. 1 KiB and up.
+    /// Textures that need more are halved until they fit, with a warning. 1 KiB and up.
     #[arg(long, value_name = "SIZE", value_parser = load::bytes, default_value = "4GiB")]
     #[arg(allow_hyphen_values = true)]
     pub texture_memory: u64,
 
     /// Memory for all vertices and indices, as a number with MiB, GiB, MB or GB
     ///
-    /// What needs more is refused before it is allocated. 1 KiB and up.
+    /// A scene that needs more is refused before memory is allocated. 1 KiB and up.
     #[arg(long, value_name = "SIZE", value_parser = load::bytes, default_value = "8GiB")]
     #[arg(allow_hyphen_values = true)]
     pub geometry_memory: u64,
 }
 
 impl LoadArgs {
-    /// The library's words for it.
+    /// The same options for the scene crate.
     pub fn options(&self) -> LoadOptions<'static> {
         LoadOptions {
             allow_outside: self.allow_outside,
@@ -99,10 +100,10 @@ impl LoadArgs {
         }
     }
 
-    /// Checks that the scene accepts the given options.
+    /// Checks that the options fit the scene.
     ///
     /// # Errors
-    /// When an option for files is given with a scene that is made in code.
+    /// When an option for files is given with a built-in scene.
     pub fn check(&self, source: &SceneSource) -> Result<(), Failure> {
         if let SceneSource::Builtin(_) = source
             && let Some(option) = self.option_of_files()
@@ -114,14 +115,14 @@ impl LoadArgs {
         Ok(())
     }
 
-    /// Turns a scene as it is asked for.
+    /// Rotates a scene as requested.
     pub fn turn(&self, scene: &mut Scene) {
         if self.rotate != Vec3::ZERO {
             scene.rotate(self.rotate * RADIANS_PER_DEGREE);
         }
     }
 
-    /// An option that was given and has a meaning only for files.
+    /// A given option that only applies to files.
     fn option_of_files(&self) -> Option<&'static str> {
         let given = [
             (self.scene_in_file.is_some(), "--scene-in-file"),

@@ -1,4 +1,4 @@
-//! Which scene is opened, and how it is read and lit.
+//! Requests to open a scene.
 
 mod light;
 mod load;
@@ -6,8 +6,8 @@ mod source;
 
 use std::cell::OnceCell;
 
-use lumivox_explorer::Opened;
-use lumivox_render::Progress;
+use lumivox_explorer::PreparedScene;
+use lumivox_render::RenderProgress;
 use lumivox_scene::{Scene, SightOptions};
 
 use crate::values::camera::{CameraChoice, resolve_with};
@@ -16,28 +16,32 @@ pub use light::SourceArgs;
 pub use load::LoadArgs;
 pub use source::{BUILTIN, SceneSource};
 
-/// Which scene, and how it is read and lit.
+/// A request to open a scene: which scene, and how it is read and lit.
 #[derive(Clone, Debug)]
-pub struct Opening {
+pub struct SceneRequest {
     /// The scene.
     pub source: SceneSource,
     /// How its file is read.
     pub load: LoadArgs,
     /// The additions to its light.
     pub light: SourceArgs,
-    /// Where it is seen from.
+    /// The camera of the first picture; the scene's own if `None`.
     pub camera: Option<CameraChoice>,
-    /// Width by height of the picture that the camera is found for.
+    /// Width over height of the picture for which the camera is found.
     pub aspect: f32,
 }
 
-impl Opening {
-    /// Makes a scene ready that was read, turned and lit as this says: finds its camera, and the light that it lacks.
-    /// This may take seconds and needs no GPU.
+impl SceneRequest {
+    /// Prepares a scene that was read, rotated and lit as requested: finds its camera, and adds
+    /// light if it has too little. This may take seconds and needs no GPU.
     ///
     /// # Errors
-    /// When there is no such camera, and as [`Opened::new`].
-    pub fn ready(self, scene: Scene, tell: &mut dyn FnMut(Progress)) -> anyhow::Result<Ready> {
+    /// When there is no such camera, and as [`PreparedScene::new`].
+    pub fn prepare(
+        self,
+        scene: Scene,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> anyhow::Result<OpenedScene> {
         let (choice, framing) = (self.camera.as_ref(), OnceCell::new());
         let camera = choice.map(|_| resolve_with(choice, &scene, self.aspect, &framing));
         let options = SightOptions {
@@ -45,16 +49,16 @@ impl Opening {
             aspect: self.aspect,
             staging: self.light.staging(),
         };
-        let opened = Opened::surveyed(scene, &options, &framing, tell)?;
-        Ok(Ready { opening: self, opened })
+        let prepared = PreparedScene::surveyed(scene, &options, &framing, progress)?;
+        Ok(OpenedScene { request: self, prepared })
     }
 }
 
-/// A scene that was read, and how.
+/// A scene that was read and prepared, with the request that asked for it.
 #[derive(Debug)]
-pub struct Ready {
-    /// How.
-    pub opening: Opening,
-    /// The scene.
-    pub opened: Opened,
+pub struct OpenedScene {
+    /// The request.
+    pub request: SceneRequest,
+    /// The scene, with its camera and light.
+    pub prepared: PreparedScene,
 }

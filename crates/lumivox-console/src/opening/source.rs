@@ -1,22 +1,22 @@
-//! Which scene.
+//! The source of a scene.
 
 use std::fmt;
 use std::path::PathBuf;
 
-/// The prefix of the names of scenes that are made in code.
+/// The prefix of the names of built-in scenes.
 pub const BUILTIN: &str = "builtin:";
 
 /// A scene, as people name it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SceneSource {
-    /// One made in code.
+    /// A built-in scene.
     Builtin(String),
     /// A file.
     File(PathBuf),
 }
 
 impl SceneSource {
-    /// The scene of that name: one that is made in code, or a file.
+    /// The scene of that name: a built-in one, or a file.
     pub fn named(text: &str) -> Self {
         match text.strip_prefix(BUILTIN) {
             Some(name) => Self::Builtin(name.to_owned()),

@@ -1,4 +1,4 @@
-//! Which camera to look through.
+//! The choice of a camera.
 
 use std::cell::OnceCell;
 use std::fmt;
@@ -11,26 +11,25 @@ use super::Refused;
 use super::number::{in_range, some};
 use crate::Failure;
 
-/// The name of the view that every scene has, whatever its cameras: see
-/// [`Scene::default_camera`].
+/// The name of the view that every scene has: see [`Scene::default_camera`].
 pub const FRAMING: &str = "framing";
-/// The same from outside.
+/// The name of that view from outside.
 pub const OUTSIDE: &str = "outside";
-/// The same from within.
+/// The name of that view from inside.
 pub const INSIDE: &str = "inside";
 
 const FORM: &str = "six or seven numbers, PX,PY,PZ,TX,TY,TZ[,FOV]";
-/// Vertical field of view of cameras that do not give theirs, degrees.
+/// Vertical field of view of cameras without one of their own, degrees.
 pub const DEFAULT_FOV_DEG: f32 = 45.0;
 
-/// A camera, as the command line names it.
+/// A camera as the command line names it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CameraChoice {
-    /// One of the scene's, by its name.
+    /// A camera of the scene, by its name.
     Name(String),
-    /// One of the scene's, by its place.
+    /// A camera of the scene, by its index.
     Index(usize),
-    /// One that the scene does not have.
+    /// A camera given by two points.
     LookAt {
         /// The eye in the world, m.
         position: Vec3,
@@ -69,27 +68,28 @@ pub fn camera(text: &str) -> Result<CameraChoice, Refused> {
     }
     let numbers = some(text, FORM)?;
     let (&[px, py, pz, tx, ty, tz], rest) = numbers.split_first_chunk().ok_or_else(|| {
-        Refused::Malformed(format!("expected {FORM}, but there are {}", numbers.len()))
+        Refused::Malformed(format!("expected {FORM}; got {} numbers", numbers.len()))
     })?;
     let fov_deg = match rest {
         [] => DEFAULT_FOV_DEG,
         [fov_deg] => in_range(*fov_deg, &(1.0..=170.0), "the field of view in degrees")?,
         _ => {
             let count = numbers.len();
-            return Err(Refused::Malformed(format!("expected {FORM}, but there are {count}")));
+            return Err(Refused::Malformed(format!("expected {FORM}; got {count} numbers")));
         }
     };
     let (position, target) = (Vec3::new(px, py, pz), Vec3::new(tx, ty, tz));
-    // Also where the distance is too small or too large for f32.
+    // This also refuses distances too small or too large for f32.
     if (target - position).try_normalize().is_none() {
         return Err(Refused::OutOfRange(
-            "the position and the target must be different points, not too far apart".to_owned(),
+            "the position and the target must be different points, and not too far apart"
+                .to_owned(),
         ));
     }
     Ok(CameraChoice::LookAt { position, target, vertical_fov_rad: fov_deg.to_radians() })
 }
 
-/// The camera chosen, or without a choice the scene's first, or where it has none the one that
+/// The chosen camera. Without a choice it is the scene's first, or, if it has none, the view that
 /// shows it best in a picture of this aspect (width over height).
 ///
 /// # Errors
@@ -102,7 +102,7 @@ pub fn resolve(
     resolve_with(choice, scene, aspect, &OnceCell::new())
 }
 
-/// The same for a scene that may have been surveyed before, and is here if it has to be.
+/// The same for a scene whose survey may exist; otherwise it is made here if needed.
 ///
 /// # Errors
 /// As [`resolve`].
@@ -147,11 +147,11 @@ pub fn resolve_with(
         .iter()
         .enumerate()
         .map(|(index, camera)| format!("{index} \"{}\"", camera.name))
-        .chain([format!("\"{FRAMING}\" (the view that shows it best)")])
+        .chain([format!("\"{FRAMING}\" (the view that shows the scene best)")])
         .chain([OUTSIDE, INSIDE].map(|name| format!("\"{name}\"")))
         .collect();
     bail!(Failure::input(format!(
-        "the scene \"{}\" has no {wanted}; there are: {}; or give a position and a target",
+        "the scene \"{}\" has no {wanted}; there are: {}; or use PX,PY,PZ,TX,TY,TZ",
         scene.name,
         known.join(", ")
     )))
@@ -160,11 +160,10 @@ pub fn resolve_with(
 fn no_inside(scene: &Scene) -> anyhow::Error {
     let name = &scene.name;
     let reason = format!("the scene \"{name}\" has no room inside for a camera");
-    Failure::input(format!("{reason}; look at it from outside, or give a position and a target"))
-        .into()
+    Failure::input(format!("{reason}; look at it from outside, or use PX,PY,PZ,TX,TY,TZ")).into()
 }
 
-/// Keeps small things from being cut off by a near plane made for rooms.
+/// Lowers the near plane for small scenes, so that they are not cut off.
 pub fn fit_near(camera: &mut Camera, scene_radius_m: f32) {
     camera.near_m = camera.near_m.min(scene_radius_m * 1e-3).max(1e-6);
 }

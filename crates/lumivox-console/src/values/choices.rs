@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use lumivox_scene::{Staging, UpAxis};
 
-/// A parser that takes the names of `values` and returns the value, with a line of help for each.
+/// A parser for the names of `values`, with a line of help for each, which returns the value.
 pub fn among<T: Copy + Send + Sync + 'static>(
     values: &'static [T],
     name_and_help: fn(T) -> (&'static str, &'static str),
@@ -22,7 +22,7 @@ pub fn among<T: Copy + Send + Sync + 'static>(
 pub fn staging() -> impl TypedValueParser<Value = Staging> {
     among(&Staging::ALL, |staging| {
         let help = match staging {
-            Staging::Auto => "what suits it, where its own light is not enough",
+            Staging::Auto => "what suits the scene, if its own light is not enough",
             Staging::Studio => "a studio: soft boxes, a grey wall, a ground",
             Staging::Sky => "the sun and the sky of a clear day, and a ground below things",
             Staging::None => "nothing, even if the scene is dark",
@@ -31,10 +31,10 @@ pub fn staging() -> impl TypedValueParser<Value = Staging> {
     })
 }
 
-/// Which axis of a file points up.
+/// The axis of a file that points up.
 pub fn up() -> impl TypedValueParser<Value = UpAxis> {
     among(&[UpAxis::Y, UpAxis::Z], |axis| match axis {
         UpAxis::Y => ("y", "as in glTF"),
-        UpAxis::Z => ("z", "as in CAD and in scans; y then points away, to -z"),
+        UpAxis::Z => ("z", "as in CAD and scans; the file's y then points to -z"),
     })
 }

@@ -1,4 +1,4 @@
-//! Light that the command line adds to a scene.
+//! Light added on the command line.
 
 use std::path::{Path, PathBuf};
 
@@ -10,9 +10,10 @@ use super::number::{in_range, list, some};
 
 /// Illuminance of the sun at noon, lux.
 const NOON_LUX: f32 = 100_000.0;
-/// Half the angle under which the sun is seen from the earth, rad.
+/// Half the angular diameter of the sun seen from the earth, rad.
 const SUN_ANGULAR_RADIUS_RAD: f32 = 0.004_65;
-/// Far above the sun (100 000 lux, 1.6e9 cd/m²), and far below where squares overflow.
+/// The greatest radiance or illuminance: far above the sun (100 000 lux, 1.6e9 cd/m²), and far
+/// below where squares overflow.
 const BRIGHTEST: f32 = 1e10;
 
 const SUN_FORM: &str = "X,Y,Z or X,Y,Z,LUX, such as 0.3,1,0.5,50000";
@@ -23,13 +24,13 @@ pub fn sun(text: &str) -> Result<Light, Refused> {
     let (&[x, y, z], rest) =
         numbers.split_first_chunk().filter(|(_, rest)| rest.len() <= 1).ok_or_else(|| {
             let count = numbers.len();
-            Refused::Malformed(format!("expected {SUN_FORM}, but there are {count} numbers"))
+            Refused::Malformed(format!("expected {SUN_FORM}; got {count} numbers"))
         })?;
     let illuminance_lux = match rest {
         [] => NOON_LUX,
         [lux, ..] => in_range(*lux, &(0.0..=BRIGHTEST), "the illuminance in lux")?,
     };
-    // In f64, where the square of no f32 overflows or vanishes.
+    // In f64 the square of no f32 overflows or vanishes.
     let towards_sun = Vec3::new(x, y, z).as_dvec3();
     if towards_sun == DVec3::ZERO {
         return Err(Refused::OutOfRange("the direction must not be 0,0,0".to_owned()));
@@ -45,7 +46,7 @@ pub fn sun(text: &str) -> Result<Light, Refused> {
     })
 }
 
-/// The surroundings of the scene, as the command line names them.
+/// The surroundings of the scene as the command line names them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surroundings {
     /// The same radiance from everywhere, cd/m².
@@ -69,7 +70,7 @@ pub fn environment(text: &str) -> Result<Surroundings, Refused> {
     Ok(Surroundings::Uniform(radiance.into()))
 }
 
-/// Towards the sun of a sky: `X,Y,Z`, or `ELEVATION,AZIMUTH` in degrees.
+/// The direction to the sun of a sky: `X,Y,Z`, or `ELEVATION,AZIMUTH` in degrees.
 pub fn sky(text: &str) -> Result<Vec3, Refused> {
     const FORM: &str = "X,Y,Z or ELEVATION,AZIMUTH in degrees, such as 30,120";
     let numbers = some(text, FORM)?;
@@ -95,7 +96,7 @@ pub fn sky(text: &str) -> Result<Vec3, Refused> {
         }
         _ => {
             let count = numbers.len();
-            Err(Refused::Malformed(format!("expected {FORM}, but there are {count} numbers")))
+            Err(Refused::Malformed(format!("expected {FORM}; got {count} numbers")))
         }
     }
 }

@@ -1,9 +1,9 @@
-//! How a file is read: units, and how much memory it may take.
+//! Values for reading a file: its unit, and the memory that it may take.
 
 use super::Refused;
 use super::number::{in_range, one};
 
-/// The length of a file's unit in metres: its name, or a number.
+/// The unit of a file in metres: its name, or a number.
 pub fn unit(text: &str) -> Result<f32, Refused> {
     Ok(match text.trim() {
         "mm" => 1e-3,
@@ -25,7 +25,7 @@ pub fn unit(text: &str) -> Result<f32, Refused> {
     })
 }
 
-/// A number of bytes: a number with B, KiB, MiB, GiB or TiB, or with kB, MB, GB or TB of tens.
+/// A number of bytes: a number with B, KiB, MiB, GiB or TiB, or with the decimal kB, MB, GB or TB.
 pub fn bytes(text: &str) -> Result<u64, Refused> {
     const FORM: &str = "expected a size, such as 512MiB, 2GiB or 4GB";
     let text = text.trim();
@@ -52,7 +52,7 @@ pub fn bytes(text: &str) -> Result<u64, Refused> {
     if (f64::from(1 << 10)..=(1_u64 << 50) as f64).contains(&bytes) {
         return Ok(bytes as u64);
     }
-    Err(Refused::OutOfRange("it must be from 1 KiB to 1024 TiB".to_owned()))
+    Err(Refused::OutOfRange("the size must be from 1 KiB to 1024 TiB".to_owned()))
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
-//! Values that are written as text: for the console's commands, for options of a command line.
+//! Values as text, for the console's commands and the options of a command line.
 //!
-//! A value can be wrong in two ways. It may not be of the form asked for (`big` for a size), or it
-//! may be of that form but out of range (`0x0`). [`Refused`] keeps them apart, and is all that goes
-//! wrong here.
+//! A value can be wrong in two ways: it may not have the expected form (`big` for a size), or it
+//! may be out of range (`0x0`). [`Refused`] tells the two apart, and is the only error here.
 
 #![allow(clippy::missing_errors_doc, reason = "said once for all readers of values")]
 
@@ -15,12 +14,12 @@ pub mod size;
 
 use std::fmt;
 
-/// Why a value of the command line is refused.
+/// Why a value is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Refused {
-    /// It does not have the form asked for.
+    /// It does not have the expected form.
     Malformed(String),
-    /// It has, but lies where it must not.
+    /// It has the expected form, but is out of range.
     OutOfRange(String),
 }
 

@@ -6,9 +6,9 @@ use std::str::FromStr;
 
 use super::Refused;
 
-/// What options and commands read as one number.
+/// A type that options and commands read as one number.
 pub trait Number: FromStr + PartialOrd + Copy + fmt::Display + fmt::LowerExp + Into<f64> {
-    /// Whether it has no fraction.
+    /// Whether the type has no fraction.
     const IS_WHOLE: bool;
 }
 
@@ -33,7 +33,7 @@ pub fn read<T: Number>(text: &str, range: &RangeInclusive<T>) -> Result<T, Refus
 /// `a number from 0 to 1`.
 pub fn in_words<T: Number>(range: &RangeInclusive<T>) -> String {
     let name = if T::IS_WHOLE { "a whole number" } else { "a number" };
-    // With an exponent where digits would have to be counted.
+    // With an exponent where the digits would have to be counted.
     let end = |number: T| match number.into().abs() {
         size if T::IS_WHOLE || size == 0.0 || (1e-4..1e7).contains(&size) => number.to_string(),
         _ => format!("{number:e}"),
@@ -96,14 +96,14 @@ pub fn one(text: &str) -> Result<f32, Refused> {
     if value.is_finite() {
         return Ok(value);
     }
-    Err(Refused::OutOfRange("it must be a finite number".to_owned()))
+    Err(Refused::OutOfRange("the number must be finite".to_owned()))
 }
 
 /// Exactly `N` finite numbers between commas; `form` describes them, with an example.
 pub fn list<const N: usize>(text: &str, form: &str) -> Result<[f32; N], Refused> {
     let values = some(text, form)?;
     values.try_into().map_err(|values: Vec<f32>| {
-        Refused::Malformed(format!("expected {form}, but there are {} numbers", values.len()))
+        Refused::Malformed(format!("expected {form}; got {} numbers", values.len()))
     })
 }
 
@@ -113,7 +113,7 @@ pub fn some(text: &str, form: &str) -> Result<Vec<f32>, Refused> {
         .map(|part| {
             one(part).map_err(|refused| match refused {
                 Refused::Malformed(_) => {
-                    Refused::Malformed(format!("expected {form}, but \"{part}\" is no number"))
+                    Refused::Malformed(format!("expected {form}, but \"{part}\" is not a number"))
                 }
                 Refused::OutOfRange(_) => {
                     Refused::OutOfRange(format!("\"{part}\" is not a finite number"))
@@ -123,7 +123,7 @@ pub fn some(text: &str, form: &str) -> Result<Vec<f32>, Refused> {
         .collect()
 }
 
-/// `value` if it lies in `range`; `name` starts the message otherwise.
+/// Returns `value` if it is in `range`; otherwise an error that begins with `name`.
 pub fn in_range(value: f32, range: &RangeInclusive<f32>, name: &str) -> Result<f32, Refused> {
     if range.contains(&value) {
         return Ok(value);

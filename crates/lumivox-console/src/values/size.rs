@@ -4,8 +4,8 @@ use glam::UVec2;
 
 use super::Refused;
 
-/// The longest edge that any GPU's 2D textures have today, in pixels. The GPU at hand may allow
-/// less, which shows once it is open.
+/// The longest edge of a 2D texture on any GPU today, in pixels. The GPU in use may allow less,
+/// which is known once it is open.
 pub const LONGEST_EDGE: u32 = 32_768;
 
 /// `WIDTHxHEIGHT` in pixels.

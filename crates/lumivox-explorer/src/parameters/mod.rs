@@ -1,7 +1,11 @@
-//! The one table of settings and the presets, with those of looks.
+//! The one table of settings, and the presets.
 //!
-//! The renderer knows its own settings and presets; each look has more in a crate of its own. Here they become one table,
-//! which all front ends read. The feature `classics` decides whether the looks of the literature are among them.
+//! The renderer knows its own settings and presets; crates that stand on its hooks and the library's have more. Here they
+//! become one table, which all front ends read. The feature `classics` decides whether the renderers of the literature are
+//! among them (`classics.rs`).
+
+#[cfg(feature = "classics")]
+mod classics;
 
 use std::sync::LazyLock;
 
@@ -12,8 +16,7 @@ pub use lumivox_render::parameters::{
 };
 
 /// The table, group by group.
-pub static PARAMETERS: LazyLock<Vec<Parameter>> =
-    LazyLock::new(|| OF_RENDERER.iter().cloned().chain(of_looks()).collect());
+pub static PARAMETERS: LazyLock<Vec<Parameter>> = LazyLock::new(table);
 
 /// The groups of the table, in its order.
 pub const GROUPS: &[Group] = &[
@@ -27,14 +30,24 @@ pub const GROUPS: &[Group] = &[
     lumivox_vxct::GROUP,
 ];
 
-/// All presets, from the cheapest to the dearest, then those that are not physical.
+/// All presets, from the cheapest to the most expensive, then those that are not physical.
 pub const PRESETS: &[PresetChoice] = &[
-    PresetChoice::PHYSICAL[0],
-    PresetChoice::PHYSICAL[1],
-    PresetChoice::PHYSICAL[2],
-    PresetChoice::PHYSICAL[3],
+    PresetChoice::ALL[0],
+    PresetChoice::ALL[1],
+    PresetChoice::ALL[2],
+    #[cfg(feature = "classics")]
+    classics::REPORT,
     #[cfg(feature = "classics")]
     lumivox_vxct::PRESET,
+];
+
+/// The presets of the physical look: their pictures are in physical units, and can be held against references.
+pub const PRESETS_TO_MEASURE: &[PresetChoice] = &[
+    PresetChoice::ALL[0],
+    PresetChoice::ALL[1],
+    PresetChoice::ALL[2],
+    #[cfg(feature = "classics")]
+    classics::REPORT,
 ];
 
 /// The parameter of a name or an alias.
@@ -47,38 +60,19 @@ pub fn find_preset(name: &str) -> Option<PresetChoice> {
     PRESETS.iter().copied().find(|preset| preset.name() == name)
 }
 
-/// The choice of a look, and the rows of each.
-#[cfg(feature = "classics")]
-fn of_looks() -> impl Iterator<Item = Parameter> {
-    use std::sync::Arc;
-
-    use lumivox_render::{PHYSICAL, RenderSettings};
-    use lumivox_vxct::{CHOICE, GROUP};
-
-    const LOOK: Setting<RenderSettings> = Setting {
-        name: "look",
-        summary: "How the picture comes about; preset vxct takes what goes with that look as well",
-        kind: Kind::Choice(&[
-            Choice::new(PHYSICAL, "direct light with shadow maps, and cones that gather radiance"),
-            CHOICE,
-        ]),
-        redoes: Redoes::Frames,
-        get: |s| Value::Choice(s.look_name()),
-        set: |s, v| {
-            s.look = match v {
-                Value::Choice(lumivox_vxct::NAME) => Some(Arc::new(lumivox_vxct::settings_of(s))),
-                _ => None,
-            }
-        },
-        ..Setting::ROW
-    };
-    std::iter::once(Parameter::own(GROUP, LOOK)).chain(lumivox_vxct::parameters())
+/// The renderer's rows, and those of the classics in their groups.
+fn table() -> Vec<Parameter> {
+    #[allow(unused_mut)] // Without classics it is the renderer's.
+    let mut table = OF_RENDERER.clone();
+    #[cfg(feature = "classics")]
+    for (row, before) in classics::rows() {
+        let named = before.and_then(|name| table.iter().position(|row| row.name == name));
+        let in_group = table.iter().rposition(|other| other.group == row.group);
+        let place = named.or(in_group.map(|last| last + 1)).unwrap_or(table.len());
+        table.insert(place, row);
+    }
+    table
 }
 
-#[cfg(not(feature = "classics"))]
-fn of_looks() -> impl Iterator<Item = Parameter> {
-    std::iter::empty()
-}
-
-#[cfg(test)]
+#[cfg(all(test, feature = "classics"))]
 mod tests;

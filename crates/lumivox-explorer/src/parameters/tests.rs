@@ -7,7 +7,7 @@ fn values(kind: Kind) -> Vec<Value> {
         Kind::Switch => vec![Value::Switch(true), Value::Switch(false)],
         Kind::Number { low, high, .. } => vec![Value::Number(low), Value::Number(high)],
         Kind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
-        Kind::Whole { .. } | Kind::Vector { .. } => panic!("no look has such a setting"),
+        Kind::Whole { .. } | Kind::Vector { .. } => panic!("no classic has such a setting"),
     }
 }
 
@@ -25,8 +25,8 @@ fn names_are_unique_and_groups_stand_together() {
 }
 
 #[test]
-fn what_is_set_in_a_look_is_what_is_got_and_changes_nothing_else() {
-    for parameter in of_looks() {
+fn what_is_set_in_a_classic_is_what_is_got_and_changes_nothing_else() {
+    for (parameter, _) in classics::rows() {
         let defaults = RenderSettings::default();
         let mut settings = defaults.clone();
         for value in values(parameter.kind) {
@@ -50,7 +50,8 @@ fn presets_are_found_by_their_names() {
         assert_eq!(find_preset(known.name()), Some(*known));
         assert!(known.summary().len() > 10, "{}", known.name());
     }
-    assert_eq!(PRESETS[..PresetChoice::PHYSICAL.len()], PresetChoice::PHYSICAL);
+    assert_eq!(PRESETS[..PresetChoice::ALL.len()], PresetChoice::ALL);
+    assert!(PRESETS.starts_with(PRESETS_TO_MEASURE));
     assert_eq!(find_preset("Fast"), None);
     let angle = find_parameter("da").expect("a parameter of a look");
     assert_eq!(angle.default(PresetChoice::default()), Value::Number(0.55));

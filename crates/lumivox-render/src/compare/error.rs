@@ -1,4 +1,4 @@
-//! Why pictures cannot be compared.
+//! Errors of comparisons.
 
 use std::path::PathBuf;
 
@@ -26,7 +26,7 @@ pub enum CompareError {
         picture: &'static str,
         /// The number of its pixels.
         pixels: usize,
-        /// The width and height that it shall have.
+        /// The expected width and height.
         size: UVec2,
     },
     /// A value is infinite, not a number, or a variance below 0.
@@ -46,7 +46,7 @@ pub enum CompareError {
     },
     /// The mean of the reference is not above 0, so nothing can be given as a share of it.
     #[error(
-        "the reference is black (its mean is {mean}), so errors cannot be told as a share of it; \
+        "the reference is black (its mean is {mean}), so errors cannot be given as a share of it; \
          give a reference that shows light"
     )]
     Black {
@@ -56,7 +56,7 @@ pub enum CompareError {
     /// A picture's file cannot be read.
     #[error("{}: cannot read the picture: {reason}; {remedy}", file.display())]
     Read {
-        /// The file asked for.
+        /// The file.
         file: PathBuf,
         /// The fault.
         reason: String,
@@ -66,9 +66,9 @@ pub enum CompareError {
     /// An `OpenEXR` file has no layer of that name.
     #[error("{}: it has no layer \"{layer}\" with red, green and blue; there are: {known}", file.display())]
     Layer {
-        /// The file asked for.
+        /// The file.
         file: PathBuf,
-        /// The layer asked for.
+        /// The requested layer.
         layer: String,
         /// The names of its layers.
         known: String,

@@ -3,7 +3,8 @@
 use super::figures::check_pair;
 use super::{CompareError, LinearPicture};
 
-/// Light that a dark room gets through its walls, in percent of the light next door.
+/// Light that leaks into a dark room through its walls, in percent of the light in the room next
+/// door.
 ///
 /// It is the mean over pixels of the dark room's surplus of luminance,
 /// `max(0, Y ours - Y reference)`, as a share of the mean luminance of the reference in the lit

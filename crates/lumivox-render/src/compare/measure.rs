@@ -1,4 +1,4 @@
-//! A scene rendered, layer by layer, and held against its reference.
+//! Renders the layers of a scene and compares them with its reference.
 
 use std::time::Instant;
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{CompareError, ErrorFigures, LinearPicture};
 use crate::reference::ReferenceLayers;
-use crate::{Gpu, Progress, RenderError, RenderSettings, Renderer, View};
+use crate::{Gpu, RenderError, RenderProgress, RenderSettings, Renderer, View};
 
 /// The number of frames over which cone samples are counted.
 const COST_FRAMES: u32 = 4;
@@ -36,10 +36,10 @@ pub struct Cost {
     pub samples_per_pixel: f64,
 }
 
-/// Figures of all layers.
+/// The errors of all layers.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct LayerFigures {
-    /// Irradiance after one gather; none where the reference is black.
+    /// Irradiance after one gather; `None` if the reference is black.
     pub one_bounce: Option<ErrorFigures>,
     /// Irradiance after all bounces.
     pub full: Option<ErrorFigures>,
@@ -58,7 +58,7 @@ pub async fn render_layers(
     scene: &Scene,
     camera: &Camera,
     settings: &RenderSettings,
-    progress: &mut dyn FnMut(Progress),
+    progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<RenderedLayers, RenderError> {
     let one_bounce = RenderSettings { bounces: 1, view: View::Diffuse, ..settings.clone() };
     let mut renderer = Renderer::new(gpu, scene, Some(camera), one_bounce, progress).await?;
@@ -79,7 +79,7 @@ pub async fn render_layers(
     Ok(RenderedLayers { one_bounce, full, picture, cost })
 }
 
-/// The view shows irradiance / pi.
+/// Converts the view, which shows irradiance / pi.
 fn irradiance(diffuse: &LinearPicture) -> LinearPicture {
     let rgb = diffuse.rgb.iter().map(|rgb| (Vec3::from(*rgb) * std::f32::consts::PI).to_array());
     LinearPicture { size: diffuse.size, rgb: rgb.collect() }
@@ -99,7 +99,7 @@ impl ReferenceLayers {
 }
 
 impl LayerFigures {
-    /// Holds a rendering against its reference.
+    /// Compares a rendering with its reference.
     ///
     /// # Errors
     /// [`CompareError`] when the sizes differ or a value is not finite.
@@ -123,7 +123,7 @@ impl LayerFigures {
         })
     }
 
-    /// The mean of figures that were taken with several places of the grid.
+    /// The mean of figures from several grid positions.
     pub fn mean(figures: &[Self]) -> Self {
         let mean = |of: fn(&Self) -> Option<ErrorFigures>| {
             let figures: Option<Vec<ErrorFigures>> = figures.iter().map(of).collect();

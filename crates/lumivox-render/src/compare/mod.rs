@@ -1,4 +1,4 @@
-//! How far a picture is from a reference: figures, and an error for each pixel.
+//! Comparison of a picture with a reference: error figures, and an error for each pixel.
 //!
 //! Both pictures are linear RGB ([`LinearPicture`]), from a file or from a renderer. With `x` a
 //! picture, `r` its reference and `Y` luminance (ITU-R BT.709):
@@ -12,10 +12,10 @@
 //! | noise | what of the RMSE is the reference's own |
 //!
 //! A pixel's relative error is `(Y x - Y r) / max(Y r, mean Y r / 10)`: without the tenth of the
-//! mean, black corners would be all that counts.
+//! mean, black corners would dominate.
 //!
-//! All pixels count, those of the background too. A mask would be one more thing to agree on, and
-//! where both pictures are black the background only dilutes: compare pictures that a scene fills.
+//! All pixels count, background included. A mask would be one more convention, and where both
+//! pictures are black the background only dilutes: compare pictures that a scene fills.
 
 mod error;
 mod figures;

@@ -1,4 +1,4 @@
-//! Pictures as they are compared.
+//! Pictures for comparison.
 
 use glam::{UVec2, Vec3};
 
@@ -25,8 +25,8 @@ impl From<&Picture> for LinearPicture {
 }
 
 impl LinearPicture {
-    /// The stops with which the geometric mean of luminance is a middle grey (Reinhard et al. 2002,
-    /// "Photographic tone reproduction for digital images", equation 1); every pixel counts.
+    /// The stops at which the geometric mean of luminance becomes middle grey (Reinhard et al.
+    /// 2002, "Photographic tone reproduction for digital images", equation 1); every pixel counts.
     pub fn exposure_stops(&self) -> f32 {
         let opaque: Vec<_> = self.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
         middle_grey_stops(&opaque).unwrap_or(0.0)
@@ -59,12 +59,13 @@ impl LinearPicture {
         sum / (3 * self.rgb.len()) as f64
     }
 
-    /// Checks that there are pixels, as many as the size says, and that all are finite.
+    /// Checks that the number of pixels matches the size, is not zero, and that all values are
+    /// finite.
     pub(super) fn check(&self, picture: &'static str) -> Result<(), CompareError> {
         check_values(picture, self.size, &self.rgb, |rgb| rgb.iter().all(|value| value.is_finite()))
     }
 
-    /// Checks that it is a reference: sound, and not black.
+    /// Checks that the picture can be a reference: valid, and not black.
     pub(super) fn check_reference(&self) -> Result<(), CompareError> {
         self.check("the reference")?;
         let mean = self.mean();
@@ -76,7 +77,7 @@ impl LinearPicture {
     }
 }
 
-/// Checks that there are values, one for each pixel, and all of them good.
+/// Checks that there is a valid value for each pixel.
 pub(super) fn check_values<T: std::fmt::Debug>(
     picture: &'static str,
     size: UVec2,

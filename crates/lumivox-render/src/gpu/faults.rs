@@ -1,16 +1,16 @@
-//! Errors of a device that no call returned, kept until somebody asks.
+//! Errors of a device that no call has returned, kept until they are asked for.
 //!
-//! wgpu tells of such an error within the call that raised it, on the thread of the call, and error scopes are a thread's
-//! own as well. So threads that share a device each hear of what they did themselves.
+//! wgpu reports such an error within the call that raised it, on the calling thread; error scopes
+//! belong to a thread as well. So each thread that shares a device receives its own errors.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 thread_local! {
-    /// Lives as long as its thread.
+    /// Dropped when its thread ends.
     static SIGN_OF_LIFE: Arc<()> = Arc::default();
 }
 
-/// What went wrong on one device.
+/// The errors of one device.
 #[derive(Debug, Default)]
 pub(crate) struct Faults(Mutex<Kept>);
 
@@ -28,20 +28,21 @@ struct Thread {
 }
 
 impl Faults {
-    /// Keeps an error of this thread, unless an earlier one is there.
+    /// Keeps an error of this thread, unless there is an earlier one.
     pub(crate) fn keep(&self, message: String) {
         tracing::error!("GPU: {message}");
         self.lock().this_thread().first.get_or_insert(message);
     }
 
-    /// The device is lost, which concerns every thread.
+    /// Records that the device is lost, which concerns every thread.
     pub(crate) fn lose(&self, message: String) {
         tracing::error!("GPU: {message}");
         self.lock().loss.get_or_insert(message);
     }
 
-    /// Takes this thread's error; else that of a thread which has never asked, as those that compile pipelines, or which
-    /// has ended, so that no error stays unheard. A lost device is told each time.
+    /// Takes this thread's error; otherwise that of a thread which has ended or has never asked,
+    /// such as one that compiles pipelines, so that no error is ignored. A lost device is reported
+    /// each time.
     pub(crate) fn take(&self) -> Option<String> {
         let mut kept = self.lock();
         let own = kept.this_thread();

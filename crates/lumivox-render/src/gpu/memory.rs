@@ -1,11 +1,11 @@
-//! What takes GPU memory.
+//! GPU memory by its use.
 
-/// The memory of one thing.
+/// The memory of one use.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryUse {
-    /// What it is, such as `shadow maps`.
+    /// The use, such as `shadow maps`.
     pub name: String,
-    /// How much it takes, without what a driver adds for alignment.
+    /// Its size, without what a driver adds for alignment.
     pub bytes: u64,
 }
 
@@ -16,7 +16,7 @@ impl MemoryUse {
     }
 }
 
-/// Bytes of main memory that are free for use; `None` where the system does not tell.
+/// Free bytes of main memory; `None` if the system does not report them.
 pub(crate) fn available_memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;

@@ -1,5 +1,5 @@
-//! The GPU: choosing an adapter, opening a device whose errors are heard, and what all rooms do with it: textures of a
-//! picture's size, reading them back, memory and times.
+//! The GPU: choosing an adapter, opening a device and catching its errors, and tools for the whole
+//! crate: textures of a picture's size, reading them back, memory and times.
 
 mod faults;
 pub(crate) mod memory;
@@ -24,7 +24,7 @@ const BACKENDS: wgpu::Backends =
 #[cfg(target_arch = "wasm32")]
 const BACKENDS: wgpu::Backends = wgpu::Backends::BROWSER_WEBGPU;
 
-/// How a device is chosen and opened.
+/// Options for choosing and opening a device.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct GpuOptions {
     /// Part of the adapter's name, in upper or lower case; `None` (the default) takes the fastest:
@@ -42,11 +42,11 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// Its queue.
     pub queue: wgpu::Queue,
-    /// All that is made on the device shares its pipelines.
+    /// The pipelines, shared by everything on the device.
     pub pipelines: Pipelines,
-    /// Which adapter it is.
+    /// The adapter of the device.
     pub adapter_info: wgpu::AdapterInfo,
-    /// Errors that nobody asked about.
+    /// Errors that were not asked for yet.
     faults: Arc<Faults>,
     is_lost: Arc<AtomicBool>,
 }
@@ -61,8 +61,8 @@ impl Gpu {
     /// Opens a device.
     ///
     /// # Errors
-    /// [`RenderError::Adapter`] when there is no adapter or none of that name, with a list of those
-    /// that there are; [`RenderError::NoDevice`] when the adapter gives none with WebGPU's default
+    /// [`RenderError::Adapter`] when there is no adapter or none of that name, with a list of the
+    /// others; [`RenderError::NoDevice`] when the adapter has no device with WebGPU's default
     /// limits.
     pub async fn new(options: &GpuOptions) -> Result<Self, RenderError> {
         let adapter = choose(adapters().await, options.adapter.as_deref())?;
@@ -89,17 +89,18 @@ impl Gpu {
         self.adapter_info.device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Whether the device is lost: nothing can be done with it any more, and all that it held is gone. Another one may be
-    /// opened.
+    /// Whether the device is lost: it cannot be used any more, and its contents are gone. Another
+    /// one may be opened.
     pub fn is_lost(&self) -> bool {
         self.is_lost.load(Ordering::Relaxed)
     }
 
-    /// Reports what failed on the device since the last call, outside of calls that return errors
+    /// Reports failures on the device since the last call, outside of calls that return errors
     /// themselves: a lost device, no memory left, a refused command.
     ///
-    /// Threads that share the device each hear of their own failures, and the next one to ask of those of threads that
-    /// have ended or have never asked. A lost device is reported to all of them, each time.
+    /// Each thread that shares the device receives its own failures; those of threads that have
+    /// ended or have never asked go to the next one that asks. A lost device is reported to all of
+    /// them, each time.
     ///
     /// # Errors
     /// [`RenderError::Device`] with the first failure.
@@ -107,8 +108,8 @@ impl Gpu {
         self.faults.take().map_or(Ok(()), |reason| Err(RenderError::Device { doing, reason }))
     }
 
-    /// The error for what does not fit into the device's memory: so many bytes, if that is known. Only of software
-    /// drivers is known what there is, since their memory is the machine's own.
+    /// The error that something does not fit into the device's memory; `bytes` is its size, if
+    /// known. The free memory is only known for software drivers, which use the machine's own.
     pub(crate) fn out_of_memory(
         &self,
         what: impl Into<String>,
@@ -124,14 +125,15 @@ impl Gpu {
         }
     }
 
-    /// An instance of the APIs that devices are looked for in, to make surfaces with.
+    /// An instance with the supported APIs, to make surfaces with.
     pub fn instance() -> wgpu::Instance {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
         descriptor.backends = BACKENDS;
         wgpu::Instance::new(descriptor)
     }
 
-    /// Waits until the device has done all that was submitted; in browsers the page goes on meanwhile.
+    /// Waits until the device has done all submitted work; in browsers the page continues
+    /// meanwhile.
     ///
     /// # Errors
     /// [`RenderError::Device`] when the device is lost.
@@ -144,8 +146,8 @@ impl Gpu {
         self.check(doing)
     }
 
-    /// Waits until the device has done all that was submitted. In browsers, where nothing may block,
-    /// it returns at once; see [`Self::finished`].
+    /// Waits until the device has done all submitted work. In browsers, where nothing may block, it
+    /// returns at once; see [`Self::finished`].
     ///
     /// # Errors
     /// [`RenderError::Device`] when the device is lost.
@@ -158,7 +160,7 @@ impl Gpu {
     }
 }
 
-/// An adapter in words: its name, kind, API and driver.
+/// Describes an adapter: its name, kind, API and driver.
 pub fn describe(info: &wgpu::AdapterInfo) -> String {
     let kind = match info.device_type {
         wgpu::DeviceType::DiscreteGpu => "discrete GPU",
@@ -223,8 +225,8 @@ fn choose(adapters: Vec<wgpu::Adapter>, name: Option<&str>) -> Result<wgpu::Adap
     })
 }
 
-/// WebGPU's default limits; sizes alone are raised to what the adapter offers, since a scene's size
-/// is the user's choice while the shaders' needs are ours.
+/// WebGPU's default limits. Only limits of size are raised to the adapter's: the user chooses the
+/// scene's size, while the shaders' needs are fixed.
 fn limits(offered: &wgpu::Limits, portable: bool) -> wgpu::Limits {
     let defaults = wgpu::Limits::default();
     if portable {
@@ -245,8 +247,8 @@ fn limits(offered: &wgpu::Limits, portable: bool) -> wgpu::Limits {
     }
 }
 
-/// Keeps the first error that reaches no error scope, and the reason of a lost device, instead of
-/// wgpu's panic.
+/// Keeps the first error that reaches no error scope, and the reason of a lost device, where wgpu
+/// would panic.
 fn hear_errors(device: &wgpu::Device, faults: &Arc<Faults>, is_lost: &Arc<AtomicBool>) {
     let kept = faults.clone();
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| kept.keep(error.to_string())));

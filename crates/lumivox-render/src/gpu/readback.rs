@@ -7,10 +7,10 @@ use lumivox::gpu::{Buffer, Texture};
 use crate::gpu::textures::extent;
 use crate::{Gpu, RenderError};
 
-/// The most bytes that are read at once, well below WebGPU's default limit of 256 MiB a buffer.
+/// The most bytes read at once, well below WebGPU's default limit of 256 MiB a buffer.
 const BAND_BYTES: u64 = 64 << 20;
 
-/// One texel of a 2D texture; `T` is one texel, and the texture needs `COPY_SRC`.
+/// Reads one texel of a 2D texture of type `T`; the texture needs `COPY_SRC`.
 pub(crate) async fn read_texel<T: Pod>(
     gpu: &Gpu,
     texture: &Texture,
@@ -43,7 +43,7 @@ pub(crate) async fn read_texel<T: Pod>(
     Ok(texels.first().copied().unwrap_or_else(T::zeroed))
 }
 
-/// All texels of a 2D texture, row by row; `T` is one texel, and the texture needs `COPY_SRC`.
+/// Reads all texels of a 2D texture of type `T`, row by row; the texture needs `COPY_SRC`.
 pub(crate) async fn read_texture<T: Pod>(
     gpu: &Gpu,
     texture: &Texture,

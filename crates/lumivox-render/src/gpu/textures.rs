@@ -3,7 +3,7 @@
 use glam::UVec2;
 use lumivox::gpu::{Texture, TextureView};
 
-/// Textures of one picture's size, with their memory summed up.
+/// Makes textures of one picture's size, and sums up their memory.
 #[derive(Debug)]
 pub(crate) struct ScreenTextures<'a> {
     device: &'a wgpu::Device,
@@ -17,7 +17,7 @@ impl<'a> ScreenTextures<'a> {
         Self { device, size, bytes: 0 }
     }
 
-    /// A texture that passes write as `usage` says, and that later ones read.
+    /// A texture that passes write as `usage` says, and that later passes read.
     pub(crate) fn create(
         &mut self,
         label: &str,

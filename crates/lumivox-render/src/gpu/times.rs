@@ -4,14 +4,14 @@ use std::time::Duration;
 
 use lumivox::gpu::StageTime;
 
-/// Sums of times by stage and pass, in the order in which they first came.
+/// Sums of times by stage and pass, in the order in which they first ran.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Times {
+pub(crate) struct StageTimes {
     sums: Vec<(StageTime, u32)>,
 }
 
-impl Times {
-    /// Adds what one recording took. A pass that ran several times in it counts with its sum.
+impl StageTimes {
+    /// Adds the times of one recording. A pass that ran several times in it counts with its sum.
     pub(crate) fn add(&mut self, times: Vec<StageTime>) {
         let mut recording: Vec<StageTime> = Vec::new();
         for time in times {
@@ -59,7 +59,7 @@ mod tests {
             pass: pass.to_owned(),
             duration: Duration::from_millis(millis),
         };
-        let mut times = Times::default();
+        let mut times = StageTimes::default();
         times.add(vec![time("a", 1), time("b", 10), time("a", 2)]);
         times.add(vec![time("a", 5), time("b", 20)]);
         assert_eq!(times.means(), [time("a", 4), time("b", 15)]);

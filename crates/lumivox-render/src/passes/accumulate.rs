@@ -1,8 +1,8 @@
 //! The mean over frames.
 //!
-//! After n frames the mean m moves by (x - m) / (n + 1), in full floats: each frame weighs the same,
-//! and nothing grows with their number. Two textures take turns, since WebGPU's core has no storage
-//! textures of this format that are both read and written.
+//! After n frames the mean m moves by (x - m) / (n + 1), in full floats: each frame has the same
+//! weight, and nothing grows with their number. Two textures take turns, since WebGPU's core cannot
+//! both read and write storage textures of this format.
 
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
@@ -35,7 +35,7 @@ pub struct AccumulatePass {
 }
 
 impl AccumulatePass {
-    /// Makes the pipeline and the textures; `frame` is what each frame is read from.
+    /// Makes the pipeline and the textures; `frame` is the texture of each frame.
     ///
     /// # Errors
     /// When the shader does not link.
@@ -75,7 +75,7 @@ impl AccumulatePass {
         self.frames
     }
 
-    /// Starts anew: the next frame replaces the mean.
+    /// Starts again: the next frame replaces the mean.
     pub fn reset(&mut self) {
         self.frames = 0;
     }
@@ -89,7 +89,7 @@ impl AccumulatePass {
         self.frames += 1;
     }
 
-    /// The mean of the frames so far; nothing sensible before the first.
+    /// The mean of the frames so far; undefined before the first.
     pub fn mean(&self) -> &Texture {
         let newest = self.frames.saturating_sub(1) % 2;
         &self.means[newest as usize]

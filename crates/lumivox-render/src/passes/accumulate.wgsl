@@ -1,4 +1,4 @@
-// The mean of all frames so far. Knows nothing of the grid: its own bindings are in group 0.
+// The mean of all frames so far. It does not use the grid: its own bindings are in group 0.
 
 struct AccumulateSettings {
     // Frames in the mean so far.

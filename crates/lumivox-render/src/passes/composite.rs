@@ -1,8 +1,9 @@
 //! One frame's picture from its parts, or a view of one of them.
 //!
-//! Outgoing radiance is emission, plus what lamps and sun send directly, plus albedo / pi times the
-//! gathered irradiance (less what the gloss reflects before it enters), plus what the glossy cones
-//! gathered. The background is the environment. Coloured glass in front of it all tints the sum.
+//! Outgoing radiance is emission, plus light straight from lamps and sun, plus albedo / pi times
+//! the gathered irradiance (less the part that the gloss reflects before it enters), plus the
+//! radiance of the glossy cones. The background is the environment. Coloured glass in front of all
+//! this tints the sum.
 
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::{
@@ -19,7 +20,7 @@ use crate::passes::gbuffer::GBufferTargets;
 /// Format of pictures before tone mapping: full floats, so that the mean over frames is exact.
 pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// Of the one number a pixel that can be read and written in place on every device.
+/// A format of one number a pixel that every device can read and write in place.
 const ILLUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
 /// `CompositeSettings` of `composite.wgsl`.
@@ -37,7 +38,7 @@ pub(crate) struct CompositeSettings {
 pub struct CompositePass {
     kernel: Kernel,
     layout: wgpu::BindGroupLayout,
-    /// Stands in for group 0: a picture is put together without the volume.
+    /// Takes the place of group 0: compositing does not use the volume.
     nothing: BindGroup,
 }
 
@@ -97,7 +98,9 @@ impl CompositePass {
         CompositeTargets { picture, illuminance, settings, group }
     }
 
-    /// Makes the picture; `has_cones` says whether cones were traced for it, `frames` how many are in the mean before it. The view takes effect at the next submission: one frame per recorder.
+    /// Makes the picture; `has_cones` says whether cones were traced for it, `frames` is the number
+    /// of frames in the mean before it. The view takes effect at the next submission: one frame per
+    /// recorder.
     pub fn record(
         &self,
         recorder: &mut Recorder,

@@ -1,5 +1,5 @@
-// One frame's picture, or one view of it: radiance or a quantity in rgb, in a whether there is a
-// surface.
+// One frame's picture, or one view of it: radiance or a quantity in rgb, and in a whether there is
+// a surface.
 
 import package::constants::{
     VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_INDIRECT, VIEW_NORMAL,
@@ -28,13 +28,13 @@ struct CompositeSettings {
 @group(1) @binding(0) var<uniform> composite_settings: CompositeSettings;
 // Reflected radiance; visibility of the lights in a of the first.
 @group(1) @binding(1) var direct_diffuse: texture_2d<f32>;
-// And in a of the second the illuminance.
+// The illuminance in a of the second.
 @group(1) @binding(2) var direct_specular: texture_2d<f32>;
 // Irradiance in rgb, openness in a.
 @group(1) @binding(3) var irradiance: texture_2d<f32>;
 // Reflected radiance in rgb, cone samples in a.
 @group(1) @binding(4) var specular: texture_2d<f32>;
-// The light that coloured glass in front lets through, in rgb; one white texel where the scene has
+// The light that coloured glass in front lets through, in rgb; one white texel if the scene has
 // none.
 @group(1) @binding(5) var tint: texture_2d<f32>;
 @group(1) @binding(6) var picture: texture_storage_2d<rgba32float, write>;
@@ -123,7 +123,7 @@ fn tint_at(pixel: vec2u) -> vec3f {
     }
 }
 
-// The sky is light of its own, so it is seen wherever emission is.
+// The sky is a light source, so it is seen wherever emission is.
 fn shows_environment() -> bool {
     switch composite_settings.shown {
         case VIEW_INDIRECT, VIEW_DIFFUSE, VIEW_SPECULAR, VIEW_OCCLUSION, VIEW_SHADOW,
@@ -136,7 +136,7 @@ fn shows_environment() -> bool {
     }
 }
 
-// The illuminance at the surface, from everywhere.
+// The illuminance of the surface, from everywhere.
 fn arriving(pixel: vec2u) -> f32 {
     // ITU-R BT.709-6, section 3.2.
     let indirect = dot(traced_irradiance(pixel).rgb, vec3f(0.2126, 0.7152, 0.0722));

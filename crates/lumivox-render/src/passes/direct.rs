@@ -1,5 +1,5 @@
-//! Light that reaches the visible surfaces straight from lamps and sun: Lambert's diffuse reflection
-//! and the microfacet gloss of `package::trace::brdf`, per pixel and light.
+//! Light that reaches the visible surfaces straight from lamps and sun: Lambert's diffuse
+//! reflection and the microfacet gloss of `package::trace::brdf`, per pixel and light.
 
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
@@ -21,7 +21,7 @@ pub struct DirectPass {
 /// Direct light at each pixel.
 #[derive(Debug)]
 pub struct DirectTargets {
-    /// Diffusely reflected radiance in rgb, the share of light that is not blocked in a.
+    /// Diffusely reflected radiance in rgb, the unblocked share of the light in a.
     pub diffuse: TextureView,
     /// Glossily reflected radiance in rgb, the illuminance of the surface in a.
     pub specular: TextureView,

@@ -56,7 +56,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         let brightness = luminance(incident.irradiance);
         sent += brightness;
         let n_dot_l = dot(normal, incident.direction);
-        // The geometric normal decides, too: a bent normal must not catch light from behind the
+        // The geometric normal decides, too: a bent normal must not receive light from behind the
         // surface.
         if brightness <= 0.0 || n_dot_l <= 0.0
             || dot(surface.geometric_normal, incident.direction) <= 0.0 {

@@ -1,4 +1,4 @@
-//! The G-buffer: what is visible at each pixel, 28 bytes of it.
+//! The G-buffer: the visible surface of each pixel, in 28 bytes.
 //!
 //! | target | format | holds |
 //! | --- | --- | --- |
@@ -9,12 +9,13 @@
 //! | emission | `Rgba16Float` | emitted radiance, the coat's perceptual roughness |
 //!
 //! The geometric normal is that of the triangle's plane, from the derivatives of the position: it
-//! decides from where cones start and which side light comes from, where an interpolated normal would
-//! lie.
+//! decides from where cones start and which side light comes from, for which an interpolated normal
+//! would be wrong.
 //!
-//! Materials without layers have shaders that sample their four textures and nothing else. What blends
-//! or transmits light is there in a share of the frames (`screen_door.wgsl`), and opaque when it is.
-//! Where it is not and its glass has a colour, a second pass multiplies that onto the tint of the pixel.
+//! Materials without layers have shaders that only sample their four textures. A surface that
+//! blends or transmits light exists in a share of the frames (`screen_door.wgsl`), and is then
+//! opaque. In the other frames, if its glass has a colour, a second pass multiplies that onto the
+//! tint of the pixel.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -27,7 +28,7 @@ use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, Recorder, RenderPass,
     ShaderError, ShaderLibrary, Texture, TextureView,
 };
-use lumivox::{GBufferViews, View};
+use lumivox::{CameraView, GBufferViews};
 use lumivox_scene::Camera;
 
 use wgpu::util::DeviceExt as _;
@@ -37,7 +38,7 @@ use crate::gpu::textures::ScreenTextures;
 use crate::passes::raster::{self, RasterPipeline};
 use crate::scene::{Attributes, GpuMaterial, GpuScene, SceneDraw};
 
-/// That of the normals.
+/// The format of the normals.
 pub const NORMALS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Formats of the colour targets, in the order of their locations.
@@ -48,10 +49,10 @@ const FORMATS: [wgpu::TextureFormat; 4] = [
     wgpu::TextureFormat::Rgba16Float,
 ];
 
-/// What panes in front of the visible surface colour its light with, in linear light.
+/// The tint of the light from the visible surface by panes in front, in linear light.
 const TINT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// Panes multiply, in whatever order they come.
+/// The tints of panes are multiplied; their order does not matter.
 const MULTIPLY: wgpu::BlendComponent = wgpu::BlendComponent {
     src_factor: wgpu::BlendFactor::Dst,
     dst_factor: wgpu::BlendFactor::Zero,
@@ -69,7 +70,7 @@ pub(crate) struct RasterView {
     pub(crate) padding: [f32; 2],
 }
 
-/// What a pipeline is made for; draws come in this order.
+/// A kind of pipeline; draws are in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Variant {
     is_double_sided: bool,
@@ -81,9 +82,9 @@ struct Variant {
 #[derive(Debug)]
 pub struct GBufferPass {
     shader: Shader,
-    /// Those that the scene needs.
+    /// The pipelines that the scene needs.
     pipelines: BTreeMap<Variant, DrawPipeline>,
-    /// Those for what is tinted.
+    /// The pipelines of tinted surfaces.
     tint_pipelines: BTreeMap<Variant, DrawPipeline>,
     view: Buffer,
     layout: wgpu::BindGroupLayout,
@@ -98,7 +99,7 @@ pub struct GBufferTargets {
     diffuse: TextureView,
     specular: TextureView,
     emission: TextureView,
-    /// What the light of a pixel's surface is multiplied by; of one white texel where nothing is tinted.
+    /// The tint of the light of each pixel; one white texel if nothing is tinted.
     pub(crate) tint: TextureView,
 }
 
@@ -116,7 +117,7 @@ impl GBufferTargets {
         }
     }
 
-    /// The textures as the library reads them.
+    /// The textures in the form that the library reads.
     pub fn views(&self) -> GBufferViews<'_> {
         GBufferViews {
             depth: &self.depth,
@@ -150,21 +151,21 @@ impl GBufferPass {
         Ok(pass)
     }
 
-    /// Takes up another pose of the scene that it was made for.
+    /// Takes another pose of its scene.
     ///
     /// # Errors
-    /// When the shader has not what a material needs.
+    /// When the shader lacks something that a material needs.
     pub(crate) fn set_scene(
         &mut self,
         pipelines: &Pipelines,
         scene: &GpuScene,
     ) -> Result<(), ShaderError> {
         self.group = bind(pipelines, &self.layout, &self.view, scene);
-        // What was hidden may be there now.
+        // A hidden object may be visible now.
         self.make_pipelines(pipelines, scene)
     }
 
-    /// Makes those that are not there yet.
+    /// Makes the missing pipelines.
     fn make_pipelines(
         &mut self,
         pipelines: &Pipelines,
@@ -205,14 +206,14 @@ impl GBufferPass {
         Ok(())
     }
 
-    /// Renders a scene, by a view that is moved by `jitter` pixels. It takes effect at the next submission: one frame
-    /// per recorder.
+    /// Renders a scene from a camera that is moved by `jitter` pixels. It takes effect at the next
+    /// submission: one frame per recorder.
     pub fn record(
         &self,
         recorder: &mut Recorder,
         scene: &GpuScene,
         targets: &GBufferTargets,
-        (view, jitter): (&View, Vec2),
+        (view, jitter): (&CameraView, Vec2),
     ) {
         let view = RasterView {
             clip_from_world: view.clip_from_world,
@@ -243,7 +244,7 @@ impl GBufferPass {
         }
     }
 
-    /// Renders what colours the light on its way from the visible surfaces.
+    /// Renders the surfaces that tint the light of the visible ones.
     fn record_tint(&self, recorder: &mut Recorder, scene: &GpuScene, targets: &GBufferTargets) {
         let color = wgpu::RenderPassColorAttachment {
             view: &targets.tint,
@@ -264,7 +265,7 @@ impl GBufferPass {
         });
     }
 
-    /// Draws what is wanted, each with the pipeline that it needs.
+    /// Draws the selected records, each with the pipeline that it needs.
     fn draw(
         &self,
         pass: &mut RenderPass<'_>,
@@ -349,7 +350,8 @@ fn bind(
     builder.build(device, "raster view")
 }
 
-/// From the world to clip space: reversed depth without a far plane, moved by `jitter` pixels.
+/// The matrix from the world to clip space: reversed depth without a far plane, moved by `jitter`
+/// pixels.
 pub fn clip_from_world(camera: &Camera, size: UVec2, jitter: Vec2) -> Mat4 {
     let size = size.as_vec2();
     let projection =
@@ -359,9 +361,9 @@ pub fn clip_from_world(camera: &Camera, size: UVec2, jitter: Vec2) -> Mat4 {
     Mat4::from_translation(shift.extend(0.0)) * projection * camera.camera_from_world()
 }
 
-/// Where in its pixel frame `frame` of `frames` looks, from the centre, in pixels: points of Halton's
-/// sequence in the bases 2 and 3 (Halton 1960), so that the mean over frames is a box filter of one
-/// pixel. A single frame looks at the centre.
+/// The sample position of frame `frame` of `frames` in its pixel, from the centre, in pixels:
+/// points of Halton's sequence in the bases 2 and 3 (Halton 1960), so that the mean over frames is
+/// a box filter of one pixel. A single frame samples the centre.
 pub fn jitter(frame: u32, frames: u32) -> Vec2 {
     if frames <= 1 {
         return Vec2::ZERO;

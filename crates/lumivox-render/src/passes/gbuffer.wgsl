@@ -11,7 +11,7 @@ import package::trace::surface::octahedral_encode;
 struct RasterView {
     clip_from_world: mat4x4f,
     position_in_world: vec3f,
-    // Counts the frames that are accumulated.
+    // The number of the accumulated frame.
     frame: u32,
     // The jitter of the pixels' positions, pixels.
     jitter: vec2f,
@@ -21,10 +21,10 @@ struct RasterView {
 @group(0) @binding(0) var<uniform> raster_view: RasterView;
 
 struct Vertex {
-    // The same in all pipelines: their depths are compared.
+    // The same in all pipelines, since their depths are compared.
     @builtin(position) @invariant clip: vec4f,
     // From the camera, not from the origin: f32 then resolves the small steps between near pixels,
-    // whose derivatives the geometric normal comes from.
+    // from whose derivatives the geometric normal comes.
     @location(0) from_camera: vec3f,
     @location(1) normal: vec3f,
     @location(2) tangent: vec4f,
@@ -34,7 +34,7 @@ struct Vertex {
     @location(6) @interpolate(flat) draw: u32,
 }
 
-// The inputs of plain materials on vertices of one set of texture coordinates.
+// The inputs of plain materials, for vertices with one set of texture coordinates.
 struct PlainFragment {
     @location(0) from_camera: vec3f,
     @location(1) normal: vec3f,
@@ -42,7 +42,7 @@ struct PlainFragment {
     @location(3) texcoord: vec2f,
 }
 
-// On vertices of two, with colours.
+// For vertices with two sets, and colours.
 struct ColoredFragment {
     @location(0) from_camera: vec3f,
     @location(1) normal: vec3f,
@@ -93,7 +93,7 @@ fn transform(
     );
 }
 
-// Vertices of one set of texture coordinates, which is used as the second as well.
+// Vertices with one set of texture coordinates, which also serves as the second.
 @vertex
 fn plain_vertex(
     @location(0) position: vec3f,
@@ -105,7 +105,7 @@ fn plain_vertex(
     return transform(position, normal, tangent, texcoord, texcoord, vec4f(1.0), draw);
 }
 
-// Vertices of two sets, with colours.
+// Vertices with two sets, and colours.
 @vertex
 fn colored_vertex(
     @location(0) position: vec3f,
@@ -188,7 +188,7 @@ fn layered_fragment(fragment: LayeredFragment) -> Targets {
     let point = layered_point(fragment);
     let layered = point.layered;
     // In the middle of the pixel, whatever the frame's jitter: a surface whose number changed from
-    // frame to frame would be there at random, instead of evenly spread over the frames.
+    // frame to frame would exist at random, instead of evenly spread over the frames.
     let distance = length(fragment.from_camera);
     let in_middle =
         distance + dot(vec2f(dpdx(distance), dpdy(distance)), raster_view.jitter);
@@ -208,8 +208,8 @@ fn layered_fragment(fragment: LayeredFragment) -> Targets {
     );
 }
 
-// This pass runs after the G-buffer. A surface nearer than the one that a pixel shows was not there
-// in this frame, or the pixel would show it. So the light passed it.
+// This pass runs after the G-buffer. A surface nearer than the pixel's visible one did not exist in
+// this frame, or the pixel would show it. So the light passed through it.
 @fragment
 fn tint_fragment(fragment: LayeredFragment) -> @location(0) vec4f {
     let point = layered_point(fragment);

@@ -1,4 +1,4 @@
-//! The passes of a frame: from the scene's triangles to one frame of radiance and what is drawn over it.
+//! The passes of a frame: from the scene's triangles to one frame of radiance, and its overlay.
 //!
 //! | file | does | reads |
 //! | --- | --- | --- |
@@ -11,8 +11,9 @@
 //! | `accumulate` | the mean over frames | the composite |
 //! | `overlay/` | lines and wires over the picture | G-buffer |
 //!
-//! A pass is given the textures that it reads and the [library](crate::shaders) that its shader is linked from. None
-//! knows who made them: [`Targets`](targets::Targets) and the renderer join the passes.
+//! A pass receives the textures that it reads and the [library](crate::shaders) that its shader is
+//! linked from, and does not know who made them: [`Targets`](targets::Targets) and the renderer
+//! connect the passes.
 
 pub(crate) mod accumulate;
 pub(crate) mod composite;

@@ -1,4 +1,4 @@
-//! What the passes that rasterize share: vertex layouts, reversed depth, draws.
+//! Common parts of the passes that rasterize: vertex layouts, reversed depth, draws.
 
 use std::ops::Range;
 
@@ -30,7 +30,7 @@ const fn stream<T>(
 /// Vertex buffers by their slots: positions, attributes, normals and tangents.
 pub(crate) type Streams = [Option<wgpu::VertexBufferLayout<'static>>; 3];
 
-/// All that a batch of those attributes has.
+/// The vertex buffers of a batch with these attributes.
 pub(crate) const fn streams(attributes: Attributes) -> Streams {
     let attributes = match attributes {
         Attributes::Texcoords => stream::<[f32; 2]>(&TEXCOORD),
@@ -39,7 +39,7 @@ pub(crate) const fn streams(attributes: Attributes) -> Streams {
     [Some(stream::<[f32; 3]>(&POSITION)), Some(attributes), Some(stream::<Shading>(&SHADING))]
 }
 
-/// A pipeline that draws triangles against a reversed depth buffer: what is nearer is greater.
+/// A pipeline that draws triangles against a reversed depth buffer: nearer is greater.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RasterPipeline<'a> {
     pub(crate) shader: &'a Shader,
@@ -49,7 +49,7 @@ pub(crate) struct RasterPipeline<'a> {
     pub(crate) vertex_buffers: &'a [Option<wgpu::VertexBufferLayout<'static>>],
     pub(crate) groups: &'a [&'a wgpu::BindGroupLayout],
     pub(crate) cull_mode: Option<wgpu::Face>,
-    /// Whether what is drawn hides what lies behind.
+    /// Whether the triangles hide what is behind them.
     pub(crate) writes_depth: bool,
 }
 
@@ -92,7 +92,8 @@ pub(crate) fn depth_attachment(view: &TextureView) -> wgpu::RenderPassDepthStenc
     }
 }
 
-/// Draws a run of triangles, once for each of the records; the shader finds them by the instance's index.
+/// Draws a run of triangles once for each record; the instance's index selects the record in the
+/// shader.
 pub(crate) fn draw(
     pass: &mut RenderPass<'_>,
     batch: &VertexBuffers,

@@ -1,17 +1,17 @@
-// Transparency without an order: a piece of a surface that covers a share of its pixel is there
-// with that probability, and opaque if so (Enderton et al. 2010, "Stochastic transparency", IEEE
-// TVCG 17 (8)). The mean over frames, or over the texels of a shadow map's filter, equals blending
-// in the right order.
+// Order-independent transparency: a surface that covers a share of its pixel exists with that
+// probability, and is then opaque (Enderton et al. 2010, "Stochastic transparency", IEEE TVCG 17
+// (8)). The mean over frames, or over the texels of a shadow map's filter, equals blending in the
+// right order.
 //
-// Surfaces behind each other in a pixel must be drawn independently, or else two panes of one half
-// would let one half through. So every surface has a sequence of its own: van der Corput's in the
-// frames, shuffled and scrambled (Burley 2020, "Practical hash-based Owen scrambling", JCGT 9 (4)),
-// which keeps 2^n frames evenly spread. All pixels share it, turned by a pattern that neighbouring
-// pixels spread evenly as well (interleaved gradient noise: Jimenez 2014, "Next generation post
-// processing in Call of Duty: Advanced Warfare"). The pattern of a surface is turned further by a
-// number of each of its tiles of 4x4 pixels: in a single frame, too, two panes of one half let one
-// quarter through then (+-0.02 over 32x32 pixels, against +-0.14 with one pattern for all), at
-// little more noise within 3x3 pixels (0.09; 0.06 with one pattern, 0.17 with random numbers).
+// Surfaces behind each other in a pixel must be drawn independently, or else two half-covering
+// panes would let one half through. So every surface has a sequence of its own: van der Corput's
+// over the frames, shuffled and scrambled (Burley 2020, "Practical hash-based Owen scrambling",
+// JCGT 9 (4)), which keeps 2^n frames evenly spread. All pixels share it, rotated by a pattern that
+// spreads neighbouring pixels evenly as well (interleaved gradient noise: Jimenez 2014, "Next
+// generation post processing in Call of Duty: Advanced Warfare"). A number for each tile of 4x4
+// pixels rotates the pattern of a surface further: even in a single frame two half-covering panes
+// then let one quarter through (+-0.02 over 32x32 pixels, against +-0.14 with one pattern for all),
+// at little more noise within 3x3 pixels (0.09; 0.06 with one pattern, 0.17 with random numbers).
 
 import package::gpu::random::hash;
 
@@ -30,13 +30,13 @@ fn gradient_noise(pixel: vec2u) -> f32 {
     return fract(52.9829189 * f32(turn >> 8u) / 16777216.0);
 }
 
-// A number of the surface that a fragment belongs to: of a draw, of one side of it, and of its
-// distance within a 256th, so that pieces of one mesh behind each other get different numbers.
+// A number for the surface of a fragment: from its draw, its side, and its distance to within a
+// 256th, so that pieces of one mesh behind each other get different numbers.
 fn surface_seed(draw: u32, is_front: bool, distance: f32) -> u32 {
     return hash(bitcast<u32>(distance) >> 15u) ^ hash(2u * draw + u32(is_front));
 }
 
-// Whether a surface that covers a share of a pixel is there in a frame.
+// Whether a surface that covers a share of a pixel exists in a frame.
 fn is_there(coverage: f32, pixel: vec2u, seed: u32, frame: u32) -> bool {
     let shuffled = reverseBits(laine_karras(reverseBits(frame), seed));
     let step = reverseBits(laine_karras(shuffled, hash(seed)));

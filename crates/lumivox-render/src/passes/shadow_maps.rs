@@ -1,12 +1,12 @@
 //! Shadow maps: the scene's depth as each light sees it, in the layers of one depth array.
 //!
-//! A directional light has one layer, a parallel projection fitted to the scene's bounds; a spot light
-//! has one, a perspective projection as wide as its cone; a point light has six, the faces of a cube.
-//! Depth is reversed (1 near, 0 far) and, in perspective, without a far plane: a float's precision
-//! then falls off as perspective's own (Reed 2015, "Depth precision visualized"). Both sides of every
-//! triangle cast shadows; the receiver is moved off its surface instead (`light/shadow_map.wgsl`).
-//! What lets a share of the light pass leaves that share of the texels free, in a pattern that the
-//! filter evens out.
+//! A directional light has one layer, a parallel projection fitted to the scene's bounds; a spot
+//! light has one, a perspective projection as wide as its cone; a point light has six, the faces of
+//! a cube. Depth is reversed (1 near, 0 far) and, in perspective, without a far plane: a float's
+//! precision then falls off as perspective's own (Reed 2015, "Depth precision visualized"). Both
+//! sides of every triangle cast shadows; the receiver is moved off its surface instead
+//! (`light/shadow_map.wgsl`). A surface that lets a share of the light pass leaves that share of
+//! the texels free, in a pattern that the filter evens out.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -31,11 +31,11 @@ use crate::scene::{Attributes, GpuScene, Presence, SceneDraw, corners};
 pub(crate) const MAX_BYTES: u64 = 256 << 20;
 /// The most layers: ten point lights.
 const MAX_LAYERS: u32 = 64;
-/// Layers see this many texels more on each side: the filter reaches 1.5 texels over a receiver that
-/// was moved by 2, and both must stay within the layer that the receiver itself falls into.
+/// The texels by which layers are wider on each side: the filter reaches 1.5 texels over a receiver
+/// that was moved by 2, and both must stay within the layer that the receiver itself falls into.
 const BORDER_TEXELS: f32 = 4.0;
-/// The widest spot light that one perspective layer holds well: its middle then has a quarter of the
-/// resolution that a map of 90 degrees has.
+/// The widest spot light for one perspective layer: at this angle its middle has a quarter of the
+/// resolution of a 90-degree map.
 const MAX_SPOT_ANGLE_RAD: f32 = 1.32;
 /// The near plane of a light without radius, as a share of the scene's radius.
 const NEAR_SHARE: f32 = 1e-4;
@@ -52,18 +52,18 @@ pub(crate) struct ShadowView {
 pub struct ShadowMapPass {
     shader: Shader,
     layout: wgpu::BindGroupLayout,
-    /// Those that the scene needs.
+    /// The pipelines that the scene needs.
     pipelines: BTreeMap<Variant, DrawPipeline>,
 }
 
-/// What a pipeline is made for; draws come in this order.
+/// A kind of pipeline; draws are in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Variant {
-    /// Positions are enough.
+    /// Only positions are needed.
     Solid,
-    /// By the threshold of its alpha.
+    /// The alpha is compared with its threshold.
     Masked(Attributes),
-    /// By the share that it covers.
+    /// The surface covers a share.
     Partial(Attributes),
 }
 
@@ -101,7 +101,7 @@ impl Variant {
             vertex,
             fragment,
             targets: &[],
-            // Normals have no part in it.
+            // Normals do not matter here.
             vertex_buffers: &streams[..if attributes.is_some() { 2 } else { 1 }],
             groups,
             cull_mode: None,
@@ -131,10 +131,10 @@ impl ShadowMapPass {
         Ok(pass)
     }
 
-    /// Takes up another pose of the scene that it was made for: what was hidden may be there now.
+    /// Takes another pose of its scene: a hidden object may be visible now.
     ///
     /// # Errors
-    /// When the shader has not what a material needs.
+    /// When the shader lacks something that a material needs.
     pub(crate) fn set_scene(
         &mut self,
         pipelines: &Pipelines,
@@ -150,8 +150,8 @@ impl ShadowMapPass {
         Ok(())
     }
 
-    /// Renders the shadow maps of `lights` and tells each light its layers; lights that find no room
-    /// keep their shadows by cones, with a warning. `None` where no light has a map.
+    /// Renders the shadow maps of `lights` and sets the layers of each light. Lights for which
+    /// there is no room keep their shadows by cones, with a warning. `None` if no light has a map.
     pub fn record(
         &self,
         gpu: &Gpu,
@@ -237,7 +237,7 @@ impl ShadowMapPass {
     }
 }
 
-/// What may be seen in a projection of each run of draws: one range or several.
+/// The ranges of each run of draws that may be visible in a projection.
 fn runs_in_sight(scene: &GpuScene, clip_from_world: Mat4) -> Vec<Range<u32>> {
     let sides = sides(clip_from_world);
     let mut seen: Vec<Range<u32>> = Vec::new();
@@ -247,7 +247,7 @@ fn runs_in_sight(scene: &GpuScene, clip_from_world: Mat4) -> Vec<Range<u32>> {
                 continue;
             }
             match seen.last_mut().filter(|last| last.end == record) {
-                // Not one of the run before, which other triangles belong to.
+                // Not one of the run before, which has other triangles.
                 Some(last) if last.start >= run.start => last.end += 1,
                 _ => seen.push(record..record + 1),
             }
@@ -256,7 +256,7 @@ fn runs_in_sight(scene: &GpuScene, clip_from_world: Mat4) -> Vec<Range<u32>> {
     seen
 }
 
-/// Gives each light its layers, in the order of the lights, as long as there is room.
+/// Assigns layers to the lights in order, as long as there is room.
 fn assign_layers(lights: &mut [Light], bounds: Bounds, resolution: u32) -> Vec<ShadowLayer> {
     let layer_bytes = 4 * u64::from(resolution) * u64::from(resolution);
     let most = (MAX_BYTES / layer_bytes).min(u64::from(MAX_LAYERS)) as usize;
@@ -283,7 +283,7 @@ fn assign_layers(lights: &mut [Light], bounds: Bounds, resolution: u32) -> Vec<S
     layers
 }
 
-/// The layers that one light needs; none where no projection is wide enough.
+/// The layers of one light; none if no projection is wide enough.
 fn layers_of(source: &LightSource, bounds: Bounds, resolution: u32) -> Vec<ShadowLayer> {
     let least_near_m = bounds.radius_m() * NEAR_SHARE;
     match *source {
@@ -313,12 +313,12 @@ fn layers_of(source: &LightSource, bounds: Bounds, resolution: u32) -> Vec<Shado
 fn parallel_layer(direction: Vec3, bounds: Bounds, resolution: u32) -> ShadowLayer {
     let view = look_to_mat4(bounds.center(), direction, direction.any_orthonormal_vector());
     let seen = Bounds::from_points(corners(bounds).map(|corner| view.transform_point3(corner)));
-    // Square, so that one number tells the size of a texel; never flat.
+    // Square, so that one number is the size of a texel; never flat.
     let extent_m = seen.size().truncate().max_element().max(bounds.radius_m() * 1e-3);
     let half_m = 0.5 * extent_m * border(resolution);
     let middle = seen.center();
     let depth_margin_m = bounds.radius_m() * 1e-3;
-    // The view looks along -z; near and far change places to reverse the depth.
+    // The camera looks along -z; near and far are exchanged to reverse the depth.
     let projection = orthographic(
         middle.x - half_m,
         middle.x + half_m,
@@ -351,20 +351,21 @@ fn perspective_layer(
     }
 }
 
-/// How much wider a layer is for its border.
+/// The factor by which a layer is wider for its border.
 fn border(resolution: u32) -> f32 {
     let resolution = resolution as f32;
     resolution / (resolution - 2.0 * BORDER_TEXELS)
 }
 
-/// The sides of a projection, as planes that are negative beyond: left, right, bottom, top, near. There is no far one.
+/// The sides of a projection, as planes that are negative outside: left, right, bottom, top, near.
+/// There is no far plane.
 fn sides(clip_from_world: Mat4) -> [Vec4; 5] {
     let [x, y, z, w] = [0, 1, 2, 3].map(|row| clip_from_world.row(row));
     [w - x, w + x, w - y, w + y, w - z]
 }
 
-/// Whether any part of a box may be within some sides: not all of it lies beyond one of them. What rounding may have
-/// moved there is within.
+/// Whether any part of a box may be inside the planes: not all of it is outside one of them.
+/// Rounding errors count as inside.
 fn may_be_seen(sides: &[Vec4; 5], bounds: Bounds) -> bool {
     let (center, half) = (bounds.center(), 0.5 * bounds.size());
     sides.iter().all(|side| {
@@ -372,7 +373,7 @@ fn may_be_seen(sides: &[Vec4; 5], bounds: Bounds) -> bool {
         let reach = normal.abs().dot(half);
         let size = normal.abs().dot(center.abs()) + side.w.abs() + reach;
         let most = normal.dot(center) + side.w + reach;
-        // What overflows may be anywhere.
+        // A box that overflows may be anywhere.
         most.is_nan() || most >= -1e-5 * size
     })
 }
@@ -414,7 +415,7 @@ mod tests {
         let axes = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
         for (layer, axis) in layers.iter().zip(axes) {
             let side = axis.any_orthonormal_vector();
-            // Right at the seam of two faces, it is still within the border.
+            // At the seam of two faces it is still within the border.
             for at in [axis, axis + 0.99 * side, axis - side] {
                 let ndc = project(layer, position + 3.0 * at);
                 assert!(ndc.x.abs() < 1.0 && ndc.y.abs() < 1.0, "{axis}: {ndc}");

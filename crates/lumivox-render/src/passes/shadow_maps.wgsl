@@ -77,11 +77,10 @@ fn masked_fragment(fragment: MaskedFragment) {
     }
 }
 
-// A share of the texels of the map is blocked: as large a share of the light, where the map is
-// filtered.
+// A share of the map's texels is blocked: after filtering, as large a share of the light.
 //
 // Light of all colours shares the map, so a tinted pane lets the luminance of its tint pass. Its
-// reflectance is taken as that at normal incidence.
+// reflectance is approximated by that at normal incidence.
 @fragment
 fn partial_fragment(fragment: PartialFragment) {
     let base = base_at(fragment.texcoords, fragment.color);

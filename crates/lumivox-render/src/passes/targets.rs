@@ -1,4 +1,4 @@
-//! What belongs to one size of picture: textures, and the passes that are bound to them.
+//! Everything that depends on the picture's size: textures, and the passes bound to them.
 
 use glam::{Mat4, UVec2};
 use lumivox::gpu::ShaderLibrary;
@@ -15,7 +15,7 @@ use crate::passes::voxel_view::VoxelViewPass;
 use crate::picture::tone_map::ToneMapPass;
 use crate::{Gpu, RenderError};
 
-/// All that has the picture's size.
+/// Everything that depends on the picture's size.
 #[derive(Debug)]
 pub(crate) struct Targets {
     pub(crate) gbuffer_textures: GBufferTargets,
@@ -26,23 +26,24 @@ pub(crate) struct Targets {
     pub(crate) voxel_view: VoxelViewPass,
     pub(crate) accumulate: AccumulatePass,
     pub(crate) tone_map: ToneMapPass,
-    /// Once there was something to draw.
+    /// The overlay; `None` until there is something to draw.
     pub(crate) overlay: Option<OverlayPass>,
-    /// Of the textures of this crate and of the cones'.
+    /// Bytes of the textures of this crate and of the cones.
     pub(crate) bytes: u64,
 }
 
 /// Bytes a pixel of everything in [`Targets`]: G-buffer 28, direct light 16, cones 20 (and at half
 /// resolution 16 + 20 / 4), picture and mean 48, illuminance 4, screen 4.
 pub(crate) const BYTES_PER_PIXEL: u64 = 120;
-/// And of the tint, where there is coloured glass.
+/// Additional bytes a pixel for the tint of coloured glass.
 pub(crate) const TINT_BYTES_PER_PIXEL: u64 = 4;
 
 impl Targets {
     /// Makes everything; `is_tinted` says whether the scene has coloured glass.
     ///
     /// # Errors
-    /// [`RenderError::OutOfMemory`] when the device has not the memory, and when a shader does not link.
+    /// [`RenderError::OutOfMemory`] when the device has too little memory; also when a shader does
+    /// not link.
     pub(crate) async fn new(
         gpu: &Gpu,
         shaders: &ShaderLibrary,
@@ -58,7 +59,8 @@ impl Targets {
             let what = format!("a picture of {}x{}", size.x, size.y);
             gpu.out_of_memory(what, Some(needed), "ask for a smaller picture")
         };
-        // Software drivers hand out memory that they do not have, and the system then ends the process.
+        // Software drivers promise memory that they do not have, and the system then kills the
+        // process.
         if gpu.is_software() && available_memory().is_some_and(|available| needed > available) {
             return Err(too_large());
         }
@@ -82,7 +84,7 @@ impl Targets {
         let device = &gpu.pipelines;
         let mut textures = ScreenTextures::new(device, size);
         let gbuffer_textures = GBufferTargets::new(gpu, &mut textures, is_tinted);
-        let view = lumivox::View::new(Mat4::IDENTITY, glam::Vec3::ZERO, size);
+        let view = lumivox::CameraView::new(Mat4::IDENTITY, glam::Vec3::ZERO, size);
         let gbuffer = gi.bind_gbuffer(gbuffer_textures.views(), view);
         let direct = direct.targets(device, &mut textures);
         let traced = gi.targets(size, resolution);

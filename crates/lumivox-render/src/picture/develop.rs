@@ -1,4 +1,4 @@
-//! Pictures of radiance that come from elsewhere, brought to the screen as rendered ones are.
+//! Tone mapping of radiance from other sources, as for rendered pictures.
 
 use glam::UVec2;
 use lumivox::gpu::Recorder;
@@ -11,11 +11,12 @@ use crate::picture::tone_map::{Encoding, ToneMapPass};
 use crate::{Exposure, Gpu, Picture, RenderError, ToneMap};
 
 impl Picture {
-    /// A picture of radiances in cd/m² (in a whether there is a surface), row by row from the top, with what
-    /// a screen shows of it.
+    /// A picture of radiances in cd/m² (in a whether there is a surface), row by row from the top,
+    /// with its tone-mapped pixels for a screen.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] when there are not as many pixels as the size says, and when the device fails.
+    /// [`RenderError::Setting`] when the number of pixels does not match the size, and when the
+    /// device fails.
     pub async fn develop(
         gpu: &Gpu,
         size: UVec2,

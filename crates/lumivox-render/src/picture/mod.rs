@@ -1,5 +1,5 @@
-//! A picture on its way from radiance to a screen and to files: `tone_map/` exposes and encodes it, `develop` does so
-//! with radiance that comes from elsewhere, and [`Picture`] holds and writes what came out.
+//! Pictures, from radiance to screens and files: `tone_map/` exposes and encodes them, `develop`
+//! does so with radiance from other sources, and [`Picture`] holds and writes the result.
 
 mod develop;
 pub(crate) mod srgb;
@@ -33,10 +33,10 @@ pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
 pub struct Picture {
     /// Width and height in pixels.
     pub size: UVec2,
-    /// Radiance in cd/m² or the quantity of a view, in rgb; in a the share of the pixel that shows a
-    /// surface.
+    /// Radiance in cd/m², or the quantity of a view, in rgb; the share of the pixel that shows a
+    /// surface in a.
     pub hdr: Vec<[f32; 4]>,
-    /// What a screen shows: exposed, tone mapped, sRGB-encoded, opaque.
+    /// The pixels for a screen: exposed, tone mapped, sRGB-encoded, opaque.
     pub ldr: Vec<[u8; 4]>,
 }
 
@@ -50,7 +50,7 @@ pub enum ImageFormat {
 }
 
 impl ImageFormat {
-    /// The format that a file's extension names; ask before rendering.
+    /// The format of a file's extension; call it before rendering.
     ///
     /// # Errors
     /// [`RenderError::UnknownFormat`] when it is neither `png` nor `exr`, in upper or lower case.
@@ -68,12 +68,12 @@ impl ImageFormat {
 impl Picture {
     /// Writes the picture in the format that the extension names.
     ///
-    /// It is written under a temporary name in the same folder first and renamed at the end: whoever
-    /// looks finds the old picture or the whole new one.
+    /// It is written under a temporary name in the same folder first and renamed at the end: a
+    /// reader finds the old picture or the whole new one.
     ///
     /// # Errors
-    /// [`RenderError::UnknownFormat`], and [`RenderError::Write`] when the file cannot be written; then
-    /// nothing is left behind.
+    /// [`RenderError::UnknownFormat`], and [`RenderError::Write`] when the file cannot be written;
+    /// then nothing is left behind.
     pub fn write(&self, path: &Path) -> Result<(), RenderError> {
         let format = ImageFormat::from_path(path)?;
         let written = write_atomically(path, |out| self.write_to(out, format));
@@ -101,7 +101,7 @@ impl Picture {
     }
 
     fn write_png(&self, out: &mut impl Write) -> io::Result<()> {
-        // No alpha: a picture of a room with holes where the sky is would be a surprise.
+        // No alpha: holes where the sky is would be a surprise in a picture of a room.
         let rgb: Vec<u8> = self.ldr.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
         image::codecs::png::PngEncoder::new(out)
             .write_image(&rgb, self.size.x, self.size.y, ExtendedColorType::Rgb8)
@@ -115,7 +115,8 @@ impl Picture {
             (r, g, b)
         });
         let image = exr::image::Image::from_channels((width, self.size.y as usize), channels);
-        // Threads would add their blocks of lines in the order in which they end: other bytes in every run.
+        // Threads would append their blocks of lines in the order in which they end: other bytes in
+        // every run.
         image.write().non_parallel().to_buffered(out).map_err(io::Error::other)
     }
 }
@@ -195,7 +196,7 @@ mod tests {
         let missing = folder.path().join("missing").join("picture.png");
         let error = picture().write(&missing).expect_err("no such folder");
         assert!(error.to_string().contains("missing"), "{error}");
-        // A folder stands where the picture shall go: the rename fails at the very end.
+        // A folder is in the picture's place: the rename fails at the very end.
         let blocked = folder.path().join("picture.exr");
         fs::create_dir(&blocked).expect("a folder");
         let error = picture().write(&blocked).expect_err("a folder is in the way");

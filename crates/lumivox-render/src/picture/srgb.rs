@@ -1,4 +1,4 @@
-//! The code of screens and of their pictures: sRGB, IEC 61966-2-1:1999, section 5.2.
+//! The encoding of screens and of their pictures: sRGB, IEC 61966-2-1:1999, section 5.2.
 
 /// The linear value of a code, both from 0 to 1.
 pub(crate) fn srgb_decode(code: f32) -> f32 {

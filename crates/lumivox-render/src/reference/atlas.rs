@@ -1,8 +1,8 @@
-//! All textures of a scene in the layers of one: only so can a shader pick a texture by number on
-//! WebGPU.
+//! All textures of a scene in the layers of one: on WebGPU, a shader can only select a texture by
+//! number in this way.
 //!
-//! Only finest levels are kept: a path tracer averages by its samples. A texture larger than the
-//! device's largest is halved until it fits.
+//! Only the finest levels are kept: a path tracer averages by its samples. A texture larger than
+//! the device's limit is halved until it fits.
 
 use lumivox::gpu::{Texture, TextureView};
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ use super::records::TileRecord;
 use crate::scene::{Alpha, Encoding, Level, mip_chain};
 use crate::{Gpu, RenderError};
 
-/// `TILE_CLAMP` of the shaders, of the first axis; those of the second lie two bits higher.
+/// `TILE_CLAMP` of the shaders for the first axis; the bits of the second are two higher.
 pub(crate) const TILE_CLAMP: u32 = 1;
 pub(crate) const TILE_MIRROR: u32 = 2;
 pub(crate) const TILE_NEAREST: u32 = 16;
@@ -24,17 +24,17 @@ pub(crate) const TILE_PRESENT: u32 = 64;
 /// The edge of a layer, unless a texture is larger.
 const LAYER_EDGE: u32 = 4096;
 
-/// Where the textures lie.
+/// The places of the textures.
 #[derive(Debug)]
 pub(super) struct Atlas {
     pub(super) view: TextureView,
-    /// By texture and whether it holds colours.
+    /// The tile of a texture, by its number and whether it holds colours.
     tiles: BTreeMap<(usize, bool), TileRecord>,
     samplers: Vec<Sampler>,
 }
 
 impl Atlas {
-    /// Uploads the textures that `used` lists: each with whether it holds colours.
+    /// Uploads the textures that `used` lists, each with whether it holds colours.
     pub(super) fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -112,7 +112,7 @@ impl Atlas {
         Ok(Self { view, tiles: places, samplers })
     }
 
-    /// Where a texture lies, and how it is sampled.
+    /// The place of a texture, and its sampling.
     pub(super) fn tile(&self, reference: TextureRef, is_color: bool) -> TileRecord {
         let sampler = self.samplers[reference.texture];
         let wrap = |wrap, shift: u32| match wrap {

@@ -1,7 +1,7 @@
-//! Sums on their way, kept in a file.
+//! Unfinished sums, kept in a file.
 //!
-//! Little-endian: the mark, the fingerprint of the traced scene, width, height, samples and
-//! batches, all sums in f64, and a checksum of everything before.
+//! Little-endian: a mark, the fingerprint of the traced scene, width, height, samples and batches,
+//! all sums in f64, and a checksum of everything before.
 
 use bytemuck::Zeroable as _;
 use glam::UVec2;
@@ -11,27 +11,27 @@ use super::film::{Film, Sums};
 const MARK: &[u8; 8] = b"LUMIREF2";
 const HEADER_BYTES: usize = 8 + 8 + 4 * 4;
 
-/// Why a checkpoint cannot be gone on with.
+/// Why tracing cannot continue from a checkpoint.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
-    /// The bytes are not a checkpoint, or not all of one.
-    #[error("it is no checkpoint of a reference, or it is damaged; delete it and start anew")]
+    /// The bytes are not a complete checkpoint.
+    #[error("it is not a checkpoint of a reference, or it is damaged; delete it and start again")]
     Damaged,
-    /// It is one of another picture size.
+    /// The picture of the checkpoint has another size.
     #[error(
-        "it holds {} x {} pixels, but {} x {} were asked for; ask for that size, or start anew",
+        "it holds {} x {} pixels, but {} x {} were asked for; ask for that size, or start again",
         found.x, found.y, wanted.x, wanted.y
     )]
     Size {
         /// Its size in pixels.
         found: UVec2,
-        /// The size of the picture that is traced now.
+        /// The size of the present picture.
         wanted: UVec2,
     },
-    /// The scene, the camera, the seed or the limit of gathers has changed.
+    /// The scene, the camera, the seed or the limit of bounces has changed.
     #[error(
-        "it is of another scene, camera, seed or number of bounces; trace the same again, or start anew"
+        "it is of another scene, camera, seed or number of bounces; trace the same again, or delete the file and start again"
     )]
     Other,
 }

@@ -150,7 +150,7 @@ impl ReferenceLayers {
             Some(AttributeValue::Text(text)) => numbers(&text.to_string()),
             _ => None,
         };
-        let not_ours = || fail("it is no reference: `lumivox reference` writes one".to_owned());
+        let not_ours = || fail("it is not a reference: `lumivox reference` writes one".to_owned());
         let (samples, fingerprint) = told.ok_or_else(not_ours)?;
         let mut found: BTreeMap<String, Vec<f32>> = BTreeMap::new();
         for channel in layer.channel_data.list {

@@ -1,9 +1,9 @@
 //! Sums over samples in f64, and their means and variances.
 //!
-//! Samples come in batches, within which they are spread evenly, so that they are not independent;
-//! batches are. The noise follows from how the means of batches differ: with means m of n samples
-//! each, M of all N, and B batches, the variance of a sample is about sum(n (m - M)^2) / (B - 1),
-//! and that of the mean an Nth of it.
+//! Samples come in batches, within which they are evenly spread and therefore not independent;
+//! batches are. The noise follows from the differences of the batches' means: with means m of n
+//! samples each, M of all N, and B batches, the variance of a sample is about sum(n (m - M)^2) / (B
+//! - 1), and that of the mean is an Nth of it.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, UVec2};
@@ -23,8 +23,8 @@ pub(super) struct Sums {
     pub(super) coverage: f64,
     pub(super) depth_m: f64,
     pub(super) openness: f64,
-    /// Over batches, of n times the square of the mean; of colours the mean of the channels'
-    /// squares.
+    /// The sum over batches of n times the square of the mean; for colours, the mean of the
+    /// channels' squares.
     pub(super) picture_square: f64,
     pub(super) direct_square: f64,
     pub(super) one_bounce_square: f64,
@@ -37,7 +37,7 @@ pub(super) struct Sums {
 pub(super) struct Film {
     pub(super) size: UVec2,
     pub(super) samples: u32,
-    /// How many times samples were added.
+    /// The number of batches.
     pub(super) batches: u32,
     pub(super) sums: Vec<Sums>,
 }
@@ -66,7 +66,7 @@ impl Film {
         self.sums.iter().map(|sums| of(sums).map(|sum| (sum * scale) as f32)).collect()
     }
 
-    /// The variance of the mean (of colours the mean of the channels' variances), from a sum and
+    /// The variance of the mean (for colours the mean of the channels' variances), from a sum and
     /// its sum of squares; infinite below two batches.
     pub(super) fn variance(&self, factor: f64, of: impl Fn(&Sums) -> ([f64; 3], f64)) -> Vec<f32> {
         if self.batches < 2 {

@@ -1,5 +1,5 @@
-//! The triangles of a scene as rays meet them: flat, in the world's axes, in the order of a
-//! hierarchy of boxes.
+//! The triangles of a scene as rays meet them: flat, in world space, in the order of a bounding
+//! volume hierarchy.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
@@ -16,12 +16,12 @@ const LEAF: u32 = 1 << 31;
 const DOUBLE_SIDED: u32 = 1 << 31;
 /// `SEE_THROUGH` of `world.wgsl`.
 const SEE_THROUGH: u32 = 1 << 30;
-/// Triangles of a leaf at most: a leaf's link has three bits for them.
+/// The most triangles of a leaf: a leaf's link has three bits for their number.
 const MOST_PER_LEAF: u32 = 4;
-/// Height of a triangle over its longest edge: eight roundings of f32. A flatter triangle has no
-/// normal, and no area.
+/// The least height of a triangle over its longest edge: eight roundings of f32. A flatter triangle
+/// has neither normal nor area.
 const LEAST_SLENDERNESS: f64 = 1.0 / (1 << 20) as f64;
-/// Triangles at most: a leaf's link has 28 bits for the first.
+/// The most triangles: a leaf's link has 28 bits for the first.
 pub(super) const MOST_TRIANGLES: usize = 1 << 28;
 
 /// `Node` of `world.wgsl`.
@@ -61,10 +61,10 @@ pub(crate) struct VertexRecord {
 /// The properties of a material that rays use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Sides {
-    /// It is nowhere.
+    /// Whether no part of the surface exists.
     pub(super) is_absent: bool,
     pub(super) is_double_sided: bool,
-    /// Light may pass where it is not there.
+    /// Whether light may pass where the surface does not exist.
     pub(super) is_see_through: bool,
 }
 
@@ -75,18 +75,18 @@ pub(super) struct Triangles {
     pub(super) nodes: Vec<NodeRecord>,
     /// The link of the root.
     pub(super) root: u32,
-    /// How many links wait at most while a ray descends.
+    /// The most links that wait while a ray descends.
     pub(super) stack: u32,
     pub(super) triangles: Vec<TriangleRecord>,
     pub(super) vertices: Vec<VertexRecord>,
-    /// The offset of the origin, m: f32 is finest near zero.
+    /// The offset of the origin, m: f32 is most precise near zero.
     pub(super) origin: DVec3,
     /// Half the diagonal of the bounds, m.
     pub(super) radius_m: f32,
 }
 
 impl Triangles {
-    /// All triangles of a valid scene but those that are hidden or of materials that are nowhere.
+    /// All visible triangles of a valid scene whose material exists anywhere.
     pub(super) fn new(scene: &Scene, sides: &[Sides]) -> Self {
         let bounds = scene.bounds();
         let origin = bounds.center().as_dvec3();
@@ -106,7 +106,7 @@ impl Triangles {
                 .iter()
                 .map(|p| (world_from_local.transform_point3(p.as_dvec3()) - origin).as_vec3())
                 .collect();
-            // A mirrored front is a front still.
+            // A mirrored front is still a front.
             let is_mirrored = world_from_local.determinant() < 0.0;
             let bits = if sides.is_double_sided { DOUBLE_SIDED } else { 0 }
                 | if sides.is_see_through { SEE_THROUGH } else { 0 };
@@ -159,7 +159,8 @@ impl Triangles {
 }
 
 impl TriangleRecord {
-    /// Whether it has a normal: whether it is higher than the rounding of its longest edge in f32.
+    /// Whether a triangle has a normal: whether its height exceeds the rounding error of its
+    /// longest edge in f32.
     fn has_normal(&self) -> bool {
         let [a, b] = [self.edge_1, self.edge_2].map(|edge| Vec3::from(edge).as_dvec3());
         let longest_squared = a.length_squared().max(b.length_squared()).max(a.distance_squared(b));
@@ -195,7 +196,7 @@ fn build(triangles: &[TriangleRecord]) -> Bvh2 {
     if corners.is_empty() {
         return Bvh2::default();
     }
-    // The steps of `build_bvh2_from_tris`, which asks for a clock that browsers have not.
+    // The steps of `build_bvh2_from_tris`, which requires a clock that browsers do not have.
     let quality = BvhBuildParams::medium_build();
     let mut hierarchy = PlocBuilder::with_capacity(corners.len()).build(
         quality.ploc_search_distance,

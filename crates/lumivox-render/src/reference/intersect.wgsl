@@ -2,8 +2,8 @@
 //
 // The loop over boxes and the loop over a leaf's triangles take turns (Aila and Laine 2009,
 // "Understanding the efficiency of ray traversal on GPUs"): the lanes of a wide machine then do the
-// same thing at the same time. Triangles are met by Moeller and Trumbore's test (1997), widened by
-// the resolution of f32, so that no ray slips through the edge that two of them share.
+// same thing at the same time. The triangle test is Moeller and Trumbore's (1997), widened by the
+// resolution of f32, so that no ray slips through the edge that two triangles share.
 
 import package::constants::REFERENCE_STACK;
 import package::render::reference::world::{
@@ -26,8 +26,8 @@ struct Hit {
 }
 
 const NOTHING: u32 = 0xffffffffu;
-// The difference, cross and dot product that make a weight lose up to seven roundings of 2^-24
-// each, relative to the lengths that go in: 4e-7. Twice that, and some.
+// The differences, cross products and dot products behind a weight have up to seven rounding errors
+// of 2^-24 each, relative to the input lengths: 4e-7. This is a little more than twice that.
 const EDGE_TOLERANCE: f32 = 1e-6;
 
 // The surfaces that rays meet: fronts, and backs only of double-sided surfaces.
@@ -35,14 +35,14 @@ const AS_SEEN: u32 = 0u;
 // Both sides of everything.
 const BOTH_SIDES: u32 = 1u;
 
-// Where a ray enters a box; above `reach` if it does not.
+// The distance at which a ray enters a box; above `reach` if it does not.
 fn entry(node: u32, origin: vec3f, inverse: vec3f, reach: f32) -> f32 {
     let a = (nodes[node].low - origin) * inverse;
     let b = (nodes[node].high - origin) * inverse;
     let near = min(a, b);
     let far = max(a, b);
     let first = max(max(near.x, near.y), max(near.z, 0.0));
-    // Rounding must not lose triangles that lie in the box's own faces.
+    // Rounding must not lose triangles in the box's own faces.
     let last = min(min(far.x, far.y), min(far.z, reach)) * 1.0000004;
     return select(3.4e38, first, first <= last);
 }
@@ -115,7 +115,7 @@ fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
     return hit;
 }
 
-// A ray from a surface point, on the side of a normal, clear of rounding.
+// A ray from a surface point, on the side of a normal, clear of rounding errors.
 fn ray_from(position: vec3f, side: vec3f, direction: vec3f, reach: f32) -> Ray {
     return Ray(position + side * world.offset_m, direction, reach);
 }

@@ -1,4 +1,4 @@
-//! The layers of a reference: radiance, and the light and geometry that it is made of.
+//! The layers of a reference: radiance, its shares, and geometry.
 
 use std::f64::consts::PI;
 
@@ -6,12 +6,11 @@ use glam::UVec2;
 
 use super::film::{Film, Sums};
 
-/// The layers of a path-traced picture, each row by row from the top; where a pixel shows no
-/// surface they count as zero.
+/// The layers of a path-traced picture, each row by row from the top; in pixels without a surface
+/// they are zero.
 ///
 /// A variance is that of the mean over samples, averaged over the channels: the square of the
-/// standard deviation that the pixel is uncertain by. It is infinite below 17 samples, which are
-/// two batches.
+/// pixel's standard error. It is infinite below 17 samples, which are two batches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferenceLayers {
     /// Width and height in pixels.
@@ -22,19 +21,18 @@ pub struct ReferenceLayers {
     pub fingerprint: u64,
     /// The picture: radiance in cd/m².
     pub radiance: Vec<[f32; 3]>,
-    /// The part of it that came straight from lamps, is emitted, or is the background.
+    /// The share of it that is emitted, comes straight from lamps, or is the background.
     pub direct: Vec<[f32; 3]>,
     /// Irradiance in lux on the visible surface, from emissive surfaces and from surfaces that
     /// lamps light directly.
     pub one_bounce: Vec<[f32; 3]>,
-    /// Irradiance in lux on the visible surface by all light but that straight from lamps.
+    /// Irradiance in lux on the visible surface by all light except that straight from lamps.
     pub full: Vec<[f32; 3]>,
-    /// The share of the hemisphere, weighted by the cosine, that is open as far as occlusion
-    /// reaches.
+    /// The cosine-weighted share of the hemisphere that is open within the reach of occlusion.
     pub occlusion: Vec<f32>,
     /// Diffuse albedo.
     pub albedo: Vec<[f32; 3]>,
-    /// Shading normal, of the length of the pixel's coverage if all agree.
+    /// Shading normal; its length is the pixel's coverage if all samples agree.
     pub normal: Vec<[f32; 3]>,
     /// Distance from the camera, m.
     pub depth_m: Vec<f32>,
@@ -80,7 +78,7 @@ impl ReferenceLayers {
         }
     }
 
-    /// The radiance with the coverage in a, as [`crate::Picture`] has it.
+    /// The radiance with the coverage in a, as in [`crate::Picture`].
     pub fn picture(&self) -> Vec<[f32; 4]> {
         let pixels = self.radiance.iter().zip(&self.coverage);
         pixels.map(|([r, g, b], coverage)| [*r, *g, *b, *coverage]).collect()

@@ -1,4 +1,4 @@
-//! Materials for rays, and the triangles that shine.
+//! Materials for rays, and emissive triangles.
 
 use glam::DVec3;
 use lumivox_scene::{AlphaMode, Material, Scene, Shading, TextureRef};
@@ -26,7 +26,7 @@ pub(super) struct Materials {
     pub(super) sides: Vec<Sides>,
     pub(super) atlas: Atlas,
     pub(super) has_textures: bool,
-    /// Any has layers, or is not there everywhere.
+    /// Whether any material has layers, or does not exist everywhere.
     pub(super) has_layers: bool,
     pub(super) has_sheen: bool,
 }
@@ -76,7 +76,7 @@ impl Materials {
                 }),
                 emitter_density: 0.0,
                 phong_exponent: match &material.shading {
-                    // Zero would mean that there is no such lobe.
+                    // Zero would mean that the lobe does not exist.
                     Shading::Phong(phong) => phong.shininess.max(1e-3),
                     _ => 0.0,
                 },
@@ -87,7 +87,7 @@ impl Materials {
     }
 
     /// The emissive triangles, drawn in proportion to their area times the luminance of their
-    /// material's mean emission; sets the density of each material.
+    /// material's mean emission. Sets the density of each material.
     pub(super) fn emitters(&mut self, scene: &Scene, triangles: &Triangles) -> Vec<EmitterRecord> {
         let means: Vec<f64> = scene.materials.iter().map(|m| mean_emission(m, scene)).collect();
         let mut power = 0.0;
@@ -120,7 +120,7 @@ fn opacity(material: &Material) -> f32 {
     }
 }
 
-/// The rasterizer thresholds a mask's texture and compares with one half; rays compare its alpha
+/// The rasterizer thresholds a mask's texture and compares it with one half; rays compare its alpha
 /// itself.
 fn unmask(material: &Material, textures: &Textures, shown: &mut MaterialRecord) {
     if let AlphaMode::Mask { cutoff } = material.alpha

@@ -1,10 +1,10 @@
-//! Ground truth: a path tracer for the same scenes, cameras, materials and lights.
+//! The reference: a path tracer for the same scenes, cameras, materials and lights.
 //!
 //! It is unbiased: nothing is clamped, and paths end only by Russian roulette (or after 4096
-//! surfaces). Next-event estimation asks lamps, emissive triangles and the panorama for their
-//! light, and multiple importance sampling (Veach 1997, chapter 9) joins that with directions drawn
-//! from the material. All of it is one compute kernel (`path.wgsl`) within WebGPU's default limits,
-//! over a hierarchy of boxes from the `obvhs` crate.
+//! surfaces). Next-event estimation samples lamps, emissive triangles and the panorama, and
+//! multiple importance sampling (Veach 1997, chapter 9) combines that with directions drawn from
+//! the material. All of it is one compute kernel (`path.wgsl`) within WebGPU's default limits, over
+//! a bounding volume hierarchy from the `obvhs` crate.
 //!
 //! | file | is |
 //! | --- | --- |
@@ -16,7 +16,7 @@
 //! | `transmittance.wgsl` | what lies between |
 //! | `path.wgsl` | the path, and which light counts for which layer |
 //!
-//! Every sample of every pixel has random numbers of its own, which follow only from the seed. So a
+//! Every sample of every pixel has random numbers of its own, which depend only on the seed. So a
 //! picture is the same to the bit on the same device, in one run or in several, and its noise is
 //! known: the variance of each pixel's mean is estimated along with it.
 
@@ -56,8 +56,8 @@ use upload::Uploaded;
 
 use crate::{Gpu, RenderError};
 
-/// Samples that are spread evenly together, and that the GPU sums up in f32 before they are added
-/// in f64.
+/// The samples of a batch: they are evenly spread together, and the GPU sums them in f32 before
+/// they are added in f64.
 pub const BATCH: u32 = 16;
 /// The longest edge of a picture, px.
 const MOST_EDGE: u32 = 16_384;
@@ -89,13 +89,13 @@ pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
 pub struct ReferenceSettings {
     /// Width and height of the picture in pixels, 1 to 16 384. Default 640 x 360.
     pub size: UVec2,
-    /// Samples of each pixel, at least 1. Noise falls with their root. Default 256.
+    /// Samples of each pixel, at least 1. Noise falls with their square root. Default 256.
     pub samples: u32,
-    /// Other seeds give other noise. Default 0.
+    /// Seed of the random numbers: another seed gives other noise. Default 0.
     pub seed: u32,
-    /// How often light is gathered at most, as `bounces` of the renderer; `None`, the default, is
-    /// without end.
-    pub gathers: Option<u32>,
+    /// The most bounces of a path, counted as [`RenderSettings::bounces`](crate::RenderSettings::bounces);
+    /// `None`, the default, sets no limit.
+    pub bounces: Option<u32>,
     /// Reach of ambient occlusion, m. Infinite by default.
     pub occlusion_distance_m: f32,
 }
@@ -106,18 +106,18 @@ impl Default for ReferenceSettings {
             size: UVec2::new(640, 360),
             samples: 256,
             seed: 0,
-            gathers: None,
+            bounces: None,
             occlusion_distance_m: f32::INFINITY,
         }
     }
 }
 
-/// How far a reference is.
+/// The progress of a reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReferenceProgress {
-    /// Samples of each pixel so far; a part of one where a picture is traced in bands.
+    /// Samples of each pixel so far; fractional while a picture is traced in bands.
     pub samples: f64,
-    /// Samples in the end.
+    /// Samples of the complete reference.
     pub total: u32,
 }
 
@@ -134,7 +134,7 @@ impl PathTracer {
     /// Prepares a valid scene: flattens its instances, builds the hierarchy, uploads it all and
     /// compiles the kernel.
     ///
-    /// The camera is the one given, else the scene's first, else one that frames all of it.
+    /// The camera is the given one, else the scene's first, else one that frames the whole scene.
     ///
     /// # Errors
     /// [`RenderError::Setting`] for settings out of range, [`RenderError::Limit`] for scenes that
@@ -148,7 +148,7 @@ impl PathTracer {
         Self::with_features(gpu, scene, camera, settings, |features| features).await
     }
 
-    /// As [`Self::new`], with techniques switched off, which must not change the mean.
+    /// As [`Self::new`], with some techniques switched off, which must not change the mean.
     async fn with_features(
         gpu: &Gpu,
         scene: &Scene,
@@ -167,12 +167,12 @@ impl PathTracer {
         Ok(Self { gpu: gpu.clone(), settings, uploaded, film })
     }
 
-    /// Samples of each pixel that are in the layers.
+    /// Samples of each pixel in the layers.
     pub fn samples(&self) -> u32 {
         self.film.samples
     }
 
-    /// Traces all samples that the settings ask for and are not there yet.
+    /// Traces the missing samples of those that the settings ask for.
     ///
     /// `progress` is called often; when it breaks, the samples so far stay, and tracing can
     /// continue later.
@@ -187,12 +187,12 @@ impl PathTracer {
         Ok(())
     }
 
-    /// Traces the next samples of those that are not there yet, up to a whole number of batches of
-    /// 16; `false` once nothing is left to do or `progress` broke it off.
+    /// Traces the next missing samples, up to a whole number of batches of 16; returns `false` once
+    /// none is left or `progress` broke.
     ///
-    /// Between batches, tracing can continue from a checkpoint with the same bits as if nothing had
-    /// happened. Within a batch, its samples stay as well if all pixels have them; the result
-    /// differs from an unbroken run by rounding.
+    /// Between batches, tracing can continue from a checkpoint to the same bits as without a break.
+    /// Within a batch, samples that all pixels have stay as well; the result then differs by
+    /// rounding.
     ///
     /// # Errors
     /// When the device fails.
@@ -242,23 +242,23 @@ impl PathTracer {
         ReferenceLayers::new(&self.film, self.uploaded.radiance_unit, self.uploaded.fingerprint)
     }
 
-    /// All that is needed to go on later, as bytes for a file.
+    /// All data that is needed to continue later, as bytes for a file.
     pub fn checkpoint(&self) -> Vec<u8> {
         checkpoint::write(&self.film, self.seeded_fingerprint())
     }
 
-    /// Goes on where a checkpoint was taken.
+    /// Continues from a checkpoint.
     ///
     /// # Errors
-    /// [`CheckpointError`] when it is none, is damaged, or is one of another scene, camera, size,
-    /// seed or limit of gathers; then nothing has changed.
+    /// [`CheckpointError`] when it is not one, is damaged, or belongs to another scene, camera,
+    /// size, seed or limit of bounces; then nothing has changed.
     pub fn resume(&mut self, checkpoint: &[u8]) -> Result<(), CheckpointError> {
         self.film = checkpoint::read(checkpoint, self.settings.size, self.seeded_fingerprint())?;
         Ok(())
     }
 
-    /// The fingerprint of scene, camera, size and limit of gathers, whatever the seed. It is kept
-    /// with the layers.
+    /// The fingerprint of scene, camera, size and limit of bounces, independent of the seed. It is
+    /// kept with the layers.
     pub fn fingerprint(&self) -> u64 {
         self.uploaded.fingerprint
     }

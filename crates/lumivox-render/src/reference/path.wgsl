@@ -1,16 +1,15 @@
 // A path tracer: unbiased, for as many bounces as the light takes, one sample of every pixel after
 // another.
 //
-// Two paths start in each sample: one for the picture, with the materials as they are, and one for
-// the irradiance of the visible surface, for which that one surface is white and diffuse: the
-// radiance of such a surface is its irradiance / pi. Light is separated by the way it took. Lamps
-// and the peaks of the panorama count as *lights*; the light of emissive surfaces and of the rest
-// of the panorama reaches surfaces through *gathers*, like light that was reflected. So the layers
-// are those of the renderer: direct light is that of lights; one bounce is the light that one
-// gather finds.
+// Two paths start in each sample: one for the picture, with the real materials, and one for the
+// irradiance of the visible surface, for which that one surface is white and diffuse: its radiance
+// is then irradiance / pi. Light is separated by its path. Lamps and the peaks of the panorama
+// count as *lights*; the light of emissive surfaces and of the rest of the panorama reaches
+// surfaces through *gathers*, like reflected light. So the layers are those of the renderer: direct
+// light is that of lights; one bounce is the light that one gather finds.
 //
-// The end of a path is drawn, in proportion to the light that the path could still bring (Russian
-// roulette: Arvo and Kirk 1990, "Particle transport and image synthesis").
+// A path ends at random, with a probability that depends on the light that it could still bring
+// (Russian roulette: Arvo and Kirk 1990, "Particle transport and image synthesis").
 
 import package::constants::{
     REFERENCE_HAS_DISCS, REFERENCE_HAS_EMITTERS, REFERENCE_HAS_LIGHTS, REFERENCE_HAS_PANORAMA,
@@ -47,12 +46,12 @@ struct Pixel {
 @group(0) @binding(7) var<storage, read_write> film: array<Pixel>;
 
 const MOST_VERTICES: u32 = 4096u;
-// Paths of fewer vertices are never ended at random.
+// Paths of fewer vertices never end at random.
 const SURE_VERTICES: u32 = 3u;
-// Kinds of questions; the last two are for peaks.
+// Kinds of light queries; the last two are for peaks.
 const KINDS: u32 = 4u + 2u * REFERENCE_HAS_PEAKS;
 
-// Two sums: all of a path's light, and the part that arrives early.
+// Two sums: all of a path's light, and the share that arrives early.
 struct Light2 {
     all: vec3f,
     early: vec3f,
@@ -62,7 +61,7 @@ fn camera_ray(pixel: vec2u, jitter: vec2f) -> Ray {
     let place = (vec2f(pixel) + jitter) / vec2f(world.size) * 2.0 - 1.0;
     let along = world.forward + place.x * world.right - place.y * world.up;
     let direction = normalize(along);
-    // Like the rasterizer's, the picture begins at a plane.
+    // As in the rasterizer, the picture begins at a plane.
     return Ray(world.camera + world.near_m * along, direction, 3e38);
 }
 
@@ -79,7 +78,7 @@ struct Traced {
 
 fn trace(start: Ray, is_picture: bool) -> Traced {
     var traced: Traced;
-    // Where light counts as early.
+    // The vertices at which light counts as early.
     let early_vertex = select(1u, 0u, is_picture);
     var ray = start;
     var throughput = vec3f(1.0);
@@ -109,7 +108,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
         }
 
         // The light at the ray's end, for gathers and for the camera. Only the camera sees peaks in
-        // this way: to others they are lights, which are asked for their light.
+        // this way: for others they are lights, which next-event estimation samples.
         var shining = vec3f(0.0);
         var other = 0.0;
         if is_surface {
@@ -125,7 +124,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
                 other = seen.density;
             }
         }
-        // Nothing but the camera's ray itself asks along the camera's ray.
+        // Only the camera's ray itself samples along the camera's ray.
         let weight = select(power_weight(density, other), 1.0, vertex == 0u);
         if is_picture || vertex > 0u {
             let arriving = throughput * weight * shining;
@@ -150,8 +149,8 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             surface.phong_exponent = 0.0;
             surface.coat = Coat(0.0, 1.0);
         }
-        // The last vertex reflects only the light of lights, as a voxel does before any bounce.
-        let gathers = vertex < world.most_gathers;
+        // The last vertex only reflects the light of lights, as a voxel does before any bounce.
+        let may_gather = vertex < world.most_bounces;
 
         let direction = draw_direction(surface);
         let scattered = scatter(surface, direction);
@@ -162,10 +161,10 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             if kind == 0u && REFERENCE_HAS_LIGHTS != 0u {
                 question = ask_light(surface);
             }
-            if kind == 1u && REFERENCE_HAS_EMITTERS != 0u && gathers {
+            if kind == 1u && REFERENCE_HAS_EMITTERS != 0u && may_gather {
                 question = ask_emitter(surface);
             }
-            if kind == 2u && REFERENCE_HAS_PANORAMA != 0u && gathers {
+            if kind == 2u && REFERENCE_HAS_PANORAMA != 0u && may_gather {
                 question = ask_panorama(surface);
             }
             if kind == 3u && REFERENCE_HAS_DISCS != 0u && any(drawn_weight > vec3f(0.0)) {
@@ -194,7 +193,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
 
         throughput *= drawn_weight;
         density = scattered.density;
-        if all(throughput <= vec3f(0.0)) || !gathers {
+        if all(throughput <= vec3f(0.0)) || !may_gather {
             break;
         }
         if vertex >= SURE_VERTICES {

@@ -1,7 +1,7 @@
-// Random numbers that are spread evenly over the samples of a batch.
+// Random numbers that are evenly spread over the samples of a batch.
 //
-// A batch of 16 samples takes each 16th of the range once in every dimension, and of a pair of
-// numbers each cell of a grid of 4 x 4, in an order of its own for each dimension, pixel and batch
+// A batch of 16 samples uses each 16th of the range once in every dimension, and each cell of a
+// grid of 4 x 4 for a pair of numbers, in an order of its own for each dimension, pixel and batch
 // (jittered sampling: Cook, Porter and Carpenter 1984, "Distributed ray tracing"). Every single
 // sample is as random as without; their mean is less noisy. Batches are independent of each other,
 // so the spread of their means gives the noise.
@@ -26,8 +26,8 @@ fn next_dimension() -> u32 {
     return hash(random_key ^ hash(random_count));
 }
 
-// A number below 16 for each number below 16, in an order that follows from the key: odd factors,
-// sums and shifts are one to one modulo 16.
+// A permutation of the numbers below 16 that follows from the key: odd factors, sums and shifts are
+// one to one modulo 16.
 fn shuffled(place: u32, key: u32) -> u32 {
     var x = place ^ key;
     x = (x * (((key >> 4u) & 14u) | 1u)) & 15u;
@@ -37,12 +37,12 @@ fn shuffled(place: u32, key: u32) -> u32 {
     return (x ^ (key >> 16u)) & 15u;
 }
 
-// In [0, 1), of the sample's own.
+// In [0, 1), the sample's own.
 fn jitter(key: u32) -> f32 {
     return f32(hash(key ^ hash(random_place)) >> 8u) * (1.0 / 16777216.0);
 }
 
-// Sums are rounded; one itself would be out of range.
+// Sums are rounded; 1 itself would be out of range.
 const BELOW_ONE: f32 = 0.99999994;
 
 // In [0, 1).

@@ -1,10 +1,10 @@
-//! The path tracer's structs as the GPU reads them (`world.wgsl`, `path.wgsl`).
+//! The path tracer's structs in the GPU's layout (`world.wgsl`, `path.wgsl`).
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::scene::{MaterialRecord, TEXTURE_COUNT};
 
-/// How many peaks of a panorama there may be.
+/// The most peaks of a panorama.
 pub(crate) const MOST_PEAKS: usize = 4;
 
 /// `Tile`.
@@ -63,7 +63,7 @@ pub(crate) struct WorldRecord {
     pub(crate) first_row: u32,
     pub(crate) row_count: u32,
     pub(crate) environment: [f32; 3],
-    pub(crate) most_gathers: u32,
+    pub(crate) most_bounces: u32,
     pub(crate) environment_turn: [f32; 2],
     pub(crate) peak_count: u32,
     pub(crate) occlusion_distance_m: f32,

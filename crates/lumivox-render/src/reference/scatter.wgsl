@@ -1,9 +1,9 @@
-// How a surface scatters light: the BRDF, and directions drawn in proportion to its lobes.
+// The scattering of a surface: the BRDF, and directions drawn in proportion to its lobes.
 //
-// Three lobes: diffuse below the gloss, gloss, and varnish over both. The gloss is a GGX microfacet
-// lobe (see package::trace::brdf) or, for materials that were written for it, Phong's lobe
-// normalized for energy (Lafortune and Willems 1994, "Using the modified Phong reflectance model
-// for physically based rendering").
+// Three lobes: diffuse below the gloss, gloss, and clear coat over both. The gloss is a GGX
+// microfacet lobe (see package::trace::brdf) or, for Phong materials, Phong's lobe normalized for
+// energy (Lafortune and Willems 1994, "Using the modified Phong reflectance model for physically
+// based rendering").
 
 import package::render::reference::random::{random, random_2};
 import package::trace::brdf::{
@@ -17,7 +17,7 @@ struct Surface {
     position: vec3f,
     geometric: vec3f,
     shading: vec3f,
-    // Towards where the path comes from.
+    // The direction that the path comes from.
     toward: vec3f,
     diffuse: vec3f,
     f0: vec3f,
@@ -49,7 +49,7 @@ fn gloss_fresnel(surface: Surface, cosine: f32) -> vec3f {
     return select(fresnel_schlick(surface.f0, cosine), surface.f0, surface.phong_exponent > 0.0);
 }
 
-// The probabilities of the lobes: diffuse, gloss, varnish. They sum to one, or all are zero where
+// The probabilities of the lobes: diffuse, gloss, clear coat. They sum to one, or all are zero if
 // nothing is reflected.
 fn lobe_shares(surface: Surface) -> vec3f {
     let cosine = cos_toward(surface);
@@ -64,7 +64,7 @@ fn lobe_shares(surface: Surface) -> vec3f {
 
 fn scatter(surface: Surface, direction: vec3f) -> Scattered {
     let n_dot_l = dot(surface.shading, direction);
-    // The geometric normal decides, too: a bent normal must not catch light from behind the
+    // The geometric normal decides, too: a bent normal must not receive light from behind the
     // surface.
     if n_dot_l <= 0.0 || dot(surface.geometric, direction) <= 0.0 {
         return Scattered(vec3f(0.0), 0.0);

@@ -1,6 +1,6 @@
-// Next-event estimation: light is asked for where it comes from, and each way of asking counts by
-// how likely it was to find that light, among all ways (multiple importance sampling: Veach 1997,
-// section 9.2, the power heuristic).
+// Next-event estimation: directions towards light sources are sampled, and each technique is
+// weighted by its probability of finding that light, among all techniques (multiple importance
+// sampling: Veach 1997, section 9.2, the power heuristic).
 
 import package::constants::{REFERENCE_HAS_LAYERS, REFERENCE_HAS_PANORAMA};
 import package::light::lights::{incident_light, is_parallel, Incident, Light};
@@ -17,13 +17,13 @@ import package::trace::brdf::PI;
 import package::trace::coat::below_coat;
 import package::cones::hemisphere::basis;
 
-// A question to the scene: does light come along a ray?
+// A query to the scene: does light come along a ray?
 struct Question {
     direction: vec3f,
     reach: f32,
     sides: u32,
-    // The light that is reflected towards the path if nothing is in the way: light of lamps and of
-    // the panorama's peaks, ...
+    // The light that is reflected towards the path if nothing blocks it: light of lamps and of the
+    // panorama's peaks, ...
     from_lights: vec3f,
     // ... and that of emitters and the rest of the panorama.
     from_surroundings: vec3f,
@@ -43,7 +43,7 @@ fn power_weight(own: f32, other: f32) -> f32 {
     return 1.0 / (1.0 + ratio * ratio);
 }
 
-// The square of the sine of the angle under which half of a light is seen; 0: it is a point.
+// The square of the sine of the angle under which half of a light is seen; 0 for a point.
 fn light_spread(light: Light, incident: Incident) -> f32 {
     let squared = light.radius * light.radius;
     if is_parallel(light) {
@@ -57,7 +57,7 @@ fn cap_height(spread: f32) -> f32 {
     return spread / (1.0 + sqrt(1.0 - spread));
 }
 
-// How far it is to the surface of a light in a direction; `height` is 1 - cos of the angle to its
+// The distance to the surface of a light in a direction; `height` is 1 - cos of the angle to its
 // middle.
 fn light_reach(light: Light, incident: Incident, height: f32) -> f32 {
     if is_parallel(light) {
@@ -68,15 +68,15 @@ fn light_reach(light: Light, incident: Incident, height: f32) -> f32 {
     return max(incident.distance_m * (1.0 - height) - depth, 0.0);
 }
 
-// The light that a lamp sends to a point. From within a lamp, its middle still lies in a direction
-// of unit length.
+// The light that a lamp sends to a point. Inside a lamp, its middle is still in a direction of unit
+// length.
 fn light_at(index: u32, position: vec3f) -> Incident {
     var incident = incident_light(lights[index], position);
     incident.direction /= max(length(incident.direction), 1e-20);
     return incident;
 }
 
-// Sum of the light that all lights could give a surface that faces them.
+// The sum of the light that all lights could give a surface that faces them.
 fn all_lights(position: vec3f) -> f32 {
     var sum = 0.0;
     for (var index = 0u; index < world.light_count; index++) {
@@ -85,7 +85,7 @@ fn all_lights(position: vec3f) -> f32 {
     return sum;
 }
 
-// One of the lights, in proportion to the light that it could give, and a point of it.
+// One of the lights, drawn in proportion to the light that it could give, and a point of it.
 fn ask_light(surface: Surface) -> Question {
     var sum = 0.0;
     var chosen = 0u;
@@ -200,7 +200,7 @@ fn ask_emitter(surface: Surface) -> Question {
     let density = per_area * distance * distance / max(abs(facing), 1e-8);
     let reflected = scattered.value * emitted(triangle, weights, -direction)
         * (power_weight(density, scattered.density) / density);
-    // Up to the emitter, which must not hide itself: as far from it as rays start from their
+    // Up to the emitter, which must not block itself: as far from it as rays start from their
     // surface.
     let reach = distance - world.offset_m / max(abs(facing), 1e-8);
     return Question(direction, reach, AS_SEEN, vec3f(0.0), reflected);
@@ -214,7 +214,7 @@ fn ask_panorama(surface: Surface) -> Question {
     return Question(direction, 3e38, AS_SEEN, vec3f(0.0), reflected * seen.soft);
 }
 
-// A peak of the panorama: a light, which both sides of surfaces hide.
+// A peak of the panorama: a light, which surfaces block from both sides.
 fn ask_peak(surface: Surface) -> Question {
     let direction = draw_surroundings();
     let seen = surroundings(direction);

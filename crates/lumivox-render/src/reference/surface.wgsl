@@ -21,8 +21,7 @@ import package::trace::coat::Coat;
 struct Met {
     surface: Surface,
     emission: vec3f,
-    // The probability that the surface is there, and the colour of the light that passes where it
-    // is not.
+    // The probability that the surface exists, and the colour of the light that passes otherwise.
     coverage: f32,
     tint: vec3f,
     emitter_density: f32,
@@ -84,7 +83,7 @@ fn meet(ray: Ray, hit: Hit, is_seen: bool) -> Met {
         emission += unlit_radiance * base.rgb;
     }
 
-    // The corner and its edges, not the distance along the ray, which is less exact.
+    // From the corner and its edges: the distance along the ray is less precise.
     let position = triangle.corner + hit.weights.x * triangle.edge_1 + hit.weights.y * triangle.edge_2;
     var geometric = normalize(cross(triangle.edge_1, triangle.edge_2));
     geometric = select(-geometric, geometric, dot(geometric, toward) >= 0.0);

@@ -1,4 +1,4 @@
-//! The panorama for rays: radiance with cumulated probabilities beside it.
+//! The panorama for rays: radiance with cumulated probabilities.
 
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ use crate::picture::tone_map::luminance;
 #[derive(Clone, Debug)]
 pub(super) struct Surroundings {
     pub(super) size: [u32; 2],
-    /// Radiance of each texel; in a the probability of this one of its row or one before it.
+    /// Radiance of each texel; in a, the probability of this texel of its row or an earlier one.
     pub(super) texels: Vec<[f32; 4]>,
     /// The probability of each row or one above it.
     pub(super) rows: Vec<f32>,
@@ -21,7 +21,7 @@ pub(super) struct Surroundings {
 }
 
 impl Surroundings {
-    /// The same everywhere.
+    /// The same radiance everywhere.
     pub(super) fn even() -> Self {
         Self { size: [1, 1], texels: vec![[1.0; 4]], rows: vec![1.0], peaks: Vec::new() }
     }

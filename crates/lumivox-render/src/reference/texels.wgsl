@@ -1,8 +1,7 @@
-// Textures from the atlas, filtered between texels by hand: colours are linear before they are
-// mixed.
+// Textures from the atlas, filtered in the shader: colours are linear before they are mixed.
 //
-// Only the finest level is read. Where the rasterizer averages a mip, the mean over the samples of
-// a pixel does.
+// Only the finest level is read: the mean over a pixel's samples does what a mip does for the
+// rasterizer.
 
 import package::constants::{TILE_CLAMP, TILE_COLOR, TILE_MIRROR, TILE_NEAREST, TILE_PRESENT};
 import package::render::scene::material::texcoord_at;

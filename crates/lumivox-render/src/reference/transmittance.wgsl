@@ -1,4 +1,4 @@
-// The things between a surface and the light that it asks for.
+// The surfaces between a point and a light.
 
 import package::constants::REFERENCE_SEE_THROUGH;
 import package::render::reference::intersect::{intersect, ray_from, NOTHING};
@@ -7,7 +7,7 @@ import package::render::reference::sources::Question;
 import package::render::reference::surface::meet;
 import package::render::reference::world::{triangles, SEE_THROUGH};
 
-// As many panes and holes a ray passes at most.
+// The most panes and holes that a ray passes.
 const MOST_LAYERS: u32 = 64u;
 
 // The share of light that passes along a ray, by colour.

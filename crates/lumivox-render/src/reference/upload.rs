@@ -1,4 +1,4 @@
-//! A scene on the GPU as paths need it: group 0 of `path.wgsl`, and the kernel compiled for it.
+//! A scene on the GPU for path tracing: group 0 of `path.wgsl`, and the kernel compiled for it.
 
 use bytemuck::{Pod, Zeroable as _};
 use glam::{DVec3, UVec2, Vec3};
@@ -19,10 +19,10 @@ use super::surroundings::Surroundings;
 use crate::scene::{Lighting, SHEEN_EDGE, radiance_unit, sheen_table};
 use crate::{Gpu, RenderError};
 
-/// Pixels that are traced at once, so that the GPU answers in between.
+/// The most pixels that are traced at once, so that the GPU stays responsive.
 const MOST_PIXELS: u64 = 1 << 20;
-/// How far rays start from their surface, over half the diagonal of the scene: sixteen times the
-/// resolution of f32 there.
+/// The distance of rays' starts from their surface, over half the diagonal of the scene: sixteen
+/// times the resolution of f32 there.
 const OFFSET: f32 = 1.0 / (1 << 18) as f32;
 
 /// The resources of a path tracer on the GPU.
@@ -32,14 +32,14 @@ pub(super) struct Uploaded {
     pub(super) group: BindGroup,
     /// Sums of the pixels of a band.
     pub(super) film: Buffer,
-    /// Rows that are traced at once.
+    /// The number of rows that are traced at once.
     pub(super) band_rows: u32,
-    /// Links that the kernel's stack holds.
+    /// The number of links that the kernel's stack holds.
     #[cfg(test)]
     pub(super) stack: u32,
     /// The unit of radiance, in cd/m².
     pub(super) radiance_unit: f32,
-    /// The fingerprint of the traced scene, whatever the seed.
+    /// The fingerprint of the traced scene, independent of the seed.
     pub(super) fingerprint: u64,
     world: WorldRecord,
     world_buffer: Buffer,
@@ -213,7 +213,7 @@ pub(crate) struct Features {
 }
 
 impl Features {
-    /// All that there is.
+    /// All features.
     pub(crate) const ALL: Self = Self {
         stack: 64,
         has_textures: true,
@@ -240,7 +240,7 @@ impl Features {
     }
 }
 
-/// The layout of group 0: the eight storage buffers that WebGPU grants, and textures.
+/// The layout of group 0: the eight storage buffers that WebGPU allows, and textures.
 pub(super) fn layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     let texels = wgpu::TextureSampleType::Float { filterable: false };
     (0..7)
@@ -278,7 +278,7 @@ fn world(
         seed: settings.seed,
         size: settings.size.to_array(),
         environment: (environment.radiance / radiance_unit).to_array(),
-        most_gathers: settings.gathers.unwrap_or(u32::MAX),
+        most_bounces: settings.bounces.unwrap_or(u32::MAX),
         environment_turn: [environment.rotation_rad.cos(), environment.rotation_rad.sin()],
         peak_count: surroundings.peaks.len() as u32,
         occlusion_distance_m: settings.occlusion_distance_m,
@@ -289,7 +289,7 @@ fn world(
     }
 }
 
-/// The lights, seen from the middle of the scene.
+/// The lights, as seen from the middle of the scene.
 fn lights_around(lighting: &Lighting, radiance_unit: f32, origin: DVec3) -> Vec<Light> {
     let moved = |position: &mut Vec3| *position = (position.as_dvec3() - origin).as_vec3();
     let mut lights = lighting.to_gpu(radiance_unit);

@@ -1,7 +1,7 @@
-// The scene as the path tracer knows it: group 0, and its layout.
+// The scene for the path tracer: group 0, and its layout.
 //
-// Everything is in the world's axes with the middle of the scene as origin, where f32 is finest, in
-// metres and in multiples of the renderer's unit of radiance.
+// Everything is in the world's axes with the middle of the scene as origin, where f32 is most
+// precise, in metres and in multiples of the renderer's unit of radiance.
 
 import package::light::lights::Light;
 import package::render::scene::material::Material;
@@ -37,7 +37,7 @@ struct Vertex {
     padding: vec2u,
 }
 
-// Where a texture lies in the atlas; its bits are TILE_...
+// The place of a texture in the atlas; its bits are TILE_...
 struct Tile {
     origin: vec2u,
     size: vec2u,
@@ -57,14 +57,14 @@ struct TracedMaterial {
     padding: vec2u,
 }
 
-// A triangle that shines.
+// An emissive triangle.
 struct Emitter {
     triangle: u32,
-    // The probability of this emitter or one before it.
+    // The probability of this emitter or an earlier one.
     cumulated: f32,
 }
 
-// A compact bright part of the panorama: within the cap all that is above `around`.
+// A compact bright part of the panorama: within the cap, everything above `around`.
 struct Peak {
     direction: vec3f,
     cos_cap: f32,
@@ -77,7 +77,7 @@ struct World {
     near_m: f32,
     forward: vec3f,
     light_count: u32,
-    // As long as half the picture at a distance of one.
+    // Its length is half the picture at a distance of one.
     right: vec3f,
     emitter_count: u32,
     up: vec3f,
@@ -89,14 +89,14 @@ struct World {
     // The factor of the panorama.
     environment: vec3f,
     // The most segments behind the visible surface.
-    most_gathers: u32,
+    most_bounces: u32,
     // Cosine and sine of the panorama's rotation about y.
     environment_turn: vec2f,
     peak_count: u32,
     occlusion_distance_m: f32,
     // The link of the hierarchy's root.
     root: u32,
-    // How far rays start from their surface.
+    // The distance of rays' starts from their surface.
     offset_m: f32,
     first_sample: u32,
     sample_count: u32,
@@ -118,7 +118,7 @@ const VERTEX_INDEX: u32 = 0x3fffffffu;
 @group(0) @binding(6) var<storage, read> emitters: array<Emitter>;
 // 8 bits a channel, as in the files.
 @group(0) @binding(8) var atlas: texture_2d_array<f32>;
-// Radiance; in a the probability of this texel of its row or one before it.
+// Radiance; in a, the probability of this texel of its row or an earlier one.
 @group(0) @binding(9) var panorama: texture_2d<f32>;
 // One column: the probability of this row or one above it.
 @group(0) @binding(10) var panorama_rows: texture_2d<f32>;

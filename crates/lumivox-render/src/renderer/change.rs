@@ -1,13 +1,12 @@
-//! Changes to a renderer that is at work: of its settings, its scene, its materials.
+//! Changes to a renderer at work: to its settings, its scene, its materials.
 //!
-//! Each redoes what depends on the change and nothing else, so that the picture afterwards is the one that a new
-//! renderer would make. The mean over frames starts anew wherever the picture changes.
+//! Each change redoes only what depends on it, so that the picture afterwards is the one that a new
+//! renderer would make. The mean over frames starts again wherever the picture changes.
 
 use std::collections::HashSet;
 use std::sync::Arc;
 
 use lumivox::gpu::Recorder;
-use lumivox::hooks::ConeModel as _;
 use lumivox::{Grid, Voxelized};
 use lumivox_scene::Scene;
 
@@ -15,17 +14,17 @@ use super::passes::Passes;
 use super::prepare::{
     bind_lights, compile, environment_map, global_illumination, upload, voxelize,
 };
-use super::{Progress, Renderer, validate, validate_level};
+use super::{RenderProgress, Renderer, validate, validate_level};
 use crate::look::{LookChoice, LookScene};
 use crate::parameters::{PARAMETERS, Redoes};
 use crate::scene::{Lighting, radiance_unit_within};
 use crate::{Exposure, RenderError, RenderSettings, View};
 
-/// What a change of settings asks for, the more costly things first.
+/// The work that a change of settings requires, the most costly first.
 #[allow(clippy::struct_excessive_bools)] // One for each thing that is redone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Redo {
-    /// The volume, the voxels and all passes that are linked against them.
+    /// The volume, the voxels and all passes linked against them.
     volume: bool,
     /// All textures of the picture's size.
     targets: bool,
@@ -36,17 +35,20 @@ struct Redo {
 }
 
 impl Redo {
-    /// `old` has a grid that equals that of `new` if `is_same_grid`.
+    /// Compares settings; `is_same_grid` says that both have the same grid.
     fn between(old: &RenderSettings, new: &RenderSettings, is_same_grid: bool) -> Self {
         let changed = PARAMETERS.iter().filter(|row| row.get(old) != row.get(new));
         let changed: HashSet<Redoes> = changed.map(|row| row.redoes).collect();
         // Another model of the cones is other shaders, other values of the same model are not.
-        let is_same_model =
-            old.report_cones.model().is_some() == new.report_cones.model().is_some();
-        let volume = !is_same_grid || !is_same_model || changed.contains(&Redoes::Voxels);
+        let model = |settings: &RenderSettings| settings.cone_model.as_ref().map(|m| m.name());
+        let are_same_hooks = old.voxelizer == new.voxelizer
+            && old.injection == new.injection
+            && model(old) == model(new);
+        let volume = !is_same_grid || !are_same_hooks || changed.contains(&Redoes::Voxels);
         let targets = volume || changed.contains(&Redoes::Targets) || old.size != new.size;
         let light = volume
             || changed.contains(&Redoes::Light)
+            || old.cone_model != new.cone_model
             || (old.shown_look().is_some() && new.shown_look().is_none())
             || old.voxel_bounces() != new.voxel_bounces();
         let mean = targets || light || changed.contains(&Redoes::Frames) || old.look != new.look;
@@ -55,17 +57,17 @@ impl Redo {
 }
 
 impl Renderer {
-    /// Takes other settings, and redoes what depends on the difference: a new size makes new textures, another
-    /// resolution voxelizes anew, another exposure changes nothing but how frames are shown. `progress` hears of the stages
-    /// `voxelize` and `light`.
+    /// Takes other settings, and redoes what depends on the difference: a new size makes new
+    /// textures, another resolution voxelizes again, another exposure only changes how frames are
+    /// shown. `progress` is called with the stages `voxelize` and `light`.
     ///
     /// # Errors
-    /// As [`Renderer::new`]. What was there before still is then, but for a volume that did not fit beside its
-    /// successor.
+    /// As [`Renderer::new`]. The renderer then stays as it was, except for a volume that did not
+    /// fit beside its successor.
     pub async fn set_settings(
         &mut self,
         settings: RenderSettings,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
         if settings == self.settings {
             return Ok(());
@@ -80,17 +82,17 @@ impl Renderer {
             let passes = Passes::new(&self.gpu, &gi, &self.scene, &settings)?;
             let targets = passes.targets(&self.gpu, &gi, &self.scene, &settings).await?;
             compile(&self.gpu, progress).await?;
-            progress(Progress { stage: "voxelize", done: 0, total: 1 });
+            progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
             let (geometry, timing) = (&self.scene.geometry, settings.timing);
             let voxelized = voxelize(&mut gi, geometry, timing, self.may_be_empty).await?;
             self.gpu.check("voxelizing")?;
-            self.took(voxelized);
+            self.store_voxels(voxelized);
             (self.gi, self.passes, self.targets) = (gi, passes, targets);
             self.grid_bounds = bounds;
             self.scene.bounds = bounds.union(self.shown_bounds);
             // It was linked against the volume's library.
             self.look = None;
-            progress(Progress { stage: "voxelize", done: 1, total: 1 });
+            progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });
         } else {
             if redo.targets {
                 let Self { gpu, gi, scene, passes, .. } = self;
@@ -102,7 +104,9 @@ impl Renderer {
             compile(&self.gpu, progress).await?;
         }
         let was = std::mem::replace(&mut self.settings, settings);
-        self.gi.set_cone_values(self.settings.report_cones.values());
+        if let Some(model) = &self.settings.cone_model {
+            self.gi.set_cone_values(model.values());
+        }
         self.drop_look_of(&was);
         if let Some(pass) = self.targets.overlay.take_if(|_| !self.settings.overlay.is_on()) {
             self.targets.bytes -= pass.bytes;
@@ -117,30 +121,30 @@ impl Renderer {
         self.gpu.check("taking other settings")
     }
 
-    /// Shows the same scene in another pose, under other lights, with other instances; the mean starts anew. The camera
-    /// stays.
+    /// Shows the same scene in another pose, under other lights, with other instances; the mean
+    /// starts again. The camera stays.
     ///
-    /// Vertices and transforms are uploaded, voxelized and lit again; where instances are marked as static
-    /// and are what they were, what was found of their triangles stays. All else stays: pipelines,
-    /// textures, targets, the grid and the unit of radiance. So a scene that moves out of the grid
-    /// loses what is outside; give [`RenderSettings::grid_bounds`].
-    /// `progress` hears of the stages `upload`, `voxelize` and `light`.
+    /// Vertices and transforms are uploaded, voxelized and lit again; the voxels of static
+    /// instances that have not changed stay. Everything else stays, too: pipelines, textures,
+    /// targets, the grid and the unit of radiance. So a scene that moves out of the grid loses the
+    /// part outside; set [`RenderSettings::grid_bounds`] to avoid that. `progress` is called with
+    /// the stages `upload`, `voxelize` and `light`.
     ///
     /// # Errors
-    /// When it is another scene, of other materials; when nothing of it lies in the grid, something
-    /// does not fit the device, or the device fails.
+    /// When it is another scene, or has other materials; when no part of it is in the grid,
+    /// something does not fit the device, or the device fails.
     pub async fn set_scene(
         &mut self,
         scene: &Scene,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        progress(Progress { stage: "upload", done: 0, total: 1 });
+        progress(RenderProgress { stage: "upload", done: 0, total: 1 });
         self.take_pose(scene)?;
         self.show_pose(progress).await
     }
 
-    /// As [`Self::set_scene`] for a scene in which the instances of these numbers have moved, and nothing else has changed:
-    /// what it costs goes with these, and not with the scene.
+    /// As [`Self::set_scene`] for a scene in which only the instances of these numbers have moved:
+    /// the cost is proportional to these, not to the scene.
     ///
     /// # Errors
     /// As [`Self::set_scene`].
@@ -148,9 +152,9 @@ impl Renderer {
         &mut self,
         scene: &Scene,
         moved: &[usize],
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        progress(Progress { stage: "upload", done: 0, total: 1 });
+        progress(RenderProgress { stage: "upload", done: 0, total: 1 });
         if self.scene.move_instances(&self.gpu, scene, moved) {
             self.take_places(scene)?;
         } else {
@@ -159,8 +163,11 @@ impl Renderer {
         self.show_pose(progress).await
     }
 
-    async fn show_pose(&mut self, progress: &mut dyn FnMut(Progress)) -> Result<(), RenderError> {
-        progress(Progress { stage: "upload", done: 1, total: 1 });
+    async fn show_pose(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<(), RenderError> {
+        progress(RenderProgress { stage: "upload", done: 1, total: 1 });
         compile(&self.gpu, progress).await?;
         self.voxelize(progress).await?;
         self.relight(progress).await?;
@@ -168,8 +175,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// As [`Self::set_scene`], but the voxels and their light stay behind until [`Self::revoxelize`]: surfaces and the
-    /// shadows on them alone are where they belong.
+    /// As [`Self::set_scene`], but the voxels and their light stay behind until
+    /// [`Self::revoxelize`]: only surfaces and the shadows on them move.
     ///
     /// # Errors
     /// As [`Self::set_scene`].
@@ -184,19 +191,20 @@ impl Renderer {
         Ok(())
     }
 
-    /// Shows the same triangles with other materials, and what else [`Self::set_scene`] takes.
+    /// Shows the same triangles with other materials, and takes the other changes of
+    /// [`Self::set_scene`].
     ///
-    /// Materials that name the textures which they named keep them; where one names others, all textures are uploaded
-    /// again. `progress` hears of the stages `upload`, `voxelize` and `light`.
+    /// Materials that name the same textures as before keep them; if one names others, all textures
+    /// are uploaded again. `progress` is called with the stages `upload`, `voxelize` and `light`.
     ///
     /// # Errors
     /// As [`Renderer::new`].
     pub async fn set_materials(
         &mut self,
         scene: &Scene,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        progress(Progress { stage: "upload", done: 0, total: 1 });
+        progress(RenderProgress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(self.grid_bounds, scene, &lighting);
         let is_same_unit = unit.to_bits() == self.scene.radiance_unit.to_bits();
@@ -217,15 +225,15 @@ impl Renderer {
         self.set_scene(scene, progress).await
     }
 
-    /// Shows the same scene under other lights or other surroundings; the mean starts anew. `progress` hears of the stage
-    /// `light`.
+    /// Shows the same scene under other lights or other surroundings; the mean starts again.
+    /// `progress` is called with the stage `light`.
     ///
     /// # Errors
     /// When something does not fit the device, or the device fails.
     pub async fn set_lights(
         &mut self,
         scene: &Scene,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(self.grid_bounds, scene, &lighting);
@@ -238,20 +246,20 @@ impl Renderer {
         Ok(())
     }
 
-    /// Voxelizes what there is once more, static parts included, whether it has moved since or not. The mean starts anew
-    /// if it has. `progress` hears of the stages `voxelize` and `light`.
+    /// Voxelizes everything again, static objects included, moved or not. The mean starts again if
+    /// something has moved. `progress` is called with the stages `voxelize` and `light`.
     ///
     /// # Errors
     /// When something does not fit the device, or the device fails.
     pub async fn revoxelize(
         &mut self,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        progress(Progress { stage: "voxelize", done: 0, total: 1 });
+        progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
         let voxelized = self.gi.voxelize(&self.scene.geometry, self.settings.timing).await?;
         let were_stale = self.voxels_are_stale;
-        self.took(voxelized);
-        progress(Progress { stage: "voxelize", done: 1, total: 1 });
+        self.store_voxels(voxelized);
+        progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });
         self.relight(progress).await?;
         if were_stale {
             self.targets.accumulate.reset();
@@ -259,12 +267,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// Whether objects have moved that the voxels have not followed ([`Self::place`]).
+    /// Whether objects have moved without the voxels ([`Self::place`]).
     pub fn has_stale_voxels(&self) -> bool {
         self.voxels_are_stale
     }
 
-    /// Lights the voxels again with another number of bounces; the mean starts anew.
+    /// Lights the voxels again with another number of bounces; the mean starts again.
     ///
     /// # Errors
     /// [`RenderError::Setting`] when there are too many, and when the device fails.
@@ -273,11 +281,11 @@ impl Renderer {
         self.set_settings(settings, &mut |_| {}).await
     }
 
-    /// Changes what is shown; the mean starts anew. The level is that of the views of voxels.
+    /// Changes the view; the mean starts again. The level is that of the views of voxels.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] when there is no such level, or when the volume does not have what is to be
-    /// shown.
+    /// [`RenderError::Setting`] when there is no such level, or when the volume lacks the data of
+    /// the view.
     pub fn set_view(&mut self, view: View, voxel_level: u32) -> Result<(), RenderError> {
         let settings = RenderSettings { view, voxel_level, ..self.settings.clone() };
         validate_level(&settings, self.gi.grid())?;
@@ -292,8 +300,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Changes how the picture comes about; the mean starts anew. The voxels are lit again where the look wants
-    /// another light in them.
+    /// Changes the look; the mean starts again. The voxels are lit again if the look needs other
+    /// light in them.
     ///
     /// # Errors
     /// [`RenderError::Setting`] when a value is out of range, and when the device fails.
@@ -311,18 +319,18 @@ impl Renderer {
         Ok(())
     }
 
-    /// Gives back what belongs to the look of former settings, unless it is still asked for.
+    /// Drops the look of former settings, unless it is still used.
     fn drop_look_of(&mut self, was: &RenderSettings) {
         if was.look_name() != self.settings.look_name() {
             self.look = None;
         }
         if self.settings.shown_look().is_some() {
-            // What the volume holds will be out of date.
+            // The content of the volume will be out of date.
             self.gi.forget_light();
         }
     }
 
-    /// Lights the voxels as the settings want it, by the lights that are bound.
+    /// Lights the voxels according to the settings, with the bound lights.
     fn light_voxels(&mut self) -> Result<(), RenderError> {
         let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
         let Self { settings, gi, lights, .. } = self;
@@ -331,12 +339,12 @@ impl Renderer {
         self.gpu.check("lighting the voxels")
     }
 
-    /// Changes how pictures are exposed from now on; the frames so far stay.
+    /// Changes the exposure of pictures from now on; the frames so far stay.
     pub fn set_exposure(&mut self, exposure: Exposure) {
         self.settings.exposure = exposure;
     }
 
-    /// Uploads what moves, and what shines.
+    /// Uploads moved geometry and lights.
     fn take_pose(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.scene.repose(&self.gpu, scene)?;
         self.passes.set_scene(&self.gpu, &self.scene)?;
@@ -346,7 +354,7 @@ impl Renderer {
         self.take_places(scene)
     }
 
-    /// Takes up where the scene's parts are now, and what shines.
+    /// Takes the present places of the scene's parts, and its lights.
     fn take_places(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.shown_bounds = self.scene.bounds_of(scene);
         self.scene_bounds = scene.grid_bounds.unwrap_or(self.shown_bounds);
@@ -355,7 +363,7 @@ impl Renderer {
         self.gpu.check("uploading the scene")
     }
 
-    /// Takes the lights and surroundings of a scene, whose map is uploaded if it is another one.
+    /// Takes the lights and surroundings of a scene; a new map is uploaded.
     fn take_lighting(&mut self, scene: &Scene) -> Result<(), RenderError> {
         let lighting = Lighting::of(scene);
         let maps = [&lighting, &self.lighting].map(|lighting| lighting.environment.map.as_ref());
@@ -374,28 +382,31 @@ impl Renderer {
         Ok(())
     }
 
-    async fn voxelize(&mut self, progress: &mut dyn FnMut(Progress)) -> Result<(), RenderError> {
-        progress(Progress { stage: "voxelize", done: 0, total: 1 });
+    async fn voxelize(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<(), RenderError> {
+        progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
         let timing = self.settings.timing;
         let voxelized = self.gi.voxelize_dynamic(&self.scene.geometry, timing).await?;
-        self.took(voxelized);
+        self.store_voxels(voxelized);
         self.gpu.check("voxelizing")?;
-        progress(Progress { stage: "voxelize", done: 1, total: 1 });
+        progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });
         Ok(())
     }
 
-    fn took(&mut self, voxelized: Voxelized) {
+    fn store_voxels(&mut self, voxelized: Voxelized) {
         self.voxels = voxelized.stats;
         self.voxels_are_stale = false;
         self.times.add(voxelized.times);
     }
 
-    /// Shadow maps, and the light of the voxels.
+    /// Makes the shadow maps, and lights the voxels.
     pub(super) async fn relight(
         &mut self,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        progress(Progress { stage: "light", done: 0, total: 1 });
+        progress(RenderProgress { stage: "light", done: 0, total: 1 });
         let mut recorder = self.recorder();
         self.bind_lights(&mut recorder);
         let Self { gpu, settings, gi, look, .. } = self;
@@ -408,7 +419,7 @@ impl Renderer {
         }
         self.times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
-        progress(Progress { stage: "light", done: 1, total: 1 });
+        progress(RenderProgress { stage: "light", done: 1, total: 1 });
         Ok(())
     }
 

@@ -1,9 +1,10 @@
-//! What a rendering will take of the GPU's memory, told before anything is uploaded.
+//! An estimate of a rendering's GPU memory, before anything is uploaded.
 //!
-//! All but the voxel list follows from sizes that are known. How many voxels there will be is estimated from
-//! the surface: a plane of area A and unit normal n that lies at random in a grid of cells of edge h meets
-//! about A / h² · (|nx| + |ny| + |nz|) of them, the area of its projections along the axes (Cauchy's formula,
-//! axis by axis). Pieces that share a voxel count several times, so that fine detail is overrated.
+//! Everything but the voxel list follows from known sizes. The number of voxels is estimated from
+//! the surface: a plane of area A and unit normal n at a random place in a grid of cells of edge h
+//! meets about A / h² · (|nx| + |ny| + |nz|) of them, the area of its projections along the axes
+//! (Cauchy's formula, axis by axis). Pieces that share a voxel count several times, so fine detail
+//! is overestimated.
 
 use std::collections::HashSet;
 
@@ -18,25 +19,27 @@ use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL};
 use crate::scene::{DrawRecord, VERTEX_BYTES};
 use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 
-/// On the built-in scenes it is 0.9 to 1.5.
+/// Faces of a voxel; on the built-in scenes 0.9 to 1.5.
 const FACES_PER_VOXEL: f64 = 1.25;
-/// The record of the list (80 bytes), and its light: two colours in full floats.
-const FACE_BYTES: u64 = 80 + 32;
-const NODE_BYTES: u64 = 8;
-/// 160 to 430 on the scenes of docs/octree.md, from 128 voxels on.
+/// Bytes of a face: its record in the list (80), and its light, five colours in full floats.
+const FACE_BYTES: u64 = 80 + 80;
+/// Bytes of a node: its record (8), the place of its faces, and room in two lists of changed cells.
+const NODE_BYTES: u64 = 8 + 4 + 24;
+/// Bytes of an octree for each voxel: 160 to 430 on the scenes of docs/octree.md, from 128 voxels
+/// on.
 const OCTREE_BYTES_PER_VOXEL: u64 = 300;
 /// The same with one value a voxel.
 const ISOTROPIC_OCTREE_BYTES_PER_VOXEL: u64 = 170;
 
-/// The GPU memory that a scene will take under given settings, by what it holds.
+/// The estimated GPU memory of a scene with given settings, by its use.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MemoryEstimate {
-    /// Each thing by itself; those called `about` are estimates, the others are exact.
+    /// Each use; those called `about` are estimates, the others are exact.
     pub parts: Vec<MemoryUse>,
     /// The estimated number of occupied voxels.
     pub voxels: u64,
     name: String,
-    /// What would help if the voxels are too many.
+    /// The remedy if there are too many voxels.
     voxel_remedy: &'static str,
 }
 
@@ -52,15 +55,13 @@ impl MemoryEstimate {
         let indices: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
         let pixels = u64::from(settings.size.x) * u64::from(settings.size.y);
         let voxels = voxel_count(scene, &grid, |_| true);
-        // Of static instances among others their own sums are kept.
+        // If instances may move, the static and the moving share are kept in buffers of their own.
         let voxelized = || scene.shown().filter(|instance| instance.is_voxelized);
         let fixed = voxelized().filter(|instance| instance.is_static).count();
         let fixed_voxels = || voxel_count(scene, &grid, |instance| instance.is_static);
-        let is_mixed = (1..voxelized().count()).contains(&fixed);
-        let kept = if is_mixed { kept_bytes(&grid, fixed_voxels()) } else { 0 };
-        // Without bounces in the voxels, what the volume holds is remembered.
-        let held = if settings.bounces < 2 { held_bytes(voxels) } else { 0 };
-        // Clear glass has none either; it is too little to look for.
+        let moves = fixed < voxelized().count();
+        let kept = if moves { kept_bytes(&grid, fixed_voxels(), voxels) } else { 0 };
+        // Clear glass has no tint either, but the difference is too small to check.
         let has_glass = scene.materials.iter().any(|material| material.transmission.factor > 0.0);
         let tint = if has_glass { TINT_BYTES_PER_PIXEL } else { 0 };
         let overlay = if settings.overlay.is_on() { OVERLAY_BYTES_PER_PIXEL } else { 0 };
@@ -70,7 +71,7 @@ impl MemoryEstimate {
             ("instances", (scene.shown().count() * size_of::<DrawRecord>()) as u64),
             ("shadow maps", shadow_bytes(scene, settings)),
             volume_part(&grid, settings, voxels),
-            ("voxel list (about)", list_bytes(&grid, voxels, settings) + kept + held),
+            ("voxel list (about)", list_bytes(&grid, voxels, settings) + kept),
             ("picture", pixels * (BYTES_PER_PIXEL + tint + overlay)),
         ];
         let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
@@ -82,13 +83,15 @@ impl MemoryEstimate {
         self.parts.iter().map(|part| part.bytes).fold(0, u64::saturating_add)
     }
 
-    /// Compares with what is known of the device. Graphics APIs do not tell how much memory a GPU has, so
-    /// there only an allocation can fail; a software driver's is the machine's own, which the system tells.
+    /// Compares with the device's memory, if it is known. Graphics APIs do not report how much a
+    /// GPU has, so there only an allocation can fail; a software driver uses the machine's own,
+    /// which the system reports.
     ///
     /// # Errors
-    /// [`RenderError::OutOfMemory`], with the parts and what would help.
+    /// [`RenderError::OutOfMemory`], with the parts and a remedy.
     pub fn check(&self, gpu: &Gpu) -> Result<(), RenderError> {
-        // Software drivers hand out memory that they do not have, and the system then ends the process.
+        // Software drivers promise memory that they do not have, and the system then kills the
+        // process.
         let is_short = |available| self.bytes() > available;
         if gpu.is_software() && available_memory().is_some_and(is_short) {
             return Err(self.too_large(gpu));
@@ -96,7 +99,7 @@ impl MemoryEstimate {
         Ok(())
     }
 
-    /// The error that says so.
+    /// The error that the scene does not fit.
     pub(crate) fn too_large(&self, gpu: &Gpu) -> RenderError {
         let mib = |bytes: u64| bytes.div_ceil(1 << 20);
         let mut parts: Vec<&MemoryUse> = self.parts.iter().collect();
@@ -118,7 +121,7 @@ impl MemoryEstimate {
     }
 }
 
-/// What makes voxels take less, of what is not done yet.
+/// The change of settings that reduces the memory of voxels.
 fn voxel_remedy(settings: &RenderSettings) -> &'static str {
     match (settings.volume, settings.directionality) {
         (VolumeKind::Dense, Directionality::SixLobes) => {
@@ -135,7 +138,8 @@ fn voxel_remedy(settings: &RenderSettings) -> &'static str {
     }
 }
 
-/// The volume. An octree's is estimated: what voxels need depends on how they touch each other.
+/// The volume. An octree's size is estimated: the memory of voxels depends on how they touch each
+/// other.
 fn volume_part(grid: &Grid, settings: &RenderSettings, voxels: u64) -> (&'static str, u64) {
     match (settings.volume, settings.directionality) {
         (VolumeKind::Dense, directionality) => {
@@ -150,7 +154,7 @@ fn volume_part(grid: &Grid, settings: &RenderSettings, voxels: u64) -> (&'static
     }
 }
 
-/// Voxels that some of the instances occupy, estimated.
+/// The estimated number of voxels that some of the instances occupy.
 fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool) -> u64 {
     let cell_area = f64::from(grid.voxel_size_m).powi(2);
     let mut voxels = 0.0;
@@ -169,32 +173,32 @@ fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool)
     (voxels.ceil() as u64).min(grid.voxel_count())
 }
 
-/// Bits and ranks, of what is occupied and of what has changed; nodes of all levels, twice; faces and their light.
+/// Bits and ranks, once of occupied and twice of changed cells; nodes of all levels; faces and
+/// their light.
 fn list_bytes(grid: &Grid, voxels: u64, settings: &RenderSettings) -> u64 {
     let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
-    // A surface of the next level has a quarter of the cells.
+    // A surface has a quarter of the cells on the next level.
     let nodes = voxels + voxels / 3;
     let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
     let own_bytes = settings.injection.as_ref().map_or(0, |injection| injection.bytes_per_face());
     let face_bytes = FACE_BYTES + own_bytes;
     // The ranks: a word for each word of bits.
-    4 * cells.div_ceil(8) + 2 * nodes * NODE_BYTES + voxels * 4 + faces * face_bytes
+    5 * cells.div_ceil(8) + nodes * NODE_BYTES + faces * face_bytes
 }
 
-/// Bits, ranks, both side by side, lobes, and the faces' sums.
-fn kept_bytes(grid: &Grid, voxels: u64) -> u64 {
-    let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
-    let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
-    let sums = size_of::<lumivox::voxels::FaceRecord>() as u64;
-    4 * cells.div_ceil(8) + voxels * 20 + faces * sums
+/// For each share: bits, ranks, both side by side, lobes, and the faces' sums. For the moving share
+/// also its faces, with a quarter to spare; and the bits of both together.
+fn kept_bytes(grid: &Grid, fixed: u64, voxels: u64) -> u64 {
+    let cells = u64::from(grid.morton_edge(0)).pow(3);
+    let faces = |voxels: u64| (voxels as f64 * FACES_PER_VOXEL) as u64;
+    let face = size_of::<lumivox::voxels::FaceRecord>() as u64;
+    let moving = voxels.saturating_sub(fixed);
+    let share = |voxels: u64| 4 * cells.div_ceil(8) + voxels * 32 + faces(voxels) * face;
+    let united = moving * 32 + faces(moving) * (face + 32);
+    share(fixed) + 5 * (share(moving) + united) / 4 + 3 * cells.div_ceil(8)
 }
 
-/// A colour in full floats for each face.
-fn held_bytes(voxels: u64) -> u64 {
-    (voxels as f64 * FACES_PER_VOXEL) as u64 * 16
-}
-
-/// Each texture with its mips, once as colours and once as data if it is used as both.
+/// Each texture with its mips, twice if it is used both as colours and as data.
 fn texture_bytes(scene: &Scene) -> u64 {
     let used: HashSet<(usize, bool)> = scene.materials.iter().flat_map(texture_uses).collect();
     used.iter().filter_map(|(index, _)| scene.textures.get(*index)).map(mip_bytes).sum()
@@ -237,29 +241,23 @@ mod tests {
     use crate::Renderer;
     use crate::testing::gpu;
 
-    /// The renderer's own account is the truth.
+    /// Compares with the renderer's own account.
     #[test]
     fn what_was_estimated_is_what_is_allocated() {
         let gpu = gpu();
         let octree = VolumeKind::Octree(lumivox::OctreeOptions::default());
-        for (name, resolution, bounces, moving, volume, injection) in [
-            ("spheres", 64, 8, 0, VolumeKind::Dense, "direct"),
-            ("two-rooms-rotated", 48, 1, 2, VolumeKind::Dense, "photons"),
-            ("atrium", 96, 8, 0, octree, "direct"),
+        for (name, resolution, bounces, moving, volume) in [
+            ("spheres", 64, 8, 0, VolumeKind::Dense),
+            ("two-rooms-rotated", 48, 1, 2, VolumeKind::Dense),
+            ("atrium", 96, 8, 0, octree),
         ] {
             let mut scene = lumivox_scene::builtin::scene(name).expect("a scene");
             for instance in &mut scene.instances[..moving] {
                 instance.is_static = false;
             }
             let size = glam::UVec2::new(40, 24);
-            let settings = RenderSettings {
-                size,
-                resolution,
-                volume,
-                injection: crate::classics::injection(injection),
-                bounces,
-                ..Default::default()
-            };
+            let settings =
+                RenderSettings { size, resolution, volume, bounces, ..Default::default() };
             let estimate = MemoryEstimate::new(&scene, &settings).expect("an estimate");
             let mut quiet = |_| {};
             let renderer = Renderer::new(&gpu, &scene, None, settings, &mut quiet);
@@ -272,12 +270,12 @@ mod tests {
             };
             for part in &estimate.parts {
                 let (truth, tolerance) = match part.name.as_str() {
-                    // The tilted walls' edges, and surfaces that share a voxel.
+                    // The edges of tilted walls, and surfaces that share a voxel.
                     "voxel list (about)" => (truth(&["voxels", "light"]), 0.4),
-                    // The white texel that stands for none.
+                    // The white texel for missing textures.
                     "textures" => (truth(&["textures"]), 0.001),
                     "voxel volume" => (truth(&["volume"]), 0.001),
-                    // How voxels touch each other decides.
+                    // It depends on how voxels touch each other.
                     "voxel volume (about)" => (truth(&["volume"]), 0.7),
                     other => (truth(&[other]), 0.001),
                 };

@@ -15,7 +15,7 @@ use lumivox::{EnvironmentMap, Gi, Grid, Lights, VoxelizeStats};
 use lumivox_scene::{Bounds, Camera, Scene};
 
 use crate::gpu::memory::MemoryUse;
-use crate::gpu::times::Times;
+use crate::gpu::times::StageTimes;
 use crate::look::{LookFrame, LookParts, LookPasses, LookScene};
 use crate::passes::gbuffer;
 use crate::passes::targets::Targets;
@@ -26,10 +26,10 @@ pub use photometry::Photometry;
 pub use prepare::global_illumination;
 use prepare::{bind_lights, compile, environment_map, upload, voxelize};
 
-/// How far the work is.
+/// The progress of rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
-    /// What is under way: `upload`, `compile`, `voxelize`, `light` or `render`.
+pub struct RenderProgress {
+    /// The present stage: `upload`, `compile`, `voxelize`, `light` or `render`.
     pub stage: &'static str,
     /// Steps done, from 0 to `total`.
     pub done: u32,
@@ -44,13 +44,13 @@ pub struct Renderer {
     settings: RenderSettings,
     camera: Camera,
     scene: GpuScene,
-    /// What the scene itself asks the grid to be fitted to.
+    /// The box that the scene itself asks the grid to be fitted to.
     scene_bounds: Bounds,
-    /// Whether nothing of it need be in the grid: it has one of its own.
+    /// Whether the grid may be empty, because the scene has a grid of its own.
     may_be_empty: bool,
-    /// What it is fitted to.
+    /// The box that the grid is fitted to.
     grid_bounds: Bounds,
-    /// Around all that is shown; shadow maps hold what lies outside of the grid, too.
+    /// The box around everything that is shown; shadow maps include the parts outside the grid.
     shown_bounds: Bounds,
     lighting: Lighting,
     gi: Gi,
@@ -59,30 +59,32 @@ pub struct Renderer {
     voxels_are_stale: bool,
     passes: Passes,
     targets: Targets,
-    /// What looks are given of the scene.
+    /// The parts of the scene for looks.
     look_scene: LookScene,
-    /// Those of the look that the settings name, once it has drawn.
+    /// The passes of the settings' look, once it has drawn.
     look: Option<Box<dyn LookPasses>>,
     environment: Option<EnvironmentMap>,
     shadow_bytes: u64,
-    times: Times,
+    times: StageTimes,
 }
 
 impl Renderer {
     /// Prepares a scene: uploads it, fits the grid to its bounds, voxelizes it and lights the voxels.
     ///
-    /// The camera is the one given, else the scene's first, else one that frames all of it. `progress`
-    /// hears of the stages `upload`, `compile` (if the device has not all pipelines yet), `voxelize` and `light`.
+    /// The camera is the given one, else the scene's first, else one that frames the whole scene.
+    /// `progress` is called with the stages `upload`, `compile` (if some pipelines are missing),
+    /// `voxelize` and `light`.
     ///
     /// # Errors
-    /// When a setting is out of range, when nothing of the scene is in the grid (unless it has a grid of its own,
-    /// [`Scene::grid_bounds`]), when something does not fit the device or its memory, and when the device fails.
+    /// When a setting is out of range, when no part of the scene is in the grid (unless it has a
+    /// grid of its own, [`Scene::grid_bounds`]), when something does not fit the device or its
+    /// memory, and when the device fails.
     pub async fn new(
         gpu: &Gpu,
         scene: &Scene,
         camera: Option<&Camera>,
         settings: RenderSettings,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<Self, RenderError> {
         validate(&settings, gpu)?;
         let scene_bounds = scene.voxel_bounds();
@@ -94,9 +96,9 @@ impl Renderer {
         });
         let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
         validate_level(&settings, &grid)?;
-        let mut times = Times::default();
+        let mut times = StageTimes::default();
 
-        progress(Progress { stage: "upload", done: 0, total: 1 });
+        progress(RenderProgress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(bounds, scene, &lighting);
         let look_scene = LookScene::of(scene);
@@ -104,7 +106,7 @@ impl Renderer {
         let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
         let shown_bounds = scene.bounds;
         scene.bounds = bounds.union(shown_bounds);
-        progress(Progress { stage: "upload", done: 1, total: 1 });
+        progress(RenderProgress { stage: "upload", done: 1, total: 1 });
 
         let mut gi = global_illumination(gpu, settings.gi_config(grid)).await?;
         let passes = Passes::new(gpu, &gi, &scene, &settings)?;
@@ -119,14 +121,14 @@ impl Renderer {
         }
         compile(gpu, progress).await?;
 
-        progress(Progress { stage: "voxelize", done: 0, total: 1 });
+        progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
         let voxelized = voxelize(&mut gi, &scene.geometry, settings.timing, may_be_empty).await;
         let voxelized = voxelized.map_err(|error| RenderError::of_scene(error, given))?;
         times.add(voxelized.times);
         gpu.check("voxelizing")?;
-        progress(Progress { stage: "voxelize", done: 1, total: 1 });
+        progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });
 
-        progress(Progress { stage: "light", done: 0, total: 1 });
+        progress(RenderProgress { stage: "light", done: 0, total: 1 });
         let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
         let map = environment_map(gpu, &lighting)?;
         let (lights, shadow_bytes) = bind_lights(
@@ -139,7 +141,7 @@ impl Renderer {
             &settings,
         );
         if settings.timing != Timing::Off && settings.shown_look().is_none() {
-            // Drivers compile a kernel at its first use, which is no part of a stage's time.
+            // Drivers compile a kernel at its first use, which must not count as time of a stage.
             let mut first_use = Recorder::new(&gpu.device, &gpu.queue);
             gi.light(&mut first_use, &lights, settings.voxel_bounces().min(2), &settings.trace)?;
             first_use.submit();
@@ -151,7 +153,7 @@ impl Renderer {
         }
         times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
-        progress(Progress { stage: "light", done: 1, total: 1 });
+        progress(RenderProgress { stage: "light", done: 1, total: 1 });
 
         Ok(Self {
             gpu: gpu.clone(),
@@ -177,14 +179,14 @@ impl Renderer {
         })
     }
 
-    /// Renders all frames that the settings ask for and are not there yet, and finishes the picture.
-    /// `progress` hears of the stage `render`, frame by frame.
+    /// Renders the missing frames of those that the settings ask for, and finishes the picture.
+    /// `progress` is called with the stage `render` after each frame.
     ///
     /// # Errors
     /// When the device fails.
     pub async fn render(
         &mut self,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<Picture, RenderError> {
         let mut go_on = |step| {
             progress(step);
@@ -195,13 +197,14 @@ impl Renderer {
         self.finish().await
     }
 
-    /// The same until `progress` breaks it off between two frames: then there is no picture, and the frames so far stay.
+    /// The same until `progress` breaks between two frames: then there is no picture, and the
+    /// frames so far stay.
     ///
     /// # Errors
     /// When the device fails.
     pub async fn render_until(
         &mut self,
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+        progress: &mut dyn FnMut(RenderProgress) -> ControlFlow<()>,
     ) -> Result<Option<Picture>, RenderError> {
         self.render_frames(progress).await?;
         if self.frame_count() < self.settings.frames {
@@ -213,21 +216,22 @@ impl Renderer {
 
     async fn render_frames(
         &mut self,
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+        progress: &mut dyn FnMut(RenderProgress) -> ControlFlow<()>,
     ) -> Result<(), RenderError> {
         let total = self.settings.frames;
-        let step = |done: u32| Progress { stage: "render", done: done.min(total), total };
+        let step = |done: u32| RenderProgress { stage: "render", done: done.min(total), total };
         let mut wish = progress(step(self.frame_count()));
         while self.frame_count() < total && wish.is_continue() {
             self.render_frame().await?;
-            // One frame in flight: progress is then the truth, and memory for commands stays small.
+            // Only one frame is in flight, so that progress is true and memory for commands stays
+            // small.
             self.gpu.wait("rendering a frame")?;
             wish = progress(step(self.frame_count()));
         }
         Ok(())
     }
 
-    /// Renders one frame more into the mean.
+    /// Renders one more frame into the mean.
     ///
     /// # Errors
     /// When the device fails.
@@ -235,7 +239,7 @@ impl Renderer {
         self.draw_frame(true).await
     }
 
-    /// Renders the next frame for its time alone: the mean stays as it is.
+    /// Renders the next frame only for its time: the mean stays as it is.
     ///
     /// # Errors
     /// When the device fails.
@@ -250,9 +254,9 @@ impl Renderer {
         let jitter = gbuffer::jitter(frame, settings.frames);
         let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
-        let mut view = lumivox::View::new(clip_from_world, position, size);
+        let mut view = lumivox::CameraView::new(clip_from_world, position, size);
         view.frame = frame;
-        targets.gbuffer.set_view(&self.gpu.queue, view);
+        targets.gbuffer.set_camera(&self.gpu.queue, view);
 
         let mut recorder =
             Recorder::with_timing(&self.gpu.device, &self.gpu.queue, settings.timing);
@@ -302,8 +306,8 @@ impl Renderer {
         self.gpu.check("rendering a frame")
     }
 
-    /// Makes a picture in the look, and the depths and normals of what it shows.
-    fn record_look(&mut self, recorder: &mut Recorder, view: &lumivox::View) {
+    /// Renders a picture in the look, with the depths and normals of its surfaces.
+    fn record_look(&mut self, recorder: &mut Recorder, view: &lumivox::CameraView) {
         let Self { gpu, settings, scene, lights, targets, look: Some(passes), .. } = self else {
             return;
         };
@@ -323,7 +327,7 @@ impl Renderer {
         passes.record(gpu, recorder, &frame);
     }
 
-    /// Compiles what the view and the look need and no frame before did.
+    /// Compiles what the view and the look need and no earlier frame did.
     async fn prepare_view(&mut self) -> Result<(), RenderError> {
         let Self {
             gpu, settings, scene, gi, passes, targets, look, look_scene, grid_bounds, ..
@@ -343,7 +347,7 @@ impl Renderer {
         self.targets.accumulate.frames()
     }
 
-    /// Moves the camera; the mean starts anew.
+    /// Moves the camera; the mean starts again.
     pub fn set_camera(&mut self, camera: Camera) {
         self.camera = camera;
         self.targets.accumulate.reset();
@@ -364,7 +368,7 @@ impl Renderer {
         &self.gi
     }
 
-    /// What the voxelization found.
+    /// The statistics of the voxelization.
     pub fn voxel_stats(&self) -> &VoxelizeStats {
         &self.voxels
     }
@@ -375,18 +379,17 @@ impl Renderer {
         self.times.means()
     }
 
-    /// Forgets the times so far: what comes runs with kernels that the driver has compiled.
+    /// Forgets the times so far: later ones exclude the compilation of kernels by the driver.
     pub fn forget_times(&mut self) {
-        self.times = Times::default();
+        self.times = StageTimes::default();
     }
 
-    /// Lets the next lighting store and filter all voxels, even those whose light is what the volume holds already:
-    /// for measurements.
+    /// Makes the next lighting store and filter all voxels, even unchanged ones, for measurements.
     pub fn forget_light(&mut self) {
         self.gi.forget_light();
     }
 
-    /// GPU memory by what it holds.
+    /// GPU memory by its use.
     pub fn memory(&self) -> Vec<MemoryUse> {
         let mut memory = self.scene.memory.clone();
         memory.push(MemoryUse::new("shadow maps", self.shadow_bytes));

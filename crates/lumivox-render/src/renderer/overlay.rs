@@ -1,7 +1,7 @@
-//! What is drawn over the picture, frame by frame and at the end.
+//! The overlay, frame by frame and at the end.
 
 use glam::Vec2;
-use lumivox::View;
+use lumivox::CameraView;
 use lumivox::gpu::Recorder;
 
 use super::Renderer;
@@ -11,9 +11,9 @@ use crate::passes::overlay::{Overlay, OverlayPass, OverlayView, Shown};
 use crate::picture::tone_map::Encoding;
 
 impl Renderer {
-    /// Changes what is drawn over the picture. The picture's frames stay; the overlay's start anew and come with
-    /// the picture's next ones, or alone by [`Self::render_overlay_frame`]. Those of an overlay that is taken off stay, for the
-    /// case that it comes back, until [`Self::set_settings`] finds it off.
+    /// Changes the overlay. The picture's frames stay; the overlay's start again, and come with the
+    /// picture's next ones or by [`Self::render_overlay_frame`]. When an overlay is switched off
+    /// its frames stay, in case it returns, until [`Self::set_settings`] finds it off.
     ///
     /// # Errors
     /// [`RenderError::Limit`] when there are more lines than a buffer holds.
@@ -24,7 +24,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Frames of the overlay as it is set. Without frames of the picture that it is drawn over there are none.
+    /// The number of frames of the present overlay. There are none without frames of the picture
+    /// below it.
     pub fn overlay_frame_count(&self) -> u32 {
         if self.frame_count() == 0 {
             return 0;
@@ -32,8 +33,8 @@ impl Renderer {
         self.targets.overlay.as_ref().map_or(0, |pass| pass.frames(&self.shown()))
     }
 
-    /// Renders one frame more of the overlay alone, for a picture that has all of its frames. Nothing happens
-    /// while it is off, and before the picture's first frame.
+    /// Renders one more frame of only the overlay, for a picture that has all of its frames. Does
+    /// nothing while it is off, and before the picture's first frame.
     ///
     /// # Errors
     /// When the device fails.
@@ -45,9 +46,9 @@ impl Renderer {
         let size = self.settings.size;
         let jitter = gbuffer::jitter(frame, self.settings.frames);
         let clip_from_world = gbuffer::clip_from_world(&self.camera, size, jitter);
-        let mut view = View::new(clip_from_world, self.camera.position, size);
+        let mut view = CameraView::new(clip_from_world, self.camera.position, size);
         view.frame = frame;
-        self.targets.gbuffer.set_view(&self.gpu.queue, view);
+        self.targets.gbuffer.set_camera(&self.gpu.queue, view);
         let timing = self.settings.timing;
         let mut recorder = Recorder::with_timing(&self.gpu.device, &self.gpu.queue, timing);
         if self.settings.overlay.needs_depth() {
@@ -58,7 +59,7 @@ impl Renderer {
         self.gpu.check("drawing the overlay")
     }
 
-    /// Renders the frames of the overlay that the picture is ahead by.
+    /// Renders as many frames of the overlay as the picture has.
     ///
     /// # Errors
     /// When the device fails.
@@ -72,13 +73,13 @@ impl Renderer {
         Ok(())
     }
 
-    /// Adds the overlay's part to a frame of the picture, whose view it has.
+    /// Adds the overlay to a frame of the picture, with the same camera.
     pub(super) fn record_overlay(
         &mut self,
         recorder: &mut Recorder,
-        view: &View,
+        view: &CameraView,
     ) -> Result<(), RenderError> {
-        // What starts the picture anew does so with the overlay.
+        // Whatever restarts the picture restarts the overlay.
         if let Some(pass) = self.targets.overlay.as_mut().filter(|_| view.frame == 0) {
             pass.reset();
         }
@@ -93,7 +94,7 @@ impl Renderer {
         self.draw_overlay(recorder, view)
     }
 
-    /// Brings the mean to the screen, with the overlay if it has frames.
+    /// Tone maps the mean for the screen, with the overlay if it has frames.
     pub(super) fn record_screen(&self, recorder: &mut Recorder, encoding: Encoding) {
         let picture = self.targets.accumulate.mean();
         let tone_map = &self.targets.tone_map;
@@ -104,9 +105,9 @@ impl Renderer {
         }
     }
 
-    fn record_surfaces(&mut self, recorder: &mut Recorder, view: (&View, Vec2)) {
+    fn record_surfaces(&mut self, recorder: &mut Recorder, view: (&CameraView, Vec2)) {
         if self.settings.shown_look().is_some() && !self.settings.view.is_of_voxels() {
-            // It sees other sides of them. The picture's mean has no part in it.
+            // The overlay sees other sides of them. The picture's mean is not affected.
             self.record_look(recorder, view.0);
             return;
         }
@@ -114,7 +115,11 @@ impl Renderer {
         self.passes.gbuffer.record(recorder, &self.scene, &self.targets.gbuffer_textures, view);
     }
 
-    fn draw_overlay(&mut self, recorder: &mut Recorder, view: &View) -> Result<(), RenderError> {
+    fn draw_overlay(
+        &mut self,
+        recorder: &mut Recorder,
+        view: &CameraView,
+    ) -> Result<(), RenderError> {
         let shown = self.shown();
         let Self { gpu, gi, scene, settings, passes, targets, .. } = self;
         let pass = match &mut targets.overlay {
@@ -133,7 +138,7 @@ impl Renderer {
     fn shown(&self) -> Shown {
         let Self { settings, .. } = self;
         let mut overlay = settings.overlay.clone();
-        // Voxels are no surfaces.
+        // Voxels are not surfaces.
         overlay.hides_surfaces &= !settings.view.is_of_voxels();
         let voxel_level = settings.voxel_level.min(self.gi.grid().levels - 1);
         Shown { overlay, voxel_level }

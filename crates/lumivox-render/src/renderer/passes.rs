@@ -11,12 +11,12 @@ use crate::passes::targets::Targets;
 use crate::scene::GpuScene;
 use crate::{Gpu, RenderError, RenderSettings, ShadowMethod};
 
-/// All passes that have no size.
+/// All passes that do not depend on the picture's size.
 #[derive(Debug)]
 pub(super) struct Passes {
     pub(super) shaders: ShaderLibrary,
     pub(super) gbuffer: GBufferPass,
-    /// Where shadows come from maps.
+    /// The shadow maps, if shadows come from maps.
     pub(super) shadows: Option<ShadowMapPass>,
     pub(super) direct: DirectPass,
     pub(super) composite: CompositePass,
@@ -43,7 +43,7 @@ impl Passes {
         Ok(passes)
     }
 
-    /// Takes the other way to find shadows.
+    /// Switches to the other kind of shadows.
     pub(super) fn set_shadows(
         &mut self,
         gpu: &Gpu,
@@ -57,7 +57,7 @@ impl Passes {
         Ok(())
     }
 
-    /// Takes up the same scene, moved or in other materials of the same layout.
+    /// Takes the same scene, moved or with other materials of the same layout.
     pub(super) fn set_scene(&mut self, gpu: &Gpu, scene: &GpuScene) -> Result<(), RenderError> {
         self.gbuffer.set_scene(&gpu.pipelines, scene)?;
         if let Some(pass) = &mut self.shadows {
@@ -66,7 +66,7 @@ impl Passes {
         Ok(())
     }
 
-    /// All that has the picture's size.
+    /// Makes everything of the picture's size.
     pub(super) async fn targets(
         &self,
         gpu: &Gpu,

@@ -7,19 +7,19 @@ use crate::gpu::readback::read_texel;
 use crate::picture::tone_map::luminance;
 use crate::{RenderError, View};
 
-/// The light of a pixel, as meters measure it: the mean over the frames so far.
+/// The light of a pixel, as light meters measure it: the mean over the frames so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photometry {
-    /// What a camera sees there, cd/m².
+    /// The luminance that a camera sees, cd/m².
     pub luminance_cd_m2: f32,
-    /// What arrives at the surface there, direct and indirect, lux. `None` over the background, and where the picture
-    /// is not of all light.
+    /// The illuminance of the surface, direct and indirect, lux. `None` over the background, and in
+    /// views that do not show all light.
     pub illuminance_lux: Option<f32>,
 }
 
 impl Renderer {
-    /// The light at a pixel, counted from the top left; reads two texels back. `None` outside of the picture, before the
-    /// first frame, and for views that show no light.
+    /// The light at a pixel, counted from the top left; reads two texels back. `None` outside the
+    /// picture, before the first frame, and for views that show no light.
     ///
     /// # Errors
     /// When the device fails.

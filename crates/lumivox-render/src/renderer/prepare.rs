@@ -1,6 +1,7 @@
-//! What a renderer does before its first frame: the scene and its lights on the GPU.
+//! Preparation of the first frame: the scene and its lights on the GPU.
 
 use lumivox::gpu::{Recorder, Timing};
+use lumivox::hooks::Injection;
 use lumivox::{
     EnvironmentLight, EnvironmentMap, Geometry, Gi, GiConfig, GiError, Light, LightSource, Lights,
     Panorama, Shadow, ShadowLayer, ShadowMaps, VolumeKind, VoxelizeStats, Voxelized,
@@ -8,15 +9,11 @@ use lumivox::{
 };
 use lumivox_scene::{Bounds, Scene};
 
-use super::Progress;
-use crate::classics::is_by_photons;
+use super::RenderProgress;
 use crate::passes::shadow_maps::ShadowMapPass;
 use crate::renderer::estimate::MemoryEstimate;
 use crate::scene::{GpuScene, Lighting, corners};
 use crate::{Gpu, RenderError, RenderSettings};
-
-/// Photons scatter by about the texels that a voxel's side is seen by: two along an edge are the least.
-const MAX_PHOTON_TEXEL_VOXELS: f32 = 0.5;
 
 /// Uploads a scene, if it is known to fit.
 pub(super) async fn upload(
@@ -37,15 +34,15 @@ pub(super) async fn upload(
     uploaded
 }
 
-/// Compiles all pipelines that were asked for and are not there, at once.
+/// Compiles all missing pipelines at once.
 ///
 /// # Errors
 /// When the device refuses one.
 pub(super) async fn compile(
     gpu: &Gpu,
-    progress: &mut dyn FnMut(Progress),
+    progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<(), RenderError> {
-    let mut report = |done, total| progress(Progress { stage: "compile", done, total });
+    let mut report = |done, total| progress(RenderProgress { stage: "compile", done, total });
     gpu.pipelines.compile(&mut report).await;
     gpu.check("compiling pipelines")
 }
@@ -53,9 +50,9 @@ pub(super) async fn compile(
 /// Makes the voxels' volume and links the library's kernels.
 ///
 /// # Errors
-/// [`RenderError::OutOfMemory`] and the library's own, when something does not fit.
+/// [`RenderError::OutOfMemory`] and the library's own errors, when something does not fit.
 pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, RenderError> {
-    // What is done with a texture that could not be made is refused in turn.
+    // Commands on a texture that could not be made are refused in turn.
     let followers = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let gi = Gi::with_pipelines(&gpu.pipelines, &gpu.queue, config.clone());
@@ -63,7 +60,7 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
     let refused = followers.pop().await;
     if is_short {
         let [x, y, z] = config.grid.dimensions.to_array();
-        // An octree takes next to nothing before there are voxels.
+        // An octree takes almost no memory before there are voxels.
         let (kind, bytes, remedy) = match config.volume {
             VolumeKind::Dense => (
                 "a dense volume",
@@ -83,8 +80,8 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
     Ok(gi?)
 }
 
-/// Voxelizes what a new [`Gi`] has nothing of yet. Nothing is an answer where it may be: then there are no voxels, and no
-/// light that comes by them.
+/// Voxelizes everything for a new [`Gi`]. If the grid may be empty and is, there are no voxels and
+/// no indirect light.
 pub(super) async fn voxelize(
     gi: &mut Gi,
     geometry: &Geometry,
@@ -109,7 +106,8 @@ pub(super) fn environment_map(
     Ok(Some(EnvironmentMap::new(&gpu.device, &gpu.queue, panorama)?))
 }
 
-/// Renders shadow maps if there is a pass for them, and binds the lights. Also the bytes of the maps.
+/// Renders shadow maps if there is a pass for them, and binds the lights. Also returns the bytes of
+/// the maps.
 pub(super) fn bind_lights(
     gpu: &Gpu,
     recorder: &mut Recorder,
@@ -123,18 +121,19 @@ pub(super) fn bind_lights(
     let mut lights = lighting.to_gpu(scene.radiance_unit);
     let radiance = lighting.environment.radiance / scene.radiance_unit;
     let rotation_rad = lighting.environment.rotation_rad;
-    // Its brightest parts shine like lamps, and have the first choice of shadow maps.
+    // Its brightest parts are lights like lamps, and have the first choice of shadow maps.
     let peaks = map.iter().flat_map(|map| map.lights(radiance, rotation_rad));
     lights.splice(0..0, peaks);
     let mut maps: Option<ShadowMaps> = None;
     if let Some(pass) = shadow_pass {
         recorder.stage("shadow maps");
         maps = pass.record(gpu, recorder, scene, &mut lights, shadow_resolution);
-        if is_by_photons(settings) {
+        if let Some(injection) = &settings.injection {
             let texel_m = maps
                 .as_ref()
                 .map_or(0.0, |maps| largest_texel_m(&lights, &maps.layers, scene.bounds));
-            warn_of_coarse_texels(texel_m / gi.grid().voxel_size_m, shadow_resolution);
+            let texel_in_voxels = texel_m / gi.grid().voxel_size_m;
+            warn_of_coarse_texels(injection.as_ref(), texel_in_voxels, shadow_resolution);
         }
     }
     let layer_bytes = 4 * u64::from(shadow_resolution).pow(2);
@@ -143,7 +142,8 @@ pub(super) fn bind_lights(
     (gi.bind_lights(&lights, environment, maps.as_ref()), bytes)
 }
 
-/// The edge of the largest texel of the maps, m: at the far end of the scene, or of a light's range.
+/// The edge of the largest texel of the maps, m: at the far end of the scene, or of a light's
+/// range.
 fn largest_texel_m(lights: &[Light], layers: &[ShadowLayer], bounds: Bounds) -> f32 {
     let far_end_m = |position: glam::Vec3, range_m: Option<f32>| {
         let distances = corners(bounds).map(|corner| corner.distance(position));
@@ -163,14 +163,16 @@ fn largest_texel_m(lights: &[Light], layers: &[ShadowLayer], bounds: Bounds) -> 
     lights.iter().filter_map(texel_m).fold(0.0, f32::max)
 }
 
-/// Photons are as fine as the texels that they start from: with few of them a voxel, its light scatters.
-fn warn_of_coarse_texels(texel_in_voxels: f32, resolution: u32) {
-    if texel_in_voxels <= MAX_PHOTON_TEXEL_VOXELS {
+/// Light that starts from texels of shadow maps is as fine as they are: with few of them a voxel, it scatters.
+fn warn_of_coarse_texels(injection: &dyn Injection, texel_in_voxels: f32, resolution: u32) {
+    let largest = injection.largest_texel_voxels();
+    if texel_in_voxels <= largest {
         return;
     }
-    let needed = resolution as f32 * texel_in_voxels / MAX_PHOTON_TEXEL_VOXELS;
+    let name = injection.name();
+    let needed = resolution as f32 * texel_in_voxels / largest;
     tracing::warn!(
-        "photons start from texels of up to {texel_in_voxels:.1} voxels, so that the light of voxels scatters: \
+        "{name} start from texels of up to {texel_in_voxels:.1} voxels, so that the light of voxels scatters: \
          raise the resolution of the shadow maps (--shadow-resolution) from {resolution} to {}, as far as the \
          GPU allows, or inject directly (--injection direct)",
         (needed.ceil() as u32).checked_next_power_of_two().unwrap_or(u32::MAX)

@@ -1,4 +1,4 @@
-//! From the mean over frames to what a screen or a file shows.
+//! From the mean over frames to a screen or a file.
 
 use lumivox::gpu::{Recorder, Texture};
 
@@ -9,7 +9,7 @@ use crate::scene::corners;
 use crate::{COST_SCALE_SAMPLES, Metering, Picture, RenderError, ToneMap, View};
 
 impl Renderer {
-    /// The picture of the frames so far; at least one is needed for it to show something.
+    /// The picture of the frames so far; it needs at least one to show anything.
     ///
     /// # Errors
     /// When the device fails.
@@ -20,8 +20,8 @@ impl Renderer {
         Ok(Picture { size: self.settings.size, hdr, ldr })
     }
 
-    /// The stops that the exposure asks for, given the frames so far: what [`Self::finish`] takes; and what is wrong
-    /// with them; and how bright its pixels are. Reads the picture back.
+    /// Measures the frames so far: the stops that [`Self::finish`] uses, a warning, and the
+    /// histogram. Reads the picture back.
     ///
     /// # Errors
     /// When the device fails.
@@ -32,8 +32,8 @@ impl Renderer {
         Ok(self.settings.exposure.meter(&self.read_mean().await?))
     }
 
-    /// What a screen shows of the frames so far, row by row from the top, exposed by a number of stops: for live views,
-    /// which measure now and then and read 8 bits a channel otherwise.
+    /// The pixels for a screen of the frames so far, row by row from the top, exposed by a number
+    /// of stops. For live views, which measure now and then and otherwise read 8 bits a channel.
     ///
     /// # Errors
     /// When the device fails.
@@ -44,7 +44,7 @@ impl Renderer {
         Ok(ldr)
     }
 
-    /// The same without reading anything back: it is in [`Self::screen_texture`] then.
+    /// The same without reading anything back: the result is in [`Self::screen_texture`].
     ///
     /// # Errors
     /// When the device fails.
@@ -58,7 +58,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// What [`Self::draw_screen`] drew last: `Rgba8Unorm`, encoded for a screen, of the picture's size.
+    /// The texture that [`Self::draw_screen`] drew last: `Rgba8Unorm`, encoded for a screen, of the
+    /// picture's size.
     pub fn screen_texture(&self) -> &Texture {
         self.targets.tone_map.screen()
     }
@@ -76,12 +77,13 @@ impl Renderer {
         Ok(hdr)
     }
 
-    /// `hdr` is in real units.
+    /// The stops for pixels in real units.
     fn stops_of(&self, hdr: &[[f32; 4]]) -> f32 {
         if self.settings.view.is_light() { self.settings.exposure.stops(hdr) } else { 0.0 }
     }
 
-    /// How the current view is brought to the screen. The GPU's texture is in multiples of the unit of radiance.
+    /// The encoding of the present view for the screen. The GPU's texture is in multiples of the
+    /// unit of radiance.
     fn encoding(&self, stops: f32) -> Encoding {
         match self.settings.view {
             View::Occlusion | View::Shadow => Encoding::Data { scale: 1.0, offset: 0.0 },

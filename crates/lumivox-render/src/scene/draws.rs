@@ -1,4 +1,4 @@
-//! The draws of a scene: which triangles, where, and in what order their transforms are stored.
+//! The draws of a scene: triangles, transforms, and the order in which the transforms are stored.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -27,36 +27,36 @@ impl DrawRecord {
 /// A run of triangles with one material and one transform.
 #[derive(Clone, Debug)]
 pub struct SceneDraw {
-    /// In [`GpuScene::batches`](super::GpuScene::batches).
+    /// Its batch in [`GpuScene::batches`](super::GpuScene::batches).
     pub batch: usize,
-    /// In the batch's buffer of indices.
+    /// Its range in the batch's buffer of indices.
     pub indices: Range<u32>,
     /// The vertex that an index of 0 means.
     pub base_vertex: i32,
-    /// In [`GpuScene::materials`](super::GpuScene::materials).
+    /// Its material in [`GpuScene::materials`](super::GpuScene::materials).
     pub material: usize,
-    /// In the world.
+    /// Its bounds in the world.
     pub bounds: Bounds,
-    /// Whether the voxels have it.
+    /// Whether it is in the voxels.
     pub is_voxelized: bool,
-    /// Whether its transform turns the winding of triangles round.
+    /// Whether its transform reverses the winding of triangles.
     pub is_mirrored: bool,
-    /// The place of its transform in `draw_records`, and what shaders know it by.
+    /// The index of its transform in `draw_records`, by which shaders know it.
     pub record: u32,
 }
 
-/// Where the parts of an instance are.
+/// The parts of an instance.
 #[derive(Clone, Debug)]
 pub(super) struct InstanceParts {
-    /// What it was uploaded as, but for its place.
+    /// Its properties when it was uploaded, without its place.
     pub(super) kind: Option<InstanceKind>,
-    /// In `draws`.
+    /// Its range in `draws`.
     pub(super) draws: Range<usize>,
-    /// In the batches of `geometry`: batch and place, for each of the draws if the voxels have it.
+    /// Its draws in the batches of `geometry` (batch and index), if they are in the voxels.
     pub(super) voxelized: Vec<(usize, usize)>,
 }
 
-/// What of an instance decides where its parts are.
+/// The properties of an instance that decide where its parts are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct InstanceKind {
     mesh: usize,
@@ -67,7 +67,7 @@ pub(super) struct InstanceKind {
 }
 
 impl InstanceKind {
-    /// Of an instance; none of a hidden one.
+    /// The kind of an instance; `None` if it is hidden.
     pub(super) fn of(instance: &Instance) -> Option<Self> {
         (!instance.is_hidden).then(|| Self {
             mesh: instance.mesh,
@@ -79,8 +79,8 @@ impl InstanceKind {
     }
 }
 
-/// Gives draws their records, so that those stand together which differ in their transforms alone: runs of records, and for
-/// each record its draw.
+/// Numbers the records of draws so that draws which differ only in their transforms are adjacent.
+/// Returns the runs of records, and for each record its draw.
 pub(super) fn number_records(draws: &mut [SceneDraw]) -> (Vec<Range<u32>>, Vec<u32>) {
     let mut places = HashMap::new();
     let mut members: Vec<Vec<u32>> = Vec::new();

@@ -1,10 +1,10 @@
 //! Meshes packed into few vertex and index buffers, none larger than a storage binding may be.
 //!
-//! The rasterizer and the voxelizer read the same buffers: positions (12 bytes a vertex), attributes
-//! (texture coordinates, 8; with a second set and colours, 24) and indices (4) are bound as storage
-//! by the voxelizer; normals and tangents (28) feed the rasterizer alone. A mesh is stored once,
-//! however many instances show it. Meshes that need all attributes stand in batches of their own, so
-//! that the others do not pay for them.
+//! The rasterizer and the voxelizer read the same buffers: positions (12 bytes a vertex),
+//! attributes (texture coordinates, 8; with a second set and colours, 24) and indices (4) are bound
+//! as storage by the voxelizer; normals and tangents (28) are only for the rasterizer. A mesh is
+//! stored once, however many instances show it. Meshes that need all attributes are in batches of
+//! their own, so that the others stay small.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -13,7 +13,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
 use lumivox_scene::Mesh;
 
-/// What only the rasterizer reads of a vertex.
+/// The data of a vertex that only the rasterizer reads.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct Shading {
@@ -21,7 +21,7 @@ pub(crate) struct Shading {
     pub(crate) tangent: [f32; 4],
 }
 
-/// Which attributes the vertices of a batch have.
+/// The attributes of a batch's vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Attributes {
     /// One set of texture coordinates.
@@ -31,21 +31,22 @@ pub enum Attributes {
     All,
 }
 
-/// The attributes of a vertex that has all of them. Its first member alone is what the others have.
+/// The attributes of a vertex that has all of them. Other vertices have only its first member.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct AllAttributes {
     pub(crate) texcoord: [f32; 2],
     pub(crate) texcoord_1: [f32; 2],
-    /// 65 535 is one: 16 bits resolve the darks of linear light, where 8 would not.
+    /// 65 535 is one: 16 bits resolve dark linear light, which 8 would not.
     pub(crate) color: [u16; 4],
 }
 
-/// Bytes of a vertex in all buffers together, where it has no more than it must.
+/// Bytes of a vertex in all buffers together, with the fewest attributes.
 pub(crate) const VERTEX_BYTES: u64 =
     (size_of::<[f32; 3]>() + size_of::<[f32; 2]>() + size_of::<Shading>()) as u64;
 
-/// Which meshes share a batch. What is static stands apart, so that its buffers stay when others are replaced.
+/// The kind of a batch: meshes of the same kind share one. Static meshes have batches of their own,
+/// whose buffers stay when others are replaced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct BatchKind {
     pub(crate) attributes: Attributes,
@@ -57,20 +58,20 @@ pub(crate) struct BatchKind {
 pub(crate) struct Batch {
     pub(crate) kind: BatchKind,
     pub(crate) positions: Vec<[f32; 3]>,
-    /// Those of all vertices, as `attributes` says.
+    /// The attributes of all vertices, as `attributes` says.
     pub(crate) attribute_bytes: Vec<u8>,
     pub(crate) shading: Vec<Shading>,
     pub(crate) indices: Vec<u32>,
 }
 
-/// How much a batch may hold.
+/// The most that a batch may hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BatchLimits {
     pub(crate) vertices: usize,
     pub(crate) indices: usize,
 }
 
-/// A run of a batch's triangles: a mesh, or a part of one that fits into no single batch.
+/// A run of a batch's triangles: a mesh, or a part of one that does not fit into a single batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Piece {
     pub(crate) batch: usize,
@@ -80,7 +81,7 @@ pub(crate) struct Piece {
 }
 
 impl Batch {
-    /// 128 bits that stand for the content.
+    /// A hash of the content, of 128 bits.
     pub(crate) fn fingerprint(&self) -> [u64; 2] {
         [0_u64, 1].map(|seed| {
             let mut hasher = DefaultHasher::new();
@@ -104,7 +105,7 @@ impl Attributes {
         }
     }
 
-    /// What a mesh needs: a second set of coordinates counts where a material uses it.
+    /// The attributes that a mesh needs: a second set of coordinates counts if a material uses it.
     pub(crate) fn needed(mesh: &Mesh, uses_second_set: bool) -> Self {
         let is_colored = mesh.colors.iter().any(|color| *color != Vec4::ONE);
         if is_colored || (uses_second_set && !mesh.uvs1.is_empty()) {
@@ -114,7 +115,7 @@ impl Attributes {
         }
     }
 
-    /// Appends those of a vertex.
+    /// Appends the attributes of a vertex.
     fn append(self, bytes: &mut Vec<u8>, mesh: &Mesh, vertex: usize) {
         let texcoord = mesh.uvs.get(vertex).copied().unwrap_or(Vec2::ZERO).to_array();
         match self {
@@ -132,7 +133,7 @@ impl Attributes {
 }
 
 impl BatchLimits {
-    /// What fits into one storage binding and one buffer of a device.
+    /// The sizes that fit into one storage binding and one buffer of a device.
     pub(crate) fn of_device(limits: &wgpu::Limits) -> Self {
         let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let by_shading = limits.max_buffer_size / size_of::<Shading>() as u64;
@@ -145,8 +146,7 @@ impl BatchLimits {
     }
 }
 
-/// Packs `meshes`, each among those of its kind; the result has the batches, and for each mesh its
-/// pieces.
+/// Packs `meshes`, each with those of its kind; returns the batches, and the pieces of each mesh.
 pub(crate) fn pack(
     meshes: &[Mesh],
     kinds: &[BatchKind],
@@ -175,8 +175,8 @@ pub(crate) fn pack(
     (batches, pieces)
 }
 
-/// Appends chosen vertices of a mesh, and triangles among them, to the last batch of their kind or a
-/// new one.
+/// Appends selected vertices of a mesh, and triangles among them, to the last batch of their kind
+/// or a new one.
 fn append(
     batches: &mut Vec<Batch>,
     kind: BatchKind,
@@ -213,7 +213,7 @@ fn append(
     piece
 }
 
-/// Cuts a mesh into parts that each fit: the mesh's vertices in each, and triangles of those.
+/// Cuts a mesh into parts that each fit: the mesh's vertices in each, and triangles among those.
 fn split(mesh: &Mesh, limits: BatchLimits) -> Vec<(Vec<usize>, Vec<u32>)> {
     let mut parts = Vec::new();
     let mut vertices: Vec<usize> = Vec::new();
@@ -252,7 +252,7 @@ mod tests {
         }
     }
 
-    /// The corners of all triangles of a mesh, as they are read from the batches.
+    /// The corners of all triangles of a mesh, as read from the batches.
     fn corners(batches: &[Batch], pieces: &[Piece]) -> Vec<[f32; 3]> {
         pieces
             .iter()

@@ -1,5 +1,5 @@
-// The layers on top of plain materials: a reflectance that varies, varnish, velvet, glass, and
-// coverage by alpha. All of it becomes a plain surface with a coat, which is there with some
+// The layers on top of plain materials: a varying reflectance, clear coat, sheen, glass, and
+// coverage by alpha. Together they become a plain surface with a coat, which exists with some
 // probability.
 
 import package::trace::brdf::fresnel_schlick;
@@ -12,7 +12,8 @@ struct LayerSamples {
     sheen_color: vec3f,
     sheen_roughness: f32,
     transmission: f32,
-    // The directional albedo of white velvet of that roughness, seen from here (sheen.rs).
+    // The directional albedo of white sheen of that roughness, in the direction of the viewer
+    // (sheen.rs).
     velvet_albedo: f32,
     // The covered share.
     alpha: f32,
@@ -27,9 +28,9 @@ struct Layered {
     emission: vec3f,
     coat_strength: f32,
     coat_roughness: f32,
-    // The probability that the surface is there.
+    // The probability that the surface exists.
     coverage: f32,
-    // The colour of the light that passes where the surface is not there.
+    // The colour of the light that passes where the surface does not exist.
     tint: vec3f,
 }
 
@@ -57,8 +58,8 @@ fn shade_layers(
     emission: vec3f,
     cos_view: f32,
 ) -> Layered {
-    // Velvet is taken as diffuse, as bright as it is seen from here with light from all around,
-    // over a surface that is dimmed by it (KHR_materials_sheen).
+    // Sheen is treated as diffuse, as bright as it is in the direction of the viewer with light
+    // from all around, over a surface that it dims (KHR_materials_sheen).
     let velvet = samples.sheen_color * samples.velvet_albedo;
     let below_velvet = 1.0 - largest(velvet);
     let f0 = mix(samples.dielectric_f0, base, metallic) * below_velvet;
@@ -78,14 +79,14 @@ fn shade_layers(
     let pane_f0 = saturate((fresnel / max(pane, 1e-4) - rest_5) / max(1.0 - rest_5, 1e-4));
     let is_pane = transmission > 0.0;
 
-    // Where the surface is not there, holes let light through as it is, and panes tint it.
+    // Where the surface does not exist, holes let light through unchanged, and panes tint it.
     let alpha = samples.alpha;
     let coverage = alpha * pane;
     let glass = base / max(largest(base), 1e-6);
     let tint = (1.0 - alpha + alpha * (1.0 - pane) * glass) / max(1.0 - coverage, 1e-6);
 
-    // The coat is taken as brighter where its pane is seen, too; only where that would be more than
-    // a whole coat is something lost, on glass that is varnished.
+    // The coat is brightened where its pane is drawn, too; light is lost only where that would
+    // exceed a whole coat, on coated glass.
     return Layered(
         min(diffuse, vec3f(1.0)),
         select(f0, pane_f0, is_pane),

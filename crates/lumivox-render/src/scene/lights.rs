@@ -1,22 +1,22 @@
-//! A scene's lights in the library's terms and the renderer's unit.
+//! A scene's lights as the library takes them, in the renderer's unit.
 
 use lumivox::{Light, LightSource, Shadow};
 use lumivox_scene::{Environment, LightKind, Scene};
 
-/// What shines in a scene, apart from its surfaces.
+/// The light sources of a scene, apart from its surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lighting {
     /// Analytic lights.
     pub lights: Vec<lumivox_scene::Light>,
-    /// What lies around the scene.
+    /// The surroundings of the scene.
     pub environment: Environment,
 }
 
 impl Lighting {
     /// The lighting of a scene.
     ///
-    /// Where nothing shines the picture will be black:
-    /// [`Scene::stage`](lumivox_scene::Scene::stage) sees to that.
+    /// Without any light the picture will be black: [`Scene::stage`](lumivox_scene::Scene::stage)
+    /// adds some.
     pub fn of(scene: &Scene) -> Self {
         Self { lights: scene.lights.clone(), environment: scene.environment.clone() }
     }

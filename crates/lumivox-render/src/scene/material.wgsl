@@ -1,6 +1,6 @@
 // The material of a draw: group 1 of the passes that rasterize.
 
-// Where a vertex lies on a texture.
+// The place of a vertex on a texture.
 struct TexturePlace {
     // The rows of the affine transform from the vertex's coordinates to the image's.
     u_row: vec3f,
@@ -16,8 +16,8 @@ struct Material {
     emission: vec3f,
     // Multiplies x and y of the normal texture.
     normal_scale: f32,
-    // Reflectance at normal incidence of the part that is not metal; before its texture and
-    // `specular_factor` where the material is layered.
+    // Reflectance at normal incidence of the non-metallic part; for layered materials, before its
+    // texture and `specular_factor`.
     dielectric_f0: vec3f,
     // Perceptual: the width of the microfacet distribution is its square.
     roughness: f32,
@@ -27,13 +27,13 @@ struct Material {
     has_normal_texture: u32,
     // The surface exists where alpha is at least this; 0: everywhere.
     mask_threshold: f32,
-    // Above 0: the surface shows its base colour times this radiance, and takes no light.
+    // Above 0: the surface shows its base colour times this radiance, without lighting.
     unlit_radiance: f32,
     // From here on only for layered materials.
     specular_factor: f32,
     coat_strength: f32,
     coat_roughness: f32,
-    // The share of the light that enters which passes.
+    // The transmitted share of the light that enters.
     transmission: f32,
     // 1: alpha is the covered share.
     is_blended: u32,

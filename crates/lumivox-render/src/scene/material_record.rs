@@ -1,10 +1,10 @@
-//! The numbers of a material, as the passes that rasterize read them.
+//! The numbers of a material for the passes that rasterize.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine2, Vec3};
 use lumivox_scene::{AlphaMode, Material, Shading, TextureRef};
 
-/// How many textures a material may have.
+/// The most textures of a material.
 pub(crate) const TEXTURE_COUNT: usize = 8;
 
 /// `TexturePlace` of `material.wgsl`.
@@ -41,7 +41,7 @@ pub(crate) struct MaterialRecord {
     pub(crate) places: [TexturePlace; TEXTURE_COUNT],
 }
 
-/// Where the thresholded alpha of a masked texture has its edge.
+/// The alpha at which a thresholded masked texture has its edge.
 const TEXTURE_MASK_THRESHOLD: f32 = 0.5;
 
 impl TexturePlace {
@@ -65,7 +65,7 @@ pub(crate) fn textures(material: &Material) -> [Option<TextureRef>; TEXTURE_COUN
         Shading::Phong(p) => (p.diffuse_texture, None, p.specular_texture),
         Shading::Unlit(u) => (u.color_texture, None, None),
     };
-    // What takes no light has no layers that reflect it.
+    // An unlit surface has no layers that reflect light.
     let is_lit = !matches!(material.shading, Shading::Unlit(_));
     [
         base,
@@ -79,12 +79,12 @@ pub(crate) fn textures(material: &Material) -> [Option<TextureRef>; TEXTURE_COUN
     ]
 }
 
-/// Whether there is any velvet.
+/// Whether the material has sheen.
 pub(crate) fn has_sheen(record: &MaterialRecord) -> bool {
     record.sheen_color.iter().any(|component| *component > 0.0)
 }
 
-/// Whether a material has something that the plain fragment shader leaves out.
+/// Whether a material needs something that the plain fragment shader lacks.
 pub(crate) fn is_layered(material: &Material, record: &MaterialRecord) -> bool {
     record.is_blended != 0
         || record.transmission > 0.0
@@ -94,13 +94,13 @@ pub(crate) fn is_layered(material: &Material, record: &MaterialRecord) -> bool {
 }
 
 /// The reflectance at normal incidence of a dielectric, before it is limited to 1 and scaled
-/// (`KHR_materials_ior`, `KHR_materials_specular`). An index of 0 stands for a reflectance of 1.
+/// (`KHR_materials_ior`, `KHR_materials_specular`). An index of 0 means a reflectance of 1.
 fn dielectric_f0(ior: f32, color: Vec3) -> Vec3 {
     color * ((ior - 1.0) / (ior + 1.0)).powi(2)
 }
 
-/// The numbers of a material, in multiples of `radiance_unit`; `white` is the radiance of white of what
-/// takes no light, in cd/m².
+/// The numbers of a material, in multiples of `radiance_unit`; `white` is the radiance of white on
+/// unlit surfaces, in cd/m².
 ///
 /// Metallic-roughness (glTF 2.0, appendix B.3): the diffuse albedo is base colour times
 /// (1 - metallic), and F0 goes from the dielectric's to the base colour. Phong: the lobe's colour
@@ -215,7 +215,7 @@ mod tests {
         let tinted = plain(&with(shading));
         let expected = Vec3::new(0.2, 0.5, 0.0);
         assert!((Vec3::from(tinted.dielectric_f0) - expected).abs().max_element() < 1e-6);
-        // An index of 0: the colour is the reflectance, as specular-glossiness wants it.
+        // An index of 0: the colour is the reflectance, as specular-glossiness needs it.
         let color = Vec3::new(0.9, 0.6, 0.2);
         let gloss = plain(&with(MetallicRoughness { ior: 0.0, specular_color: color, ..shading }));
         assert!((Vec3::from(gloss.dielectric_f0) - 0.5 * color).abs().max_element() < 1e-6);
@@ -241,8 +241,8 @@ mod tests {
         assert_eq!(record(&unlit, 32.0, 80.0, false).unlit_radiance, 2.5);
     }
 
-    /// Vertices' alpha is cut at the cutoff, a texture's at its own edge, and one that is even nowhere: then all is
-    /// drawn or nothing.
+    /// Vertices' alpha is cut at the cutoff, a texture's at its own edge. A constant alpha is not
+    /// cut: then all is drawn or nothing.
     #[test]
     fn masks_are_cut_where_alpha_varies() {
         let threshold = |texture, has_vertex_alpha| {

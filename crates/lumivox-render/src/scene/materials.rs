@@ -14,55 +14,55 @@ use super::mips::{Alpha, Encoding};
 use super::textures::TextureUpload;
 use crate::Gpu;
 
-/// A material as the passes that rasterize need it.
+/// A material for the passes that rasterize.
 #[derive(Debug)]
 pub struct GpuMaterial {
     /// Group 1 of those passes.
     pub group: BindGroup,
-    /// The numbers in it, a [`MaterialRecord`].
+    /// The buffer of its numbers, a [`MaterialRecord`].
     uniform: Buffer,
-    /// What its textures were uploaded for.
+    /// The properties that its textures were uploaded for.
     textures: TextureUse,
-    /// Where the surface is there.
+    /// Where the surface exists.
     pub(crate) presence: Presence,
-    /// Whether it is seen from behind.
+    /// Whether it is visible from behind.
     pub is_double_sided: bool,
-    /// Whether it needs the fragment shader that knows all layers.
+    /// Whether it needs the fragment shader with all layers.
     pub(crate) is_layered: bool,
-    /// Whether light that passes it may change its colour.
+    /// Whether it may change the colour of light that passes.
     pub(crate) is_tinted: bool,
 }
 
-/// What decides on the textures of a material.
+/// The properties that decide a material's textures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TextureUse {
     references: [Option<TextureRef>; TEXTURE_COUNT],
-    /// What the alpha of the first is used for.
+    /// The use of the first texture's alpha.
     alpha: Alpha,
     has_sheen: bool,
     /// Whether the voxels read the texture of transmission.
     has_transmission: bool,
 }
 
-/// Where a surface is there.
+/// Where a surface exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Presence {
     /// Everywhere.
     Whole,
     /// Where its alpha says so.
     Masked,
-    /// A share of it everywhere: it is blended or transmits light.
+    /// With a share of coverage everywhere: it is blended or transmits light.
     Partial,
     /// Nowhere: its alpha has no texture and is below the cutoff, or zero.
     Absent,
 }
 
-/// What the colours of the vertices say on which a material is used.
+/// The colours of the vertices on which a material is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct VertexColors {
-    /// There are any.
+    /// Whether there are any.
     pub(crate) has_colors: bool,
-    /// Some have an alpha below 1.
+    /// Whether some have an alpha below 1.
     pub(crate) has_alpha: bool,
 }
 
@@ -86,7 +86,7 @@ pub(crate) struct MaterialUpload<'a> {
 }
 
 impl<'a> MaterialUpload<'a> {
-    /// `white` is the radiance of white of what takes no light, in cd/m².
+    /// Starts the upload; `white` is the radiance of white on unlit surfaces, in cd/m².
     pub(crate) fn new(
         gpu: &'a Gpu,
         scene: &'a Scene,
@@ -103,8 +103,8 @@ impl<'a> MaterialUpload<'a> {
         self.textures.bytes
     }
 
-    /// Uploads one material, for the rasterizer and for the voxels. The
-    /// colours are those of the vertices on which it is used.
+    /// Uploads one material, for the rasterizer and for the voxels. `colors` are those of the
+    /// vertices on which it is used.
     pub(crate) fn upload(
         &mut self,
         material: &Material,
@@ -181,7 +181,8 @@ impl TextureUse {
 }
 
 impl GpuMaterial {
-    /// Takes other numbers, if they leave the textures as they are; else says so and changes nothing.
+    /// Takes other numbers if they leave the textures as they are; otherwise returns `false` and
+    /// changes nothing.
     ///
     /// `radiance_unit` and `white` are those of [`MaterialUpload::new`], `colors` as in [`MaterialUpload::upload`].
     pub(crate) fn set(
@@ -212,11 +213,12 @@ impl GpuMaterial {
     }
 }
 
-/// What the voxels take of a material besides its textures.
+/// Sets the numbers of a material in the voxels, besides its textures.
 ///
-/// They reflect diffusely alone. What a metal reflects as gloss counts as well, which makes it the base colour whatever
-/// the metalness; what a dielectric mirrors besides has its own numbers. Of what transmits light, all that does not pass
-/// is reflected already. Varnish and velvet change little in that sum; they are left out.
+/// Voxels only reflect diffusely. The gloss of a metal counts as well, which makes its albedo the
+/// base colour whatever the metalness; the gloss of a dielectric has numbers of its own. Of
+/// transmitting surfaces, the part that does not pass counts as reflected. Clear coat and sheen
+/// change little in that sum, and are left out.
 fn set_factors(
     surface: &mut SurfaceMaterial,
     material: &Material,
@@ -231,8 +233,8 @@ fn set_factors(
     surface.double_sided = material.double_sided;
 }
 
-/// What a material mirrors where it is a dielectric and transmits nothing: as if it were even, and without colour. Of
-/// textures of roughness, metalness and specular reflectance their means count.
+/// The gloss of a material's dielectric, non-transmitting part, as if it were uniform and
+/// colourless. Textures of roughness, metalness and specular reflectance count with their means.
 fn gloss(material: &Material, record: &MaterialRecord, scene: &Scene) -> Gloss {
     let [_, metallic_roughness, _, _, specular, ..] = textures(material);
     let [_, roughness, metalness, _] = mean_texel(metallic_roughness, scene);
@@ -248,12 +250,12 @@ fn mean_f0(material: &Material, record: &MaterialRecord) -> f32 {
     (Vec3::from(record.dielectric_f0).min(Vec3::ONE) * factor).element_sum() / 3.0
 }
 
-/// Means of a texture's channels, 0 to 1, over at most as many texels as tell them well; 1 where there is none.
+/// Means of a texture's channels, 0 to 1, over a sufficient number of texels; 1 without a texture.
 fn mean_texel(reference: Option<TextureRef>, scene: &Scene) -> [f32; 4] {
     const ENOUGH_TEXELS: usize = 1 << 16;
     let Some(reference) = reference else { return [1.0; 4] };
     let texels = scene.textures[reference.texture].rgba8.chunks_exact(4);
-    // Odd, so that it does not fall in with rows or tiles, which are powers of two.
+    // Odd, so that it does not align with rows or tiles, which are powers of two.
     let step = (texels.len() / ENOUGH_TEXELS) | 1;
     let mut sums = [0_u64; 4];
     let mut count = 0_u64;
@@ -264,9 +266,9 @@ fn mean_texel(reference: Option<TextureRef>, scene: &Scene) -> [f32; 4] {
     sums.map(|sum| (sum as f64 / count.max(1) as f64) as f32)
 }
 
-/// The share of light from all around that a material's transmission lets enter and pass: less what
-/// is reflected at the surface (the hemisphere's mean of Schlick's term is F0 + (1 - F0) / 21), and
-/// only where there is no metal. Of a texture of metalness its mean counts.
+/// The share of light from all around that a material's transmission lets enter and pass: without
+/// the part reflected at the surface (the hemisphere's mean of Schlick's term is F0 + (1 - F0) /
+/// 21), and only where there is no metal. A texture of metalness counts with its mean.
 fn mean_transmission(material: &Material, record: &MaterialRecord, scene: &Scene) -> f32 {
     if record.transmission <= 0.0 {
         return 0.0;
@@ -283,7 +285,7 @@ fn has_color(record: &MaterialRecord, references: &[Option<TextureRef>; TEXTURE_
     references[0].is_some() || r.to_bits() != g.to_bits() || g.to_bits() != b.to_bits()
 }
 
-/// What the alpha of the base colour's texture is used for.
+/// The use of the alpha of the base colour's texture.
 fn alpha_of_base(material: &Material, record: &MaterialRecord) -> Alpha {
     let factor = match &material.shading {
         Shading::MetallicRoughness(m) => m.base_color.w,
@@ -291,8 +293,8 @@ fn alpha_of_base(material: &Material, record: &MaterialRecord) -> Alpha {
         Shading::Unlit(u) => u.color.w,
     };
     match material.alpha {
-        // The texture's alpha is compared after the factor multiplied it. Where the factor is zero,
-        // nothing reaches a cutoff above zero.
+        // The texture's alpha is compared after multiplication by the factor. With a factor of
+        // zero, nothing reaches a cutoff above zero.
         AlphaMode::Mask { cutoff } if cutoff <= 0.0 => Alpha::Mask(0.0),
         AlphaMode::Mask { cutoff } => Alpha::Mask(cutoff / factor),
         AlphaMode::Blend if record.is_blended != 0 => Alpha::Coverage,

@@ -1,9 +1,9 @@
 //! Mip chains, made on the CPU in linear light.
 //!
 //! Each texel of a level is the mean of the area that it covers on the level above (a box filter;
-//! where a size is odd, texels at the seams count for the share of them that is covered). Colours are
-//! averaged as light, not as their sRGB codes: averaging codes darkens (Gritz and d'Eon 2007, "The
-//! importance of being linear", GPU Gems 3, section 24.3.2).
+//! for odd sizes, texels at the seams count with their covered share). Colours are averaged as
+//! light, not as their sRGB codes: averaging codes darkens (Gritz and d'Eon 2007, "The importance
+//! of being linear", GPU Gems 3, section 24.3.2).
 
 use glam::{Vec4, Vec4Swizzles as _};
 use lumivox_scene::Texture;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::picture::srgb::{srgb_decode, srgb_encode};
 
-/// What the bytes of an image mean.
+/// The meaning of an image's bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Encoding {
     /// Colours, sRGB-encoded; alpha is linear.
@@ -20,14 +20,14 @@ pub(crate) enum Encoding {
     Data,
 }
 
-/// What the alpha of an image means.
+/// The meaning of an image's alpha.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Alpha {
     /// A number of its own.
     Data,
-    /// The covered share: colour counts for as much of a texel as is there.
+    /// Coverage: the colour of a texel counts for the covered share.
     Coverage,
-    /// What is at least the cutoff is there, the rest is not.
+    /// A mask: alpha of at least the cutoff exists, the rest does not.
     Mask(f32),
 }
 
@@ -39,15 +39,15 @@ pub(crate) struct Level {
     pub(crate) rgba8: Vec<u8>,
 }
 
-/// What fully transparent texels weigh in a texture's colour against opaque ones: nothing
-/// where any is opaque (a sixteenth of an 8-bit step), everything where none is.
+/// The weight of fully transparent texels in a texture's colour: negligible if any texel is opaque
+/// (a sixteenth of an 8-bit step), decisive if none is.
 const TRANSPARENT_WEIGHT: f32 = 1.0 / 4096.0;
 
 /// The levels of an image, from its full size down to one texel.
 ///
-/// With a mask, alpha becomes 1 where it is at least the cutoff and 0 elsewhere, so that the coarser
-/// levels' alpha is the covered share. Where alpha is coverage, their colour is the mean of what is
-/// there: the clear parts of a leaf's picture are black or white as it comes.
+/// With a mask, alpha becomes 1 if it is at least the cutoff and 0 otherwise, so that the coarser
+/// levels' alpha is the covered share. If alpha is coverage, their colour is the mean of the
+/// covered parts: the clear parts of a leaf's picture may have any colour.
 pub(crate) fn mip_chain(texture: &Texture, encoding: Encoding, alpha_use: Alpha) -> Vec<Level> {
     let decode = decoding_table(encoding);
     let mut texels: Vec<Vec4> = texture
@@ -95,7 +95,7 @@ fn halve(texels: &[Vec4], width: usize, height: usize) -> Vec<Vec4> {
     halved
 }
 
-/// For each texel of the next level along one axis, the texels that it covers and their weights,
+/// For each texel of the next level along one axis, the texels that it covers with their weights,
 /// which sum to 1.
 fn taps(length: usize) -> Vec<Vec<(usize, f32)>> {
     let halved = (length / 2).max(1);
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn odd_sizes_keep_the_mean() {
-        // One white column of 5 or of 7 is a fifth or a seventh, wherever it stands.
+        // One white column of 5 or of 7 is a fifth or a seventh, wherever it is.
         for width in [5, 7] {
             for white in 0..width {
                 let image = texture(width, 3, |x, _| if x == white { [255; 4] } else { [0; 4] });
@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn clear_texels_do_not_tint_what_is_there() {
-        // Half is red glass of a fifth, half is nothing, stored as white.
+        // Half is red glass of a fifth, half is empty, stored as white.
         let pane = texture(4, 4, |x, _| if x < 2 { [255, 0, 0, 51] } else { [255, 255, 255, 0] });
         let levels = mip_chain(&pane, Encoding::Color, Alpha::Coverage);
         assert_eq!(levels[0].rgba8, pane.rgba8);

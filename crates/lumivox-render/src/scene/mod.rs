@@ -1,4 +1,4 @@
-//! A scene on the GPU: buffers that rasterizer and voxelizer share, materials, lights.
+//! A scene on the GPU: buffers shared by rasterizer and voxelizer, materials, lights.
 
 mod draws;
 mod geometry;
@@ -57,36 +57,36 @@ pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
 /// The vertex buffers of one batch.
 #[derive(Debug)]
 pub struct VertexBuffers {
-    /// Which attributes the vertices have.
+    /// The attributes of the vertices.
     pub kind: Attributes,
-    /// Of their content ([`geometry::Batch::fingerprint`]).
+    /// The fingerprint of their content ([`geometry::Batch::fingerprint`]).
     fingerprint: [u64; 2],
     /// Three floats a vertex.
     pub positions: Buffer,
-    /// Texture coordinates, and what else `kind` says.
+    /// Texture coordinates, and the other attributes of `kind`.
     pub attributes: Buffer,
     /// Normals and tangents, seven floats a vertex.
     pub shading: Buffer,
-    /// Three a triangle.
+    /// Three indices for each triangle.
     pub indices: Buffer,
 }
 
 /// A scene, uploaded.
 #[derive(Debug)]
 pub struct GpuScene {
-    /// The scene's triangles as the voxelizer reads them: the same buffers that are drawn from.
+    /// The scene's triangles for the voxelizer, in the same buffers that are drawn from.
     pub geometry: Geometry,
-    /// The box around all of it.
+    /// The box around the whole scene.
     pub bounds: Bounds,
-    /// All radiances on the GPU are multiples of this, in cd/m².
+    /// The unit of radiances on the GPU, in cd/m².
     pub radiance_unit: f32,
-    /// The vertex buffers that draws read.
+    /// The vertex buffers of the draws.
     pub batches: Vec<VertexBuffers>,
     /// The draws, in the scene's order.
     pub draws: Vec<SceneDraw>,
-    /// Draws that differ in their transforms alone, as runs of their records: each is one call.
+    /// Runs of records of draws that differ only in their transforms: each is one call.
     pub(crate) runs: Vec<std::ops::Range<u32>>,
-    /// For each record, the place of its draw in `draws`.
+    /// The index in `draws` of each record's draw.
     pub(crate) order: Vec<u32>,
     parts: Vec<InstanceParts>,
     boxes: InstanceBounds,
@@ -99,7 +99,7 @@ pub struct GpuScene {
     pub(crate) memory: Vec<MemoryUse>,
 }
 
-/// What of a scene changes when it moves: vertices, and where they are.
+/// The parts of a scene that change when it moves: vertices, and their places.
 struct Placed {
     geometry: Vec<GeometryBatch>,
     batches: Vec<VertexBuffers>,
@@ -115,9 +115,9 @@ struct Placed {
 impl GpuScene {
     /// Uploads a valid scene (see [`Scene::validate`]).
     ///
-    /// `lighting` says how bright what takes no light is shown. `radiance_unit` is what one stands for in
-    /// emission, cd/m²; [`radiance_unit`] chooses it.
-    /// Textures get their mips here, on all cores of the CPU.
+    /// `lighting` decides the brightness of unlit surfaces. `radiance_unit` is the unit of
+    /// emission, cd/m²; [`radiance_unit`] chooses it. Mips of textures are made here, on all cores
+    /// of the CPU.
     ///
     /// # Errors
     /// [`RenderError::Limit`] when the scene has more instances than the device can bind.
@@ -158,11 +158,11 @@ impl GpuScene {
         })
     }
 
-    /// Uploads the vertices and transforms of the same scene in another pose. Materials and textures
-    /// stay as they are, and so do the bounds, and buffers whose content does not change.
+    /// Uploads the vertices and transforms of the same scene in another pose. Materials, textures
+    /// and bounds stay, and so do buffers whose content does not change.
     ///
     /// # Errors
-    /// As [`GpuScene::new`], and [`RenderError::Setting`] when it is another scene, of other
+    /// As [`GpuScene::new`], and [`RenderError::Setting`] when it is another scene, or has other
     /// materials.
     pub(crate) fn repose(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
         if scene.materials.len() != self.materials.len() {
@@ -188,13 +188,14 @@ impl GpuScene {
         Ok(())
     }
 
-    /// The box around the scene, as [`Scene::bounds`] has it; the scene is the one that was uploaded last.
+    /// The box around the scene, as [`Scene::bounds`] computes it; `scene` is the one that was
+    /// uploaded last.
     pub(crate) fn bounds_of(&self, scene: &Scene) -> Bounds {
         self.boxes.all(scene)
     }
 
-    /// Moves instances to where a scene has them, which is the one that was uploaded but for their places; `false` where it
-    /// is not, and has to be uploaded again.
+    /// Moves instances to their places in `scene`, which must be the uploaded one except for these
+    /// places; returns `false` if it is not, and has to be uploaded again.
     pub(crate) fn move_instances(&mut self, gpu: &Gpu, scene: &Scene, moved: &[usize]) -> bool {
         let is_same = |&number: &usize| {
             let (instance, parts) = (scene.instances.get(number), self.parts.get(number));
@@ -220,8 +221,9 @@ impl GpuScene {
         true
     }
 
-    /// Takes other materials for the same instances, if they name the textures that they named; else says so, and has to
-    /// be uploaded again. Those of a kind that draws nothing come into effect with the next pose.
+    /// Takes other materials for the same instances if they name the same textures; otherwise
+    /// returns `false`, and the scene has to be uploaded again. Materials whose kind draws nothing
+    /// take effect with the next pose.
     pub(crate) fn set_materials(&mut self, gpu: &Gpu, scene: &Scene, lighting: &Lighting) -> bool {
         let white = reference_white(scene, lighting);
         let colors = colors_of_materials(scene);
@@ -242,14 +244,14 @@ impl GpuScene {
         &self.draws[self.order[record as usize] as usize]
     }
 
-    /// Whether light that passes something may change its colour.
+    /// Whether any surface may change the colour of light that passes.
     pub(crate) fn is_tinted(&self) -> bool {
         self.materials.iter().any(|material| material.is_tinted)
     }
 }
 
 impl Placed {
-    /// `earlier` are buffers of which those are used again that hold what is needed.
+    /// Uploads geometry; of the buffers of `earlier`, those with the right content are used again.
     fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -260,7 +262,7 @@ impl Placed {
         let kinds = batch_kinds(scene);
         let (packed, pieces) = pack(&scene.meshes, &kinds, BatchLimits::of_device(&limits));
         let prints: Vec<_> = packed.iter().map(geometry::Batch::fingerprint).collect();
-        // Gone first: two poses at a time could be more than the device holds.
+        // Dropped first: two poses at a time could exceed the device's memory.
         earlier.retain(|buffers| prints.contains(&buffers.fingerprint));
         let reuse = |(batch, print): (&geometry::Batch, &[u64; 2])| {
             let place = earlier.iter().position(|buffers| buffers.fingerprint == *print);
@@ -363,7 +365,8 @@ pub(crate) fn colors_of_materials(scene: &Scene) -> Vec<VertexColors> {
     materials
 }
 
-/// For each mesh, the attributes that its vertices need on the GPU, and whether anything static shows it.
+/// For each mesh, the attributes that its vertices need on the GPU, and whether a static instance
+/// shows it.
 fn batch_kinds(scene: &Scene) -> Vec<BatchKind> {
     let mut uses_second_set = vec![false; scene.meshes.len()];
     let mut is_static = vec![false; scene.meshes.len()];
@@ -382,7 +385,7 @@ fn batch_kinds(scene: &Scene) -> Vec<BatchKind> {
 impl VertexBuffers {
     fn new(device: &wgpu::Device, batch: &geometry::Batch, fingerprint: [u64; 2]) -> Self {
         let buffer = |label, contents: &[u8], usage| {
-            // A scene of no visible triangles still needs buffers to bind.
+            // A scene without visible triangles still needs buffers to bind.
             let contents = if contents.is_empty() { &[0; 16] } else { contents };
             let label = Some(label);
             let descriptor = wgpu::util::BufferInitDescriptor { label, contents, usage };

@@ -1,4 +1,4 @@
-// Normals of surfaces: bent by textures, and turned to where they are seen from.
+// Normals of surfaces: bent by textures, and turned towards the viewer.
 
 // The least cosine of a mirrored direction against the surface: cones at a grazing angle would meet
 // their own plane.
@@ -13,13 +13,12 @@ fn bend(normal: vec3f, tangent_and_sign: vec4f, sampled: vec3f, scale: f32) -> v
     return normalize(local.x * tangent + local.y * bitangent + local.z * normal);
 }
 
-// The normal is turned towards the side that it is seen from, and so that a mirror with this normal
-// would show a direction above the surface. A smooth or mapped normal may point away from the eye
-// where the surface itself does not, or mirror the inside of the surface: no light comes from
-// there, and a coat or a metal would be black at its rim, jagged as its normal map is. So the
-// mirrored direction is lifted to the plane of the surface, and the normal becomes the one that
-// mirrors the eye there (Keller et al. 2017, "The Iray light transport simulation and rendering
-// system", section A.3).
+// The normal is turned towards the viewer's side, and so that its mirrored direction is above the
+// surface. A smooth or mapped normal may point away from the eye where the surface itself does not,
+// or mirror the inside of the surface: no light comes from there, and a coat or a metal would be
+// black at its rim, as jagged as its normal map. So the mirrored direction is lifted to the plane
+// of the surface, and the normal becomes the one that mirrors the eye there (Keller et al. 2017,
+// "The Iray light transport simulation and rendering system", section A.3).
 fn facing(normal: vec3f, geometric: vec3f, toward: vec3f) -> vec3f {
     let below = min(dot(normal, toward), 0.0);
     let seen = normalize(normal - below * toward);

@@ -7,7 +7,7 @@ import package::render::scene::material::{
 };
 import package::render::scene::normals::{bend, facing};
 
-// A point of a surface as all fragments know it.
+// A point of a surface, for all fragment shaders.
 struct Point {
     from_camera: vec3f,
     normal: vec3f,
@@ -26,7 +26,7 @@ struct PointSamples {
     plane: vec3f,
 }
 
-// How it is turned.
+// Its orientation.
 struct PointFrame {
     to_camera: vec3f,
     shading: vec3f,
@@ -46,8 +46,8 @@ fn sample_point(point: Point) -> PointSamples {
         normal_texture, normal_sampler, texcoord(TEXTURE_NORMAL, point.texcoords)).xyz;
     let emission = material.emission * textureSample(
         emission_texture, emission_sampler, texcoord(TEXTURE_EMISSION, point.texcoords)).rgb;
-    // The screen's y points down, so this order faces the camera: a triangle's plane is exact in
-    // its derivatives, at its edges too, where the rest of a quad is extrapolated.
+    // The screen's y points down, so this order faces the camera. A triangle's plane is exact in
+    // its derivatives, even at its edges, where the rest of a quad is extrapolated.
     let plane = cross(dpdy(point.from_camera), dpdx(point.from_camera));
     return PointSamples(
         base,
@@ -76,7 +76,7 @@ fn frame_at(point: Point, samples: PointSamples) -> PointFrame {
     let to_camera = -normalize(point.from_camera);
     let smooth_normal = normalize(point.normal);
     let plane_size = length(samples.plane);
-    // Where a triangle is too small for its derivatives, the vertex normal has to do.
+    // If a triangle is too small for its derivatives, the vertex normal replaces them.
     var geometric = select(samples.plane / plane_size, smooth_normal, plane_size < 1e-30);
     geometric = select(-geometric, geometric, dot(geometric, to_camera) >= 0.0);
     // Seen from behind, the whole shading frame turns over.

@@ -1,8 +1,8 @@
-//! How bright a surface is shown that takes no light.
+//! The brightness of unlit surfaces.
 //!
-//! `KHR_materials_unlit` asks for the colour as it is, in a picture whose white is not said. Here white is
-//! what a white wall in the same scene would show: the radiance of a white diffuse surface that faces the
-//! strongest light, so that scans with their light baked in stand beside lit things as bright as those,
+//! `KHR_materials_unlit` asks for the colour as it is, but does not say how bright the picture's
+//! white is. Here it is the radiance of a white wall in the same scene: a white diffuse surface
+//! that faces the strongest light. So scans with baked light match lit objects beside them,
 //! whatever the exposure.
 
 use std::f32::consts::PI;
@@ -12,12 +12,13 @@ use lumivox_scene::{LightKind, Scene};
 
 use super::Lighting;
 
-/// A lamp counts as seen from the scene's middle, but no nearer than this share of its radius: that of a
-/// wall of the room rather than of the lampshade.
+/// The least distance of a lamp, as a share of the scene's radius: it counts as seen from the
+/// scene's middle, but not from nearer, since a wall of the room matters and not the lampshade.
 const NEAREST: f32 = 0.25;
 
 /// The radiance of white, in cd/m²: the largest of irradiance / pi by each light and of the mean
-/// radiance of the surroundings; without either, the strongest emission; in a scene without light 1 cd/m².
+/// radiance of the surroundings; without either, the strongest emission; in a scene without light 1
+/// cd/m².
 pub(crate) fn reference_white(scene: &Scene, lighting: &Lighting) -> f32 {
     let bounds = scene.bounds();
     let nearest_m = bounds.radius_m() * NEAREST;
@@ -65,7 +66,7 @@ mod tests {
         assert!((reference_white(&scene, &dark) - 1.0).abs() < 1e-6);
     }
 
-    /// Where a lamp hangs in the middle, white is that of a wall around it.
+    /// If a lamp is in the middle, white is that of a wall around it.
     #[test]
     fn a_lamp_in_the_middle_is_a_wall_away() {
         let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");

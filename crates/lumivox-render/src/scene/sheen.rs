@@ -1,9 +1,9 @@
-//! The directional albedo of sheen: the share of white light from all around that velvet sends in one
-//! direction.
+//! The directional albedo of sheen: the share of white light from all around that it reflects in
+//! one direction.
 //!
-//! The distribution is "Charlie" (Estevez and Kulla 2017, "Production friendly microfacet sheen BRDF",
-//! section 3), the shadowing their fit, as `KHR_materials_sheen` names them. Renderers add the colour
-//! times this albedo to the surface and dim what lies below by its largest component.
+//! The distribution is "Charlie" (Estevez and Kulla 2017, "Production friendly microfacet sheen
+//! BRDF", section 3), the shadowing their fit, as `KHR_materials_sheen` names them. Renderers add
+//! the colour times this albedo to the surface and dim the layers below by its largest component.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -25,14 +25,14 @@ pub(crate) fn table() -> Vec<u8> {
 
 /// The integral of the BRDF times the cosine over all directions of light.
 fn directional_albedo(cos_view: f32, roughness: f32) -> f32 {
-    // Midpoints: the integrand is smooth but for the horizon, where the cosine takes it to zero.
+    // Midpoints: the integrand is smooth except at the horizon, where the cosine makes it zero.
     let (polar_steps, azimuth_steps) = (64, 48);
     let view = [(1.0 - cos_view * cos_view).sqrt(), 0.0, cos_view];
     let mut sum = 0.0;
     for i in 0..polar_steps {
         let (sin, cos) = ((i as f32 + 0.5) / polar_steps as f32 * FRAC_PI_2).sin_cos();
         for j in 0..azimuth_steps {
-            // Half a turn: the other half mirrors it.
+            // Half a turn: the other half is symmetric.
             let azimuth = (j as f32 + 0.5) / azimuth_steps as f32 * PI;
             let light = [sin * azimuth.cos(), sin * azimuth.sin(), cos];
             let half = std::array::from_fn::<f32, 3, _>(|k| view[k] + light[k]);

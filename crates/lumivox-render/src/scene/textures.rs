@@ -9,7 +9,7 @@ use super::mips::{Alpha, Encoding, Level, mip_chain};
 use super::sheen;
 use crate::Gpu;
 
-/// What tells the uses of a texture apart: its number, and how its bytes are read.
+/// The key of a texture's use: its number, and how its bytes are read.
 type Key = (usize, Encoding, AlphaKey);
 
 /// [`Alpha`] with the bits of the cutoff.
@@ -47,7 +47,7 @@ impl<'a> TextureUpload<'a> {
         }
     }
 
-    /// A texture with its mips; white where there is none.
+    /// A texture with its mips; a white one for `None`.
     pub(super) fn texture(
         &mut self,
         reference: Option<TextureRef>,
@@ -86,7 +86,7 @@ impl<'a> TextureUpload<'a> {
         view
     }
 
-    /// The sampler of a texture; where there is none, any.
+    /// The sampler of a texture; any sampler for `None`.
     pub(super) fn sampler(&mut self, reference: Option<TextureRef>) -> wgpu::Sampler {
         let sampler =
             reference.map_or(Sampler::default(), |r| self.scene.textures[r.texture].sampler);
@@ -98,7 +98,7 @@ impl<'a> TextureUpload<'a> {
         self.samplers.entry(sampler).or_insert_with(|| create_sampler(device, sampler)).clone()
     }
 
-    /// The table of [`sheen`] for materials that have any, else anything, and its sampler.
+    /// The table of [`sheen`] if a material has any, otherwise any texture, and its sampler.
     pub(super) fn sheen_albedo(&mut self, is_used: bool) -> (TextureView, wgpu::Sampler) {
         let edge =
             Sampler { wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge, ..Sampler::default() };

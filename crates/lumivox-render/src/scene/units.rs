@@ -1,8 +1,8 @@
 //! The unit of radiance on the GPU.
 //!
-//! Voxels and G-buffer hold radiance in half floats, from 6e-5 (with all bits; down to 6e-8 with
-//! fewer) to 65 504. A sunlit street has 30 000 cd/m² with highlights far above, a room at night a
-//! thousandth; so everything that shines is divided by a unit at upload, and the picture multiplied
+//! Voxels and G-buffer hold radiance in half floats, from 6e-5 (with full precision; down to 6e-8
+//! with less) to 65 504. A sunlit street has 30 000 cd/m² with highlights far above, a room at
+//! night a thousandth; so all emission is divided by a unit at upload, and the picture multiplied
 //! by it at the end. The unit is a power of two: both steps are then exact.
 
 use std::f32::consts::PI;
@@ -12,20 +12,20 @@ use lumivox_scene::{Bounds, Environment, LightKind, Scene};
 
 use super::Lighting;
 
-/// Where the brightest expected radiance shall come to lie: a factor of 64 below the largest half
-/// float, for highlights and for surfaces near a lamp, and 24 powers of two above the smallest number
-/// with all bits.
+/// The stored value of the brightest expected radiance: a factor of 64 below the largest half
+/// float, for highlights and for surfaces near a lamp, and 24 powers of two above the smallest
+/// number with full precision.
 const BRIGHTEST: f32 = 1024.0;
 
-/// A lamp's irradiance grows without bounds towards it. It counts as seen from this share of the
-/// scene's radius; what is nearer finds room in the headroom, up to an eighth of that distance.
+/// The least distance of a lamp, as a share of the scene's radius: its irradiance grows without
+/// bounds towards it. Nearer surfaces use the headroom, up to an eighth of that distance.
 const NEAREST: f32 = 1.0 / 16.0;
 
 /// The unit for a scene, in cd/m².
 ///
-/// It is the power of two that brings the largest of emission, of the environment's radiance (of a map,
-/// four times its mean: see below) and of irradiance / pi of the
-/// lights (on a white surface that faces them) to between 512 and 1024.
+/// It is the power of two that brings the largest of emission, of the environment's radiance (for a
+/// map, four times its mean: see below) and of irradiance / pi of the lights (on a white surface
+/// that faces them) to between 512 and 1024.
 pub fn radiance_unit(scene: &Scene, lighting: &Lighting) -> f32 {
     radiance_unit_within(scene.bounds(), scene, lighting)
 }
@@ -52,12 +52,12 @@ pub(crate) fn radiance_unit_within(bounds: Bounds, scene: &Scene, lighting: &Lig
     if brightest <= 0.0 {
         return 1.0;
     }
-    // Kept to where the unit and its inverse are normal floats.
+    // Limited so that the unit and its inverse are normal floats.
     (brightest / BRIGHTEST).log2().ceil().clamp(-100.0, 100.0).exp2()
 }
 
-/// The most that a white surface reflects of the surroundings: irradiance / pi is at most four times
-/// the mean radiance, if all of it came from one direction.
+/// The most that a white surface reflects of the surroundings: irradiance / pi is at most four
+/// times the mean radiance, if all of it came from one direction.
 fn surroundings(environment: &Environment) -> f32 {
     let mean = environment.map.as_ref().map_or(Vec3::ONE, |map| 4.0 * map.mean_radiance());
     (environment.radiance * mean).max_element()

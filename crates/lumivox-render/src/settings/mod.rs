@@ -1,16 +1,18 @@
-//! Everything that can be set about a rendering: [`RenderSettings`] holds it, [`parameters`] says of each setting what it
-//! is, and [`preset`] where one can start from.
+//! The settings of a rendering: [`RenderSettings`] holds them, [`parameters`] describes each, and
+//! [`preset`] has starting points.
 
 pub mod parameters;
 pub(crate) mod preset;
 mod view;
 
+use std::sync::Arc;
+
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
+use lumivox::hooks::{ConeModel, Injection, Voxelization};
 use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind};
 use lumivox_scene::Bounds;
 
-use crate::classics::{InjectionChoice, ReportCones, VoxelizerChoice};
 use crate::look::{Look, LookChoice};
 use crate::passes::overlay::LineRecord;
 use crate::{Overlay, RenderError};
@@ -18,16 +20,16 @@ use crate::{Overlay, RenderError};
 use parameters::{Choices as _, PARAMETERS};
 pub use view::{COST_SCALE_SAMPLES, View};
 
-/// How radiance becomes brightness.
+/// The mapping of radiance to brightness.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Exposure {
     /// The geometric mean of the picture's luminance becomes 0.18, a middle grey (Reinhard et al.
-    /// 2002, section 3.1). Pixels without a surface, and those that are black, do not count.
+    /// 2002, section 3.1). Pixels without a surface and black ones do not count.
     #[default]
     Auto,
-    /// As `Auto`; where a sequence of pictures shares one exposure, each finds its own instead.
+    /// As `Auto`, but each picture of a sequence has its own exposure.
     AutoEach,
-    /// Radiance in cd/m² times 2 to the power of this many stops is the value that is tone mapped.
+    /// The tone-mapped value is radiance in cd/m² times 2 to the power of this many stops.
     Stops(f32),
 }
 
@@ -35,16 +37,16 @@ pub enum Exposure {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(u32)]
 pub enum ToneMap {
-    /// Khronos PBR Neutral (2024): keeps the hue and saturation of what is darker than white, and
-    /// compresses and desaturates highlights alone.
+    /// Khronos PBR Neutral (2024): keeps hue and saturation below white; only compresses and
+    /// desaturates highlights.
     #[default]
     Neutral,
     /// Narkowicz's fit (2015) of the ACES film curve: more contrast, highlights shift in hue.
     Aces,
-    /// None: what is above 1 is clipped.
+    /// No curve: values above 1 are clipped.
     Linear,
-    /// Not even the screen's encoding: values are the code, from 0 to 1, and clipped. For looks that compute with
-    /// display values; anything else comes out too dark.
+    /// No curve, and no screen encoding either: values are the code, from 0 to 1, and clipped. For
+    /// looks that compute with display values; anything else comes out too dark.
     Raw,
 }
 
@@ -57,7 +59,7 @@ impl ToneMap {
         self.choice()
     }
 
-    /// The constant of the shaders that stands for the curve; its value is `self as u32`.
+    /// The name of the curve's constant in the shaders; its value is `self as u32`.
     pub(crate) fn constant(self) -> &'static str {
         match self {
             Self::Neutral => "TONE_MAP_NEUTRAL",
@@ -68,13 +70,14 @@ impl ToneMap {
     }
 }
 
-/// How shadows of lamps and sun are found.
+/// The method for shadows of lamps and sun.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ShadowMethod {
-    /// By depth maps: sharp, and exact to a texel. Lights that find no room in them use cones.
+    /// Depth maps: sharp, and exact to a texel. Lights for which there is no room in them use
+    /// cones.
     #[default]
     Map,
-    /// By cones through the voxels, as wide as the source: soft, and as coarse as the voxels.
+    /// Cones through the voxels, as wide as the source: soft, and as coarse as the voxels.
     Cone,
 }
 
@@ -93,28 +96,27 @@ pub struct RenderSettings {
     /// Shift of the voxel grid in voxels, each at least 0 and below 1. Default: 0. Errors depend on
     /// where walls fall in the grid, so measurements try several.
     pub grid_offset: Vec3,
-    /// The box that the grid is fitted to, and the shadow maps at least. Default: `None`, that of
-    /// [`Scene::voxel_bounds`](lumivox_scene::Scene::voxel_bounds).
-    /// A scene that moves needs the union over all its poses: a grid that follows a pose would make the
-    /// light flicker. What lies outside has no voxels.
+    /// The box that the grid, and at least the shadow maps, are fitted to. Default: `None`, that of
+    /// [`Scene::voxel_bounds`](lumivox_scene::Scene::voxel_bounds). A scene that moves needs the
+    /// union over all its poses: a grid that follows a pose would make the light flicker. Surfaces
+    /// outside have no voxels.
     pub grid_bounds: Option<Bounds>,
     /// Whether voxels keep a radiance for each direction. Default: six lobes.
     pub directionality: Directionality,
-    /// Where cells are stored. Default: dense.
+    /// The store of the cells. Default: dense.
     pub volume: VolumeKind,
-    /// The most bytes that the volume may take. Default: `None`, what the device gives.
+    /// The most bytes of the volume. Default: `None`, the device's limit.
     pub volume_memory: Option<u64>,
-    /// How triangles become voxels. Default: exactly.
-    pub voxelizer: VoxelizerChoice,
-    /// How the light of lamps and sun comes into the voxels. Default: directly, face by face.
-    pub injection: InjectionChoice,
+    /// How triangles become voxels. Default: `None`, exactly.
+    pub voxelizer: Option<Arc<dyn Voxelization>>,
+    /// How the light of lamps and sun comes into the voxels. Default: `None`, directly, face by face.
+    pub injection: Option<Arc<dyn Injection>>,
     /// How the picture comes about. Default: by the physics.
     pub look: LookChoice,
     /// The cones.
     pub trace: TraceSettings,
-    /// Where the cones depart from the physics, as those of the sparse voxel octree report do.
-    /// Default: nowhere.
-    pub report_cones: ReportCones,
+    /// Where the cones start and point, and what their samples show. Default: `None`, by the physics.
+    pub cone_model: Option<Arc<dyn ConeModel>>,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
     /// light alone, 1 is light over one other surface. Default: 8, which leaves out a^8 of the light in a
     /// room of albedo a: 0.4 % at one half, 2 % at 0.6. Each costs one gather in the voxels, once.
@@ -124,22 +126,22 @@ pub struct RenderSettings {
     pub frames: u32,
     /// What the picture shows.
     pub view: View,
-    /// The level of the cells that the views of voxels, [`View::Lod`] and [`Overlay::wire_voxels`] show: 0 (the
-    /// default) is the finest, each one more has cubes of twice the size.
+    /// The level of the cells in the views of voxels, [`View::Lod`] and [`Overlay::wire_voxels`]: 0
+    /// (the default) is the finest, and each next level has cubes of twice the edge.
     pub voxel_level: u32,
-    /// What is drawn over the picture on the screen. Default: nothing.
+    /// The overlay over the picture on the screen. Default: none.
     pub overlay: Overlay,
-    /// How radiance becomes brightness. Default: automatic.
+    /// The exposure. Default: automatic.
     pub exposure: Exposure,
     /// The curve to the screen's range. Default: neutral.
     pub tone_map: ToneMap,
-    /// How shadows are found. Default: maps.
+    /// The method for shadows. Default: maps.
     pub shadows: ShadowMethod,
-    /// Edge of a shadow map in texels, 16 to the device's `max_texture_dimension_2d`. Default: 1024.
-    /// Higher: sharper shadows that begin nearer to their caster; four bytes a texel, six maps for a
-    /// point light. Photons need texels of at most half a voxel.
+    /// Edge of a shadow map in texels, 16 to the device's `max_texture_dimension_2d`. Default:
+    /// 1024. Higher: sharper shadows that begin nearer to their caster; four bytes a texel, six
+    /// maps for a point light. Photons need texels of at most half a voxel.
     pub shadow_resolution: u32,
-    /// How times of the stages are taken. Default: not at all.
+    /// The method for timing stages. Default: off.
     pub timing: Timing,
 }
 
@@ -157,7 +159,7 @@ impl Default for RenderSettings {
             injection: None,
             look: None,
             trace: TraceSettings::default(),
-            report_cones: ReportCones::default(),
+            cone_model: None,
             bounces: 8,
             frames: 16,
             view: View::default(),
@@ -173,7 +175,7 @@ impl Default for RenderSettings {
 }
 
 impl RenderSettings {
-    /// What the library is made for.
+    /// The configuration of the library for these settings.
     pub fn gi_config(&self, grid: Grid) -> GiConfig {
         GiConfig {
             grid,
@@ -182,12 +184,12 @@ impl RenderSettings {
             memory_budget: self.volume_memory,
             voxelizer: self.voxelizer.clone(),
             injection: self.injection.clone(),
-            cones: self.report_cones.model(),
+            cones: self.cone_model.clone(),
             ..GiConfig::new(grid)
         }
     }
 
-    /// The bounces that the voxels get: a view of where light comes in shows nothing else.
+    /// The bounces in the voxels: the view of lit voxels needs none.
     pub(crate) fn voxel_bounces(&self) -> u32 {
         if self.view == View::Lit { 0 } else { self.bounces }
     }
@@ -202,8 +204,8 @@ impl RenderSettings {
         self.look.as_deref().filter(|look| look.shows(self.view))
     }
 
-    /// The coarsest level of voxels that can be shown, of a grid with so many of them. A look may have more, at any
-    /// resolution; where there are fewer the last is shown.
+    /// The coarsest level of voxels that can be shown, for a grid of this many. A look may have
+    /// more levels at any resolution; if the grid has fewer, the last one is shown.
     pub fn last_level(&self, grid: &Grid) -> u32 {
         let last = grid.levels - 1;
         self.shown_look().map_or(last, |look| last.max(look.last_level()))
@@ -212,7 +214,7 @@ impl RenderSettings {
     /// Checks every value against its range and the device's limits.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] or [`RenderError::Limit`], naming the first one that is out of range.
+    /// [`RenderError::Setting`] or [`RenderError::Limit`] for the first one that is out of range.
     pub fn validate(&self, limits: &wgpu::Limits) -> Result<(), RenderError> {
         validate_size(self.size, limits)?;
         for parameter in PARAMETERS.iter().filter(|parameter| parameter.means_something(self)) {
@@ -220,6 +222,9 @@ impl RenderSettings {
             if !parameter.kind.allows(value) {
                 return Err(parameter.error(&value.to_string()).into());
             }
+        }
+        if let Some(model) = &self.cone_model {
+            model.validate()?;
         }
         if let Some(look) = &self.look {
             look.validate()?;
@@ -248,7 +253,7 @@ impl RenderSettings {
 
 fn validate_lines(count: usize, limits: &wgpu::Limits) -> Result<(), RenderError> {
     let needed = count as u64 * size_of::<LineRecord>() as u64;
-    // The grid's box takes a few besides.
+    // The grid's box needs a few more.
     let available = limits.max_storage_buffer_binding_size - (1 << 12);
     if needed <= available {
         return Ok(());

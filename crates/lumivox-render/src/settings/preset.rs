@@ -1,26 +1,50 @@
-//! Presets: the few names that all settings of a picture can start from.
+//! Presets: names for starting points of all settings of a picture.
 //!
-//! A preset is one of the library's for the cones ([`Preset`]) or a look with cones of its own, and what it brings along
-//! ([`Companions`]). Front ends list them by name and summary, `lumivox-explorer`'s with those of looks, and take
+//! A preset is one of the library's for the cones ([`Preset`]) or one that another crate adds ([`AddedPreset`]), and what it
+//! brings along ([`Companions`]). Front ends list them by name and summary, as `lumivox-explorer` collects them, and take
 //! [`RenderSettings::with_preset`]; picture, view and resolution stay as they are.
 
-use lumivox::{Directionality, OctreeOptions, Preset, TraceSettings, VolumeKind};
+use std::sync::Arc;
+
+use lumivox::hooks::{ConeModel, Injection};
+use lumivox::{Directionality, Preset, TraceSettings, VolumeKind};
 use lumivox_scene::Scene;
 
-use crate::classics::{self, InjectionChoice, ReportCones};
-use crate::look::{LookChoice, LookPreset};
+use crate::look::LookChoice;
 use crate::{Exposure, PHYSICAL, RenderSettings, ToneMap};
 
-/// What a picture starts from: presets of the cones, or the look of another renderer. Default: the default [`Preset`].
+/// What a picture starts from. Default: the default [`Preset`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PresetChoice {
-    /// The physical look.
+    /// The physical look, with cones of a preset.
     Cones(Preset),
-    /// The tuning of the sparse voxel octree report.
-    Report,
-    /// A look.
-    Look(&'static LookPreset),
+    /// A preset of another crate.
+    Added(&'static AddedPreset),
 }
+
+/// A preset that another crate adds: it may take a look, a model of the cones, an injection.
+#[derive(Clone, Copy, Debug)]
+pub struct AddedPreset {
+    /// The name in lower case; presets are compared by it.
+    pub name: &'static str,
+    /// What it is, in a line without a full stop.
+    pub summary: &'static str,
+    /// The settings of the cones.
+    pub trace: fn() -> TraceSettings,
+    /// The look, with voxels of a resolution ([`RenderSettings::resolution`]).
+    pub look: fn(resolution: u32) -> LookChoice,
+    /// What goes with it, given what goes with the physics. Exposure and curve are those of the look, if there is one:
+    /// [`Look::display`](crate::look::Look::display).
+    pub companions: fn(Companions) -> Companions,
+}
+
+impl PartialEq for AddedPreset {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for AddedPreset {}
 
 impl Default for PresetChoice {
     fn default() -> Self {
@@ -29,13 +53,9 @@ impl Default for PresetChoice {
 }
 
 impl PresetChoice {
-    /// Those of the physical look, from the cheapest to the dearest.
-    pub const PHYSICAL: [Self; 4] = [
-        Self::Cones(Preset::Fast),
-        Self::Cones(Preset::Balanced),
-        Self::Cones(Preset::High),
-        Self::Report,
-    ];
+    /// Those of this crate, from the cheapest to the dearest.
+    pub const ALL: [Self; 3] =
+        [Self::Cones(Preset::Fast), Self::Cones(Preset::Balanced), Self::Cones(Preset::High)];
 
     /// The name in lower case.
     pub const fn name(self) -> &'static str {
@@ -43,12 +63,11 @@ impl PresetChoice {
             Self::Cones(Preset::Fast) => "fast",
             Self::Cones(Preset::Balanced) => "balanced",
             Self::Cones(Preset::High) => "high",
-            Self::Report => "report",
-            Self::Look(preset) => preset.name,
+            Self::Added(preset) => preset.name,
         }
     }
 
-    /// What it is, in a line without a full stop.
+    /// A description in a line without a full stop.
     pub const fn summary(self) -> &'static str {
         match self {
             Self::Cones(Preset::Fast) => "6 cones, one pixel in four",
@@ -56,84 +75,72 @@ impl PresetChoice {
             Self::Cones(Preset::High) => {
                 "12 cones, every pixel, samples half as large: fewest leaks"
             }
-            Self::Report => {
-                "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce"
-            }
-            Self::Look(preset) => preset.summary,
+            Self::Added(preset) => preset.summary,
         }
     }
 
-    /// The settings of the cones; looks do not use them, and leave the default ones.
+    /// The settings of the cones.
     pub fn trace(self) -> TraceSettings {
         match self {
             Self::Cones(preset) => TraceSettings::preset(preset),
-            Self::Report => ReportCones::trace_settings(),
-            Self::Look(_) => TraceSettings::default(),
+            Self::Added(preset) => (preset.trace)(),
         }
     }
 
-    /// How pictures come about, with voxels of a resolution ([`RenderSettings::resolution`]).
+    /// The look, with voxels of a resolution ([`RenderSettings::resolution`]).
     pub fn look(self, resolution: u32) -> LookChoice {
         match self {
-            Self::Cones(_) | Self::Report => None,
-            Self::Look(preset) => Some((preset.look)(resolution)),
+            Self::Cones(_) => None,
+            Self::Added(preset) => (preset.look)(resolution),
         }
     }
 }
 
-/// What a preset brings along besides its cones, where nobody says otherwise.
+/// The settings of a preset besides its cones, unless they are given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Companions {
     /// Light by direction, or one for all.
     pub directionality: Directionality,
-    /// Where cells are stored.
+    /// The store of the cells.
     pub volume: VolumeKind,
     /// How light comes into the voxels.
-    pub injection: InjectionChoice,
-    /// Where the cones depart from the physics.
-    pub report_cones: ReportCones,
+    pub injection: Option<Arc<dyn Injection>>,
+    /// Where the cones start and point, and what their samples show.
+    pub cone_model: Option<Arc<dyn ConeModel>>,
     /// Reflections of indirect light.
     pub bounces: u32,
-    /// How radiance becomes brightness. A look has its own for a scene: [`Look::display`](crate::look::Look::display).
+    /// The exposure. A look has its own for a scene: [`Look::display`](crate::look::Look::display).
     pub exposure: Exposure,
-    /// The curve to the screen's range; in a look as the exposure.
+    /// The curve to the screen's range; for a look, as with the exposure.
     pub tone_map: ToneMap,
 }
 
 impl Companions {
-    /// Those of a preset.
+    /// The companions of a preset.
     pub fn of(preset: PresetChoice) -> Self {
         let RenderSettings {
             directionality,
             volume,
             injection,
-            report_cones,
+            cone_model,
             bounces,
             exposure,
             tone_map,
             ..
         } = RenderSettings::default();
         let usual =
-            Self { directionality, volume, injection, report_cones, bounces, exposure, tone_map };
+            Self { directionality, volume, injection, cone_model, bounces, exposure, tone_map };
         match preset {
             PresetChoice::Cones(_) => usual,
-            // What is seen are photons that were reflected once.
-            PresetChoice::Report => Self {
-                directionality: Directionality::Isotropic,
-                volume: VolumeKind::Octree(OctreeOptions::default()),
-                injection: classics::injection("photons"),
-                report_cones: ReportCones::REPORT,
-                bounces: 1,
-                ..usual
-            },
-            PresetChoice::Look(preset) => (preset.companions)(usual),
+            PresetChoice::Added(preset) => (preset.companions)(usual),
         }
     }
 }
 
 impl RenderSettings {
-    /// The settings of a preset and its companions; picture, view and resolution stay, but for the exposure and the curve
-    /// where the look changes: one may show each scene in its own way. `scene` is the one that will be shown, if it is known.
+    /// The settings of a preset and its companions. Picture, view and resolution stay, except for
+    /// exposure and curve if the look changes: a look may show each scene in its own way. `scene`
+    /// is the one that will be shown, if it is known.
     #[must_use]
     pub fn with_preset(&self, preset: PresetChoice, scene: Option<&Scene>) -> Self {
         let companions = Companions::of(preset);
@@ -150,7 +157,7 @@ impl RenderSettings {
             directionality: companions.directionality,
             volume: companions.volume,
             injection: companions.injection,
-            report_cones: companions.report_cones,
+            cone_model: companions.cone_model,
             bounces: companions.bounces,
             exposure,
             tone_map,
@@ -158,8 +165,8 @@ impl RenderSettings {
         }
     }
 
-    /// In a look: exposure and curve of another scene, where those of the last were as the look has them; what was asked
-    /// for otherwise stays.
+    /// With a look: sets the exposure and curve of another scene if they were those of the look for
+    /// the last one; other values stay.
     pub fn show_other(&mut self, last: Option<&Scene>, scene: &Scene) {
         let Some(look) = &self.look else { return };
         let shown = (self.exposure, self.tone_map);
@@ -174,14 +181,14 @@ impl RenderSettings {
 mod tests {
     use super::*;
 
-    /// Whatever the settings were, the preset decides what is its own, and the default is what settings default to.
+    /// Whatever the settings were, a preset sets its own values, and the default is the defaults.
     #[test]
     fn presets_do_not_depend_on_what_was_before() {
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();
         let fresh = RenderSettings::default();
         assert_eq!(fresh.with_preset(PresetChoice::default(), None), fresh);
-        for before in PresetChoice::PHYSICAL {
-            for preset in PresetChoice::PHYSICAL {
+        for before in PresetChoice::ALL {
+            for preset in PresetChoice::ALL {
                 let direct = fresh.with_preset(preset, Some(&scene));
                 let by_way = fresh.with_preset(before, Some(&scene));
                 let by_way = by_way.with_preset(preset, Some(&scene));

@@ -1,8 +1,8 @@
-//! What a picture can show.
+//! Views: what a picture can show.
 
 use lumivox::settings::Choices as _;
 
-/// What the picture shows.
+/// The content of the picture.
 ///
 /// Views of light (`Final` to `Specular`) are exposed and tone mapped, and hold cd/m² in OpenEXR.
 /// The others are data: they bypass both, and OpenEXR holds the quantity itself.
@@ -12,9 +12,9 @@ pub enum View {
     /// All light: `Direct` + `Indirect`.
     #[default]
     Final,
-    /// Emission and the light that lamps and sun send to the surface without a detour.
+    /// Emission, and light straight from lamps and sun.
     Direct,
-    /// Light that came by way of other surfaces or from the environment, reflected by this one.
+    /// Light from other surfaces and from the environment, reflected by this surface.
     Indirect,
     /// Indirect light as a white diffuse surface would reflect it: irradiance / pi, without albedo.
     Diffuse,
@@ -36,18 +36,20 @@ pub enum View {
     Cost,
     /// The voxels of one level as cubes, in the light that they hold.
     Voxels,
-    /// Which voxels of one level lamps and sun reach, or emit themselves (yellow), and which not (grey).
+    /// The voxels of one level that lamps and sun reach, or that emit (yellow), and the others
+    /// (grey).
     Lit,
-    /// The nodes of an octree that hold the cells of one level, as wire boxes around these: blue with cells of their
-    /// own, orange for their neighbours' sake.
+    /// The nodes of an octree around the cells of one level, as wire boxes: blue with cells of
+    /// their own, orange if they only exist for their neighbours.
     Nodes,
-    /// The bricks of these nodes, their 3x3x3 texels pulled apart; those of the neighbours' layer are orange.
+    /// The bricks of these nodes, their 3x3x3 texels pulled apart; those of the neighbours' layer
+    /// are orange.
     Bricks,
-    /// What the volume holds of one level at the visible surfaces, filtered as cones see it, against the surface's
-    /// normal: radiance, whatever the opacity; black where there is nothing.
+    /// The volume's content of one level at the visible surfaces, filtered as cones see it, against
+    /// the surface's normal: radiance, whatever the opacity; black where it is empty.
     Lod,
-    /// The voxels of one level as wire cubes in the colours of their light, seen through each other; faces between
-    /// two of them are left out.
+    /// The voxels of one level as wire cubes in the colours of their light, visible through each
+    /// other; faces between two of them are left out.
     WireVoxels,
 }
 
@@ -81,7 +83,7 @@ impl View {
         self.choice()
     }
 
-    /// The constant of the shaders that stands for the view; its value is `self as u32`.
+    /// The name of the view's constant in the shaders; its value is `self as u32`.
     pub(crate) fn constant(self) -> &'static str {
         match self {
             Self::Final => "VIEW_FINAL",
@@ -116,7 +118,7 @@ impl View {
         matches!(self, Self::Voxels | Self::Lit | Self::Nodes | Self::Bricks | Self::WireVoxels)
     }
 
-    /// Whether there must be an octree to look at.
+    /// Whether it needs an octree.
     pub fn needs_octree(self) -> bool {
         matches!(self, Self::Nodes | Self::Bricks)
     }

@@ -2,14 +2,15 @@
 
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 
+use std::sync::Arc;
+
 use glam::{Mat4, UVec2, Vec3};
 use lumivox::gpu::Timing;
 use lumivox::{Directionality, OctreeOptions, Preset, TraceSettings, VolumeKind};
-use lumivox_render::classics::ReportCones;
-use lumivox_render::{Exposure, RenderSettings, Renderer, ShadowMethod, ToneMap, View, classics};
+use lumivox_render::{Exposure, RenderSettings, Renderer, ShadowMethod, ToneMap, View};
 use lumivox_scene::{LightKind, Scene, Shading};
 
-use crate::common::{builtin, gpu, picture, renderer};
+use crate::common::{StillCones, builtin, gpu, picture, renderer};
 
 fn settings() -> RenderSettings {
     RenderSettings {
@@ -39,15 +40,14 @@ fn settings_may_change_in_any_order() {
     let mut changing = renderer(&gpu, &scene, settings());
     let mut before = picture(&mut changing);
     let octree = VolumeKind::Octree(OctreeOptions::default());
-    let changes: [fn(&mut RenderSettings, VolumeKind); 17] = [
+    let changes: [fn(&mut RenderSettings, VolumeKind); 16] = [
         |s, _| s.shadow_resolution = 48,
         |s, _| s.resolution = 48,
         |s, _| s.size = UVec2::new(33, 21),
         |s, octree| s.volume = octree,
         |s, _| s.directionality = Directionality::Isotropic,
-        |s, _| s.injection = classics::injection("photons"),
-        |s, _| s.report_cones = ReportCones::REPORT,
-        |s, _| s.report_cones.level_gain = 2.0,
+        |s, _| s.cone_model = Some(Arc::new(StillCones { share: 1.0 })),
+        |s, _| s.cone_model = Some(Arc::new(StillCones { share: 0.5 })),
         |s, _| s.trace = TraceSettings::preset(Preset::Fast),
         |s, _| s.bounces = 1,
         |s, _| s.shadows = ShadowMethod::Cone,

@@ -6,7 +6,7 @@
 
 use glam::UVec2;
 use lumivox::{Directionality, TraceResolution, TraceSettings};
-use lumivox_render::{Picture, PresetChoice, RenderSettings, ShadowMethod};
+use lumivox_render::{Picture, RenderSettings, ShadowMethod};
 
 use crate::common::{builtin, gpu, picture, renderer};
 
@@ -42,14 +42,6 @@ fn six_lobes_repeat_to_the_bit() {
 fn isotropic_voxels_repeat_to_the_bit() {
     let directionality = Directionality::Isotropic;
     assert_two_runs_agree(&RenderSettings { directionality, ..RenderSettings::default() });
-}
-
-/// With all that belongs to the report's look.
-#[test]
-fn photons_repeat_to_the_bit() {
-    let report = RenderSettings::default().with_preset(PresetChoice::Report, None);
-    let RenderSettings { volume, bounces, .. } = RenderSettings::default();
-    assert_two_runs_agree(&RenderSettings { volume, bounces, ..report });
 }
 
 #[test]

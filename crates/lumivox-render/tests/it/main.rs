@@ -9,7 +9,6 @@ mod moving;
 mod octree;
 mod overlay;
 mod photometry;
-mod photons;
 mod pipelines;
 mod render;
 mod scale;

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use glam::UVec2;
 use lumivox::{Directionality, OctreeOptions, VolumeKind};
-use lumivox_render::{Progress, RenderSettings, Renderer, ShadowMethod, classics};
+use lumivox_render::{RenderProgress, RenderSettings, Renderer, ShadowMethod};
 
 use crate::common::{builtin, own_gpu, picture};
 
@@ -38,7 +38,7 @@ fn what_renderers_cost_by_hand() {
     for number in 1..=20 {
         let (start, processor) = (Instant::now(), processor_seconds());
         let mut stages = Vec::new();
-        let mut hear = |step: Progress| {
+        let mut hear = |step: RenderProgress| {
             if step.done == 0 || step.done == step.total {
                 stages.push(format!("{} {:.2}", step.stage, start.elapsed().as_secs_f64()));
             }
@@ -62,7 +62,7 @@ fn what_renderers_cost_by_hand() {
 fn a_second_renderer_asks_for_nothing_new() {
     let (gpu, scene) = (own_gpu(), builtin("cornell"));
     let mut heard = Vec::new();
-    let mut hear = |step: Progress| {
+    let mut hear = |step: RenderProgress| {
         if step.stage == "compile" {
             heard.push((step.done, step.total));
         }
@@ -80,8 +80,6 @@ fn a_second_renderer_asks_for_nothing_new() {
     let round = [
         RenderSettings { volume, ..settings.clone() },
         RenderSettings { directionality, ..settings.clone() },
-        RenderSettings { voxelizer: classics::voxelizer("conservative"), ..settings.clone() },
-        RenderSettings { injection: classics::injection("photons"), ..settings.clone() },
         RenderSettings { shadows: ShadowMethod::Cone, ..settings.clone() },
         settings.clone(),
     ];

@@ -260,7 +260,7 @@ fn progress_and_views_can_be_followed() {
         // An octree has all views.
         let volume = VolumeKind::Octree(OctreeOptions::default());
         let settings = RenderSettings { frames: 2, bounces: 1, volume, ..small() };
-        let mut progress = |p: lumivox_render::Progress| seen.push((p.stage, p.done));
+        let mut progress = |p: lumivox_render::RenderProgress| seen.push((p.stage, p.done));
         // On a device of its own: pipelines that are there already are not counted.
         let mut renderer = Renderer::new(&own_gpu(), &scene, None, settings, &mut progress).await?;
         for view in View::ALL {

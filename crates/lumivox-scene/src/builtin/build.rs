@@ -1,4 +1,4 @@
-//! Putting a scene together.
+//! Building blocks of scenes.
 
 use glam::{Mat4, Vec3};
 
@@ -47,7 +47,7 @@ pub(super) fn glaze(scene: &mut Scene, material: usize, roughness: f32) {
     }
 }
 
-/// A material that emits that radiance, in cd/m², and reflects nothing.
+/// A material that emits this radiance, in cd/m², and reflects nothing.
 pub(super) fn glowing(scene: &mut Scene, name: &str, radiance: Vec3) -> usize {
     let mut black = Material::diffuse(name, Vec3::ZERO);
     black.emissive = radiance;
@@ -90,11 +90,11 @@ pub(super) fn place_at(
 }
 
 /// A lamp flush under a ceiling: a flat box whose face glows a little, and under it the point light
-/// that does the lighting.
+/// that lights the room.
 pub(super) struct Lamp {
     /// The middle of the box's top, on the ceiling.
     pub(super) top: Vec3,
-    /// Half its edges along x and z, and how far it hangs down, in metres.
+    /// Half its edges along x and z, and its height, in metres.
     pub(super) half_x_m: f32,
     pub(super) half_z_m: f32,
     pub(super) drop_m: f32,
@@ -114,8 +114,8 @@ impl Lamp {
         let body = cuboid(min, max, Faces::SIDES);
         place(scene, "lamp sides", body, sides);
 
-        // The face is black apart from its glow: the light hangs so near that it would burn a spot
-        // into a white one, which no voxel resolves.
+        // The face is black apart from its glow: the light is so near that it would light a white
+        // one to a spot that no voxel resolves.
         let mut face = Material::diffuse("lamp face", Vec3::ZERO);
         face.emissive = Vec3::splat(self.face_radiance);
         let face = material(scene, face);
@@ -126,7 +126,7 @@ impl Lamp {
             name: "lamp".to_owned(),
             kind: LightKind::Point { intensity_cd: self.intensity_cd, range_m: None },
             position: self.top - Vec3::Y * (self.drop_m + LAMP_LIGHT_DROP_M),
-            // Smaller than the distance to the face, so that no part of the sphere is inside.
+            // Smaller than the distance to the face, so that the sphere does not touch it.
             radius_m: 0.03,
             ..Light::default()
         });

@@ -18,7 +18,7 @@ pub(super) fn scene() -> Scene {
 
     let room = interior(Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 2.5, 2.0));
     place(&mut scene, "room", room, white);
-    // Eight centimetres below the ceiling, with a back that takes light up there.
+    // Eight centimetres below the ceiling, with a back that blocks the light upwards.
     let plate = cuboid(
         Vec3::new(-0.9, 2.42, -1.2),
         Vec3::new(0.3, 2.44, -0.6),

@@ -1,4 +1,4 @@
-//! Scenes made in code: always at hand, exact, and small enough to reason about.
+//! Scenes made in code: always available, exact, and small enough to reason about.
 //!
 //! | Name | What it is for |
 //! | --- | --- |
@@ -15,7 +15,7 @@
 //! | `clutter` | three hundred small things under a lamp and a sky |
 //! | `lacquer` | deep colours and black that mirror more than they scatter, checkered floor and ceiling |
 //!
-//! Each exists as `NAME-rotated`, too: turned by [`ROTATION_RAD`] about the centre of its bounds,
+//! Each also exists as `NAME-rotated`: rotated by [`ROTATION_RAD`] about the centre of its bounds,
 //! so that no wall is aligned with a voxel grid. Nothing else may change in the picture.
 
 mod atrium;
@@ -36,8 +36,8 @@ use glam::Vec3;
 
 use crate::{Scene, SceneError};
 
-/// The turn of the `-rotated` scenes: Euler angles in radians about x, y and z (intrinsic, in that
-/// order).
+/// The rotation of the `-rotated` scenes: Euler angles in radians about x, y and z (intrinsic, in
+/// that order).
 pub const ROTATION_RAD: Vec3 = Vec3::new(0.5, 0.35, 0.4);
 
 const ROTATED: &str = "-rotated";

@@ -1,5 +1,5 @@
-//! A room of 4 x 5 m with one window: a low sun comes through it and draws a patch on the floor,
-//! the sky does the rest.
+//! A room of 4 x 5 m with one window: a low sun shines through it onto the floor, and the sky
+//! lights the rest.
 //!
 //! The walls are 30 cm thick and have no hidden faces, so that light enters only through the
 //! window.
@@ -24,7 +24,7 @@ pub(super) fn scene() -> Scene {
     let oak = lacquer(&mut scene, "oak", Vec3::new(0.45, 0.30, 0.17), 0.4);
     let blue = diffuse(&mut scene, "blue", Vec3::new(0.10, 0.16, 0.40));
 
-    // The floor has a material of its own, the wall of the window is put together.
+    // The floor has a material of its own; the wall of the window is assembled separately.
     let mut walls = interior(MIN_M, MAX_M);
     keep_walls(&mut walls);
     place(&mut scene, "walls and ceiling", merge([walls, window_wall()]), plaster);
@@ -60,7 +60,7 @@ pub(super) fn scene() -> Scene {
     scene
 }
 
-/// Leaves the floor out, and the wall of the window.
+/// Removes the floor, and the wall of the window.
 fn keep_walls(room: &mut Mesh) {
     let corners = |triangle: [usize; 3]| triangle.map(|i| room.positions[i]);
     let is_kept = |triangle: &[usize; 3]| {

@@ -52,7 +52,7 @@ pub(super) fn decode(bytes: &[u8]) -> std::result::Result<Map, Fault> {
     Ok(Map { width, height, rgb, warnings, ..Map::default() })
 }
 
-/// Where a layer lies in the picture.
+/// The place of a layer in the picture.
 #[derive(Clone, Copy)]
 struct Placement {
     width: usize,

@@ -24,14 +24,14 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
     }
     let mut map = EnvironmentMap { width, height, rgb, ..EnvironmentMap::default() };
 
-    // Divides the factors out by which programs multiplied the file: the product of all EXPOSURE
+    // Divides by the factors with which programs multiplied the file: the product of all EXPOSURE
     // lines.
     let exposure = meta.exposure.unwrap_or(1.0);
     let (r, g, b) = meta.color_correction.unwrap_or((1.0, 1.0, 1.0));
     let divisor = [r * exposure, g * exposure, b * exposure];
     if divisor.iter().any(|d| !d.is_normal() || *d < 0.0) {
         let told =
-            "the environment map's EXPOSURE or COLORCORR is no positive number; it was ignored";
+            "the environment map's EXPOSURE or COLORCORR is not a positive number; it was ignored";
         map.warnings.push(told.to_owned());
     } else if divisor.iter().any(|d| d.to_bits() != 1.0_f32.to_bits()) {
         for texel in &mut map.rgb {

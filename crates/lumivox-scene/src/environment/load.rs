@@ -1,8 +1,8 @@
 //! Pictures of the surroundings from files: Radiance, OpenEXR, and common pictures.
 //!
-//! The first bytes give the kind of file. The size in the header is checked before any memory is
-//! taken: against a useful maximum, and against the length of the file, since a packed picture of
-//! one colour can claim any size.
+//! The first bytes decide the kind of file. The size in the header is checked before memory is
+//! allocated: against a useful maximum, and against the length of the file, since a compressed
+//! picture of one colour can claim any size.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -14,11 +14,13 @@ use crate::{EnvironmentMap, SceneError, read_regular};
 
 /// The most texels of a map: 16 384 x 8192, 1.5 GiB.
 const MOST_TEXELS: u64 = 1 << 27;
-/// This many texels may be claimed by any file, however short: 96 MiB, and
+/// Texels that any file may claim, however short: 96 MiB, and ...
 const FREE_TEXELS: u64 = 1 << 23;
-/// this many more for each of its bytes; the packings of Radiance and OpenEXR reach 16 and 350.
+/// ... the additional texels for each of its bytes; the compressions of Radiance and OpenEXR reach
+/// 16 and 350.
 const TEXELS_PER_BYTE: u64 = 512;
-/// Bytes that decoding a common picture may take: 16 bits a channel of the largest map, and some.
+/// The most bytes for decoding a common picture: the largest map with 16 bits a channel, and a
+/// little more.
 const MOST_DECODER_BYTES: u64 = 2 << 30;
 
 /// The fault of a file, and its remedy.
@@ -40,10 +42,10 @@ impl Fault {
 
 impl EnvironmentMap {
     /// Reads a panorama of 360 by 180 degrees (equirectangular, twice as wide as high): Radiance
-    /// (`.hdr`, `.pic`), OpenEXR (`.exr`), PNG or JPEG. The first bytes say which.
+    /// (`.hdr`, `.pic`), OpenEXR (`.exr`), PNG or JPEG. The first bytes decide the format.
     ///
-    /// Radiance files are divided by their `EXPOSURE` and `COLORCORR`; one unit then counts as
-    /// 1 cd/m², as one of OpenEXR does, multiplied by `whiteLuminance` where the file has it. PNG
+    /// Radiance files are divided by their `EXPOSURE` and `COLORCORR`; one unit then counts as 1
+    /// cd/m². So does one unit of OpenEXR, multiplied by `whiteLuminance` if the file has it. PNG
     /// and JPEG are decoded from sRGB, so that white is 1 cd/m². Scale by
     /// [`Environment::radiance`](crate::Environment::radiance).
     ///
@@ -60,8 +62,8 @@ impl EnvironmentMap {
         from_bytes(path, &bytes)
     }
 
-    /// Reads a file in memory in the same way. `name` stands in for its path, in messages and as
-    /// the map's name.
+    /// Reads a file in memory in the same way. `name` takes the place of its path, in messages and
+    /// as the map's name.
     ///
     /// # Errors
     /// As [`EnvironmentMap::load`], except for the disk.
@@ -77,8 +79,7 @@ fn from_bytes(path: &Path, bytes: &[u8]) -> Result<EnvironmentMap, SceneError> {
         reason: fault.reason,
         remedy: fault.remedy,
     };
-    // The decoders are other people's: should one still fall over hostile bytes, it is an error
-    // like any other.
+    // The decoders are external code: a panic on hostile bytes becomes an ordinary error.
     let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes)));
     let decoded = decoded.unwrap_or_else(|_| Err(Fault::broken("the decoder gave up on it")));
     let mut map = decoded.map_err(fault)?;
@@ -107,13 +108,13 @@ fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
         Ok(ImageFormat::OpenExr) => exr::decode(bytes),
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => decode_picture(bytes, format),
         _ => Err(Fault::new(
-            "it is of no kind that is read here",
+            "its format is unknown",
             "give a Radiance (.hdr), OpenEXR (.exr), PNG or JPEG panorama",
         )),
     }
 }
 
-/// Refuses sizes that no file of that length may claim.
+/// Refuses sizes that a file of this length cannot have.
 pub(super) fn check_size(width: u64, height: u64, file_bytes: usize) -> Result<(), Fault> {
     if width == 0 || height == 0 {
         return Err(Fault::broken(format!("its size is {width} x {height} texels")));
@@ -144,7 +145,7 @@ fn decode_picture(bytes: &[u8], format: ImageFormat) -> Result<EnvironmentMap, F
     limits.max_alloc = Some(MOST_DECODER_BYTES);
     reader.limits(limits);
     let picture = reader.decode().map_err(Fault::broken)?;
-    // One level of grey a time: most pictures have 256, the rest 65 536.
+    // One level of grey at a time: most pictures have 256, the others 65 536.
     let rgb = if has_16_bits(&picture) {
         linear(picture.into_rgb16().pixels().map(|p| p.0), 65_535)
     } else {

@@ -1,4 +1,4 @@
-//! The directions of a map's texels, and the light that comes from them.
+//! The directions of a map's texels, and their light.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +9,7 @@ use crate::EnvironmentMap;
 impl EnvironmentMap {
     /// The unit vector towards a place of the picture, in the map's own frame (before
     /// [`Environment::rotation_rad`](crate::Environment::rotation_rad)): `x` in texels from the
-    /// left edge, `y` from the top edge; a texel's middle lies at a half.
+    /// left edge, `y` from the top edge; a texel's middle is at a half.
     pub fn direction(&self, x: f32, y: f32) -> Vec3 {
         let azimuth = (f64::from(x) / f64::from(self.width) - 0.5) * TAU;
         let polar = f64::from(y) / f64::from(self.height) * PI;

@@ -5,7 +5,7 @@ use crate::EnvironmentMap;
 
 impl EnvironmentMap {
     /// Sets negative and NaN channels to 0 and infinite ones to the largest finite value of the
-    /// picture, with a warning each.
+    /// picture, with a warning for each kind.
     pub(super) fn repair(&mut self) {
         let channels = || self.rgb.iter().flatten().copied();
         let most = channels().filter(|c| c.is_finite()).fold(0.0, f32::max);

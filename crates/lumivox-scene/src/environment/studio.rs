@@ -1,10 +1,10 @@
-//! A photographer's studio: the surroundings of things that bring no light of their own.
+//! A photographer's studio: the surroundings of things that have no light of their own.
 //!
-//! Large soft boxes give gentle light and quiet reflections, a wall runs without an edge into a
-//! ground that catches shadows. All is neutral grey and in cd/m², as in a bright studio: the boxes
-//! have 400 to 2000 cd/m², the wall 300 at its foot. Nothing is symmetric: the largest box is to
-//! the left of and above the camera, a lower one to the right fills the shadows, a strip behind
-//! draws the outline, and one overhead lights the ground.
+//! Large soft boxes give soft light and calm reflections; a wall runs without an edge into a ground
+//! that catches shadows. All is neutral grey and in cd/m², as in a bright studio: the boxes have
+//! 400 to 2000 cd/m², the wall 300 at its foot. Nothing is symmetric: the largest box is to the
+//! left of and above the camera, a lower one to the right fills the shadows, a strip behind draws
+//! the outline, and one overhead lights the ground.
 
 use std::f32::consts::PI;
 
@@ -17,9 +17,9 @@ const WIDTH: u32 = 256;
 /// Luminance of the wall where it meets the ground, and overhead, cd/m².
 const WALL_CD_M2: [f32; 2] = [300.0, 120.0];
 
-/// A soft box: towards its middle, as seen from the thing in the studio.
+/// A soft box, with the direction of its middle from the thing in the studio.
 struct SoftBox {
-    /// From the camera, growing to the right, degrees.
+    /// The azimuth from the camera, growing to the right, degrees.
     azimuth_deg: f32,
     elevation_deg: f32,
     /// Half its edges, degrees.
@@ -59,18 +59,18 @@ const EDGE_DEG: f32 = 4.0;
 /// A studio.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Studio {
-    /// The surroundings of the thing, cd/m²; the middle (-z) lies behind the thing for a camera
-    /// that looks along -z. Below the horizon it is the ground, far away.
+    /// The surroundings of the thing, cd/m²; the middle (-z) is behind the thing for a camera that
+    /// looks along -z. Below the horizon it is the ground, far away.
     pub map: EnvironmentMap,
-    /// The share of the light that the ground reflects: the one with which it is as bright as the
-    /// foot of the wall, so that its end is invisible.
+    /// The share of the light that the ground reflects, such that it is as bright as the foot of
+    /// the wall, and its end is invisible.
     pub ground_albedo: f32,
     /// Illuminance of the ground, lx.
     pub ground_lux: f32,
 }
 
 impl Studio {
-    /// Makes it.
+    /// Makes the studio.
     pub fn new() -> Self {
         let (width, height) = (WIDTH, WIDTH / 2);
         let name = "studio".to_owned();
@@ -86,7 +86,7 @@ impl Studio {
         Self { ground_albedo: PI * WALL_CD_M2[0] / ground_lux, map, ground_lux }
     }
 
-    /// The ground's surface: matt.
+    /// The ground's matt material.
     pub fn ground(&self) -> Material {
         Material::diffuse("studio ground", Vec3::splat(self.ground_albedo))
     }
@@ -98,13 +98,13 @@ impl Default for Studio {
     }
 }
 
-/// In a direction; the camera looks along -z.
+/// The luminance in a direction; the camera looks along -z.
 fn luminance(way: Vec3) -> f32 {
     let [foot, top] = WALL_CD_M2;
     if way.y <= 0.0 {
         return foot;
     }
-    // As bright as its foot up to eye height, and darker the higher.
+    // As bright as its foot up to eye height, and darker above.
     let rise = way.y * way.y * (3.0 - 2.0 * way.y);
     let wall = foot + (top - foot) * rise;
     BOXES.iter().fold(wall, |below, lamp| {

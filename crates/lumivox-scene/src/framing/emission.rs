@@ -1,8 +1,8 @@
-//! What a scene's surfaces emit: its flux, and points that stand for it.
+//! The emission of a scene's surfaces: its flux, and sample points.
 //!
-//! A factor alone says little: exporters switch emission on and leave the dark to a texture. So the
-//! emission is read where it is, at points spread evenly over the area of all surfaces whose material
-//! emits. A diffuse emitter of luminance L and area A sends out the flux `pi L A`.
+//! A factor alone is not enough: exporters switch emission on and leave the dark parts to a
+//! texture. So emission is read at points spread evenly over the area of all surfaces whose
+//! material emits. A diffuse emitter of luminance L and area A sends out the flux `pi L A`.
 
 use std::f32::consts::PI;
 
@@ -12,15 +12,15 @@ use super::directions;
 use super::soup::Unit;
 use crate::{Instance, Material, Mesh, Scene, Texture, TextureRef, Wrap};
 
-/// Points that read the emission: a lit window of a thousandth of what may emit has four.
+/// Points at which emission is read: a lit window of a thousandth of the emitting area has four.
 const SAMPLES: usize = 4096;
-/// Texels up to this code (of 255) are black: compression makes black images a little grey.
+/// Texels up to this code (of 255) count as black: compression makes black images a little grey.
 const BLACK: u8 = 8;
 
-/// A piece of a surface that emits.
+/// A piece of an emitting surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Emitter {
-    /// In unit space.
+    /// The position in unit space.
     pub(super) position: Vec3,
     pub(super) normal: Vec3,
     pub(super) is_double_sided: bool,
@@ -28,16 +28,16 @@ pub(super) struct Emitter {
     pub(super) intensity_cd: f32,
 }
 
-/// All that a scene emits.
+/// The emission of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Emission {
     /// The pieces that are not black.
     pub(super) emitters: Vec<Emitter>,
-    /// What all send out, lm.
+    /// The flux of all pieces, lm.
     pub(super) flux_lm: f32,
-    /// The area of what emits, each side, m².
+    /// The emitting area, each side, m².
     emitting_m2: f32,
-    /// The area of all surfaces, each side that is one, m².
+    /// The area of all surfaces, each visible side, m².
     pub(super) area_m2: f32,
 }
 
@@ -83,19 +83,19 @@ impl Emission {
         emission
     }
 
-    /// The mean luminance of what emits, cd/m²; 0 where nothing does.
+    /// The mean luminance of the emitting area, cd/m²; 0 if there is none.
     pub(super) fn luminance(&self) -> f32 {
         if self.emitting_m2 > 0.0 { self.flux_lm / (PI * self.emitting_m2) } else { 0.0 }
     }
 
-    /// The illuminance that all surfaces would have in the mean if the flux stayed in the scene.
+    /// The mean illuminance of all surfaces if the flux stayed in the scene.
     pub(super) fn mean_lux(&self) -> f32 {
         if self.area_m2 > 0.0 { self.flux_lm / self.area_m2 } else { 0.0 }
     }
 }
 
 impl Candidate<'_> {
-    /// The piece around a point between the corners, unless it is black.
+    /// The piece around a point between the corners; `None` if it is black.
     fn emitter(
         &self,
         weights: [f32; 3],
@@ -178,7 +178,8 @@ mod tests {
     use crate::builtin::shapes::quad;
     use crate::{Sampler, builtin};
 
-    /// A square of 4 m² that emits 10 cd/m², on a matt one of 16 m²; a texture may blacken some of it.
+    /// A square of 4 m² that emits 10 cd/m², on a matt one of 16 m²; a texture may blacken parts of
+    /// it.
     fn lit_square(rgba8: Option<[[u8; 4]; 4]>) -> Scene {
         let mut scene = Scene::default();
         let mut lamp = Material::diffuse("lamp", Vec3::ZERO);

@@ -1,63 +1,63 @@
-//! The view of a place: from a free spot, at the height of an eye, over as much of it as can be.
+//! The view of a place: from a free spot, at eye height, showing as much of it as possible.
 //!
-//! Spots are points of the survey, brought to the height of an eye over the floor that they see. A
-//! view is worth the share of the place's [patches](super::survey::Patch) that it shows, which is most
-//! at the end of a hall with all of the hall ahead. It is worth less where the spot is narrow, where
-//! things stand close before the eye, and upstairs.
+//! Spots are points of the survey, moved to eye height above the floor that they see. The value of
+//! a view is the share of the place's [patches](super::survey::Patch) that it shows, which is
+//! greatest at the end of a hall with all of the hall ahead. It is reduced in narrow spots, where
+//! things are close to the eye, and upstairs.
 
 use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
 use super::directions;
-use super::outside::View;
+use super::outside::Viewpoint;
 use super::rays::Rays;
 use super::survey::{Patch, Survey};
 
 /// The angle between the bottom and the top of the picture: wide, as rooms are photographed.
 const VERTICAL_FOV_RAD: f32 = 1.05;
-/// Wider pictures than this angle from side to side look distorted.
+/// The widest horizontal field of view that does not look distorted.
 const WIDEST_FOV_RAD: f32 = 1.75;
-/// The height of the eye over the floor, as shares of the free height and width: that of a standing
-/// person in a living room, and a little higher in a hall. Nothing here knows of metres, since files
-/// seldom tell their unit.
+/// The height of the eye above the floor, as shares of the free height and width: that of a
+/// standing person in a living room, and a little higher in a hall. Metres are not used, since
+/// files seldom state their unit.
 const EYE_OF_HEIGHT: f32 = 0.53;
 const EYE_OF_WIDTH: f32 = 0.4;
-/// The most that is looked up or down.
+/// The steepest tilt up or down.
 const STEEPEST_RAD: f32 = 0.12;
 
-/// Most spots that are tried, and the azimuths that each looks into.
+/// The most spots that are tried, and the azimuths of each.
 const SPOTS: usize = 250;
 const AZIMUTHS: usize = 32;
-/// Views that are judged by their picture.
+/// The number of views that are judged by their picture.
 const FINALISTS: usize = 200;
-/// Places in the picture where that looks, across and up.
+/// The places in the picture at which it is judged, across and up.
 const PICTURE: [f32; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
-/// A surface so far away, in unit space, fills half of its place.
+/// The distance, in unit space, at which a surface counts half.
 const CLOSE: f32 = 0.15;
-/// What a place in the picture is worth that shows the sky.
+/// The value of a place in the picture that shows the sky.
 const SKY: f32 = 0.5;
-/// What the highest floor is thought less of: places are entered at the ground.
+/// The reduction for the highest floor: places are entered at the ground.
 const UPSTAIRS: f32 = 0.3;
 /// Patches are counted within this share of the picture's half width and height.
 const FILL: f32 = 0.9;
 
-/// A spot that can be stood at.
+/// A possible spot for the eye.
 struct Spot {
     eye: Vec3,
     /// Distance to the nearest surface.
     clearance: f32,
-    /// The patches in sight: from the eye to them, and what they are worth.
+    /// The visible patches: the vector from the eye, and the weight.
     sights: Vec<(Vec3, f32)>,
 }
 
 /// A view, and the share of the place that it shows.
 pub(super) struct Inside {
-    pub(super) view: View,
+    pub(super) view: Viewpoint,
     pub(super) share: f32,
 }
 
-/// The best view from one of the points, or `None` where all stand too close to something.
+/// The best view from one of the points; `None` if all are too close to something.
 pub(super) fn view(rays: &Rays, survey: &Survey, aspect: f32) -> Option<Inside> {
     let widest_rad = 2.0 * ((WIDEST_FOV_RAD * 0.5).tan() / aspect).atan();
     let vertical_fov_rad = VERTICAL_FOV_RAD.min(widest_rad);
@@ -72,7 +72,7 @@ pub(super) fn view(rays: &Rays, survey: &Survey, aspect: f32) -> Option<Inside> 
     let (lowest, highest) = (heights().fold(1.0, f32::min), heights().fold(-1.0, f32::max));
     let mut views = Vec::new();
     for spot in &spots {
-        // Half of what the freest spot has is room enough.
+        // Half the clearance of the freest spot is enough.
         let room = (spot.clearance / (0.5 * widest)).min(1.0);
         let level = (spot.eye.y - lowest) / (highest - lowest).max(CLOSE);
         let room = room * (1.0 - UPSTAIRS * level);
@@ -80,9 +80,9 @@ pub(super) fn view(rays: &Rays, survey: &Survey, aspect: f32) -> Option<Inside> 
             let forward = direction(azimuth);
             let framed = spot.sights.iter().filter(|(way, _)| is_framed(*way, forward, half));
             let share: f32 = framed.map(|(_, weight)| weight).sum();
-            // Rays may pass by thin things that are nearer.
+            // Rays may pass beside thin things that are nearer.
             let near = 0.05 * spot.clearance;
-            let view = View { position: spot.eye, forward, vertical_fov_rad, near };
+            let view = Viewpoint { position: spot.eye, forward, vertical_fov_rad, near };
             views.push((share * room, Inside { view, share }));
         }
     }
@@ -96,8 +96,8 @@ pub(super) fn view(rays: &Rays, survey: &Survey, aspect: f32) -> Option<Inside> 
     Some(best)
 }
 
-/// How little of a picture is filled by what stands close to the eye: 1 where all is far.
-fn openness(rays: &Rays, view: &View, half: Vec2) -> f32 {
+/// The share of a picture that is free of things close to the eye: 1 if everything is far away.
+fn openness(rays: &Rays, view: &Viewpoint, half: Vec2) -> f32 {
     let right = view.forward.cross(Vec3::Y);
     let mut sum = 0.0;
     for point in PICTURE {
@@ -112,7 +112,7 @@ fn openness(rays: &Rays, view: &View, half: Vec2) -> f32 {
     sum / (PICTURE.len() * PICTURE.len()) as f32
 }
 
-/// Whether a picture of that half size, at distance 1, shows what lies in a direction.
+/// Whether a direction is within a picture of that half size at distance 1.
 fn is_framed(way: Vec3, forward: Vec3, half: Vec2) -> bool {
     let right = forward.cross(Vec3::Y).normalize_or(Vec3::X);
     let up = right.cross(forward);
@@ -120,7 +120,7 @@ fn is_framed(way: Vec3, forward: Vec3, half: Vec2) -> bool {
     way.dot(right).abs() <= half.x * depth && way.dot(up).abs() <= half.y * depth
 }
 
-/// Tilts a level view a little towards the middle of what lies ahead.
+/// Tilts a level view a little towards the middle of what is ahead.
 fn tilted(rays: &Rays, eye: Vec3, level: Vec3) -> Vec3 {
     let reach = |way: Vec3| rays.cast_visible(eye, way).map_or(0.0, |hit| hit.distance);
     let rise = (reach(Vec3::Y) - reach(Vec3::NEG_Y)) * 0.5;
@@ -133,7 +133,7 @@ fn direction(azimuth: usize) -> Vec3 {
     Vec3::new(sin, 0.0, cos)
 }
 
-/// A spot over, under or at a point, unless something stands between.
+/// A spot above, below or at a point, unless something is in between.
 fn spot(rays: &Rays, patches: &[Patch], point: Vec3) -> Option<Spot> {
     let eye = eye(rays, point)?;
     let around = directions::sphere(96).chain((0..AZIMUTHS).map(direction));
@@ -147,10 +147,10 @@ fn spot(rays: &Rays, patches: &[Patch], point: Vec3) -> Option<Spot> {
     clearance.is_finite().then(|| Spot { eye, clearance, sights: sights.collect() })
 }
 
-/// The eye on the vertical through a point, at a height over the floor that suits the free height and
-/// width.
+/// The eye on the vertical through a point, at a height above the floor that suits the free height
+/// and width.
 fn eye(rays: &Rays, point: Vec3) -> Option<Vec3> {
-    // The floor around, not the table or the step below: the median of what is seen downwards.
+    // The floor around, not the table or the step below: the median of the downward views.
     let mut floors: Vec<f32> = directions::sphere(96)
         .filter(|way| way.y < -0.35)
         .filter_map(|way| rays.cast_visible(point, way))
@@ -160,7 +160,7 @@ fn eye(rays: &Rays, point: Vec3) -> Option<Vec3> {
     floors.sort_by(f32::total_cmp);
     let below = rays.cast_visible(point, Vec3::NEG_Y)?.position.y;
     let floor = floors.get(floors.len() / 2).map_or(below, |&floor| floor.min(below));
-    // Under the open sky a hall is as high as what is seen of it.
+    // Under the open sky, the visible extent counts as the height.
     let above = rays.cast_visible(point, Vec3::Y).map(|hit| hit.position.y);
     let top = above.unwrap_or_else(|| {
         let seen = directions::sphere(96).filter_map(|way| rays.cast_visible(point, way));
@@ -172,7 +172,7 @@ fn eye(rays: &Rays, point: Vec3) -> Option<Vec3> {
         let way = direction(azimuth);
         Some(reach(way)? + reach(-way)?)
     };
-    // The median: near a corner the least is no measure of the room.
+    // The median: near a corner the least distance says little about the room.
     let mut widths: Vec<f32> = (0..AZIMUTHS / 2).filter_map(across).collect();
     widths.sort_by(f32::total_cmp);
     let width = widths.get(widths.len() / 2).copied().unwrap_or(f32::INFINITY);

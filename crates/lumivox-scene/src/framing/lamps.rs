@@ -1,11 +1,11 @@
 //! Lamps for closed rooms.
 //!
-//! A lamp hangs where it sees the most of the points that no lamp sees yet, below the ceiling and
-//! away from the walls; further ones follow until nearly all points are lit. In a closed room all
-//! flux of a lamp lands on the surfaces that it sees, 4 pi I on the area A, so an intensity of
+//! A lamp is placed where it sees the most of the points that no lamp sees yet, below the ceiling
+//! and away from the walls; further lamps follow until nearly all points are lit. In a closed room
+//! all flux of a lamp reaches the surfaces that it sees, 4 pi I on the area A, so an intensity of
 //! `I = E A / (4 pi)` gives them the mean illuminance E. The area comes from rays: each of n stands
-//! for `4 pi / n` of solid angle, and so for `4 pi / n * d^2 / cos` of surface, hence I is E times the
-//! mean of `d^2 / cos`.
+//! for `4 pi / n` of solid angle, and so for `4 pi / n * d^2 / cos` of surface, hence I is E times
+//! the mean of `d^2 / cos`.
 
 use std::f32::consts::TAU;
 
@@ -17,23 +17,23 @@ use super::soup::Unit;
 use super::survey::Probe;
 use crate::{Light, LightKind};
 
-/// The illuminance of a living room or an office.
+/// The mean illuminance: that of a living room or an office.
 const MEAN_LUX: f32 = 300.0;
 const MOST_LAMPS: usize = 8;
-/// Share of the free height at which a lamp hangs.
+/// The height of a lamp, as a share of the free height.
 const HEIGHT: f32 = 0.8;
 /// Places that are tried, and points that are to be lit.
 const PLACES: usize = 100;
 const POINTS: usize = 400;
-/// Lamps are added until so few points are dark.
+/// The share of dark points at which no more lamps are added.
 const DARK: f32 = 0.05;
 /// Rays that measure a room.
 const LOOKS: usize = 2048;
-/// Below this cosine a ray counts as if it had it: the few at grazing angles would be the most of the
-/// area's error. It lacks less than a hundredth of a cube.
+/// The least cosine of a ray: the few at grazing angles would dominate the area's error. The bias
+/// is less than a hundredth for a cube.
 const GRAZING: f32 = 0.02;
-/// The radius of a lamp, as a share of the distance to what is nearest: soft shadows, and far from
-/// touching anything.
+/// The radius of a lamp, as a share of the distance to the nearest surface: soft shadows, and far
+/// from touching anything.
 const RADIUS: f32 = 0.1;
 
 /// A lamp in unit space.
@@ -41,7 +41,7 @@ const RADIUS: f32 = 0.1;
 pub(super) struct Lamp {
     position: Vec3,
     radius: f32,
-    /// Luminous intensity where unit space is in metres.
+    /// Luminous intensity if unit space is in metres.
     intensity: f32,
 }
 
@@ -109,7 +109,7 @@ pub(super) fn lamp(rays: &Rays, position: Vec3) -> Option<Lamp> {
         nearest = nearest.min(hit.distance);
         area += hit.distance * hit.distance / hit.normal.dot(-way).max(GRAZING);
     }
-    // Through a gap flux is lost: of n rays, hits stay inside.
+    // Flux is lost through gaps: of n rays, those that hit stay inside.
     let intensity = MEAN_LUX * area / hits.max(1) as f32;
     (hits > 0).then_some(Lamp { position, radius: RADIUS * nearest, intensity })
 }

@@ -1,12 +1,11 @@
-//! What a scene looks like at first sight: where it is seen from, and what lights it, where a file does
-//! not say so or does not do so.
+//! The first view of a scene: a camera and light for files that have none, or not enough.
 //!
-//! All follows from one [survey](survey) of the scene by rays: a place (a room, a hall) is looked at
-//! from inside, or through the opening where it lacks a wall; a thing (a helmet, a terrain) from
-//! outside, from where most of it is seen. What the scene's own light does is measured where that
-//! view's rays land; where it is not enough, lamps light what is closed, sun and sky what lies in the
-//! open, and a studio everything else. Everything happens in a [unit space](soup), so that it makes no
-//! difference whether a scene is modelled in millimetres or in kilometres.
+//! All follows from one [survey](survey) of the scene by rays: a place (a room, a hall) is viewed
+//! from inside, or through its opening if it lacks a wall; a thing (a helmet, a terrain) from
+//! outside, from the side that shows most of it. The scene's own light is measured where the view's
+//! rays land; if it is not enough, lamps light a closed place, sun and sky an open one, and a
+//! studio everything else. All computation is in a [unit space](soup), so a scene in millimetres
+//! gives the same result as one in kilometres.
 //!
 //! It takes about 300 000 rays, and the same scene always gives the same answer.
 //!
@@ -38,7 +37,7 @@ mod survey;
 
 use crate::{Camera, Light, Scene};
 use inside::Inside;
-use outside::View;
+use outside::Viewpoint;
 use own_light::Standpoint;
 use rays::Rays;
 use soup::{Soup, Unit};
@@ -48,20 +47,22 @@ use survey::Survey;
 pub use sight::{Note, Sight, SightOptions, Staging};
 pub use stage::{DefaultLight, Ground};
 
-/// Below this mean share of gaps around the points of a place it counts as closed: a window of a
-/// tenth of one wall lets in more.
+/// Below this mean share of gaps around its points a place counts as closed: a window of a tenth of
+/// one wall lets in more.
 const CLOSED: f32 = 0.01;
-/// Where so much of a place is seen from outside, it lacks a wall, and is known from there.
+/// If this share of a place is visible from outside, it lacks a wall, and is viewed from there.
 const OPEN_FRONT: f32 = 0.6;
-/// A camera from outside that is asked for looks through an opening that shows as much of a place.
+/// If this share of a place is visible through an opening, a requested camera outside looks through
+/// it.
 const OPENING: f32 = 0.3;
-/// A camera with surfaces in this share of all directions stands inside: before something flat it is less than half.
+/// A camera with surfaces in this share of all directions is inside: in front of something flat it
+/// is less than half.
 const AROUND: f32 = 0.55;
-/// Directions that tell.
+/// The number of directions for that.
 const LOOKS: usize = 96;
 
-/// What rays found out about a scene, for a default camera and default lights. It borrows nothing:
-/// make it once where both are wanted.
+/// The result of the survey of a scene, for a default camera and default lights. It borrows
+/// nothing: make it once if both are needed.
 ///
 /// For a million triangles it takes 1.3 s, 260 MB, and 130 MB afterwards; for ten million, which are
 /// simplified first, 1.9 s and 100 MB (debug build, one core of a busy machine).
@@ -83,7 +84,7 @@ impl std::fmt::Debug for Framing {
 }
 
 impl Framing {
-    /// Surveys a scene. A scene without triangles, which has not been validated, is no place.
+    /// Surveys a scene. A scene without triangles, which is not a valid one, counts as a thing.
     pub fn of(scene: &Scene) -> Self {
         let unit = Unit::of(scene.bounds());
         let (soup, rays) = Rays::of(scene, unit);
@@ -91,24 +92,24 @@ impl Framing {
         Self { unit, soup, rays, survey }
     }
 
-    /// Whether the scene is a place to stand in, such as a room or a hall (maybe with windows or an
-    /// open roof), rather than a thing to look at from outside.
+    /// Whether the scene is a place to stand in, such as a room or a hall (possibly with windows or
+    /// an open roof), rather than a thing to look at from outside.
     pub fn is_place(&self) -> bool {
         self.survey.is_place
     }
 
-    /// Whether it is a place with hardly a gap to the outside: no more than a small window.
+    /// Whether it is a place with hardly a gap to the outside: at most a small window.
     pub fn is_enclosed(&self) -> bool {
         self.is_place() && self.survey.sky() < CLOSED
     }
 
     /// The view that shows the scene best in a picture of that aspect, its width over its height: a
-    /// place from inside, a thing from outside. Where a place lacks a wall, it is seen from there.
+    /// place from inside, a thing from outside. A place that lacks a wall is viewed from there.
     pub fn camera(&self, aspect: f32) -> Camera {
         self.chosen(aspect).0
     }
 
-    /// The same, and why.
+    /// The same, with the reason.
     fn chosen(&self, aspect: f32) -> (Camera, Chosen) {
         let aspect = sane(aspect);
         if !self.is_place() {
@@ -127,9 +128,9 @@ impl Framing {
         }
     }
 
-    /// A view of the whole from outside, with a vertical field of view of 45 degrees, as large as it
-    /// fits into a picture of that aspect. It looks from where most of the surface is seen, and into a
-    /// place where that is open.
+    /// A view of the whole scene from outside, with a vertical field of view of 45 degrees, as
+    /// large as it fits into a picture of that aspect. It looks from where most of the surface is
+    /// visible, and into a place through its opening.
     pub fn outside(&self, aspect: f32) -> Camera {
         let aspect = sane(aspect);
         if !self.is_place() {
@@ -143,8 +144,8 @@ impl Framing {
         self.place(&outside::view(&self.rays, &subject, aspect))
     }
 
-    /// A view along a place, from a free spot that shows the most of it; of a hollow thing the same of
-    /// what is inside. `None` where there is no room for a camera.
+    /// A view along a place, from the free spot that shows the most of it; for a hollow thing, the
+    /// same of its inside. `None` if there is no room for a camera.
     ///
     /// The height of the eye over the floor follows from the free height and width: 1.6 m in a living
     /// room of 3 m, about a third of a hall.
@@ -161,13 +162,13 @@ impl Framing {
         around.count() as f32 >= AROUND * LOOKS as f32
     }
 
-    /// Where a camera stands.
+    /// The standpoint of a camera.
     fn standpoint(&self, camera: &Camera) -> Standpoint {
         if !self.is_place() {
             return Standpoint::Outside;
         }
         let is_inside = self.surrounds(camera);
-        // Through walls that are modelled for the inside alone one looks into the room.
+        // Through walls that are modelled only for the inside, the room is visible.
         if self.is_enclosed() && (is_inside || self.survey.is_made_for_inside) {
             Standpoint::ClosedRoom
         } else {
@@ -182,7 +183,7 @@ impl Framing {
             .collect()
     }
 
-    fn place(&self, view: &View) -> Camera {
+    fn place(&self, view: &Viewpoint) -> Camera {
         Camera {
             name: "framing".to_owned(),
             near_m: (view.near * self.unit.scale_m).max(f32::MIN_POSITIVE),
@@ -195,17 +196,17 @@ impl Framing {
     }
 }
 
-/// An aspect that a picture can have.
+/// Limits the aspect to that of possible pictures.
 fn sane(aspect: f32) -> f32 {
     if aspect.is_finite() { aspect.clamp(0.05, 20.0) } else { 1.0 }
 }
 
-/// Why a camera stands where it does.
+/// The reason for a camera's place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Chosen {
-    /// A place from within.
+    /// A place from inside.
     Inside,
-    /// A place through the side that is open.
+    /// A place through its open side.
     Opening,
     /// A thing.
     Outside,
@@ -214,18 +215,18 @@ enum Chosen {
 }
 
 impl Scene {
-    /// A camera for a scene that brings none: see [`Framing::camera`].
+    /// A camera for a scene without one: see [`Framing::camera`].
     pub fn default_camera(&self, aspect: f32) -> Camera {
         Framing::of(self).camera(aspect)
     }
 
-    /// Whether there is any light, however little: a lamp, an environment, or a surface in use that emits or takes no
-    /// light (all of them, in the last case).
+    /// Whether there is any light, however little: a lamp, an environment, or a surface in use that
+    /// emits, or if all surfaces are unlit.
     pub fn shines(&self) -> bool {
         shines::shines(self)
     }
 
-    /// Whether its own emission is all the light that there is: no lamp shines, and no surroundings do.
+    /// Whether the scene's own emission is its only light: there is no lamp, and no surroundings.
     pub fn is_lit_by_emission_alone(&self) -> bool {
         shines::by_emission_alone(self)
     }

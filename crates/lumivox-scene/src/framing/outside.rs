@@ -1,9 +1,9 @@
-//! The view of a thing: from outside, all of it, as large as it fits.
+//! The view of a thing: all of it from outside, as large as it fits.
 //!
-//! Of some eighty directions the one is taken that shows most of the surface: points all over it are
-//! looked at from the eye, and each that is seen counts by the root of the cosine that it is seen at.
-//! So a board is looked at along its thin axis, a cube from over a corner, what stands before a wall
-//! from the other side, and an open box through its opening.
+//! Of some eighty directions the best is the one that shows most of the surface: of points all over
+//! it, each visible one counts by the root of the cosine at which it is seen. So a board is viewed
+//! along its thin axis, a cube from over a corner, a thing in front of a wall from the other side,
+//! and an open box through its opening.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -18,50 +18,54 @@ use crate::Camera;
 const VERTICAL_FOV_RAD: f32 = FRAC_PI_4;
 /// Share of the picture's half width and height that the scene may fill.
 const FILL: f32 = 0.92;
-/// The side that is looked at where nothing speaks against it: the front (+z, as glTF has it), a
-/// little from the right (+x) and from above.
+/// The usual side: the front (+z, as in glTF), a little from the right (+x) and from above.
 const AZIMUTH_RAD: f32 = 0.645;
 const ELEVATION_RAD: f32 = 0.412;
-/// Other heights, and what they are thought less of, as a share of the most that is seen.
+/// Other heights, and their penalties, as a share of the greatest visibility.
 const ELEVATIONS_RAD: [(f32, f32); 5] =
     [(ELEVATION_RAD, 0.0), (0.17, 0.05), (0.87, 0.1), (0.0, 0.05), (-ELEVATION_RAD, 0.2)];
-/// One looks level into an opening.
+/// The same for a view into an opening, which is level.
 const LEVEL_RAD: [(f32, f32); 5] =
     [(0.0, 0.0), (0.17, 0.12), (ELEVATION_RAD, 0.15), (0.87, 0.2), (-ELEVATION_RAD, 0.35)];
 /// Straight from above and from below.
 const VERTICALS_RAD: [(f32, f32); 2] = [(FRAC_PI_2, 0.35), (-FRAC_PI_2, 0.5)];
-/// Azimuths around the usual one; the four along the axes come on top.
+/// Azimuths around the usual one; the four along the axes are added.
 const AZIMUTHS: usize = 12;
-/// What the opposite side is thought less of.
+/// The penalty of the opposite side.
 const BEHIND: f32 = 0.1;
-/// What is thinner along an axis than this share of its length is a board; looking along that axis is
-/// thought so little less of.
+/// A thing thinner along an axis than this share of its length is a board; views along that axis
+/// have this penalty.
 const THIN: f32 = 0.05;
 const ALONG_THIN: f32 = 0.1;
 
 /// An eye in unit space.
-pub(super) struct View {
+pub(super) struct Viewpoint {
     pub(super) position: Vec3,
     pub(super) forward: Vec3,
     pub(super) vertical_fov_rad: f32,
     pub(super) near: f32,
 }
 
-/// A direction towards the eye, and what it is thought less of.
+/// A direction towards the eye, and its penalty.
 struct Candidate {
     towards_eye: Vec3,
     less: f32,
 }
 
 /// The view that shows most of a subject.
-pub(super) fn view(rays: &Rays, subject: &Subject, aspect: f32) -> View {
-    let seen = |view: &View| visible(rays, &subject.patches, view.position, f32::sqrt);
+pub(super) fn view(rays: &Rays, subject: &Subject, aspect: f32) -> Viewpoint {
+    let seen = |view: &Viewpoint| visible(rays, &subject.patches, view.position, f32::sqrt);
     best(subject, &ELEVATIONS_RAD, aspect, seen)
 }
 
-/// The view from outside that shows most of a place, and the share of it that is seen.
-pub(super) fn into(rays: &Rays, subject: &Subject, place: &[Patch], aspect: f32) -> (View, f32) {
-    let seen = |view: &View| share(rays, place, view.position);
+/// The view from outside that shows most of a place, and the visible share of it.
+pub(super) fn into(
+    rays: &Rays,
+    subject: &Subject,
+    place: &[Patch],
+    aspect: f32,
+) -> (Viewpoint, f32) {
+    let seen = |view: &Viewpoint| share(rays, place, view.position);
     let view = best(subject, &LEVEL_RAD, aspect, seen);
     let share = seen(&view);
     (view, share)
@@ -71,9 +75,9 @@ fn best(
     subject: &Subject,
     elevations_rad: &[(f32, f32); 5],
     aspect: f32,
-    seen: impl Fn(&View) -> f32,
-) -> View {
-    // Fitted to the box first, which is quick; all of the corners only decide about the last one.
+    seen: impl Fn(&Viewpoint) -> f32,
+) -> Viewpoint {
+    // Fitted to the box first, which is quick; all corners are only used for the final one.
     let corners = subject.bounds.corners();
     let near_corners = if subject.bounds.is_empty() { &corners[..0] } else { &corners[..] };
     let judged: Vec<(Candidate, f32)> = candidates(elevations_rad, subject.bounds.size())
@@ -123,12 +127,12 @@ fn polar(azimuth_rad: f32, elevation_rad: f32) -> Vec3 {
     Vec3::new(sin * level, y, cos * level)
 }
 
-/// The share of some points that an eye sees.
+/// The share of points that an eye sees.
 pub(super) fn share(rays: &Rays, patches: &[Patch], eye: Vec3) -> f32 {
     visible(rays, patches, eye, |_| 1.0)
 }
 
-/// What is seen of some points from an eye: their weights, times a function of the cosine.
+/// The visibility of points from an eye: their weights, times a function of the cosine.
 fn visible(rays: &Rays, patches: &[Patch], eye: Vec3, worth: impl Fn(f32) -> f32) -> f32 {
     let seen = patches.iter().map(|patch| {
         let way = eye - patch.position;
@@ -148,7 +152,7 @@ fn visible(rays: &Rays, patches: &[Patch], eye: Vec3, worth: impl Fn(f32) -> f32
 /// when `p.x + t * p.z <= eye.x + t * eye.z`, with t the tangent of half the field of view, and so on
 /// for the other planes. The largest left sides of all points thus bound the eye, and solving the two
 /// equations of opposite planes puts the scene in the middle between them.
-fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> View {
+fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> Viewpoint {
     let camera = Camera::look_at(towards_eye, Vec3::ZERO, VERTICAL_FOV_RAD);
     let world_from_camera = Mat3::from_mat4(camera.world_from_camera());
     let camera_from_world = world_from_camera.transpose();
@@ -170,11 +174,11 @@ fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> View {
     }
     let away_x = (right + left) * 0.5 / tan_x;
     let away_y = (top + bottom) * 0.5 / tan_y;
-    // A line that is looked along has no width; keep a tenth of its size away all the same.
+    // A line seen along its axis has no width; keep a tenth of its size away nevertheless.
     let size = (right + left).max(top + bottom).max(nearest - farthest).max(f32::MIN_POSITIVE);
     let away = away_x.max(away_y).max(nearest + 0.1 * size.min(1.0));
     let eye = Vec3::new((right - left) * 0.5, (top - bottom) * 0.5, away);
-    View {
+    Viewpoint {
         position: world_from_camera * eye,
         forward: -towards_eye,
         vertical_fov_rad: VERTICAL_FOV_RAD,

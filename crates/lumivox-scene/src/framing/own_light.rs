@@ -1,8 +1,8 @@
-//! What a scene's own light does where it is looked at.
+//! The scene's own light, measured where the camera sees it.
 //!
-//! A picture needs light on what it shows. So rays go out from the eye, and where they land it is
-//! measured what arrives from the scene's lamps, its surroundings and what it emits. A helmet with a
-//! glowing visor gets next to nothing of its own light, and is dark; a room with a small lamp gets
+//! A picture needs light on what it shows. So rays go out from the eye, and where they land the
+//! light from the scene's lamps, its surroundings and its emission is measured. A helmet with a
+//! glowing visor gets almost none of its own light, and is dark; a room with a small lamp gets
 //! little, but everywhere.
 
 use std::f32::consts::PI;
@@ -19,50 +19,52 @@ use crate::{Camera, Light, LightKind, Scene};
 
 /// Rays from the eye, across and down the picture.
 const LOOKS: [usize; 2] = [24, 14];
-/// Pieces of what emits that each point looks at.
+/// Emitting pieces that each point samples.
 const EMITTERS: usize = 48;
-/// Directions in which each point looks for the surroundings.
+/// Directions in which each point samples the surroundings.
 const OPENINGS: usize = 16;
-/// Lamps that are looked at; the strongest are first.
+/// The most lamps that are sampled, the strongest first.
 const LAMPS: usize = 64;
 
-/// About what a full moon gives (Kyba, Mohar and Posch 2017, "How bright is moonlight?", Astronomy and
-/// Geophysics 58 (1)). What is seen from outside counts as dark below it.
+/// The least illuminance of things seen from outside, about that of a full moon (Kyba, Mohar and
+/// Posch 2017, "How bright is moonlight?", Astronomy and Geophysics 58 (1)).
 const MOONLIGHT_LUX: f32 = 0.25;
-/// With this a grey surface has the 0.002 cd/m² of EV100 -6, which a camera still shows: enough in a
-/// place whose own lamps shine.
+/// The least illuminance in a place whose own lamps shine: a grey surface then has the 0.002 cd/m²
+/// of EV100 -6, which a camera still shows.
 const STARLIGHT_LUX: f32 = 0.01;
-/// A point counts as lit that gets this share of the mean.
+/// A point counts as lit from this share of the mean on.
 const LIT: f32 = 0.125;
-/// Of the points that are seen, so many must be lit by lamps and surroundings; the rest is their shadow.
+/// The share of the visible points that lamps and surroundings must light; the rest is their
+/// shadow.
 const LAMPS_REACH: f32 = 0.3;
-/// The same where emission helps, which lights what is near: most of a place, nearly all of a thing.
+/// The same where emission helps, which lights its vicinity: most of a place, nearly all of a
+/// thing.
 const EMISSION_REACHES_PLACE: f32 = 0.6;
 const EMISSION_REACHES_THING: f32 = 0.9;
 
-/// How a scene is seen.
+/// The standpoint of the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Standpoint {
-    /// From inside of a closed room: light stays there.
+    /// Inside a closed room: light stays there.
     ClosedRoom,
-    /// From inside of a place with gaps.
+    /// Inside a place with gaps.
     OpenPlace,
     Outside,
 }
 
-/// Illuminance of the points that are seen, lx.
+/// Illuminance of the visible points, lx.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct OwnLight {
     /// By lamps and surroundings.
     lamps: Vec<f32>,
-    /// By what emits.
+    /// By emission.
     emission: Vec<f32>,
     /// Flux over area.
     emission_mean_lux: f32,
 }
 
 impl OwnLight {
-    /// At some points.
+    /// Measures at some points.
     pub(super) fn at(points: &[Patch], scene: &Scene, rays: &Rays, unit: Unit) -> Self {
         let emission = Emission::of(scene, unit);
         let mut lights: Vec<&Light> = scene.lights.iter().collect();
@@ -77,7 +79,7 @@ impl OwnLight {
             let by_lamps: f32 = lights.iter().map(|light| lux(rays, unit, light, point)).sum();
             let by_sky = if sky_lux > 0.0 { sky_lux * openness(rays, point) } else { 0.0 };
             own.lamps.push(by_lamps + by_sky);
-            // Each point looks at others than its neighbours do.
+            // Each point samples other pieces and directions than its neighbours.
             let looked_at = emission.emitters.iter().skip(number % step).step_by(step);
             let (mut sum, mut count) = (0.0, 0);
             for emitter in looked_at {
@@ -89,7 +91,7 @@ impl OwnLight {
         own
     }
 
-    /// Whether it is enough to see the scene by.
+    /// Whether the light is enough to see the scene.
     pub(super) fn is_enough(&self, from: Standpoint) -> bool {
         let is_lit_by = |lux: &[f32], least, reach| mean(lux) >= least && share(lux) >= reach;
         match from {
@@ -105,7 +107,8 @@ impl OwnLight {
         }
     }
 
-    /// Mean illuminance of what is seen, lx; in a closed room what is emitted counts wherever it goes.
+    /// Mean illuminance of the visible points, lx; in a closed room all emission counts, wherever
+    /// it goes.
     pub(super) fn lux(&self, from: Standpoint) -> f32 {
         match from {
             Standpoint::ClosedRoom => mean(&self.lamps) + self.emission_mean_lux,
@@ -128,7 +131,7 @@ fn share(lux: &[f32]) -> f32 {
     lux.iter().filter(|&&lux| lux >= least).count() as f32 / lux.len().max(1) as f32
 }
 
-/// What a picture shows, point by point, but for what may emit: that is bright itself.
+/// The visible points of a picture, except those of emitting surfaces: these are bright themselves.
 pub(super) fn seen(
     scene: &Scene,
     rays: &Rays,
@@ -154,11 +157,11 @@ pub(super) fn seen(
         hits.extend(rays.cast_visible(eye, way));
     }
     let dark: Vec<Patch> = hits.iter().filter(is_dark).map(Patch::of).collect();
-    // Where all may emit, a texture says where.
+    // Where all surfaces may emit, a texture decides.
     if dark.is_empty() { hits.iter().map(Patch::of).collect() } else { dark }
 }
 
-/// What a lamp gives a point.
+/// The illuminance of a point by a lamp.
 fn lux(rays: &Rays, unit: Unit, light: &Light, point: &Patch) -> f32 {
     let strength = strength(light) * luminance(light.color);
     if let LightKind::Directional { .. } = light.kind {
@@ -184,7 +187,7 @@ fn lux(rays: &Rays, unit: Unit, light: &Light, point: &Patch) -> f32 {
     }
 }
 
-/// What a piece of a surface gives a point.
+/// The illuminance of a point by an emitting piece.
 fn lux_of(rays: &Rays, unit: Unit, emitter: &Emitter, point: &Patch) -> f32 {
     let from = point.position;
     let way = emitter.position - from;
@@ -192,7 +195,7 @@ fn lux_of(rays: &Rays, unit: Unit, emitter: &Emitter, point: &Patch) -> f32 {
     let cosine = way.dot(point.normal);
     let sent = -way.dot(emitter.normal);
     let sent = if emitter.is_double_sided { sent.abs() } else { sent };
-    // Up to just before the emitter, which would be in its own way.
+    // Up to just before the emitter, which would block itself.
     if cosine <= 0.0 || sent <= 0.0 || !rays.is_free(from, way, 0.999) {
         return 0.0;
     }

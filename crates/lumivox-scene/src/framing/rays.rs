@@ -1,9 +1,9 @@
-//! Rays against a scene's triangles: what lies in a direction, how far, and whether its front or its
+//! Rays against a scene's triangles: what is in a direction, how far, and whether its front or its
 //! back is seen.
 //!
-//! Triangles and rays live in *unit space*: the middle of the scene's bounds is the origin, and the
-//! longest edge is 1. A scene modelled in millimetres so meets the same numbers as one in
-//! kilometres, and no step has a tolerance in metres.
+//! Triangles and rays are in *unit space*: the middle of the scene's bounds is the origin, and the
+//! longest edge is 1. So a scene in millimetres has the same numbers as one in kilometres, and no
+//! step has a tolerance in metres.
 
 use std::cell::Cell;
 
@@ -17,27 +17,27 @@ use obvhs::rt_triangle::RtTriangle;
 use super::soup::{Sides, Soup, Unit};
 use crate::Scene;
 
-/// Two surfaces nearer to each other than this count as one, with both their sides: walls of no
-/// thickness. Fifty times the rounding of a coordinate in unit space.
+/// Surfaces nearer to each other than this count as one with both their sides: walls without
+/// thickness. Fifty times the rounding error of a coordinate in unit space.
 const COINCIDENT: f32 = 3e-6;
 
-/// Lifts points off their surface: far above the rounding of a coordinate.
+/// Lifts points off their surface: far more than the rounding error of a coordinate.
 pub(super) const LIFT: f32 = 1e-4;
 
-/// What a ray meets first.
+/// The first surface on a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Hit {
-    /// How far it is, in units of the direction's length.
+    /// The distance, in units of the direction's length.
     pub(super) distance: f32,
     /// Whether the ray comes from the front of the surface.
     pub(super) is_front: bool,
     /// Whether the surface's back is a surface, too.
     pub(super) is_double_sided: bool,
-    /// Unit normal, towards where the ray comes from.
+    /// Unit normal, towards the ray's origin.
     pub(super) normal: Vec3,
-    /// Where it is.
+    /// The position.
     pub(super) position: Vec3,
-    /// Which instance it belongs to.
+    /// The instance that it belongs to.
     pub(super) part: u32,
 }
 
@@ -56,21 +56,22 @@ pub(super) struct Rays {
     part: Vec<u32>,
     /// For each instance.
     sides: Vec<Sides>,
-    /// Triangles that rays were tested against so far.
+    /// The number of triangle tests so far.
     tests: Cell<u64>,
 }
 
-/// More boxes of triangles on the way of a ray than this are too many: well-shaped ones leave about ten.
+/// The most boxes of triangles on the way of a ray: well-shaped triangles leave about ten.
 const MOST_BOXES: f32 = 96.0;
-/// Cells along the longest edge, below which it is not simplified further for that.
+/// The fewest cells along the longest edge for this simplification.
 const COARSEST: u32 = 32;
 
 impl Rays {
     /// The triangles of a scene and rays against them, at a bounded cost.
     ///
-    /// Slivers, as CAD writes them in fans of thousands around one corner, have boxes that overlap, and
-    /// no hierarchy of boxes keeps a ray from being tested against most. So the boxes on its way are
-    /// estimated first, and while they are too many, vertices are clustered in larger cells.
+    /// Slivers, as in the fans of thousands around one corner that CAD writes, have overlapping
+    /// boxes, and no hierarchy of boxes avoids testing a ray against most of them. So the boxes on
+    /// a ray's way are estimated first, and while they are too many, vertices are clustered in
+    /// larger cells.
     pub(super) fn of(scene: &Scene, unit: Unit) -> (Soup, Self) {
         let mut soup = Soup::of(scene, unit);
         let mut cells = Soup::FINEST;
@@ -83,7 +84,7 @@ impl Rays {
         (soup, rays)
     }
 
-    /// Triangles that rays were tested against so far.
+    /// The number of triangle tests so far.
     #[cfg(test)]
     pub(super) fn tests(&self) -> u64 {
         self.tests.get()
@@ -113,13 +114,13 @@ impl Rays {
         Self { bvh, triangles, part, sides: soup.sides.clone(), tests: Cell::new(0) }
     }
 
-    /// The first surface along a ray, whichever side of it.
+    /// The first surface along a ray, from either side.
     pub(super) fn cast(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let first = self.nearest(origin, direction, f32::INFINITY, |_| true)?;
         if first.is_front {
             return Some(first);
         }
-        // Where a front lies in the same place, it is what a picture shows.
+        // If a front is in the same place, pictures show that.
         let limit = first.distance + COINCIDENT;
         let front = self.nearest(origin, direction, limit, |index| self.faces(index, direction));
         Some(front.filter(|hit| hit.distance >= first.distance - COINCIDENT).unwrap_or(first))
@@ -132,7 +133,7 @@ impl Rays {
         })
     }
 
-    /// Whether nothing lies between a point and what is `distance` away.
+    /// Whether nothing is between a point and another at `distance`.
     pub(super) fn is_free(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         self.bvh.ray_traverse_miss(ray, |ray, index| {

@@ -1,8 +1,8 @@
-//! Whether anything shines.
+//! Whether a scene has any light.
 
 use crate::{EnvironmentMap, Light, LightKind, Material, Scene, Shading, Texture};
 
-/// Texels up to this code (of 255) are black: compression makes black images a little grey.
+/// Texels up to this code (of 255) count as black: compression makes black images a little grey.
 const BLACK: u8 = 8;
 
 pub(super) fn shines(scene: &Scene) -> bool {
@@ -12,7 +12,7 @@ pub(super) fn shines(scene: &Scene) -> bool {
         || is_unlit(scene)
 }
 
-/// Whether what it emits itself is all the light that there is.
+/// Whether the scene's own emission is its only light.
 pub(super) fn by_emission_alone(scene: &Scene) -> bool {
     !scene.lights.iter().any(light_shines)
         && !surroundings_shine(scene)
@@ -25,7 +25,7 @@ fn used(scene: &Scene) -> impl Iterator<Item = &Material> {
     materials.filter_map(|index| scene.materials.get(index))
 }
 
-/// Whether no surface takes any light, but all show their colour.
+/// Whether all surfaces are unlit.
 pub(super) fn is_unlit(scene: &Scene) -> bool {
     let mut unlit = used(scene).map(|material| matches!(material.shading, Shading::Unlit(_)));
     scene.triangle_count() > 0 && unlit.all(|is_unlit| is_unlit)
@@ -51,7 +51,8 @@ pub(super) fn strength(light: &Light) -> f32 {
     }
 }
 
-/// Exporters often switch emission on, and leave the dark to a black texture.
+/// Whether a material emits. Exporters often switch emission on, and leave the dark to a black
+/// texture.
 fn emits(material: &Material, textures: &[Texture]) -> bool {
     let is_lit = |texel: &[u8]| texel[..3].iter().any(|&channel| channel > BLACK);
     let texture = material.emissive_texture.and_then(|t| textures.get(t.texture));

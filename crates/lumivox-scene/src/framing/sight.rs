@@ -1,4 +1,4 @@
-//! The first sight of a scene, decided in one place for all front ends.
+//! The first view of a scene, decided in one place for all front ends.
 
 use std::cell::OnceCell;
 
@@ -9,26 +9,26 @@ use super::survey::Patch;
 use super::{Chosen, DefaultLight, Framing};
 use crate::{Camera, Scene};
 
-/// The surroundings that a scene gets: a studio, sun and sky, or nothing.
+/// The surroundings of a scene: a studio, sun and sky, or nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Staging {
-    /// What suits the scene, where its own light is not enough: lamps in a closed room, sun and sky in
-    /// other places and over landscapes, else a studio.
+    /// What suits the scene, if its own light is not enough: lamps in a closed room, sun and sky in
+    /// other places and over landscapes, otherwise a studio.
     #[default]
     Auto,
     /// A [studio](crate::studio), whatever the scene's own light.
     Studio,
     /// The sun and the [sky](crate::sky) of a clear day, whatever the scene's own light.
     Sky,
-    /// Nothing: the scene is as its file has it, even if that is dark.
+    /// Nothing: the scene is as its file has it, even if it is dark.
     None,
 }
 
 impl Staging {
-    /// Every one.
+    /// All values.
     pub const ALL: [Self; 4] = [Self::Auto, Self::Studio, Self::Sky, Self::None];
 
-    /// The word for it.
+    /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -39,14 +39,14 @@ impl Staging {
     }
 }
 
-/// What is asked for.
+/// Options for the first view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SightOptions {
-    /// Where it is seen from. Default: the scene's first camera, or else the view that shows it best.
+    /// The camera. Default: the scene's first, or else the view that shows it best.
     pub camera: Option<Camera>,
-    /// Width over height of the picture that such a view is found for. Default: 16/9.
+    /// Width over height of the picture for which that view is found. Default: 16/9.
     pub aspect: f32,
-    /// What is put around it. Default: what suits it.
+    /// The surroundings. Default: what suits the scene.
     pub staging: Staging,
 }
 
@@ -56,14 +56,14 @@ impl Default for SightOptions {
     }
 }
 
-/// A choice that was made for the user, who wants to hear of it.
+/// A choice that was made for the user, who should be told about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
-    /// What it is about: `camera` or `light`.
+    /// The subject: `camera` or `light`.
     pub about: &'static str,
-    /// What was chosen and why, without a full stop.
+    /// The choice and its reason, without a full stop.
     pub text: String,
-    /// The option that overrules it, as the command line has it.
+    /// The option that overrides it, as on the command line.
     pub option: &'static str,
 }
 
@@ -73,20 +73,20 @@ impl std::fmt::Display for Note {
     }
 }
 
-/// Where a scene is seen from, and what lights it besides its own light.
+/// The camera of a scene, and the light added to its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sight {
-    /// The eye.
+    /// The camera.
     pub camera: Camera,
-    /// What is to be added; [`Scene::stage`] has done so.
+    /// The light to add; [`Scene::stage`] adds it.
     pub light: Option<DefaultLight>,
-    /// What was chosen, and why.
+    /// The choices, with their reasons.
     pub notes: Vec<Note>,
 }
 
 impl Sight {
-    /// Decides, and leaves the scene as it is. `framing` is made where it is needed, and may serve again as
-    /// long as the scene's triangles stay.
+    /// Decides, and leaves the scene as it is. `framing` is made if it is needed, and can be used
+    /// again as long as the scene's triangles stay.
     pub fn of(scene: &Scene, options: &SightOptions, framing: &OnceCell<Framing>) -> Self {
         let survey = || framing.get_or_init(|| Framing::of(scene));
         let mut notes = Vec::new();
@@ -126,12 +126,12 @@ impl Chosen {
 }
 
 impl Framing {
-    /// A studio in which a scene is seen to glow if it does.
+    /// A studio that is dim enough for the scene's own glow to be visible.
     fn studio_for(&self, scene: &Scene, camera: &Camera) -> DefaultLight {
         self.studio(camera, Emission::of(scene, self.unit).luminance())
     }
 
-    /// What lights a scene whose own light is not enough where a camera sees it.
+    /// The light to add if the scene's own is not enough for a camera's view.
     fn light_where_needed(
         &self,
         scene: &Scene,
@@ -141,8 +141,8 @@ impl Framing {
         let standpoint = self.standpoint(camera);
         let at = |points: &[Patch]| OwnLight::at(points, scene, &self.rays, self.unit);
         let mut own = at(&own_light::seen(scene, &self.rays, self.unit, camera, aspect));
-        // A place is more than what is seen of it, and so is what was composed with a camera of its own:
-        // one of its rooms may be meant to be dark.
+        // A place is more than what is visible of it, and so is a scene composed with a camera of
+        // its own: a dark room may be intended.
         let whole = if self.is_place() {
             self.survey.patches.clone()
         } else if scene.cameras.contains(camera) {
@@ -192,7 +192,7 @@ impl Scene {
         sight
     }
 
-    /// Adds what was decided for it.
+    /// Adds the decided light.
     pub fn light_up(&mut self, sight: &Sight) {
         if let Some(light) = &sight.light {
             tracing::info!("the scene \"{}\" is lit by {light}", self.name);
@@ -200,8 +200,8 @@ impl Scene {
         }
     }
 
-    /// Whether its maker has seen to its light: surroundings shine, nothing takes light, or lamps fall
-    /// off as those of a look that is not physical.
+    /// Whether the author has lit the scene: it has surroundings, all its surfaces are unlit, or
+    /// its lamps fall off as in a look that is not physical.
     fn is_lit_by_design(&self) -> bool {
         let is_styled = self.lights.iter().any(|light| light.attenuation.is_some());
         is_styled || super::shines::surroundings_shine(self) || super::shines::is_unlit(self)

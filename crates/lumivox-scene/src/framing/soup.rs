@@ -19,22 +19,22 @@ pub(super) struct Soup {
     pub(super) triangles: Vec<[u32; 3]>,
     /// For each triangle, the shown instance that it belongs to.
     pub(super) part: Vec<u32>,
-    /// For each shown instance, what its surface is to rays.
+    /// For each shown instance, the sides of its surface.
     pub(super) sides: Vec<Sides>,
 }
 
-/// What a surface is to rays.
+/// The sides of a surface for rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sides {
-    /// Its front is shown, through its back one sees.
+    /// The front is visible; the back is transparent.
     Front,
     /// Both are shown.
     Both,
-    /// Most light passes: a pane of glass is no wall, neither to the sun nor to a view.
+    /// Most light passes: a pane of glass blocks neither the sun nor a view.
     Transparent,
 }
 
-/// How a scene lies in the unit space.
+/// The transform of the scene to unit space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unit {
     /// The middle of the bounds, in metres.
@@ -47,7 +47,7 @@ pub(super) struct Unit {
 
 impl Unit {
     pub(super) fn of(bounds: Bounds) -> Self {
-        // A scene without any size has not been validated; it shall do no harm.
+        // A scene without size is not a valid one; it must not do harm.
         let scale_m = bounds.size().max_element().max(f32::MIN_POSITIVE);
         Self { center: bounds.center(), scale_m, half: bounds.size() * 0.5 / scale_m }
     }
@@ -77,7 +77,7 @@ fn sides(material: &Material) -> Sides {
     }
 }
 
-/// A mesh and where it stands.
+/// A mesh and its place.
 struct Part<'a> {
     mesh: &'a Mesh,
     unit_from_local: Mat4,
@@ -125,7 +125,7 @@ impl Soup {
         Self::of_parts(&parts)
     }
 
-    /// The same with vertices clustered in so many cells along the longest edge.
+    /// The same with vertices clustered in this many cells along the longest edge.
     pub(super) fn in_cells(scene: &Scene, unit: Unit, cells: u32) -> Self {
         let parts = Self::parts(scene, unit);
         let soup = Self::clustered(&parts, unit, cells, Self::MOST);
@@ -144,7 +144,7 @@ impl Soup {
         };
         let mut parts: Vec<Part<'_>> = scene.subjects().filter_map(part).collect();
         if parts.iter().all(|part| part.sides == Sides::Transparent) {
-            // Glass alone is what is to be seen.
+            // If there is only glass, the glass is the subject.
             for part in &mut parts {
                 part.sides = Sides::Both;
             }
@@ -169,8 +169,8 @@ impl Soup {
         soup
     }
 
-    /// The clustered triangles, or `None` when there are more than `most`. The vertex of a cell is
-    /// the first that fell into it, so that what is flat stays flat.
+    /// The clustered triangles, or `None` if there are more than `most`. The vertex of a cell is
+    /// the first that fell into it, so that flat surfaces stay flat.
     fn clustered(parts: &[Part<'_>], unit: Unit, cells: u32, most: usize) -> Option<Self> {
         let mut soup = Self::of_parts(parts);
         let mut vertex_of_cell: FxHashMap<UVec3, u32> = FxHashMap::default();
@@ -198,7 +198,7 @@ impl Soup {
                 if a == b || b == c || c == a {
                     continue;
                 }
-                // The same triangle may come again, begun at another corner.
+                // The same triangle may come again, starting at another corner.
                 let turned = if a < b && a < c {
                     [a, b, c]
                 } else if b < c {

@@ -1,4 +1,4 @@
-//! Light for what has too little of its own, and the ground that it stands on.
+//! Light for scenes that have too little, and the ground below them.
 
 use std::f32::consts::TAU;
 use std::sync::Arc;
@@ -11,52 +11,53 @@ use super::{Framing, OPENING, outside, sun};
 use crate::studio::Studio;
 use crate::{Camera, Environment, EnvironmentMap, Instance, Light, Material, Mesh, Scene};
 
-/// A ground reaches so many times the size of the scene: from a camera that shows all of it, its edge
-/// lies within two degrees of the horizon.
+/// The radius of a ground, in sizes of the scene: from a camera that shows all of it, its edge is
+/// within two degrees of the horizon.
 const REACH: f32 = 30.0;
 /// The dimmest studio has a tenth of a lux.
 const DIMMEST: f32 = 1e-4;
-/// A ground lies so far below the scene, as a share of its size: what is flat on the ground must not
+/// The depth of a ground below the scene, as a share of its size: flat parts of the scene must not
 /// share its plane.
 const BELOW: f32 = 1e-3;
-/// What lies under the scene and so far around it is in the voxels, where the grid reaches.
+/// The margin around the scene, as a share of its size, within which the ground is in the voxels,
+/// if the grid reaches so far.
 const AROUND: f32 = 0.1;
 /// Corners of the ground's edge.
 const EDGE: usize = 48;
-/// Rays that look for a ground, along each side of the scene.
+/// Rays that search for a ground, along each side of the scene.
 const PLUMBS: usize = 16;
-/// A landscape covers so much of its bounds, seen from above, and shows its back below.
+/// The least share of its bounds that a landscape covers, seen from above; it shows its back below.
 const COVERED: f32 = 0.8;
-/// It is at least so high and at most so high, as shares of its width.
+/// The height of a landscape, as a share of its width.
 const RELIEF: std::ops::RangeInclusive<f32> = 0.01..=0.6;
 
 /// Light for a scene that has too little of its own; physical values in all cases.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DefaultLight {
-    /// The sun and the [sky](crate::sky) of a clear day. In a place the sun stands where it lights
-    /// most of what is inside, otherwise to the left of the camera, 50 degrees high.
+    /// The sun and the [sky](crate::sky) of a clear day. In a place the sun is where it lights most
+    /// of the inside, otherwise to the left of the camera, 50 degrees high.
     SunAndSky {
         /// The sun.
         sun: Light,
         /// The sky, in cd/m².
         sky: Arc<EnvironmentMap>,
-        /// What a thing stands on; places have their own.
+        /// The ground below a thing; places have their own.
         ground: Option<Ground>,
     },
-    /// The [studio](crate::studio) of photographers.
+    /// A photographer's [studio](crate::studio).
     Studio {
-        /// What is around, in cd/m².
+        /// The surroundings, in cd/m².
         studio: Arc<Studio>,
-        /// What its luminances are multiplied by: 1, or less where the scene emits little, so that it is seen to
-        /// glow.
+        /// The factor of its luminances: 1, or less if the scene emits little, so that its glow is
+        /// visible.
         dimmed: f32,
-        /// Its turn about the vertical, rad: the main light stands to the left of the camera.
+        /// Its rotation about the vertical, rad: the main light is to the left of the camera.
         rotation_rad: f32,
-        /// What the thing stands on.
+        /// The ground below the thing.
         ground: Ground,
     },
-    /// A lamp below the ceiling of each closed room, eight at most: each gives the surfaces that it
-    /// reaches 300 lux in the mean, whatever the room's size.
+    /// A lamp below the ceiling of each closed room, at most eight: each gives the surfaces that it
+    /// reaches 300 lux on average, whatever the room's size.
     Lamps(Vec<Light>),
 }
 
@@ -65,7 +66,7 @@ pub enum DefaultLight {
 pub struct Ground {
     /// Its middle, m.
     pub center: Vec3,
-    /// How far it reaches, m.
+    /// Its radius, m.
     pub radius_m: f32,
     /// Half the edges (along x and z) of its part in the voxels, m.
     pub half_m: Vec2,
@@ -88,11 +89,11 @@ impl std::fmt::Display for DefaultLight {
 }
 
 impl DefaultLight {
-    /// Puts it into a scene. Lights that are there stay; surroundings are replaced.
+    /// Adds the light to a scene. Existing lights stay; surroundings are replaced.
     pub fn light_up(&self, scene: &mut Scene) {
         match self {
             Self::SunAndSky { sun, sky, ground } => {
-                // Behind those that are there but dark: a rig knows its own by their places.
+                // After the existing lights, which are dark: a rig knows its own by their indices.
                 scene.lights.push(sun.clone());
                 let map = Some(Arc::clone(sky));
                 scene.environment = Environment { radiance: Vec3::ONE, map, rotation_rad: 0.0 };
@@ -119,8 +120,8 @@ impl Ground {
         Self { center, radius_m: REACH * unit.scale_m, half_m, material }
     }
 
-    /// Two pieces, the outer one a little lower: the voxels need not know of what lies far outside of
-    /// their grid.
+    /// Two pieces, the outer one a little lower: the part far outside the grid need not be
+    /// voxelized.
     fn put_into(&self, scene: &mut Scene) {
         let name = &self.material.name;
         let far =
@@ -152,7 +153,7 @@ impl Ground {
         self.fan((0..EDGE).map(corner))
     }
 
-    /// Corners around the middle, counter-clockwise seen from above.
+    /// A fan of corners around the middle, counter-clockwise seen from above.
     fn fan(&self, corners: impl ExactSizeIterator<Item = Vec2>) -> Mesh {
         let count = corners.len() as u32;
         let mut mesh = Mesh::default();
@@ -170,9 +171,9 @@ impl Ground {
 }
 
 impl Framing {
-    /// Lights for the scene as if it had none, to suit a view by `camera`: lamps in a closed room, sun
-    /// and sky in other places and over landscapes, else a studio. What emits has `emission` cd/m² in the
-    /// mean; 0 where nothing does.
+    /// Light for the scene as if it had none, to suit the view of `camera`: lamps in a closed room,
+    /// sun and sky in other places and over landscapes, otherwise a studio. `emission` is the mean
+    /// luminance of the emitting surfaces in cd/m²; 0 without any.
     pub fn light(&self, camera: &Camera, emission: f32) -> DefaultLight {
         if self.standpoint(camera) == super::Standpoint::ClosedRoom {
             let lamps = self.lamps();
@@ -204,8 +205,8 @@ impl Framing {
         DefaultLight::SunAndSky { sun, sky: Arc::new(sky), ground }
     }
 
-    /// A studio. Where something emits, it is so bright at most that white on its ground is as bright as
-    /// that: files mostly say that a lamp has 1 cd/m², which nobody would see to glow beside bright walls.
+    /// A studio. If something emits, white on its ground is at most as bright as that: files mostly
+    /// give lamps 1 cd/m², which would not visibly glow beside bright walls.
     pub fn studio(&self, camera: &Camera, emission: f32) -> DefaultLight {
         let studio = Studio::new();
         let white = studio.ground_lux / std::f32::consts::PI;
@@ -215,8 +216,8 @@ impl Framing {
         DefaultLight::Studio { studio: Arc::new(studio), dimmed, rotation_rad, ground }
     }
 
-    /// Whether it is ground in the open: a sheet that covers its bounds seen from above, not quite
-    /// flat, of which the back is seen from below.
+    /// Whether the scene is a landscape: a sheet that covers its bounds seen from above, not quite
+    /// flat, whose back is visible from below.
     fn is_landscape(&self) -> bool {
         let half = self.unit.half;
         if !RELIEF.contains(&(half.y / half.x.max(half.z))) {

@@ -1,9 +1,9 @@
-//! What of a scene a view from outside is about.
+//! The subject of a view from outside.
 //!
-//! A chair on a ground of a hundred metres, or under a dome of sky, would be a speck in a picture of
-//! everything. So pieces that hang together are told apart; where a ground, or a dome that is seen from
-//! inside, makes the scene at least twice as large as the rest, the picture is fitted to the rest. The
-//! points by which a view is judged are spread over the subject's surface, evenly by area.
+//! A chair on a ground of a hundred metres, or under a dome of sky, would be a speck in a picture
+//! of everything. So connected pieces are separated; if a ground, or a dome seen from inside, makes
+//! the scene at least twice as large as the rest, the picture is fitted to the rest. The points by
+//! which a view is judged are spread over the subject's surface, evenly by area.
 
 use glam::Vec3;
 use rustc_hash::FxHashMap;
@@ -16,18 +16,18 @@ use crate::Bounds;
 
 /// The rest must be smaller than this share of the scene for the ground to be left out.
 const SMALL: f32 = 0.5;
-/// A ground is at most so thick, as a share of its width.
+/// The greatest thickness of a ground, as a share of its width.
 const FLAT: f32 = 0.05;
-/// A ground or a dome spans this share of the scene.
+/// The share of the scene that a ground or a dome spans.
 const SPANS: f32 = 0.6;
-/// What stands on a ground has this height at least, as a share of its width.
+/// The least height of a thing on a ground, as a share of its width.
 const STANDS: f32 = 0.2;
-/// So much of a dome is seen from inside alone.
+/// The share of a dome's area that faces inwards.
 const INWARD: f32 = 0.9;
-/// Points that a view is judged by.
+/// The number of points by which a view is judged.
 const POINTS: usize = 512;
 
-/// What a view is about.
+/// The subject of a view.
 pub(super) struct Subject {
     /// The corners of its triangles.
     pub(super) corners: Vec<Vec3>,
@@ -39,7 +39,7 @@ pub(super) struct Subject {
 }
 
 impl Subject {
-    /// Of a thing: without a ground or dome that would make a speck of it.
+    /// The subject of a thing: without a ground or dome that would make it a speck.
     pub(super) fn of_thing(soup: &Soup) -> Self {
         let pieces = Pieces::of(soup);
         let left_out = pieces.surroundings();
@@ -47,7 +47,7 @@ impl Subject {
         Self::of(soup, &(0..soup.triangles.len()).filter(|&i| is_meant(i)).collect::<Vec<_>>())
     }
 
-    /// Of a place: everything.
+    /// The subject of a place: everything.
     pub(super) fn of_place(soup: &Soup) -> Self {
         Self::of(soup, &(0..soup.triangles.len()).collect::<Vec<_>>())
     }
@@ -63,11 +63,12 @@ impl Subject {
     }
 }
 
-/// Triangles that hang together by the places of their corners.
+/// Connected triangles: those that share positions of corners.
 struct Pieces {
     of_triangle: Vec<u32>,
     bounds: Vec<Bounds>,
-    /// Of the area of each, the share whose front faces the middle of its bounds, and no other side.
+    /// For each piece, the share of its area whose front, and no other side, faces the middle of
+    /// its bounds.
     inward: Vec<f32>,
 }
 
@@ -124,7 +125,7 @@ impl Pieces {
         Self { of_triangle, bounds, inward }
     }
 
-    /// Which pieces are a ground or a dome around a small rest.
+    /// The pieces that are a ground or a dome around a small rest.
     fn surroundings(&self) -> Vec<bool> {
         let all = self.bounds.iter().copied().fold(Bounds::EMPTY, Bounds::union);
         let size = all.size();
@@ -143,7 +144,7 @@ impl Pieces {
         let kept = self.bounds.iter().zip(&left_out).filter(|(_, is_out)| !**is_out);
         let rest = kept.fold(Bounds::EMPTY, |rest, (bounds, _)| rest.union(*bounds));
         let is_small = rest.size().max_element() <= SMALL * size.max_element();
-        // The parts of a circuit board lie on what is the thing itself.
+        // The parts of a circuit board are on the thing itself.
         let stands = rest.size().y >= STANDS * rest.size().x.max(rest.size().z);
         if rest.size().max_element() > 0.0 && is_small && stands {
             return left_out;
@@ -152,7 +153,7 @@ impl Pieces {
     }
 }
 
-/// Points spread over triangles, evenly by area, on each side that is shown.
+/// Points spread over triangles, evenly by area, on each visible side.
 fn patches(soup: &Soup, triangles: &[usize]) -> Vec<Patch> {
     let mut total = 0.0_f64;
     let up_to: Vec<f64> = triangles

@@ -1,4 +1,4 @@
-//! Sun and sky for what lies in the open.
+//! Sun and sky for open scenes.
 
 use glam::Vec3;
 
@@ -8,17 +8,17 @@ use super::survey::Patch;
 use crate::sky::{Sky, SkySettings, sky};
 use crate::{EnvironmentMap, Light};
 
-/// The key light of things: so far to the left of the camera, and so high.
+/// The direction of the key light of things: to the left of the camera, and above.
 const KEY_AZIMUTH_RAD: f32 = 0.87;
 const KEY_ELEVATION_RAD: f32 = 0.87;
 
 /// Suns that are tried for places.
 const AZIMUTHS: usize = 16;
 const ELEVATIONS_RAD: [f32; 5] = [0.35, 0.6, 0.85, 1.1, 1.3];
-/// Directions that the eye looks into.
+/// Directions in which the eye looks.
 const LOOKS: usize = 600;
 
-/// Texels around the sky's horizon. The tests beside this look at where the sun stands, not at how fine its sky is.
+/// Texels around the sky's horizon. Tests only check the sun's direction, and use a coarse sky.
 fn sky_width() -> u32 {
     if cfg!(test) { 32 } else { SkySettings::default().width }
 }
@@ -33,7 +33,8 @@ pub(super) fn day(towards_sun: Vec3) -> (Light, EnvironmentMap) {
     (Light { name: "default sun".to_owned(), ..sun }, map)
 }
 
-/// Towards the sun: where it lights most of a place, or to the left of and above the camera.
+/// The direction of the sun: where it lights most of a place, or to the left of and above the
+/// camera.
 pub(super) fn direction(rays: &Rays, patches: &[Patch], eye: Vec3, forward: Vec3) -> Vec3 {
     entering(rays, patches, eye).unwrap_or_else(|| key(forward))
 }
@@ -47,10 +48,10 @@ fn key(forward: Vec3) -> Vec3 {
     (-level * back - right * left) * along + Vec3::Y * up
 }
 
-/// The sun that reaches the most surfaces of a place; `None` where none does.
+/// The sun that reaches the most surfaces of a place; `None` if none reaches any.
 ///
-/// Half of the surfaces are what is seen from all over the place, half what is seen from the eye, if
-/// that is inside: there a patch of sun makes the picture.
+/// Half of the surfaces are those visible from all over the place, half those visible from the eye,
+/// if that is inside: there a patch of sun makes the picture.
 fn entering(rays: &Rays, patches: &[Patch], eye: Vec3) -> Option<Vec3> {
     let mut surfaces: Vec<(Vec3, Vec3)> =
         patches.iter().map(|patch| (patch.position, patch.normal)).collect();

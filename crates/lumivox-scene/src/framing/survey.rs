@@ -1,19 +1,20 @@
-//! Whether a scene is a place to stand in or a thing to look at, found by rays.
+//! Decides by rays whether a scene is a place to stand in or a thing to look at.
 //!
-//! Points all over the bounds look around. One that sees fronts of surfaces is in the air, one that
-//! sees backs is inside of something solid: that tells a room from a ball. What a point does not see
-//! are gaps, through which it looks out of the scene; a place to stand in has few of them. The share
-//! of such *roofed* points in the scene's body then decides, and the body is what has surfaces all
-//! around: outside of a convex body a point sees it in less than half of all directions.
+//! Points all over the bounds look around. A point that sees fronts of surfaces is in the air; one
+//! that sees backs is inside something solid: that distinguishes a room from a ball. Directions
+//! without a surface are gaps, through which a point looks out of the scene; a place to stand in
+//! has few of them. The share of such *roofed* points in the scene's body then decides. The body
+//! consists of the points with surfaces all around: outside a convex body, a point sees it in less
+//! than half of all directions.
 //!
-//! How large the share must be depends on what the scene shows from outside. Walls that are modelled
-//! from the inside alone show their backs there, and who made them wanted to be inside. Where the
-//! outside is modelled as well, hollow things (a helmet, a cup, a car, a gear box) must be told from
-//! houses: cups are open, helmets are mostly filled, what nothing leads into is looked at from outside,
-//! and a car's inside is round where a house has floors and walls.
+//! The required share depends on the scene's outside. Walls that are modelled only from the inside
+//! show their backs there, and were made to be seen from inside. If the outside is modelled as
+//! well, hollow things (a helmet, a cup, a car, a gear box) must be distinguished from houses: cups
+//! are open, helmets are mostly filled, things without an entrance are viewed from outside, and a
+//! car's inside is round where a house has floors and walls.
 //!
-//! In every case one must be able to stand in it: below most points of a place lies a floor, nearly
-//! level. Neither a teapot nor a robot has one.
+//! In every case it must be possible to stand in it: below most points of a place is a floor,
+//! nearly level. Neither a teapot nor a robot has one.
 
 use glam::Vec3;
 use rustc_hash::FxHashMap;
@@ -23,49 +24,49 @@ use super::rays::{Hit, LIFT, Rays};
 use super::soup::Soup;
 
 const PROBES: usize = 2000;
-/// Directions that each point looks into.
+/// Directions in which each point looks.
 const LOOKS: usize = 64;
-/// Surface points that stand for the inside.
+/// Surface points that represent the inside.
 const PATCHES: usize = 600;
-/// Directions that the outside is seen from, and rays in each.
+/// Directions from which the outside is seen, and rays in each.
 const OUTSIDE: [usize; 2] = [64, 64];
 
-/// Share of fronts among what is seen, above which a point is in the air.
+/// The share of fronts among visible surfaces above which a point is in the air.
 const IN_AIR: f32 = 0.75;
-/// Many files wind half of their walls the wrong way round. In this case fronts must only be more
-/// than a solid would show, but the air must be free for so far, in unit space: a bush of
-/// double-sided leaves is no hall.
+/// The same for files that wind half of their walls the wrong way round. Fronts must then only be
+/// more than a solid would show, but the air must be free up to this distance, in unit space: a
+/// bush of double-sided leaves is not a hall.
 const MUDDLED: f32 = 0.35;
 const FREE: f32 = 0.03;
-/// Share of the directions in which a point that is about surrounded sees a surface.
+/// Share of the directions in which a roughly surrounded point sees a surface.
 const SURROUNDED: f32 = 0.7;
 /// The same under a roof with a window.
 const ROOFED: f32 = 0.95;
 /// The same in a room that lacks a wall.
 const WALLED: f32 = 0.85;
 
-/// How far a place reaches along an axis, in unit space: 0.6 in Sponza, 0.3 in a helmet on a stand,
-/// about 0.35 in a car.
+/// The least extent of a place along an axis, in unit space: 0.6 in Sponza, 0.3 in a helmet on a
+/// stand, about 0.35 in a car.
 const LONG: f32 = 0.45;
 /// Share of the roofed points that must see no gap at all: 0.4 in Sponza, hardly any in a cup.
 const DEEP: f32 = 0.1;
-/// What furniture takes of the view in a room; in a car it is more.
+/// The share of the view that furniture takes in a room; in a car it is more.
 const FURNITURE: std::ops::Range<f32> = 0.02..0.2;
-/// A floor is at most about so steep: the cosine of 37 degrees.
+/// The steepest floor: the cosine of 37 degrees.
 const LEVEL: f32 = 0.8;
-/// Share of the points of a place that must have a floor below them: where its walls were made to be
-/// seen from within, and where not. Below points of a ball's inside it is 0.49.
+/// Share of the points of a place that must have a floor below them: if its walls were made to be
+/// seen from inside, and if not. Below points inside a ball it is 0.49.
 const FLOORED: [f32; 2] = [0.65, 0.75];
 /// Floors, ceilings and walls are turned by less than 20 degrees: sine and cosine.
 const UPRIGHT: [f32; 2] = [0.34, 0.94];
-/// The share that these must have of what is seen from within, where the outside is modelled as well:
-/// of a ball's inside it is 0.4.
+/// The share of visible surfaces that these must have, if the outside is modelled as well: inside a
+/// ball it is 0.4.
 const BUILT: f32 = 0.65;
 /// A furnished shell shows less than this share of its triangles outside.
 const DETAIL: f32 = 0.4;
-/// Triangles that tell.
+/// The number of triangles for that.
 const DETAILS: usize = 300;
-/// Points that look for floors and walls.
+/// Points from which floors and walls are searched.
 const STANDS: usize = 200;
 
 /// A point of the air with surfaces around it.
@@ -76,54 +77,55 @@ pub(super) struct Probe {
     pub(super) sky: f32,
 }
 
-/// A point of a surface that is seen from inside of a place.
+/// A point on a surface that is visible from inside a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Patch {
     /// Just above the surface.
     pub(super) position: Vec3,
     pub(super) normal: Vec3,
-    /// What it is worth to see it. All sum up to one; of what is large in sight, each patch is worth
-    /// less, so that furniture counts beside walls: an instance with n patches has the root of n.
+    /// Its weight in the visibility. All weights sum to one; each patch of a large instance has
+    /// less weight, so that furniture counts beside walls: an instance with n patches has the root
+    /// of n.
     pub(super) weight: f32,
 }
 
 impl Patch {
-    /// Where a ray landed; its weight is one.
+    /// The point at which a ray landed, with weight one.
     pub(super) fn of(hit: &Hit) -> Self {
         Self { position: hit.lifted(), normal: hit.normal, weight: 1.0 }
     }
 }
 
-/// What rays found.
+/// The result of the rays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Survey {
     /// Whether the scene is a place to stand in.
     pub(super) is_place: bool,
-    /// The points of the place that one can stand at; none where there is no place.
+    /// The points of the place at which one can stand; none for a thing.
     pub(super) interior: Vec<Probe>,
-    /// What is seen from there.
+    /// The patches visible from there.
     pub(super) patches: Vec<Patch>,
-    /// Whether walls show their backs outside: they were made to be seen from within.
+    /// Whether walls show their backs outside: they were made to be seen from inside.
     pub(super) is_made_for_inside: bool,
-    /// The points of the air, the points of shells; for a look inside of what is no place.
+    /// The points of air and of shells, for a view inside a thing.
     hollow: Vec<Probe>,
 }
 
-/// Counts of points and what they see.
+/// Counts of points by what they see.
 #[derive(Clone, Copy, Debug, Default)]
 struct Shares {
     /// Points with surfaces all around.
     body: usize,
-    /// Of these, in the air with few gaps, and with fewer still.
+    /// Of these, points in the air with few gaps, and with fewer still.
     walled: usize,
     roofed: usize,
-    /// Of the roofed ones, without any.
+    /// Of the roofed ones, those without any gap.
     sealed: usize,
-    /// Surrounded by double-sided backs, but with something else in view.
+    /// Points surrounded by double-sided backs, but with something else in view.
     furnished: usize,
     /// Share of the outside that shows backs.
     outside_backs: f32,
-    /// How far the roofed points reach along an axis, in unit space.
+    /// The extent of the roofed points along an axis, in unit space.
     span: f32,
 }
 
@@ -131,7 +133,8 @@ impl Survey {
     pub(super) fn new(rays: &Rays, soup: &Soup, half: Vec3) -> Self {
         let (shares, air, shell) = look_around(rays, half);
         tracing::debug!("survey of the scene: {shares:?}");
-        // What shows most of its detail outside, such as a lorry, was not made to be entered.
+        // A scene that shows most of its detail outside, such as a lorry, was not made to be
+        // entered.
         let is_furnished = shares.is_furnished_shell() && detail_outside(rays, soup) < DETAIL;
         let interior = [(is_furnished, &shell), (shares.is_place(), &air)];
         let interior = interior.into_iter().find(|(is_meant, _)| *is_meant);
@@ -160,7 +163,7 @@ impl Survey {
         Self { is_place: !patches.is_empty(), interior, patches, ..self.clone() }
     }
 
-    /// Mean share of the directions that look out of the place.
+    /// Mean share of the directions that lead out of the place.
     pub(super) fn sky(&self) -> f32 {
         let sum: f32 = self.interior.iter().map(|probe| probe.sky).sum();
         sum / self.interior.len().max(1) as f32
@@ -173,7 +176,7 @@ impl Shares {
         if self.outside_backs > 0.5 {
             return of_body(self.walled) >= 0.2;
         }
-        // What nothing leads into was not made to be entered.
+        // A scene without an entrance was not made to be entered.
         if self.sealed as f32 > 0.9 * self.roofed as f32 {
             return false;
         }
@@ -191,7 +194,7 @@ impl Shares {
 struct Standing {
     /// Share of the points with a nearly level floor below them.
     floored: f32,
-    /// Share of floors, ceilings and upright walls in what is seen.
+    /// Share of floors, ceilings and upright walls in the visible surfaces.
     built: f32,
 }
 
@@ -214,13 +217,13 @@ impl Standing {
     }
 }
 
-/// What a point sees, as shares.
+/// Shares of what a point sees.
 struct Seen {
-    /// Of the directions: a surface.
+    /// Directions with a surface.
     hits: f32,
-    /// Of the surfaces: fronts.
+    /// Fronts among the surfaces.
     fronts: f32,
-    /// Of the surfaces: double-sided ones.
+    /// Double-sided ones among the surfaces.
     double_sided: f32,
     /// The least distance to a surface.
     clearance: f32,
@@ -249,7 +252,7 @@ impl Seen {
     }
 }
 
-/// What all points see together, and the points of the air and of shells.
+/// The sums over all points, and the points of the air and of shells.
 fn look_around(rays: &Rays, half: Vec3) -> (Shares, Vec<Probe>, Vec<Probe>) {
     let mut shares = Shares { outside_backs: outside_backs(rays, half), ..Shares::default() };
     let (mut air, mut shell, mut roofed) = (Vec::new(), Vec::new(), Vec::new());
@@ -281,11 +284,11 @@ fn look_around(rays: &Rays, half: Vec3) -> (Shares, Vec<Probe>, Vec<Probe>) {
     (shares, air, shell)
 }
 
-/// What is seen from all over a place.
+/// The surfaces visible from all over a place.
 fn patches(rays: &Rays, interior: &[Probe]) -> Vec<Patch> {
     let points = interior.iter().step_by(interior.len().div_ceil(PATCHES).max(1));
     let looks = PATCHES.div_ceil(points.len().max(1));
-    // Each point looks elsewhere: into some directions of one common set, and the next goes on there.
+    // Each point looks in directions of one common set, and the next point continues in that set.
     let hits: Vec<Hit> = points
         .flat_map(|probe| std::iter::repeat_n(probe.position, looks))
         .zip(directions::sphere(PATCHES).cycle())
@@ -304,7 +307,7 @@ fn patches(rays: &Rays, interior: &[Probe]) -> Vec<Patch> {
     hits.iter().map(patch).collect()
 }
 
-/// The share of the triangles of which a side is seen from outside.
+/// The share of the triangles of which a side is visible from outside.
 fn detail_outside(rays: &Rays, soup: &Soup) -> f32 {
     let count = soup.triangles.len();
     let (mut seen, mut all) = (0, 0);

@@ -1,4 +1,4 @@
-//! Colours as files write them, and as light is: sRGB (IEC 61966-2-1:1999) to linear.
+//! Conversion of colours in files to linear light: sRGB (IEC 61966-2-1:1999).
 
 /// The linear value of an sRGB-encoded one, both from 0 to 1.
 pub(super) fn linear_from_srgb(encoded: f32) -> f32 {
@@ -10,18 +10,18 @@ pub(super) fn srgb_from_linear(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Makes linear channels of the numbers of a file.
+/// Converts the numbers of a file to linear channels.
 pub(super) enum Decoder {
     /// Floats are linear.
     Float,
-    /// Bytes are sRGB-encoded where they are colours; the table has the value of each.
+    /// Bytes are sRGB-encoded if they are colours; the table has the value of each.
     Bytes(Box<[f32; 256]>),
-    /// So are larger integers, as shares of their largest value.
+    /// Larger integers likewise, as shares of their largest value.
     Integers(u32),
 }
 
 impl Decoder {
-    /// For integers up to `full`.
+    /// A decoder for integers up to `full`.
     pub(super) fn integers(full: u32) -> Self {
         if full != 255 {
             return Self::Integers(full);
@@ -33,8 +33,7 @@ impl Decoder {
         Self::Bytes(table)
     }
 
-    /// A channel that is not a colour, such as alpha; limited to 0..1, and zero where it is not a
-    /// number.
+    /// A channel that is not a colour, such as alpha; limited to 0..1, and zero for NaN.
     pub(super) fn linear(&self, value: f64) -> f32 {
         let full = match self {
             Self::Float => 1.0,

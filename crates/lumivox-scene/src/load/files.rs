@@ -1,9 +1,9 @@
 //! The files that a scene names: data URIs, and files in its own folder.
 //!
-//! A scene comes from anywhere, so it may not make this program read anything else of the disk:
+//! A scene comes from anywhere, so it must not make this program read other parts of the disk:
 //! unless the user allows more, only relative paths that go down are followed, and only to files
 //! whose real place, with all links followed, is in the scene's folder as well. Links that stay
-//! inside are followed; so is one that the folder itself is reached by.
+//! inside are followed, and so is a link to the folder itself.
 
 use std::borrow::Cow;
 use std::io;
@@ -12,19 +12,19 @@ use std::path::{Path, PathBuf};
 use super::source::{self, FileSource};
 use crate::{SceneError, check_regular, read_regular};
 
-/// Which files a scene may name, and where they are read from.
+/// The files that a scene may name, and their source.
 #[derive(Clone, Copy)]
 pub(super) struct Reach<'a> {
-    /// All that the user may read, or those in `folders` and below.
+    /// Whether any file may be read, or only those in `folders` and below.
     pub(super) anywhere: bool,
     /// The scene's own folder, and for some formats another one.
     pub(super) folders: &'a [PathBuf],
-    /// Asked instead of the disk.
+    /// The source in place of the disk.
     pub(super) source: Option<&'a dyn FileSource>,
 }
 
 impl<'a> Reach<'a> {
-    /// Reads a file that is a file: a pipe or a device might never end.
+    /// Reads a regular file: a pipe or a device might never end.
     pub(super) fn read(self, path: &Path) -> io::Result<Cow<'a, [u8]>> {
         match self.source {
             Some(source) => source.read(&source::key(path)),
@@ -39,13 +39,13 @@ impl<'a> Reach<'a> {
         }
     }
 
-    /// The reason why the thing at a path of the disk is not a file; `None` where there is nothing.
+    /// Why the thing at a path of the disk is not a file; `None` if there is nothing.
     pub(super) fn obstacle(self, path: &Path) -> Option<io::Error> {
         let fault = if self.source.is_some() { None } else { check_regular(path).err() };
         fault.filter(|error| error.kind() != io::ErrorKind::NotFound)
     }
 
-    /// Whether a file may be read that a scene names: not where links lead out of the folders.
+    /// Checks that a file named by a scene may be read: links must not lead out of the folders.
     pub(super) fn admit(self, path: &Path) -> Result<(), String> {
         if self.anywhere || self.source.is_some() {
             return Ok(());
@@ -80,7 +80,7 @@ pub(super) enum Located {
     File(PathBuf),
 }
 
-/// Where `uri`, named by `part` of the scene in `file`, leads to, without reading a file.
+/// The target of `uri`, named by `part` of the scene in `file`, without reading a file.
 pub(super) fn locate_uri(
     file: &Path,
     part: &str,
@@ -113,7 +113,7 @@ pub(super) fn read_uri(
     read_path(file, part, &path, reach)
 }
 
-/// Reads the file `path`, named by `part` of the scene in `file`; relative ones lie beside it.
+/// Reads the file `path`, named by `part` of the scene in `file`; relative paths start beside it.
 pub(super) fn read_path(
     file: &Path,
     part: &str,
@@ -129,14 +129,14 @@ pub(super) fn read_path(
     })
 }
 
-/// Where the file `path`, named by `part` of the scene in `file`, lies, if it may be read.
+/// The path of the file `path`, named by `part` of the scene in `file`, if it may be read.
 fn admitted(file: &Path, part: &str, path: &str, reach: Reach<'_>) -> Result<PathBuf, SceneError> {
     let found =
         resolve(file, path, reach.anywhere).and_then(|found| reach.admit(&found).map(|()| found));
     found.map_err(|reason| refused(file, part, path, reason))
 }
 
-/// Where `path`, named by `file`, lies by its words; or why it may not be followed.
+/// The path that `path`, named by `file`, refers to; or why it may not be followed.
 pub(super) fn resolve(file: &Path, path: &str, anywhere: bool) -> Result<PathBuf, String> {
     let checked = check_path(path, anywhere)?;
     Ok(file.parent().unwrap_or(Path::new("")).join(checked))
@@ -229,7 +229,7 @@ fn decode_base64(text: &str) -> Result<Vec<u8>, String> {
                 b'0'..=b'9' => digit - b'0' + 52,
                 b'+' => 62,
                 b'/' => 63,
-                _ => return Err(format!("{:?} is no base64 digit", char::from(digit))),
+                _ => return Err(format!("{:?} is not a base64 digit", char::from(digit))),
             };
             bits |= u32::from(value) << (18 - 6 * i);
         }

@@ -1,4 +1,4 @@
-//! Where the files lie that an OBJ, MTL or VXCT file names.
+//! Finding the files that an OBJ, MTL or VXCT file names.
 //!
 //! Names are often written on another machine: with backslashes, in another case, or with the whole
 //! path of a folder that is not here. The search goes in this order: the path as it is; the same
@@ -14,8 +14,8 @@ use super::text::readable;
 /// Bytes of a path: the limit of Linux.
 const LONGEST_PATH: usize = 4096;
 
-/// The file that is called `name` by a file in each of `beside`'s places, the first of which
-/// counts; or why there is none, with a remedy.
+/// The file called `name` by a file in the first of `beside`'s places that has it; or why there is
+/// none, with a remedy.
 pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<PathBuf, String> {
     if name.len() > LONGEST_PATH {
         return Err(format!("\"{}\" is too long for a path", readable(name)));
@@ -35,7 +35,7 @@ pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Pa
             Err(why) => reason = Some(why),
         }
     }
-    // Also for paths that go elsewhere: the rest of them stays below the folder.
+    // Also for paths that lead elsewhere: the rest of them stays below the folder.
     let words: Vec<&str> = text.split(['/', '\\']).filter(|word| !word.is_empty()).collect();
     for first in 0..words.len() {
         let rest = words[first..].join("/");
@@ -59,7 +59,7 @@ pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Pa
     })
 }
 
-/// The file that was found, if it may be read; otherwise `refused` gets the reason.
+/// The found file, if it may be read; otherwise `refused` gets the reason.
 fn admitted(
     found: Option<PathBuf>,
     reach: Reach<'_>,
@@ -74,7 +74,7 @@ fn admitted(
     None
 }
 
-/// Text of UTF-8, or else of Latin-1, as older programs wrote.
+/// Text of UTF-8, or else of Latin-1, as older programs wrote it.
 fn decode(name: &[u8]) -> String {
     match std::str::from_utf8(name) {
         Ok(text) => text.to_owned(),

@@ -1,4 +1,4 @@
-//! The memory that vertices and indices take, counted before it is taken.
+//! The memory of vertices and indices, counted before it is allocated.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3, Vec4};
 use super::textures::size_text;
 use crate::{Mesh, SceneError};
 
-/// Vertices that indices of 32 bits can name; the last number is left to "none".
+/// The most vertices that 32-bit indices can number; the last number means "none".
 const MOST_VERTICES: usize = u32::MAX as usize;
 
 /// The rest of [`MemoryBudget::geometry_bytes`](super::MemoryBudget::geometry_bytes).
@@ -22,8 +22,7 @@ impl<'f> GeometryBudget<'f> {
         Self { file, all: bytes, spent: 0 }
     }
 
-    /// Takes the memory of so many vertices and indices from the budget; `part` names them in the
-    /// error.
+    /// Takes the memory of vertices and indices from the budget; `part` names them in the error.
     pub(super) fn spend(
         &mut self,
         part: impl FnOnce() -> String,
@@ -37,7 +36,7 @@ impl<'f> GeometryBudget<'f> {
         self.take(part, more)
     }
 
-    /// Takes so many bytes.
+    /// Takes bytes from the budget.
     pub(super) fn take(
         &mut self,
         part: impl FnOnce() -> String,
@@ -52,7 +51,7 @@ impl<'f> GeometryBudget<'f> {
         self.all.saturating_sub(self.spent)
     }
 
-    /// Whether so many more bytes, as a reader needs them while it reads, would fit.
+    /// Checks that more bytes, as a reader needs them while it reads, would fit.
     pub(super) fn check(&self, part: impl FnOnce() -> String, more: u64) -> Result<(), SceneError> {
         let needed = self.spent.saturating_add(more);
         if needed <= self.all {
@@ -68,8 +67,8 @@ impl<'f> GeometryBudget<'f> {
 }
 
 impl GeometryBudget<'_> {
-    /// Takes the copies of vertices that normals which differ from corner to corner may need: at
-    /// most one a corner.
+    /// Takes the copies of vertices that different normals at their corners may need: at most one
+    /// for each corner.
     pub(super) fn spend_split(&mut self, mesh: &Mesh) -> Result<(), SceneError> {
         let more = mesh.indices.len().saturating_sub(mesh.positions.len());
         let part = || format!("mesh \"{}\", its vertices split at edges,", mesh.name);

@@ -1,7 +1,7 @@
 //! Scenes from files, with one folder or file for each format.
 //!
 //! Files come from anywhere, so they are not trusted: sizes are checked against the bytes that
-//! exist before memory is taken, indices before they are used, paths before they are followed.
+//! exist before memory is allocated, indices before they are used, paths before they are followed.
 
 mod color;
 mod extensions;
@@ -23,6 +23,7 @@ mod tangents;
 mod text;
 mod textures;
 mod units;
+#[cfg(feature = "vxct")]
 mod vxct;
 
 use std::path::{Path, PathBuf};
@@ -36,36 +37,36 @@ pub use source::FileSource;
 
 pub use units::UpAxis;
 
-/// Options of loading a scene. The default loads all that a file shows by itself, and reads no file
-/// outside of the scene's folder.
+/// Options of loading a scene. The default loads what a file shows by itself, and reads no file
+/// outside the scene's folder.
 pub struct LoadOptions<'a> {
-    /// Whether the scene may name files outside of its own folder (of VXCT's scenes in a folder
-    /// `scenes`: of the folder above). Default: no.
+    /// Whether the scene may name files outside its own folder (for VXCT's scenes in a folder
+    /// `scenes`: outside the folder above). Default: no.
     pub allow_outside: bool,
-    /// Whether to load a file that requires a glTF extension which is not supported and may change
-    /// the picture; a warning names it then. Extensions that only refine the picture are always
+    /// Whether to load a file that requires an unsupported glTF extension which may change the
+    /// picture; a warning then names it. Extensions that only refine the picture are always
     /// allowed. Default: no.
     pub ignore_required: bool,
-    /// Which of a file's scenes to load (glTF, VXCT), by name or number. Default: the one that the
-    /// file marks, else the first.
+    /// The scene of a file to load (glTF, VXCT), by name or number. Default: the one that the file
+    /// marks, else the first.
     pub scene: Option<String>,
-    /// Which axis of the file points up. Default: y. Ask for z where a model of CAD or a scan lies
-    /// on its back.
+    /// The axis of the file that points up. Default: y. Use z if a CAD model or a scan lies on its
+    /// back.
     pub up: UpAxis,
     /// The length of the file's unit in metres, above 0. Default: 1; 0.001 for files in
-    /// millimetres, as those of CAD mostly are. Lengths and places are multiplied, strengths of
-    /// lights are not.
+    /// millimetres, as is common in CAD. Lengths and places are multiplied, strengths of lights are
+    /// not.
     pub unit_m: f32,
-    /// The angle from which an edge stays an edge, in radians from 0 (all edges stay) to pi (none
-    /// does), for the surfaces of OBJ, PLY and STL files without normals. Default: the meaning that
-    /// each format gives to their absence: PLY is smooth, STL is flat, OBJ is flat outside of its
-    /// smoothing groups.
+    /// The angle from which an edge stays sharp, in radians from 0 (all edges do) to pi (none
+    /// does), for the surfaces of OBJ, PLY and STL files without normals. Default: what each format
+    /// means by their absence: PLY is smooth, STL is flat, OBJ is flat outside its smoothing
+    /// groups.
     pub crease_rad: Option<f32>,
-    /// The memory that the scene may take.
+    /// The memory budget of the scene.
     pub budget: MemoryBudget,
     /// The source of all files, including the scene's own. Default: the disk.
     pub files: Option<&'a dyn FileSource>,
-    /// A function that is called with the progress now and then.
+    /// A function that is called with the progress from time to time.
     pub progress: Option<&'a mut dyn FnMut(LoadProgress)>,
 }
 
@@ -85,11 +86,11 @@ impl Default for LoadOptions<'_> {
     }
 }
 
-/// The memory that a scene may take.
+/// The most memory of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryBudget {
-    /// Bytes of all textures, finest levels. Textures are shrunk by halves, all alike, until they
-    /// fit, with a warning. Default: 4 GiB.
+    /// Bytes of all textures at their finest levels. Larger textures are halved until all fit, with
+    /// a warning. Default: 4 GiB.
     pub texture_bytes: u64,
     /// Bytes of all vertices and indices. A scene that needs more is refused before it is
     /// allocated. Default: 8 GiB.
@@ -105,11 +106,11 @@ impl Default for MemoryBudget {
 /// The progress of loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoadProgress {
-    /// The stage under way: `reading` or `textures`.
+    /// The present stage: `reading` or `textures`.
     pub stage: &'static str,
-    /// Done so far, from 0 to `total`: bytes of the file, or textures.
+    /// The amount done, from 0 to `total`: bytes of the file, or textures.
     pub done: u64,
-    /// All that is to be done.
+    /// The total amount.
     pub total: u64,
 }
 
@@ -146,15 +147,15 @@ impl std::fmt::Debug for LoadOptions<'_> {
 impl Scene {
     /// Reads a scene from a file, and validates it: `.gltf` or `.glb` (glTF 2.0), `.obj` with its
     /// materials (Wavefront), `.ply` (Stanford), `.stl` (stereolithography), or the text of the
-    /// program VXCT with its models (`.scene`, `.vxct`, `.txt`).
+    /// program VXCT with its models (`.scene`, `.vxct`, `.txt`; feature `vxct`, on by default).
     ///
     /// Features of the file that this crate does not support become warnings in [`Scene::notes`]
     /// and in the log.
     ///
     /// # Errors
-    /// [`SceneError`] when the file's extension is unknown, the file or one that it names cannot
-    /// be read, its content breaks the format, it requires an unsupported extension, or
-    /// [`Scene::validate`] finds fault. Never panics, whatever the bytes.
+    /// [`SceneError`] when the file's extension is unknown, the file or one that it names cannot be
+    /// read, its content violates the format, it requires an unsupported extension, or
+    /// [`Scene::validate`] fails. Never panics, whatever the bytes.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         Self::load_with(path, &mut LoadOptions::default())
     }
@@ -170,9 +171,9 @@ impl Scene {
         load(path.as_ref(), options)
     }
 
-    /// Loads a scene whose file is in memory. `name` stands in for its path: its extension gives
-    /// the format, and messages begin with it. Files that it names are read through
-    /// [`LoadOptions::files`]; without that, there are none, and the disk is not touched.
+    /// Loads a scene whose file is in memory. `name` takes the place of its path: its extension
+    /// decides the format, and messages begin with it. Files that it names are read through
+    /// [`LoadOptions::files`]; without that, there are none, and the disk is not used.
     ///
     /// # Errors
     /// As [`Scene::load_with`].
@@ -197,12 +198,13 @@ impl Scene {
     }
 }
 
-/// Whether the scene `file` may name the file at `path`, which is there, without
-/// [`LoadOptions::allow_outside`]: its real place, with all links followed, must lie in the scene's
-/// folder or below, of VXCT's scenes in a folder `scenes` also in the folder above.
+/// Whether the scene `file` may name the existing file at `path` without
+/// [`LoadOptions::allow_outside`]: its real place, with all links followed, must be in the scene's
+/// folder or below; for VXCT's scenes in a folder `scenes` also in the folder above.
 pub fn may_name(file: &Path, path: &Path) -> bool {
     let options = LoadOptions::default();
     let folders = match extension(file).as_str() {
+        #[cfg(feature = "vxct")]
         "scene" | "vxct" | "txt" => vxct::folders(file, &options),
         _ => vec![files::folder_of(file)],
     };
@@ -222,7 +224,10 @@ fn load(path: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError>
         "obj" => obj::load(path, options)?,
         "ply" => ply::load(path, options)?,
         "stl" => stl::load(path, options)?,
+        #[cfg(feature = "vxct")]
         "scene" | "vxct" | "txt" => vxct::load(path, options)?,
+        #[cfg(not(feature = "vxct"))]
+        "scene" | "vxct" | "txt" => return Err(SceneError::WithoutVxct { file: path.to_owned() }),
         _ => return Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
     };
     units::apply(&mut scene, path, options)?;

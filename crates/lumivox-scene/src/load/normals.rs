@@ -1,21 +1,21 @@
-//! Normals for meshes that come without, or with broken ones.
+//! Normals for meshes that have none, or broken ones.
 //!
 //! A smooth normal is the mean over the corners that share it, weighted by their angles (Thürmer
-//! and Wüthrich 1998, "Computing vertex normals from polygonal facets"): how a surface is cut into
-//! triangles then makes no difference.
+//! and Wüthrich 1998, "Computing vertex normals from polygonal facets"), so it does not depend on
+//! how a surface is divided into triangles.
 
 use glam::{DVec3, Vec3};
 
 use crate::Mesh;
 use crate::model::{any_tangent, to_unit};
 
-/// The unit normal of a triangle; zero where it has no area.
+/// The unit normal of a triangle; zero if it has no area.
 pub(super) fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
     (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }
 
-/// The vector at unit length; zero where it has no direction.
+/// The vector at unit length; zero if it has no direction.
 pub(super) fn unit_or_zero(v: Vec3) -> Vec3 {
     to_unit(v).unwrap_or(Vec3::ZERO)
 }
@@ -36,7 +36,7 @@ pub(super) fn corner_normals(corners: [Vec3; 3]) -> [Vec3; 3] {
 pub(super) fn flat(corners: &[Vec3]) -> Vec<Vec3> {
     let mut normals = Vec::with_capacity(corners.len());
     for triangle in corners.chunks_exact(3) {
-        // Triangles without a direction have no area and go later.
+        // Triangles without a direction have no area and are removed later.
         let normal = face_normal([triangle[0], triangle[1], triangle[2]]);
         normals.extend([if normal == Vec3::ZERO { Vec3::Y } else { normal }; 3]);
     }
@@ -52,15 +52,15 @@ pub(super) fn smooth(positions: &[Vec3], indices: &[u32]) -> Vec<Vec3> {
             normals[i] += normal;
         }
     }
-    // Vertices of no triangle, and those around which all cancels, may face anywhere.
+    // Vertices of no triangle, and those whose normals cancel, may face anywhere.
     for normal in &mut normals {
         *normal = normal.normalize_or(Vec3::Y);
     }
     normals
 }
 
-/// One normal a corner: smooth across the edges at which exactly two triangles meet at less than
-/// `crease_rad`, so that sharper edges stay edges. `indices` must have the same number for the same
+/// One normal per corner: smooth across edges at which exactly two triangles meet at less than
+/// `crease_rad`, so that sharper edges stay sharp. `indices` must have the same number for the same
 /// point.
 pub(super) fn creased(positions: &[Vec3], indices: &[u32], crease_rad: f32) -> Vec<Vec3> {
     let cosine = crease_rad.cos();
@@ -110,7 +110,7 @@ pub(super) fn creased(positions: &[Vec3], indices: &[u32], crease_rad: f32) -> V
     normals
 }
 
-/// The triangles around one vertex, as sets that are smooth among each other.
+/// The triangles around one vertex, in sets that are smooth within.
 #[derive(Default)]
 struct Fan {
     sums: Vec<Vec3>,
@@ -156,11 +156,11 @@ impl Fan {
     }
 }
 
-/// How many vertices made out of one are looked through before another is made: a vertex in
-/// thousands of triangles must not take their square.
+/// The most vertices made from one that are compared before another is made: a vertex in thousands
+/// of triangles must not take quadratic time.
 const LONGEST_CHAIN: usize = 32;
 
-/// Gives the mesh one normal a corner, splitting the vertices whose corners differ.
+/// Sets one normal per corner, splitting vertices whose corners differ.
 pub(super) fn set_corner_normals(mesh: &mut Mesh, normals: &[Vec3]) {
     const NONE: u32 = u32::MAX;
     let mut indices = std::mem::take(&mut mesh.indices);
@@ -204,8 +204,8 @@ fn copy_vertex(mesh: &mut Mesh, i: usize) -> usize {
     mesh.positions.len() - 1
 }
 
-/// Brings normals to unit length and gives those without a direction, or that are not finite, that
-/// of their triangles. Returns how many these were.
+/// Normalises normals, and gives those without a direction, or that are not finite, that of their
+/// triangles. Returns their number.
 pub(super) fn repair(normals: &mut [Vec3], positions: &[Vec3], indices: &[u32]) -> usize {
     let mut broken = 0;
     for normal in &mut *normals {
@@ -288,7 +288,7 @@ mod tests {
             let normals = creased(&mesh.positions, &mesh.indices, crease);
             set_corner_normals(&mut mesh, &normals);
             set_any_tangents(&mut mesh);
-            // Equal sums can differ by their rounding, which costs vertices and harms nothing.
+            // Equal sums can differ by rounding, which costs vertices and does no harm.
             assert!((vertices..=36).contains(&mesh.positions.len()), "{}", mesh.positions.len());
             for list in [mesh.normals.len(), mesh.uvs.len(), mesh.colors.len(), mesh.tangents.len()]
             {

@@ -1,19 +1,19 @@
-//! Polygons cut into triangles.
+//! Dividing polygons into triangles.
 //!
-//! Triangles and convex polygons are fans around their first corner; others are cut by ear clipping
-//! (Meisters 1975, "Polygons have ears"; the `earcut` crate) in the plane of the polygon. That
-//! plane's normal is Newell's (Sutherland, Sproull, Schumacker 1974, "A characterization of ten
-//! hidden-surface algorithms", after M. Newell): the mean over all corners, so that it exists for
-//! polygons that are not quite flat.
+//! Triangles and convex polygons are fans around their first corner; others are divided by ear
+//! clipping (Meisters 1975, "Polygons have ears"; the `earcut` crate) in the plane of the polygon.
+//! That plane's normal is Newell's (Sutherland, Sproull, Schumacker 1974, "A characterization of
+//! ten hidden-surface algorithms", after M. Newell): the mean over all corners, which also exists
+//! for polygons that are not quite flat.
 
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec3};
 
-/// Corners beyond which a polygon is a fan whatever its shape: clipping the ears of one that
-/// crosses itself everywhere takes time that grows with the square.
+/// The number of corners from which a polygon is a fan whatever its shape: clipping one that
+/// crosses itself everywhere takes quadratic time.
 const MOST_CLIPPED: usize = 20_000;
 
-/// Cuts polygons; keeps its memory from one to the next.
+/// Divides polygons; keeps its memory from one to the next.
 #[derive(Default)]
 pub(super) struct Cutter {
     earcut: Earcut<f64>,
@@ -23,7 +23,7 @@ pub(super) struct Cutter {
 }
 
 impl Cutter {
-    /// The triangles of a polygon, as numbers of its corners, wound as it is.
+    /// The triangles of a polygon, as numbers of its corners, with its winding.
     pub(super) fn cut(&mut self, corners: &[Vec3]) -> &[u32] {
         self.triangles.clear();
         if corners.len() > 3 && corners.len() <= MOST_CLIPPED {
@@ -32,7 +32,7 @@ impl Cutter {
                 self.clip();
             }
         }
-        // Also where the polygon has no plane, or no ears.
+        // Also if the polygon has no plane, or no ears.
         if self.triangles.is_empty() {
             let last = corners.len().saturating_sub(1) as u32;
             self.triangles.extend((1..last).flat_map(|i| [0, i, i + 1]));

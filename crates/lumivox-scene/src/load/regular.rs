@@ -1,17 +1,17 @@
-//! Files that are files: reading a pipe, a socket or a device might wait or go on for ever.
+//! Regular files: reading a pipe, a socket or a device might wait for ever or never end.
 
 use std::fs::{File, FileType, Metadata};
 use std::io::{self, Read as _};
 use std::path::Path;
 
-/// Opens a file that is a file. The second part of the answer is its length in bytes.
+/// Opens a regular file; also returns its length in bytes.
 pub(super) fn open_regular(path: &Path) -> io::Result<(File, u64)> {
     // The kind is checked before opening, because opening a pipe waits.
     let metadata = check_regular(path)?;
     Ok((File::open(path)?, metadata.len()))
 }
 
-/// Reads a file that is a file.
+/// Reads a regular file.
 ///
 /// # Errors
 /// When it is a folder, a pipe, a socket or a device, which the error names, or when the system
@@ -26,7 +26,7 @@ pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Checks without opening it that a path is a regular file, and returns the system's metadata.
+/// Checks, without opening it, that a path is a regular file, and returns the system's metadata.
 ///
 /// # Errors
 /// As [`read_regular`].

@@ -1,7 +1,7 @@
 //! The source of files: the disk, or the caller.
 //!
 //! A program in a browser has no disk, and one that unpacks archives has its files in memory. Both
-//! provide a [`FileSource`]; then loaders use no other source.
+//! provide a [`FileSource`], and loaders then use no other source.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -26,15 +26,15 @@ use std::path::{Component, Path};
 /// ```
 pub trait FileSource {
     /// The bytes of the file at `path`: the scene's own path as it was given, or that of a file
-    /// which it names, in the scene's folder; folders are separated by `/`, and there is no `.` in
-    /// it.
+    /// which it names, in the scene's folder. Folders are separated by `/`, and the path has no `.`
+    /// in it.
     ///
     /// # Errors
     /// [`io::ErrorKind::NotFound`], or another error, which the loader's message quotes.
     fn read(&self, path: &str) -> io::Result<Cow<'_, [u8]>>;
 
     /// The path of a file that differs from `path` only in upper and lower case, as files made on
-    /// Windows often call each other. Default: none.
+    /// Windows often name each other. Default: none.
     fn find_ignoring_case(&self, path: &str) -> Option<String> {
         let _ = path;
         None
@@ -56,7 +56,7 @@ impl<S: BuildHasher> FileSource for HashMap<String, Vec<u8>, S> {
     }
 }
 
-/// A scene's file in memory, its other files from elsewhere if they are anywhere.
+/// A scene's file in memory, with its other files from another source, if there is one.
 pub(super) struct Memory<'a> {
     pub(super) name: &'a str,
     pub(super) bytes: &'a [u8],

@@ -9,10 +9,10 @@ use crate::{Filter, Material, Sampler, Texture};
 /// Between stone and plaster.
 const NO_MATERIAL_ALBEDO: f32 = 0.5;
 
-/// The look of surfaces without a material: matte grey, from both sides, because such files are
-/// mostly bare geometry with arbitrary winding. By its specification glTF's default is a white
-/// rough metal of reflectance 1 (glTF 2.0, section 3.9.6), in which indirect light would never die
-/// out; files without materials do not intend that.
+/// The material of surfaces without one: matte grey, visible from both sides, because such files
+/// are mostly bare geometry with arbitrary winding. By its specification glTF's default is a white
+/// rough metal of reflectance 1 (glTF 2.0, section 3.9.6), in which indirect light would never end;
+/// files without materials do not intend that.
 pub(super) fn no_material(notes: &mut Notes) -> Material {
     notes.warn(format!(
         "meshes without a material are shown matte grey with an albedo of {NO_MATERIAL_ALBEDO}"

@@ -1,7 +1,7 @@
-//! Files read piece by piece, with progress reported in bytes.
+//! Reading files piece by piece, with progress in bytes.
 //!
-//! A scan can be larger than half of the memory: no reader here holds its file, only the current
-//! piece, so that the peak is about the size of the scene itself.
+//! A scan can be larger than half of the memory: no reader here holds its whole file, only the
+//! current piece, so that the peak is about the size of the scene itself.
 
 use std::io::{self, BufReader, Cursor, Read};
 use std::path::Path;
@@ -26,7 +26,7 @@ pub(super) struct CountingReader<'s, 'o, R> {
 /// A file on the disk or elsewhere.
 pub(super) type FileReader<'s, 'o> = BufReader<CountingReader<'s, 'o, Box<dyn Read + 'o>>>;
 
-/// Opens a file that is a file. The second part of the answer is its length in bytes.
+/// Opens a regular file; also returns its length in bytes.
 pub(super) fn open<'s, 'o>(
     file: &Path,
     options: &'s mut LoadOptions<'o>,

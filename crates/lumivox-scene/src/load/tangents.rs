@@ -1,5 +1,5 @@
 //! Tangents by `MikkTSpace` (Mikkelsen 2008, "Simulation of wrinkled surfaces revisited"), the
-//! algorithm that glTF prescribes where a file brings none (section 3.7.2.1).
+//! algorithm that glTF prescribes for files without tangents (section 3.7.2.1).
 
 use std::collections::HashMap;
 
@@ -18,7 +18,7 @@ pub(super) fn generate(mesh: &mut Mesh) {
 
 /// Replaces the mesh's tangents by those for this normal texture: they follow the coordinates at
 /// which the texture is read, its set and its transform. Vertices whose triangles disagree
-/// (mirrored images, seams) are split, so the mesh may grow; never beyond one vertex a corner.
+/// (mirrored images, seams) are split, so the mesh may grow; at most to one vertex per corner.
 pub(super) fn generate_for(mesh: &mut Mesh, normals: TextureRef) {
     let mut corners = Corners { tangents: vec![None; mesh.indices.len()], mesh, normals };
     // The error type has no values.
@@ -29,7 +29,7 @@ pub(super) fn generate_for(mesh: &mut Mesh, normals: TextureRef) {
     weld(mesh, &tangents);
 }
 
-/// Gives every corner its tangent, with one vertex for all corners of a vertex that agree.
+/// Sets the tangent of every corner, with one vertex for all corners of a vertex that agree.
 fn weld(mesh: &mut Mesh, tangents: &[Option<Vec4>]) {
     let mut known: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
     let mut taken = vec![false; mesh.positions.len()];

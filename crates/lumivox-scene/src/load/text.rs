@@ -1,4 +1,4 @@
-//! Lines and numbers of text formats, of files that may be in no encoding at all.
+//! Lines and numbers of text formats; files may have any encoding, or none.
 
 use std::io::{BufRead, ErrorKind};
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use super::files::shorten;
 use crate::SceneError;
 
-/// The longest line in bytes, joined ones together: a polygon of some millions of corners. A file
+/// The longest line in bytes, joined lines included: a polygon of some millions of corners. A file
 /// of another format may have no line break at all, and would have to be held in memory.
 const LONGEST_LINE: usize = 64 << 20;
 
@@ -31,7 +31,7 @@ impl<'f, R: BufRead> Lines<'f, R> {
         self.append()
     }
 
-    /// The same, joined with the next where it ends in a backslash.
+    /// The same, joined with the next line if it ends in a backslash.
     pub(super) fn advance_joined(&mut self) -> Result<bool, SceneError> {
         let more = self.advance()?;
         // A comment may end in anything.
@@ -133,7 +133,7 @@ pub(super) fn number(word: &[u8]) -> Option<f32> {
     (digits.starts_with("nan(") || digits.starts_with("1.#")).then_some(f32::NAN)
 }
 
-/// The next `N` numbers of a line, or a sentence that says what is wrong.
+/// The next `N` numbers of a line, or a sentence on what is wrong.
 pub(super) fn numbers<'w, const N: usize>(
     words: &mut impl Iterator<Item = &'w [u8]>,
 ) -> Result<[f32; N], String> {
@@ -142,12 +142,12 @@ pub(super) fn numbers<'w, const N: usize>(
         let Some(word) = words.next() else {
             return Err(format!("it has {i} numbers instead of {N}"));
         };
-        *value = number(word).ok_or_else(|| format!("\"{}\" is no number", readable(word)))?;
+        *value = number(word).ok_or_else(|| format!("\"{}\" is not a number", readable(word)))?;
     }
     Ok(values)
 }
 
-/// Text of any encoding as something that can be shown, shortened.
+/// Text of any encoding in printable form, shortened.
 pub(super) fn readable(bytes: &[u8]) -> String {
     // Longer ones are cut anyway; a character is at most four bytes.
     shorten(&String::from_utf8_lossy(&bytes[..bytes.len().min(1024)]))

@@ -1,9 +1,9 @@
 //! The textures of a scene, from the first mention to the texels.
 //!
-//! While materials are read, textures are only listed: which images they are made of, and how. Only
-//! the sizes of the images are read then. At the end all sizes are known, so the loader can decide
-//! beforehand how far the textures must shrink to fit into the budget; then they are made, several
-//! at a time, each shrunk before the next is begun.
+//! While materials are read, textures are only listed, with their images and recipes. Only the
+//! sizes of the images are read then. At the end all sizes are known, so the loader can decide how
+//! far the textures must shrink to fit into the budget. Then they are made, several at a time, each
+//! shrunk before the next is begun.
 
 mod mix;
 
@@ -18,9 +18,9 @@ use crate::{Sampler, SceneError, Texture};
 
 pub(super) use mix::Mix;
 
-/// Bytes that textures under way may take together; a single one may take more.
+/// The most bytes of textures being made; a single one may take more.
 const BYTES_UNDER_WAY: u64 = 512 << 20;
-/// Texels of all textures before they are shrunk: it would take minutes to decode more.
+/// The most texels of all textures before they are shrunk: it would take minutes to decode more.
 const MOST_TEXELS: u64 = 1 << 35;
 
 /// A listed image.
@@ -39,7 +39,7 @@ pub(super) enum Recipe {
         /// How.
         mix: Mix,
     },
-    /// The stand-in for an image that is not there: a board of magenta and black.
+    /// The stand-in for a missing image: a board of magenta and black.
     Missing,
 }
 
@@ -61,13 +61,13 @@ struct Image<'a> {
     header: Header,
 }
 
-/// A recipe, and the textures that come out of it: the same texels under several samplers.
+/// A recipe, and the textures made from it: the same texels with several samplers.
 struct Product {
     recipe: Recipe,
     encoding: Encoding,
     width: u32,
     height: u32,
-    /// How often both edges are halved.
+    /// The number of times that both edges are halved.
     halvings: u32,
     /// Indices of the textures.
     textures: Vec<usize>,
@@ -87,9 +87,9 @@ impl Product {
 
 /// Why textures were not made.
 pub(super) enum NotMade {
-    /// Images that cannot be decoded, each with the reason; without them the scene can be shown.
+    /// Images that cannot be decoded, each with the reason; the scene can be shown without them.
     Images(Vec<(ImageId, Fault)>),
-    /// There is no remedy.
+    /// The scene cannot be loaded.
     Scene(SceneError),
 }
 
@@ -110,7 +110,7 @@ pub(super) struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
-    /// Lists an image, and reads its size. `part` says in messages where it is named.
+    /// Lists an image, and reads its size. In messages, `part` says where it is named.
     pub(super) fn image(
         &mut self,
         part: &str,
@@ -123,7 +123,7 @@ impl<'a> Textures<'a> {
         Ok(ImageId(self.images.len() - 1))
     }
 
-    /// The index that a texture will have in the scene. The same recipe under the same sampler is
+    /// The index that a texture will have in the scene. The same recipe with the same sampler is
     /// the same texture.
     pub(super) fn texture(
         &mut self,
@@ -143,7 +143,7 @@ impl<'a> Textures<'a> {
 
     fn product(&mut self, recipe: Recipe, encoding: Encoding) -> usize {
         if let Some(&known) = self.product_of.get(&recipe) {
-            // An image that is a colour to one material and data to another is averaged as data.
+            // An image that is a colour in one material and data in another is averaged as data.
             if encoding == Encoding::Data {
                 self.products[known].encoding = Encoding::Data;
             }
@@ -163,7 +163,7 @@ impl<'a> Textures<'a> {
         self.products.len() - 1
     }
 
-    /// Makes all textures, as the scene in `file` wants them.
+    /// Makes all textures for the scene in `file`.
     pub(super) fn make(
         mut self,
         file: &Path,
@@ -217,11 +217,11 @@ impl<'a> Textures<'a> {
         Ok(())
     }
 
-    /// Halves the largest texture, and again, until all together take no more than `budget` bytes.
+    /// Halves the largest texture repeatedly, until all together take no more than `budget` bytes.
     fn fit(&mut self, budget: u64, notes: &mut Notes) {
         let all: u64 = self.products.iter().map(Product::bytes).sum();
         let mut bytes = all;
-        // Ordered by size, and among equals by their order in the scene: the same every time.
+        // Ordered by size, and equal ones by their order in the scene: the same every time.
         let mut queue: std::collections::BinaryHeap<_> =
             self.products.iter().enumerate().map(|(i, p)| (p.texels(), usize::MAX - i)).collect();
         while bytes > budget {
@@ -249,7 +249,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// Where the products end that are made together with the one at `begin`.
+    /// The end of the products that are made together with the one at `begin`.
     fn batch(&self, begin: usize) -> usize {
         let most = rayon::current_num_threads() * 2;
         let mut bytes = 0;

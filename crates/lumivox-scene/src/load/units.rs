@@ -1,4 +1,4 @@
-//! Files that are not in metres with y up, as most of CAD is not.
+//! Files that are not in metres with y up, as most CAD files.
 
 use std::path::Path;
 
@@ -13,12 +13,12 @@ pub enum UpAxis {
     /// As in glTF and in this crate's scenes.
     #[default]
     Y,
-    /// As in CAD and in scans: the file's y then points away from the viewer, to -z.
+    /// As in CAD and scans: the file's y then points away from the viewer, to -z.
     Z,
 }
 
 impl UpAxis {
-    /// The rotation that brings the axis to +y. Exact.
+    /// The rotation that turns the axis to +y. Exact.
     fn rotation(self) -> Mat3 {
         match self {
             Self::Y => Mat3::IDENTITY,
@@ -27,7 +27,7 @@ impl UpAxis {
     }
 }
 
-/// Whether the options' unit is a length.
+/// Checks that the options' unit is a length.
 pub(super) fn check(file: &Path, options: &LoadOptions<'_>) -> Result<(), SceneError> {
     let unit_m = options.unit_m;
     if unit_m.is_finite() && unit_m > 0.0 {
@@ -41,8 +41,8 @@ pub(super) fn check(file: &Path, options: &LoadOptions<'_>) -> Result<(), SceneE
     })
 }
 
-/// Turns and scales a loaded scene as the options say: places and lengths, not the strengths of
-/// lights.
+/// Rotates and scales a loaded scene according to the options: places and lengths, not the
+/// strengths of lights.
 pub(super) fn apply(
     scene: &mut Scene,
     file: &Path,

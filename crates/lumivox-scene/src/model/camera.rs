@@ -1,4 +1,4 @@
-//! Where the picture is taken from.
+//! Cameras.
 
 use glam::{Mat4, UVec2, Vec2, Vec3};
 
@@ -8,7 +8,7 @@ use glam::{Mat4, UVec2, Vec2, Vec3};
 pub struct Camera {
     /// A name for lists and messages.
     pub name: String,
-    /// The eye, in metres.
+    /// The position of the eye, in metres.
     pub position: Vec3,
     /// Unit vector along the line of sight. Default: -z.
     pub forward: Vec3,
@@ -37,9 +37,9 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// A camera at `position` that looks at `target`, upright (+y at the top, or -z where the
-    /// line of sight is vertical), with a vertical field of view in radians. Where the two points
-    /// coincide it looks along -z.
+    /// A camera at `position` that looks at `target`, upright (+y at the top, or -z if the line of
+    /// sight is vertical), with a vertical field of view in radians. If the two points coincide it
+    /// looks along -z.
     #[must_use]
     pub fn look_at(position: Vec3, target: Vec3, vertical_fov_rad: f32) -> Self {
         let forward = (target - position).normalize_or(Vec3::NEG_Z);

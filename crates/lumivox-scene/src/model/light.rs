@@ -4,40 +4,39 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-/// A light that direct lighting evaluates analytically. It is not visible itself: a lamp that
-/// should be seen needs an emissive surface, too.
+/// A light that direct lighting evaluates analytically. It is invisible: a lamp that should be seen
+/// needs an emissive surface, too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// A name for lists and messages.
     pub name: String,
-    /// The kind and the strength of a light.
+    /// The kind and the strength.
     pub kind: LightKind,
-    /// Linear RGB that multiplies the intensity or illuminance. Default: white (1, 1, 1).
+    /// Linear RGB factor of the intensity or illuminance. Default: white (1, 1, 1).
     pub color: Vec3,
-    /// World position in metres; without meaning for a directional light.
+    /// World position in metres; ignored for a directional light.
     pub position: Vec3,
-    /// Unit vector along which the light travels; without meaning for a point light. Default: -y.
+    /// Unit vector along which the light travels; ignored for a point light. Default: -y.
     pub direction: Vec3,
     /// Radius of the shining sphere in metres, for soft shadows only; the intensity stays the
     /// same. Default: 0, a point with hard shadows. A directional light has an angular radius in
     /// its kind instead.
     pub radius_m: f32,
-    /// The fall-off of its light in looks without physical units. Default: none, for the inverse
-    /// square. Physical renderers ignore it.
+    /// The fall-off in looks without physical units. Default: none, for the inverse square.
+    /// Physical renderers ignore it.
     pub attenuation: Option<Attenuation>,
 }
 
-/// The fall-off of a light as the fixed pipelines of graphics hardware had it (Segal and Akeley
-/// 1992, "The OpenGL graphics system", section 2.13.1): of the light, a share of
-/// `1 / (constant + linear d + quadratic d²)` arrives at a distance of d metres.
+/// The fall-off of a light as in the fixed pipelines of graphics hardware (Segal and Akeley 1992,
+/// "The OpenGL graphics system", section 2.13.1): at a distance of d metres, the share `1 /
+/// (constant + linear d + quadratic d²)` of the light arrives.
 ///
-/// Physical renderers use the inverse square of the intensity instead; the `vxct` look uses this. A
-/// light that has it gives the same to both at a metre: with [`Attenuation::at`] 1 m of a, its
-/// intensity is pi a candela, so that a white diffuse surface that faces it there has a radiance of
-/// a cd/m².
+/// Physical renderers use the inverse square of the intensity instead; the `vxct` look uses this.
+/// Both agree at a metre: if [`Attenuation::at`] 1 m is a, the intensity is pi a candela, so that a
+/// white diffuse surface that faces the light there has a radiance of a cd/m².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attenuation {
-    /// The part that is the same at any distance, at least 0. Default: 1.
+    /// The part that does not depend on the distance, at least 0. Default: 1.
     pub constant: f32,
     /// The part that grows with the distance, 1/m, at least 0. Default: 0.15.
     pub linear: f32,
@@ -46,7 +45,7 @@ pub struct Attenuation {
 }
 
 impl Default for Attenuation {
-    /// That of VXCT.
+    /// VXCT's default.
     fn default() -> Self {
         Self { constant: 1.0, linear: 0.15, quadratic: 0.45 }
     }
@@ -82,11 +81,11 @@ pub enum LightKind {
         /// Illuminance of a surface that faces the light, in lux; the sun at noon has about
         /// 100 000.
         illuminance_lux: f32,
-        /// Half the angle under which the light is seen, in radians; the sun has 0.00465. 0 gives
-        /// hard shadows.
+        /// Half the angular diameter of the source, in radians; the sun has 0.00465. 0 gives hard
+        /// shadows.
         angular_radius_rad: f32,
     },
-    /// Light in all directions from one place.
+    /// Light in all directions from a point.
     Point {
         /// Luminous intensity in candela, the same in every direction.
         intensity_cd: f32,
@@ -94,7 +93,7 @@ pub enum LightKind {
         /// physical choice.
         range_m: Option<f32>,
     },
-    /// Light in a cone from one place.
+    /// Light in a cone from a point.
     Spot {
         /// Luminous intensity in candela inside the inner cone.
         intensity_cd: f32,
@@ -108,21 +107,22 @@ pub enum LightKind {
     },
 }
 
-/// The light from outside the scene, which rays see that leave it.
+/// The light from outside the scene, seen by rays that leave it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Environment {
-    /// Radiance in cd/m², the same in every direction; where there is a map, the factor of its
-    /// texels. Default: zero, a black surrounding; a clear blue sky has about 3000.
+    /// Radiance in cd/m², the same in every direction; with a map, the factor of its texels.
+    /// Default: zero, black surroundings; a clear blue sky has about 3000.
     pub radiance: Vec3,
     /// A picture of the surroundings. Default: none.
     pub map: Option<Arc<EnvironmentMap>>,
-    /// Turns the map about the y axis, in radians, counter-clockwise seen from above. Default: 0.
+    /// Rotation of the map about the y axis, in radians, counter-clockwise seen from above.
+    /// Default: 0.
     pub rotation_rad: f32,
 }
 
 /// A picture of all directions: equirectangular, that is, longitude by latitude.
 ///
-/// The texel in the middle of the picture lies in the direction -z; from there columns go to the
+/// The texel in the middle of the picture is in the direction -z; from there columns go to the
 /// right (+x), rows go down from +y at the top edge to -y at the bottom edge.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EnvironmentMap {
@@ -133,9 +133,9 @@ pub struct EnvironmentMap {
     /// Height in texels, at least 1; 180 degrees.
     pub height: u32,
     /// Linear RGB, at least 0, row by row from the top; `width * height` texels. Radiance in cd/m²
-    /// where [`Environment::radiance`] is 1.
+    /// if [`Environment::radiance`] is 1.
     pub rgb: Vec<[f32; 3]>,
-    /// Sentences for the user on repairs and assumptions while loading; they belong into
-    /// [`LoadNotes::warnings`](super::LoadNotes) of the scene that the map is put into.
+    /// Sentences for the user on repairs and assumptions while loading; add them to
+    /// [`LoadNotes::warnings`](super::LoadNotes) of the scene that uses the map.
     pub warnings: Vec<String>,
 }

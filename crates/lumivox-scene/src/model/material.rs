@@ -1,36 +1,35 @@
-//! How surfaces reflect and emit.
+//! The reflection and emission of surfaces.
 
 use glam::{Vec3, Vec4};
 
 use super::TextureRef;
 
-/// A surface's look. The default is glTF's, except that it is rough and no metal: a white diffuse
-/// surface with a dielectric gloss of full roughness.
+/// A surface's material. The default is glTF's, except that it is rough and not metallic: a white
+/// diffuse surface with a dielectric gloss of full roughness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// A name for lists and messages.
     pub name: String,
-    /// The law by which the surface reflects.
+    /// The reflection model.
     pub shading: Shading,
     /// Emitted radiance in cd/m² (glTF's emissive factor times `KHR_materials_emissive_strength`),
-    /// multiplied by the emissive texture where there is one. Default: zero.
+    /// multiplied by the emissive texture if there is one. Default: zero.
     pub emissive: Vec3,
     /// Colour texture (sRGB-encoded) that multiplies `emissive`.
     pub emissive_texture: Option<TextureRef>,
     /// Tangent-space normals: data texture (linear), x to the right, y up, z out of the surface.
     pub normal_texture: Option<TextureRef>,
-    /// Multiplies x and y of the normal texture. Default: 1; 0 switches the texture off.
+    /// Factor of x and y of the normal texture. Default: 1; 0 switches the texture off.
     pub normal_scale: f32,
     /// The meaning of the base colour's alpha. Default: nothing (opaque).
     pub alpha: AlphaMode,
-    /// Whether the back side is a surface, too, with the normal turned. Default: no; then the back
-    /// side is invisible.
+    /// Whether the back side is visible, too, with the normal reversed. Default: no.
     pub double_sided: bool,
-    /// A layer of varnish. Default: none.
+    /// A clear coat. Default: none.
     pub clearcoat: Clearcoat,
-    /// The velvet of cloth. Default: none.
+    /// The sheen of cloth. Default: none.
     pub sheen: Sheen,
-    /// Light that goes through as through a pane of glass. Default: none.
+    /// Light that passes as through a pane of glass. Default: none.
     pub transmission: Transmission,
     /// The surface's properties in the look of VXCT, if its scene gives them. Default: none; that
     /// look then uses the fields above. Physical renderers ignore it.
@@ -97,7 +96,8 @@ pub enum Shading {
     MetallicRoughness(MetallicRoughness),
     /// Phong's (1975) model, for scenes made for it.
     Phong(Phong),
-    /// Shown as it is, whatever the light (`KHR_materials_unlit`): scans with their light baked in.
+    /// The colour is shown as it is, without lighting (`KHR_materials_unlit`): for scans with baked
+    /// light.
     Unlit(Unlit),
 }
 
@@ -122,11 +122,11 @@ pub struct MetallicRoughness {
     pub roughness: f32,
     /// Data texture (linear) that multiplies roughness by its green and metallic by its blue.
     pub metallic_roughness_texture: Option<TextureRef>,
-    /// Scales the dielectric's reflectance, 0 to 1 (the factor of `KHR_materials_specular`).
-    /// Default: 1; 0 leaves pure Lambert.
+    /// Factor of the dielectric's reflectance, 0 to 1 (`KHR_materials_specular`). Default: 1; 0
+    /// leaves pure Lambert.
     pub specular: f32,
-    /// Linear RGB, at least 0, that multiplies the dielectric's reflectance at normal incidence;
-    /// the product is limited to 1 (the colour of `KHR_materials_specular`). Default: white.
+    /// Linear RGB factor, at least 0, of the dielectric's reflectance at normal incidence; the
+    /// product is limited to 1 (the colour of `KHR_materials_specular`). Default: white.
     pub specular_color: Vec3,
     /// Texture that multiplies `specular_color` by its colour (sRGB-encoded) and `specular` by its
     /// alpha.
@@ -183,20 +183,20 @@ impl Default for Phong {
     }
 }
 
-/// A surface as Phong's shader of the time before physical units has it: for each light, `color`
-/// times (ambient + diffuse cos + specular cos^shininess) is added up, and shown as it is.
+/// A surface as in Phong shaders without physical units: for each light, `color` times (ambient +
+/// diffuse cos + specular cos^shininess) is added, and shown as it is.
 ///
 /// It may reflect more light than it receives, and its numbers have no limits.
-/// [`Strengths::to_phong`] is the nearest possible surface.
+/// [`Strengths::to_phong`] gives the closest possible surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strengths {
     /// Linear RGB. Default: 0.85 each.
     pub color: Vec3,
-    /// The share of a light that the surface shows wherever it faces. Default: 0.08.
+    /// The share of a light that the surface shows in any orientation. Default: 0.08.
     pub ambient: f32,
-    /// The share that it shows by how much it faces the light. Default: 1.
+    /// The share that depends on how much it faces the light. Default: 1.
     pub diffuse: f32,
-    /// The share in the middle of the highlight; also the factor of mirrored light. Default: 0.5.
+    /// The share in the middle of the highlight; also the factor of reflected light. Default: 0.5.
     pub specular: f32,
     /// Exponent of the highlight; higher is sharper. Default: 32.
     pub shininess: f32,
@@ -206,7 +206,7 @@ pub struct Strengths {
 }
 
 impl Default for Strengths {
-    /// VXCT's.
+    /// VXCT's default.
     fn default() -> Self {
         Self {
             color: Vec3::splat(0.85),
@@ -220,14 +220,14 @@ impl Default for Strengths {
 }
 
 impl Strengths {
-    /// The physical surface that looks most like it.
+    /// The closest physical surface.
     ///
-    /// A lamp that gives a white diffuse surface a radiance of L has an irradiance of E = pi L
-    /// where it is met at right angles. The diffuse albedo that gives `diffuse * color * L` is
-    /// `diffuse * color`. The lobe of [`Phong`] is normalised (Lafortune and Willems 1994, "Using
-    /// the modified Phong reflectance model for physically based rendering"): its peak is
-    /// `specular (n + 2) / (2 pi)`, which times E is `specular (n + 2) / 2 L`. It equals
-    /// `specular * L` for 2 / (n + 2) of ours. Both are limited to the light that a surface can
+    /// A lamp that gives a white diffuse surface a radiance of L has an irradiance of E = pi L on a
+    /// surface that faces it. The diffuse albedo that gives `diffuse * color * L` is `diffuse *
+    /// color`. The lobe of [`Phong`] is normalised (Lafortune and Willems 1994, "Using the modified
+    /// Phong reflectance model for physically based rendering"): its peak is `specular (n + 2) / (2
+    /// pi)`, which times E is `specular (n + 2) / 2 L`. It equals `specular * L` if the lobe's
+    /// colour is 2 / (n + 2) times `specular`. Both are limited to the light that a surface can
     /// reflect, and negative values count as zero.
     pub fn to_phong(&self) -> Phong {
         let shininess = self.shininess.max(0.0);
@@ -241,7 +241,7 @@ impl Strengths {
     }
 }
 
-/// A surface that shows its colour and takes no light.
+/// A surface that shows its colour without lighting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unlit {
     /// Linear RGB and alpha, each 0 to 1. Default: white, opaque.
@@ -259,7 +259,7 @@ impl Default for Unlit {
 /// A thin, clear layer of an index of refraction of 1.5 on top (`KHR_materials_clearcoat`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clearcoat {
-    /// The share of the surface that it covers, 0 (the default) to 1.
+    /// The covered share of the surface, 0 (the default) to 1.
     pub strength: f32,
     /// Its perceptual roughness, 0 (the default) to 1.
     pub roughness: f32,
@@ -267,8 +267,7 @@ pub struct Clearcoat {
     pub texture: Option<TextureRef>,
 }
 
-/// Light scattered by the fibres of cloth, most where it is seen at a grazing angle
-/// (`KHR_materials_sheen`).
+/// Light scattered by the fibres of cloth, most at grazing angles (`KHR_materials_sheen`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sheen {
     /// Linear RGB from 0 (the default: none) to 1.
@@ -282,8 +281,8 @@ pub struct Sheen {
 /// Light that passes an infinitely thin surface without being bent (`KHR_materials_transmission`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Transmission {
-    /// The share of the light that is not reflected which passes, tinted by the base colour,
-    /// instead of being reflected diffusely; 0 (the default) to 1.
+    /// The share of the light entering the surface that passes, tinted by the base colour, instead
+    /// of being reflected diffusely; 0 (the default) to 1.
     pub factor: f32,
     /// Data texture (linear) that multiplies `factor` by its red.
     pub texture: Option<TextureRef>,

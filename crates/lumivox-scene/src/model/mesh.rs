@@ -5,7 +5,7 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 /// Indexed triangles in local space.
 ///
 /// `normals`, `uvs` and `tangents` have one entry per position; `uvs1` and `colors` have as many or
-/// none. Three indices make a triangle, counter-clockwise seen from its front.
+/// none. Three indices form a triangle, counter-clockwise seen from its front.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// A name for lists and messages.
@@ -16,16 +16,16 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates; (0, 0) is the upper left corner of the image, v grows downwards.
     pub uvs: Vec<Vec2>,
-    /// A second set of texture coordinates; empty where there is none.
+    /// A second set of texture coordinates; may be empty.
     pub uvs1: Vec<Vec2>,
     /// Linear RGB and alpha, each 0 to 1, that multiply the material's base colour (or diffuse
     /// colour); empty means white.
     pub colors: Vec<Vec4>,
-    /// Unit tangents along growing u, orthogonal to the normal; w is the sign of the bitangent
-    /// `w * cross(normal, tangent)` (glTF 2.0, section 3.7.2.1). `MikkTSpace` where the material
-    /// has a normal texture, otherwise any orthogonal direction.
+    /// Unit tangents along growing u, orthogonal to the normal; w is the sign of the bitangent `w *
+    /// cross(normal, tangent)` (glTF 2.0, section 3.7.2.1). `MikkTSpace` if the material has a
+    /// normal texture, otherwise any orthogonal direction.
     pub tangents: Vec<Vec4>,
-    /// Vertex numbers, three a triangle.
+    /// Vertex numbers, three for each triangle.
     pub indices: Vec<u32>,
 }
 
@@ -40,8 +40,8 @@ impl Mesh {
         self.indices.chunks_exact(3).map(|t| [t[0] as usize, t[1] as usize, t[2] as usize])
     }
 
-    /// Turns every triangle's winding and every bitangent. A copy that a mirroring transform will
-    /// place needs it, so that its front stays its front.
+    /// Reverses every triangle's winding and every bitangent. A copy that a mirroring transform
+    /// will place needs it, so that its front stays its front.
     pub(crate) fn flip_winding(&mut self) {
         for triangle in self.indices.chunks_exact_mut(3) {
             triangle.swap(1, 2);
@@ -59,12 +59,12 @@ pub(crate) fn any_tangent(normal: Vec3) -> Vec4 {
 
 /// A mesh placed in the world with a material.
 ///
-/// The loader turns the winding of meshes that a transform mirrors (negative determinant), so the
-/// front of a triangle is counter-clockwise in *world* space whatever the determinant's sign.
+/// The loader reverses the winding of meshes that a transform mirrors (negative determinant), so
+/// the front of a triangle is counter-clockwise in *world* space whatever the determinant's sign.
 /// Normals need the inverse transpose of the matrix, sign included: the adjugate without it would
 /// turn them inwards under a mirror.
 ///
-/// The default is the first mesh in the first material where it was modelled, static, voxelized and
+/// The default is the first mesh with the first material at its own place, static, voxelized and
 /// shown.
 #[expect(clippy::struct_excessive_bools, reason = "each says a thing of its own")]
 #[derive(Clone, Debug, PartialEq)]
@@ -77,21 +77,21 @@ pub struct Instance {
     pub material: usize,
     /// Affine transform from the mesh's local space to the world. Invertible.
     pub world_from_local: Mat4,
-    /// Whether it stays as it is while others move, so that renderers may keep data that they made
-    /// of it. By default everything is static except for things that an animation can reach, by a
-    /// node, a bone or a morph target.
+    /// Whether it stays unchanged while others move, so that renderers may keep data made from it.
+    /// By default everything is static except for things that an animation can reach, by a node, a
+    /// bone or a morph target.
     pub is_static: bool,
-    /// Whether its surface is in the voxels, so that it takes part in indirect light; all of it is
-    /// drawn and casts shadows from shadow maps in any case, and rays of the reference meet it.
+    /// Whether its surface is in the voxels, so that it takes part in indirect light. Otherwise it
+    /// is still drawn, casts shadows from shadow maps, and is visible to rays of the reference.
     /// Default: yes.
     pub is_voxelized: bool,
-    /// Whether it is as if it were absent: neither drawn nor voxelized, without shadow, outside of
-    /// [`Scene::bounds`](super::Scene::bounds); only kept and saved (`KHR_node_visibility`).
+    /// Whether it is treated as absent: neither drawn nor voxelized, without shadow, outside
+    /// [`Scene::bounds`](super::Scene::bounds); it is only kept and saved (`KHR_node_visibility`).
     /// Default: no.
     pub is_hidden: bool,
     /// Whether it belongs to the surroundings, such as the ground of a studio: drawn, lit and
-    /// voxelized where the grid reaches, but outside of [`Scene::bounds`](super::Scene::bounds), so
-    /// that neither the grid nor a camera is fitted to it. Default: no.
+    /// voxelized within the grid, but outside [`Scene::bounds`](super::Scene::bounds), so that
+    /// neither the grid nor a camera is fitted to it. Default: no.
     pub is_backdrop: bool,
 }
 

@@ -1,11 +1,11 @@
-//! The whole.
+//! The scene as a whole.
 
 use glam::{EulerRot, Mat4, Quat, Vec3};
 
 use super::{Bounds, Camera, Environment, Instance, Light, Material, Mesh, Texture};
 use crate::pose::Rig;
 
-/// Everything that a renderer needs to know of a world.
+/// A scene: everything that a renderer needs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// The built-in scene's name, or the file's name without its extension.
@@ -20,15 +20,15 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Lights.
     pub lights: Vec<Light>,
-    /// Cameras; a file may bring none, see [`Scene::default_camera`].
+    /// Cameras; a file may have none, see [`Scene::default_camera`].
     pub cameras: Vec<Camera>,
     /// The surroundings.
     pub environment: Environment,
-    /// The data of [`Scene::pose`]; none where a file has no animations. Setting it to none keeps
-    /// the present pose, and frees the memory.
+    /// The data of [`Scene::pose`]; `None` without animations. Setting it to `None` keeps the
+    /// present pose, and frees the memory.
     pub rig: Option<Rig>,
-    /// The box that a voxel grid is fitted to. Default: none, which means [`Scene::bounds`]. A
-    /// scene that has it may be empty.
+    /// The box that a voxel grid is fitted to. Default: `None`, which means [`Scene::bounds`]. A
+    /// scene with this box may be empty.
     pub grid_bounds: Option<Bounds>,
     /// Notes of the loader.
     pub notes: LoadNotes,
@@ -37,11 +37,11 @@ pub struct Scene {
 /// Notes of the loader that are not errors.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadNotes {
-    /// The number of triangles of no area that were removed from the meshes.
+    /// The number of triangles without area that were removed from the meshes.
     pub degenerate_triangles: usize,
     /// Sentences for the user, each naming something that was ignored or replaced.
     pub warnings: Vec<String>,
-    /// The program that wrote the file, if it says so.
+    /// The program that wrote the file, if the file names it.
     pub generator: Option<String>,
     /// The extensions of the format that the file uses (glTF), understood or not.
     pub extensions_used: Vec<String>,
@@ -66,7 +66,7 @@ impl InstanceBounds {
         Self { boxes: boxes.collect() }
     }
 
-    /// Follows an instance that has moved, or whose mesh has changed.
+    /// Updates the box of an instance that has moved, or whose mesh has changed.
     pub fn follow(&mut self, scene: &Scene, instance: usize) {
         if let (Some(place), Some(instance)) =
             (self.boxes.get_mut(instance), scene.instances.get(instance))
@@ -75,12 +75,12 @@ impl InstanceBounds {
         }
     }
 
-    /// The box around one of them; [`Bounds::EMPTY`] beyond the last.
+    /// The box around an instance; [`Bounds::EMPTY`] beyond the last.
     pub fn get(&self, instance: usize) -> Bounds {
         self.boxes.get(instance).copied().unwrap_or(Bounds::EMPTY)
     }
 
-    /// The box around the scene, as [`Scene::bounds`] has it.
+    /// The box around the scene, as [`Scene::bounds`] computes it.
     pub fn all(&self, scene: &Scene) -> Bounds {
         let (mut subjects, mut shown) = (Bounds::EMPTY, Bounds::EMPTY);
         for (instance, bounds) in scene.instances.iter().zip(&self.boxes) {
@@ -108,7 +108,7 @@ impl Scene {
     }
 
     /// The smallest box around all instances that are neither hidden nor a backdrop, in world
-    /// space; [`Bounds::EMPTY`] without triangles. Where there is only a backdrop, its box counts.
+    /// space; [`Bounds::EMPTY`] without triangles. If there is only a backdrop, its box counts.
     pub fn bounds(&self) -> Bounds {
         InstanceBounds::of(self).all(self)
     }
@@ -125,8 +125,9 @@ impl Scene {
         bounds
     }
 
-    /// Whether the colours of the scene are what a screen shows, as in scenes for VXCT: some light has an
-    /// [`Attenuation`](crate::Attenuation), or the scene has a grid of its own and no lights.
+    /// Whether the colours of the scene are those of a screen, as in scenes for VXCT: some light
+    /// has an [`Attenuation`](crate::Attenuation), or the scene has a grid of its own and no
+    /// lights.
     pub fn has_display_values(&self) -> bool {
         let has_no_lights = self.lights.is_empty() && self.grid_bounds.is_some();
         has_no_lights || self.lights.iter().any(|light| light.attenuation.is_some())
@@ -137,8 +138,7 @@ impl Scene {
         self.grid_bounds.unwrap_or_else(|| self.bounds())
     }
 
-    /// The number of triangles that a renderer sees: each instance that is not hidden counts its
-    /// mesh's.
+    /// The number of triangles that are drawn: each instance that is not hidden counts its mesh's.
     pub fn triangle_count(&self) -> usize {
         self.shown()
             .filter_map(|instance| self.meshes.get(instance.mesh))
@@ -147,7 +147,7 @@ impl Scene {
     }
 
     /// Moves everything, lights and cameras included, by a rigid motion (rotation and translation;
-    /// scale would change distances to lights and so their meaning). The surroundings stay. The box
+    /// scale would change distances to lights and so their effect). The surroundings stay. The box
     /// of the voxels, whose axes are the world's, grows to hold its old content.
     pub fn transform(&mut self, rigid: Mat4) {
         if let Some(rig) = &mut self.rig {
@@ -170,7 +170,7 @@ impl Scene {
         }
     }
 
-    /// Turns everything that [`Scene::transform`] moves about the centre of the voxels' bounds:
+    /// Rotates everything that [`Scene::transform`] moves about the centre of the voxels' bounds:
     /// Euler angles in radians about x, y and z (intrinsic, in that order).
     ///
     /// Pictures from the scene's own cameras stay the same, except for the surroundings and for the

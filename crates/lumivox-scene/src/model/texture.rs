@@ -1,16 +1,17 @@
-//! Images and how they are sampled.
+//! Images and their sampling.
 
 use glam::Affine2;
 
-/// Names one of [`Scene::textures`](super::Scene::textures), and where on it a vertex lies.
+/// Refers to one of [`Scene::textures`](super::Scene::textures), with the place of a vertex on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureRef {
     /// Index into [`Scene::textures`](super::Scene::textures).
     pub texture: usize,
-    /// Which of a mesh's texture coordinates to use: 0 is [`Mesh::uvs`](super::Mesh::uvs), 1 is
-    /// [`Mesh::uvs1`](super::Mesh::uvs1) (and `uvs` where a mesh has no second set). Default: 0.
+    /// The set of a mesh's texture coordinates: 0 is [`Mesh::uvs`](super::Mesh::uvs), 1 is
+    /// [`Mesh::uvs1`](super::Mesh::uvs1) (or `uvs` if a mesh has no second set). Default: 0.
     pub uv_set: u32,
-    /// From the mesh's coordinates to the image's (`KHR_texture_transform`). Default: none.
+    /// Transform from the mesh's coordinates to the image's (`KHR_texture_transform`). Default:
+    /// none.
     pub transform: Affine2,
 }
 
@@ -22,8 +23,8 @@ impl TextureRef {
     }
 }
 
-/// An image of 8 bits a channel. Whether the values are sRGB-encoded (colours) or linear (data,
-/// such as normals) is decided by the material's use, as in glTF.
+/// An image of 8 bits a channel. The material's use decides whether the values are sRGB-encoded
+/// (colours) or linear (data, such as normals), as in glTF.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// A name for lists and messages.

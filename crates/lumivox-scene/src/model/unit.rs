@@ -2,11 +2,11 @@
 
 use glam::{DVec3, Vec3};
 
-/// The vector at unit length; `None` where it has no direction.
+/// The vector at unit length; `None` if it has no direction.
 ///
-/// A vector that is of unit length except for rounding stays as it is, to the bit: normalising
-/// again would move its last digits about each time that a scene is saved and loaded. 1e-5 is some
-/// 80 units in the last place, more than the error of normalising itself.
+/// A vector that has unit length up to rounding stays as it is, to the bit: normalising again would
+/// change its last digits each time that a scene is saved and loaded. 1e-5 is some 80 units in the
+/// last place, more than the error of normalising itself.
 pub(crate) fn to_unit(v: Vec3) -> Option<Vec3> {
     // In f64, where no finite f32 vector's length overflows or vanishes.
     let wide = v.as_dvec3();

@@ -1,10 +1,10 @@
-//! The thing that a ray from the camera meets: which instance, which triangle, where.
+//! Finding what a ray from the camera meets: which instance, which triangle, where.
 //!
 //! Each mesh is kept once, in its local space, as runs of 32 triangles in the order of the file,
 //! which mostly follow one another on the surface; a hierarchy of boxes (`obvhs`) is built over the
-//! runs. A ray is brought into the space of each instance. So the memory is 24 bytes a triangle
-//! where triangles share vertices (85 where none does), 10 million triangles are ready in a second,
-//! and a scene that moves pays only for instances. Triangles are met in 64 bits (Möller and
+//! runs. A ray is transformed to the space of each instance. So the memory is 24 bytes a triangle
+//! if triangles share vertices (85 if none does), 10 million triangles are ready in a second, and a
+//! scene that moves only pays for its instances. Triangles are tested in 64 bits (Möller and
 //! Trumbore 1997, "Fast, minimum storage ray/triangle intersection").
 
 mod shape;
@@ -18,7 +18,7 @@ use shape::{Hit, Shape, Sides};
 
 /// The triangles of a scene, ready for rays: made once for each state of the scene, on the CPU.
 pub struct Picker {
-    /// A shape for each mesh; none where no instance shows it.
+    /// A shape for each mesh; `None` if no instance shows it.
     shapes: Vec<Option<Shape>>,
     placed: Vec<PlacedShape>,
 }
@@ -33,7 +33,7 @@ struct PlacedShape {
     sides: Sides,
 }
 
-/// The first thing that a ray meets.
+/// The first surface that a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pick {
     /// Index into [`Scene::instances`].
@@ -45,10 +45,10 @@ pub struct Pick {
     pub position: Vec3,
     /// The unit normal of the triangle's plane in the world, towards the ray's origin.
     pub normal: Vec3,
-    /// The unit normal interpolated between the vertices (without a normal texture), on the side
-    /// that is seen.
+    /// The unit normal interpolated between the vertices (without a normal texture), on the visible
+    /// side.
     pub shading_normal: Vec3,
-    /// From the ray's origin, m.
+    /// Distance from the ray's origin, m.
     pub distance_m: f32,
 }
 
@@ -59,9 +59,11 @@ impl std::fmt::Debug for Picker {
 }
 
 impl Picker {
-    /// Takes up a valid scene (see [`Scene::validate`]); it keeps copies of the triangles.
+    /// Makes a picker for a valid scene (see [`Scene::validate`]); it keeps copies of the
+    /// triangles.
     ///
-    /// 24 bytes a triangle; about a tenth of a second a million (debug build, one slow core).
+    /// Takes 24 bytes a triangle, and about a tenth of a second per million (debug build, one slow
+    /// core).
     pub fn new(scene: &Scene) -> Self {
         let mut is_shown = vec![false; scene.meshes.len()];
         let mut all = Vec::new();
@@ -92,9 +94,9 @@ impl Picker {
         Self { shapes, placed: all }
     }
 
-    /// The first surface on a ray that a picture shows: the backs of single-sided surfaces let it
-    /// pass, as they do in pictures. Holes of masks and glass do not: a pane or a leaf is met all
-    /// over. `direction` need not have unit length; with a zero direction nothing is met.
+    /// The first surface on a ray that a picture shows: rays pass the backs of single-sided
+    /// surfaces, as in pictures. They do not pass the holes of masks and glass: a pane or a leaf is
+    /// met everywhere. `direction` need not have unit length; with a zero direction nothing is met.
     ///
     /// Of surfaces in the same place, the one of the first instance counts.
     pub fn pick(&self, origin: Vec3, direction: Vec3) -> Option<Pick> {
@@ -120,7 +122,7 @@ impl Picker {
 }
 
 impl PlacedShape {
-    /// A hit in the words of the world.
+    /// Converts a hit to world space.
     fn tell(&self, shape: &Shape, hit: Hit, (origin, direction): (DVec3, DVec3)) -> Pick {
         let corners = shape
             .corners(hit.triangle)

@@ -8,13 +8,12 @@ use obvhs::ray::{Ray, RayHit};
 
 use crate::Mesh;
 
-/// Triangles in one leaf: boxes then take 1 byte a triangle, and a ray tests a few hundred
+/// Triangles of one leaf: boxes then take 1 byte a triangle, and a ray tests a few hundred
 /// triangles.
 const RUN: usize = 32;
-/// Half the edge of the space that boxes live in is 1; corners and rays are rounded to 1e-7 of
-/// that.
+/// Half the edge of the space of the boxes is 1; corners and rays are rounded to 1e-7 of that.
 const PADDING: f32 = 1e-5;
-/// A ray starts at most this far from the middle of that space, whose corners are sqrt(3) away.
+/// The farthest start of a ray from the middle of that space, whose corners are sqrt(3) away.
 const REACH: f64 = 2.0;
 
 /// The triangles of a mesh.
@@ -28,7 +27,7 @@ pub(super) struct Shape {
     half: f64,
 }
 
-/// Which triangles a ray meets, by their winding as seen from its origin.
+/// The sides of triangles that a ray meets, by their winding as seen from its origin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sides {
     Both,
@@ -36,23 +35,23 @@ pub(super) enum Sides {
     Clockwise,
 }
 
-/// Where a ray meets a triangle.
+/// The point at which a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Hit {
     pub(super) triangle: usize,
-    /// In units of the direction's length.
+    /// The distance in units of the direction's length.
     pub(super) distance: f64,
     /// Weights of the second and the third corner.
     weights: [f64; 2],
 }
 
 impl Shape {
-    /// `None` without triangles.
+    /// The shape of a mesh; `None` without triangles.
     pub(super) fn new(mesh: &Mesh) -> Option<Self> {
         let is_there = |corner: &usize| *corner < mesh.positions.len();
         let triangles: Vec<[u32; 3]> = mesh
             .triangles()
-            // A scene that has not been validated shall do no harm.
+            // An invalid scene must not do harm.
             .map(|triangle| if triangle.iter().all(is_there) { triangle } else { [0; 3] })
             .map(|triangle| triangle.map(|corner| corner as u32))
             .collect();
@@ -92,7 +91,7 @@ impl Shape {
         Some(Self { positions: mesh.positions.clone(), normals, triangles, bvh, center, half })
     }
 
-    /// The nearest triangle on a ray that is nearer than `limit`; of several in one place that of
+    /// The nearest triangle on a ray that is nearer than `limit`; of several in one place, that of
     /// the lowest number.
     pub(super) fn nearest(
         &self,
@@ -100,8 +99,8 @@ impl Shape {
         sides: Sides,
         limit: f64,
     ) -> Option<Hit> {
-        // In the space of the boxes, from a start near to them: 32 bits do there, however far the
-        // eye is.
+        // In the space of the boxes, from a start near them: 32 bits are enough there, however far
+        // the eye is.
         let length = direction.length() / self.half;
         let towards = direction.try_normalize()?;
         let from = (origin - self.center) / self.half;
@@ -111,7 +110,7 @@ impl Shape {
         if reach < 0.0 || !start.is_finite() {
             return None;
         }
-        // A little more than the distance: rounding must not part equals.
+        // A little more than the distance: rounding must not separate equals.
         let bounded = |reach: f64| (reach * (1.0 + 1e-6) + f64::from(PADDING)) as f32;
         let ray = Ray::new(start, towards.as_vec3a(), 0.0, bounded(reach));
         let mut nearest: Option<Hit> = None;
@@ -164,7 +163,7 @@ impl Shape {
         self.triangles[triangle].map(|corner| self.positions[corner as usize].as_dvec3())
     }
 
-    /// The normal between the vertices; zero without any.
+    /// The normal interpolated between the vertices; zero without normals.
     pub(super) fn normal(&self, hit: Hit) -> Vec3 {
         let [second, third] = hit.weights.map(|weight| weight as f32);
         let [a, b, c] = self.triangles[hit.triangle]

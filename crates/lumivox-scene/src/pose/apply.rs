@@ -1,4 +1,4 @@
-//! Brings a pose into the scene.
+//! Applies a pose to the scene.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -81,12 +81,12 @@ impl Rig {
         });
     }
 
-    /// Moves everything from now on, in addition.
+    /// Adds a transform to everything from now on.
     pub(crate) fn transform(&mut self, world_from_world: Mat4) {
         self.world_from_file = world_from_world * self.world_from_file;
     }
 
-    /// One of the scene's instances is taken out of its list.
+    /// Follows the removal of one of the scene's instances.
     pub(crate) fn forget_instance(&mut self, index: usize) {
         if index < self.shown.len() {
             self.shown.remove(index);
@@ -144,8 +144,7 @@ fn deform(
     Ok(())
 }
 
-/// Brings the scene's first instances up to date. As long as the same ones are visible they stay
-/// in place.
+/// Updates the scene's first instances. As long as the same ones are visible they stay in place.
 fn place_instances(
     rig: &mut Rig,
     parts: &Parts,
@@ -173,7 +172,7 @@ fn place_instances(
     }
     if !visible.iter().map(|v| v.0).eq(rig.shown.iter().copied()) {
         let others = scene.instances.split_off(rig.shown.len().min(scene.instances.len()));
-        // Instances that stay in sight stay as they were marked since loading.
+        // Instances that stay visible keep their marks.
         let mut marked = rig.shown.iter().zip(&scene.instances).peekable();
         let again = visible.iter().map(|&(i, mesh, world_from_local)| {
             while marked.next_if(|(shown, _)| **shown < i).is_some() {}

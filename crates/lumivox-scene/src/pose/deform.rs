@@ -2,15 +2,15 @@
 //!
 //! Each target adds its displacements times its weight. Then each vertex is moved by the weighted
 //! mean of its joints' matrices M: positions by M, tangents by M's linear part, normals by the
-//! inverse transpose of it. That is M's cofactors over its determinant, of which only the sign
-//! matters for a direction: cofactors exist for flattening matrices, too. Tangents are made
-//! orthogonal to their normals again.
+//! inverse transpose of that. The inverse transpose is M's cofactors over its determinant, of which
+//! only the sign matters for a direction: cofactors exist for flattening matrices, too. Tangents
+//! are made orthogonal to their normals again.
 //!
 //! Meshes whose file has no normals are flat: each triangle has its own three vertices, one after
 //! the other, and gets the normal of its deformed plane.
 //!
-//! Where M mirrors, triangles are turned round, so that their fronts stay their fronts, and the
-//! signs of their bitangents with them.
+//! If M mirrors, the triangles' winding is reversed, so that their fronts stay their fronts, and
+//! the signs of their bitangents with it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -22,7 +22,7 @@ use crate::model::any_tangent;
 use crate::validate::has_area;
 
 /// Vertices that one thread takes at a time; a multiple of three, so that flat triangles stay
-/// together. Some 200 kB of data: it fits the caches.
+/// together. About 200 kB of data, which fits the caches.
 const CHUNK: usize = 3 << 10;
 
 /// One of the scene's meshes, and the joints and targets that move its vertices.
@@ -52,12 +52,12 @@ pub(crate) struct Base {
     pub(crate) is_flat: bool,
 }
 
-/// The vertices that a morph target displaces; all others stay.
+/// The vertices that a morph target displaces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Target {
-    /// Growing.
+    /// Vertex numbers, rising.
     pub(crate) vertices: Vec<u32>,
-    /// One a vertex of those.
+    /// One displacement for each of those vertices.
     pub(crate) positions: Vec<Vec3>,
     /// As many or none.
     pub(crate) normals: Vec<Vec3>,
@@ -65,18 +65,18 @@ pub(crate) struct Target {
     pub(crate) tangents: Vec<Vec3>,
 }
 
-/// Which joints each vertex follows, and how much.
+/// The joints that each vertex follows, with weights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Influences {
-    /// How many each vertex has; those that it does not need weigh nothing.
+    /// The number for each vertex; unused ones have no weight.
     pub(crate) per_vertex: usize,
     /// Indices into the skin's joints.
     pub(crate) joints: Vec<u16>,
-    /// At least 0; one for a vertex in sum.
+    /// At least 0; their sum is one for each vertex.
     pub(crate) weights: Vec<f32>,
 }
 
-/// A piece of the mesh in the making.
+/// A piece of the mesh being made.
 struct Chunk<'a> {
     /// The number of its first vertex.
     first: usize,
@@ -86,8 +86,8 @@ struct Chunk<'a> {
 }
 
 impl Deformed {
-    /// Writes the deformed vertices and the triangles that have an area into `mesh`; `false` where
-    /// a number overflows. `joints` holds a matrix for each joint of the skin.
+    /// Writes the deformed vertices and the triangles that have an area into `mesh`; `false` if a
+    /// number overflows. `joints` holds a matrix for each joint of the skin.
     pub(super) fn deform(
         &self,
         weights: &[f32],
@@ -183,7 +183,7 @@ impl Deformed {
             let sign = if determinant < 0.0 { -1.0 } else { 1.0 };
             let normal = Vec3A::from(chunk.normals[vertex]);
             let turned = Vec3::from(cofactors * normal * sign);
-            // A bone of no size leaves no direction; its triangles have no area either.
+            // A bone without size leaves no direction; its triangles have no area either.
             let normal = unit_or(turned, chunk.normals[vertex]);
             let tangent = chunk.tangents[vertex];
             let along = Vec3::from(linear * Vec3A::from(tangent.truncate()));
@@ -220,7 +220,7 @@ impl Deformed {
         cofactors(self.matrix(joints, vertex).matrix3).1 < 0.0
     }
 
-    /// Turns triangles round most of whose corners are mirrored.
+    /// Reverses triangles most of whose corners are mirrored.
     fn turn_mirrored(&self, joints: &[Affine3A], mesh: &mut Mesh) {
         mesh.indices.par_chunks_exact_mut(3).for_each(|triangle| {
             let corners = triangle.iter().filter(|&&v| self.mirrors(joints, v as usize)).count();
@@ -248,8 +248,8 @@ fn cofactors(m: Mat3A) -> (Mat3A, f32) {
     if largest.is_normal() { plain(m * largest.recip()) } else { (cofactors, 0.0) }
 }
 
-/// Gives each three vertices the normal of their plane; the other way round where `is_mirrored`
-/// says so of a vertex's number. Triangles without area keep theirs.
+/// Gives each three vertices the normal of their plane, reversed if `is_mirrored` says so for a
+/// vertex's number. Triangles without area keep theirs.
 fn flatten(chunk: &mut Chunk<'_>, is_mirrored: impl Fn(usize) -> bool) {
     let corners = chunk.positions.chunks_exact(3).zip(chunk.normals.chunks_exact_mut(3));
     for (i, (positions, normals)) in corners.enumerate() {
@@ -287,7 +287,7 @@ fn orthogonal(tangent: Vec4, normal: Vec3) -> Vec4 {
     any_tangent(normal).truncate().extend(tangent.w)
 }
 
-/// Removes the triangles that have no area at this time.
+/// Removes the triangles without area at this time.
 fn drop_flat(mesh: &mut Mesh) {
     let positions = &mesh.positions;
     let is_seen = |t: &[u32]| has_area_fast([t[0], t[1], t[2]].map(|i| positions[i as usize]));

@@ -1,4 +1,4 @@
-//! Poses: the places of everything at a time of an animation.
+//! Poses: the scene at a time of an animation.
 //!
 //! A scene from a file with animations keeps a [`Rig`]: the tree of nodes, the channels that move
 //! them, the meshes that bones and morph targets deform, and the things on each node.
@@ -38,16 +38,16 @@ pub(crate) use sampler::{Interpolation, Track};
 pub struct AnimationInfo {
     /// Its name in the file, or its number.
     pub name: String,
-    /// From 0 to the last key, in seconds.
+    /// The duration from 0 to the last key, in seconds.
     pub duration_s: f32,
 }
 
-/// Which animation [`Scene::pose`] plays.
+/// The animation that [`Scene::pose`] plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AnimationChoice {
     /// The one of this number in [`Scene::animations`].
     One(usize),
-    /// All at once. Where two move the same, the later one in the list counts.
+    /// All at once. If two move the same property, the later one in the list counts.
     All,
 }
 
@@ -57,7 +57,7 @@ pub struct Rig {
     parts: Arc<Parts>,
     /// The product of all calls of [`Scene::transform`] since loading.
     world_from_file: Mat4,
-    /// Which of the parts' instances the scene's first instances are; the others are hidden.
+    /// The parts' instances that are the scene's first instances; the others are hidden.
     shown: Vec<usize>,
 }
 
@@ -72,7 +72,7 @@ impl std::fmt::Debug for Rig {
 }
 
 impl Scene {
-    /// Whether poses change meshes, and not only places.
+    /// Whether poses change meshes, and not only transforms.
     pub fn is_deformed(&self) -> bool {
         self.rig.as_ref().is_some_and(|rig| !rig.parts.deformed.is_empty())
     }
@@ -85,24 +85,24 @@ impl Scene {
             .collect()
     }
 
-    /// Shows the scene as it is `time_s` seconds into an animation. Times before 0 show its start,
-    /// times beyond its duration its end; nothing repeats.
+    /// Shows the scene `time_s` seconds into an animation. Times before 0 show its start, times
+    /// beyond its duration its end; nothing repeats.
     ///
     /// Changes transforms and meshes of instances, places of lights and cameras, and positions,
     /// normals, tangents and triangles of meshes that bones or morph targets deform. Everything
-    /// that the animation does not move is as the file stores it. An instance whose transform is
-    /// flat at that time, or whose triangles are, is left out of [`Scene::instances`] for as long.
-    /// Meshes keep their numbers; one without a visible triangle stays in the list, empty.
+    /// that the animation does not move is as in the file. An instance whose transform or whose
+    /// triangles are flat at that time is left out of [`Scene::instances`] for as long. Meshes keep
+    /// their numbers; one without a visible triangle stays in the list, empty.
     ///
     /// The rig's instances, lights and cameras are the first of their lists: append others behind
-    /// them, and posing does not touch those. Without a rig there is nothing to move:
+    /// them, and posing does not change those. Without a rig nothing moves:
     /// [`AnimationChoice::All`] then does nothing.
     ///
     /// # Errors
     /// [`SceneError::UnknownAnimation`] for a number beyond the list, [`SceneError::OutOfRange`]
-    /// for a time that is not a number, [`SceneError::NotFinite`] where transforms overflow, and
-    /// [`SceneError::NothingAtTime`] where no triangle is left. After the last two the scene must
-    /// be posed again before it is used.
+    /// for a NaN time, [`SceneError::NotFinite`] if transforms overflow, and
+    /// [`SceneError::NothingAtTime`] if no triangle is left. After the last two the scene must be
+    /// posed again before it is used.
     pub fn pose(&mut self, animation: AnimationChoice, time_s: f32) -> Result<(), SceneError> {
         apply::pose(self, animation, time_s)
     }

@@ -1,23 +1,24 @@
-//! Puts lights and cameras at the places of their nodes.
+//! Moves lights and cameras to their nodes.
 
 use glam::{Mat4, Vec3};
 
 use crate::model::to_unit;
 use crate::{Camera, Light};
 
-/// A direction of a node in the world; `None` where a scale of zero leaves none.
+/// A direction of a node in the world; `None` if a scale of zero leaves none.
 fn direction(world_from_node: Mat4, local: Vec3) -> Option<Vec3> {
     to_unit(world_from_node.transform_vector3(local))
 }
 
-/// Scale does not act on lights, the way of -z does (`KHR_lights_punctual`).
+/// Places a light. Scale does not act on lights, but the direction of -z does
+/// (`KHR_lights_punctual`).
 pub(crate) fn place_light(light: &mut Light, world_from_node: Mat4) {
     light.position = world_from_node.w_axis.truncate();
     light.direction = direction(world_from_node, Vec3::NEG_Z).unwrap_or(Vec3::NEG_Z);
 }
 
-/// A camera looks along its node's -z, with +y at the top (glTF 2.0, section 3.10.2). Where a scale
-/// of zero leaves no direction, the world's is used instead, and the result is `false`.
+/// Places a camera, which looks along its node's -z, with +y at the top (glTF 2.0, section 3.10.2).
+/// If a scale of zero leaves no direction, the world's is used instead, and the result is `false`.
 pub(crate) fn place_camera(camera: &mut Camera, world_from_node: Mat4) -> bool {
     camera.position = world_from_node.w_axis.truncate();
     let axes = (direction(world_from_node, Vec3::NEG_Z), direction(world_from_node, Vec3::Y));

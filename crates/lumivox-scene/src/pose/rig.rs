@@ -9,12 +9,12 @@ use super::deform::Deformed;
 use super::sampler::Track;
 use crate::Instance;
 
-/// All that posing needs and never changes.
+/// All data of posing that never changes.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Parts {
-    /// For messages.
+    /// The file's name, for messages.
     pub(crate) file: PathBuf,
-    /// Parents come before their children.
+    /// The nodes; parents come before their children.
     pub(crate) nodes: Vec<Node>,
     pub(crate) animations: Vec<Animation>,
     pub(crate) skins: Vec<Skin>,
@@ -29,20 +29,20 @@ pub(crate) struct Parts {
 /// A node of the tree.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Node {
-    /// For messages.
+    /// Its name, for messages.
     pub(crate) name: Arc<str>,
-    /// Stands before this one.
+    /// Its parent, which comes before it.
     pub(crate) parent: Option<usize>,
-    /// Its transform while nothing moves it.
+    /// Its transform at rest.
     pub(crate) rest: Local,
-    /// How strongly its mesh's morph targets act while nothing moves them; empty without targets.
+    /// The weights of its mesh's morph targets at rest; empty without targets.
     pub(crate) weights: Vec<f32>,
 }
 
 /// A node's transform to its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Local {
-    /// One that cannot be animated.
+    /// A matrix, which cannot be animated.
     Matrix(Mat4),
     /// Scale, then rotation (a unit quaternion), then translation.
     Parts { translation: Vec3, rotation: Quat, scale: Vec3 },
@@ -93,7 +93,7 @@ pub(crate) struct Skin {
     pub(crate) joint_from_mesh: Vec<Mat4>,
 }
 
-/// An instance and the node that it hangs on.
+/// An instance and its node.
 #[expect(clippy::struct_excessive_bools, reason = "as the scene's instances have them")]
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Placed {
@@ -106,24 +106,24 @@ pub(crate) struct Placed {
     /// that never happens has no mesh.
     pub(crate) meshes: [Option<usize>; 2],
     pub(crate) material: usize,
-    /// Neither an animation nor the file itself says that it moves.
+    /// Whether neither an animation nor the file itself moves it.
     pub(crate) is_static: bool,
-    /// The file does not say that it is not to be in the voxels.
+    /// Whether the file leaves it in the voxels.
     pub(crate) is_voxelized: bool,
-    /// The file says that it is not to be seen.
+    /// Whether the file hides it.
     pub(crate) is_hidden: bool,
-    /// The file says that it belongs to the surroundings.
+    /// Whether the file marks it as surroundings.
     pub(crate) is_backdrop: bool,
 }
 
 impl Placed {
-    /// From the mesh to the file's root.
+    /// The transform from the mesh to the file's root.
     pub(crate) fn file_from_local(&self, file_from_node: &[Mat4]) -> Mat4 {
         let file_from_node = self.node.map_or(Mat4::IDENTITY, |node| file_from_node[node]);
         self.node_from_local.map_or(file_from_node, |local| file_from_node * local)
     }
 
-    /// The scene's instance, as the file marks it.
+    /// The scene's instance, with the file's marks.
     pub(crate) fn instance(&self, mesh: usize, world_from_local: Mat4) -> Instance {
         Instance {
             name: self.name.to_string(),
@@ -146,7 +146,7 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
-    /// As the file stores the nodes.
+    /// The nodes as the file stores them.
     pub(crate) fn rest(nodes: &[Node]) -> Self {
         Self {
             local: nodes.iter().map(|node| node.rest).collect(),
@@ -174,7 +174,7 @@ impl Pose {
         }
     }
 
-    /// From each node to the file's root; or the first node where that overflows.
+    /// The transforms from each node to the file's root; or the first node at which they overflow.
     pub(crate) fn file_from_node(&self, nodes: &[Node]) -> Result<Vec<Mat4>, usize> {
         let mut file_from_node: Vec<Mat4> = Vec::with_capacity(nodes.len());
         for (i, (node, local)) in nodes.iter().zip(&self.local).enumerate() {
@@ -238,7 +238,7 @@ pub(crate) fn handedness(nodes: &[Node], animations: &[Animation]) -> Vec<[bool;
     result
 }
 
-/// Whether each node moves at some time: itself or one above it.
+/// Whether each node moves at some time, by itself or by one above it.
 pub(crate) fn moving(nodes: &[Node], animations: &[Animation]) -> Vec<bool> {
     let mut moves = vec![false; nodes.len()];
     for channel in animations.iter().flat_map(|animation| &animation.channels) {

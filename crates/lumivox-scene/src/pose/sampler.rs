@@ -26,13 +26,13 @@ pub(crate) enum Interpolation {
 }
 
 impl Interpolation {
-    /// How many values each key stores.
+    /// The number of values that each key stores.
     pub(crate) fn values_per_key(self) -> usize {
         if self == Self::CubicSpline { 3 } else { 1 }
     }
 }
 
-/// Key frames of one property. The numbers are shared, since many channels may name the same.
+/// Key frames of one property. The numbers are shared, since many channels may use the same.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Track {
     /// Seconds, at least one, never falling.
@@ -44,16 +44,16 @@ pub(crate) struct Track {
     pub(crate) interpolation: Interpolation,
 }
 
-/// Where a time lies among the keys.
+/// The place of a time among the keys.
 enum Place {
     At(usize),
-    /// Behind a key by a share of the way to the next, which is some seconds long.
+    /// Behind a key, by a share of the way to the next, which takes some seconds.
     Behind(usize, f32, f32),
 }
 
 impl Track {
     fn place(&self, time_s: f32) -> Place {
-        // The first key that lies later: of several at the same time the last one counts.
+        // The first later key: of several at the same time the last one counts.
         let next = self.times_s.partition_point(|&key| key <= time_s);
         let Some(key) = next.checked_sub(1) else { return Place::At(0) };
         if next == self.times_s.len() || self.interpolation == Interpolation::Step {

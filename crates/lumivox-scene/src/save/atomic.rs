@@ -1,21 +1,22 @@
-//! A file that is there as a whole or not at all.
+//! Writing a file as a whole or not at all.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-/// Writes a file under a temporary name in the folder of `path`, and renames it when all of it is on the
-/// disk: whoever looks finds the old file or the whole new one.
+/// Writes a file under a temporary name in the folder of `path`, and renames it when all of it is
+/// on the disk: a reader finds the old file or the whole new one.
 ///
 /// # Errors
-/// What `write` or the system says; then the old file is still there, and nothing else.
+/// The error of `write` or of the system; then the old file is still there, and nothing else.
 pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> std::io::Result<()>,
 ) -> std::io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut builder = tempfile::Builder::new();
-    // Made here, it has the permissions of every new file: the crate's own are the user's private ones.
+    // Made here, it has the permissions of every new file; `tempfile`'s own are private to the
+    // user.
     let file =
         builder.prefix(".").suffix(".part").make_in(folder, |name| File::create_new(name))?;
     let mut out = BufWriter::with_capacity(1 << 20, file.as_file());

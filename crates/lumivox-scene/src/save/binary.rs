@@ -1,9 +1,9 @@
-//! The file's only buffer: lists that stay where they are until they are written.
+//! The file's only buffer: lists that stay in place until they are written.
 //!
-//! A scene may hold gigabytes, so the buffer is never put together in memory: a view borrows its list
-//! and turns it into bytes block by block, first to be hashed, at last to be written. Lists that give
-//! the same bytes share one view: the mirrored copies that the loader makes of meshes, and meshes
-//! that carry several materials, cost the file nothing.
+//! A scene may hold gigabytes, so the buffer is never put together in memory: a view borrows its
+//! list and converts it to bytes block by block, first to be hashed, at last to be written. Lists
+//! with the same bytes share one view: the mirrored copies that the loader makes of meshes, and
+//! meshes that have several materials, take no space in the file.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hasher};
@@ -14,7 +14,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use crate::model::any_tangent;
 
-/// Something that becomes bytes, little-endian (glTF 2.0, section 3.6.2.2).
+/// Data that is converted to bytes, little-endian (glTF 2.0, section 3.6.2.2).
 pub(super) enum Source<'a> {
     /// As they are.
     Bytes(Vec<u8>),
@@ -32,11 +32,11 @@ pub(super) enum Source<'a> {
     Texels(&'a [[f32; 3]]),
 }
 
-/// Elements that are turned into bytes at once; a multiple of three keeps triangles whole.
+/// Elements converted at once; a multiple of three keeps triangles whole.
 const BLOCK: usize = 3 << 12;
 
 impl Source<'_> {
-    /// How many elements there are: vectors, numbers, bytes.
+    /// The number of elements: vectors, numbers, bytes.
     fn elements(&self) -> usize {
         match self {
             Self::Bytes(bytes) => bytes.len(),
@@ -129,8 +129,8 @@ impl Source<'_> {
     }
 }
 
-/// A tangent as glTF wants it: of some length, its sign one. What has no direction becomes what the
-/// loader would put in its place.
+/// A tangent as glTF requires it: of some length, its sign one. A tangent without direction becomes
+/// the one that the loader would set.
 pub(super) fn tangent(tangent: Vec4, normal: Vec3, turned: bool) -> Vec4 {
     let sign = if (tangent.w < 0.0) == turned { 1.0 } else { -1.0 };
     let direction = tangent.truncate();
@@ -140,10 +140,10 @@ pub(super) fn tangent(tangent: Vec4, normal: Vec3, turned: bool) -> Vec4 {
     direction.extend(sign)
 }
 
-/// What a view is for (glTF 2.0, section 5.11.5).
+/// The use of a view (glTF 2.0, section 5.11.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Target {
-    /// No vertex data: an image, for one.
+    /// No vertex data, such as an image.
     None,
     /// Vertex attributes.
     Vertices,
@@ -151,11 +151,11 @@ pub(super) enum Target {
     Indices,
 }
 
-/// A stretch of the buffer.
-pub(super) struct View<'a> {
+/// A range of the buffer.
+pub(super) struct BufferView<'a> {
     source: Source<'a>,
     pub(super) target: Target,
-    /// Where it begins; a multiple of four.
+    /// Its start; a multiple of four.
     pub(super) offset: u64,
     /// Without padding.
     pub(super) bytes: u64,
@@ -164,14 +164,14 @@ pub(super) struct View<'a> {
 /// The buffer.
 #[derive(Default)]
 pub(super) struct Binary<'a> {
-    pub(super) views: Vec<View<'a>>,
+    pub(super) views: Vec<BufferView<'a>>,
     pub(super) known: HashMap<(u64, Target), Vec<usize>>,
-    /// The length of all, a multiple of four.
+    /// The length of all views, a multiple of four.
     pub(super) bytes: u64,
 }
 
 impl<'a> Binary<'a> {
-    /// The view of these bytes, a new one only where none holds the same.
+    /// The view of these bytes; a new one if none holds the same.
     pub(super) fn view(&mut self, source: Source<'a>, target: Target) -> usize {
         let twins = self.known.entry((source.hash(), target)).or_default();
         if let Some(&twin) = twins.iter().find(|&&i| self.views[i].source.same_bytes(&source)) {
@@ -179,7 +179,7 @@ impl<'a> Binary<'a> {
         }
         twins.push(self.views.len());
         let bytes = source.bytes();
-        self.views.push(View { source, target, offset: self.bytes, bytes });
+        self.views.push(BufferView { source, target, offset: self.bytes, bytes });
         self.bytes += bytes.next_multiple_of(4);
         self.views.len() - 1
     }

@@ -15,7 +15,7 @@ const HEADER_BYTES: u64 = 12;
 const CHUNK_HEADER_BYTES: u64 = 8;
 
 impl<'a> Container<'a> {
-    /// Fails with the length where it does not fit the format's 32 bits.
+    /// Fails with the length if it does not fit the format's 32 bits.
     pub(super) fn new(mut json: String, binary: Binary<'a>) -> Result<Self, u64> {
         // Chunks end at multiples of four; JSON is padded with spaces.
         let padding = json.len().next_multiple_of(4) - json.len();

@@ -7,16 +7,16 @@ use serde_json::{Map, Value, json};
 
 use super::binary::{Binary, Source, Target};
 
-/// A glTF document in the making.
+/// A glTF document being written.
 ///
-/// Entries become text at once: that is a tenth of the memory that a tree of values takes, and equal
+/// Entries become text at once: that takes a tenth of the memory of a tree of values, and equal
 /// text is how equal entries are found.
 #[derive(Default)]
 pub(super) struct Document<'a> {
     lists: BTreeMap<&'static str, List>,
     extensions: BTreeSet<&'static str>,
     pub(super) binary: Binary<'a>,
-    /// The names of the scene's nodes' numbers end here; they are all roots.
+    /// The scene's entry; the numbers of its nodes, all roots, are added at the end.
     pub(super) scene: Map<String, Value>,
 }
 
@@ -33,7 +33,7 @@ impl<'a> Document<'a> {
         self.lists.entry(list).or_default().push(&entry.to_string())
     }
 
-    /// The same, unless the list has an entry like this already.
+    /// The same, unless the list already has an equal entry.
     pub(super) fn push_once(&mut self, list: &'static str, entry: &Value) -> usize {
         let list = self.lists.entry(list).or_default();
         let text = entry.to_string();
@@ -50,8 +50,8 @@ impl<'a> Document<'a> {
         self.extensions.insert(extension);
     }
 
-    /// An accessor of all of `source`; `kind` is its type (`VEC3`), `component` its component type's
-    /// number, `more` what else it says.
+    /// An accessor of all of `source`; `kind` is its type (`VEC3`), `component` its component
+    /// type's number, `more` its other properties.
     pub(super) fn accessor(
         &mut self,
         source: Source<'a>,
@@ -70,7 +70,7 @@ impl<'a> Document<'a> {
         self.push_once("accessors", &accessor)
     }
 
-    /// The whole as text.
+    /// The document as text.
     pub(super) fn json(mut self) -> (String, Binary<'a>) {
         for view in &self.binary.views {
             let mut json =
@@ -131,9 +131,9 @@ impl List {
 
 /// A number that reads back to the same `f32`, bit by bit, and as short as that allows.
 ///
-/// JSON numbers are read as f64 and rounded from there. The shortest digits of an f32 are short enough
-/// for a reader to be off by an f64 neighbour or two without harm, in all but unlucky cases; those get
-/// the digits of the f64.
+/// JSON numbers are read as f64 and rounded from there. The shortest digits of an f32 are short
+/// enough that a reader's error of an f64 neighbour or two does no harm, except in unlucky cases;
+/// those get the digits of the f64.
 pub(super) fn number(value: f32) -> Value {
     let exact = f64::from(value);
     let short: f64 = value.to_string().parse().unwrap_or(exact);
@@ -142,12 +142,12 @@ pub(super) fn number(value: f32) -> Value {
     json!(if safe { short } else { exact })
 }
 
-/// [`number`] for each.
+/// [`number`] for each value.
 pub(super) fn numbers(values: &[f32]) -> Value {
     values.iter().map(|&v| number(v)).collect()
 }
 
-/// What glTF has no words for, under this project's name in an entry's `extras`.
+/// Writes what glTF cannot express, under this project's name in an entry's `extras`.
 pub(super) fn own_extras(entry: &mut Map<String, Value>, own: &Map<String, Value>) {
     if !own.is_empty() {
         entry.insert("extras".to_owned(), json!({ crate::EXTRAS: own }));

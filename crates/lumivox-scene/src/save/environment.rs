@@ -1,4 +1,4 @@
-//! The surroundings and the box of the voxels, of which glTF knows nothing: all of them go to the scene's
+//! The surroundings and the box of the voxels, which glTF cannot express: they go to the scene's
 //! extras.
 
 use serde_json::{Map, Value, json};

@@ -1,4 +1,4 @@
-//! Materials: the metallic-roughness core, and what extensions and extras add.
+//! Materials: the metallic-roughness core, and the additions of extensions and extras.
 
 use glam::{Vec3, Vec4};
 use serde_json::{Map, Value, json};
@@ -71,7 +71,7 @@ impl Writer<'_> {
                 own.insert("phong".to_owned(), exact);
             }
             Shading::Unlit(unlit) => {
-                // What the extension recommends to those who do not know it: rough, no metal.
+                // The extension's recommendation to programs without it: rough, not metallic.
                 let core = MetallicRoughness {
                     base_color: unlit.color,
                     base_color_texture: unlit.color_texture,
@@ -129,7 +129,7 @@ impl Writer<'_> {
         let mut specular = Object::default();
         specular.factor("specularFactor", m.specular, 1.0);
         specular.color("specularColorFactor", m.specular_color, Vec3::ONE);
-        // One image for both, as the model has it.
+        // One image for both, as in the model.
         self.map(&mut specular, "specularTexture", m.specular_texture);
         self.map(&mut specular, "specularColorTexture", m.specular_texture);
         if !specular.0.is_empty() {
@@ -142,8 +142,8 @@ impl Writer<'_> {
         }
     }
 
-    /// glTF's emission is a factor up to 1 times a strength. A strength that is a power of two leaves
-    /// the factor's digits alone.
+    /// glTF's emission is a factor up to 1 times a strength. A strength that is a power of two
+    /// leaves the factor's digits unchanged.
     fn emission(
         &mut self,
         material: &Material,
@@ -165,7 +165,7 @@ impl Writer<'_> {
         self.map(json, "emissiveTexture", material.emissive_texture);
     }
 
-    /// A reference to a texture where there is one.
+    /// Writes a reference to a texture if there is one.
     pub(super) fn map(&mut self, object: &mut Object, key: &str, texture: Option<TextureRef>) {
         if let Some(texture) = texture {
             let info = self.texture_info(texture);
@@ -184,12 +184,12 @@ impl Writer<'_> {
     }
 }
 
-/// Whether anything but the colour counts.
+/// Whether the material is lit, so that more than its colour counts.
 pub(super) fn takes_light(material: &Material) -> bool {
     !matches!(material.shading, Shading::Unlit(_))
 }
 
-/// The textures that are written of a material.
+/// The textures of a material that are written.
 pub(super) fn textures(material: &Material) -> Vec<TextureRef> {
     match &material.shading {
         Shading::Unlit(unlit) => unlit.color_texture.into_iter().collect(),
@@ -206,10 +206,11 @@ pub(super) fn power_of_two_above(value: f32) -> f32 {
     power
 }
 
-/// What other programs see of a Phong material, and the loader reads most of it back from: the lobe
-/// `cos^n` is about as wide as a microfacet distribution of `alpha^2 = 2 / (n + 2)` (Walter, Marschner,
-/// Li and Torrance 2007, "Microfacet models for refraction through rough surfaces", section 5.2), and
-/// its colour is the reflectance at normal incidence, for which the index of refraction is 0.
+/// The substitute for a Phong material in other programs, from which the loader restores most of
+/// it: the lobe `cos^n` is about as wide as a microfacet distribution of `alpha^2 = 2 / (n + 2)`
+/// (Walter, Marschner, Li and Torrance 2007, "Microfacet models for refraction through rough
+/// surfaces", section 5.2), and its colour is the reflectance at normal incidence, for which the
+/// index of refraction is 0.
 fn stand_in(phong: &Phong) -> MetallicRoughness {
     let alpha = (2.0 / (phong.shininess + 2.0)).sqrt();
     MetallicRoughness {

@@ -18,8 +18,8 @@ const UNSIGNED_INT: u32 = 5125;
 const LAST_SHORT: u32 = 65_534;
 
 impl<'a> Writer<'a> {
-    /// The file's mesh of one primitive for a scene's mesh with a material. The loader turns the winding
-    /// where a transform mirrors, so it is turned back here.
+    /// The file's mesh of one primitive for a scene's mesh with a material. The loader reverses the
+    /// winding if the transform mirrors, so it is reversed back here.
     pub(super) fn mesh(&mut self, mesh: usize, material: usize, mirrored: bool) -> usize {
         let (mesh, of) = (&self.scene.meshes[mesh], &self.scene.materials[material]);
         let attributes = self.attributes(mesh, of, mirrored);
@@ -73,7 +73,7 @@ impl<'a> Writer<'a> {
             add("TEXCOORD_0", "VEC2", Source::Vec2(&mesh.uvs), Value::Null);
         }
         if textures.iter().any(|reference| reference.uv_set == 1) {
-            // The first is what the second set means where there is none.
+            // The first set is what the second means if it is missing.
             let uvs = if mesh.uvs1.is_empty() { &mesh.uvs } else { &mesh.uvs1 };
             add("TEXCOORD_1", "VEC2", Source::Vec2(uvs), Value::Null);
         }
@@ -84,7 +84,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Whether the loader would make the same tangents by itself, where nothing needs better ones.
+/// Whether the loader would make the same tangents by itself, and nothing needs better ones.
 fn has_default_tangents(mesh: &Mesh, mirrored: bool) -> bool {
     mesh.tangents.iter().zip(&mesh.normals).all(|(&given, &normal)| {
         let written = tangent(given, normal, mirrored).to_array().map(f32::to_bits);

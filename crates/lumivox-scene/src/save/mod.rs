@@ -1,24 +1,24 @@
 //! Writes a scene as one glTF 2.0 binary (Khronos, "glTF 2.0 specification", 2021, section 4.4).
 //!
 //! **Nothing is lost on the way back.** Loaded again, the scene is the same, bit by bit: floats are
-//! written so that they read back exactly, images as PNG without loss. What glTF has no words for
-//! (Phong's exponent, lights' radii and fall-off, the environment, the box of the voxels, texture transforms with shear) is written twice:
-//! the nearest that other programs can show, and the exact value under `extras.lumivox`, which the
-//! loader prefers.
+//! written so that they read back exactly, images as losslessly compressed PNG. Whatever glTF
+//! cannot express (Phong's exponent, lights' radii and fall-off, the environment, the box of the
+//! voxels, texture transforms with shear) is written twice: the closest form that other programs
+//! can show, and the exact value under `extras.lumivox`, which the loader prefers.
 //!
-//! **One scene has one file.** Only what instances use is written, in the order of their first use, and
-//! equal things once; so saving what was loaded gives the same bytes, and the order of unused or
-//! repeated things in memory does not matter. What this *normal form* leaves out:
+//! **One scene has one file.** Only what instances use is written, in the order of its first use,
+//! and equal things once; so saving what was loaded gives the same bytes, and the order of unused
+//! or repeated things in memory does not matter. This *normal form* leaves out:
 //!
 //! - meshes, materials and textures that no instance uses, and instances of meshes without triangles;
 //! - the second of two equal meshes, samplers or textures;
-//! - the part of a camera's up that lies along its line of sight, and the scale of a normal texture
-//!   where there is none: they mean nothing;
-//! - second texture coordinates that the material does not ask for, and colours that are all white;
-//!   where the material asks and there are none the first are written, which is what is used then;
-//! - what an unlit material says of light: layers, emission, normals;
+//! - the part of a camera's up that is along its line of sight, and the scale of a missing normal
+//!   texture: they have no effect;
+//! - second texture coordinates that the material does not use, and colours that are all white; if
+//!   the material uses a missing second set, the first is written, which is what is used then;
+//! - the lighting of an unlit material: layers, emission, normals;
 //! - names beyond 80 characters, which loaders cut;
-//! - [`Scene::rig`]: the pose that is shown is written, and no animations;
+//! - [`Scene::rig`]: the present pose is written, and no animations;
 //! - [`Scene::name`], which is the file's, and notes and warnings.
 //!
 //! A transform with shear is written as it is, although glTF wants matrices to be products of
@@ -47,12 +47,12 @@ impl Scene {
     /// scene again, and which other programs read.
     ///
     /// The file is written under a temporary name in the same folder first and renamed at the end:
-    /// whoever looks finds the old file or the whole new one. Needs little memory beyond the scene's
+    /// a reader finds the old file or the whole new one. Needs little memory beyond the scene's
     /// own: that of its textures as PNG.
     ///
     /// # Errors
     /// [`SceneError::Write`] when the file cannot be written; then nothing is left behind.
-    /// [`SceneError::TooLarge`] beyond 4 GiB, and what [`Scene::validate`] would find wrong.
+    /// [`SceneError::TooLarge`] beyond 4 GiB, and the errors of [`Scene::validate`].
     pub fn save_glb(&self, path: impl AsRef<Path>) -> Result<(), SceneError> {
         let path = path.as_ref();
         let container = self.container(path)?;
@@ -63,7 +63,7 @@ impl Scene {
     /// The bytes of the file that [`Scene::save_glb`] writes.
     ///
     /// # Errors
-    /// As [`Scene::save_glb`], but for the disk.
+    /// As [`Scene::save_glb`], except for the disk.
     pub fn to_glb(&self) -> Result<Vec<u8>, SceneError> {
         let name = PathBuf::from(&self.name);
         let container = self.container(&name)?;
@@ -85,13 +85,13 @@ impl Scene {
     }
 }
 
-/// The state of writing one scene, whose indices are known to be right.
+/// The state of writing one scene with valid indices.
 struct Writer<'a> {
     scene: &'a Scene,
     document: Document<'a>,
-    /// From a scene's material to the file's.
+    /// The file's material for each of the scene's.
     materials: Vec<Option<usize>>,
-    /// From a scene's texture to the file's; those in use.
+    /// The file's texture for each used one of the scene's.
     textures: Vec<Option<usize>>,
 }
 

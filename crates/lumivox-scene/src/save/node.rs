@@ -1,4 +1,4 @@
-//! What stands where: instances, lights and cameras, each at a node of its own.
+//! Instances, lights and cameras, each at a node of its own.
 
 use glam::{DVec3, Mat4, Vec3};
 use serde_json::{Value, json};
@@ -23,7 +23,8 @@ impl Writer<'_> {
             let mesh = self.mesh(instance.mesh, instance.material, mirrored);
             let mut node = placed(&instance.name, instance.world_from_local);
             node.set("mesh", json!(mesh));
-            // What nothing moves is static unless it says otherwise, and animations are not saved.
+            // Things that nothing moves are static unless marked otherwise, and animations are not
+            // saved.
             let marks = [
                 ("static", instance.is_static, true),
                 ("voxelized", instance.is_voxelized, true),
@@ -59,19 +60,20 @@ impl Writer<'_> {
     }
 }
 
-/// A node.
+/// A node at a transform.
 fn placed(name: &str, world_from_local: Mat4) -> Object {
     let mut node = Object::default();
     node.set("name", json!(shorten(name)));
     if world_from_local != Mat4::IDENTITY {
-        // A zero less negative: multiplying by a parent's identity drops the sign.
+        // A negative zero becomes zero: multiplying by a parent's identity drops the sign.
         let matrix = world_from_local.to_cols_array().map(|x| x + 0.0);
         node.set("matrix", numbers(&matrix));
     }
     node
 }
 
-/// At a position with the -z axis along `forward` and y along `up`, both of unit length.
+/// The transform at a position with the -z axis along `forward` and y along `up`, both of unit
+/// length.
 fn looking(position: Vec3, forward: Vec3, up: Vec3) -> Mat4 {
     Mat4::from_cols(
         forward.cross(up).normalize().extend(0.0),
@@ -96,8 +98,8 @@ fn convert_light(light: &Light) -> Value {
         }
         LightKind::Point { intensity_cd, range_m } => ("point", intensity_cd, range_m),
         LightKind::Spot { intensity_cd, range_m, inner_angle_rad, outer_angle_rad } => {
-            // glTF wants at most pi/2, above which f32's own pi/2 lies, and an inner angle below the
-            // outer one. In f64 there is room for both; read as f32 they are what they were.
+            // glTF wants at most pi/2, above which f32's own pi/2 lies, and an inner angle below
+            // the outer one. In f64 there is room for both; read as f32 they are unchanged.
             let outer = f64::from(outer_angle_rad).min(std::f64::consts::FRAC_PI_2);
             let inner = f64::from(inner_angle_rad).min(outer * (1.0 - 1e-12));
             json.set("spot", json!({ "innerConeAngle": inner, "outerConeAngle": outer }));
@@ -108,7 +110,7 @@ fn convert_light(light: &Light) -> Value {
     if let Some(range_m) = range_m {
         json.set("range", number(range_m));
     }
-    // glTF's colours end at 1. A power of two moves to the intensity, where nothing is lost by it.
+    // glTF's colours end at 1. A power of two moves to the intensity, without loss.
     let scale = power_of_two_above(light.color.max_element());
     let (color, scaled) = (light.color / scale, intensity * scale);
     let exact = color * scale == light.color && (scaled / scale).to_bits() == intensity.to_bits();
@@ -134,14 +136,14 @@ fn convert_camera(camera: &Camera) -> Value {
 fn axes(camera: &Camera) -> (Vec3, Vec3) {
     let forward = to_unit(camera.forward).unwrap_or(Vec3::NEG_Z);
     let (f, u) = (forward.as_dvec3(), camera.up.as_dvec3());
-    // Rounding to f32 leaves some 1e-7; what is orthogonal already stays as it is.
+    // Rounding to f32 leaves some 1e-7; vectors that are orthogonal already stay as they are.
     if f.dot(u).abs() < 1e-6
         && let Some(up) = to_unit(camera.up)
     {
         return (forward, up);
     }
-    // Divided by the length squared, which rounding leaves beside 1: an up almost along the line of
-    // sight would show it.
+    // Divided by the length squared, which rounding leaves near 1: an up almost along the line of
+    // sight would show the difference.
     let up = (u - f * (f.dot(u) / f.length_squared())).try_normalize().map(DVec3::as_vec3);
     (forward, up.unwrap_or_else(|| forward.any_orthonormal_vector()))
 }

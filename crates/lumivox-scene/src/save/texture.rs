@@ -62,7 +62,7 @@ impl Writer<'_> {
                     Filter::Nearest => 9728,
                     Filter::Linear => 9729,
                 },
-                // With mip levels, as renderers here use them.
+                // With mip levels, as this project's renderer uses them.
                 "minFilter": match texture.sampler.minify {
                     Filter::Nearest => 9984,
                     Filter::Linear => 9987,
@@ -89,7 +89,7 @@ impl Writer<'_> {
     }
 }
 
-/// Offset, rotation and scale that come nearest, and where they are not all, the exact matrix too.
+/// The closest offset, rotation and scale; if they are not exact, the exact matrix too.
 fn texture_transform(transform: Affine2) -> Map<String, Value> {
     let (x, y) = (transform.matrix2.x_axis, transform.matrix2.y_axis);
     let (rotation, scale) = if x.y == 0.0 && y.x == 0.0 {

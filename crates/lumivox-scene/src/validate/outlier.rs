@@ -1,5 +1,5 @@
-//! A vertex far from all others, which makes a speck of the scene: everything is fitted to the
-//! bounds.
+//! A vertex far from all others, which makes the rest of the scene a speck: everything is fitted to
+//! the bounds.
 
 use std::fmt;
 
@@ -7,24 +7,24 @@ use glam::{DVec3, Vec3};
 
 use crate::{Mesh, Scene};
 
-/// Times the reach of nearly all of the scene, beyond which a vertex counts: then the rest lies
-/// within a single voxel of the finest grid that there is, 1024 along an axis.
+/// The distance of an outlier, in extents of nearly all of the scene: the rest is then within a
+/// single voxel of the finest grid, 1024 along an axis.
 const FAR: f64 = 1024.0;
-/// Corners that are looked at for where nearly all of the scene is.
+/// Corners that are sampled to find nearly all of the scene.
 const SAMPLES: usize = 4096;
 
-/// A vertex next to which the rest of the scene is too small to be seen.
+/// A vertex beside which the rest of the scene is too small to be seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outlier {
     /// The name of its mesh.
     pub mesh: String,
     /// Its number there, from 0.
     pub vertex: usize,
-    /// Where it lies in the world, m.
+    /// Its position in the world, m.
     pub position: Vec3,
     /// The middle of nearly all of the scene, m.
     pub center: Vec3,
-    /// How far that reaches from there along any axis at most, m.
+    /// The greatest distance of nearly all of the scene from there along any axis, m.
     pub reach_m: f64,
 }
 
@@ -41,9 +41,9 @@ impl fmt::Display for Outlier {
 }
 
 impl Scene {
-    /// The farthest vertex of a valid scene, if next to it nearly all else is smaller than a voxel
-    /// of any grid. Mostly it is a mistake of the export. None where the file itself gives the box
-    /// of the grid.
+    /// The farthest vertex of a valid scene, if nearly all else is smaller than a voxel of any grid
+    /// beside it. It is usually a mistake of the export. `None` if the file itself gives the box of
+    /// the grid.
     pub fn outlier(&self) -> Option<Outlier> {
         let count: usize = self.shapes().map(|(mesh, _)| mesh.indices.len()).sum();
         if self.grid_bounds.is_some() || count == 0 {
@@ -56,14 +56,14 @@ impl Scene {
             sample.iter().map(|position| distance(*position, center)).collect();
         distances.sort_unstable_by(f64::total_cmp);
         let usual = distances[distances.len() * 9 / 10];
-        // Most scenes are done with here.
+        // Most scenes end here.
         let bounds = self.bounds();
         let extent = (bounds.max.as_dvec3() - bounds.min.as_dvec3()).max_element();
         if extent <= FAR * usual {
             return None;
         }
 
-        // How many corners lie at distances up to each power of two; the first is for all below
+        // The number of corners at distances up to each power of two; the first is for all below
         // f32.
         let mut counts = [0_usize; 512];
         let mut farthest = (0.0, None);
@@ -74,7 +74,7 @@ impl Scene {
                 farthest = (far, Some((mesh, vertex, position)));
             }
         }
-        // One in a thousand may be strays, of small scenes a few more.
+        // One in a thousand may be strays; in small scenes a few more.
         let strays = (count / 1000).max(8.min(count / 8));
         let mut beyond = count;
         let reach = counts.iter().position(|within| {
@@ -100,7 +100,7 @@ impl Scene {
         })
     }
 
-    /// Every `step`th corner of each mesh: its vertex, and where that is in the world.
+    /// Every `step`th corner of each mesh: its vertex, and its position in the world.
     fn corners(&self, step: usize) -> impl Iterator<Item = (&Mesh, usize, DVec3)> {
         self.shapes().flat_map(move |(mesh, world_from_local)| {
             mesh.indices.iter().step_by(step).filter_map(move |&vertex| {

@@ -88,7 +88,7 @@ fn opacities_in_all_ways() {
         assert_eq!(material(&scene).alpha, AlphaMode::Blend);
     }
     assert_eq!(material(&with("d 1\nTr 0", &[])).alpha, AlphaMode::Opaque);
-    assert!(warns(&with("Tr 1", &[]), "taken for solid"));
+    assert!(warns(&with("Tr 1", &[]), "counts as opaque"));
 
     // A mask, of another size than the colour.
     let mask = png(2, 1, &[0, 0, 0, 255, 255, 255, 255, 255]);

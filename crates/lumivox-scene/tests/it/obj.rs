@@ -135,7 +135,7 @@ fn what_is_left_out_is_told() {
         "1 texture coordinates were not finite",
         "3 corners name texture coordinates that do not exist",
         "3 corners name normals that do not exist",
-        "3 normals of no direction",
+        "3 normals without a direction",
     ] {
         assert!(warns(&scene, words), "{words}: {:?}", scene.notes.warnings);
     }
@@ -186,13 +186,13 @@ fn broken_files_say_where() {
         ("f 1 2 -5\n", "a corner of line 5 is 5, but there are only 4 vertices"),
         ("f 1 2 99999999999999999999999\n", "there are only 4 vertices"),
         ("f 1 2 0\n", "counted from 1"),
-        ("f 1 2 x\n", "\"x\" is no corner"),
-        ("f 1 2 3/x\n", "\"3/x\" is no corner"),
+        ("f 1 2 x\n", "\"x\" is not a corner"),
+        ("f 1 2 3/x\n", "\"3/x\" is not a corner"),
         ("v 1 2\n", "2 numbers instead of 3"),
-        ("v 1 2 z\n", "\"z\" is no number"),
+        ("v 1 2 z\n", "\"z\" is not a number"),
         ("v 1 2 nan\n", "line 5 has a number that is not finite"),
         ("v 1 2 1e99\n", "line 5 has a number that is not finite"),
-        ("s smooth\n", "\"smooth\" is no smoothing group"),
+        ("s smooth\n", "\"smooth\" is not a smoothing group"),
         ("vn 1\n", "1 numbers instead of 3"),
     ] {
         let reason = fault(&format!("{ROOF}{text}"));

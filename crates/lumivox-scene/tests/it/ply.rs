@@ -230,7 +230,7 @@ fn broken_files_say_why() {
         ("3 0 1 -1", "negative"),
         ("3 0 1 99999999999", "too large"),
         ("3 0 1", "cut off"),
-        ("3 0 1 x", "\"x\" is no number"),
+        ("3 0 1 x", "\"x\" is not a number"),
         ("2 0 1", "cloud of 3 points"),
     ] {
         let reason = fault(plain(&points, &[face]).as_bytes());

@@ -193,7 +193,7 @@ fn invisible_nodes_hide_all_below_them() {
     assert_eq!(scene.triangle_count(), 1);
     assert!(scene.lights.is_empty());
     let warning = scene.notes.warnings.last().unwrap();
-    assert_eq!(warning, "child: its light was skipped, for it is hidden");
+    assert_eq!(warning, "child: its light was skipped, because it is hidden");
     let mut required = hierarchy();
     required.json["extensionsRequired"] = json!(["KHR_node_visibility"]);
     assert_eq!(required.load().unwrap().instances.len(), 2);

@@ -11,13 +11,13 @@ use crate::listener::Listener;
 use crate::types::{FrameReport, StageMs};
 
 impl Session {
-    /// Renders one frame more and shows it.
+    /// Renders one more frame and shows it.
     ///
     /// # Errors
     /// When a change is refused, or the device fails.
     pub async fn render(&mut self) -> Result<FrameReport, WebError> {
         let start = Instant::now();
-        self.let_time_go()?;
+        self.advance_time()?;
         let is_coarse = self.pacing.is_coarse();
         self.fit(self.pacing.size(self.full_size), &Listener::new(None)).await?;
         let is_changing = is_coarse || self.console.explorer.playback().is_playing;
@@ -26,7 +26,8 @@ impl Session {
             None => !self.render_view(self.view).await?,
             Some(mut beside) => {
                 let result = beside.advance(self, is_changing).await;
-                // It stays, unless it cannot be shown any more: then the picture goes on alone.
+                // The right side stays, unless it can no longer be shown: then the picture
+                // continues without it.
                 let is_refused = result.as_ref().is_err_and(|error| error.code == Code::Value);
                 self.beside = Some(beside).filter(|_| !is_refused);
                 result?
@@ -63,8 +64,8 @@ impl Session {
         })
     }
 
-    /// Lets animations play and voxels follow.
-    fn let_time_go(&mut self) -> Result<(), WebError> {
+    /// Advances animations, and makes voxels follow.
+    fn advance_time(&mut self) -> Result<(), WebError> {
         if self.console.explorer.tick_clock()? {
             self.meter.start_again();
             if let Some(beside) = &mut self.beside {
@@ -78,7 +79,7 @@ impl Session {
         Ok(())
     }
 
-    /// One frame more of a view, drawn for the screen; `false` where there was none to render.
+    /// Renders one more frame of a view, drawn for the screen; returns `false` if none was left.
     pub(crate) async fn render_view(&mut self, view: View) -> Result<bool, WebError> {
         if self.console.explorer.settings().view != view {
             let asked = RenderSettings { view, ..self.console.explorer.settings().clone() };
@@ -127,7 +128,7 @@ impl Session {
     /// The pixels of the canvas: width, height and four bytes a pixel, row by row from the top.
     ///
     /// # Errors
-    /// When there is nothing yet, or the device fails.
+    /// When there is no picture yet, or the device fails.
     pub async fn pixels(&mut self) -> Result<(UVec2, Vec<[u8; 4]>), WebError> {
         let size = self.console.explorer.size();
         let mut pixels = match self.beside.as_ref().and_then(Beside::left_pixels) {
@@ -144,7 +145,7 @@ impl Session {
         Ok((size, pixels))
     }
 
-    /// The picture of the view that the explorer has, read back.
+    /// The picture of the explorer's view, read back.
     pub(crate) async fn screen(&mut self) -> Result<Vec<[u8; 4]>, WebError> {
         self.console.explorer.screen(self.stops).await?.ok_or_else(no_scene)
     }

@@ -1,4 +1,4 @@
-//! The state of a page: a live scene, the canvas that shows it, and the other side of a split.
+//! The state of a page: an open scene, the canvas that shows it, and the right side of a split.
 
 mod frames;
 
@@ -21,36 +21,36 @@ use crate::types::{Camera, MemoryInfo, SceneInfo, Split};
 /// Everything behind one canvas.
 #[derive(Debug)]
 pub struct Session {
-    /// The console that executes a page's lines, and in it the explorer.
+    /// The console that runs a page's lines, with the explorer.
     pub(crate) console: Console,
-    /// Files that it has written.
+    /// Files that the console has written.
     pub(crate) written: Written,
     pub(crate) presenter: Presenter,
     /// Width and height of the picture when nothing moves, px.
     full_size: UVec2,
     pub(crate) pacing: Pacing,
     pub(crate) meter: ExposureMeter,
-    /// The stops of the picture that was drawn last.
+    /// The exposure of the last drawn picture, in stops.
     stops: f32,
-    /// The view on the left; the explorer has that of the right while its turn lasts.
+    /// The view on the left; the explorer has the right one's while that is rendered.
     pub(crate) view: View,
     pub(crate) beside: Option<Beside>,
     pub(crate) notes: Vec<String>,
-    /// The surroundings that were added, because the scene's file has none.
+    /// The surroundings that were added because the scene's file has none.
     pub(crate) staged: Staged,
-    /// The triangles of the present scene, once something was picked.
+    /// The triangles of the present scene, once a point was picked.
     pub(crate) picker: Option<Picker>,
-    /// Whether the scene's own emission is all its light.
+    /// Whether the scene's own emission is its only light.
     is_emission_alone: bool,
-    /// What the last frame took, ms.
+    /// The time of the last frame, ms.
     frame_ms: f64,
 }
 
 impl Session {
-    /// On a canvas in its present size.
+    /// A session for a canvas at its present size.
     ///
     /// # Errors
-    /// When the browser gives no device, or the canvas no context.
+    /// When the browser has no device, or the canvas no context.
     pub async fn new(canvas: Canvas) -> Result<Self, WebError> {
         let gpu = Gpu::new(&GpuOptions::default()).await?;
         let presenter = Presenter::new(&gpu, canvas)?;
@@ -83,21 +83,21 @@ impl Session {
         self.console.explorer.gpu()
     }
 
-    /// Goes on with a new device, after this one was lost.
+    /// Continues with a new device after this one was lost.
     ///
     /// # Errors
-    /// When the browser gives no other.
+    /// When the browser has no other device.
     pub async fn restore(&mut self, listener: &Listener) -> Result<(), WebError> {
         let gpu = Gpu::new(&GpuOptions::default()).await?;
         self.presenter = Presenter::new(&gpu, self.presenter.canvas().clone())?;
         self.console.explorer.set_gpu(gpu);
         self.start_again();
-        // The other side has resources on the lost device.
+        // The right side has resources on the lost device.
         self.beside = self.beside.take().map(|beside| Beside::new(beside.right, beside.at));
         self.update(listener).await
     }
 
-    /// The properties of the scene; none before one was opened.
+    /// The properties of the scene; `None` before one is opened.
     pub fn info(&self) -> Option<SceneInfo> {
         let scene = self.console.explorer.scene()?;
         let objects = self.console.explorer.object_names();
@@ -114,7 +114,7 @@ impl Session {
         })
     }
 
-    /// The preset that they started from.
+    /// The preset that the settings started from.
     pub fn preset(&self) -> PresetChoice {
         self.console.explorer.preset()
     }
@@ -122,7 +122,7 @@ impl Session {
     /// Changes settings; those that are not named stay.
     ///
     /// # Errors
-    /// When one is unknown, out of range or refused by the device; then nothing has changed.
+    /// When one is unknown, out of range or refused by the device; then nothing changes.
     pub async fn set(&mut self, changes: &Settings, listener: &Listener) -> Result<(), WebError> {
         let mut asked =
             RenderSettings { view: self.view, ..self.console.explorer.settings().clone() };
@@ -130,7 +130,7 @@ impl Session {
         self.take(asked, self.console.explorer.preset(), listener).await
     }
 
-    /// Takes a preset; picture, view and resolution stay.
+    /// Applies a preset; picture, view and resolution stay.
     ///
     /// # Errors
     /// As [`Self::set`].
@@ -154,7 +154,7 @@ impl Session {
     ) -> Result<(), WebError> {
         let view = asked.view;
         let mut tell = tell_of(listener);
-        // Where it is refused, the view may be that of the right; its turn begins again.
+        // After a refusal the explorer may have the right side's view; the right side begins again.
         self.start_again();
         self.show_view_of_left()?;
         self.console.explorer.try_settings(asked, preset, &mut tell).await?;
@@ -163,14 +163,14 @@ impl Session {
         Ok(())
     }
 
-    /// The explorer has the view of the left, which is the one that was asked for.
+    /// Gives the explorer the view of the left side, which is the requested one.
     pub(crate) fn show_view_of_left(&mut self) -> Result<(), WebError> {
         let settings =
             RenderSettings { view: self.view, ..self.console.explorer.settings().clone() };
         Ok(self.console.explorer.set_settings(settings)?)
     }
 
-    /// Looks again at the lights of the scene.
+    /// Reads the lights of the scene again.
     pub(crate) fn follow_light(&mut self) {
         self.is_emission_alone = self
             .console
@@ -179,10 +179,10 @@ impl Session {
             .is_some_and(lumivox_scene::Scene::is_lit_by_emission_alone);
     }
 
-    /// Gives canvas and picture another size, px.
+    /// Sets the size of canvas and picture, px.
     ///
     /// # Errors
-    /// When it is nothing, or more than the device allows; then nothing has changed.
+    /// When the size is zero, or more than the device allows; then nothing changes.
     pub async fn resize(&mut self, size: UVec2, listener: &Listener) -> Result<(), WebError> {
         let picture = self.pacing.size(size);
         RenderSettings { size, ..self.console.explorer.settings().clone() }
@@ -192,7 +192,7 @@ impl Session {
         Ok(())
     }
 
-    /// Gives canvas and picture the size of the next frame, px.
+    /// Sets canvas and picture to the size of the next frame, px.
     pub(crate) async fn fit(&mut self, size: UVec2, listener: &Listener) -> Result<(), WebError> {
         let explorer = &mut self.console.explorer;
         if explorer.size() != size {
@@ -206,7 +206,7 @@ impl Session {
         Ok(())
     }
 
-    /// A command has given the picture another size.
+    /// Follows a command that has changed the size of the picture.
     pub(crate) fn follow_size(&mut self, before: UVec2) {
         let size = self.console.explorer.size();
         if size != before {
@@ -220,7 +220,7 @@ impl Session {
         self.full_size
     }
 
-    /// Where the picture is taken from.
+    /// The camera of the picture.
     pub fn camera(&self) -> Camera {
         self.console.explorer.camera().into()
     }
@@ -228,7 +228,7 @@ impl Session {
     /// Moves the camera. While it `is_moving`, pictures may be coarser.
     ///
     /// # Errors
-    /// When it looks nowhere.
+    /// When the camera has no direction.
     pub fn set_camera(&mut self, camera: &Camera, is_moving: bool) -> Result<(), WebError> {
         let camera = camera.to_scene(self.console.explorer.camera())?;
         if is_moving {
@@ -241,10 +241,10 @@ impl Session {
         Ok(())
     }
 
-    /// Plays the animation of a number, or stops.
+    /// Plays the animation of this number, or stops.
     ///
     /// # Errors
-    /// When there is none of that number.
+    /// When there is no such animation.
     pub fn play(&mut self, animation: Option<usize>) -> Result<(), WebError> {
         let Some(number) = animation else {
             self.console.explorer.play(false);
@@ -264,10 +264,10 @@ impl Session {
         Ok(())
     }
 
-    /// Shows a moment of the animation, s.
+    /// Shows a time of the animation, s.
     ///
     /// # Errors
-    /// When it is before the start.
+    /// When it is negative.
     pub fn seek(&mut self, time_s: f32) -> Result<(), WebError> {
         if !(time_s >= 0.0 && time_s.is_finite()) {
             return Err(WebError::value(format!("the time is {time_s} s, but must be at least 0")));
@@ -278,10 +278,10 @@ impl Session {
         Ok(())
     }
 
-    /// Shows something else on the right, or nothing.
+    /// Shows another view or the reference on the right, or nothing.
     ///
     /// # Errors
-    /// When there is no such view, or no such place.
+    /// When there is no such view, or the place is out of range.
     pub fn set_split(&mut self, split: Option<&Split>) -> Result<(), WebError> {
         let Some(split) = split else {
             self.beside = None;
@@ -303,18 +303,18 @@ impl Session {
         Ok(())
     }
 
-    /// Whether stages are timed; it takes some time itself.
+    /// Sets whether stages are timed, which takes some time itself.
     pub fn set_timed(&mut self, is_timed: bool) {
         self.console.explorer.set_timed(is_timed);
     }
 
-    /// Something of the scene has changed, or where it is seen from.
+    /// Notes that the scene or the camera has changed.
     pub(crate) fn change(&mut self) {
         self.start_again();
         self.forget_truth();
     }
 
-    /// The picture starts again.
+    /// Starts the picture again.
     fn start_again(&mut self) {
         self.meter.start_again();
         if let Some(beside) = &mut self.beside {
@@ -322,14 +322,14 @@ impl Session {
         }
     }
 
-    /// A reference would be one of something else.
+    /// Forgets a reference of the earlier scene or camera.
     fn forget_truth(&mut self) {
         if let Some(beside) = &mut self.beside {
             beside.forget();
         }
     }
 
-    /// Brings everything up to date, so that errors come here and not with the next frame.
+    /// Applies all changes, so that errors are thrown here and not at the next frame.
     pub(crate) async fn update(&mut self, listener: &Listener) -> Result<(), WebError> {
         Ok(self.console.explorer.update(&mut tell_of(listener)).await?)
     }
@@ -340,7 +340,7 @@ impl Session {
         memory.iter().flatten().map(MemoryInfo::from).collect()
     }
 
-    /// The explorer, for the other side of a split.
+    /// The explorer, for the right side of a split.
     pub(crate) fn explorer(&self) -> &Explorer {
         &self.console.explorer
     }
@@ -350,31 +350,32 @@ impl Session {
         self.view
     }
 
-    /// The stops that the picture is shown with.
+    /// The exposure of the picture, in stops.
     pub(crate) fn stops(&self) -> f32 {
         self.meter.stops()
     }
 }
 
 impl Drop for Session {
-    /// Browsers keep a device, and all that is on it, until they collect garbage.
+    /// Destroys the device. Browsers keep a device, and everything on it, until they collect
+    /// garbage.
     fn drop(&mut self) {
         self.gpu().device.destroy();
     }
 }
 
-/// Tells a page how far the renderer is.
-pub(crate) fn tell_of(listener: &Listener) -> impl FnMut(lumivox_render::Progress) {
+/// Reports the renderer's progress to a page.
+pub(crate) fn tell_of(listener: &Listener) -> impl FnMut(lumivox_render::RenderProgress) {
     let listener = listener.clone();
     move |step| listener.tell(step.stage, step.done.into(), step.total.into())
 }
 
-/// There is nothing to look at.
+/// The error that no scene is open.
 pub(crate) fn no_scene() -> WebError {
     WebError::value("no scene is open; call loadScene first")
 }
 
-/// The error for a number without a thing.
+/// The error that nothing has this number.
 pub(crate) fn out_of_range(what: &str, number: usize, count: usize) -> WebError {
     let there_are = match count {
         0 => "there are none".to_owned(),

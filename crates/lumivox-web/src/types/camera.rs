@@ -1,4 +1,4 @@
-//! Where pictures are taken from.
+//! Cameras.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -6,25 +6,25 @@ use tsify::Tsify;
 
 use crate::error::WebError;
 
-/// Where the picture is taken from. Lengths are in metres, y is up.
+/// A camera. Lengths are in metres, y is up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Tsify)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
-    /// For lists and messages.
+    /// The name in lists and messages.
     #[serde(default)]
     #[tsify(optional)]
     pub name: String,
-    /// The eye.
+    /// The position of the eye.
     #[tsify(type = "[number, number, number]")]
     pub position: Vec3,
-    /// The point that it looks at; its distance has no meaning.
+    /// The point at the centre of the picture; its distance has no effect.
     #[tsify(type = "[number, number, number]")]
     pub target: Vec3,
-    /// Towards the top of the picture, not along the line of sight. Default: `[0, 1, 0]`.
+    /// The upward direction of the picture, not along the line of sight. Default: `[0, 1, 0]`.
     #[serde(default = "upright")]
     #[tsify(optional, type = "[number, number, number]")]
     pub up: Vec3,
-    /// From the bottom to the top of the picture, above 0 and below 180. Default: 45.
+    /// The vertical field of view in degrees, above 0 and below 180. Default: 45.
     #[serde(default = "usual_fov")]
     #[tsify(optional)]
     pub vertical_fov_deg: f32,
@@ -51,10 +51,10 @@ impl From<&lumivox_scene::Camera> for Camera {
 }
 
 impl Camera {
-    /// The scene's kind of camera; the near plane stays that of `present`.
+    /// Converts to the scene's camera; the near plane is that of `present`.
     ///
     /// # Errors
-    /// When it looks nowhere, or at no angle.
+    /// When the camera has no direction, or the field of view is out of range.
     pub fn to_scene(
         &self,
         present: &lumivox_scene::Camera,

@@ -9,20 +9,20 @@ use tsify::Tsify;
 
 use crate::error::WebError;
 
-/// The most radiance, cd/m2: as of the command line.
+/// The greatest radiance, cd/m2, as on the command line.
 const BRIGHTEST: f32 = 1e10;
 
-/// The surroundings of a scene: a panorama, or the same light from everywhere.
+/// The surroundings of a scene: a panorama, or uniform light.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct EnvironmentInfo {
     /// Linear red, green and blue in cd/m2; with a panorama, the factor of its texels.
     #[tsify(type = "[number, number, number]")]
     pub radiance: Vec3,
-    /// The panorama's name, where there is one.
+    /// The panorama's name, if there is one.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub panorama: Option<String>,
-    /// The panorama's turn about the vertical, in degrees, counter-clockwise seen from above.
+    /// The panorama's rotation about the vertical, in degrees, counter-clockwise seen from above.
     pub rotation_deg: f32,
 }
 
@@ -36,24 +36,25 @@ impl From<&Environment> for EnvironmentInfo {
     }
 }
 
-/// A change of a scene's surroundings; properties that are left out stay.
+/// A change of a scene's surroundings; properties that are left out keep their values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Tsify)]
 #[serde(default, deny_unknown_fields)]
 pub struct EnvironmentChange {
-    /// In cd/m2, from 0 to 1e10; with a panorama, the factor of its texels.
+    /// Linear red, green and blue in cd/m2, from 0 to 1e10; with a panorama, the factor of its
+    /// texels.
     #[tsify(optional, type = "[number, number, number]")]
     pub radiance: Option<Vec3>,
-    /// `null` takes the panorama away; another one comes by `loadPanorama`.
+    /// `null` removes the panorama; `loadPanorama` sets another.
     #[serde(deserialize_with = "given")]
     #[tsify(optional, type = "string | null")]
     pub panorama: Option<Option<String>>,
-    /// The panorama's turn about the vertical, from -360 to 360 degrees.
+    /// The panorama's rotation about the vertical, from -360 to 360 degrees.
     #[tsify(optional)]
     pub rotation_deg: Option<f32>,
 }
 
-/// Tells null from nothing.
-#[allow(clippy::option_option, reason = "null takes the panorama away, nothing leaves it")]
+/// Tells null from a missing property.
+#[allow(clippy::option_option, reason = "null removes the panorama, undefined leaves it")]
 fn given<'a, D: serde::Deserializer<'a>>(value: D) -> Result<Option<Option<String>>, D::Error> {
     Deserialize::deserialize(value).map(Some)
 }
@@ -62,7 +63,7 @@ impl EnvironmentChange {
     /// The surroundings after this change.
     ///
     /// # Errors
-    /// When a number is out of its range, or another panorama is named.
+    /// When a number is out of range, or another panorama is named.
     pub fn of(&self, present: &Environment) -> Result<Environment, WebError> {
         let mut environment = present.clone();
         if let Some(radiance) = self.radiance {
@@ -87,7 +88,7 @@ impl EnvironmentChange {
             Some(Some(name)) if present.map.as_ref().is_some_and(|map| map.name == *name) => {}
             Some(Some(name)) => {
                 return Err(WebError::value(format!(
-                    "the panorama \"{name}\" is not the one that is there; open another by loadPanorama"
+                    "the panorama \"{name}\" is not the present one; open another with loadPanorama"
                 )));
             }
         }
@@ -95,7 +96,7 @@ impl EnvironmentChange {
     }
 }
 
-/// Surroundings of a panorama as its file has it.
+/// The surroundings of a panorama as its file has it.
 pub fn of_panorama(map: Arc<lumivox_scene::EnvironmentMap>) -> Environment {
     Environment { radiance: Vec3::ONE, map: Some(map), rotation_rad: 0.0 }
 }

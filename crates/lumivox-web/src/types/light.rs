@@ -1,4 +1,4 @@
-//! Lamps and suns.
+//! Lights.
 
 use glam::Vec3;
 use lumivox_scene::Attenuation;
@@ -11,50 +11,50 @@ use crate::error::WebError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Tsify)]
 #[serde(rename_all = "kebab-case")]
 pub enum LightKind {
-    /// Parallel light, as of the sun; its strength is in lux.
+    /// Parallel light, such as the sun's; its intensity is in lux.
     Directional,
-    /// In all directions from one place; its strength is in candela.
+    /// Light in all directions from a point; its intensity is in candela.
     Point,
-    /// In a cone from one place; its strength is in candela.
+    /// Light in a cone from a point; its intensity is in candela.
     Spot,
 }
 
-/// A light that is not seen itself. Properties that its kind does not use are ignored.
+/// A light. Its source is invisible. Properties that its kind does not use are ignored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Tsify)]
 #[serde(default, deny_unknown_fields)]
 pub struct Light {
-    /// For lists and messages. Default: `"light"`.
+    /// The name in lists and messages. Default: `"light"`.
     #[tsify(optional)]
     pub name: String,
-    /// Default: `"point"`.
+    /// The kind. Default: `"point"`.
     #[tsify(optional)]
     pub kind: LightKind,
     /// Linear red, green and blue, at least 0. Default: white.
     #[tsify(optional, type = "[number, number, number]")]
     pub color: Vec3,
-    /// Candela; of a directional light lux. At least 0. Default: 100.
+    /// Intensity in candela; of a directional light illuminance in lux. At least 0. Default: 100.
     #[tsify(optional)]
     pub intensity: f32,
-    /// Metres. Default: the origin.
+    /// The position in metres. Default: the origin.
     #[tsify(optional, type = "[number, number, number]")]
     pub position: Vec3,
-    /// In which its light travels. Default: down.
+    /// The direction in which the light travels. Default: down.
     #[tsify(optional, type = "[number, number, number]")]
     pub direction: Vec3,
-    /// The radius of the light's source, in metres, for soft shadows. Default: 0.
+    /// The radius of the source in metres, for soft shadows. Default: 0.
     #[tsify(optional)]
     pub radius_m: f32,
-    /// Half the angle under which a directional light is seen, in degrees. Default: 0; the sun has
-    /// 0.27.
+    /// Half the angular diameter of a directional light, in degrees. Default: 0; the sun has 0.27.
     #[tsify(optional)]
     pub angular_radius_deg: f32,
-    /// Beyond which it may be cut off, in metres; `null` is nowhere, the default.
+    /// The distance in metres beyond which it may be cut off; `null`, the default, means never.
     #[tsify(optional, type = "number | null")]
     pub range_m: Option<f32>,
-    /// For a spot, the angle from its axis at which it begins to fall, in degrees. Default: 0.
+    /// For a spot, the angle from its axis at which its light begins to fall off, in degrees.
+    /// Default: 0.
     #[tsify(optional)]
     pub inner_cone_deg: f32,
-    /// And where it ends, at most 90. Default: 45.
+    /// The angle at which the light of a spot ends, in degrees, at most 90. Default: 45.
     #[tsify(optional)]
     pub outer_cone_deg: f32,
 }
@@ -115,10 +115,10 @@ impl From<&lumivox_scene::Light> for Light {
 }
 
 impl Light {
-    /// The scene's kind of light, checked; only the look of VXCT uses `attenuation`.
+    /// Converts to the scene's light, checked. Only the look of VXCT uses `attenuation`.
     ///
     /// # Errors
-    /// When a number is out of its range.
+    /// When a number is out of range.
     pub fn to_scene(
         &self,
         attenuation: Option<Attenuation>,

@@ -1,4 +1,4 @@
-//! The materials of surfaces.
+//! Materials.
 
 use std::ops::RangeInclusive;
 
@@ -8,12 +8,12 @@ use tsify::Tsify;
 
 use crate::error::WebError;
 
-/// The most radiance, cd/m2: as of the command line.
+/// The greatest radiance, cd/m2, as on the command line.
 const BRIGHTEST: f32 = 1e10;
-/// The most that a Phong material's numbers may be: as of the console.
+/// The greatest number of a Phong material, as in the console.
 const MOST: f32 = 1e6;
 
-/// How a material is shaded.
+/// The shading model of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Tsify)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shading {
@@ -21,16 +21,16 @@ pub enum Shading {
     MetallicRoughness,
     /// Phong's model.
     Phong,
-    /// Shown as it is, whatever the light.
+    /// The colour is shown as it is, without lighting.
     Unlit,
 }
 
 /// A material. Properties that its shading does not have are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct Material {
-    /// As its file calls it.
+    /// The name in its file.
     pub name: String,
-    /// Which of the numbers it has.
+    /// The shading model, which decides the properties.
     pub shading: Shading,
     /// Whether a texture multiplies its colour.
     pub textured: bool,
@@ -40,23 +40,23 @@ pub struct Material {
     /// Radiance that it emits, in cd/m2.
     #[tsify(type = "[number, number, number]")]
     pub emission: Vec3,
-    /// From 0 to 1; metallic-roughness only, as the next two.
+    /// Metalness, from 0 to 1; metallic-roughness only, like the next two.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub metallic: Option<f32>,
-    /// From 0 (a mirror) to 1.
+    /// Roughness, from 0 (a mirror) to 1.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roughness: Option<f32>,
-    /// Scales the reflectance of a dielectric, from 0 to 1.
+    /// Factor of a dielectric's reflectance, from 0 to 1.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specular: Option<f32>,
-    /// Linear, from 0 to 1; Phong only, as the next.
+    /// Linear specular colour, from 0 to 1; Phong only, like the next.
     #[tsify(optional, type = "[number, number, number]")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specular_color: Option<Vec3>,
-    /// Exponent of the highlight.
+    /// The exponent of the highlight.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shininess: Option<f32>,
@@ -101,29 +101,29 @@ impl From<&lumivox_scene::Material> for Material {
     }
 }
 
-/// A change of a material; properties that are left out stay.
+/// A change of a material; properties that are left out keep their values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Tsify)]
 #[serde(default, deny_unknown_fields)]
 pub struct MaterialChange {
-    /// Linear, from 0 to 1.
+    /// Linear colour, from 0 to 1.
     #[tsify(optional, type = "[number, number, number]")]
     pub color: Option<Vec3>,
-    /// In cd/m2, from 0 to 1e10.
+    /// Emitted radiance in cd/m2, from 0 to 1e10.
     #[tsify(optional, type = "[number, number, number]")]
     pub emission: Option<Vec3>,
-    /// From 0 to 1; metallic-roughness only, as the next two.
+    /// Metalness, from 0 to 1; metallic-roughness only, like the next two.
     #[tsify(optional)]
     pub metallic: Option<f32>,
-    /// From 0 to 1.
+    /// Roughness, from 0 to 1.
     #[tsify(optional)]
     pub roughness: Option<f32>,
-    /// From 0 to 1.
+    /// Factor of a dielectric's reflectance, from 0 to 1.
     #[tsify(optional)]
     pub specular: Option<f32>,
-    /// Linear, from 0 to 1; Phong only, as the next.
+    /// Linear specular colour, from 0 to 1; Phong only, like the next.
     #[tsify(optional, type = "[number, number, number]")]
     pub specular_color: Option<Vec3>,
-    /// From 0 to 1000000.
+    /// The exponent of the highlight, from 0 to 1000000.
     #[tsify(optional)]
     pub shininess: Option<f32>,
 }
@@ -132,7 +132,7 @@ impl MaterialChange {
     /// The material after this change.
     ///
     /// # Errors
-    /// When a number is out of its range, or the material's shading has no such property.
+    /// When a number is out of range, or the material's shading has no such property.
     pub fn of(
         &self,
         present: &lumivox_scene::Material,
@@ -183,7 +183,7 @@ impl MaterialChange {
             }
         }
         if material != *present {
-            // The look of VXCT has to follow.
+            // VXCT's look has to follow.
             material.strengths = None;
         }
         Ok(material)

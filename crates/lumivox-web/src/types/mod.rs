@@ -1,5 +1,5 @@
-//! The values that a page hands over and gets back: plain objects, with declarations for TypeScript
-//! made from these types.
+//! The values that a page passes and receives: plain objects. TypeScript's declarations are made
+//! from these types.
 
 mod camera;
 mod environment;
@@ -22,24 +22,24 @@ pub use material::{Material, MaterialChange, Shading};
 pub use parameter::ParameterInfo;
 pub use photometry::{HistogramInfo, LightHere};
 
-/// How far something is that takes time.
+/// The progress of long work.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct Progress {
     /// `fetching`, `reading`, `textures`, `compile`, `upload`, `voxelize` or `light`.
     pub stage: String,
-    /// From 0 to `total`.
+    /// The amount that is done, from 0 to `total`.
     pub done: f64,
-    /// Bytes of files, or steps; 0 where the total is unknown.
+    /// Bytes of files, or steps; 0 if the total is unknown.
     pub total: f64,
 }
 
 /// A box along the axes, in metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Tsify)]
 pub struct Box3 {
-    /// Its least corner.
+    /// The corner with the least coordinates.
     #[tsify(type = "[number, number, number]")]
     pub min: Vec3,
-    /// Its greatest.
+    /// The corner with the greatest coordinates.
     #[tsify(type = "[number, number, number]")]
     pub max: Vec3,
 }
@@ -50,21 +50,21 @@ impl From<Bounds> for Box3 {
     }
 }
 
-/// An object of a scene: a mesh at some place.
+/// An object of a scene: a mesh at a place.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct ObjectInfo {
-    /// Each is there once.
+    /// The name; no two objects have the same.
     pub name: String,
-    /// Whether it is left out.
+    /// Whether it is hidden.
     pub hidden: bool,
 }
 
 /// An animation of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct AnimationInfo {
-    /// As its file calls it.
+    /// The name in its file.
     pub name: String,
-    /// When it starts again, in seconds.
+    /// Its length in seconds, after which it starts again.
     pub duration_s: f32,
 }
 
@@ -73,34 +73,34 @@ pub struct AnimationInfo {
 pub struct SceneInfo {
     /// The file's name without its extension.
     pub name: String,
-    /// Triangles of all objects.
+    /// The number of triangles of all objects.
     pub triangles: usize,
-    /// Voxels that it touches, at the present resolution.
+    /// The number of occupied voxels at the present resolution.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub voxels: Option<u32>,
-    /// Around all that is there.
+    /// The box around the scene.
     pub bounds: Box3,
     /// The cameras of the file.
     pub cameras: Vec<Camera>,
-    /// The one that it is seen from at first: its file's first, or the view that was found for it.
+    /// The camera of the first picture: the file's first, or the view that was found.
     pub camera: Camera,
-    /// Meshes at their places.
+    /// The objects.
     pub objects: Vec<ObjectInfo>,
     /// Names of materials.
     pub materials: Vec<String>,
-    /// All lights, with those that were added because nothing shone.
+    /// All lights, including those that were added to a scene with too little light.
     pub lights: Vec<Light>,
-    /// Its surroundings.
+    /// The surroundings.
     pub environment: EnvironmentInfo,
     /// The animations that can be played.
     pub animations: Vec<AnimationInfo>,
-    /// The approximations and omissions while loading, in sentences.
+    /// Sentences on approximations and omissions of the loader.
     pub notes: Vec<String>,
 }
 
 impl SceneInfo {
-    /// The properties of a scene as it is seen.
+    /// The properties of an open scene.
     pub fn new(
         scene: &Scene,
         camera: &lumivox_scene::Camera,
@@ -138,10 +138,10 @@ impl SceneInfo {
     }
 }
 
-/// The time of a stage of a frame.
+/// The time of a stage in a frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct StageMs {
-    /// `G-buffer`, `direct light`, `trace`, ...
+    /// The stage: `G-buffer`, `direct light`, `trace`, ...
     pub name: String,
     /// Milliseconds on the GPU.
     pub ms: f64,
@@ -150,51 +150,51 @@ pub struct StageMs {
 /// The result of a frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct FrameReport {
-    /// Frames in the picture so far.
+    /// The number of frames in the picture so far.
     pub frame: u32,
-    /// Frames that it will have.
+    /// The number of frames of the complete picture.
     pub frames: u32,
     /// Whether nothing is left to do until something changes.
     pub complete: bool,
     /// The time of the last frame, from the call until the GPU was done, in milliseconds.
     pub frame_ms: f64,
-    /// The moment of the animation that is shown, in seconds; none where nothing moves.
+    /// The time of the animation in seconds; undefined if nothing moves.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<f32>,
-    /// The times of stages, where the browser has them; else empty.
+    /// The times of stages; empty if the browser cannot measure them.
     pub stages: Vec<StageMs>,
-    /// The reason why the picture is not as a camera would make it: too dark, too bright, or black.
+    /// Why a camera would not expose the picture like this: too dark, too bright, or black.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
-    /// Whether its own emission is all the light that the scene has.
+    /// Whether the scene's own emission is its only light.
     pub emission_alone: bool,
-    /// The change that `undo` would undo, in words.
+    /// Description of the change that `undo` would undo.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub undo: Option<String>,
-    /// The change that `redo` would redo, in words.
+    /// Description of the change that `redo` would redo.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub redo: Option<String>,
-    /// Samples of each pixel in the reference, where one is shown.
+    /// Samples of each pixel in the reference, if one is shown.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_samples: Option<u32>,
 }
 
-/// The right part of the picture shows something else.
+/// A split: the right part of the picture shows something else.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Tsify)]
 #[serde(deny_unknown_fields)]
 pub struct Split {
     /// The name of a view, or `reference` for the path tracer.
     pub right: String,
-    /// Where it begins, from 0 (at the left edge) to 1. Default: the middle.
+    /// Its left edge, from 0 (left) to 1. Default: the middle.
     #[serde(default = "middle")]
     #[tsify(optional)]
     pub at: f32,
-    /// Samples of each pixel that the reference takes, at least 1. Default: 256.
+    /// Samples of each pixel of the reference, at least 1. Default: 256.
     #[serde(default = "usual_samples")]
     #[tsify(optional)]
     pub samples: u32,
@@ -208,21 +208,21 @@ fn usual_samples() -> u32 {
     256
 }
 
-/// How a scene is seen that is loaded.
+/// How a loaded scene is seen.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Tsify)]
 #[serde(deny_unknown_fields, default)]
 pub struct SceneOptions {
-    /// The surroundings that it gets. Default: `auto`.
+    /// Its surroundings. Default: `auto`.
     #[tsify(optional)]
     pub surroundings: Surroundings,
-    /// Where from, instead of the scene's own camera or the view that shows it best.
+    /// The side that it is seen from, instead of its own camera or the view that shows it best.
     #[tsify(optional)]
     pub from: Option<Standpoint>,
-    /// The camera of the first picture; the surroundings are chosen for its own view. Default: that
-    /// view.
+    /// The camera of the first picture. The surroundings are still chosen for the scene's own view.
+    /// Default: that view.
     #[tsify(optional)]
     pub camera: Option<Camera>,
-    /// A panorama around it: an address or a `File`, as `loadPanorama` takes it.
+    /// A panorama around the scene: an address or a `File`, as for `loadPanorama`.
     #[tsify(optional, type = "string | URL | File")]
     pub panorama: IgnoredAny,
     /// Cancels loading; the present scene stays.
@@ -230,7 +230,7 @@ pub struct SceneOptions {
     pub signal: IgnoredAny,
 }
 
-/// How something is loaded.
+/// Options of loading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Tsify)]
 #[serde(deny_unknown_fields, default)]
 pub struct LoadingOptions {
@@ -246,32 +246,31 @@ pub struct Picked {
     pub object: usize,
     /// The number of its material in `materials()`.
     pub material: usize,
-    /// Where it was met, in metres.
+    /// The point on the surface, in metres.
     #[tsify(type = "[number, number, number]")]
     pub position: Vec3,
-    /// The unit normal of its surface there, towards the eye.
+    /// The unit normal of the surface there, towards the eye.
     #[tsify(type = "[number, number, number]")]
     pub normal: Vec3,
-    /// From the eye, in metres.
+    /// The distance from the eye, in metres.
     pub distance_m: f32,
-    /// Around the whole object.
+    /// The box around the whole object.
     pub bounds: Box3,
 }
 
-/// The light around a scene: a studio, or the sun and the sky of a clear day, or nothing. With
-/// `auto`, where a scene's own light is not enough, lamps light closed rooms, sun and sky open
-/// places, and a studio everything else.
+/// The light around a scene. With `auto`, if the scene's own light is not enough, lamps light a
+/// closed room, sun and sky an open place, and a studio everything else.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Tsify)]
 #[serde(rename_all = "lowercase")]
 pub enum Surroundings {
-    /// The light that suits the scene.
+    /// Light that suits the scene.
     #[default]
     Auto,
-    /// Soft boxes, a grey wall, a ground.
+    /// A studio: soft boxes, a grey wall, a ground.
     Studio,
-    /// A clear day.
+    /// Sun and sky of a clear day.
     Sky,
-    /// Nothing, even if it is dark.
+    /// No added light, even if the scene is dark.
     None,
 }
 
@@ -286,13 +285,13 @@ impl From<Surroundings> for Staging {
     }
 }
 
-/// Where a scene is seen from.
+/// The side that a scene is seen from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Tsify)]
 #[serde(rename_all = "lowercase")]
 pub enum Standpoint {
-    /// The whole of it.
+    /// From outside, all of it.
     Outside,
-    /// From within.
+    /// From inside.
     Inside,
 }
 
@@ -306,12 +305,12 @@ impl Standpoint {
     }
 }
 
-/// One use of GPU memory.
+/// An item of GPU memory.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct MemoryInfo {
-    /// The use.
+    /// Its use.
     pub name: String,
-    /// How much.
+    /// Its size in bytes.
     pub bytes: f64,
 }
 
@@ -321,13 +320,13 @@ impl From<&MemoryUse> for MemoryInfo {
     }
 }
 
-/// A name to choose by, and a title.
+/// A choice: its name, and texts for people.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct Named {
     /// The name that functions take.
     pub name: String,
     /// The title for people.
     pub title: String,
-    /// A sentence on it without a full stop; empty where the title says it.
+    /// A sentence on it without a full stop; empty if the title is enough.
     pub summary: String,
 }

@@ -7,29 +7,29 @@ use tsify::Tsify;
 
 use crate::settings::SettingValue;
 
-/// One setting: panels are made from these.
+/// A setting: panels are made from these.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct ParameterInfo {
     /// Its name in [`Settings`](crate::settings::Settings).
     pub name: String,
     /// `picture`, `view`, `overlay`, `volume`, `light`, `cones` or `vxct`.
     pub group: String,
-    /// The unit of its numbers; empty where there is none.
+    /// The unit of its numbers; empty without one.
     pub unit: String,
     /// A sentence on it, without a full stop.
     pub summary: String,
-    /// Which values there are.
+    /// The kind of its values.
     #[tsify(type = "\"switch\" | \"whole\" | \"number\" | \"vector\" | \"choice\"")]
     pub kind: String,
-    /// The least.
+    /// The least value.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min: Option<f64>,
-    /// The most.
+    /// The greatest value.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max: Option<f64>,
-    /// Whole numbers are multiples of this.
+    /// The number of which its values are multiples.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub multiple: Option<f64>,
@@ -37,17 +37,17 @@ pub struct ParameterInfo {
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub choices: Vec<String>,
-    /// Words for values that have no number: `auto`, `unlimited`.
+    /// Words for values without a number: `auto`, `unlimited`.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub words: Vec<String>,
-    /// The value that it has at first.
+    /// The default value.
     #[tsify(type = "boolean | number | string | [number, number, number]")]
     pub default: SettingValue,
 }
 
 impl ParameterInfo {
-    /// All of them, in the order of the table.
+    /// All settings, in the order of the table.
     pub fn all() -> Vec<Self> {
         let defaults = RenderSettings::default();
         PARAMETERS.iter().map(|parameter| Self::of(parameter, &defaults)).collect()

@@ -1,15 +1,15 @@
-//! How bright the picture is.
+//! Measurements of the picture's light.
 
 use lumivox_render::{Histogram, Photometry};
 use serde::Serialize;
 use tsify::Tsify;
 
-/// The light at a place of the picture, as meters measure it.
+/// The light at a place of the picture, as light meters measure it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Tsify)]
 pub struct LightHere {
-    /// The luminance that a camera sees there, in cd/m2.
+    /// The luminance of the surface as the camera sees it, in cd/m2.
     pub luminance_cd_m2: f32,
-    /// The illuminance of the surface there, in lux; none over the background, and in other views
+    /// The illuminance of the surface, in lux; undefined over the background, and in other views
     /// than `final`.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -22,27 +22,27 @@ impl From<Photometry> for LightHere {
     }
 }
 
-/// The picture's pixels by their luminance.
+/// The histogram of the picture's luminance.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct HistogramInfo {
-    /// How many pixels are in each bin, the darkest first.
+    /// The number of pixels in each bin, the darkest first.
     pub bins: Vec<u32>,
-    /// Bins to a stop, a factor of two.
+    /// The number of bins per stop, which is a factor of two.
     pub bins_per_stop: usize,
-    /// Where the first bin begins: the logarithm to base 2 of its luminance in cd/m2.
+    /// The start of the first bin: the logarithm to base 2 of its luminance in cd/m2.
     pub first_stop: i32,
-    /// Stops by which the picture is exposed.
+    /// The exposure of the picture, in stops.
     pub stops: f32,
-    /// Where the exposure puts a middle grey, in bins.
+    /// The position of middle grey, in bins.
     pub middle_grey: f32,
-    /// Where it puts white, in bins.
+    /// The position of white, in bins.
     pub white: f32,
-    /// The share of the pixels that are brighter.
+    /// The share of the pixels that are brighter than white.
     pub share_above_white: f32,
 }
 
 impl HistogramInfo {
-    /// The figures of a picture that is exposed by so many stops.
+    /// The histogram of a picture with this exposure in stops.
     pub fn new(histogram: &Histogram, stops: f32) -> Self {
         Self {
             bins: histogram.bins.to_vec(),

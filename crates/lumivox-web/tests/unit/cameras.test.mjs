@@ -38,6 +38,6 @@ test("what cannot be read is left out", () => {
 
 test("without a storage views are kept until the page is closed, and it says so", () => {
     const kept = new KeptCameras(() => { throw new Error("forbidden"); }, "a");
-    assert.throws(() => kept.keep("corner", camera), /until the page is closed/);
+    assert.throws(() => kept.keep("corner", camera), /when the page is closed/);
     assert.equal(kept.all[0].name, "corner");
 });

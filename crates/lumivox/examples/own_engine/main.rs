@@ -9,8 +9,8 @@ use glam::{UVec2, Vec3};
 use lumivox::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Timing};
 use lumivox::gpu::{open_device, read_buffer, storage_buffer};
 use lumivox::{
-    Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, Shadow, SurfaceMaterial,
-    TraceSettings, View,
+    CameraView, Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, Shadow,
+    SurfaceMaterial, TraceSettings,
 };
 use raster::{Mesh, Raster};
 
@@ -73,7 +73,7 @@ async fn render() -> Result<Vec<u8>, Failure> {
             SIZE.x as f32 / SIZE.y as f32,
             0.1,
         ) * glam::camera::rh::view::look_at_mat4(position, Vec3::new(0.0, 1.0, 0.0), Vec3::Y);
-    let mut view = View::new(clip_from_world, position, SIZE);
+    let mut view = CameraView::new(clip_from_world, position, SIZE);
     let gbuffer = gi.bind_gbuffer(raster.views(), view);
     let targets = gi.targets(SIZE, settings.resolution);
 
@@ -95,7 +95,7 @@ async fn render() -> Result<Vec<u8>, Failure> {
 
     for frame in 0..FRAMES {
         view.frame = frame;
-        gbuffer.set_view(&queue, view);
+        gbuffer.set_camera(&queue, view);
         // One encoder a frame: the engine's passes and Lumivox's.
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         raster.draw(&mut encoder, &queue, view.clip_from_world);

@@ -6,41 +6,43 @@
 // between the levels gives, for half the look-ups. Steps are as long as the cells: then the filter's weights
 // along the cone, and a wall's coverage with them, add up to one at every level.
 //
-// A cone goes on to a coarser level only where neither level has anything near. From level to level a wall
-// moves by half a cell, since it stands in the middle of its cell; a change of level within the wall's reach
-// would count parts of it twice or not at all, and what is missing is a leak (12 % of the light of a closed
-// box with a growth of 0.2, against 1.7 % so). On the coarser level walls beside the cone count, too: its cells
-// would reach past them, to where the wall at the cone's end ends.
+// A cone goes on to a coarser level only where neither level has anything near. From level to level
+// a wall moves by half a cell, since its cell puts it in the middle; a change of level within the
+// wall's reach would count parts of it twice or not at all, and the missing parts leak (12 % of the
+// light of a closed box with a growth of 0.2, against 1.7 % with this rule). On the coarser level
+// walls beside the cone count, too: its cells would reach past them, to the end of the wall at the
+// cone's end.
 //
 // A cell of edge c that covers the share a of its cross-section takes da = min(a * step / c, T) of the
 // transmittance T that is left and adds its radiance for it. The sum is additive, like the pyramid: coverage
 // comes from clipping, so that the pieces of a wall add up to one.
 //
-// They do so exactly only for walls along the grid. An oblique wall climbs the grid in steps, and a ray that
-// crosses it near a step meets it twice or misses parts: what it counts scatters about one (standard deviation
-// 0.15, mean 1.00 in a turned furnace). If the sum ended at one, the surplus of some rays were lost and the
-// deficit of others leaked: 5 % of the light of a closed room. So at an oblique wall T may fall below zero, by
-// SURPLUS at most; what comes farther, past a gap or from outside, pays it back: it counts negative until T is
-// zero again. In the mean over cones that takes away what leaks elsewhere.
+// They do so exactly only for walls along the grid. An oblique wall climbs the grid in steps, and a
+// ray that crosses it near a step meets it twice or misses parts: its count scatters about one
+// (standard deviation 0.15, mean 1.00 in a rotated furnace). If the sum ended at one, the surplus
+// of some rays would be lost and the deficit of others would leak: 5 % of the light of a closed
+// room. So at an oblique wall T may fall below zero, by SURPLUS at most; light from farther away,
+// past a gap or from outside, pays it back: it counts negative until T is zero again. In the mean
+// over cones that cancels the leaks.
 
 import package::cones::model::{shown_share, start_of_cones};
 import package::grid::{grid, grid_from_world};
 import package::volume::{is_clear, is_empty, is_oblique, probe_volume, sample_probe, Probe};
 
-// How cones are marched; the shader's side of TraceSettings.
+// Settings of the march; the shader's side of TraceSettings.
 struct ConeSettings {
     // Edge of the cells that are read, over the cone's diameter.
     voxel_per_diameter: f32,
-    // Bound of the growth by the cosine against the own plane; 0: none.
+    // Bound of the growth by the cosine against the cone's own plane; 0: none.
     clearance: f32,
     normal_offset: f32,
     step_per_voxel: f32,
     min_transmittance: f32,
-    // Voxels; where openness is read off.
+    // The distance of occlusion, in voxels.
     occlusion_distance: f32,
     padding_0: u32,
     padding_1: u32,
-    // Those of the cone model.
+    // The values of the cone model.
     model_values: vec4f,
 }
 
@@ -49,7 +51,7 @@ struct Cone {
     direction: vec3f,
     // Edge of the cells that are read, per distance.
     growth: f32,
-    // Where the cone ends, in voxels.
+    // The cone's length, in voxels.
     reach: f32,
     // In [0, 1): added to the level before rounding down. 1/2 rounds to the nearest.
     level_offset: f32,
@@ -57,39 +59,42 @@ struct Cone {
 
 struct Traced {
     radiance: vec3f,
-    // The share of the cone that met nothing. Below zero, by SURPLUS at most, where an oblique wall counted too much.
+    // The share of the cone that met nothing. Below zero, by SURPLUS at most, after an oblique wall
+    // that counted too much.
     transmittance: f32,
-    // The same at the occlusion distance.
+    // The same share at the occlusion distance.
     openness: f32,
     samples: u32,
 }
 
-// The least growth: a cone of a perfect mirror still reads coarser cells far away, which bounds its samples.
+// The least growth: even the cone of a perfect mirror reads coarser cells far away, which bounds
+// its samples.
 const MIN_GROWTH: f32 = 0.02;
 
-// Beyond one by this much an oblique wall's surplus is taken for scatter; what exceeds it is a second surface.
-// Of less, more leaks; of more, surfaces right behind others count and darken what lies farther
-// (docs/experiments.md has both).
+// An oblique wall's surplus up to this is taken for scatter; a larger one is a second surface. If
+// it is smaller, more light leaks; if larger, surfaces right behind others count and darken those
+// farther away (docs/experiments.md has both).
 const SURPLUS: f32 = 0.1;
 
-// A surplus of less is not worth being paid back.
+// The smallest surplus that is paid back.
 const LEAST_SURPLUS: f32 = 0.03;
 
-// Whether so little is left that it counts as nothing. A surplus has to be nearer to nothing than a rest: it pays for what
-// other cones let through, so if it were forgotten as soon, turned rooms would get more light from outside, not less.
+// Whether the rest is small enough to count as nothing. The threshold is smaller for a surplus: it
+// pays for light that other cones let through, and if it were dropped as early, rotated rooms would
+// get more light from outside, not less.
 fn is_spent(transmittance: f32, settings: ConeSettings) -> bool {
     return transmittance <= settings.min_transmittance
         && transmittance >= -min(settings.min_transmittance, LEAST_SURPLUS);
 }
 
-// Where the cones of a surface start, in the grid's coordinates.
+// The start of a surface's cones, in the grid's coordinates.
 fn cone_start(position_in_world: vec3f, normal: vec3f, settings: ConeSettings) -> vec3f {
     let above = grid_from_world(position_in_world) + normal * settings.normal_offset;
     return start_of_cones(above, normal, settings.model_values);
 }
 
-// The growth of a cone with a half angle, leaving a surface at a cosine against its normal: cells stay
-// `voxel_per_diameter` of the diameter, and clear of the plane that they come from.
+// The growth of a cone with a half angle that leaves a surface at a cosine against its normal:
+// cells stay at `voxel_per_diameter` of the diameter, and clear of the cone's own plane.
 fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> f32 {
     var growth = 2.0 * tan_half_angle * settings.voxel_per_diameter;
     if settings.clearance > 0.0 {
@@ -110,7 +115,8 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     let extent = vec3f(grid.dimensions);
     let side = max(extent.x, max(extent.y, extent.z));
     let largest_cell = exp2(f32(grid.levels - 1u));
-    // Nothing is farther than the grid's diagonal (less than 1.74 sides) and the coarsest cells around it.
+    // Nothing is farther than the grid's diagonal (less than 1.74 sides) and the coarsest cells
+    // around it.
     let reach = min(cone.reach, 1.75 * side + 2.0 * largest_cell);
 
     var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u);
@@ -119,12 +125,13 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     var length = 0.0;
     var cell = 1.0;
     var is_inside = reach > 0.0;
-    // Whether the surface at hand is oblique, and whether it is no longer the one that made the surplus.
+    // Whether this surface is oblique, and whether it is no longer the one that made the surplus.
     var may_exceed = false;
     var pays_back = false;
     loop {
-        // Pass over empty space, probe by probe. The inner loop is there for wide machines: their lanes come
-        // out of it one by one and then sample together, instead of waiting for each other at every step.
+        // Pass over empty space, probe by probe. The inner loop suits wide machines: their lanes
+        // leave it one by one and then sample together, instead of waiting for each other at every
+        // step.
         var probe: Probe;
         loop {
             let near = clamp(cone.growth * distance, 1.0, largest_cell);
@@ -147,7 +154,7 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
                 level += u32(is_clear(position, level + 1u));
             }
             traced.samples += u32(is_inside);
-            // In a gap a surface is over.
+            // A gap ends a surface.
             pays_back = pays_back || is_empty(probe);
             let is_closed = is_spent(traced.transmittance, settings);
             is_inside = is_inside && !(is_closed && is_empty(probe));
@@ -158,7 +165,7 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
         if is_inside {
             let seen = sample_probe(probe, cone.direction);
             if seen.a > 0.0 {
-                // What the cone's end cuts off of the last step does not count.
+                // The part of the last step beyond the cone's end does not count.
                 let counted = min(length, reach - (distance - length));
                 may_exceed = is_oblique(probe);
                 pays_back = traced.transmittance < 0.0 && (pays_back || !may_exceed);

@@ -1,5 +1,5 @@
-// Irradiance at a point: the cosine-weighted sum over the cones of the hemisphere, which have pi / N each, plus
-// the environment through what is left open.
+// Irradiance at a point: the cosine-weighted sum over the cones of the hemisphere, each with a
+// weight of pi / N, plus the environment through their open share.
 
 import package::environment::environment_radiance;
 import package::cones::cone::{cone_growth, cone_start, trace_cone, Cone, ConeSettings};
@@ -28,7 +28,7 @@ fn gather(
     let origin = cone_start(position_in_world, geometric_normal, settings);
     let world_from_normal = basis(shading_normal);
     let jitter = cell_jitter(start, frame);
-    // The cones of a point round their levels by numbers that are spread evenly (golden ratio).
+    // The cones of a point round their levels by evenly spread numbers (golden ratio).
     let level_start = fract(start.x + start.y + 0.754878 * f32(frame & 0xffffu));
     let weight = PI / f32(cone_count);
     var sum = Gathered(vec3f(0.0), 0.0, 0u);
@@ -36,7 +36,7 @@ fn gather(
         let place = place_in_cell(jitter, cell, cone_count, settings.model_values);
         let local = cell_cone(cell, cone_count, place);
         var direction = world_from_normal * local.direction;
-        // With a normal map a part of the hemisphere lies below the surface; it is folded up.
+        // With a normal map, a part of the hemisphere is below the surface; it is folded up.
         let below = min(dot(direction, geometric_normal), 0.0);
         direction = direction - 2.0 * below * geometric_normal;
         let growth =

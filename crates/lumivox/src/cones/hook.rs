@@ -1,27 +1,39 @@
 //! The hook for a caller's own model of cones.
 
+use std::any::Any;
 use std::fmt::Debug;
 
-/// Where cones start and point, and how much each of their samples shows, instead of what the
-/// physics asks for.
+use crate::settings::SettingError;
+
+/// A model of where cones start and point, and how much each of their samples shows, in place of
+/// the physical one.
 ///
-/// Write one to spread the cones of a hemisphere by a distribution of your own, for light that
-/// falls off as a style wants it, to see what a single one of Lumivox's measures is worth, or to
-/// repeat what others have published. It holds for the bounces in the voxels and for
-/// [`crate::Gi::trace`]; the shadows of cones only count what is covered, which it does not change.
-pub trait ConeModel: Debug + Send + Sync {
-    /// The name; two models of one name have the same module.
+/// Write one to distribute the cones of a hemisphere in another way, for an artistic falloff of
+/// light, to find the effect of one of Lumivox's measures, or to repeat what others have published.
+/// It applies to the bounces in the voxels and to [`crate::Gi::trace`]; shadow cones only count
+/// coverage, which it does not change.
+pub trait ConeModel: Any + Debug + Send + Sync {
+    /// The name; models of the same name must have the same module.
     fn name(&self) -> &'static str;
 
     /// The WGSL source of `package::cones::model`, with all functions of Lumivox's own
-    /// (`cones/model.wgsl`). It may import Lumivox's modules, `package::cones::start` and
-    /// `package::cones::hemisphere` among them.
+    /// (`cones/model.wgsl`). It may import Lumivox's modules, among them `package::cones::start`
+    /// and `package::cones::hemisphere`.
     fn module(&self) -> &'static str;
 
-    /// The values that its functions are given as `values`. [`crate::Gi::set_cone_values`] changes
+    /// The values that its functions receive as `values`. [`crate::Gi::set_cone_values`] changes
     /// them. Default: zeros.
     fn values(&self) -> [f32; 4] {
         [0.0; 4]
+    }
+
+    /// Checks the settings that the values are made of, for callers that check all of theirs.
+    /// Default: nothing is wrong.
+    ///
+    /// # Errors
+    /// [`SettingError`] for the first one that is out of range.
+    fn validate(&self) -> Result<(), SettingError> {
+        Ok(())
     }
 }
 

@@ -1,8 +1,9 @@
-//! Cones through the volume: where they start, how they are spread over a hemisphere and marched, and what can be
-//! set about them. A caller's own [`ConeModel`] decides where they start and point, and what their samples show.
+//! Cones through the volume: their start, their distribution over a hemisphere, their march and
+//! their settings. A caller's own [`ConeModel`] can decide where they start and point, and how much
+//! their samples show.
 //!
-//! The bounces in the voxels (`light/bounce.wgsl`), the cones of shadows and those from the screen (`trace/`) are all
-//! made of these modules.
+//! The bounces in the voxels (`light/bounce.wgsl`), shadow cones and the cones from the screen
+//! (`trace/`) are all made of these modules.
 
 mod hook;
 mod settings;
@@ -38,7 +39,8 @@ pub(crate) struct ConeSettings {
 }
 
 impl TraceSettings {
-    /// The part that single cones need, in voxels of the given size, with the values of the cone model.
+    /// The settings of single cones, for voxels of the given size, with the values of the cone
+    /// model.
     pub(crate) fn cones(&self, voxel_size_m: f32, model_values: [f32; 4]) -> ConeSettings {
         ConeSettings {
             voxel_per_diameter: self.voxel_per_diameter,

@@ -1,9 +1,10 @@
-//! Everything that can be set about the cones, in one type: units, ranges, and neutral defaults.
+//! The settings of the cones, in one type: units, ranges, and neutral defaults.
 
 use crate::GiError;
 use crate::settings::{self, Choice, Choices as _, Kind, Redoes, Setting, Value};
 
-/// How much is spent on the cones. All presets obey the same physics; they differ in noise and sharpness.
+/// Quality against cost of the cones. All presets obey the same physics; they differ in noise and
+/// sharpness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preset {
     /// 6 diffuse cones at half resolution, voxels of half the cone's diameter.
@@ -15,18 +16,19 @@ pub enum Preset {
     High,
 }
 
-/// The share of the picture's pixels that cones are traced for.
+/// The share of the picture's pixels for which cones are traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TraceResolution {
     /// Every pixel.
     #[default]
     Full,
-    /// One pixel of each 2x2 block, another one every frame; the rest by depth- and normal-aware upsampling.
+    /// One pixel of each 2x2 block, another one in every frame; the rest by depth- and normal-aware
+    /// upsampling.
     Half,
 }
 
 impl TraceResolution {
-    /// Pixels along each axis that one traced pixel stands for.
+    /// Pixels per traced pixel, along each axis.
     pub(crate) fn scale(self) -> u32 {
         match self {
             Self::Full => 1,
@@ -38,34 +40,37 @@ impl TraceResolution {
 /// Parameters of the cones. `TraceSettings::default()` is [`Preset::Balanced`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceSettings {
-    /// Diffuse cones a point and frame: 6, 9 or 12. More: less noise and bias, proportional cost.
+    /// Diffuse cones of a point in a frame: 6, 9 or 12. More: less noise and bias, proportional
+    /// cost.
     pub diffuse_cones: u32,
-    /// Edge of the sampled voxels as a share of the cone's diameter, 0.05 to 1. Finer: sharper
+    /// Edge of the sampled voxels as a share of the cone's diameter, 0.05 to 1. Lower: sharper
     /// indirect light from more samples. docs/decisions.md has its effect on the error.
     pub voxel_per_diameter: f32,
-    /// Growth of the sampled voxels, per metre travelled and per cosine against the normal, at most: the
-    /// footprint keeps clear of the plane that the cone starts from. 0 (off) or 0.1 to 1; default 1/3.
+    /// The greatest growth of the sampled voxels, per metre travelled and per cosine against the
+    /// normal: the footprint keeps clear of the plane that the cone starts from. 0 (off) or 0.1 to
+    /// 1; default 1/3.
     pub clearance: f32,
-    /// Where cones start: distance above the surface along its normal, in voxels, 0 to 4; default 0.5.
-    /// Where walls are felt that must not be, cones start farther by themselves. Higher, and they pass over near
-    /// detail; lower, and oblique surfaces darken themselves.
+    /// Distance of the cones' start above the surface, along its normal, in voxels, 0 to 4; default
+    /// 0.5. Beside walls that would wrongly be sampled, cones start farther away automatically.
+    /// Higher: they pass over near detail. Lower: oblique surfaces darken themselves.
     pub normal_offset_voxels: f32,
-    /// Distance between samples as a share of the sampled voxel's edge, 0.25 to 1; default 1. Opacity is
-    /// corrected for it, so that it changes cost and noise, not brightness.
+    /// Distance between samples as a share of the sampled voxel's edge, 0.25 to 1; default 1.
+    /// Opacity is corrected for it, so it changes cost and noise, not brightness.
     pub step_per_voxel: f32,
-    /// Cones end when less than this share of light would still pass, 0 to 0.25; default 0.15. What is left is
-    /// taken to look like what was met. Lower: light of a bright sky leaks into closed rooms. Higher: what shines
-    /// through dark glass and dense leaves is lost. At oblique walls cones go on until the wall is over.
+    /// Share of light below which a cone ends, 0 to 0.25; default 0.15. The rest of the cone is
+    /// assumed to look like what it met. Lower: light of a bright sky leaks into closed rooms.
+    /// Higher: light through dark glass and dense leaves is lost. At oblique walls cones continue
+    /// to the end of the wall.
     pub min_transmittance: f32,
     /// Whether glossy cones are traced.
     pub specular: bool,
     /// Width of a glossy cone: the share of the lobe's solid angle that one frame's cone takes, 0.02 to 1;
     /// default 0.25. Frames draw different directions of the lobe, so that their mean is the whole lobe.
     pub specular_share: f32,
-    /// Reach of ambient occlusion, m; infinite by default: what a cone has not met by then does not occlude.
-    /// It changes the occlusion alone, never the light.
+    /// Reach of ambient occlusion, m; infinite by default. Surfaces beyond it do not occlude. It
+    /// changes only the occlusion, never the light.
     pub occlusion_distance_m: f32,
-    /// Full or half resolution.
+    /// Resolution of the trace.
     pub resolution: TraceResolution,
 }
 
@@ -107,7 +112,7 @@ impl TraceSettings {
     /// Checks every value against its range.
     ///
     /// # Errors
-    /// [`GiError::Setting`], naming the first one that is out of range.
+    /// [`GiError::Setting`] for the first one that is out of range.
     pub fn validate(&self) -> Result<(), GiError> {
         settings::check(Self::SETTINGS, self).map_err(GiError::from)
     }
@@ -117,7 +122,7 @@ impl TraceSettings {
         Setting {
             name: "cones",
             unit: "",
-            summary: "Diffuse cones a pixel and frame",
+            summary: "Diffuse cones of a pixel in a frame",
             help: "More: less noise and bias, at proportional cost.",
             kind: Kind::Choice(&[
                 Choice::new("6", "the cheapest"),
@@ -158,8 +163,8 @@ impl TraceSettings {
         Setting {
             name: "clearance",
             unit: "ratio",
-            summary: "Growth of the sampled voxels by metre and cosine, at most; 0 is off",
-            help: "Cones that leave at a grazing angle then keep clear of the surface that they start from. Lower: finer \
+            summary: "Greatest growth of the sampled voxels by metre and cosine; 0 is off",
+            help: "Keeps cones at grazing angles clear of the surface that they start from. Lower: finer \
                    samples near the surface, at a higher cost.",
             kind: Kind::Number { low: 0.1, high: 1.0, words: &[], off: Some(0.0) },
             get: |s| Value::Number(s.clearance),
@@ -170,7 +175,7 @@ impl TraceSettings {
             name: "normal_offset",
             unit: "voxels",
             summary: "Start of the cones above the surface",
-            help: "Cones move away from walls beside them by themselves. Higher passes over near detail, lower makes \
+            help: "Cones move away from walls beside them automatically. Higher passes over near detail, lower makes \
                    oblique surfaces darken themselves.",
             kind: Kind::number(0.0, 4.0),
             get: |s| Value::Number(s.normal_offset_voxels),
@@ -191,7 +196,7 @@ impl TraceSettings {
             name: "min_transmittance",
             unit: "share",
             summary: "Share of light below which a cone ends",
-            help: "The rest of the cone is taken to look like what the cone met. With a lower share a bright sky leaks \
+            help: "The rest of the cone is assumed to look like what it met. With a lower share a bright sky leaks \
                    into closed rooms; with a higher one the light through dark glass is lost.",
             kind: Kind::number(0.0, 0.25),
             get: |s| Value::Number(s.min_transmittance),
@@ -211,7 +216,7 @@ impl TraceSettings {
             name: "specular_share",
             unit: "share",
             summary: "Width of a glossy cone as a share of the lobe's solid angle",
-            help: "Lower: sharper but noisier reflections; frames draw other directions, so that their mean is the whole \
+            help: "Lower: sharper but noisier reflections. Each frame draws other directions, so their mean is the whole \
                    lobe.",
             kind: Kind::number(0.02, 1.0),
             redoes: Redoes::Frames,
@@ -223,7 +228,7 @@ impl TraceSettings {
             name: "occlusion_distance",
             unit: "m",
             summary: "Reach of ambient occlusion; it never changes the light",
-            help: "It changes the view `occlusion` only.",
+            help: "It only changes the view `occlusion`.",
             kind: Kind::Number { low: 0.0, high: 1e9, words: &[UNLIMITED], off: None },
             redoes: Redoes::Frames,
             get: |s| match s.occlusion_distance_m {
@@ -236,13 +241,14 @@ impl TraceSettings {
     ];
 }
 
-/// The word for a reach without end.
+/// The word for an unlimited reach.
 const UNLIMITED: &str = "unlimited";
 
-/// A row of the table: the light of the voxels is gathered by the same cones as the picture's.
+/// The base of rows whose change lights the voxels again: their light is gathered by the same cones
+/// as the picture's.
 const CONES: Setting<TraceSettings> = Setting { redoes: Redoes::Light, ..Setting::ROW };
 
-/// A number of a row whose values are all numbers.
+/// The number of a row that only has numbers.
 fn number(value: Value) -> f32 {
     value.number().unwrap_or(f32::NAN)
 }

@@ -1,17 +1,19 @@
-// Starts of cones that are clear of walls which are felt there and must not be.
+// Starts of cones, clear of walls whose samples there would be wrong.
 //
-// A wall is felt for a voxel around the middle of its cells. A cone that starts within that reach counts a part of
-// the wall wrongly:
+// A wall is felt for a voxel around the middle of its cells: samples within that reach contain it.
+// A cone that starts there counts a part of the wall wrongly:
 //
-// - of a wall beside it a part of the coverage lies behind the start, and what is beyond shines through: a floor along
-//   a wall of 5 mm was lit by the next room, up to ten times too bright;
-// - of the back of its own wall, where both sides stand in one voxel, a part lies before the start: light of the
-//   other side.
+// - of a wall beside it, a part of the coverage is behind the start, and light beyond the wall
+//   shines through: a floor along a wall of 5 mm was lit by the next room, up to ten times too
+//   bright;
+// - of the back of its own wall, if both sides are in one voxel, a part is in front of the start:
+//   light of the other side.
 //
-// Across a wall of full coverage the filter is a tent, so what is felt tells how far its end is. The tent stands in the
-// middle of the wall's cells, and the wall anywhere in them: a start between the two is in front of the wall and beyond
-// the middle. Which way is out then the side tells on which the wall is seen, and of a wall that is seen on both the
-// surface below the start: a floor ends at the wall and goes on where the start is.
+// Across a wall of full coverage the filter is a tent, so the sampled coverage gives the distance
+// to its end. The tent is centred in the wall's cells, and the wall is anywhere in them: a start
+// between the two is in front of the wall and beyond the middle. The side on which the wall is seen
+// then decides the way out; for a wall seen on both, it is the surface below the start: a floor
+// ends at the wall and continues where the start is.
 
 import package::volume::wall_coverage;
 
@@ -21,21 +23,22 @@ fn main_axis(normal: vec3f) -> u32 {
     return select(select(2u, 1u, size.y >= size.z), 0u, size.x >= size.y && size.x >= size.z);
 }
 
-// A share of a voxel's surface that is not chance.
+// A share of a voxel's surface that is more than chance.
 const NOTICEABLE: f32 = 0.25;
 
-// How far it is along an axis to where a wall is no longer felt, given what is felt of its positive and its negative
-// side, how much more that is farther along, and how much more of the start's own surface there is.
+// The distance along an axis to where a wall is no longer felt, given the samples of its positive
+// and its negative side, their increase along the axis, and the increase of the start's own
+// surface.
 fn way_out(here: vec2f, rise: f32, own_rise: f32) -> f32 {
     let felt = max(here.x, here.y);
     let is_one_sided = 2.0 * min(here.x, here.y) < felt;
     let continues = select(0.0, own_rise, abs(own_rise) > NOTICEABLE);
     let outwards = sign(select(continues, here.x - here.y, is_one_sided));
-    // A wall is within half a voxel of the middle of its cells; what is farther beyond stands behind it.
+    // A wall is within half a voxel of the middle of its cells; one farther away is behind it.
     if outwards != 0.0 && rise * outwards >= 0.0 && felt > 0.5 {
         return outwards * (2.0 - felt);
     }
-    // Away from where more is felt.
+    // Away from the side on which more is felt.
     return -sign(rise) * felt;
 }
 

@@ -1,5 +1,5 @@
-//! A cube with all its mips, flat in one texture: every face of every mip with a border of one texel, so that a bilinear
-//! sample anywhere on a face finds what lies beyond its edges.
+//! A cube with all its mips, flat in one texture: every face of every mip has a border of one
+//! texel, so that a bilinear sample anywhere on a face finds the texels beyond its edges.
 
 use glam::{UVec2, Vec3};
 
@@ -8,15 +8,15 @@ use super::cube::{Cube, direction};
 /// Texels around a face, on each side.
 const BORDER: u32 = 1;
 
-/// Where things lie: each mip has two rows of three faces. The first mip is at the left, the others one below the
-/// other beside it. `environment.wgsl` has the same.
+/// The layout of the texture: each mip has two rows of three faces. The first mip is at the left,
+/// the others are below each other beside it. `environment.wgsl` has the same layout.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     edge: u32,
 }
 
 impl Layout {
-    /// For a cube of a power of two of at least 2 texels along an edge.
+    /// The layout for a cube with an edge of a power of two, at least 2 texels.
     pub(super) fn new(edge: u32) -> Self {
         debug_assert!(edge.is_power_of_two() && edge >= 2, "{edge}");
         Self { edge }
@@ -26,7 +26,7 @@ impl Layout {
         self.edge.ilog2() + 1
     }
 
-    /// Of the texture.
+    /// The size of the texture.
     pub(super) fn size(self) -> UVec2 {
         let last = self.place(self.mips() - 1, 5) + UVec2::splat(1 + 2 * BORDER);
         let first = block(self.edge);
@@ -72,7 +72,8 @@ pub(super) fn flatten(mut cube: Cube) -> (UVec2, Vec<Vec3>) {
     (size, texels)
 }
 
-/// A texel of a face with its border: beyond an edge that of the neighbour, at a corner the mean of the three that meet.
+/// A texel of a face with its border: beyond an edge it is the neighbour's, at a corner the mean of
+/// the three that meet.
 fn bordered_texel(cube: &Cube, face: u32, x: u32, y: u32) -> Vec3 {
     let last = cube.edge - 1;
     let inside = |i: u32| (BORDER..=last + BORDER).contains(&i);
@@ -99,7 +100,7 @@ fn texel(cube: &Cube, face: u32, x: u32, y: u32) -> Vec3 {
 fn beyond(cube: &Cube, towards: Vec3) -> Vec3 {
     let face = towards.abs().max_position();
     let face = 2 * face + usize::from(towards[face] < 0.0);
-    // The places of a face are dot products with what its direction changes by.
+    // The coordinates on a face are dot products with the derivatives of its direction.
     let along = towards.abs().max_element();
     let place = |axis: Vec3| (towards.dot(axis) / along * 0.5 + 0.5) * cube.edge as f32;
     let middle = direction(face, 0.0, 0.0);
@@ -138,14 +139,14 @@ mod tests {
                 let meets = |(a, b): &(UVec2, UVec2)| a.cmplt(*high).all() && low.cmplt(*b).all();
                 assert!(!boxes[..i].iter().any(meets), "{edge}: {low} {high}");
             }
-            // What the shader finds the edge by.
+            // The shader finds the edge by this.
             assert_eq!((2 * layout.size().x - 24) / 9, edge);
             assert!(layout.size().max_element() <= 8192, "WebGPU's textures are no larger");
         }
     }
 
-    /// What is smooth over the sphere is smooth across every edge: a texel's neighbours beyond differ no more than those
-    /// within.
+    /// A function that is smooth over the sphere is smooth across every edge: texels beyond an edge
+    /// differ no more than those within.
     #[test]
     fn borders_go_on_where_the_neighbour_begins() {
         let edge = 16;

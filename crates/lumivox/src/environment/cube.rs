@@ -64,7 +64,8 @@ impl Panorama<'_> {
     }
 }
 
-/// The panorama at the most so many texels wide, by means over their solid angles; `None` if it is.
+/// The panorama reduced to at most this width, by means over solid angles; `None` if it is small
+/// enough.
 pub(super) fn reduced(panorama: Panorama<'_>, most: u32) -> Option<Image> {
     let mut image: Option<Image> = None;
     loop {
@@ -94,8 +95,8 @@ fn halved(from: Panorama<'_>) -> Image {
     Image { width, height, rgb }
 }
 
-/// The direction (of any length) of a place on a face; `s` to the right and `t` down, from -1 to 1. The
-/// arrangement that all graphics interfaces share: Vulkan 1.3, section "Cube map face selection".
+/// The direction (of any length) of a place on a face; `s` to the right and `t` down, from -1 to 1.
+/// All graphics interfaces share this arrangement: Vulkan 1.3, section "Cube map face selection".
 pub(super) fn direction(face: usize, s: f32, t: f32) -> Vec3 {
     match face {
         0 => Vec3::new(1.0, -t, -s),
@@ -117,8 +118,9 @@ pub(super) fn solid_angle_sr(edge: u32, x: u32, y: u32) -> f32 {
 }
 
 impl Cube {
-    /// Each texel is the mean of samples spread over it: 16, or fewer where there are many texels, down to one
-    /// in the largest cubes, whose texels are as wide as a bilinear sample of the panorama.
+    /// Projects a panorama onto a cube. Each texel is the mean of samples spread over it: 16, or
+    /// fewer for large cubes, down to one in the largest, whose texels are as wide as a bilinear
+    /// sample of the panorama.
     pub(super) fn project(panorama: Panorama<'_>, edge: u32) -> Self {
         let side = match edge {
             0..=256 => 4,

@@ -1,12 +1,13 @@
-// What a cone sees that leaves the grid: the surroundings at the resolution of its last cells.
+// The radiance that a cone sees outside the grid: the surroundings at the resolution of its last
+// cells.
 //
-// A cone reads cells of an edge that grows with the distance, growth * t; seen from its start they all have the
-// angle `growth`. It reads the mip at which a bilinear sample is as wide. Mips hold means over solid angles, in
-// multiples of `light_globals.environment`.
+// A cone reads cells of an edge that grows with the distance, growth * t; seen from its start they
+// all have the angle `growth`. It reads the mip at which a bilinear sample is as wide. Mips hold
+// means over solid angles, in multiples of `light_globals.environment`.
 //
-// The cube lies flat in a texture (atlas.rs): every face of every mip with a border of the texels beyond its edges. A
-// cube texture would have samplers filter across edges, but SwiftShader, the software GPU of browsers, reads there what
-// was in its memory before.
+// The cube is flat in a texture (atlas.rs): every face of every mip has a border of the texels
+// beyond its edges. Samplers would filter a cube texture across edges, but SwiftShader, the
+// software GPU of browsers, reads uninitialized memory there.
 
 import package::constants::LIGHT_ENVIRONMENT;
 import package::light::lights::{light_globals, Light};
@@ -31,8 +32,9 @@ fn map_from_world(direction: vec3f) -> vec3f {
     );
 }
 
-// The level of a cube of `edge` texels at which a sample around a unit vector is `width` radians wide. A face
-// spans 2 at a distance of 1; a texel in the direction d has the solid angle (2 / edge)^2 (d . axis)^3.
+// The level of a cube of `edge` texels at which a sample around a unit vector is `width` radians
+// wide. A face spans 2 at a distance of 1; a texel in the direction d has the solid angle (2 /
+// edge)^2 (d . axis)^3.
 fn cube_level(direction: vec3f, width: f32, edge: u32) -> f32 {
     let size = abs(direction);
     let along_axis = max(size.x, max(size.y, size.z));
@@ -51,8 +53,8 @@ struct CubePlace {
     place: vec2f,
 }
 
-// Vulkan 1.3, section "Cube map face selection". Without branches: lavapipe crashes where it makes constants of uniforms
-// that conditions depend on.
+// Vulkan 1.3, section "Cube map face selection". Without branches: lavapipe crashes if it makes
+// constants of uniforms that conditions depend on.
 fn cube_place(direction: vec3f) -> CubePlace {
     let size = abs(direction);
     let is_x = (size.x >= size.y) & (size.x >= size.z);
@@ -72,7 +74,7 @@ fn sample_mip(map: texture_2d<f32>, at: CubePlace, mip: u32) -> vec3f {
     let size = textureDimensions(map);
     let first = cube_edge(size);
     let edge = first >> mip;
-    // The first mip at the left, the others one below the other beside it.
+    // The first mip is at the left, the others are below each other beside it.
     let above = select(0u, 2u * (first - 2u * edge) + 4u * (mip - 1u), mip > 0u);
     let corner = vec2u(select(0u, 3u * (first + 2u), mip > 0u), above)
         + vec2u(at.face % 3u, at.face / 3u) * (edge + 2u);
@@ -92,16 +94,16 @@ fn sample_cube(map: texture_2d<f32>, direction: vec3f, level: f32) -> vec3f {
     );
 }
 
-// Radiance from outside along a unit vector, for cells of an edge of `width` times the distance; without the
-// peaks that are lights.
+// Radiance from outside along a unit vector, without the peaks that are lights; `width` is the edge
+// of the cells over the distance.
 fn environment_radiance(direction: vec3f, width: f32) -> vec3f {
     let in_map = map_from_world(direction);
     let level = cube_level(in_map, width, cube_edge(textureDimensions(environment_soft)));
     return light_globals.environment * sample_cube(environment_soft, in_map, level);
 }
 
-// The same along a glossy reflection. A lobe (alpha of the microfacets) narrower than the peaks shows them as
-// they are; a wider one gets them from their lights, see `glossy_share`.
+// The same along a glossy reflection. A lobe (alpha of the microfacets) narrower than the peaks
+// shows them as they are; a wider one gets them from their lights, see `glossy_share`.
 fn environment_reflection(direction: vec3f, width: f32, alpha: f32) -> vec3f {
     if alpha >= light_globals.mirror_alpha {
         return environment_radiance(direction, width);
@@ -111,13 +113,13 @@ fn environment_reflection(direction: vec3f, width: f32, alpha: f32) -> vec3f {
     return light_globals.environment * sample_cube(environment_sharp, in_map, level);
 }
 
-// The share of a light that its highlight shows: none where `environment_reflection` does already.
+// The share of a light that its highlight shows: none if `environment_reflection` already shows it.
 fn glossy_share(light: Light, alpha: f32) -> f32 {
     return select(
         1.0, 0.0, light.kind == LIGHT_ENVIRONMENT && alpha < light_globals.mirror_alpha);
 }
 
-// What the eye sees along a unit vector: all of it, sharp.
+// The radiance that the eye sees along a unit vector: all of it, sharp.
 fn environment_background(direction: vec3f) -> vec3f {
     return light_globals.environment
         * sample_mip(environment_sharp, cube_place(map_from_world(direction)), 0u);

@@ -1,21 +1,23 @@
-//! The surroundings, which cones see that leave the grid: one radiance from everywhere, or a picture.
+//! The surroundings, which cones see outside the grid: a uniform radiance, or a picture.
 //!
-//! A picture becomes a cube map whose mips are means over their solid angle, computed in f32 on the CPU
-//! ([`cube`]). A cone that leaves the grid goes on to infinity as it was marched: it reads the mip whose
-//! texels are as wide as the cells that it read last (`environment.wgsl`). Its directions are jittered over
-//! the whole hemisphere, so that the mean over frames is the integral of what the mips hold.
+//! A picture becomes a cube map whose mips are means over their solid angle, computed in f32 on the
+//! CPU ([`cube`]). A cone that leaves the grid continues to infinity: it reads the mip whose texels
+//! are as wide as the last cells that it read (`environment.wgsl`). Its directions are jittered
+//! over the whole hemisphere, so that the mean over frames is the integral over the mips.
 //!
-//! Six cones cannot find a sun: it would be a speck of noise, and its shadow as wide as a cone. Compact
-//! peaks are therefore cut out ([`peaks`]) and become directional lights, with shadow maps and exact
-//! highlights; what is left is the *soft* cube. The *sharp* cube holds all, for the background and for
-//! lobes that are narrower than the peaks: mirrors show the sun's disc and not its light's highlight.
+//! Six cones cannot find a sun: it would be a speck of noise, and its shadow as wide as a cone.
+//! Compact peaks are therefore cut out ([`peaks`]) and become directional lights, with shadow maps
+//! and exact highlights; the rest is the *soft* cube. The *sharp* cube holds everything, for the
+//! background and for lobes that are narrower than the peaks: mirrors show the sun's disc and not
+//! its light's highlight.
 //!
-//! Half floats hold the cubes, in multiples of a power of two near the picture's mean: from a 16-millionth
-//! of the mean to 65 504 times the mean. Brighter texels are cut off in the sharp cube alone, since the
-//! sun's energy is in its light.
+//! Half floats hold the cubes, in multiples of a power of two near the picture's mean: from a
+//! 16-millionth of the mean to 65 504 times the mean. Brighter texels are only clipped in the sharp
+//! cube, since the sun's energy is in its light.
 //!
-//! A cube, whose texels are about as large in all directions; flat in one texture, and filtered across its edges by
-//! borders ([`atlas`]), for not every driver filters cube textures so.
+//! A cube's texels have about the same size in all directions. It is flat in one texture, with
+//! borders for filtering across its edges ([`atlas`]), because not every driver filters cube
+//! textures correctly.
 
 mod atlas;
 mod cube;
@@ -35,15 +37,15 @@ pub(crate) const MODULES: &[(&str, &str)] = &[("environment", include_str!("envi
 
 /// The longest edge of a face of the sharp cube; a face's middle then has 9 texels a degree. 74 MiB.
 const MAX_SHARP_EDGE: u32 = 1024;
-/// The longest edge of the soft one, which no lobe reads sharply. 19 MiB.
+/// The longest edge of a face of the soft cube, which no lobe reads sharply. 19 MiB.
 const MAX_SOFT_EDGE: u32 = 512;
-/// Format of the cubes: what WebGPU filters without asking.
+/// Format of the cubes: WebGPU can filter it without a feature.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// A picture of all directions: equirectangular, that is, longitude by latitude.
 ///
-/// The texel in the middle lies in the direction -z; from there columns go to the right (+x), rows go down
-/// from +y at the top edge to -y at the bottom edge.
+/// The texel in the middle is in the direction -z; from there columns go to the right (+x), rows go
+/// down from +y at the top edge to -y at the bottom edge.
 #[derive(Clone, Copy, Debug)]
 pub struct Panorama<'a> {
     /// Texels around, 360 degrees.
@@ -57,21 +59,22 @@ pub struct Panorama<'a> {
 /// A compact bright part of a panorama.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
-    /// Towards it, in the panorama's frame; unit length.
+    /// Direction towards it, in the panorama's frame; unit length.
     pub direction: Vec3,
-    /// Irradiance that it gives a surface facing it, above what its surroundings give.
+    /// Irradiance on a surface that faces it, above that of its surroundings.
     pub irradiance: Vec3,
-    /// Half the angle under which it is seen, rad.
+    /// Half its angular diameter, rad.
     pub angular_radius_rad: f32,
-    /// The middle of the cap that it was cut out of; unit length.
+    /// The middle of the cap that was cut out; unit length.
     pub cap_direction: Vec3,
     /// Half the angle of that cap, rad.
     pub cap_rad: f32,
-    /// Radiance around the cap. Within it, what each channel has above this is the peak's.
+    /// Radiance around the cap. In the cap, everything above this belongs to the peak, channel by
+    /// channel.
     pub around: Vec3,
 }
 
-/// A panorama at the size that is used at most, and the peaks in it.
+/// A panorama at the largest size used, and the peaks in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanoramaWithPeaks {
     /// Texels around.
@@ -80,32 +83,32 @@ pub struct PanoramaWithPeaks {
     pub height: u32,
     /// Radiance of each texel, peaks included.
     pub rgb: Vec<[f32; 3]>,
-    /// Brightest first.
+    /// The peaks, brightest first.
     pub peaks: Vec<Peak>,
 }
 
 /// A panorama on the GPU, prefiltered for cones.
 #[derive(Clone, Debug)]
 pub struct EnvironmentMap {
-    /// All of it.
+    /// The whole panorama.
     pub(crate) sharp: TextureView,
-    /// What is left without the peaks.
+    /// The panorama without its peaks.
     pub(crate) soft: TextureView,
-    /// What the textures' values are multiples of.
+    /// The factor of the textures' values.
     pub(crate) unit: f32,
     peaks: Vec<Peak>,
     bytes: u64,
 }
 
-/// What cones see that leave the grid.
+/// The light that cones see outside the grid.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnvironmentLight<'a> {
-    /// Radiance from everywhere; where there is a map, what it is multiplied by.
+    /// Radiance from everywhere; with a map, its factor.
     pub radiance: Vec3,
-    /// A picture of the surroundings. The lights of [`EnvironmentMap::lights`] are a part of it: without
-    /// them its peaks light nothing.
+    /// A picture of the surroundings. The lights of [`EnvironmentMap::lights`] belong to it:
+    /// without them its peaks light nothing.
     pub map: Option<&'a EnvironmentMap>,
-    /// Turns the map about the y axis, rad, counter-clockwise seen from above.
+    /// Rotation of the map about the y axis, rad, counter-clockwise seen from above.
     pub rotation_rad: f32,
 }
 
@@ -117,8 +120,8 @@ impl From<Vec3> for EnvironmentLight<'_> {
 }
 
 impl Panorama<'_> {
-    /// Finds what [`EnvironmentMap`] makes lights of, in the panorama at the size at which it does so. For
-    /// renderers that read the panorama themselves and want to tell the same lights apart.
+    /// Finds the peaks that [`EnvironmentMap`] makes lights of, in the panorama at the size that it
+    /// uses. For renderers that read the panorama themselves and need the same lights.
     ///
     /// # Errors
     /// As [`EnvironmentMap::new`].
@@ -150,11 +153,12 @@ impl Panorama<'_> {
 impl EnvironmentMap {
     /// Cuts the peaks out of a panorama, and uploads both parts as cubes with mips.
     ///
-    /// The work is the CPU's, a few seconds of one core for 4096 x 2048 texels; what is larger is first
-    /// brought to that size, by means.
+    /// The work is done on the CPU, and takes a few seconds of one core for 4096 x 2048 texels;
+    /// larger panoramas are first reduced to that size.
     ///
     /// # Errors
-    /// [`GiError::Setting`] when the panorama has no texels or not as many as its size says.
+    /// [`GiError::Setting`] when the panorama has no texels, or their number does not match its
+    /// size.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -184,7 +188,7 @@ impl EnvironmentMap {
         Ok(Self { sharp, soft, unit, peaks: split.peaks, bytes })
     }
 
-    /// A white map, for surroundings that are the same everywhere.
+    /// A white map, for uniform surroundings.
     pub(crate) fn white(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let cube = Cube { edge: 2, texels: vec![Vec3::ONE; 24] };
         let texture = upload(device, queue, "no environment map", cube, 1.0);
@@ -198,8 +202,8 @@ impl EnvironmentMap {
         &self.peaks
     }
 
-    /// The lights that the peaks are, for a map that is multiplied and turned as in
-    /// [`EnvironmentLight`]; give them to [`crate::Gi::bind_lights`] along with it.
+    /// The lights of the peaks, for a map with the factor and rotation of an [`EnvironmentLight`];
+    /// pass them to [`crate::Gi::bind_lights`] with the map.
     pub fn lights(&self, radiance: Vec3, rotation_rad: f32) -> Vec<Light> {
         let turn = Mat3::from_rotation_y(rotation_rad);
         self.peaks
@@ -221,7 +225,7 @@ impl EnvironmentMap {
     }
 }
 
-/// The power of two next to the mean of the texels' largest channels.
+/// The power of two closest to the mean of the texels' largest channels.
 fn unit_of(panorama: Panorama<'_>) -> f32 {
     let largest = |texel: &[f32; 3]| f64::from(Vec3::from(*texel).max_element());
     let sum: f64 = panorama.rgb.iter().map(largest).sum();

@@ -1,22 +1,24 @@
 //! Compact bright parts of a panorama, cut out to become lights.
 //!
-//! A peak is what lies above its surroundings within a cap of directions. The cap starts as wide as half the
-//! wider diffuse cones of the finest preset, around the brightest texel of the brightest region, and is drawn in until it is four
-//! times as wide as the circle that holds half of the peak's light: a sun sheds its glow, which stays behind. The
-//! surroundings are the mean of the ring around the cap.
+//! A peak is the light above its surroundings within a cap of directions. The cap starts as wide as
+//! half the wider diffuse cones of the finest preset, around the brightest texel of the brightest
+//! region, and shrinks until it is four times as wide as the circle that holds half of the peak's
+//! light: a sun sheds its glow, which stays in the panorama. The surroundings are the mean of the
+//! ring around the cap.
 //!
-//! It is cut out if it is
+//! A peak is cut out if it is
 //!
-//! - *compact*: its radius (that of an even disc with as much light within the same circle) is at most a
-//!   quarter of those cones' half angle. Left in, its shadows would be as soft as that cone; as
-//!   a light it has the sharp ones that a source of its size nearly has; and
+//! - *compact*: its radius (that of an even disc with as much light within the same circle) is at
+//!   most a quarter of those cones' half angle. Left in, its shadows would be as soft as that cone;
+//!   as a light it has sharp shadows, close to those of a source of its size; and
 //! - *strong*: it gives a surface that faces it more than a cone of average radiance, pi / 12 times the mean of the
 //!   rest. A single cone that meets it is then more than twice as bright as its neighbours.
 //!
-//! Both come from the cones alone; nothing is tuned to a scene. Nothing is lost either: every channel of each
-//! texel is what stays plus what was cut out, and a light's irradiance is the integral of what was cut out times
-//! the cosine to the light's direction, so that a surface that faces it gets exactly what it got before. Ties are
-//! broken by position, and all sums run in one order: the same panorama gives the same lights.
+//! Both criteria follow from the cones; nothing is tuned to a scene. Nothing is lost either: every
+//! channel of each texel is the sum of the rest and the part cut out, and a light's irradiance is
+//! the integral of the part cut out times the cosine to the light's direction, so a surface that
+//! faces it gets exactly as much as before. Ties are broken by position, and all sums run in one
+//! order: the same panorama gives the same lights.
 
 use glam::{DVec3, Vec3};
 
@@ -25,7 +27,7 @@ use super::{Panorama, Peak};
 
 /// The most lights: each has a shadow map.
 const MAX_PEAKS: usize = 4;
-/// How many regions are tried, brightest first.
+/// The most regions that are tried, brightest first.
 const MAX_TRIES: usize = 24;
 /// Diffuse cones of the finest preset.
 const MOST_CONES: f64 = 12.0;
@@ -35,19 +37,19 @@ const CONE_RAD: f64 = 0.456;
 const CAP_RAD: f64 = 0.5 * CONE_RAD;
 /// The largest radius of a compact peak.
 const COMPACT_RAD: f64 = 0.25 * CONE_RAD;
-/// How often a cap is drawn in: by more than a tenth, or it has settled.
+/// The most steps by which a cap shrinks: each by more than a tenth, or it has settled.
 const MAX_STEPS: usize = 24;
 /// Regions from top to bottom; twice as many around. About as wide as the cap's radius.
 const REGION_ROWS: u32 = 16;
 
-/// ITU-R BT.709-6, section 3.2.
+/// Luminance of linear RGB: ITU-R BT.709-6, section 3.2.
 const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
 /// A panorama in two parts.
 pub(super) struct Split {
-    /// Brightest first.
+    /// The peaks, brightest first.
     pub(super) peaks: Vec<Peak>,
-    /// What is left; `None` where nothing was cut out.
+    /// The rest; `None` if nothing was cut out.
     pub(super) rest: Option<Image>,
 }
 
@@ -98,13 +100,13 @@ fn mean_luminance(panorama: Panorama<'_>) -> f64 {
     rows.sum::<f64>() / (4.0 * std::f64::consts::PI)
 }
 
-/// The panorama in blocks, to know where to look.
+/// The panorama in blocks, to find the brightest.
 struct Regions {
     rows: u32,
     columns: u32,
-    /// Means.
+    /// Mean luminance of each.
     luminance: Vec<f64>,
-    /// Looked at, and found to hold no peak.
+    /// Whether it was tried, and holds no peak.
     is_done: Vec<bool>,
 }
 
@@ -175,7 +177,7 @@ struct Found {
     cap_rad: f64,
     /// Mean of the ring around the cap.
     around: Vec3,
-    /// Luminous irradiance of what is above.
+    /// Luminous irradiance of the light above `around`.
     irradiance: f64,
     radius_rad: f64,
 }
@@ -186,7 +188,7 @@ impl Found {
         self.irradiance > 0.0 && self.irradiance > threshold(rest.max(0.0))
     }
 
-    /// Takes the peak out.
+    /// Cuts the peak out of the image.
     fn cut(&self, image: &mut Image) -> Peak {
         let texels = within(image.panorama(), self.center, self.cap_rad);
         let mut toward = DVec3::ZERO;
@@ -218,7 +220,7 @@ fn find(panorama: Panorama<'_>, center: DVec3) -> Option<Found> {
     let mut found =
         Found { center, cap_rad: CAP_RAD, around: Vec3::ZERO, irradiance: 0.0, radius_rad: 0.0 };
     for _ in 0..MAX_STEPS {
-        // The ring is as wide as half the cap, and never less than two texels.
+        // The ring is as wide as half the cap, and at least two texels.
         let ring_rad = found.cap_rad + (0.5 * found.cap_rad).max(2.0 * texel_rad);
         let (edge, mut ring, mut ring_sr) = (found.cap_rad.cos(), DVec3::ZERO, 0.0);
         let mut inside = Vec::new();
@@ -250,7 +252,7 @@ fn find(panorama: Panorama<'_>, center: DVec3) -> Option<Found> {
         found.radius_rad = radius(found.center, &weighted, found.irradiance);
         // Four times the circle of half the light, 2.8 times the disc.
         let next = (4.0 * found.radius_rad / 2.0_f64.sqrt()).max(2.5 * texel_rad).min(CAP_RAD);
-        // Within a cap of another centre there may be more of it: an end of a tube is no lamp.
+        // A cap around another centre may hold more of it: the end of a tube is not a lamp.
         let has_settled = next > 0.9 * found.cap_rad && moved_rad < 0.1 * found.cap_rad;
         if has_settled {
             return Some(found);
@@ -260,12 +262,12 @@ fn find(panorama: Panorama<'_>, center: DVec3) -> Option<Found> {
     None
 }
 
-/// The radius of the even disc that holds half of its light in the same circle: that circle times the
+/// The radius of the even disc that has half of its light in the same circle: that circle times the
 /// root of two. At least the disc of one texel.
 fn radius(center: DVec3, weighted: &[(DVec3, f64, f64)], irradiance: f64) -> f64 {
     let mut by_angle: Vec<(f64, f64, f64)> = weighted
         .iter()
-        // The chord tells small angles better than the cosine.
+        // The chord resolves small angles better than the cosine.
         .map(|(direction, flux, sr)| {
             (2.0 * (0.5 * direction.distance(center)).min(1.0).asin(), *flux, *sr)
         })

@@ -28,7 +28,7 @@ impl LayoutBuilder {
         self
     }
 
-    /// Any binding type.
+    /// Adds a binding of any type.
     #[must_use]
     pub fn binding(mut self, ty: wgpu::BindingType) -> Self {
         let binding = self.skipped + self.entries.len() as u32;
@@ -90,7 +90,7 @@ impl LayoutBuilder {
         )
     }
 
-    /// `texture_2d<f32>` for `textureLoad` alone (any float format).
+    /// `texture_2d<f32>` only for `textureLoad` (any float format).
     #[must_use]
     pub fn texture_2d_unfilterable(self) -> Self {
         self.texture(
@@ -134,7 +134,7 @@ impl LayoutBuilder {
         })
     }
 
-    /// A 2D texture that is read and written in place; of the formats of one channel of 32 bits alone.
+    /// A 2D texture that is read and written in place; only for formats of one 32-bit channel.
     #[must_use]
     pub fn storage_texture_in_place(self, format: wgpu::TextureFormat) -> Self {
         self.binding(wgpu::BindingType::StorageTexture {
@@ -156,7 +156,7 @@ impl LayoutBuilder {
         self.binding(wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison))
     }
 
-    /// The layout: one of the same entries, if there is one.
+    /// Builds the layout, or returns an earlier one of the same entries.
     pub fn build(self, pipelines: &Pipelines, label: &str) -> wgpu::BindGroupLayout {
         pipelines.layout(self.entries, label)
     }
@@ -184,7 +184,7 @@ impl<'a> BindGroupBuilder<'a> {
         self
     }
 
-    /// Any resource of the caller's.
+    /// Adds any resource of the caller.
     #[must_use]
     pub fn resource(mut self, resource: wgpu::BindingResource<'a>) -> Self {
         let binding = self.skipped + self.entries.len() as u32;
@@ -197,6 +197,15 @@ impl<'a> BindGroupBuilder<'a> {
     pub fn buffer<B: BufferHandle>(mut self, buffer: &'a B) -> Self {
         self.kept.extend(buffer.kept());
         self.resource(buffer.raw().as_entire_binding())
+    }
+
+    /// A part of a buffer: so many bytes from a byte on, which must be a multiple of 256.
+    #[must_use]
+    pub fn slice<B: BufferHandle>(mut self, buffer: &'a B, offset: u64, bytes: u64) -> Self {
+        self.kept.extend(buffer.kept());
+        let size = std::num::NonZeroU64::new(bytes);
+        let binding = wgpu::BufferBinding { buffer: buffer.raw(), offset, size };
+        self.resource(wgpu::BindingResource::Buffer(binding))
     }
 
     /// A texture view.
@@ -212,7 +221,7 @@ impl<'a> BindGroupBuilder<'a> {
         self.resource(wgpu::BindingResource::Sampler(sampler))
     }
 
-    /// The bind group.
+    /// Builds the bind group.
     pub fn build(self, device: &wgpu::Device, label: &str) -> BindGroup {
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(label),

@@ -1,10 +1,10 @@
-//! Buffers: made, filled, read back without blocking where blocking is not possible.
+//! Buffers: creating, filling, and reading back (without blocking in browsers).
 
 use bytemuck::Pod;
 use wgpu::util::DeviceExt as _;
 
 use crate::GiError;
-use crate::gpu::Buffer;
+use crate::gpu::{Buffer, Recorder};
 
 /// A storage buffer of at least one element's size (WebGPU has no empty bindings); its content starts as zero.
 /// It can be copied from and to, and hold the arguments of an indirect dispatch.
@@ -19,6 +19,59 @@ pub fn storage_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> Buffer 
         mapped_at_creation: false,
     };
     Buffer::new(device, &descriptor)
+}
+
+/// A buffer of zeros for numbers that the GPU counts and then reads as uniforms and arguments of dispatches.
+pub(crate) fn counted_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> Buffer {
+    let descriptor = wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes,
+        usage: wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::UNIFORM
+            | wgpu::BufferUsages::INDIRECT
+            | wgpu::BufferUsages::COPY_SRC
+            | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    };
+    Buffer::new(device, &descriptor)
+}
+
+/// Recordings whose content a [`Staged`] buffer keeps apart: more of them than are recorded before one is submitted.
+const STAGES: u64 = 4;
+
+/// A storage or uniform buffer that each recording sets: recordings that are not submitted yet keep what they have set.
+#[derive(Debug)]
+pub(crate) struct Staged {
+    buffer: Buffer,
+    stages: Buffer,
+    next: u64,
+}
+
+impl Staged {
+    /// Room for so many bytes.
+    pub fn new(device: &wgpu::Device, label: &str, bytes: u64) -> Self {
+        let buffer = counted_buffer(device, label, bytes.max(16));
+        let descriptor = wgpu::BufferDescriptor {
+            label: Some("stages of a buffer"),
+            size: STAGES * buffer.size(),
+            usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        };
+        Self { stages: Buffer::new(device, &descriptor), buffer, next: 0 }
+    }
+
+    /// What shaders read.
+    pub fn buffer(&self) -> &Buffer {
+        &self.buffer
+    }
+
+    /// Sets the first bytes for what is recorded from here on.
+    pub fn set(&mut self, recorder: &mut Recorder<'_>, bytes: &[u8]) {
+        let place = self.next * self.buffer.size();
+        recorder.queue().write_buffer(&self.stages, place, bytes);
+        recorder.copy((&self.stages, place), (&self.buffer, 0), bytes.len() as u64);
+        self.next = (self.next + 1) % STAGES;
+    }
 }
 
 /// A uniform buffer with the given content, which `Queue::write_buffer` can change.
@@ -91,8 +144,8 @@ pub(crate) async fn map_and_copy<T: Pod>(
     Ok(values)
 }
 
-/// Waits until a queue has done all that was submitted to it. Only browsers complete it by themselves; elsewhere
-/// somebody has to poll the device.
+/// Waits until a queue has done all submitted work. Only browsers complete it by themselves;
+/// elsewhere the device must be polled.
 pub async fn submitted_work_done(queue: &wgpu::Queue) {
     let (sender, receiver) = oneshot();
     queue.on_submitted_work_done(move || sender.send(()));

@@ -1,4 +1,5 @@
-// Where an invocation stands in a list, when its workgroups spread over x and y (Kernel::dispatch_linear).
+// The index of an invocation in a list whose workgroups spread over x and y
+// (Kernel::dispatch_linear).
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 

@@ -1,39 +1,39 @@
-//! Handles of what recorded work uses, held until the work is submitted.
+//! Handles of the resources that recorded work uses, kept until the work is submitted.
 
 use std::sync::Arc;
 
 use crate::gpu::resources::{BindGroup, Kept};
 
-/// What must not be destroyed before it is submitted.
+/// Resources that must not be destroyed before submission.
 #[derive(Debug, Default)]
 pub(super) struct Held(Vec<Handle>);
 
-/// Some of it; the fields are there to be dropped.
+/// One kept resource. The fields exist to be dropped.
 #[derive(Debug)]
-#[expect(dead_code, reason = "they are held, not read")]
+#[expect(dead_code, reason = "kept, not read")]
 enum Handle {
     Group(Arc<[Kept]>),
     One(Kept),
 }
 
 impl Held {
-    /// Holds what a bind group binds.
+    /// Keeps the resources of a bind group.
     pub(super) fn group(&mut self, group: &BindGroup) {
         self.0.push(Handle::Group(group.kept().clone()));
     }
 
-    /// Holds buffers or textures.
+    /// Keeps buffers or textures.
     pub(super) fn keep(&mut self, kept: impl IntoIterator<Item = Kept>) {
         self.0.extend(kept.into_iter().map(Handle::One));
     }
 
-    /// Lets go of everything.
+    /// Releases everything.
     pub(super) fn clear(&mut self) {
         self.0.clear();
     }
 
-    /// Hands everything to the encoder, which lets go of it when its work is done on the GPU, or when it is dropped
-    /// without being submitted.
+    /// Hands everything to the encoder, which releases it when its work is done on the GPU, or when
+    /// it is dropped without being submitted.
     pub(super) fn hand_to(self, encoder: &wgpu::CommandEncoder) {
         if self.0.is_empty() {
             return;
@@ -48,7 +48,8 @@ impl Held {
     }
 }
 
-/// Handles stay on the thread that recorded them, since browsers let no handle leave it, and callbacks must be `Send`.
+/// Keeps handles on the thread that recorded them: callbacks must be `Send`, and browsers let no
+/// handle leave its thread.
 #[cfg(target_arch = "wasm32")]
 mod here {
     use std::cell::RefCell;
@@ -60,10 +61,10 @@ mod here {
         static DEPOSITS: RefCell<(u64, HashMap<u64, Held>)> = RefCell::default();
     }
 
-    /// Gives a deposit back when it is dropped.
+    /// Releases a deposit when it is dropped.
     pub(super) struct Ticket(u64);
 
-    /// Takes handles until their ticket goes.
+    /// Keeps handles until their ticket is dropped.
     pub(super) fn deposit(held: Held) -> Ticket {
         DEPOSITS.with_borrow_mut(|(number, deposits)| {
             *number += 1;
@@ -74,7 +75,7 @@ mod here {
 
     impl Drop for Ticket {
         fn drop(&mut self) {
-            // At the end of the thread the deposits are gone already.
+            // At the end of the thread the deposits are already gone.
             let _ = DEPOSITS.try_with(|deposits| deposits.borrow_mut().1.remove(&self.0));
         }
     }
@@ -97,7 +98,7 @@ mod tests {
         let source = upload(&device, "source", &[7_u32; 4]);
         let mut recorder = Recorder::on(&device, &queue, &mut encoder);
         recorder.copy((&source, 0), (&target, 0), 16);
-        // Neither submits: the copy would be lost with the source, or done twice.
+        // Neither submits: the copy would be lost with the source, or made twice.
         recorder.flush();
         recorder.submit();
         drop(source);

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
     ShaderLibrary,
 };
 use crate::gpu::{storage_buffer, upload};
@@ -18,7 +18,7 @@ pub(crate) struct Run {
     pub end: u32,
 }
 
-/// The kernel that computes them.
+/// The kernel that computes the arguments.
 #[derive(Debug)]
 pub(crate) struct Indirect {
     layout: wgpu::BindGroupLayout,
@@ -41,28 +41,41 @@ impl Indirect {
         Ok(Self { layout, kernel })
     }
 
-    /// Arguments for a dispatch of a thread per item, for each run; those of the `i`-th start at `i * STRIDE`.
+    /// Arguments for a dispatch of one thread per item, for each run; those of the `i`-th run start
+    /// at `i * STRIDE`. Each [`Self::run`] writes them.
     ///
     /// `item_starts` is the exclusive prefix sum of the items. If the first word of `overflow` is not zero
     /// when this runs, nothing is dispatched.
-    pub fn arguments(
+    pub fn bind(
         &self,
-        recorder: &mut Recorder,
+        device: &wgpu::Device,
         item_starts: &Buffer,
         runs: &[Run],
         overflow: &Buffer,
-    ) -> Buffer {
-        let device = recorder.device().clone();
+    ) -> BoundIndirect {
         let bytes = runs.len() as u64 * Self::STRIDE;
-        let arguments = storage_buffer(&device, "indirect arguments", bytes);
-        let runs_buffer = upload(&device, "runs of items", runs);
+        let arguments = storage_buffer(device, "indirect arguments", bytes);
+        let runs_buffer = upload(device, "runs of items", runs);
         let group = BindGroupBuilder::new(&self.layout)
             .buffer(item_starts)
             .buffer(&runs_buffer)
             .buffer(&arguments)
             .buffer(overflow)
-            .build(&device, "gpu::indirect");
-        self.kernel.run_linear(recorder, &[&group], runs.len() as u64);
-        arguments
+            .build(device, "gpu::indirect");
+        BoundIndirect { group, runs: runs.len() as u64, arguments }
     }
+
+    /// Computes the arguments.
+    pub fn run(&self, recorder: &mut Recorder<'_>, bound: &BoundIndirect) {
+        self.kernel.run_linear(recorder, &[&bound.group], bound.runs);
+    }
+}
+
+/// Runs of items with the arguments of their dispatches.
+#[derive(Debug)]
+pub(crate) struct BoundIndirect {
+    group: BindGroup,
+    runs: u64,
+    /// [`Indirect::STRIDE`] bytes a run.
+    pub arguments: Buffer,
 }

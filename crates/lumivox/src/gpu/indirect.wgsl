@@ -17,7 +17,7 @@ struct Run {
 @group(0) @binding(1) var<storage, read> runs: array<Run>;
 // Three numbers a run.
 @group(0) @binding(2) var<storage, read_write> arguments: array<u32>;
-// Not zero: there are too many items to number, and nothing may run.
+// Not zero if there are too many items to number: then nothing may run.
 @group(0) @binding(3) var<storage, read> overflow: array<u32>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)

@@ -76,7 +76,7 @@ impl Kernel {
         pass.dispatch_workgroups(columns as u32, rows as u32, 1);
     }
 
-    /// Runs with the workgroup counts that stand in `arguments` at the byte `offset`, within a pass.
+    /// Runs within a pass, with the workgroup counts that `arguments` holds at the byte `offset`.
     pub fn dispatch_indirect(
         &self,
         pass: &mut ComputePass<'_>,
@@ -89,12 +89,12 @@ impl Kernel {
         pass.dispatch_workgroups_indirect(arguments, offset);
     }
 
-    /// A pass of its own for [`Self::dispatch`].
+    /// Runs [`Self::dispatch`] in a pass of its own.
     pub fn run(&self, recorder: &mut Recorder, groups: &[&BindGroup], threads: [u32; 3]) {
         recorder.compute(&self.label, |pass| self.dispatch(pass, groups, threads));
     }
 
-    /// A pass of its own for [`Self::dispatch_linear`].
+    /// Runs [`Self::dispatch_linear`] in a pass of its own.
     pub fn run_linear(&self, recorder: &mut Recorder, groups: &[&BindGroup], count: u64) {
         recorder.compute(&self.label, |pass| self.dispatch_linear(pass, groups, count));
     }

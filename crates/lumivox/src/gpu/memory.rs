@@ -1,28 +1,29 @@
-//! Buffers of which the device's limits are asked first, and the account of them.
+//! Buffers checked against the device's limits, and an account of their memory.
 
 use crate::GiError;
 use crate::gpu::{Buffer, storage_buffer};
 
-/// Makes storage buffers that fit the device, and keeps the account.
+/// Makes storage buffers that fit the device, and accounts for their memory.
 #[derive(Debug)]
 pub(crate) struct Memory<'a> {
     device: &'a wgpu::Device,
     bytes: Vec<(String, u64)>,
 }
 
-/// What would help if something does not fit.
+/// The remedy if a buffer does not fit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Remedy {
-    /// It grows with the cube of the resolution, which is given.
+    /// A lower resolution: the buffer grows with its cube. The present resolution is given.
     Volume(u32),
-    /// It grows with the surface, so with the square of the resolution, which is given.
+    /// A lower resolution: the buffer grows with the surface, that is, with its square. The present
+    /// resolution is given.
     Surface(u32),
-    /// It grows with the triangles of a batch.
+    /// More batches: the buffer grows with the triangles of a batch.
     Batch,
 }
 
 impl Remedy {
-    /// The remedy, in words: `share` is what is available of what is needed.
+    /// The remedy in words; `share` is the available part of the needed memory.
     fn words(self, share: f64) -> String {
         let lower = |resolution: u32, share: f64| {
             let fits = (f64::from(resolution) * share) as u32 / 8 * 8;
@@ -36,7 +37,7 @@ impl Remedy {
                 lower(edge as u32, (-halvings).exp2())
             }
             Self::Surface(resolution) => lower(resolution, share.sqrt()),
-            Self::Batch => "share the geometry out to several batches".to_owned(),
+            Self::Batch => "divide the geometry into several batches".to_owned(),
         }
     }
 }

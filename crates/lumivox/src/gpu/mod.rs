@@ -1,11 +1,12 @@
-//! Small helpers that every stage shares: linked shaders, pipelines made once a device, kernels, prefix sums, recording
-//! with timings.
+//! Helpers shared by all stages: linked shaders, pipelines made once per device, kernels, prefix
+//! sums, recording with timings.
 
 mod bindings;
 mod buffers;
 mod held;
 mod indirect;
 mod kernel;
+mod late;
 mod memory;
 mod open;
 mod passes;
@@ -17,10 +18,12 @@ mod shaders;
 mod slots;
 
 pub use bindings::{BindGroupBuilder, LayoutBuilder};
+pub(crate) use buffers::{Staged, counted_buffer};
 pub use buffers::{read_buffer, storage_buffer, submitted_work_done, uniform_buffer, upload};
-pub(crate) use indirect::{Indirect, Run};
+pub(crate) use indirect::{BoundIndirect, Indirect, Run};
 pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
+pub(crate) use late::LateReads;
 pub(crate) use memory::{Memory, Remedy};
 pub use open::open_device;
 pub use passes::{ComputePass, RenderPass};
@@ -29,7 +32,7 @@ pub use recorder::{Recorder, StageTime, Timing};
 pub use resources::{
     BindGroup, Buffer, BufferHandle, Kept, LiveResources, Texture, TextureView, ViewHandle,
 };
-pub use scan::Scan;
+pub use scan::{BoundScan, Scan};
 pub(crate) use scan::{SCAN_ITEMS, SCAN_WORKGROUP_SIZE};
 pub use shaders::{ShaderError, ShaderLibrary, StructLayout};
 pub(crate) use slots::{Slot, Slots};

@@ -1,13 +1,13 @@
-//! A device for programs that have none.
+//! A device for programs without one.
 
 use crate::GiError;
 
-/// Opens the adapter that wgpu finds first, without a window and with WebGPU's default limits, which are enough for
-/// everything here: for tools, tests and examples. An engine has a device of its own.
+/// Opens the first adapter that wgpu finds, without a window and with WebGPU's default limits,
+/// which suffice for this crate. For tools, tests and examples; an engine has its own device.
 ///
 /// # Errors
-/// [`GiError::Device`] when there is no adapter (on Linux, Mesa's `mesa-vulkan-drivers` bring one in software), or when
-/// it gives no device.
+/// [`GiError::Device`] if there is no adapter (on Linux, the package `mesa-vulkan-drivers` provides
+/// a software one), or if it opens no device.
 pub async fn open_device() -> Result<(wgpu::Device, wgpu::Queue), GiError> {
     let fail = |reason: String| GiError::Device { doing: "opening a device", reason };
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());

@@ -1,4 +1,4 @@
-//! Passes that hold what their bind groups bind until it is submitted.
+//! Passes that keep the resources of their bind groups until submission.
 
 use std::ops::{Deref, DerefMut};
 
@@ -26,7 +26,7 @@ impl ComputePass<'_> {
         self.pass.set_bind_group(index, &**group, &[]);
     }
 
-    /// Keeps something else that is used.
+    /// Keeps another resource that is used.
     pub(crate) fn keep(&mut self, kept: Option<Kept>) {
         self.held.keep(kept);
     }

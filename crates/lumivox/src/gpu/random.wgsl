@@ -14,8 +14,9 @@ fn random_pair(a: u32, b: u32) -> vec2f {
     return vec2f(f32(first >> 8u), f32(second >> 8u)) * (1.0 / 16777216.0);
 }
 
-// The additive recurrence with the lowest discrepancy in two dimensions: Roberts 2018, "The unreasonable
-// effectiveness of quasirandom sequences". `start` is where a pixel's own sequence begins.
+// The additive recurrence with the lowest discrepancy in two dimensions: Roberts 2018, "The
+// unreasonable effectiveness of quasirandom sequences". `start` is the beginning of a pixel's own
+// sequence.
 fn sequence_pair(start: vec2f, index: u32) -> vec2f {
     return fract(start + fract(vec2f(0.7548776662, 0.5698402909) * f32(index & 0xffffu)));
 }

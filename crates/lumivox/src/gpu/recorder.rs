@@ -1,11 +1,11 @@
-//! Recording of GPU work, with the time of every pass if asked.
+//! Recording of GPU work, optionally with the time of every pass.
 //!
-//! GPU timestamps are used where they can be trusted. On software adapters they cannot (lavapipe's are taken
-//! when commands are parsed, not when they run), so there every pass is submitted alone and waited for, and
-//! the wall clock is read: slower as a whole, but true for each pass.
+//! GPU timestamps are used if they can be trusted. On software adapters they cannot (lavapipe takes
+//! them when commands are parsed, not when they run), so there every pass is submitted separately
+//! and waited for, and the wall clock is read: slower as a whole, but true for each pass.
 //!
-//! An engine that has an encoder of its own lends it ([`Recorder::on`]): then nothing is submitted here, and the encoder
-//! itself holds what was recorded until it is submitted.
+//! An engine can lend its own encoder ([`Recorder::on`]). Then nothing is submitted here, and the
+//! encoder keeps the recorded resources until it is submitted.
 
 use std::time::{Duration, Instant};
 
@@ -15,15 +15,16 @@ use crate::gpu::held::Held;
 use crate::gpu::passes::{ComputePass, RenderPass};
 use crate::gpu::{Buffer, BufferHandle, Kept};
 
-/// How a [`Recorder`] takes times.
+/// The way in which a [`Recorder`] measures times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Timing {
-    /// Not at all; everything goes into one command buffer.
+    /// No times; everything goes into one command buffer.
     #[default]
     Off,
     /// By timestamps at the boundaries of passes; needs `wgpu::Features::TIMESTAMP_QUERY`.
     Timestamps,
-    /// By submitting each pass alone and waiting for it. Not in browsers, where nothing may block.
+    /// By submitting each pass separately and waiting for it. Not in browsers, where nothing may
+    /// block.
     SubmitAndWait,
 }
 
@@ -55,12 +56,14 @@ pub struct StageTime {
 /// Passes that one timestamp query set holds; those beyond it go untimed.
 const MAX_TIMED_PASSES: u32 = 2048;
 
-/// Records compute and render passes: into command buffers of its own, which it submits, or into a caller's encoder.
+/// Records compute and render passes, either into its own command buffers, which it submits, or
+/// into a caller's encoder.
 ///
-/// With a caller's encoder ([`Self::on`]) the caller submits, whenever it likes. Until then the encoder holds all that
-/// the recorded work uses; an encoder that is dropped instead lets go of it. No times are taken then:
-/// [`Timing::SubmitAndWait`] would have to submit, and timestamps can only be read once the caller has submitted. An
-/// engine that wants times writes timestamps of its own around the calls.
+/// With a caller's encoder ([`Self::on`]) the caller submits at any later time. Until then the
+/// encoder keeps all resources that the recorded work uses; dropping the encoder releases them. No
+/// times are measured: [`Timing::SubmitAndWait`] would have to submit, and timestamps can only be
+/// read after the caller has submitted. An engine that wants times writes its own timestamps around
+/// the calls.
 ///
 /// ```
 /// # let (device, queue) = pollster::block_on(lumivox::gpu::open_device()).expect("a GPU");
@@ -84,7 +87,7 @@ pub struct Recorder<'a> {
     times: Vec<StageTime>,
 }
 
-/// Where work is recorded.
+/// The encoder that work is recorded into.
 #[derive(Debug)]
 enum Target<'a> {
     Own { encoder: wgpu::CommandEncoder, held: Held },
@@ -112,7 +115,7 @@ impl Target<'_> {
         }
     }
 
-    /// Submits what is in an encoder of its own; a caller's is left to the caller.
+    /// Submits its own encoder; a caller's encoder is left to the caller.
     fn submit(self, queue: &wgpu::Queue) {
         if let Self::Own { encoder, held } = self {
             queue.submit([encoder.finish()]);
@@ -122,12 +125,12 @@ impl Target<'_> {
 }
 
 impl Recorder<'static> {
-    /// A recorder that takes no times.
+    /// A recorder that measures no times.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         Self::with_timing(device, queue, Timing::Off)
     }
 
-    /// A recorder that takes times as asked; [`Timing::for_device`] says what suits a device.
+    /// A recorder that measures times in this way; [`Timing::for_device`] chooses one for a device.
     pub fn with_timing(device: &wgpu::Device, queue: &wgpu::Queue, timing: Timing) -> Self {
         let queries = (timing == Timing::Timestamps).then(|| {
             device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -142,7 +145,7 @@ impl Recorder<'static> {
 }
 
 impl<'a> Recorder<'a> {
-    /// A recorder into the caller's encoder, which the caller submits. It takes no times.
+    /// A recorder into a caller's encoder, which the caller submits. It measures no times.
     pub fn on(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -174,7 +177,7 @@ impl<'a> Recorder<'a> {
         &self.queue
     }
 
-    /// Copies bytes from a place in a buffer to a place in another.
+    /// Copies bytes from one buffer to another.
     pub fn copy(
         &mut self,
         (from, from_byte): (&impl BufferHandle, u64),
@@ -193,19 +196,19 @@ impl<'a> Recorder<'a> {
         held.keep(buffer.kept());
     }
 
-    /// Keeps what was recorded by other means than this object's and its passes' from being destroyed before it is
-    /// submitted.
+    /// Keeps a resource from being destroyed before submission, for commands that were not recorded
+    /// through this object and its passes.
     pub fn keep(&mut self, kept: Kept) {
         self.target.parts().1.keep([kept]);
     }
 
-    /// The encoder, for commands that need no time taken: copies, clears, an engine's own passes. What they use must stay
-    /// until it is submitted ([`Self::keep`]).
+    /// The encoder, for commands without timing: copies, clears, an engine's own passes. The
+    /// resources that they use must stay until submission ([`Self::keep`]).
     pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
         self.target.parts().0
     }
 
-    /// Passes from here on belong to the stage `name`.
+    /// Assigns the following passes to the stage `name`.
     pub fn stage(&mut self, name: &'static str) {
         self.stage = name;
     }
@@ -264,7 +267,7 @@ impl<'a> Recorder<'a> {
         self.end_pass(label, start);
     }
 
-    /// Submits what was recorded so far and goes on recording. Does nothing on a caller's encoder.
+    /// Submits the recorded work and continues recording. Does nothing on a caller's encoder.
     pub fn flush(&mut self) {
         if let Target::Own { encoder, held } = &mut self.target {
             let encoder = std::mem::replace(encoder, new_encoder(&self.device));
@@ -273,17 +276,17 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Submits what was recorded; times, if any were taken, are dropped. Does nothing on a caller's encoder, which the
-    /// caller submits.
+    /// Submits the recorded work; times are discarded. Does nothing on a caller's encoder, which
+    /// the caller submits.
     pub fn submit(self) {
         self.target.submit(&self.queue);
     }
 
-    /// Submits what was recorded, waits for it where times are taken, and returns them in order. On a caller's encoder
-    /// there are no times, and the caller submits.
+    /// Submits the recorded work; if times are measured, waits for it and returns them in order. On
+    /// a caller's encoder there are no times, and the caller submits.
     ///
     /// # Errors
-    /// [`GiError::Device`] when the device is lost.
+    /// [`GiError::Device`] if the device is lost.
     pub async fn finish(mut self) -> Result<Vec<StageTime>, GiError> {
         let Some(queries) = self.queries.take().filter(|_| !self.times.is_empty()) else {
             self.target.submit(&self.queue);
@@ -342,7 +345,7 @@ impl<'a> Recorder<'a> {
 
     fn wait(&self) {
         if let Err(error) = self.device.poll(wgpu::PollType::wait_indefinitely()) {
-            tracing::warn!("a stage's time is not true: waiting for the device failed: {error}");
+            tracing::warn!("a stage's time is wrong: waiting for the device failed: {error}");
         }
     }
 }

@@ -1,10 +1,11 @@
-//! Buffers and textures whose memory is given back at once.
+//! Buffers and textures whose memory is freed at once.
 //!
-//! In browsers dropping a `wgpu::Buffer` frees nothing before the garbage collector comes, and that knows nothing of the
-//! GPU's memory: only `destroy` gives it back. So handles of these types are counted, as wgpu does elsewhere, and the
-//! last one to go destroys. Bind groups hold handles of what they bind, and a [`Recorder`](crate::gpu::Recorder) of what
-//! its passes use and its copies touch, until they are submitted. What else is recorded with a buffer of this library
-//! must be submitted before the object that the buffer belongs to goes.
+//! In browsers, dropping a `wgpu::Buffer` frees nothing until the garbage collector runs, and that
+//! knows nothing of the GPU's memory: only `destroy` frees it. So handles of these types are
+//! counted, as wgpu does elsewhere, and the last one destroys the resource. Bind groups hold
+//! handles of their resources, and a [`Recorder`](crate::gpu::Recorder) of those that its passes
+//! use and its copies touch, until submission. Any other commands that use a buffer of this library
+//! must be submitted before the owner of the buffer is dropped.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -24,14 +25,14 @@ pub struct Texture(Arc<OwnTexture>);
 #[derive(Debug, PartialEq)]
 struct OwnTexture(wgpu::Texture);
 
-/// A view of a texture, with a handle of it unless it is a caller's.
+/// A view of a texture, with a handle of it unless it is the caller's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureView {
     view: wgpu::TextureView,
     texture: Option<Texture>,
 }
 
-/// A bind group, with handles of what it binds unless that is a caller's.
+/// A bind group, with handles of its resources unless they are the caller's.
 #[derive(Clone, Debug)]
 pub struct BindGroup {
     group: wgpu::BindGroup,
@@ -41,13 +42,13 @@ pub struct BindGroup {
 /// A handle that keeps something from being destroyed.
 #[derive(Clone, Debug)]
 pub enum Kept {
-    /// Of a buffer.
+    /// A handle of a buffer.
     Buffer(Buffer),
-    /// Of a texture.
+    /// A handle of a texture.
     Texture(Texture),
 }
 
-/// What this library and those who use its types hold on all devices.
+/// The resources on all devices held by this library and by users of its types.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LiveResources {
     /// Buffers.
@@ -63,7 +64,7 @@ static TEXTURES: AtomicU64 = AtomicU64::new(0);
 static BUFFER_BYTES: AtomicU64 = AtomicU64::new(0);
 
 impl LiveResources {
-    /// What there is now.
+    /// The present numbers.
     pub fn now() -> Self {
         Self {
             buffers: BUFFERS.load(Ordering::Relaxed),
@@ -79,7 +80,8 @@ impl Buffer {
         Self::own(device.create_buffer(descriptor))
     }
 
-    /// Takes a buffer over: other handles of it are of no use once this one and its clones are gone.
+    /// Takes ownership of a buffer: it is destroyed with this handle and its clones, and other
+    /// handles become useless.
     pub fn own(buffer: wgpu::Buffer) -> Self {
         BUFFERS.fetch_add(1, Ordering::Relaxed);
         BUFFER_BYTES.fetch_add(buffer.size(), Ordering::Relaxed);
@@ -109,7 +111,8 @@ impl Texture {
         Self::own(device.create_texture(descriptor))
     }
 
-    /// Takes a texture over: other handles of it are of no use once this one and its clones are gone.
+    /// Takes ownership of a texture: it is destroyed with this handle and its clones, and other
+    /// handles become useless.
     pub fn own(texture: wgpu::Texture) -> Self {
         TEXTURES.fetch_add(1, Ordering::Relaxed);
         Self(Arc::new(OwnTexture(texture)))
@@ -141,7 +144,7 @@ impl Deref for Texture {
     }
 }
 
-/// A caller's view, whose texture is the caller's to destroy.
+/// A view of a texture that the caller destroys.
 impl From<wgpu::TextureView> for TextureView {
     fn from(view: wgpu::TextureView) -> Self {
         Self { view, texture: None }
@@ -171,7 +174,7 @@ impl BindGroup {
     }
 }
 
-/// A caller's bind group of the caller's own resources.
+/// A bind group of the caller's own resources.
 impl From<wgpu::BindGroup> for BindGroup {
     fn from(group: wgpu::BindGroup) -> Self {
         Self::new(group, Vec::new())
@@ -186,11 +189,11 @@ impl Deref for BindGroup {
     }
 }
 
-/// A buffer of this library, or a caller's own.
+/// A buffer of this library, or of the caller.
 pub trait BufferHandle {
     /// The buffer.
     fn raw(&self) -> &wgpu::Buffer;
-    /// A handle, if it would be destroyed without one.
+    /// A handle that keeps it from being destroyed; `None` for the caller's own.
     fn kept(&self) -> Option<Kept>;
 }
 
@@ -214,11 +217,11 @@ impl BufferHandle for wgpu::Buffer {
     }
 }
 
-/// A view of a texture of this library, or a caller's own.
+/// A view of a texture of this library, or of the caller.
 pub trait ViewHandle {
     /// The view.
     fn raw(&self) -> &wgpu::TextureView;
-    /// A handle, if its texture would be destroyed without one.
+    /// A handle that keeps its texture from being destroyed; `None` for the caller's own.
     fn kept(&self) -> Option<Kept>;
 }
 
@@ -248,7 +251,8 @@ mod tests {
     use crate::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, storage_buffer};
     use crate::testing::{device, read};
 
-    /// Who holds the last handle differs; that nothing is destroyed too early shows in the copy, and by wgpu's refusal.
+    /// The holder of the last handle differs. If something is destroyed too early, the copy is
+    /// wrong or wgpu refuses.
     #[test]
     fn what_is_recorded_stays_until_it_is_submitted() {
         let (device, queue) = device();

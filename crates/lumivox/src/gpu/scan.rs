@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
     ShaderLibrary,
 };
 use crate::gpu::{storage_buffer, uniform_buffer};
@@ -51,25 +51,46 @@ impl Scan {
     /// Replaces each of the first `count` elements of `values` by the sum of all before it.
     ///
     /// With a last element of zero, it becomes the total of the others.
-    pub fn run(&self, recorder: &mut Recorder, values: &Buffer, count: u32) {
-        if count == 0 {
-            return;
-        }
-        let device = recorder.device().clone();
-        let blocks = count.div_ceil(BLOCK);
-        let totals = storage_buffer(&device, "scan totals", u64::from(blocks) * 4);
-        let params = ScanParams { count, padding: [0; 3] };
-        let params = uniform_buffer(&device, "scan parameters", &params);
-        let group = BindGroupBuilder::new(&self.layout)
-            .buffer(&params)
-            .buffer(values)
-            .buffer(&totals)
-            .build(&device, "gpu::scan");
-        let threads = u64::from(blocks) * u64::from(SCAN_WORKGROUP_SIZE);
-        self.blocks.run_linear(recorder, &[&group], threads);
-        if blocks > 1 {
-            self.run(recorder, &totals, blocks);
-            self.add.run_linear(recorder, &[&group], threads);
-        }
+    pub fn run(&self, recorder: &mut Recorder<'_>, values: &Buffer, count: u32) {
+        let bound = self.bind(recorder.device(), values, count);
+        self.run_bound(recorder, &bound);
     }
+
+    /// What [`Self::run_bound`] needs to do the work of [`Self::run`] again and again.
+    pub fn bind(&self, device: &wgpu::Device, values: &Buffer, count: u32) -> BoundScan {
+        let mut levels = Vec::new();
+        let (mut values, mut count) = (values.clone(), count);
+        while count > 0 {
+            let blocks = count.div_ceil(BLOCK);
+            let totals = storage_buffer(device, "scan totals", u64::from(blocks) * 4);
+            let params = ScanParams { count, padding: [0; 3] };
+            let params = uniform_buffer(device, "scan parameters", &params);
+            let group = BindGroupBuilder::new(&self.layout)
+                .buffer(&params)
+                .buffer(&values)
+                .buffer(&totals)
+                .build(device, "gpu::scan");
+            levels.push((group, u64::from(blocks) * u64::from(SCAN_WORKGROUP_SIZE)));
+            (values, count) = (totals, if blocks > 1 { blocks } else { 0 });
+        }
+        BoundScan { levels }
+    }
+
+    /// As [`Self::run`], of what was bound.
+    pub fn run_bound(&self, recorder: &mut Recorder<'_>, bound: &BoundScan) {
+        recorder.compute("gpu::scan", |pass| {
+            for (group, threads) in &bound.levels {
+                self.blocks.dispatch_linear(pass, &[group], *threads);
+            }
+            for (group, threads) in bound.levels.iter().rev().skip(1) {
+                self.add.dispatch_linear(pass, &[group], *threads);
+            }
+        });
+    }
+}
+
+/// A buffer bound to a [`Scan`]: the sums of its blocks, the sums of these, and so on.
+#[derive(Debug)]
+pub struct BoundScan {
+    levels: Vec<(BindGroup, u64)>,
 }

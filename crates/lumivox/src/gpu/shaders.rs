@@ -1,10 +1,10 @@
 //! Shader modules, linked at run time.
 //!
-//! Shaders are WGSL with WESL's `import` statements, so that stages share code without copies. A library of
-//! modules is a map from paths (`package::cones::cone`) to sources; linking one of them pulls in what it
-//! imports and yields plain WGSL. Constants that Rust and WGSL share are defined once in Rust and injected as
-//! the module `package::constants`. The module `package::volume` is the interface behind which the volumes
-//! (dense, octree) differ: a library is made for one of them.
+//! Shaders are WGSL with WESL's `import` statements, so that stages share code without copies. A
+//! library of modules maps paths (`package::cones::cone`) to sources; linking a module adds its
+//! imports and yields plain WGSL. Constants that Rust and WGSL share are defined once in Rust and
+//! injected as the module `package::constants`. The module `package::volume` is the interface of
+//! the volumes (dense, octree): a library is made for one of them.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -21,11 +21,11 @@ use crate::gpu::LINEAR_WORKGROUP_SIZE;
 pub struct ShaderError {
     /// The path of the module that was linked.
     pub module: String,
-    /// What the linker or naga said, with the place.
+    /// The message of the linker or of naga, with the place.
     pub message: String,
 }
 
-/// How a WGSL struct lies in memory, as naga reflects it.
+/// The memory layout of a WGSL struct, as naga reflects it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StructLayout {
     /// Bytes from one element of an array to the next.
@@ -34,13 +34,13 @@ pub struct StructLayout {
     pub members: Vec<(String, u32)>,
 }
 
-/// The modules that shaders are linked from. Clones are cheap: they share what they have not changed.
+/// The modules that shaders are linked from. Clones are cheap: they share unchanged parts.
 #[derive(Clone, Debug, Default)]
 pub struct ShaderLibrary {
     content: Arc<Content>,
 }
 
-/// All that what is linked depends on.
+/// Everything that the linked shaders depend on.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Content {
     modules: BTreeMap<String, Cow<'static, str>>,
@@ -153,7 +153,7 @@ impl ShaderLibrary {
         Ok((module, source))
     }
 
-    /// The layout of the struct `name` of the module `path`: what the Rust side of it has to match.
+    /// The layout of the struct `name` of the module `path`, which the Rust struct has to match.
     ///
     /// # Errors
     /// When the module does not link or parse, or has no such struct.
@@ -177,8 +177,8 @@ impl ShaderLibrary {
         Ok(StructLayout { size: *span, members })
     }
 
-    /// Compares the struct `name` of the module `path` with its Rust side: the names of its members, where each lies,
-    /// and its size. Members whose names begin with `padding` do not count.
+    /// Compares the struct `name` of the module `path` with its Rust struct: the names and offsets
+    /// of its members, and its size. Members whose names begin with `padding` are ignored.
     ///
     /// # Errors
     /// As [`Self::struct_layout`], and when the two differ.
@@ -199,8 +199,8 @@ impl ShaderLibrary {
     }
 }
 
-/// The members of a struct of 32-bit numbers with their byte offsets, read off how it is printed: plain old data has no
-/// gaps.
+/// The members of a struct of 32-bit numbers with their byte offsets, from its debug output: plain
+/// old data has no gaps.
 fn members_of<T: Pod + Debug>() -> Vec<(String, u32)> {
     let text = format!("{:?}", T::zeroed());
     let mut members: Vec<(String, u32)> = Vec::new();

@@ -9,19 +9,21 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
+import package::voxels::counts::ListCounts;
 import package::voxels::list::{Face, Node, lobe_axis, lobe_sign};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::{morton_decode, morton_encode};
 
-@group(1) @binding(0) var<storage, read> faces: array<Face>;
-@group(1) @binding(1) var<storage, read> nodes: array<Node>;
+@group(1) @binding(0) var<uniform> counts: ListCounts;
+@group(1) @binding(1) var<storage, read> faces: array<Face>;
+@group(1) @binding(2) var<storage, read> nodes: array<Node>;
 // The index of each voxel's first face.
-@group(1) @binding(2) var<storage, read> first_faces: array<u32>;
+@group(1) @binding(3) var<storage, read> first_faces: array<u32>;
 // Of the finest level, which comes first: a bit per cell, and the rank of each word.
-@group(1) @binding(3) var<storage, read> occupancy: array<u32>;
-@group(1) @binding(4) var<storage, read> ranks: array<u32>;
-@group(1) @binding(5) var<storage, read> radiance: array<vec4f>;
-@group(1) @binding(6) var<storage, read_write> shown: array<vec4f>;
+@group(1) @binding(4) var<storage, read> occupancy: array<u32>;
+@group(1) @binding(5) var<storage, read> ranks: array<u32>;
+@group(1) @binding(6) var<storage, read> radiance: array<vec4f>;
+@group(1) @binding(7) var<storage, read_write> shown: array<vec4f>;
 
 const NO_FACE = 0xffffffffu;
 
@@ -57,12 +59,12 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let index = linear_index(invocation, workgroups);
-    if index >= arrayLength(&shown) {
+    if index >= counts.faces {
         return;
     }
     let own = faces[index];
     let axis = lobe_axis(own.lobe);
-    var cell = vec3i(morton_decode(nodes[own.voxel].morton));
+    var cell = vec3i(morton_decode(own.cell));
     cell[axis] += i32(lobe_sign(own.lobe));
     let front = face_in(cell, own.lobe);
     var result = radiance[index];

@@ -7,11 +7,12 @@ import package::gpu::dispatch::linear_index;
 import package::light::lights::{incident_light, light_globals, lights, Light};
 import package::light::reflected::reflected_from;
 import package::light::visibility::light_visibility;
+import package::voxels::counts::ListCounts;
 import package::voxels::list::Face;
 
-@group(1) @binding(0) var<storage, read> faces: array<Face>;
-@group(1) @binding(1) var<storage, read_write> direct: array<vec4f>;
-@group(1) @binding(2) var<storage, read_write> radiance: array<vec4f>;
+@group(1) @binding(0) var<uniform> counts: ListCounts;
+@group(1) @binding(1) var<storage, read> faces: array<Face>;
+@group(1) @binding(2) var<storage, read_write> direct: array<vec4f>;
 
 const PI: f32 = 3.14159265359;
 
@@ -33,7 +34,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let index = linear_index(invocation, workgroups);
-    if index >= arrayLength(&direct) {
+    if index >= counts.faces {
         return;
     }
     let face = faces[index];
@@ -43,5 +44,4 @@ fn main(
         leaving += leaving_of(lights[i], face, normal);
     }
     direct[index] = vec4f(leaving, 1.0);
-    radiance[index] = vec4f(leaving, 1.0);
 }

@@ -20,6 +20,11 @@ pub trait Injection: Debug + Send + Sync {
         0
     }
 
+    /// The largest texel of a shadow map, in voxels, that its light does not suffer from, for warnings. Default: any.
+    fn largest_texel_voxels(&self) -> f32 {
+        f32::INFINITY
+    }
+
     /// Makes what computes the light on a device.
     ///
     /// # Errors
@@ -72,6 +77,4 @@ pub struct FaceLight<'a> {
     pub lights: &'a Lights,
     /// To be written for each face: the radiance that it sends out before any bounce (`array<vec4f>`, 1 in w).
     pub direct: &'a Buffer,
-    /// The same again, where bounces are added.
-    pub radiance: &'a Buffer,
 }

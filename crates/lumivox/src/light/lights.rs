@@ -1,7 +1,9 @@
-//! Lights and the environment as the caller gives them, in radiometric (or photometric) units, and on the GPU.
+//! Lights and the environment: as the caller gives them, in radiometric (or photometric) units, and
+//! on the GPU.
 //!
-//! One unit of radiance runs through the whole library: if lights come in lux and candela, radiance is in
-//! cd/m². The volumes hold half floats (6e-5 to 65504), so very bright scenes are given in a larger unit.
+//! The whole library uses one unit of radiance: if lights are in lux and candela, radiance is in
+//! cd/m². The volumes hold half floats (6e-5 to 65504), so give very bright scenes in a larger
+//! unit.
 
 mod bound;
 #[cfg(test)]
@@ -25,69 +27,71 @@ pub(crate) const SHADOW_NONE: u32 = 0;
 pub(crate) const SHADOW_MAP: u32 = 1;
 pub(crate) const SHADOW_CONE: u32 = 2;
 
-/// Where a light stands and how it spreads.
+/// The position and the distribution of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightSource {
     /// Parallel light, such as the sun's.
     Directional {
-        /// The way the light travels; unit length.
+        /// The direction in which the light travels; unit length.
         direction: Vec3,
         /// Irradiance on a surface that faces it, RGB.
         irradiance: Vec3,
-        /// Half the angle under which the source is seen, rad; for soft shadows. The sun: 0.00465.
+        /// Half the angular diameter of the source, rad; for soft shadows. The sun: 0.00465.
         angular_radius_rad: f32,
     },
-    /// Parallel light from a bright part of an environment map, which is seen there: mirrors show the map,
-    /// not this light's highlight. [`crate::EnvironmentMap::lights`] makes them.
+    /// Parallel light from a bright part of an environment map. The map shows that part: mirrors
+    /// reflect the map, not this light's highlight. [`crate::EnvironmentMap::lights`] makes them.
     Environment {
-        /// The way the light travels; unit length.
+        /// The direction in which the light travels; unit length.
         direction: Vec3,
         /// Irradiance on a surface that faces it, RGB.
         irradiance: Vec3,
-        /// Half the angle under which the source is seen, rad.
+        /// Half the angular diameter of the source, rad.
         angular_radius_rad: f32,
     },
-    /// Light into all directions alike.
+    /// Light in all directions.
     Point {
-        /// Where it stands, m.
+        /// Position, m.
         position: Vec3,
         /// Radiant intensity (flux per solid angle), RGB.
         intensity: Vec3,
-        /// Radius of the source, m; for soft shadows, and where it stops growing. 0: a point.
+        /// Radius of the source, m; for soft shadows, and the distance at which the light stops
+        /// growing. 0: a point.
         radius_m: f32,
-        /// Distance at which it ends, m; `None`: never, as in nature.
+        /// Distance at which the light ends, m; `None`: never, as in nature.
         range_m: Option<f32>,
     },
-    /// Light into a cone.
+    /// Light in a cone.
     Spot {
-        /// Where it stands, m.
+        /// Position, m.
         position: Vec3,
-        /// The cone's axis, the way the light travels; unit length.
+        /// The cone's axis: the direction in which the light travels; unit length.
         direction: Vec3,
         /// Radiant intensity inside the inner cone, RGB.
         intensity: Vec3,
         /// Half angle inside which the light has its full intensity, rad.
         inner_angle_rad: f32,
-        /// Half angle outside which there is none, rad; above the inner one, at most pi / 2.
+        /// Half angle outside which there is no light, rad; above the inner one, at most pi / 2.
         outer_angle_rad: f32,
         /// Radius of the source, m.
         radius_m: f32,
-        /// Distance at which it ends, m; `None`: never.
+        /// Distance at which the light ends, m; `None`: never.
         range_m: Option<f32>,
     },
 }
 
-/// How a light's shadows are found.
+/// The method for a light's shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shadow {
-    /// It has none: it shines through everything.
+    /// No shadows: the light passes through everything.
     None,
-    /// From layers of the shadow maps: one, or six for a point light (+x, -x, +y, -y, +z, -z).
+    /// Layers of the shadow maps: one, or six for a point light (+x, -x, +y, -y, +z, -z).
     Map {
         /// The light's first layer.
         first_layer: u32,
     },
-    /// By a cone through the voxels, as wide as the source: soft, as coarse as the voxels, and no map needed.
+    /// A cone through the voxels, as wide as the source: soft, as coarse as the voxels, and without
+    /// a map.
     #[default]
     Cone,
 }
@@ -95,9 +99,9 @@ pub enum Shadow {
 /// A light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// Where it stands and how it spreads.
+    /// Its position and distribution.
     pub source: LightSource,
-    /// How its shadows are found.
+    /// The method for its shadows.
     pub shadow: Shadow,
 }
 
@@ -117,7 +121,7 @@ pub struct ShadowLayer {
 pub struct ShadowMaps {
     /// A `D2Array` view of the depth texture.
     pub depth: TextureView,
-    /// What each layer sees.
+    /// The projections of the layers.
     pub layers: Vec<ShadowLayer>,
 }
 
@@ -159,8 +163,9 @@ pub(crate) struct ShadowLayerRecord {
 }
 
 impl Light {
-    /// Lights as the shaders read them, `Light` of `package::light::lights` one after the other, for a
-    /// caller's own passes. A dark one where there are none, since no binding may be empty.
+    /// Uploads lights in the shaders' form, `Light` of `package::light::lights` one after the
+    /// other, for a caller's own passes. Without lights the buffer holds a dark one, since no
+    /// binding may be empty.
     pub fn buffer(device: &wgpu::Device, lights: &[Self]) -> Buffer {
         let records: Vec<LightRecord> = lights.iter().map(|light| light.to_gpu()).collect();
         upload(device, "lights", &padded(&records))

@@ -1,26 +1,36 @@
 //! Light in the voxels: direct light and emission, and bounces.
 //!
 //! Everything here runs over the faces of the voxel list alone. A face sends out `Le + reflectance / pi * E`;
-//! `E` is the irradiance from the analytic lights (`direct.wgsl`) and, for each bounce, what cones gather from
+//! `E` is the irradiance from the analytic lights (`direct.wgsl`) and what cones gather from
 //! the volume (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives through gathers.
 //! A caller's own [`Injection`] takes the place of the direct evaluation.
+//!
+//! What faces have gathered is kept. A still picture starts from darkness and gathers once for each bounce
+//! ([`Lighting::solve`]); a frame goes on from what the frame before has left ([`Lighting::step`]), so that light travels a
+//! bounce a frame, and converges to the same.
 
+mod faces;
 mod injection;
 mod lights;
 #[cfg(test)]
 mod tests;
+mod turns;
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::cones::{ConeSettings, TraceSettings};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
-    storage_buffer, uniform_buffer,
+    Staged,
 };
 use crate::volume::Volume;
-use crate::volume::changes::Changes;
+use crate::volume::changes::{Changes, Shown};
+use crate::voxelize::Taken;
 use crate::voxels::VoxelList;
 use crate::{GiConfig, GiError};
+
+use faces::{Faces, LightKernels};
+use turns::Turns;
 
 pub use injection::{FaceLight, Injection, InjectionParts, Injector};
 pub(crate) use lights::{
@@ -41,7 +51,11 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("light::visibility", include_str!("visibility.wgsl")),
     ("light::direct", include_str!("direct.wgsl")),
     ("light::bounce", include_str!("bounce.wgsl")),
+    ("light::reflect", include_str!("reflect.wgsl")),
     ("light::cover", include_str!("cover.wgsl")),
+    ("light::follow", include_str!("follow.wgsl")),
+    ("light::settle", include_str!("settle.wgsl")),
+    ("light::inherit", include_str!("inherit.wgsl")),
 ];
 
 /// `BounceSettings` of `bounce.wgsl`.
@@ -50,22 +64,21 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
 pub(crate) struct BounceSettings {
     pub(crate) cones: ConeSettings,
     pub(crate) cone_count: u32,
-    pub(crate) padding: [u32; 3],
+    pub(crate) faces_at_a_time: u32,
+    pub(crate) turn: u32,
+    pub(crate) padding: u32,
 }
 
 /// Lights the faces of a voxel list.
 #[derive(Debug)]
 pub(crate) struct Lighting {
     direct: Direct,
-    bounce: Kernel,
-    cover: Kernel,
+    kernels: LightKernels,
     /// The grid alone.
     grid: BindGroup,
-    direct_layout: wgpu::BindGroupLayout,
-    bounce_layout: wgpu::BindGroupLayout,
-    cover_layout: wgpu::BindGroupLayout,
-    settings: Buffer,
+    settings: Staged,
     faces: Option<Faces>,
+    turns: Turns,
 }
 
 /// How the light of lamps comes in.
@@ -77,28 +90,6 @@ enum Direct {
     Own(Box<dyn Injector>),
 }
 
-/// What belongs to a voxel list.
-#[derive(Debug)]
-pub(crate) struct Faces {
-    count: u64,
-    /// Radiance without bounces (`array<vec4f>`).
-    direct: Buffer,
-    /// Radiance with the bounces so far (`array<vec4f>`).
-    radiance: Buffer,
-    /// What the volume shows of it (`cover.wgsl`).
-    shown: Buffer,
-    direct_group: BindGroup,
-    bounce_group: BindGroup,
-    cover_group: BindGroup,
-}
-
-impl Faces {
-    /// The buffer that will hold what the volume stores of the faces' radiance.
-    pub(crate) fn shown(&self) -> &Buffer {
-        &self.shown
-    }
-}
-
 impl Lighting {
     pub(crate) fn new(
         device: &Pipelines,
@@ -107,120 +98,149 @@ impl Lighting {
         globals: &wgpu::BindGroupLayout,
         lights: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
-        let direct_layout = LayoutBuilder::compute()
-            .storage()
-            .storage_mut()
-            .storage_mut()
-            .build(device, "direct light");
-        let bounce_layout = LayoutBuilder::compute()
-            .uniform()
-            .storage()
-            .storage()
-            .storage()
-            .storage_mut()
-            .build(device, "bounce");
-        let cover_layout = (0..6)
-            .fold(LayoutBuilder::compute(), |layout, _| layout.storage())
-            .storage_mut()
-            .build(device, "cover");
         // Without the volume, whose buffers would be too many beside its own.
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let grid = BindGroupBuilder::new(&grid_layout)
             .buffer(&config.grid.uniform(device))
             .build(device, "grid");
-        let kernel = |module, layout| {
-            Kernel::new(device, shaders, module, "main", &[globals, layout, lights])
-        };
+        let kernels = LightKernels::new(device, shaders, &grid_layout, [globals, lights])?;
         let direct = match &config.injection {
-            None => Direct::Faces(kernel("light::direct", &direct_layout)?),
+            None => Direct::Faces(kernels.direct(device, shaders, [globals, lights])?),
             Some(injection) => {
                 let grid = &config.grid;
                 let parts = InjectionParts { device, shaders, grid, globals, lights };
                 Direct::Own(injection.make(&parts)?)
             }
         };
+        let bytes = size_of::<BounceSettings>() as u64;
         Ok(Self {
             direct,
-            bounce: kernel("light::bounce", &bounce_layout)?,
-            cover: Kernel::new(
-                device,
-                shaders,
-                "light::cover",
-                "main",
-                &[&grid_layout, &cover_layout],
-            )?,
+            kernels,
             grid,
-            direct_layout,
-            bounce_layout,
-            cover_layout,
-            settings: uniform_buffer(device, "bounce settings", &BounceSettings::zeroed()),
+            settings: Staged::new(device, "bounce settings", bytes),
             faces: None,
+            turns: Turns::default(),
         })
     }
 
-    /// What lighting a new voxel list takes; [`Self::take`] makes it the current one.
-    pub(crate) fn prepare(&self, device: &wgpu::Device, voxels: &VoxelList) -> Faces {
-        let count = u64::from(voxels.face_count);
-        let direct = storage_buffer(device, "direct radiance", count * 16);
-        let radiance = storage_buffer(device, "radiance", count * 16);
-        let shown = storage_buffer(device, "shown radiance", count * 16);
-        let direct_group = BindGroupBuilder::new(&self.direct_layout)
-            .buffer(&voxels.faces)
-            .buffer(&direct)
-            .buffer(&radiance)
-            .build(device, "direct light");
-        let bounce_group = BindGroupBuilder::new(&self.bounce_layout)
-            .buffer(&self.settings)
-            .buffer(&voxels.faces)
-            .buffer(&voxels.nodes)
-            .buffer(&direct)
-            .buffer(&radiance)
-            .build(device, "bounce");
-        let cover_group = BindGroupBuilder::new(&self.cover_layout)
-            .buffer(&voxels.faces)
-            .buffer(&voxels.nodes)
-            .buffer(&voxels.first_faces)
-            .buffer(&voxels.occupancy)
-            .buffer(&voxels.ranks)
-            .buffer(&radiance)
-            .buffer(&shown)
-            .build(device, "cover");
-        Faces { count, direct, radiance, shown, direct_group, bounce_group, cover_group }
+    /// Follows a list that is about to be taken: the light of its faces goes with them. Whether it is bound to other
+    /// buffers than before is returned.
+    pub(crate) fn follow(&mut self, recorder: &mut Recorder<'_>, taken: Taken<'_>) -> bool {
+        self.turns.disturb();
+        if self.faces.as_ref().is_some_and(|faces| faces.is_of(&taken)) {
+            if let Some(faces) = &self.faces {
+                self.kernels.follow(recorder, &self.grid, faces);
+            }
+            return false;
+        }
+        let earlier = self.faces.take();
+        let faces = Faces::new(recorder, &self.kernels, self.settings.buffer(), taken, earlier);
+        self.kernels.follow(recorder, &self.grid, &faces);
+        if faces.is_inheriting() {
+            // What is not found in the list before has gathered nothing.
+            self.turns.gather_all();
+        }
+        self.faces = Some(faces);
+        true
     }
 
-    /// Lights this list from now on.
-    pub(crate) fn take(&mut self, device: &Pipelines, voxels: &VoxelList, faces: Faces) {
+    /// After the list was taken: what comes from a list that it replaced.
+    pub(crate) fn inherit(&mut self, recorder: &mut Recorder<'_>) {
+        if let Some(faces) = &mut self.faces {
+            self.kernels.inherit(recorder, &self.grid, faces);
+        }
+    }
+
+    /// Tells the caller's way for the direct light of a list.
+    pub(crate) fn take(&mut self, device: &Pipelines, voxels: &VoxelList) {
         if let Direct::Own(injector) = &mut self.direct {
             injector.take(device, voxels);
         }
-        self.faces = Some(faces);
     }
 
-    /// Direct light, then `gathers` bounces, each stored and filtered into the volume.
+    /// What the faces of the list send out, and what the volume holds of it.
+    pub(crate) fn shown(&self) -> Option<Shown<'_>> {
+        self.faces.as_ref().map(Faces::shown)
+    }
+
+    /// From darkness: direct light, then `gathers` bounces, each stored and filtered into the volume.
     ///
     /// Without bounces what did not change is not stored again. With them nearly everything changes, in every
     /// gather, and looking for what does not would cost more than it saves.
-    pub(crate) fn run(
-        &self,
-        recorder: &mut Recorder,
+    pub(crate) fn solve(
+        &mut self,
+        recorder: &mut Recorder<'_>,
         (volume, changes): (&mut Volume, &mut Changes),
         lights: &Lights,
         gathers: u32,
-        (settings, model_values): (&TraceSettings, [f32; 4]),
+        cones: (&TraceSettings, [f32; 4]),
     ) {
-        let Some(faces) = &self.faces else {
-            return;
-        };
-        let bounce_settings = BounceSettings {
-            // Occlusion is not read, so its distance needs no unit.
-            cones: settings.cones(1.0, model_values),
-            cone_count: settings.diffuse_cones,
-            padding: [0; 3],
-        };
-        let bytes = bytemuck::bytes_of(&bounce_settings);
-        recorder.queue().write_buffer(&self.settings, 0, bytes);
+        let Some(faces) = &self.faces else { return };
+        set_bounce(&mut self.settings, recorder, cones, (u32::MAX, 0));
+        recorder.clear(faces.irradiance());
+        self.turns.solved(lights, gathers);
+        let Some(faces) = &self.faces else { return };
+        self.direct(recorder, (volume, changes), lights, faces);
+        self.kernels.show(recorder, &self.grid, faces);
+        recorder.stage("filter");
+        let changed = if gathers == 0 { changes.find(recorder) } else { changes.all(recorder) };
+        let Some(changed) = changed else { return };
+        volume.update(recorder, changed);
+        for _ in 0..gathers {
+            recorder.stage("bounce");
+            self.kernels.gather(recorder, [volume.globals(), &lights.group], faces, u64::MAX);
+            self.kernels.show(recorder, &self.grid, faces);
+            recorder.stage("filter");
+            volume.update(recorder, changed);
+        }
+        if gathers > 0 {
+            faces.hold(recorder);
+        }
+    }
+
+    /// From what the last call of either has left: direct light, and one gather of as many faces as there may be at a time,
+    /// stored and filtered where it differs. Once all has settled nothing is recorded.
+    pub(crate) fn step(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        (volume, changes): (&mut Volume, &mut Changes),
+        lights: &Lights,
+        budget: Option<u32>,
+        cones: (&TraceSettings, [f32; 4]),
+    ) {
+        let Some(faces) = &self.faces else { return };
+        let Some(turn) = self.turns.next(lights, cones, faces.capacity(), budget) else { return };
+        set_bounce(&mut self.settings, recorder, cones, (turn.faces, turn.number));
+        let Some(faces) = &self.faces else { return };
+        if turn.is_direct_new {
+            self.direct(recorder, (volume, changes), lights, faces);
+            self.kernels.show(recorder, &self.grid, faces);
+            recorder.stage("filter");
+            if let Some(changed) = changes.find(recorder) {
+                volume.update(recorder, changed);
+            }
+        }
+        if turn.faces > 0 {
+            recorder.stage("bounce");
+            let groups = [volume.globals(), &lights.group];
+            self.kernels.gather(recorder, groups, faces, turn.faces.into());
+            self.kernels.show(recorder, &self.grid, faces);
+            recorder.stage("filter");
+            if let Some(changed) = changes.find(recorder) {
+                volume.update(recorder, changed);
+            }
+        }
+    }
+
+    /// Direct light and emission of the faces.
+    fn direct(
+        &self,
+        recorder: &mut Recorder<'_>,
+        (volume, changes): (&mut Volume, &mut Changes),
+        lights: &Lights,
+        faces: &Faces,
+    ) {
         recorder.stage("light");
-        let is_direct = gathers == 0;
         // With cone shadows the light needs the volume's opacities, which come with any radiance.
         if lights.has_cone_shadows {
             recorder.stage("filter");
@@ -232,42 +252,23 @@ impl Lighting {
         let globals = volume.globals();
         match &self.direct {
             Direct::Faces(kernel) => {
-                let groups = [globals, &faces.direct_group, &lights.group];
-                kernel.run_linear(recorder, &groups, faces.count);
+                faces.run_direct(recorder, kernel, [globals, &lights.group]);
             }
             Direct::Own(injector) => {
-                let Faces { direct, radiance, .. } = faces;
-                injector.run(recorder, FaceLight { globals, lights, direct, radiance });
+                let direct = faces.direct();
+                injector.run(recorder, FaceLight { globals, lights, direct });
             }
         }
-        let cover = |recorder: &mut Recorder| {
-            self.cover.run_linear(recorder, &[&self.grid, &faces.cover_group], faces.count);
-        };
-        cover(recorder);
-        recorder.stage("filter");
-        let changed = if is_direct { changes.find(recorder) } else { changes.all(recorder) };
-        let Some(changed) = changed else { return };
-        volume.update(recorder, changed);
-        for _ in 0..gathers {
-            recorder.stage("bounce");
-            let groups = [volume.globals(), &faces.bounce_group, &lights.group];
-            self.bounce.run_linear(recorder, &groups, faces.count);
-            cover(recorder);
-            recorder.stage("filter");
-            volume.update(recorder, changed);
-        }
+    }
+
+    /// Lets the next call of [`Self::step`] compute direct light again, and go on as after a change.
+    pub(crate) fn disturb(&mut self) {
+        self.turns.disturb();
     }
 
     /// Bytes on the GPU, by what they hold.
     pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
-        let size = |buffer: fn(&Faces) -> &Buffer| {
-            self.faces.as_ref().map_or(0, |faces| buffer(faces).size())
-        };
-        let mut memory = vec![
-            ("light: direct radiance of the faces", size(|faces| &faces.direct)),
-            ("light: radiance of the faces", size(|faces| &faces.radiance)),
-            ("light: shown radiance of the faces", size(|faces| &faces.shown)),
-        ];
+        let mut memory = self.faces.as_ref().map_or_else(Vec::new, Faces::memory);
         memory.extend(self.injector().into_iter().flat_map(Injector::memory));
         memory
     }
@@ -282,6 +283,23 @@ impl Lighting {
 
     /// The radiance of each face (`array<vec4f>`), for tests and views.
     pub(crate) fn radiance(&self) -> Option<&Buffer> {
-        self.faces.as_ref().map(|faces| &faces.radiance)
+        self.faces.as_ref().map(Faces::radiance)
     }
+}
+
+fn set_bounce(
+    buffer: &mut Staged,
+    recorder: &mut Recorder<'_>,
+    (settings, model_values): (&TraceSettings, [f32; 4]),
+    (faces_at_a_time, turn): (u32, u32),
+) {
+    let settings = BounceSettings {
+        // Occlusion is not read, so its distance needs no unit.
+        cones: settings.cones(1.0, model_values),
+        cone_count: settings.diffuse_cones,
+        faces_at_a_time,
+        turn,
+        padding: 0,
+    };
+    buffer.set(recorder, bytemuck::bytes_of(&settings));
 }

@@ -1,9 +1,9 @@
-//! Names for the values of the library's types.
+//! Names of the values of the library's types.
 
 use super::{Choice, Value};
 use crate::{Directionality, Duplication, Mipmapping, OctreeBuilder, TraceResolution};
 
-/// A type with a few values, each of which has a name and a line of help.
+/// A type with a few values, each with a name and a line of help.
 pub trait Choices: Copy + PartialEq + 'static {
     /// The values.
     const VALUES: &'static [Self];
@@ -16,13 +16,13 @@ pub trait Choices: Copy + PartialEq + 'static {
         named.find(|(value, _)| **value == self).map_or("", |(_, choice)| choice.name)
     }
 
-    /// The value of a name; `None` where there is none.
+    /// The value of a name; `None` if there is none.
     fn chosen(value: Value) -> Option<Self> {
         let mut named = Self::VALUES.iter().zip(Self::CHOICES);
         named.find(|(_, choice)| choice.name == value.name()).map(|(value, _)| *value)
     }
 
-    /// Takes the value of a name, if there is one.
+    /// Sets the value of a name, if there is one.
     fn choose(&mut self, value: Value) {
         *self = Self::chosen(value).unwrap_or(*self);
     }
@@ -64,7 +64,7 @@ impl Choices for Duplication {
 impl Choices for Mipmapping {
     const VALUES: &'static [Self] = &[Self::Occupied, Self::Every];
     const CHOICES: &'static [Choice] = &[
-        Choice::new("occupied", "those that there are"),
-        Choice::new("every", "all that there could be, most of them empty"),
+        Choice::new("occupied", "only occupied cells"),
+        Choice::new("every", "all possible cells, most of them empty"),
     ];
 }

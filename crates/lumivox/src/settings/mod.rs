@@ -1,8 +1,8 @@
-//! Settings as data: whatever shows, reads or checks settings can do so by a table of them.
+//! Settings as data: a table from which settings are shown, read and checked.
 //!
-//! A [`Setting`] is one row of such a table: its names, its unit, its range, its meaning, what is made again when it
-//! changes, and how it is read and written. [`TraceSettings::SETTINGS`](crate::TraceSettings::SETTINGS) is the table of the
-//! cones. Ranges are nowhere else: [`check`] is what `validate` calls.
+//! A [`Setting`] is one row of such a table: its names, unit, range and meaning, the work that a
+//! change redoes, and its accessors. [`TraceSettings::SETTINGS`](crate::TraceSettings::SETTINGS) is
+//! the table of the cones. Ranges are only there: `validate` calls [`check`].
 
 mod choices;
 mod value;
@@ -10,30 +10,30 @@ mod value;
 pub use choices::Choices;
 pub use value::{Choice, Kind, Value};
 
-/// A setting of settings of the type `S`.
+/// A row: one setting of the type `S`.
 pub struct Setting<S: 'static> {
     /// Its name in lower case, words joined by `_`.
     pub name: &'static str,
     /// Other names, such as abbreviations.
     pub aliases: &'static [&'static str],
-    /// The unit of its numbers; empty where there is none.
+    /// The unit of its numbers; empty without one.
     pub unit: &'static str,
     /// Its meaning, in one sentence without a full stop.
     pub summary: &'static str,
-    /// More about it, in sentences. It may be empty.
+    /// More about it, in sentences; may be empty.
     pub help: &'static str,
-    /// Which values there are.
+    /// The kind and range of its values.
     pub kind: Kind,
-    /// Words that mean one of its values each, such as `isotropic`.
+    /// Words that each set one of its values, such as `isotropic`.
     pub shorthands: &'static [(&'static str, Value)],
-    /// The setting that must have a certain value for this one to mean anything, and that value. Setting this one sets
-    /// that one, too.
+    /// The setting, and its value, without which this one has no effect. Setting this one sets that
+    /// one, too.
     pub needs: Option<(&'static str, &'static str)>,
-    /// What is made again when it changes.
+    /// The work that a change redoes.
     pub redoes: Redoes,
-    /// Reads it.
+    /// Reads the value.
     pub get: fn(&S) -> Value,
-    /// Writes it; the value is one that `kind` allows.
+    /// Writes the value, which `kind` must allow.
     pub set: fn(&mut S, Value),
 }
 
@@ -46,7 +46,7 @@ impl<S> Clone for Setting<S> {
 impl<S> Copy for Setting<S> {}
 
 impl<S> Setting<S> {
-    /// A row that others are made from: a switch without a name.
+    /// The base of other rows: a switch without a name.
     pub const ROW: Self = Self {
         name: "",
         aliases: &[],
@@ -62,10 +62,10 @@ impl<S> Setting<S> {
     };
 }
 
-/// What is made again when a setting changes, each with what follows from it.
+/// The work that a changed setting redoes, with everything that depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Redoes {
-    /// Nothing: it is about how a finished picture is shown.
+    /// Nothing: the setting only concerns how a finished picture is shown.
     Nothing,
     /// The frames of the picture.
     Frames,
@@ -73,24 +73,24 @@ pub enum Redoes {
     Light,
     /// The textures of the picture's size, and frames.
     Targets,
-    /// The voxels and all that is made of them.
+    /// The voxels and everything made from them.
     Voxels,
 }
 
-/// A value that a setting does not have.
+/// The error that a setting cannot have a value.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{name} is {expected}; got \"{got}\"")]
 pub struct SettingError {
     /// The setting.
     pub name: &'static str,
-    /// Which values it has.
+    /// The values that it can have.
     pub expected: String,
-    /// The value that it was given.
+    /// The value that was given.
     pub got: String,
 }
 
 impl SettingError {
-    /// `got` is not a value of a setting with this name, kind and unit.
+    /// The error that a setting with this name, kind and unit cannot be `got`.
     pub fn new(name: &'static str, kind: Kind, unit: &str, got: &str) -> Self {
         let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
         Self { name, expected: kind.in_words() + &unit, got: got.to_owned() }

@@ -1,10 +1,10 @@
-//! The values that settings have.
+//! The values of settings.
 
 use std::fmt;
 
 use glam::Vec3;
 
-/// One of several values that have names.
+/// One of several named values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
     /// Its name in lower case.
@@ -14,42 +14,42 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// A choice and its meaning.
+    /// Makes a choice.
     pub const fn new(name: &'static str, help: &'static str) -> Self {
         Self { name, help }
     }
 }
 
-/// Which values a setting has.
+/// The kind and range of a setting's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// On or off.
     Switch,
     /// A whole number.
     Whole {
-        /// The least.
+        /// The least value.
         low: u32,
-        /// The most.
+        /// The greatest value.
         high: u32,
-        /// It must be a multiple of this.
+        /// The number of which the value is a multiple.
         multiple: u32,
     },
     /// A number.
     Number {
-        /// The least.
+        /// The least value.
         low: f32,
-        /// The most.
+        /// The greatest value.
         high: f32,
-        /// Words for values that have no number, such as `auto`.
+        /// Words for values without a number, such as `auto`.
         words: &'static [&'static str],
-        /// A number below `low` that is allowed as well, since it means "off".
+        /// An additional number below `low` that means "off".
         off: Option<f32>,
     },
     /// Three numbers, separated by commas.
     Vector {
-        /// The least of each.
+        /// The least value of each.
         low: f32,
-        /// Each is below this.
+        /// The upper bound of each, excluded.
         below: f32,
     },
     /// One of several names.
@@ -65,7 +65,7 @@ pub enum Value {
     Whole(u32),
     /// A number.
     Number(f32),
-    /// A value that has no number: automatic, unlimited.
+    /// A value without a number: automatic, unlimited.
     Word(&'static str),
     /// Three numbers.
     Vector(Vec3),
@@ -84,7 +84,7 @@ impl Kind {
         Self::Whole { low, high, multiple: 1 }
     }
 
-    /// The words of this kind: names of choices, and words for values that have no number.
+    /// The words of this kind: names of choices, and words for values without a number.
     pub fn words(self) -> Vec<&'static str> {
         match self {
             Self::Switch => vec!["on", "off"],
@@ -94,7 +94,7 @@ impl Kind {
         }
     }
 
-    /// Whether a value is one of these.
+    /// Whether the value is of this kind and in its range.
     pub fn allows(self, value: Value) -> bool {
         match (self, value) {
             (Self::Switch, Value::Switch(_)) => true,
@@ -115,10 +115,10 @@ impl Kind {
         }
     }
 
-    /// Reads a value; `None` where the text does not have the form of one. Ranges are not checked.
+    /// Parses a value; `None` if the text is not one. Ranges are not checked.
     ///
-    /// In names `_` and `-` are the same. A number may have its unit behind it, as in `0.5 m`; sizes in MiB may be given
-    /// in other units of memory, as in `2GiB`.
+    /// In names `_` and `-` are the same. A unit may follow a number, as in `0.5 m`; sizes in MiB
+    /// may have other units of memory, as in `2GiB`.
     pub fn parse(self, text: &str, unit: &str) -> Option<Value> {
         let text = text.trim();
         match self {
@@ -183,7 +183,7 @@ impl Kind {
     }
 }
 
-/// A number with an exponent where digits would have to be counted.
+/// A number, with an exponent where digits would have to be counted.
 fn in_digits(number: f32) -> String {
     match number.abs() {
         size if size == 0.0 || (1e-4..1e7).contains(&size) => number.to_string(),
@@ -191,17 +191,17 @@ fn in_digits(number: f32) -> String {
     }
 }
 
-/// Whether two names differ at most in `_` and `-`.
+/// Whether two names are equal if `_` and `-` count as the same.
 fn is_same(name: &str, text: &str) -> bool {
     name.replace('_', "-") == text.replace('_', "-")
 }
 
-/// A number's text without the unit behind it.
+/// A number's text without its unit.
 fn number<'a>(text: &'a str, unit: &str) -> &'a str {
     if unit.is_empty() { text } else { text.strip_suffix(unit).unwrap_or(text).trim_end() }
 }
 
-/// A size in MiB; without a unit, that is the unit.
+/// A size in MiB; a number without a unit is in MiB.
 fn mebibytes(text: &str) -> Option<f32> {
     const MIB: f64 = 1_048_576.0;
     let digits = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());

@@ -16,7 +16,7 @@ struct TracedDiffuse {
 
 fn trace_diffuse(pixel: vec2u) -> TracedDiffuse {
     let surface = load_surface(pixel);
-    if surface.depth <= 0.0 || settings.gathers == 0u {
+    if surface.depth <= 0.0 || settings.bounces == 0u {
         return TracedDiffuse(vec4f(0.0, 0.0, 0.0, 1.0), 0.0);
     }
     let gathered = gather(

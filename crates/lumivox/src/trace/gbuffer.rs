@@ -9,7 +9,7 @@ use crate::mounted::{Mounted, Resource};
 /// The camera of a G-buffer, for one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct View {
+pub struct CameraView {
     /// From the world to clip space (y up, z reversed: 1 near, 0 far), sub-pixel jitter included. A G-buffer module
     /// of the caller's own may have another depth.
     pub clip_from_world: Mat4,
@@ -23,15 +23,15 @@ pub struct View {
     pub frame: u32,
 }
 
-impl View {
+impl CameraView {
     /// The first frame of a camera that stands still.
     pub fn new(clip_from_world: Mat4, position: Vec3, size: UVec2) -> Self {
         let previous_clip_from_world = clip_from_world;
         Self { clip_from_world, previous_clip_from_world, position, size, frame: 0 }
     }
 
-    fn to_gpu(self, has_motion: bool) -> ViewUniform {
-        ViewUniform {
+    fn to_gpu(self, has_motion: bool) -> CameraViewUniform {
+        CameraViewUniform {
             clip_from_world: self.clip_from_world,
             world_from_clip: self.clip_from_world.inverse(),
             previous_clip_from_world: self.previous_clip_from_world,
@@ -44,10 +44,10 @@ impl View {
     }
 }
 
-/// `View` of `view.wgsl`.
+/// `CameraView` of `view.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct ViewUniform {
+pub(crate) struct CameraViewUniform {
     clip_from_world: Mat4,
     world_from_clip: Mat4,
     previous_clip_from_world: Mat4,
@@ -74,7 +74,7 @@ pub struct GBufferViews<'a> {
     pub emission: &'a wgpu::TextureView,
     /// In xy where a pixel's surface is in the picture minus where it was in the frame before, in shares of the
     /// picture, x to the right, y down (`Rg16Float`). `None`: nothing moves but the camera
-    /// ([`View::previous_clip_from_world`]). Nothing reads it yet but `package::trace::gbuffer::load_motion`.
+    /// ([`CameraView::previous_clip_from_world`]). Nothing reads it yet but `package::trace::gbuffer::load_motion`.
     pub motion: Option<&'a wgpu::TextureView>,
 }
 
@@ -105,7 +105,7 @@ impl GBuffer {
         device: &wgpu::Device,
         layout: &wgpu::BindGroupLayout,
         views: GBufferViews<'_>,
-        view: View,
+        view: CameraView,
     ) -> Self {
         let has_motion = views.motion.is_some();
         let uniform = upload(device, "view", &[view.to_gpu(has_motion)]);
@@ -127,7 +127,7 @@ impl GBuffer {
         device: &wgpu::Device,
         layout: &wgpu::BindGroupLayout,
         resources: &[Resource],
-        view: View,
+        view: CameraView,
     ) -> Self {
         let uniform = upload(device, "view", &[view.to_gpu(false)]);
         let group = resources
@@ -141,7 +141,7 @@ impl GBuffer {
 
     /// Sets the camera of the next frame. The write takes effect at the next submission, for all that is submitted
     /// then: bind a G-buffer for each camera, and submit each frame by itself.
-    pub fn set_view(&self, queue: &wgpu::Queue, view: View) {
+    pub fn set_camera(&self, queue: &wgpu::Queue, view: CameraView) {
         let uniform = view.to_gpu(self.has_motion);
         queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
     }

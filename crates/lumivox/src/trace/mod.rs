@@ -19,9 +19,9 @@ use crate::cones::{ConeSettings, TraceResolution, TraceSettings};
 use crate::gpu::{BindGroup, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
 
 #[cfg(test)]
-pub(crate) use gbuffer::ViewUniform;
+pub(crate) use gbuffer::CameraViewUniform;
 pub(crate) use gbuffer::gbuffer_layout;
-pub use gbuffer::{GBuffer, GBufferViews, View};
+pub use gbuffer::{CameraView, GBuffer, GBufferViews};
 pub use targets::TraceTargets;
 
 /// The shader modules of this folder.
@@ -52,7 +52,7 @@ pub(crate) struct ScreenSettings {
     pub(crate) diffuse_cones: u32,
     pub(crate) scale: u32,
     pub(crate) specular_share: f32,
-    pub(crate) gathers: u32,
+    pub(crate) bounces: u32,
 }
 
 impl ScreenSettings {
@@ -61,7 +61,7 @@ impl ScreenSettings {
         (settings, model_values): (&TraceSettings, [f32; 4]),
         resolution: TraceResolution,
         voxel_size_m: f32,
-        gathers: u32,
+        bounces: u32,
     ) -> Self {
         Self {
             cones: settings.cones(voxel_size_m, model_values),
@@ -69,7 +69,7 @@ impl ScreenSettings {
             scale: resolution.scale(),
             // Without glossy cones every share is zero.
             specular_share: if settings.specular { settings.specular_share } else { 0.0 },
-            gathers,
+            bounces,
         }
     }
 }

@@ -10,7 +10,7 @@ struct ScreenSettings {
     scale: u32,
     specular_share: f32,
     // 0: no indirect light at all.
-    gathers: u32,
+    bounces: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: ScreenSettings;

@@ -33,7 +33,7 @@ fn trace_specular(pixel: vec2u, samples: f32) -> vec4f {
     let nothing = vec4f(0.0, 0.0, 0.0, samples);
     let surface = load_surface(pixel);
     let material = load_specular(pixel);
-    let is_off = settings.gathers == 0u || settings.specular_share <= 0.0;
+    let is_off = settings.bounces == 0u || settings.specular_share <= 0.0;
     let coat = coat_of(material);
     if surface.depth <= 0.0 || is_off || (all(material.reflectance <= vec3f(0.0)) && coat.strength <= 0.0) {
         return nothing;

@@ -4,7 +4,7 @@ pub(crate) mod room;
 
 use glam::{Mat4, UVec2, Vec2, Vec3};
 
-use super::{GBuffer, GBufferViews, TraceTargets, View};
+use super::{CameraView, GBuffer, GBufferViews, TraceTargets};
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Timing, storage_buffer,
 };
@@ -96,7 +96,7 @@ fn gbuffer_of_views(
     device: &Pipelines,
     queue: &wgpu::Queue,
     gi: &Gi,
-    (view, motion): (View, Option<&wgpu::TextureView>),
+    (view, motion): (CameraView, Option<&wgpu::TextureView>),
 ) -> GBuffer {
     let (depth, colors) = room::draw((device, queue), view, "textures", &room::FORMATS);
     let [normals, diffuse, specular, emission] = colors.as_slice() else {
@@ -310,7 +310,7 @@ fn motion_is_where_the_surface_is_minus_where_it_was() {
     let moved =
         Mat4::from_translation(Vec3::new(0.2, 0.1, 0.0)) * Mat4::from_scale(Vec3::splat(0.5));
     let previous = moved * view.clip_from_world;
-    let mut with_previous = View { previous_clip_from_world: previous, ..view };
+    let mut with_previous = CameraView { previous_clip_from_world: previous, ..view };
     let views = (with_previous, None);
     let gbuffer = gbuffer_of_views(&room.device, &room.queue, &room.gi, views);
     for (index, motion) in motion_of(&room, &gbuffer).into_iter().enumerate() {
@@ -331,7 +331,7 @@ fn motion_is_where_the_surface_is_minus_where_it_was() {
 
     // A camera that stood still gives none.
     with_previous.previous_clip_from_world = view.clip_from_world;
-    gbuffer.set_view(&room.queue, with_previous);
+    gbuffer.set_camera(&room.queue, with_previous);
     let still = motion_of(&room, &gbuffer);
     assert!(still.iter().all(|motion| motion.length() < 1e-4));
 

@@ -71,7 +71,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
     textureStore(irradiance_out, pixel, irradiance);
     textureStore(specular_out, pixel, specular);
-    if best < FITS && settings.gathers > 0u {
+    if best < FITS && settings.bounces > 0u {
         // In whatever order: each is traced by itself.
         let place = 1u + atomicAdd(&counts[0], 1u);
         if place < arrayLength(&listed) {

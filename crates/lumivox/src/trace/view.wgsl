@@ -1,6 +1,6 @@
 // The camera of a G-buffer, in group 3 of every pass over the screen.
 
-struct View {
+struct CameraView {
     clip_from_world: mat4x4f,
     world_from_clip: mat4x4f,
     // As clip_from_world was in the frame before.
@@ -16,7 +16,7 @@ struct View {
 
 // A storage buffer, not a uniform: lavapipe 22.3 crashes when it inlines uniforms into kernels that march cones
 // from here.
-@group(3) @binding(0) var<storage, read> view: View;
+@group(3) @binding(0) var<storage, read> view: CameraView;
 
 // World position of a pixel's centre at a depth in clip space.
 fn position_from_depth(pixel: vec2u, depth: f32) -> vec3f {

@@ -11,7 +11,6 @@
 mod budget;
 pub(crate) mod changes;
 mod dense;
-mod level_range;
 mod octree;
 
 use crate::gpu::{BindGroup, Buffer, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
@@ -22,8 +21,6 @@ use changes::ChangedCells;
 use dense::DenseVolume;
 #[cfg(test)]
 pub(crate) use dense::{Level, MaskLevels, read_levels};
-#[cfg(test)]
-pub(crate) use level_range::NodeRange;
 use octree::OctreeVolume;
 pub use octree::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
 #[cfg(test)]
@@ -97,28 +94,6 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
         .constant_u32("OCTREE_STEPS", 0);
 }
 
-/// The voxels before and now.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Lists<'a> {
-    pub(crate) old: Option<&'a VoxelList>,
-    pub(crate) new: &'a VoxelList,
-    /// The light that the new list's faces will send out.
-    pub(crate) radiance: &'a Buffer,
-}
-
-/// The differences between them.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Cells<'a> {
-    /// The cells of another surface than the last list's, whose content must be removed, for a
-    /// volume that clears in place.
-    pub(crate) wrong: Option<&'a ChangedCells>,
-    /// The list of cells that updates will come with.
-    pub(crate) changed: &'a ChangedCells,
-    /// The bits that it is made from; now those of cells of another surface, if there was a list
-    /// before.
-    pub(crate) bits: &'a Buffer,
-}
-
 /// Group 0 of everything that samples a volume: the grid, the volume's numbers, its masks or nodes,
 /// its one texture, and how that is filtered.
 fn globals_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
@@ -171,7 +146,7 @@ impl Volume {
         }
     }
 
-    /// Makes room for a new voxel list; the last one stays until [`Self::rebuild`].
+    /// Makes room for what the voxel list has become. Dense volumes always have room.
     ///
     /// # Errors
     /// [`GiError::Limit`] and [`GiError::Budget`] when an octree does not fit.
@@ -186,17 +161,32 @@ impl Volume {
         }
     }
 
-    /// Whether cells that are gone must be cleared where they are.
-    pub(crate) fn clears_in_place(&self) -> bool {
-        matches!(self, Self::Dense(_))
+    /// Binds another list, or one with other room, the light that its faces will send out, and the lists of cells that
+    /// [`Self::update`] and [`Self::follow`] will come with.
+    pub(crate) fn bind(
+        &mut self,
+        device: &wgpu::Device,
+        light: (&VoxelList, &Buffer),
+        cells: [&ChangedCells; 2],
+    ) {
+        match self {
+            Self::Dense(dense) => dense.bind(device, light, cells),
+            Self::Octree(_) => {}
+        }
     }
 
-    /// Takes a new voxel list, for which there is room, and forgets cells that are gone. The
-    /// radiance is not there before [`Self::update`].
-    pub(crate) fn rebuild(&mut self, recorder: &mut Recorder, lists: Lists<'_>, cells: Cells<'_>) {
+    /// Follows the voxel list: forgets cells of another surface than before, of which there is a list and a bit for each.
+    /// The radiance is not there before [`Self::update`].
+    pub(crate) fn follow(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        light: (&VoxelList, &Buffer),
+        [changed, wrong]: [&ChangedCells; 2],
+        bits: &Buffer,
+    ) {
         match self {
-            Self::Dense(dense) => dense.rebuild(recorder, lists, cells),
-            Self::Octree(octree) => octree.rebuild(recorder, lists, cells),
+            Self::Dense(dense) => dense.follow(recorder, wrong),
+            Self::Octree(octree) => octree.rebuild(recorder, light, changed, bits),
         }
     }
 

@@ -13,6 +13,7 @@ import package::voxelize::items::{Item, find_item};
 import package::voxelize::piece::{Piece, piece_in_voxel};
 import package::voxelize::surface::{SurfaceMap, surface_at, surface_map, PIERCED, UNIFORM, VARIED};
 import package::voxelize::triangles::{SMALLEST_COVERAGE, draws};
+import package::voxelize::verdict::Verdict;
 import package::voxelize::footprint::turn_back;
 import package::voxelize::walk::{Walk, walk_begin, walk_cell, walk_on};
 import package::voxels::lookup::bits_below;
@@ -25,6 +26,7 @@ import package::voxels::morton::morton_encode;
 // hides, reflectance, gloss, emission and position within the voxel. Where there may be layers, that area, too. Behind
 // all faces, the fronts of those that have some (fronts.wgsl).
 @group(2) @binding(3) var<storage, read_write> sums: array<atomic<u32>>;
+@group(2) @binding(4) var<uniform> verdict: Verdict;
 
 // A random number of the triangle and the voxel alone: the triangle's place in the list has no part in it.
 fn seed_of(walk: ptr<function, Walk>) -> u32 {
@@ -180,7 +182,9 @@ fn plain(
     @builtin(num_workgroups) workgroups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    accumulate(find_item(invocation, workgroups, local), UNIFORM);
+    if verdict.no_room == 0u {
+        accumulate(find_item(invocation, workgroups, local), UNIFORM);
+    }
 }
 
 // Materials with textures, or vertices with colours.
@@ -190,7 +194,9 @@ fn varied(
     @builtin(num_workgroups) workgroups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    accumulate(find_item(invocation, workgroups, local), VARIED);
+    if verdict.no_room == 0u {
+        accumulate(find_item(invocation, workgroups, local), VARIED);
+    }
 }
 
 // Materials that let light through.
@@ -200,5 +206,7 @@ fn pierced(
     @builtin(num_workgroups) workgroups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    accumulate(find_item(invocation, workgroups, local), PIERCED);
+    if verdict.no_room == 0u {
+        accumulate(find_item(invocation, workgroups, local), PIERCED);
+    }
 }

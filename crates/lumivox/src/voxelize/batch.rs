@@ -3,14 +3,14 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::hook::{Detail, WalkRun};
-use super::input::{DrawGroup, PreparedBatch};
+use super::input::{DrawGroup, DrawRecord, PreparedBatch};
 use super::kernels::{Kernels, Layouts};
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, ComputePass, Indirect, Kernel, Recorder, Run, Texture,
-    TextureView, storage_buffer, uniform_buffer, upload,
+    BindGroup, BindGroupBuilder, BoundIndirect, BoundScan, Buffer, ComputePass, Indirect, Kernel,
+    Recorder, Run, Staged, Texture, TextureView, storage_buffer, uniform_buffer,
 };
 use crate::gpu::{Memory, Remedy};
-use crate::{GeometryBatch, GiError, SurfaceMaterial};
+use crate::{GeometryBatch, GiError, SurfaceMaterial, SurfaceTexture};
 
 /// `SplitParams` of `split.wgsl`.
 #[repr(C)]
@@ -82,38 +82,50 @@ impl Fallbacks {
 #[derive(Debug)]
 pub(super) struct GroupDispatch {
     run: BindGroup,
-    triangles: std::ops::Range<u32>,
-    /// What there is to sample.
-    pub detail: Detail,
+    group: DrawGroup,
+    textures: [Option<SurfaceTexture>; 3],
 }
 
-/// A batch, split into items.
+impl GroupDispatch {
+    /// What there is to sample.
+    pub fn detail(&self) -> Detail {
+        self.group.detail
+    }
+}
+
+/// A batch with the work items that its triangles are split into. Bound once: it serves as long as nothing but what
+/// stands in its draws changes.
 #[derive(Debug)]
 pub(super) struct SplitBatch {
+    /// The batch that it is bound to, without draws.
+    source: GeometryBatch,
+    triangle_count: u32,
+    draws: Staged,
+    draw_count: usize,
     triangles: BindGroup,
+    split: BindGroup,
+    scan: BoundScan,
     /// Prefix sum of the items of the triangles, with the total last.
     pub item_starts: Buffer,
     /// [`SplitCounts`].
     pub counts: Buffer,
     groups: Vec<GroupDispatch>,
     /// Workgroups for each group.
-    arguments: Buffer,
+    indirect: BoundIndirect,
 }
 
 impl SplitBatch {
-    /// Uploads the draws and splits the triangles into items.
+    /// Makes room for the draws and items of a batch.
     pub fn new(
-        recorder: &mut Recorder,
         memory: &mut Memory<'_>,
         kernels: &Kernels,
-        grid: &BindGroup,
         fallbacks: &Fallbacks,
         (batch, prepared): (&GeometryBatch, &PreparedBatch),
         materials: &[SurfaceMaterial],
     ) -> Result<Self, GiError> {
         let device = memory.device();
         let layouts = &kernels.layouts;
-        let draws = upload(device, "draws", &prepared.draws);
+        let draws = Staged::new(device, "draws", size_of_val(prepared.draws.as_slice()) as u64);
         let triangles = BindGroupBuilder::new(&layouts.triangles).buffer(&batch.positions.buffer);
         let triangles = match &batch.attributes {
             Some(attributes) => triangles.buffer(&attributes.buffer),
@@ -121,7 +133,7 @@ impl SplitBatch {
         };
         let triangles = triangles
             .buffer(&batch.indices.buffer)
-            .buffer(&draws)
+            .buffer(draws.buffer())
             .build(device, "voxelize::triangles");
 
         let count = u64::from(prepared.triangle_count);
@@ -137,22 +149,68 @@ impl SplitBatch {
             .buffer(&item_starts)
             .buffer(&counts)
             .build(device, "voxelize::split");
-        kernels.split.run_linear(recorder, &[grid, &triangles, &split], count);
-        kernels.scan.run(recorder, &item_starts, prepared.triangle_count + 1);
-
+        let scan = kernels.scan.bind(device, &item_starts, prepared.triangle_count + 1);
         let runs: Vec<Run> = prepared
             .groups
             .iter()
             .map(|group| Run { first: group.triangles.start, end: group.triangles.end })
             .collect();
-        let arguments = kernels.indirect.arguments(recorder, &item_starts, &runs, &counts);
-        let dispatch = |group: &DrawGroup| GroupDispatch {
-            run: run_group(device, layouts, fallbacks, group, &materials[group.material as usize]),
-            triangles: group.triangles.clone(),
-            detail: group.detail,
+        let indirect = kernels.indirect.bind(device, &item_starts, &runs, &counts);
+        let dispatch = |group: &DrawGroup| {
+            let textures = textures_of(&materials[group.material as usize]);
+            GroupDispatch {
+                run: run_group(device, layouts, fallbacks, group, &textures),
+                group: group.clone(),
+                textures: textures.map(Option::<&SurfaceTexture>::cloned),
+            }
         };
-        let groups = prepared.groups.iter().map(dispatch).collect();
-        Ok(Self { triangles, item_starts, counts, groups, arguments })
+        Ok(Self {
+            source: GeometryBatch { draws: Vec::new(), ..batch.clone() },
+            triangle_count: prepared.triangle_count,
+            draws,
+            draw_count: prepared.draws.len(),
+            triangles,
+            split,
+            scan,
+            item_starts,
+            counts,
+            groups: prepared.groups.iter().map(dispatch).collect(),
+            indirect,
+        })
+    }
+
+    /// Whether it is bound to all that a batch is made of, but for what stands in its draws.
+    pub fn fits(
+        &self,
+        (batch, prepared): (&GeometryBatch, &PreparedBatch),
+        materials: &[SurfaceMaterial],
+    ) -> bool {
+        let is_same = |own: &GroupDispatch, group: &DrawGroup| {
+            let textures = textures_of(&materials[group.material as usize]);
+            own.group == (DrawGroup { material: own.group.material, ..group.clone() })
+                && own.textures.each_ref().map(Option::as_ref) == textures
+        };
+        self.triangle_count == prepared.triangle_count
+            && self.draw_count == prepared.draws.len()
+            && self.source.is_same_but_draws(batch)
+            && self.groups.len() == prepared.groups.len()
+            && self.groups.iter().zip(&prepared.groups).all(|(own, group)| is_same(own, group))
+    }
+
+    /// Takes the draws, and splits the triangles into items.
+    pub fn split(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        kernels: &Kernels,
+        grid: &BindGroup,
+        draws: &[DrawRecord],
+    ) {
+        self.draws.set(recorder, bytemuck::cast_slice(draws));
+        recorder.clear(&self.counts);
+        let groups = [grid, &self.triangles, &self.split];
+        kernels.split.run_linear(recorder, &groups, u64::from(self.triangle_count));
+        kernels.scan.run_bound(recorder, &self.scan);
+        kernels.indirect.run(recorder, &self.indirect);
     }
 
     /// Dispatches a walk over the items of all groups, each with the kernel that is chosen for it;
@@ -168,14 +226,12 @@ impl SplitBatch {
             choose(group).dispatch_indirect(
                 pass,
                 &[grid, &self.triangles, pass_group, &group.run],
-                &self.arguments,
+                &self.indirect.arguments,
                 index as u64 * Indirect::STRIDE,
             );
         }
     }
-}
 
-impl SplitBatch {
     /// The runs of triangles that share textures, for a walk of the caller's own; `own` is bind group 2.
     pub fn runs<'a>(
         &'a self,
@@ -183,11 +239,16 @@ impl SplitBatch {
         own: &'a BindGroup,
     ) -> impl Iterator<Item = WalkRun<'a>> {
         self.groups.iter().map(move |group| WalkRun {
-            detail: group.detail,
-            triangles: group.triangles.clone(),
+            detail: group.group.detail,
+            triangles: group.group.triangles.clone(),
             groups: [globals, &self.triangles, own, &group.run],
         })
     }
+}
+
+fn textures_of(material: &SurfaceMaterial) -> [Option<&SurfaceTexture>; 3] {
+    [&material.reflectance_texture, &material.emission_texture, &material.transmission_texture]
+        .map(Option::as_ref)
 }
 
 fn run_group(
@@ -195,7 +256,7 @@ fn run_group(
     layouts: &Layouts,
     fallbacks: &Fallbacks,
     group: &DrawGroup,
-    material: &SurfaceMaterial,
+    textures: &[Option<&SurfaceTexture>; 3],
 ) -> BindGroup {
     let run = ItemRun {
         first_triangle: group.triangles.start,
@@ -204,8 +265,6 @@ fn run_group(
         end_draw: group.draws.end,
     };
     let run = uniform_buffer(device, "run of items", &run);
-    let textures =
-        [&material.reflectance_texture, &material.emission_texture, &material.transmission_texture];
     textures
         .into_iter()
         .fold(BindGroupBuilder::new(&layouts.run).buffer(&run), |builder, texture| match texture {

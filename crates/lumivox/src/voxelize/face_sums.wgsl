@@ -7,7 +7,7 @@ import package::voxels::list::{LARGEST_REFLECTANCE, lobe_axis, lobe_sign};
 struct FaceSlot {
     // Within the voxel at first.
     position_in_world: vec3i,
-    voxel: u32,
+    cell: u32,
     vector_area: vec3i,
     lobe: u32,
     reflectance: vec3i,
@@ -76,10 +76,10 @@ fn is_tilted(vector_area: vec3f, lobe: u32) -> bool {
     return any(floor(abs(across) * 127.0 + 0.5) > vec3f(0.0));
 }
 
-fn face_slot(means: FaceMeans, position_in_world: vec3f, emission: vec3f, voxel: u32, lobe: u32) -> FaceSlot {
+fn face_slot(means: FaceMeans, position_in_world: vec3f, emission: vec3f, cell: u32, lobe: u32) -> FaceSlot {
     return FaceSlot(
         bitcast<vec3i>(position_in_world),
-        voxel,
+        cell,
         bitcast<vec3i>(means.vector_area),
         lobe,
         bitcast<vec3i>(means.reflectance),

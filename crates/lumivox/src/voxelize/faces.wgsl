@@ -32,6 +32,12 @@ struct VoxelFaces {
 @group(1) @binding(1) var<storage, read_write> first_faces: array<u32>;
 // As `first_faces`, of the faces that have fronts.
 @group(1) @binding(2) var<storage, read_write> first_fronts: array<u32>;
+// Of the finest level; the last one is the number of voxels, for all of which there may be no room.
+@group(1) @binding(3) var<storage, read> ranks: array<u32>;
+
+fn voxel_count() -> u32 {
+    return min(ranks[arrayLength(&ranks) - 1u], arrayLength(&voxels));
+}
 
 // In areas of a voxel's side.
 fn area_of(faces: VoxelFaces) -> f32 {
@@ -47,7 +53,7 @@ fn count(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = linear_index(invocation, workgroups);
-    if voxel < arrayLength(&voxels) {
+    if voxel < voxel_count() {
         let count = countOneBits(voxels[voxel].lobes);
         first_faces[voxel] = count;
         first_fronts[voxel] = select(0u, count, area_of(voxels[voxel]) > SINGLE_LAYER);
@@ -60,11 +66,11 @@ fn prepare(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = linear_index(invocation, workgroups);
-    if voxel < arrayLength(&voxels) {
+    if voxel < voxel_count() {
         // A piece's part of any sum is at most its projected area (the normal's components are at most that
         // along the dominant axis, and all other factors at most 1): as large a scale as the sum allows.
         let area = area_of(voxels[voxel]);
-        let faces = first_faces[arrayLength(&voxels)];
+        let faces = first_faces[voxel_count()];
         let fronts = faces * FACE_WORDS + first_fronts[voxel] * FRONT_WORDS;
         voxels[voxel].area_low = bitcast<u32>(LARGEST_SUM / area);
         voxels[voxel].area_high = select(NO_FRONTS, fronts, area > SINGLE_LAYER);

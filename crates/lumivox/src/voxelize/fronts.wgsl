@@ -7,7 +7,7 @@
 // layer (a z-buffer in each voxel; Catmull 1974, "A subdivision algorithm for computer display of curved surfaces").
 
 import package::constants::{FRONT_SAMPLES, FRONT_WORDS, LINEAR_WORKGROUP_SIZE};
-import package::voxelize::accumulate::{cells, sums, voxels};
+import package::voxelize::accumulate::{cells, sums, verdict, voxels};
 import package::voxelize::faces::{NO_FRONTS, VoxelFaces};
 import package::voxelize::items::find_item;
 import package::voxelize::lobes::lobe_bits;
@@ -140,6 +140,9 @@ fn opaque(
     @builtin(num_workgroups) workgroups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
+    if verdict.no_room != 0u || verdict.fronts == 0u {
+        return;
+    }
     var walk = walk_begin(find_item(invocation, workgroups, local));
     let lobes = lobe_bits(&walk);
     var is_there = walk_on(&walk);
@@ -161,6 +164,9 @@ fn covered(
     @builtin(num_workgroups) workgroups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
+    if verdict.no_room != 0u || verdict.fronts == 0u {
+        return;
+    }
     var walk = walk_begin(find_item(invocation, workgroups, local));
     let lobes = lobe_bits(&walk);
     let map = surface_map(&walk);

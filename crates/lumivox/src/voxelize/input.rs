@@ -15,10 +15,7 @@ use check::{check_buffers, check_draw};
 
 use super::hook::Detail;
 use crate::geometry::{Draw, GeometryBatch};
-use crate::{
-    Geometry, GiError, Grid, Indices, SurfaceMaterial, SurfaceTexture, VertexAttributes,
-    VertexPositions,
-};
+use crate::{Geometry, GiError, Grid, Indices, SurfaceMaterial, SurfaceTexture};
 
 /// `TexturePlace` of `triangles.wgsl`.
 #[repr(C)]
@@ -65,7 +62,7 @@ pub(crate) const HAS_COLORS: u32 = 4;
 pub(crate) const HAS_SHORT_INDICES: u32 = 8;
 
 /// Neighbouring draws that share their textures.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct DrawGroup {
     /// The material of one of them: what its textures are.
     pub material: u32,
@@ -102,18 +99,11 @@ pub(crate) struct ShareKey {
     /// The name of the voxelization.
     method: &'static str,
     grid: Grid,
-    batches: Vec<BatchKey>,
+    /// With the static draws that have triangles.
+    batches: Vec<GeometryBatch>,
     /// Those that the draws have, with their numbers.
     materials: Vec<(u32, SurfaceMaterial)>,
     emission_scale: f32,
-}
-
-#[derive(Clone, Debug)]
-struct BatchKey {
-    positions: VertexPositions,
-    attributes: Option<VertexAttributes>,
-    indices: Indices,
-    draws: Vec<Draw>,
 }
 
 /// The static draws of a batch that have triangles.
@@ -124,13 +114,13 @@ fn static_draws(batch: &GeometryBatch) -> impl Iterator<Item = &Draw> {
 impl ShareKey {
     /// Of the static draws.
     pub(crate) fn new(method: &'static str, geometry: &Geometry, grid: &Grid) -> Self {
-        let key = |batch: &GeometryBatch| BatchKey {
-            positions: batch.positions.clone(),
-            attributes: batch.attributes.clone(),
-            indices: batch.indices.clone(),
-            draws: static_draws(batch).copied().collect(),
+        let key = |batch: &GeometryBatch| {
+            let draws = static_draws(batch).copied().collect();
+            // Not a copy of all draws, which may be many.
+            let (positions, indices) = (batch.positions.clone(), batch.indices.clone());
+            GeometryBatch { positions, attributes: batch.attributes.clone(), indices, draws }
         };
-        let mut batches: Vec<BatchKey> = geometry.batches.iter().map(key).collect();
+        let mut batches: Vec<GeometryBatch> = geometry.batches.iter().map(key).collect();
         batches.retain(|batch| !batch.draws.is_empty());
         let used: BTreeSet<u32> =
             batches.iter().flat_map(|batch| &batch.draws).map(|draw| draw.material).collect();
@@ -152,12 +142,9 @@ impl ShareKey {
         let is_same_batch = |batch: &GeometryBatch| {
             let mut draws = static_draws(batch).peekable();
             draws.peek().is_none()
-                || known.next().is_some_and(|key| {
-                    key.positions == batch.positions
-                        && key.attributes == batch.attributes
-                        && key.indices == batch.indices
-                        && draws.eq(&key.draws)
-                })
+                || known
+                    .next()
+                    .is_some_and(|key| key.is_same_but_draws(batch) && draws.eq(&key.draws))
         };
         self.method == method
             && self.grid == *grid
@@ -193,6 +180,11 @@ impl<'a> ShareInput<'a> {
     /// Whether there are no triangles.
     pub(crate) fn is_empty(&self) -> bool {
         self.batches.is_empty()
+    }
+
+    /// The draws of each batch, as the GPU reads them.
+    pub(crate) fn draws(&self) -> impl Iterator<Item = &[DrawRecord]> {
+        self.batches.iter().map(|(_, prepared)| prepared.draws.as_slice())
     }
 
     /// How many triangles there are.

@@ -19,7 +19,13 @@ pub(super) struct Layouts {
     pub resolve: wgpu::BindGroupLayout,
     pub merge_bits: wgpu::BindGroupLayout,
     pub unite: wgpu::BindGroupLayout,
+    pub verdict: wgpu::BindGroupLayout,
     pub resolve_shares: wgpu::BindGroupLayout,
+    pub former: wgpu::BindGroupLayout,
+    pub compare: wgpu::BindGroupLayout,
+    pub take: wgpu::BindGroupLayout,
+    pub take_faces: wgpu::BindGroupLayout,
+    pub describe: wgpu::BindGroupLayout,
 }
 
 impl Layouts {
@@ -34,15 +40,15 @@ impl Layouts {
         let triangles = walk().storage().storage().storage().storage();
         let split = compute().uniform().storage_mut().storage_mut();
         let lobes = pass().storage().storage().storage_mut().storage_mut();
-        let accumulate = pass().storage().storage().storage().storage_mut();
-        let faces = compute().storage_mut().storage_mut().storage_mut();
+        let accumulate = pass().storage().storage().storage().storage_mut().uniform();
         let run = (0..3).fold(walk().uniform(), |run, _| run.texture_2d().sampler());
-        let resolve = compute().uniform().storage().storage_mut().storage_mut();
-        let merge_bits = compute().storage().storage().storage_mut();
-        let unite = (0..5).fold(compute(), |unite, _| unite.storage());
-        let unite = unite.storage_mut().storage_mut();
-        let resolve_shares = (0..4).fold(compute().uniform(), |shares, _| shares.storage());
-        let resolve_shares = resolve_shares.storage_mut().storage_mut();
+        // Of a pass over voxels: its uniforms, the buffers that it reads, and those that it writes.
+        let voxels = |uniforms: u32, read: u32, written: u32, label: &str| {
+            let layout = (0..uniforms).fold(compute(), |layout, _| layout.uniform());
+            let layout = (0..read).fold(layout, |layout, _| layout.storage());
+            (0..written).fold(layout, |layout, _| layout.storage_mut()).build(device, label)
+        };
+        let faces = compute().storage_mut().storage_mut().storage_mut().storage();
         Self {
             grid: walk().uniform().build(device, "grid"),
             triangles: triangles.build(device, "voxelize::triangles"),
@@ -52,10 +58,16 @@ impl Layouts {
             accumulate: accumulate.build(device, "voxelize::accumulate"),
             run: run.build(device, "voxelize::run"),
             faces: faces.build(device, "voxelize::faces"),
-            resolve: resolve.build(device, "voxelize::resolve"),
-            merge_bits: merge_bits.build(device, "voxelize::merge_bits"),
-            unite: unite.build(device, "voxelize::unite"),
-            resolve_shares: resolve_shares.build(device, "voxelize::resolve_shares"),
+            resolve: voxels(1, 2, 2, "voxelize::resolve"),
+            merge_bits: voxels(0, 2, 1, "voxelize::merge_bits"),
+            unite: voxels(0, 5, 2, "voxelize::unite"),
+            verdict: voxels(1, 5, 2, "voxelize::verdict"),
+            resolve_shares: voxels(2, 4, 2, "voxelize::resolve_shares"),
+            former: voxels(1, 4, 1, "voxelize::former"),
+            compare: voxels(1, 5, 1, "voxelize::compare"),
+            take: voxels(1, 3, 4, "voxelize::take"),
+            take_faces: voxels(2, 1, 1, "voxelize::take_faces"),
+            describe: voxels(3, 6, 2, "voxelize::describe"),
         }
     }
 }
@@ -87,7 +99,14 @@ pub(super) struct Kernels {
     pub resolve: Kernel,
     pub merge_bits: Kernel,
     pub unite: Kernel,
+    pub verdict: Kernel,
     pub resolve_shares: Kernel,
+    pub former: Kernel,
+    pub compare: Kernel,
+    pub take: Kernel,
+    pub take_faces: Kernel,
+    pub describe: Kernel,
+    pub renew: Kernel,
 }
 
 impl Kernels {
@@ -128,7 +147,14 @@ impl Kernels {
             resolve: kernel("voxelize::resolve", "main", &[&layouts.resolve])?,
             merge_bits: kernel("voxelize::merge_bits", "main", &[&layouts.merge_bits])?,
             unite: kernel("voxelize::unite", "main", &[&layouts.unite])?,
+            verdict: kernel("voxelize::verdict", "main", &[&layouts.verdict])?,
             resolve_shares: kernel("voxelize::resolve_shares", "main", &[&layouts.resolve_shares])?,
+            former: kernel("voxelize::former", "main", &[&layouts.former])?,
+            compare: kernel("voxelize::compare", "main", &[&layouts.compare])?,
+            take: kernel("voxelize::take", "cells", &[&layouts.take])?,
+            take_faces: kernel("voxelize::take_faces", "main", &[&layouts.take_faces])?,
+            describe: kernel("voxelize::describe", "main", &[&layouts.describe])?,
+            renew: kernel("voxelize::renew", "main", &[&layouts.merge_bits])?,
             layouts,
         })
     }

@@ -1,9 +1,9 @@
 //! The structs of this stage lie in memory alike in Rust and WGSL.
 
+use super::VoxelFaces;
 use super::batch::{ItemRun, SplitCounts, SplitParams};
 use super::input::{DrawRecord, TexturePlace};
-use super::whole::UnitedVoxel;
-use super::{ResolveParams, VoxelFaces};
+use super::union::{ResolveParams, Room, UnitedVoxel, Verdict};
 use crate::voxels::FaceRecord;
 
 #[test]
@@ -18,6 +18,8 @@ fn structs_lie_in_memory_alike() {
     library.check_struct::<VoxelFaces>("voxelize::lobes", "AtomicVoxelFaces").unwrap();
     library.check_struct::<ResolveParams>("voxelize::resolve", "ResolveParams").unwrap();
     library.check_struct::<UnitedVoxel>("voxelize::unite", "UnitedVoxel").unwrap();
+    library.check_struct::<Room>("voxelize::verdict", "Room").unwrap();
+    library.check_struct::<Verdict>("voxelize::verdict", "Verdict").unwrap();
     // The sums of a face stand where the face's means will be.
     library.check_struct::<FaceRecord>("voxelize::face_sums", "FaceSlot").unwrap();
 }

@@ -1,5 +1,4 @@
-// The cells that any of two parts of the surface touches. The bits of all levels are one array, and a coarser
-// level is an OR of the finer one, so that the parts' pyramids make that of the whole.
+// The voxels that any of the two shares of the surface touches. A share that is not there touches none.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -14,7 +13,16 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let word = linear_index(invocation, workgroups);
-    if word < arrayLength(&merged) {
-        merged[word] = first[word] | second[word];
+    let words = max(arrayLength(&first), arrayLength(&second));
+    if word >= words {
+        return;
     }
+    var bits = 0u;
+    if word < arrayLength(&first) {
+        bits |= first[word];
+    }
+    if word < arrayLength(&second) {
+        bits |= second[word];
+    }
+    merged[word] = bits;
 }

@@ -1,4 +1,4 @@
-// From sums to faces, in place: a thread per voxel.
+// From the sums of the static share to faces: a thread per voxel.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -9,15 +9,18 @@ import package::voxels::list::Node;
 import package::voxels::morton::morton_decode;
 
 struct ResolveParams {
-    voxel_count: u32,
     // The largest emission of all materials.
     emission_scale: f32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 @group(1) @binding(0) var<uniform> params: ResolveParams;
 @group(1) @binding(1) var<storage, read> voxels: array<VoxelFaces>;
-@group(1) @binding(2) var<storage, read_write> nodes: array<Node>;
-@group(1) @binding(3) var<storage, read_write> faces: array<FaceSlot>;
+@group(1) @binding(2) var<storage, read> sums: array<FaceSlot>;
+@group(1) @binding(3) var<storage, read_write> nodes: array<Node>;
+@group(1) @binding(4) var<storage, read_write> faces: array<FaceSlot>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
@@ -25,24 +28,25 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = linear_index(invocation, workgroups);
-    if voxel >= params.voxel_count {
+    if voxel >= arrayLength(&voxels) {
         return;
     }
     let collected = voxels[voxel];
     let scale = bitcast<f32>(collected.area_low);
-    let corner = vec3f(morton_decode(nodes[voxel].morton));
+    let cell = nodes[voxel].morton;
+    let corner = vec3f(morton_decode(cell));
     var tilted = 0u;
     var index = collected.first_face;
     var lobes = collected.lobes;
     while lobes != 0u {
         let lobe = countTrailingZeros(lobes);
         lobes &= lobes - 1u;
-        let means = means_of(sums_of(faces[index], scale, lobe));
+        let means = means_of(sums_of(sums[index], scale, lobe));
         if is_tilted(means.vector_area, lobe) {
             tilted |= 1u << lobe;
         }
         let position = world_from_grid(corner + means.position_in_voxel);
-        faces[index] = face_slot(means, position, means.emission * params.emission_scale, voxel, lobe);
+        faces[index] = face_slot(means, position, means.emission * params.emission_scale, cell, lobe);
         index++;
     }
     nodes[voxel].lobes = collected.lobes | (tilted << 8u);

@@ -1,4 +1,4 @@
-// From the sums of two shares of the surface to faces: a thread per voxel.
+// From the sums of both shares of the surface to the faces of the voxels that dynamic surface touches: a thread per voxel.
 //
 // A face that both shares have is that of all pieces together: their sums, brought to the smaller of the two scales. Where
 // there is more than one layer of them, the share that lies in front in the mean hides as much of the other as it covers.
@@ -11,17 +11,19 @@ import package::voxelize::faces::SINGLE_LAYER;
 import package::voxelize::fronts::SAME_LAYER;
 import package::voxelize::resolve::ResolveParams;
 import package::voxelize::unite::UnitedVoxel;
+import package::voxelize::verdict::Verdict;
 import package::voxels::list::{Node, lobe_axis, lobe_sign};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(0) var<uniform> params: ResolveParams;
-@group(1) @binding(1) var<storage, read> united: array<UnitedVoxel>;
-@group(1) @binding(2) var<storage, read> first_faces: array<u32>;
-@group(1) @binding(3) var<storage, read> first_sums: array<FaceSlot>;
-@group(1) @binding(4) var<storage, read> second_sums: array<FaceSlot>;
-@group(1) @binding(5) var<storage, read_write> nodes: array<Node>;
-@group(1) @binding(6) var<storage, read_write> faces: array<FaceSlot>;
+@group(1) @binding(1) var<uniform> verdict: Verdict;
+@group(1) @binding(2) var<storage, read> united: array<UnitedVoxel>;
+@group(1) @binding(3) var<storage, read> united_faces: array<u32>;
+@group(1) @binding(4) var<storage, read> fixed_sums: array<FaceSlot>;
+@group(1) @binding(5) var<storage, read> moving_sums: array<FaceSlot>;
+@group(1) @binding(6) var<storage, read_write> moving_nodes: array<Node>;
+@group(1) @binding(7) var<storage, read_write> moving_faces: array<FaceSlot>;
 
 // How far in front a share lies in the mean, in voxels.
 fn height_of(sums: FaceSums, lobe: u32) -> f32 {
@@ -65,21 +67,22 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = linear_index(invocation, workgroups);
-    if voxel >= params.voxel_count {
+    if verdict.no_room != 0u || voxel >= verdict.moving_voxels {
         return;
     }
     let shares = united[voxel];
-    let corner = vec3f(morton_decode(nodes[voxel].morton));
+    let cell = moving_nodes[voxel].morton;
+    let corner = vec3f(morton_decode(cell));
     let second_lobes = shares.lobes >> 8u;
     let all = (shares.lobes | second_lobes) & 0x3fu;
     var tilted = 0u;
-    var index = first_faces[voxel];
+    var index = united_faces[voxel];
     var lobes = all;
     while lobes != 0u {
         let lobe = countTrailingZeros(lobes);
         lobes &= lobes - 1u;
-        let of_first = first_sums[shares.first_sums.x + bits_below(shares.lobes, lobe)];
-        let of_second = second_sums[shares.first_sums.y + bits_below(second_lobes, lobe)];
+        let of_first = fixed_sums[shares.first_sums.x + bits_below(shares.lobes, lobe)];
+        let of_second = moving_sums[shares.first_sums.y + bits_below(second_lobes, lobe)];
         var sums = sums_of(of_first, shares.scales.x, lobe);
         if (second_lobes & (1u << lobe)) != 0u {
             let more = sums_of(of_second, shares.scales.y, lobe);
@@ -94,8 +97,8 @@ fn main(
             tilted |= 1u << lobe;
         }
         let position = world_from_grid(corner + means.position_in_voxel);
-        faces[index] = face_slot(means, position, means.emission * params.emission_scale, voxel, lobe);
+        moving_faces[index] = face_slot(means, position, means.emission * params.emission_scale, cell, lobe);
         index++;
     }
-    nodes[voxel].lobes = all | (tilted << 8u);
+    moving_nodes[voxel].lobes = all | (tilted << 8u);
 }

@@ -1,29 +1,31 @@
-//! A share of the surface, static or dynamic, on its way through the three walks.
+//! A share of the surface, static or dynamic, on its way through the walks.
+//!
+//! Every buffer has room for more than there may be, or for less: then what is found is counted all the same, and the
+//! share is collected again in larger buffers ([`Share::make_room`]).
 
 use super::batch::{Fallbacks, SplitBatch, SplitCounts};
 use super::hook::{Walk, WalkStep};
-use super::input::ShareInput;
+use super::input::{DrawRecord, ShareInput};
 use super::kernels::Kernels;
 use super::{FRONT_WORDS, VoxelFaces, Voxelizer};
-use crate::gpu::{BindGroup, BindGroupBuilder, Buffer, Recorder, storage_buffer};
+use crate::gpu::{BindGroup, BindGroupBuilder, BoundScan, Buffer, Recorder, storage_buffer};
 use crate::gpu::{Memory, Remedy};
-use crate::voxels::{FaceRecord, ListBuilder, Occupied};
+use crate::voxels::{BoundNodes, Cells, FaceRecord, NodeRecord, RankedBits};
 use crate::{Geometry, GiError, Grid};
 
 /// What all passes of a voxelization need.
-pub(super) struct Work<'a> {
+pub(super) struct Work<'a, 'r> {
     /// Who walks.
     pub voxelizer: &'a Voxelizer,
     pub kernels: &'a Kernels,
-    pub device: &'a wgpu::Device,
     pub grid: &'a Grid,
     /// Group 0.
-    pub globals: BindGroup,
-    pub recorder: Recorder<'static>,
+    pub globals: &'a BindGroup,
+    pub recorder: &'a mut Recorder<'r>,
     pub memory: Memory<'a>,
 }
 
-impl Work<'_> {
+impl Work<'_, '_> {
     /// What helps where a buffer of the surface does not fit.
     pub fn remedy(&self) -> Remedy {
         Remedy::Surface(self.grid.dimensions.max_element())
@@ -33,213 +35,319 @@ impl Work<'_> {
 /// How many triangles and pieces a share has.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ShareCounts {
+    pub triangles: u64,
     pub degenerate: u64,
     pub outside: u64,
     pub items: u64,
     pub pieces: u64,
 }
 
-/// A share whose voxels are marked and ranked.
-#[derive(Debug)]
-pub(super) struct MarkedShare {
-    batches: Vec<SplitBatch>,
-    pub occupied: Occupied,
-    pub cells: Buffer,
-}
-
-/// What a share collects: nothing in it depends on the other share.
+/// What is collected of a share: nothing in it depends on the other share.
 #[derive(Debug)]
 pub(super) struct Share {
-    pub occupied: Occupied,
-    /// Bits and ranks of the finest level, side by side.
-    pub cells: Buffer,
-    /// Where the nodes of each level start, and last their total.
-    pub level_starts: Vec<u32>,
-    /// `VoxelFaces`, in the order of the share's voxels.
-    pub voxels: Buffer,
-    /// The index of each voxel's first face, and last the total.
-    pub first_faces: Buffer,
-    pub face_count: u32,
-    /// The faces' sums, as `FaceSlot` of `face_sums.wgsl` has them.
-    pub sums: Buffer,
+    /// Of the finest level.
+    bits: RankedBits,
+    cells: Cells,
+    batches: Vec<SplitBatch>,
+    mark_groups: Vec<BindGroup>,
+    voxels: Option<Voxels>,
+    sums: Option<Sums>,
+    /// As far as they are known.
     pub counts: ShareCounts,
 }
 
-/// A share whose lobes are known, before its faces are counted.
+/// What is known of each voxel.
 #[derive(Debug)]
-pub(super) struct LobedShare {
-    batches: Vec<SplitBatch>,
-    pub share: Share,
-    pieces: Buffer,
-    /// The index of each voxel's first face with fronts among all such faces, and last the total.
+struct Voxels {
+    capacity: u64,
+    /// `VoxelFaces`.
+    faces: Buffer,
+    nodes: Buffer,
+    /// The index of each voxel's first face, and last the total.
+    first_faces: Buffer,
+    /// The same of its faces that have fronts.
     first_fronts: Buffer,
+    pieces: Buffer,
+    scans: [BoundScan; 2],
+    bound_nodes: BoundNodes,
+    faces_group: BindGroup,
+    walk_groups: Vec<BindGroup>,
 }
 
-impl MarkedShare {
-    /// Splits the triangles into items and marks the voxels that they touch.
-    pub fn new(
-        work: &mut Work<'_>,
-        fallbacks: &Fallbacks,
-        input: &ShareInput<'_>,
-        geometry: &Geometry,
-    ) -> Result<Self, GiError> {
-        let mut batches = Vec::new();
-        for (batch, prepared) in &input.batches {
-            batches.push(SplitBatch::new(
-                &mut work.recorder,
-                &mut work.memory,
-                work.kernels,
-                &work.globals,
-                fallbacks,
-                (batch, prepared),
-                &geometry.materials,
-            )?);
-        }
-        let occupied = ListBuilder::begin(&mut work.memory, work.grid)?;
-        Self::mark(work, &batches, &occupied);
-        let Work { kernels, recorder, memory, globals, grid, .. } = work;
-        kernels.list.pyramid.fill(recorder, globals, grid, &occupied.occupancy);
-        kernels.list.rank(recorder, &kernels.scan, globals, grid, &occupied);
-        let cells = kernels.list.cells(recorder, memory, globals, grid, &occupied)?;
-        Ok(Self { batches, occupied, cells })
-    }
-
-    /// The first walk: which voxels are touched.
-    fn mark(work: &mut Work<'_>, batches: &[SplitBatch], occupied: &Occupied) {
-        let kernels = work.kernels;
-        let buffers = [&occupied.occupancy];
-        walk(work, batches, (&kernels.layouts.mark, &buffers), WalkStep::Mark);
-    }
-
-    /// The buffers of the batches' [`SplitCounts`].
-    pub fn split_counts(&self) -> impl Iterator<Item = &Buffer> {
-        self.batches.iter().map(|batch| &batch.counts)
-    }
-
-    /// Collects the lobes of the share's voxels, of which there are `level_starts[1]`, and counts their faces.
-    pub fn collect_lobes(
-        self,
-        work: &mut Work<'_>,
-        level_starts: Vec<u32>,
-        splits: &[SplitCounts],
-    ) -> Result<LobedShare, GiError> {
-        let voxel_count = u64::from(level_starts[1]);
-        let remedy = work.remedy();
-        let stride = size_of::<VoxelFaces>() as u64;
-        let voxels = work.memory.buffer("lobes of voxels", voxel_count, stride, remedy)?;
-        let first_faces = work.memory.buffer("first faces", voxel_count + 1, 4, remedy)?;
-        let first_fronts = work.memory.buffer("first fronts", voxel_count + 1, 4, remedy)?;
-        let pieces = storage_buffer(work.device, "pieces", 8);
-        let kernels = work.kernels;
-        let Self { batches, occupied, cells } = self;
-        Self::lobes(work, &batches, [&cells, &voxels, &pieces]);
-
-        let group = BindGroupBuilder::new(&kernels.layouts.faces)
-            .buffer(&voxels)
-            .buffer(&first_faces)
-            .buffer(&first_fronts)
-            .build(work.device, "voxelize::faces");
-        let groups = [&work.globals, &group];
-        kernels.count_faces.run_linear(&mut work.recorder, &groups, voxel_count);
-        for firsts in [&first_faces, &first_fronts] {
-            kernels.scan.run(&mut work.recorder, firsts, voxel_count as u32 + 1);
-        }
-        kernels.prepare_faces.run_linear(&mut work.recorder, &groups, voxel_count);
-
-        let sum = |count: fn(&SplitCounts) -> u32| splits.iter().map(|s| u64::from(count(s))).sum();
-        let counts = ShareCounts {
-            degenerate: sum(|split| split.degenerate),
-            outside: sum(|split| split.outside),
-            items: sum(|split| split.items),
-            pieces: 0,
-        };
-        // The sums are made once the faces are counted.
-        let sums = storage_buffer(work.device, "no sums", 16);
-        let share = Share {
-            occupied,
-            cells,
-            level_starts,
-            voxels,
-            first_faces,
-            face_count: 0,
-            sums,
-            counts,
-        };
-        Ok(LobedShare { batches, share, pieces, first_fronts })
-    }
-
-    /// The second walk: which lobes the voxels have, and how much surface.
-    fn lobes(work: &mut Work<'_>, batches: &[SplitBatch], buffers: [&Buffer; 3]) {
-        let kernels = work.kernels;
-        walk(work, batches, (&kernels.layouts.lobes, &buffers), WalkStep::Lobes);
-    }
+/// Sums of the faces, as `FaceSlot` of `face_sums.wgsl` has them, and behind them the fronts.
+#[derive(Debug)]
+struct Sums {
+    capacity: u64,
+    buffer: Buffer,
+    /// `Verdict` of `verdict.wgsl`: whether they have room.
+    verdict: Buffer,
+    walk_groups: Vec<BindGroup>,
 }
 
 impl Share {
+    /// A share of nothing.
+    pub fn new(work: &mut Work<'_, '_>) -> Result<Self, GiError> {
+        let list = &work.kernels.list;
+        let bits = list.bits(&mut work.memory, work.grid, 1)?;
+        let cells = list.cells(&mut work.memory, work.grid, &bits)?;
+        Ok(Self {
+            bits,
+            cells,
+            batches: Vec::new(),
+            mark_groups: Vec::new(),
+            voxels: None,
+            sums: None,
+            counts: ShareCounts::default(),
+        })
+    }
+
+    /// Binds the batches of an input, if it is not bound to them already.
+    pub fn bind(
+        &mut self,
+        work: &mut Work<'_, '_>,
+        fallbacks: &Fallbacks,
+        input: &ShareInput<'_>,
+        geometry: &Geometry,
+    ) -> Result<(), GiError> {
+        let materials = &geometry.materials;
+        let fits = self.batches.len() == input.batches.len()
+            && self
+                .batches
+                .iter()
+                .zip(&input.batches)
+                .all(|(own, (batch, prepared))| own.fits((batch, prepared), materials));
+        self.counts.triangles = input.triangle_count();
+        if fits {
+            return Ok(());
+        }
+        let mut batches = Vec::new();
+        for (batch, prepared) in &input.batches {
+            let source = (*batch, prepared);
+            let (memory, kernels) = (&mut work.memory, work.kernels);
+            batches.push(SplitBatch::new(memory, kernels, fallbacks, source, materials)?);
+        }
+        self.batches = batches;
+        self.bind_walks(work);
+        Ok(())
+    }
+
+    /// Makes the bind groups of the walks, for the batches and the buffers that there are.
+    fn bind_walks(&mut self, work: &Work<'_, '_>) {
+        let (device, layouts) = (work.memory.device(), &work.kernels.layouts);
+        let batches = &self.batches;
+        let groups = |layout: &wgpu::BindGroupLayout, buffers: &[&Buffer]| -> Vec<BindGroup> {
+            let of_batch = |batch: &SplitBatch| {
+                let group = BindGroupBuilder::new(layout).buffer(&batch.item_starts);
+                let group = buffers.iter().fold(group, |group, &buffer| group.buffer(buffer));
+                group.build(device, "voxelize::walk")
+            };
+            batches.iter().map(of_batch).collect()
+        };
+        let cells = &self.cells.buffer;
+        self.mark_groups = groups(&layouts.mark, &[&self.bits.occupancy]);
+        let Some(voxels) = &mut self.voxels else { return };
+        voxels.walk_groups = groups(&layouts.lobes, &[cells, &voxels.faces, &voxels.pieces]);
+        let Some(sums) = &mut self.sums else { return };
+        let buffers = [cells, &voxels.faces, &sums.buffer, &sums.verdict];
+        sums.walk_groups = groups(&layouts.accumulate, &buffers);
+    }
+
+    /// Voxels, and faces with fronts, that there is room for.
+    pub fn capacity(&self) -> [u64; 2] {
+        [
+            self.voxels.as_ref().map_or(0, |voxels| voxels.capacity),
+            self.sums.as_ref().map_or(0, |sums| sums.capacity),
+        ]
+    }
+
+    /// Makes room for so many voxels.
+    pub fn make_room(&mut self, work: &mut Work<'_, '_>, capacity: u64) -> Result<(), GiError> {
+        let remedy = work.remedy();
+        let stride = size_of::<VoxelFaces>() as u64;
+        // A binding of an array has room for one element at least.
+        let capacity = capacity.max(1);
+        let faces = work.memory.buffer("lobes of voxels", capacity, stride, remedy)?;
+        let stride = size_of::<NodeRecord>() as u64;
+        let nodes = work.memory.buffer("nodes of a share", capacity, stride, remedy)?;
+        let first_faces = work.memory.buffer("first faces", capacity + 1, 4, remedy)?;
+        let first_fronts = work.memory.buffer("first fronts", capacity + 1, 4, remedy)?;
+        let device = work.memory.device();
+        let kernels = work.kernels;
+        let faces_group = BindGroupBuilder::new(&kernels.layouts.faces)
+            .buffer(&faces)
+            .buffer(&first_faces)
+            .buffer(&first_fronts)
+            .buffer(&self.bits.ranks)
+            .build(device, "voxelize::faces");
+        let RankedBits { occupancy, ranks, .. } = &self.bits;
+        self.voxels = Some(Voxels {
+            capacity,
+            pieces: storage_buffer(device, "pieces", 8),
+            scans: [&first_faces, &first_fronts]
+                .map(|firsts| kernels.scan.bind(device, firsts, capacity as u32 + 1)),
+            bound_nodes: kernels.list.bind_nodes(device, [occupancy, ranks, &nodes]),
+            faces,
+            nodes,
+            first_faces,
+            first_fronts,
+            faces_group,
+            walk_groups: Vec::new(),
+        });
+        self.bind_walks(work);
+        Ok(())
+    }
+
+    /// Makes room for so many faces with their fronts, of which `verdict` will tell whether it is enough.
+    pub fn make_room_for_sums(
+        &mut self,
+        work: &mut Work<'_, '_>,
+        capacity: u64,
+        verdict: &Buffer,
+    ) -> Result<(), GiError> {
+        // A raster of fronts takes no more bytes than a face.
+        const { assert!(size_of::<FaceRecord>() >= 4 * FRONT_WORDS as usize) };
+        let stride = size_of::<FaceRecord>() as u64;
+        let capacity = capacity.max(1);
+        let buffer = work.memory.buffer("sums of faces", capacity, stride, work.remedy())?;
+        let verdict = verdict.clone();
+        self.sums = Some(Sums { capacity, buffer, verdict, walk_groups: Vec::new() });
+        self.bind_walks(work);
+        Ok(())
+    }
+
+    /// Splits the triangles into items and marks the voxels that they touch.
+    pub fn mark<'d>(
+        &mut self,
+        work: &mut Work<'_, '_>,
+        draws: impl IntoIterator<Item = &'d [DrawRecord]>,
+    ) {
+        for (batch, draws) in self.batches.iter_mut().zip(draws) {
+            batch.split(work.recorder, work.kernels, work.globals, draws);
+        }
+        work.recorder.clear(&self.bits.occupancy);
+        self.walk(work, WalkStep::Mark, &self.mark_groups);
+        let (list, globals) = (&work.kernels.list, work.globals);
+        list.rank(work.recorder, globals, &self.bits);
+        list.fill_cells(work.recorder, globals, &self.cells);
+    }
+
+    /// Collects the lobes of the voxels, and counts their faces.
+    pub fn collect_lobes(&self, work: &mut Work<'_, '_>) {
+        let Some(voxels) = &self.voxels else { return };
+        let (kernels, globals) = (work.kernels, work.globals);
+        work.recorder.clear(&voxels.faces);
+        work.recorder.clear(&voxels.pieces);
+        kernels.list.fill_nodes(work.recorder, globals, &voxels.bound_nodes);
+        self.walk(work, WalkStep::Lobes, &voxels.walk_groups);
+        let groups = [globals, &voxels.faces_group];
+        kernels.count_faces.run_linear(work.recorder, &groups, voxels.capacity);
+        for scan in &voxels.scans {
+            kernels.scan.run_bound(work.recorder, scan);
+        }
+        kernels.prepare_faces.run_linear(work.recorder, &groups, voxels.capacity);
+    }
+
+    /// Sums the faces up, if the verdict is that there is room.
+    pub fn sum_up(&self, work: &mut Work<'_, '_>) {
+        let Some(sums) = &self.sums else { return };
+        work.recorder.clear(&sums.buffer);
+        self.walk(work, WalkStep::Fronts, &sums.walk_groups);
+        self.walk(work, WalkStep::Accumulate, &sums.walk_groups);
+    }
+
+    /// Walks over all items: bind group 2 has each batch's starts of items, and then what the step reads and writes.
+    fn walk(&self, work: &mut Work<'_, '_>, step: WalkStep, groups: &[BindGroup]) {
+        let Work { voxelizer, recorder, globals, grid, .. } = work;
+        let batches = &self.batches;
+        let walk = Walk { grid, label: step.label(), globals, batches, pass_groups: groups };
+        voxelizer.walk(recorder, step, &walk);
+    }
+
+    /// Bits and ranks of the finest level.
+    pub fn bits(&self) -> &RankedBits {
+        &self.bits
+    }
+
+    /// The same side by side.
+    pub fn cells(&self) -> &Buffer {
+        &self.cells.buffer
+    }
+
+    /// Of each voxel `VoxelFaces`, its node, the index of its first face, and that of its first face with fronts; once there
+    /// is room for them.
+    pub fn voxels(&self) -> Option<[&Buffer; 4]> {
+        let voxels = self.voxels.as_ref()?;
+        Some([&voxels.faces, &voxels.nodes, &voxels.first_faces, &voxels.first_fronts])
+    }
+
+    /// The faces' sums, once there is room for them.
+    pub fn sums(&self) -> Option<&Buffer> {
+        self.sums.as_ref().map(|sums| &sums.buffer)
+    }
+
+    /// The buffers to read back once voxels are marked, with the bytes of each: the number of voxels, then of each batch
+    /// [`SplitCounts`].
+    pub fn marked_counts(&self) -> Vec<(&Buffer, u64, u64)> {
+        let total = (&self.bits.ranks, self.bits.total_byte(), 4);
+        let splits = self.batches.iter().map(|batch| (&batch.counts, 0, SPLIT_BYTES));
+        [total].into_iter().chain(splits).collect()
+    }
+
+    /// Takes what [`Self::marked_counts`] told. The voxels are returned.
+    pub fn take_marked(&mut self, words: &[u32]) -> Result<u64, GiError> {
+        let splits: Vec<SplitCounts> = words[1..]
+            .chunks_exact(SPLIT_BYTES as usize / 4)
+            .map(|words| bytemuck::pod_read_unaligned(bytemuck::cast_slice(words)))
+            .collect();
+        check_numbering(&splits)?;
+        let sum = |count: fn(&SplitCounts) -> u32| splits.iter().map(|s| u64::from(count(s))).sum();
+        self.counts.degenerate = sum(|split| split.degenerate);
+        self.counts.outside = sum(|split| split.outside);
+        self.counts.items = sum(|split| split.items);
+        Ok(u64::from(words[0]))
+    }
+
+    /// The buffers to read back once lobes are collected of so many voxels: the numbers of faces, of those with fronts, and
+    /// the low and the high word of that of pieces.
+    pub fn lobed_counts(&self, voxels: u64) -> Vec<(&Buffer, u64, u64)> {
+        let Some(own) = &self.voxels else { return Vec::new() };
+        vec![
+            (&own.first_faces, voxels * 4, 4),
+            (&own.first_fronts, voxels * 4, 4),
+            (&own.pieces, 0, 8),
+        ]
+    }
+
+    /// Takes what [`Self::lobed_counts`] told. The faces and those with fronts are returned.
+    pub fn take_lobed(&mut self, words: &[u32]) -> [u64; 2] {
+        self.counts.pieces = u64::from(words[3]) << 32 | u64::from(words[2]);
+        [words[0], words[1]].map(u64::from)
+    }
+
     /// Bytes on the GPU.
     pub fn bytes(&self) -> u64 {
-        let Occupied { occupancy, ranks } = &self.occupied;
-        let buffers = [occupancy, ranks, &self.cells, &self.voxels, &self.first_faces, &self.sums];
-        buffers.into_iter().map(|buffer| buffer.size()).sum()
+        let voxels = self.voxels().into_iter().flatten().map(|buffer| buffer.size());
+        let sums = self.sums().map_or(0, |sums| sums.size());
+        self.bits.bytes() + self.cells.buffer.size() + voxels.sum::<u64>() + sums
     }
 }
 
-impl LobedShare {
-    /// Words that [`Self::copy_counts`] copies.
-    pub const COUNT_WORDS: usize = 4;
+/// Bytes of [`SplitCounts`].
+const SPLIT_BYTES: u64 = size_of::<SplitCounts>() as u64;
 
-    /// Copies the numbers of faces and of those with fronts, and the low and the high word of that of pieces, to
-    /// `counts` at a byte.
-    pub fn copy_counts(&self, recorder: &mut Recorder, counts: &Buffer, place: u64) {
-        let total = u64::from(self.share.level_starts[1]) * 4;
-        recorder.copy((&self.share.first_faces, total), (counts, place), 4);
-        recorder.copy((&self.first_fronts, total), (counts, place + 4), 4);
-        recorder.copy((&self.pieces, 0), (counts, place + 8), 8);
-    }
-
-    /// Sums the faces up, given what [`Self::copy_counts`] has copied.
-    pub fn sum_up(self, work: &mut Work<'_>, counts: &[u32]) -> Result<Share, GiError> {
-        let Self { batches, mut share, .. } = self;
-        share.face_count = counts[0];
-        let fronts = u64::from(counts[1]);
-        share.counts.pieces = u64::from(counts[3]) << 32 | u64::from(counts[2]);
-        let stride = size_of::<FaceRecord>() as u64;
-        // A binding of an array has room for one element at least.
-        let faces = u64::from(share.face_count).max(1);
-        // A raster of fronts takes no more bytes than a face; they stand behind them all.
-        const { assert!(size_of::<FaceRecord>() >= 4 * FRONT_WORDS as usize) };
-        share.sums = work.memory.buffer("faces", faces + fronts, stride, work.remedy())?;
-        let buffers = [&share.cells, &share.voxels, &share.sums];
-        if fronts > 0 {
-            Self::walk(work, &batches, &buffers, WalkStep::Fronts);
+/// Refuses batches that have more items than can be numbered.
+fn check_numbering(splits: &[SplitCounts]) -> Result<(), GiError> {
+    for split in splits {
+        if split.items_overflow > 0 {
+            return Err(GiError::Limit {
+                what: "the numbering of a batch's work items".to_owned(),
+                needed: (u64::from(split.items_overflow) << 32) + u64::from(split.items),
+                unit: "numbers",
+                limit: "u32::MAX",
+                available: u64::from(u32::MAX),
+                remedy: "share its draws out to several batches".to_owned(),
+            });
         }
-        Self::walk(work, &batches, &buffers, WalkStep::Accumulate);
-        Ok(share)
     }
-
-    /// The last walks: which surface is in front, and what is in the faces.
-    fn walk(work: &mut Work<'_>, batches: &[SplitBatch], buffers: &[&Buffer], step: WalkStep) {
-        let kernels = work.kernels;
-        walk(work, batches, (&kernels.layouts.accumulate, buffers), step);
-    }
-}
-
-/// Walks over all items: bind group 2 has each batch's starts of items, and then the given buffers.
-fn walk(
-    work: &mut Work<'_>,
-    batches: &[SplitBatch],
-    (layout, buffers): (&wgpu::BindGroupLayout, &[&Buffer]),
-    step: WalkStep,
-) {
-    let groups: Vec<_> = batches
-        .iter()
-        .map(|batch| {
-            let group = BindGroupBuilder::new(layout).buffer(&batch.item_starts);
-            let group = buffers.iter().fold(group, |group, &buffer| group.buffer(buffer));
-            group.build(work.device, "voxelize::walk")
-        })
-        .collect();
-    let Work { voxelizer, recorder, globals, grid, .. } = work;
-    let walk = Walk { grid, label: step.label(), globals, batches, pass_groups: &groups };
-    voxelizer.walk(recorder, step, &walk);
+    Ok(())
 }

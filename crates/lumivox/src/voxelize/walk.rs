@@ -19,6 +19,9 @@ impl WalkStep {
 impl Voxelizer {
     /// Walks all batches for a step, by the caller's way if it has one for it.
     pub(super) fn walk(&self, recorder: &mut Recorder, step: WalkStep, walk: &Walk<'_>) {
+        if walk.batches.is_empty() {
+            return;
+        }
         if self.walker.as_ref().is_some_and(|walker| walker.walk(recorder, step, walk)) {
             return;
         }
@@ -30,7 +33,7 @@ impl Voxelizer {
         };
         recorder.compute(walk.label, |pass| {
             for (batch, group) in walk.batches.iter().zip(walk.pass_groups) {
-                batch.walk(pass, walk.globals, group, |run| kernels.choose(run.detail));
+                batch.walk(pass, walk.globals, group, |run| kernels.choose(run.detail()));
             }
         });
     }

@@ -1,32 +1,61 @@
-//! The list from the bits: the pyramid of occupancy, ranks and nodes.
-
-use bytemuck::{Pod, Zeroable};
+//! The list from the bits: ranks and nodes.
 
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, Scan,
-    ShaderError, ShaderLibrary, uniform_buffer,
+    BindGroup, BindGroupBuilder, BoundScan, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder,
+    Scan, ShaderError, ShaderLibrary, storage_buffer,
 };
 use crate::gpu::{Memory, Remedy};
-use crate::voxels::NodeRecord;
 use crate::voxels::pyramid::{Pyramid, level_first_word, level_words};
+use crate::voxels::{LIST_COUNT_BYTES, VoxelList, level_arguments, level_block};
 use crate::{GiError, Grid};
 
-/// `InnerParams` of `inner_lobes.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct InnerParams {
-    first_node: u32,
-    end_node: u32,
-    child_first_word: u32,
-}
-
-/// The occupancy bits of all levels with their ranks, before the list is made.
+/// The occupancy bits of the finest level or of all, and their ranks.
 #[derive(Debug)]
-pub(crate) struct Occupied {
+pub(crate) struct RankedBits {
     /// A bit per cell.
     pub occupancy: Buffer,
     /// The bits before each word, and last the total.
     pub ranks: Buffer,
+    words: u64,
+    group: BindGroup,
+    scan: BoundScan,
+}
+
+impl RankedBits {
+    /// Where the total stands among the ranks, bytes.
+    pub fn total_byte(&self) -> u64 {
+        self.words * 4
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.occupancy.size() + self.ranks.size()
+    }
+}
+
+/// Bits and ranks of the finest level's words side by side (`array<vec2u>`): one binding for kernels that have none to
+/// spare.
+#[derive(Debug)]
+pub(crate) struct Cells {
+    /// The pairs.
+    pub buffer: Buffer,
+    words: u64,
+    group: BindGroup,
+}
+
+/// What filling the nodes of a list needs.
+#[derive(Debug)]
+pub(crate) struct BoundNodes {
+    words: u64,
+    group: BindGroup,
+}
+
+/// What filling the lobes of a list's inner nodes needs.
+#[derive(Debug)]
+pub(crate) struct BoundInner {
+    /// Of all levels but the finest.
+    groups: Vec<BindGroup>,
+    counts: Buffer,
 }
 
 /// The kernels that make the list.
@@ -36,6 +65,7 @@ pub(crate) struct ListBuilder {
     cells_layout: wgpu::BindGroupLayout,
     inner_layout: wgpu::BindGroupLayout,
     pub pyramid: Pyramid,
+    scan: Scan,
     count: Kernel,
     list: Kernel,
     cells: Kernel,
@@ -70,6 +100,7 @@ impl ListBuilder {
         let inner = [globals, &inner_layout];
         Ok(Self {
             pyramid: Pyramid::new(device, shaders, globals)?,
+            scan: Scan::new(device, shaders)?,
             count: Kernel::new(device, shaders, "voxels::rank", "count", &ranks)?,
             list: Kernel::new(device, shaders, "voxels::rank", "list", &ranks)?,
             cells: Kernel::new(device, shaders, "voxels::cells", "main", &cells)?,
@@ -80,152 +111,120 @@ impl ListBuilder {
         })
     }
 
-    /// Buffers for the bits, all zero.
+    /// Bits of the first levels of a grid, all zero.
     ///
     /// # Errors
     /// [`GiError::Limit`] when they do not fit.
-    pub fn begin(memory: &mut Memory<'_>, grid: &Grid) -> Result<Occupied, GiError> {
-        let words = level_first_word(grid, grid.levels);
-        let remedy = Remedy::Volume(grid.dimensions.max_element());
-        Ok(Occupied {
-            occupancy: memory.buffer("occupancy", words, 4, remedy)?,
-            ranks: memory.buffer("ranks", words + 1, 4, remedy)?,
-        })
-    }
-
-    /// Ranks the cells of all levels.
-    pub fn rank(
+    pub fn bits(
         &self,
-        recorder: &mut Recorder,
-        scan: &Scan,
-        globals: &BindGroup,
+        memory: &mut Memory<'_>,
         grid: &Grid,
-        occupied: &Occupied,
-    ) {
-        let device = recorder.device().clone();
-        let words = level_first_word(grid, grid.levels);
-        // The nodes are not there yet: `count` does not touch them.
-        let unused = crate::gpu::storage_buffer(&device, "no nodes", 16);
-        let group = self.rank_group(&device, occupied, &unused);
-        self.count.run_linear(recorder, &[globals, &group], words);
-        scan.run(recorder, &occupied.ranks, words as u32 + 1);
+        levels: u32,
+    ) -> Result<RankedBits, GiError> {
+        let words = level_first_word(grid, levels);
+        let remedy = Remedy::Volume(grid.dimensions.max_element());
+        let occupancy = memory.buffer("occupancy", words, 4, remedy)?;
+        let ranks = memory.buffer("ranks", words + 1, 4, remedy)?;
+        let device = memory.device();
+        // Counting does not touch the nodes.
+        let unused = storage_buffer(device, "no nodes", 16);
+        let group = self.rank_group(device, [&occupancy, &ranks, &unused]);
+        let scan = self.scan.bind(device, &ranks, words as u32 + 1);
+        Ok(RankedBits { occupancy, ranks, words, group, scan })
     }
 
-    /// Bits and ranks of the finest level's words side by side (`array<vec2u>`): one binding for
-    /// kernels that have none to spare.
+    /// Ranks the cells.
+    pub fn rank(&self, recorder: &mut Recorder<'_>, globals: &BindGroup, bits: &RankedBits) {
+        self.count.run_linear(recorder, &[globals, &bits.group], bits.words);
+        self.scan.run_bound(recorder, &bits.scan);
+    }
+
+    /// Room for [`Cells`].
     ///
     /// # Errors
     /// [`GiError::Limit`] when they do not fit.
     pub fn cells(
         &self,
-        recorder: &mut Recorder,
         memory: &mut Memory<'_>,
-        globals: &BindGroup,
         grid: &Grid,
-        occupied: &Occupied,
-    ) -> Result<Buffer, GiError> {
+        bits: &RankedBits,
+    ) -> Result<Cells, GiError> {
         let words = level_words(grid, 0);
         let remedy = Remedy::Volume(grid.dimensions.max_element());
-        let cells = memory.buffer("cells", words, 8, remedy)?;
+        let buffer = memory.buffer("cells", words, 8, remedy)?;
         let group = BindGroupBuilder::new(&self.cells_layout)
-            .buffer(&occupied.occupancy)
-            .buffer(&occupied.ranks)
-            .buffer(&cells)
+            .buffer(&bits.occupancy)
+            .buffer(&bits.ranks)
+            .buffer(&buffer)
             .build(memory.device(), "voxels::cells");
-        self.cells.run_linear(recorder, &[globals, &group], words);
-        Ok(cells)
+        Ok(Cells { buffer, words, group })
     }
 
-    /// Copies where the nodes of each level start, and their total, to `counts` at the byte
-    /// `place`.
-    pub fn copy_level_starts(
-        recorder: &mut Recorder,
-        grid: &Grid,
-        occupied: &Occupied,
-        (counts, place): (&Buffer, u64),
-    ) {
-        for level in 0..=grid.levels {
-            let word = level_first_word(grid, level);
-            let place = place + u64::from(level) * 4;
-            recorder.copy((&occupied.ranks, word * 4), (counts, place), 4);
-        }
+    /// Fills cells from bits and ranks.
+    pub fn fill_cells(&self, recorder: &mut Recorder<'_>, globals: &BindGroup, cells: &Cells) {
+        self.cells.run_linear(recorder, &[globals, &cells.group], cells.words);
     }
 
-    /// The nodes, still without lobes.
-    ///
-    /// # Errors
-    /// [`GiError::Limit`] when they do not fit.
-    pub fn list(
+    /// What [`Self::fill_nodes`] needs.
+    pub fn bind_nodes(
         &self,
-        recorder: &mut Recorder,
-        memory: &mut Memory<'_>,
-        globals: &BindGroup,
-        grid: &Grid,
-        occupied: &Occupied,
-        node_count: u32,
-    ) -> Result<Buffer, GiError> {
-        let remedy = Remedy::Surface(grid.dimensions.max_element());
-        let stride = size_of::<NodeRecord>() as u64;
-        let nodes = memory.buffer("nodes", u64::from(node_count), stride, remedy)?;
-        let group = self.rank_group(memory.device(), occupied, &nodes);
-        let words = level_first_word(grid, grid.levels);
-        self.list.run_linear(recorder, &[globals, &group], words);
-        Ok(nodes)
+        device: &wgpu::Device,
+        [occupancy, ranks, nodes]: [&Buffer; 3],
+    ) -> BoundNodes {
+        let group = self.rank_group(device, [occupancy, ranks, nodes]);
+        BoundNodes { words: occupancy.size() / 4, group }
+    }
+
+    /// Fills the nodes, but for their lobes.
+    pub fn fill_nodes(&self, recorder: &mut Recorder<'_>, globals: &BindGroup, bound: &BoundNodes) {
+        self.list.run_linear(recorder, &[globals, &bound.group], bound.words);
+    }
+
+    /// What [`Self::inner_lobes`] needs.
+    pub fn bind_inner(&self, device: &wgpu::Device, grid: &Grid, list: &VoxelList) -> BoundInner {
+        let group = |level| {
+            BindGroupBuilder::new(&self.inner_layout)
+                .slice(&list.counts, level_block(level), LIST_COUNT_BYTES)
+                .buffer(&list.occupancy)
+                .buffer(&list.ranks)
+                .buffer(&list.nodes)
+                .build(device, "voxels::inner_lobes")
+        };
+        BoundInner { groups: (1..grid.levels).map(group).collect(), counts: list.counts.clone() }
     }
 
     /// The lobes of the inner nodes, from those of the finest level.
     pub fn inner_lobes(
         &self,
-        recorder: &mut Recorder,
+        recorder: &mut Recorder<'_>,
         globals: &BindGroup,
-        grid: &Grid,
-        occupied: &Occupied,
-        nodes: &Buffer,
-        level_starts: &[u32],
+        bound: &BoundInner,
     ) {
-        let device = recorder.device().clone();
-        let groups: Vec<_> = (1..grid.levels)
-            .map(|level| {
-                let params = InnerParams {
-                    first_node: level_starts[level as usize],
-                    end_node: level_starts[level as usize + 1],
-                    child_first_word: level_first_word(grid, level - 1) as u32,
-                };
-                let uniform = uniform_buffer(&device, "inner lobes parameters", &params);
-                let group = BindGroupBuilder::new(&self.inner_layout)
-                    .buffer(&uniform)
-                    .buffer(&occupied.occupancy)
-                    .buffer(&occupied.ranks)
-                    .buffer(nodes)
-                    .build(&device, "voxels::inner_lobes");
-                (group, u64::from(params.end_node - params.first_node))
-            })
-            .collect();
         recorder.compute("voxels::inner_lobes", |pass| {
-            for (group, count) in &groups {
-                self.inner_lobes.dispatch_linear(pass, &[globals, group], *count);
+            for (level, group) in (1..).zip(&bound.groups) {
+                let arguments = level_arguments(level);
+                let groups = [globals, group];
+                self.inner_lobes.dispatch_indirect(pass, &groups, &bound.counts, arguments);
             }
         });
     }
 
-    fn rank_group(&self, device: &wgpu::Device, occupied: &Occupied, nodes: &Buffer) -> BindGroup {
-        BindGroupBuilder::new(&self.rank_layout)
-            .buffer(&occupied.occupancy)
-            .buffer(&occupied.ranks)
-            .buffer(nodes)
-            .build(device, "voxels::rank")
+    fn rank_group(&self, device: &wgpu::Device, buffers: [&Buffer; 3]) -> BindGroup {
+        let group = BindGroupBuilder::new(&self.rank_layout);
+        buffers.into_iter().fold(group, BindGroupBuilder::buffer).build(device, "voxels::rank")
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::InnerParams;
     use crate::voxels::pyramid::PyramidParams;
+    use crate::voxels::{ListCounts, NodeRange};
 
     #[test]
     fn structs_lie_in_memory_alike() {
         let library = crate::shaders::library();
         library.check_struct::<PyramidParams>("voxels::pyramid", "PyramidParams").unwrap();
-        library.check_struct::<InnerParams>("voxels::inner_lobes", "InnerParams").unwrap();
+        library.check_struct::<ListCounts>("voxels::counts", "ListCounts").unwrap();
+        library.check_struct::<NodeRange>("voxels::counts", "NodeRange").unwrap();
     }
 }

@@ -3,16 +3,11 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
+import package::voxels::counts::NodeRange;
 import package::voxels::list::Node;
-import package::voxels::lookup::bits_below;
+import package::voxels::lookup::{bits_below, level_first_word};
 
-struct InnerParams {
-    first_node: u32,
-    end_node: u32,
-    child_first_word: u32,
-}
-
-@group(1) @binding(0) var<uniform> params: InnerParams;
+@group(1) @binding(0) var<uniform> range: NodeRange;
 @group(1) @binding(1) var<storage, read> occupancy: array<u32>;
 @group(1) @binding(2) var<storage, read> ranks: array<u32>;
 @group(1) @binding(3) var<storage, read_write> nodes: array<Node>;
@@ -22,12 +17,13 @@ fn main(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let index = params.first_node + linear_index(invocation, workgroups);
-    if index >= params.end_node {
+    let place = linear_index(invocation, workgroups);
+    if place >= range.count {
         return;
     }
+    let index = range.first + place;
     let first_child = nodes[index].morton * 8u;
-    let word = params.child_first_word + first_child / 32u;
+    let word = level_first_word(range.level - 1u) + first_child / 32u;
     let bits = occupancy[word];
     let first = ranks[word] + bits_below(bits, first_child % 32u);
     let children = countOneBits((bits >> (first_child % 32u)) & 0xffu);

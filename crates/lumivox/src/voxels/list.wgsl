@@ -18,8 +18,8 @@ struct Node {
 struct Face {
     // Mean position of the surface, weighted by area along the lobe's axis.
     position_in_world: vec3f,
-    // Index of the voxel in the list.
-    voxel: u32,
+    // The voxel's Morton code.
+    cell: u32,
     // Sum of A n / h^2 over the pieces of surface, scaled so that the component along the lobe is
     // at most 1.
     vector_area: vec3f,

@@ -9,11 +9,53 @@
 mod build;
 mod pyramid;
 
-pub(crate) use build::{ListBuilder, Occupied};
-pub(crate) use pyramid::{BitLevel, Pyramid, level_first_word};
+pub(crate) use build::{BoundInner, BoundNodes, Cells, ListBuilder, RankedBits};
+pub(crate) use pyramid::{BitLevel, BoundPyramid, Pyramid, level_first_word};
 
-use crate::gpu::Buffer;
+use crate::gpu::{Buffer, Indirect};
 use bytemuck::{Pod, Zeroable};
+
+/// Bytes of a block of [`VoxelList::counts`]: what a uniform binding's offset must be a multiple of.
+const COUNT_BLOCK_BYTES: u64 = 256;
+/// Words of a block of [`VoxelList::counts`].
+pub(crate) const COUNT_BLOCK_WORDS: u32 = COUNT_BLOCK_BYTES as u32 / 4;
+/// Bytes of [`ListCounts`], and more than [`NodeRange`] takes.
+pub(crate) const LIST_COUNT_BYTES: u64 = size_of::<ListCounts>() as u64;
+
+/// `ListCounts` of `counts.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub(crate) struct ListCounts {
+    pub(crate) fixed_faces: u32,
+    pub(crate) faces: u32,
+    pub(crate) nodes: u32,
+    pub(crate) moving_voxels: u32,
+    pub(crate) face_groups: [u32; 3],
+    pub(crate) padding: u32,
+}
+
+/// `NodeRange` of `counts.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub(crate) struct NodeRange {
+    pub(crate) level: u32,
+    pub(crate) first: u32,
+    pub(crate) count: u32,
+    pub(crate) padding: u32,
+}
+
+/// The byte at which a level's [`NodeRange`] stands.
+pub(crate) fn level_block(level: u32) -> u64 {
+    u64::from(level + 1) * COUNT_BLOCK_BYTES
+}
+
+/// The byte at which the arguments of a dispatch over a level's nodes stand.
+pub(crate) fn level_arguments(level: u32) -> u64 {
+    level_block(level) + size_of::<NodeRange>() as u64
+}
+
+/// The byte at which the arguments of a dispatch over all faces stand.
+pub(crate) const FACE_ARGUMENTS: u64 = 16;
 
 /// `Node` of `list.wgsl`: an occupied cell of some level.
 #[repr(C)]
@@ -32,8 +74,8 @@ pub struct NodeRecord {
 pub struct FaceRecord {
     /// Mean position of the surface in the world, m.
     pub position_in_world: [f32; 3],
-    /// Index of the voxel in the list.
-    pub voxel: u32,
+    /// The voxel's Morton code ([`NodeRecord::morton`]).
+    pub cell: u32,
     /// Sum of area times normal in units of a voxel's side, with at most 1 along the lobe's axis.
     pub vector_area: [f32; 3],
     /// +x, -x, +y, -y, +z, -z as 0 to 5.
@@ -53,6 +95,10 @@ pub struct FaceRecord {
 }
 
 /// The list of occupied voxels of a scene, on the GPU.
+///
+/// Its buffers have room for more than there is. How much there is stands in `counts`, and in `level_starts` and
+/// `face_count` as far as the GPU has told: exactly after [`crate::Gi::voxelize`], a few frames late after
+/// [`crate::Gi::voxelize_frame`].
 #[derive(Debug)]
 pub struct VoxelList {
     /// Where each level's nodes start in `nodes`; one entry more than there are levels: the total.
@@ -65,11 +111,14 @@ pub struct VoxelList {
     pub ranks: Buffer,
     /// `array<Node>`.
     pub nodes: Buffer,
-    /// For each voxel, the index of its first face (`array<u32>`); a voxel's faces are in the order
+    /// For each voxel, the index of its first face (`array<u32>`); a voxel's faces are one after another, in the order
     /// of lobes.
     pub first_faces: Buffer,
-    /// `array<Face>`.
+    /// `array<Face>`: those of static surface in the order of the voxels, then those of the voxels that dynamic surface
+    /// touches, which take the place of the static ones there.
     pub faces: Buffer,
+    /// How much there is, as `package::voxels::counts` has it.
+    pub counts: Buffer,
 }
 
 impl VoxelList {
@@ -83,6 +132,26 @@ impl VoxelList {
         self.level_starts[level as usize]..self.level_starts[level as usize + 1]
     }
 
+    /// Nodes of all levels that there is room for.
+    pub fn node_capacity(&self) -> u64 {
+        self.nodes.size() / size_of::<NodeRecord>() as u64
+    }
+
+    /// Faces that there is room for.
+    pub fn face_capacity(&self) -> u64 {
+        self.faces.size() / size_of::<FaceRecord>() as u64
+    }
+
+    /// Takes what the GPU has told of `counts`.
+    pub(crate) fn know(&mut self, words: &[u32]) {
+        let counts: ListCounts = bytemuck::pod_read_unaligned(bytemuck::cast_slice(
+            &words[..LIST_COUNT_BYTES as usize / 4],
+        ));
+        self.face_count = counts.faces;
+        let levels = words.chunks_exact(COUNT_BLOCK_WORDS as usize).skip(1);
+        self.level_starts = levels.map(|level| level[1]).chain([counts.nodes]).collect();
+    }
+
     /// Bytes on the GPU, by use.
     pub fn memory(&self) -> Vec<(&'static str, u64)> {
         vec![
@@ -94,3 +163,11 @@ impl VoxelList {
         ]
     }
 }
+
+/// Bytes of [`VoxelList::counts`].
+pub(crate) fn count_bytes(levels: u32) -> u64 {
+    level_block(levels)
+}
+
+const _: () = assert!(size_of::<NodeRange>() as u64 + Indirect::STRIDE <= COUNT_BLOCK_BYTES);
+const _: () = assert!(size_of::<NodeRange>() as u64 <= LIST_COUNT_BYTES);

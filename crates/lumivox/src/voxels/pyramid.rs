@@ -56,27 +56,25 @@ impl Pyramid {
         Ok(Self { layout, kernel })
     }
 
-    /// Fills the coarser levels of bits that are laid out as the list's occupancy.
-    pub fn fill(&self, recorder: &mut Recorder, globals: &BindGroup, grid: &Grid, bits: &Buffer) {
+    /// What [`Self::run`] needs to fill the coarser levels of bits that are laid out as the list's occupancy.
+    pub fn bind(&self, device: &wgpu::Device, grid: &Grid, bits: &Buffer) -> BoundPyramid {
         let levels: Vec<BitLevel> = (0..grid.levels)
             .map(|level| BitLevel {
                 first_word: level_first_word(grid, level) as u32,
                 words: level_words(grid, level) as u32,
             })
             .collect();
-        self.fill_levels(recorder, globals, bits, &levels);
+        self.bind_levels(device, bits, &levels)
     }
 
-    /// Fills all levels but the first one given, each from the one before.
-    pub fn fill_levels(
+    /// As [`Self::bind`], for all levels but the first one given, each of which is filled from the one before.
+    pub fn bind_levels(
         &self,
-        recorder: &mut Recorder,
-        globals: &BindGroup,
+        device: &wgpu::Device,
         bits: &Buffer,
         levels: &[BitLevel],
-    ) {
-        let device = recorder.device().clone();
-        let groups: Vec<_> = levels
+    ) -> BoundPyramid {
+        let groups = levels
             .windows(2)
             .map(|pair| {
                 let params = PyramidParams {
@@ -85,18 +83,27 @@ impl Pyramid {
                     parent_first_word: pair[1].first_word,
                     parent_words: pair[1].words,
                 };
-                let uniform = uniform_buffer(&device, "pyramid parameters", &params);
+                let uniform = uniform_buffer(device, "pyramid parameters", &params);
                 let group = BindGroupBuilder::new(&self.layout)
                     .buffer(&uniform)
                     .buffer(bits)
-                    .build(&device, "voxels::pyramid");
+                    .build(device, "voxels::pyramid");
                 (group, u64::from(params.parent_words))
             })
             .collect();
+        BoundPyramid(groups)
+    }
+
+    /// Fills the levels, each from the one before.
+    pub fn run(&self, recorder: &mut Recorder<'_>, globals: &BindGroup, bound: &BoundPyramid) {
         recorder.compute("voxels::pyramid", |pass| {
-            for (group, words) in &groups {
+            for (group, words) in &bound.0 {
                 self.kernel.dispatch_linear(pass, &[globals, group], *words);
             }
         });
     }
 }
+
+/// The levels of some bits, for [`Pyramid::run`].
+#[derive(Debug)]
+pub(crate) struct BoundPyramid(Vec<(BindGroup, u64)>);

@@ -1,6 +1,6 @@
 // The compact list from the occupancy bits: `count` leaves the bit count of each word, a prefix sum
 // turns the counts into ranks, and `list` writes each set bit's Morton code to its place in the
-// list.
+// list, and leaves the lobes.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -47,7 +47,7 @@ fn list(
     var rank = ranks[word];
     while bits != 0u {
         let bit = countTrailingZeros(bits);
-        nodes[rank] = Node(word_in_level * 32u + bit, 0u);
+        nodes[rank].morton = word_in_level * 32u + bit;
         rank++;
         bits &= bits - 1u;
     }

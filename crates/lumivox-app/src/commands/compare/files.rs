@@ -1,4 +1,4 @@
-//! Two pictures from files.
+//! Comparison of two picture files.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::cli::CompareArgs;
 use crate::host::Host;
 use crate::quality::{Row, strip};
 
-/// Compares and reports.
+/// Compares two files, and reports.
 ///
 /// # Errors
 /// When a picture cannot be read, the two cannot be compared, or the strip cannot be written.

@@ -1,4 +1,4 @@
-//! `lumivox compare`: how far pictures are from the truth.
+//! `lumivox compare`: errors of pictures against references.
 
 mod files;
 mod scene;
@@ -30,7 +30,7 @@ pub fn run(args: &CompareArgs, host: &Host) -> anyhow::Result<()> {
     }
 }
 
-/// Writes a strip as PNG, whole or not at all.
+/// Writes a strip as PNG, complete or not at all.
 ///
 /// # Errors
 /// A [`Failure`] of output that names the file.

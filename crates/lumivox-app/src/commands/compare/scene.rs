@@ -1,4 +1,4 @@
-//! A scene rendered and held against its reference.
+//! Comparison of a rendered scene with its reference.
 
 use std::time::Instant;
 
@@ -15,10 +15,10 @@ use crate::commands::light;
 use crate::commands::settings;
 use crate::commands::staged::stage;
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 use crate::quality::{Measured, Subject, reference, strip};
 
-/// Renders, traces, compares, reports.
+/// Renders, traces, compares and reports.
 ///
 /// # Errors
 /// When the scene cannot be read or rendered, or a file cannot be written.
@@ -33,7 +33,7 @@ pub fn run(source: &SceneSource, args: &CompareArgs, host: &Host) -> anyhow::Res
     crate::args::scene::check(source)?;
     light::check(&args.light.sources)?;
     let start = Instant::now();
-    let mut progress = Progress::start(host, "loading");
+    let mut progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     settings.validate(&gpu.device.limits())?;
     let (scene, camera) =
@@ -84,13 +84,13 @@ struct Report {
     #[serde(flatten)]
     comparison: Comparison,
     camera: String,
-    /// Of the reference, a pixel.
+    /// Samples of each pixel of the reference.
     samples: u32,
-    /// Places of the grid that the figures are the mean of.
+    /// Grid positions that the figures are averaged over.
     grid_offsets: u32,
-    /// Of the rendering, by the clock on the wall, without what is done once.
+    /// Wall-clock time of a frame, without one-time work, ms.
     frame_ms: f64,
-    /// Cone samples of a frame.
+    /// Cone samples of a pixel in a frame.
     samples_per_pixel: f64,
     #[serde(serialize_with = "settings::serialize")]
     settings: RenderSettings,

@@ -1,51 +1,51 @@
-//! What this machine can run.
+//! The report on this machine.
 //!
-//! How large a volume may be follows from the device's limits; whether the memory is there shows
-//! only when it is asked for, since graphics APIs do not tell how much there is. So the report gives
-//! both: the largest resolution that the limits allow, and what the usual resolutions take.
+//! The device's limits decide how large a volume may be. Whether there is enough memory shows only
+//! when it is allocated, since graphics APIs do not say how much there is. So the report gives
+//! both: the largest resolution within the limits, and the memory of the usual resolutions.
 
 use lumivox_console::report::{AdapterReport, Table, bytes};
 use lumivox_render::{Gpu, GpuOptions, describe};
 use serde::Serialize;
 
-/// What this machine can run.
+/// The report on this machine.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     version: &'static str,
-    /// The one that is taken if none is named; none if there is none.
+    /// The adapter that is used if none is named; `None` without adapters.
     default_adapter: Option<String>,
-    /// Best first.
+    /// All adapters, the best first.
     adapters: Vec<Capabilities>,
 }
 
-/// What an adapter can do.
+/// The report on an adapter.
 #[derive(Clone, Debug, Serialize)]
 struct Capabilities {
     #[serde(flatten)]
     adapter: AdapterReport,
-    /// Why it does not run Lumivox; none if it does.
+    /// Why it cannot run Lumivox; `None` if it can.
     problem: Option<String>,
     #[serde(flatten)]
     device: Option<DeviceReport>,
 }
 
-/// What a device of an adapter can do.
+/// The capabilities of an adapter's device.
 #[derive(Clone, Debug, Serialize)]
 struct DeviceReport {
     max_buffer_bytes: u64,
     max_storage_binding_bytes: u64,
     max_texture_2d: u32,
     max_texture_3d: u32,
-    /// How times of passes are taken.
+    /// How times of passes are measured.
     timing: &'static str,
-    /// Whether shaders may compute in 16-bit floats. Lumivox stores them everywhere, and needs no
-    /// more.
+    /// Whether shaders can compute in 16-bit floats. Lumivox only stores them, and does not need
+    /// it.
     shader_f16: bool,
     /// The largest resolution of the dense volume for a cube-shaped scene, with its memory.
     largest_volume: VolumeReport,
     /// The usual resolutions within that.
     volumes: Vec<VolumeReport>,
-    /// The largest resolution of an octree, if its surface is not too large.
+    /// The largest resolution of an octree whose surface fits.
     largest_octree: u32,
 }
 
@@ -53,14 +53,14 @@ struct DeviceReport {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct VolumeReport {
     resolution: u32,
-    /// With six lobes.
+    /// Bytes with six lobes.
     bytes: u64,
-    /// Isotropic.
+    /// Bytes of an isotropic volume.
     isotropic_bytes: u64,
 }
 
 impl Report {
-    /// Looks at every adapter.
+    /// Queries every adapter.
     pub fn new() -> Self {
         let known = pollster::block_on(adapters());
         let infos = pollster::block_on(Gpu::adapters());
@@ -97,7 +97,7 @@ impl Report {
 
 impl Capabilities {
     fn new(info: &wgpu::AdapterInfo, features: wgpu::Features) -> Self {
-        // All of the description, so that no other adapter answers to it.
+        // All of the description, so that no other adapter matches it.
         let options = GpuOptions { adapter: Some(describe(info)), portable: false };
         let opened = pollster::block_on(Gpu::new(&options));
         let (device, problem) = match opened {
@@ -123,7 +123,7 @@ impl Capabilities {
         line("largest 3D texture", format!("{0} x {0} x {0} texels", device.max_texture_3d));
         line("times of passes", device.timing.to_owned());
         let half_floats = if device.shader_f16 { "yes" } else { "no" };
-        line("half floats in shaders", format!("{half_floats} (Lumivox does without)"));
+        line("half floats in shaders", format!("{half_floats} (not needed)"));
         let largest = device.largest_volume.resolution;
         line(
             "dense voxel volume",
@@ -139,7 +139,7 @@ impl Capabilities {
         }
         text += &table.text();
         text + &format!(
-            "  octree                  up to resolution {} by the limits; memory goes with the surface\n",
+            "  octree                  up to resolution {} by the limits; memory is proportional to the surface\n",
             device.largest_octree
         )
     }
@@ -185,10 +185,11 @@ impl VolumeReport {
     }
 }
 
-/// The nine parts of a cell with six lobes stand in 3 x 3 slabs of one texture, 8 bytes each.
+/// The number of slabs along an axis: the nine parts of a cell with six lobes are in 3 x 3 slabs of
+/// one texture, 8 bytes each.
 const SLABS: u64 = 3;
 
-/// Cells of the levels of a cube's pyramid; the coarsest has at least four along an edge.
+/// The edges, in cells, of the levels of a cube's pyramid; the coarsest has at least four.
 fn edges(resolution: u32) -> impl Iterator<Item = u64> {
     let levels = (resolution / 4).ilog2() + 1;
     (0..levels).map(move |level| u64::from(resolution >> level))
@@ -198,12 +199,12 @@ fn cells(resolution: u32) -> u64 {
     edges(resolution).map(|edge| edge.pow(3)).sum()
 }
 
-/// Two bytes a corner of each cell.
+/// Bytes of the masks: two for each corner of a cell.
 fn mask_bytes(resolution: u32) -> u64 {
     edges(resolution).map(|edge| (edge + 1).pow(3)).sum::<u64>() * 2
 }
 
-/// The largest resolution at which a cube's volume keeps to the limits.
+/// The largest resolution of a cube's volume within the limits.
 fn largest_resolution(limits: &wgpu::Limits) -> u32 {
     let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     (lumivox::MIN_RESOLUTION..=lumivox::MAX_RESOLUTION)
@@ -216,8 +217,9 @@ fn largest_resolution(limits: &wgpu::Limits) -> u32 {
         .unwrap_or(0)
 }
 
-/// The largest resolution at which the voxel list keeps to the limits whatever the surface: a word of occupancy bits
-/// with its rank for every 32 cells of the enclosing cube, whose edge is a power of two.
+/// The largest resolution of a voxel list within the limits, whatever the surface: a word of
+/// occupancy bits with its rank for every 32 cells of the enclosing cube, whose edge is a power of
+/// two.
 fn largest_octree(limits: &wgpu::Limits) -> u32 {
     let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     (lumivox::MIN_RESOLUTION..=lumivox::MAX_RESOLUTION)
@@ -227,7 +229,7 @@ fn largest_octree(limits: &wgpu::Limits) -> u32 {
         .unwrap_or(0)
 }
 
-/// All adapters, for their features, which an open device does not tell.
+/// All adapters. An open device does not list its adapter's features.
 async fn adapters() -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     // OpenGL is not used, and probing for it prints errors on machines without a display.
@@ -240,7 +242,7 @@ async fn adapters() -> Vec<wgpu::Adapter> {
 mod tests {
     use super::*;
 
-    /// The account of the library itself, on the smallest volumes.
+    /// The library's own account on the smallest volumes.
     #[test]
     fn the_memory_is_what_the_library_allocates() {
         use lumivox::{Directionality, Gi, GiConfig, Grid};

@@ -1,4 +1,4 @@
-//! `lumivox info`: what this machine can run, or what is in a scene.
+//! `lumivox info`: the report on this machine, or on a scene.
 
 mod machine;
 mod scene;
@@ -6,13 +6,13 @@ mod scene;
 use crate::cli::InfoArgs;
 use crate::commands::settings;
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
-/// Describes the scene if there is one, the machine otherwise.
+/// Describes the scene if one is named, and the machine otherwise.
 ///
 /// # Errors
-/// When the scene cannot be read, or stdout not be written. A machine without a GPU is described,
-/// too.
+/// When the scene cannot be read, or stdout cannot be written. A machine without a GPU is not an
+/// error.
 pub fn run(args: &InfoArgs, host: &Host) -> anyhow::Result<()> {
     let Some(source) = &args.scene else {
         let report = machine::Report::new();
@@ -20,7 +20,7 @@ pub fn run(args: &InfoArgs, host: &Host) -> anyhow::Result<()> {
     };
     crate::args::scene::check(source)?;
     let settings = settings::of_voxels(&args.voxels)?;
-    let progress = Progress::start(host, "loading");
+    let progress = ProgressDisplay::start(host, "loading");
     let scene = crate::args::scene::load(source, &args.load, &progress)?;
     let report = scene::Report::new(&scene, &settings)?;
     drop(progress);

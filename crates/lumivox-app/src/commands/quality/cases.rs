@@ -1,4 +1,4 @@
-//! What is measured: scenes, how they are turned, presets, resolutions.
+//! The measurements: scenes, their rotation, presets, resolutions.
 
 use std::fmt;
 
@@ -8,14 +8,14 @@ use lumivox_render::PresetChoice;
 
 use crate::cli::QualityArgs;
 
-/// How a scene is turned against the grid.
+/// The rotation of a scene against the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Turn {
+pub struct Rotation {
     /// Degrees about x, y and z, as `--rotate` has them.
     pub degrees: [i32; 3],
 }
 
-impl Turn {
+impl Rotation {
     pub const NONE: Self = Self { degrees: [0; 3] };
     /// Odd angles: no wall is parallel to an axis, none lies at 45 degrees.
     pub const ODD: [Self; 3] = [
@@ -34,28 +34,29 @@ impl Turn {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     pub scene: String,
-    pub turn: Turn,
+    pub rotation: Rotation,
     pub preset: PresetChoice,
     pub resolution: u32,
 }
 
 impl Case {
-    /// What tells it apart from all others.
+    /// The key of the measurement, different for all.
     pub fn key(&self) -> String {
-        let [x, y, z] = self.turn.degrees;
+        let [x, y, z] = self.rotation.degrees;
         format!("{} {x},{y},{z} {} {}", self.scene, self.preset.name(), self.resolution)
     }
 
-    /// Places of the grid that its figures are the mean of: what is held against goals along the grid is measured in
-    /// several.
+    /// The number of grid positions that its figures are averaged over: several for measurements
+    /// with goals along the grid.
     pub fn offsets(&self, args: &QualityArgs) -> u32 {
-        let is_middle = self.turn == Turn::NONE && self.resolution == middle(&args.resolutions);
+        let is_middle =
+            self.rotation == Rotation::NONE && self.resolution == middle(&args.resolutions);
         if is_middle { args.offsets } else { 1 }
     }
 
-    /// The file of its strip, if it has one: the best preset at the middle resolution.
+    /// The file of its strip, if it has one: only the best preset at the middle resolution has.
     pub fn picture(&self, resolutions: &[u32]) -> Option<String> {
-        let is_shown = self.turn == Turn::NONE
+        let is_shown = self.rotation == Rotation::NONE
             && self.preset == PresetChoice::Cones(Preset::High)
             && self.resolution == middle(resolutions);
         is_shown.then(|| format!("{}.png", self.scene))
@@ -66,8 +67,8 @@ impl fmt::Display for Case {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let preset = self.preset.name();
         write!(f, "{}, {preset}, {} voxels", self.scene, self.resolution)?;
-        if self.turn != Turn::NONE {
-            let [x, y, z] = self.turn.degrees;
+        if self.rotation != Rotation::NONE {
+            let [x, y, z] = self.rotation.degrees;
             write!(f, ", turned by {x}, {y}, {z} degrees")?;
         }
         Ok(())
@@ -85,19 +86,19 @@ pub fn middle(resolutions: &[u32]) -> u32 {
 pub fn cases(scenes: &[String], presets: &[PresetChoice], resolutions: &[u32]) -> Vec<Case> {
     let mut cases = Vec::new();
     for scene in scenes {
-        let mut add = |turn, preset, resolution| {
-            cases.push(Case { scene: scene.clone(), turn, preset, resolution });
+        let mut add = |rotation, preset, resolution| {
+            cases.push(Case { scene: scene.clone(), rotation, preset, resolution });
         };
         for &resolution in resolutions {
             for &preset in presets {
-                add(Turn::NONE, preset, resolution);
+                add(Rotation::NONE, preset, resolution);
             }
         }
-        for turn in Turn::ODD {
+        for rotation in Rotation::ODD {
             for &preset in presets {
-                // The fast preset has no target of its own.
+                // The fast preset has no goal of its own.
                 if preset != PresetChoice::Cones(Preset::Fast) {
-                    add(turn, preset, middle(resolutions));
+                    add(rotation, preset, middle(resolutions));
                 }
             }
         }
@@ -114,7 +115,7 @@ mod tests {
         let scenes = ["a".to_owned(), "b".to_owned()];
         let presets = [Preset::Fast, Preset::High].map(PresetChoice::Cones);
         let cases = cases(&scenes, &presets, &[64, 128, 256]);
-        // Nine combinations would be 3 x 2, and three turns of one preset.
+        // Nine combinations are 3 x 2, and three rotations of one preset.
         assert_eq!(cases.len(), 2 * (3 * 2 + 3));
         let mut keys: Vec<String> = cases.iter().map(Case::key).collect();
         keys.sort();

@@ -1,4 +1,4 @@
-//! Reflections by roughness: each sphere of the scene `spheres` held against its reference.
+//! Reflections by roughness: each sphere of the scene `spheres` is compared with its reference.
 
 use glam::{UVec2, Vec3};
 use lumivox::Preset;
@@ -11,19 +11,19 @@ use lumivox_scene::{Camera, Scene, builtin};
 
 use super::cases::middle;
 use crate::cli::QualityArgs;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 use crate::quality::check_wish;
 
-/// The scene that has spheres of many roughnesses.
+/// The scene with spheres of different roughness.
 pub const SCENE: &str = "spheres";
-/// The pictures are so many times larger than those of the other measurements, ...
+/// The factor by which the pictures are larger than those of other measurements, ...
 const ENLARGED: u32 = 2;
-/// ... and their references have so many times fewer samples.
+/// ... and by which their references have fewer samples.
 const FEWER: u32 = 8;
-/// The preset that has no goal for them.
+/// The preset without goals for the spheres.
 const FAST: PresetChoice = PresetChoice::Cones(Preset::Fast);
 
-/// The errors of one sphere, for one preset.
+/// The errors of one sphere with one preset.
 #[derive(Clone, Debug)]
 pub struct Sphere {
     /// The material's name: its kind and roughness.
@@ -33,11 +33,16 @@ pub struct Sphere {
     pub pixels: usize,
 }
 
-/// Measures indirect light, reflections included, on each sphere: what is left of the picture without direct light.
+/// Measures the indirect light on each sphere, reflections included: the picture without direct
+/// light.
 ///
 /// # Errors
 /// When rendering fails.
-pub fn measure(args: &QualityArgs, gpu: &Gpu, progress: &Progress) -> anyhow::Result<Vec<Sphere>> {
+pub fn measure(
+    args: &QualityArgs,
+    gpu: &Gpu,
+    progress: &ProgressDisplay,
+) -> anyhow::Result<Vec<Sphere>> {
     let scene = builtin::scene(SCENE)?;
     let camera = &scene.cameras[0];
     let size = args.size * ENLARGED;
@@ -55,12 +60,12 @@ pub fn measure(args: &QualityArgs, gpu: &Gpu, progress: &Progress) -> anyhow::Re
             frames: args.frames,
             resolution: middle(&args.resolutions),
             trace: preset.trace(),
-            report_cones: Companions::of(preset).report_cones,
+            cone_model: Companions::of(preset).cone_model,
             view: View::Indirect,
             ..RenderSettings::default()
         };
         let mut tell =
-            |step: lumivox_render::Progress| progress.set("spheres", step.done, step.total);
+            |step: lumivox_render::RenderProgress| progress.set("spheres", step.done, step.total);
         let renderer = Renderer::new(gpu, &scene, Some(camera), settings, &mut tell);
         let mut renderer = pollster::block_on(renderer)?;
         let ours = pollster::block_on(renderer.render(&mut tell))?;
@@ -111,7 +116,7 @@ fn trace(
     scene: &Scene,
     camera: &Camera,
     settings: ReferenceSettings,
-    progress: &Progress,
+    progress: &ProgressDisplay,
 ) -> anyhow::Result<ReferenceLayers> {
     let file = args.cache.as_ref().map(|folder| folder.join("spheres-large.exr"));
     if let Some(file) = file.as_ref().filter(|file| file.exists()) {
@@ -131,7 +136,7 @@ fn trace(
     Ok(layers)
 }
 
-/// What the middle of a pixel shows at a distance.
+/// The position that the middle of a pixel shows at a distance.
 fn position(camera: &Camera, size: UVec2, pixel: usize, distance_m: f32) -> Vec3 {
     let (x, y) = (pixel as u32 % size.x, pixel as u32 / size.x);
     let place = (glam::Vec2::new(x as f32, y as f32) + 0.5) / size.as_vec2() * 2.0 - 1.0;

@@ -19,18 +19,18 @@ use crate::args::output;
 use crate::cli::QualityArgs;
 use crate::host::Host;
 use crate::lock::Lock;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 use crate::quality::{Measured, Subject, Truth, reference, strip};
-use cases::{Case, Turn, cases};
+use cases::{Case, Rotation, cases};
 use store::{Entry, Store};
 
-/// Where the pictures lie, below the page's folder.
+/// The folder of the pictures, below the page's folder.
 const PICTURES: &str = "images/quality";
 
-/// Measures what is not measured yet, and writes the page.
+/// Makes the missing measurements, and writes the page.
 ///
 /// # Errors
-/// When a scene is not known, something cannot be rendered, or a file cannot be written.
+/// When there is no such scene, something cannot be rendered, or a file cannot be written.
 pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     let names = scene_names(&args.scenes)?;
     let pictures = args.folder.join(PICTURES);
@@ -44,7 +44,7 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
         .as_ref()
         .map(|cache| Lock::take(&cache.join(store::NAME), "measures into it"))
         .transpose()?;
-    let mut progress = Progress::start(host, "starting");
+    let mut progress = ProgressDisplay::start(host, "starting");
     let gpu = host.open_gpu(&args.gpu)?;
     let mut store = Store::open(args.cache.as_deref(), settings_in_words(args))?;
     let mut cases = cases(&names, &args.presets, &args.resolutions);
@@ -55,7 +55,7 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     let mut truths: BTreeMap<String, Truth> = BTreeMap::new();
     for (index, case) in cases.iter().enumerate() {
         let (done, total) = (index as u32, cases.len() as u32);
-        let work = Work { args, gpu: &gpu, progress: &progress, pictures: &pictures };
+        let work = QualityRun { args, gpu: &gpu, progress: &progress, pictures: &pictures };
         if store.get(case).is_none() {
             tracing::warn!("{} of {total}: {case}", done + 1);
             let entry = work.measure(case, &mut truths);
@@ -88,16 +88,16 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     host.print(&format!("{}\n", args.folder.join("quality.md").display()))
 }
 
-/// What a stopped run leaves.
+/// The failure that reports how much a stopped run has measured.
 fn stopped(args: &QualityArgs, done: u32, total: u32) -> Failure {
     let kept = match &args.cache {
-        Some(cache) => format!("{} has them, and the same command goes on", cache.display()),
+        Some(cache) => format!("{} has them, and the same command continues", cache.display()),
         None => "nothing is kept without a --cache".to_owned(),
     };
     Failure::stopped(format!("stopped after {done} of {total} measurements; {kept}"))
 }
 
-/// What all measurements share.
+/// Describes the settings of all measurements.
 fn settings_in_words(args: &QualityArgs) -> String {
     format!(
         "{} x {} pixels, {} samples, {} frames, {} places of the grid, version {}",
@@ -114,7 +114,7 @@ fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, Into::into)
 }
 
-/// The plain names of the scenes; those that are turned come along with them.
+/// The names of the scenes without rotation; their rotated variants follow from them.
 fn scene_names(asked: &[String]) -> anyhow::Result<Vec<String>> {
     let known: Vec<&str> =
         builtin::names().iter().copied().filter(|name| !name.ends_with("-rotated")).collect();
@@ -129,22 +129,22 @@ fn scene_names(asked: &[String]) -> anyhow::Result<Vec<String>> {
     Ok(if asked.is_empty() { all } else { asked.to_vec() })
 }
 
-/// A turned scene; its camera turns with it, so that the picture is the same.
-fn turned(name: &str, turn: Turn) -> anyhow::Result<Scene> {
+/// A rotated scene; its camera rotates with it, so that the picture stays the same.
+fn turned(name: &str, rotation: Rotation) -> anyhow::Result<Scene> {
     let mut scene = builtin::scene(name)?;
-    scene.rotate(turn.angles_rad());
+    scene.rotate(rotation.angles_rad());
     Ok(scene)
 }
 
-/// What all measurements share.
-struct Work<'a> {
+/// The common data of all measurements.
+struct QualityRun<'a> {
     args: &'a QualityArgs,
     gpu: &'a Gpu,
-    progress: &'a Progress,
+    progress: &'a ProgressDisplay,
     pictures: &'a Path,
 }
 
-impl Work<'_> {
+impl QualityRun<'_> {
     fn subject<'a>(&'a self, scene: &'a Scene) -> Subject<'a> {
         // All built-in scenes have a camera.
         let camera = &scene.cameras[0];
@@ -153,10 +153,10 @@ impl Work<'_> {
 
     fn measure(&self, case: &Case, truths: &mut BTreeMap<String, Truth>) -> anyhow::Result<Entry> {
         let straight = builtin::scene(&case.scene)?;
-        let scene = turned(&case.scene, case.turn)?;
+        let scene = turned(&case.scene, case.rotation)?;
         let subject = |scene| self.subject(scene);
         if !truths.contains_key(&case.scene) {
-            // One scene after the other: only one reference is kept.
+            // Scene by scene, so that only one reference is kept.
             truths.clear();
             let settings = ReferenceSettings {
                 size: self.args.size,
@@ -179,7 +179,7 @@ impl Work<'_> {
             frames: self.args.frames,
             resolution: case.resolution,
             trace: case.preset.trace(),
-            report_cones: companions.report_cones,
+            cone_model: companions.cone_model,
             ..RenderSettings::default()
         };
         let measured = Measured::new(&subject(&scene), truth, &settings, case.offsets(self.args))?;

@@ -7,14 +7,14 @@ use lumivox_render::PresetChoice;
 use lumivox_render::compare::{ErrorFigures, LayerFigures};
 
 use super::PICTURES;
-use super::cases::{Case, Turn, middle};
+use super::cases::{Case, Rotation, middle};
 use super::glossy::Sphere;
 use super::store::{Entry, Store};
 use crate::cli::QualityArgs;
 use crate::quality::{Point, error_against_cost};
 
-/// What we hold ourselves to: irradiance after one gather, preset `high`, 128 voxels, without any setting made for a
-/// scene. `balanced` may have twice as much; turned scenes 5 % of bias and 1.3 times the RMSE.
+/// The goals: irradiance after one gather, preset `high`, 128 voxels, without settings for a single
+/// scene. `balanced` may have twice the error; rotated scenes 5 % of bias and 1.3 times the RMSE.
 const GOALS: [Goal; 10] = [
     Goal { scene: "cornell", bias: 3.0, rmse: Some(8.0) },
     Goal { scene: "furnace", bias: 3.0, rmse: Some(4.0) },
@@ -27,15 +27,15 @@ const GOALS: [Goal; 10] = [
     Goal { scene: "clutter", bias: 4.0, rmse: None },
     Goal { scene: "lacquer", bias: 4.0, rmse: None },
 ];
-/// The bias of turned scenes, in per cent.
+/// The goal for the bias of rotated scenes, in per cent.
 const TURNED_BIAS: f64 = 5.0;
-/// RMSE of turned scenes, over that of others.
+/// The goal for the RMSE of rotated scenes, over that of straight ones.
 const TURNED_RMSE: f64 = 1.3;
-/// The bias after all bounces, in per cent.
+/// The goal for the bias after all bounces, in per cent.
 const FULL_BIAS: f64 = 5.0;
-/// Light through walls, in per cent.
+/// The goal for light through walls, in per cent.
 const LEAK: f64 = 1.0;
-/// How much the mean may change from one resolution to another, in per cent.
+/// The goal for the change of the mean from one resolution to another, in per cent.
 const CHANGE: f64 = 3.0;
 
 struct Goal {
@@ -49,7 +49,7 @@ struct Goal {
 /// # Errors
 /// When nothing was measured.
 pub fn chart(cases: &[Case], store: &Store) -> anyhow::Result<String> {
-    let straight = cases.iter().filter(|case| case.turn == Turn::NONE);
+    let straight = cases.iter().filter(|case| case.rotation == Rotation::NONE);
     let point = |case: &Case| {
         let entry = store.get(case)?;
         Some(Point {
@@ -112,9 +112,15 @@ impl Page<'_> {
         )
     }
 
-    fn entry(&self, scene: &str, turn: Turn, preset: Preset, resolution: u32) -> Option<&Entry> {
+    fn entry(
+        &self,
+        scene: &str,
+        rotation: Rotation,
+        preset: Preset,
+        resolution: u32,
+    ) -> Option<&Entry> {
         let preset = PresetChoice::Cones(preset);
-        let case = Case { scene: scene.to_owned(), turn, preset, resolution };
+        let case = Case { scene: scene.to_owned(), rotation, preset, resolution };
         self.store.get(&case)
     }
 
@@ -135,7 +141,7 @@ impl Page<'_> {
         );
         for goal in &GOALS {
             for (preset, factor) in [(Preset::High, 1.0), (Preset::Balanced, 2.0)] {
-                let Some(entry) = self.entry(goal.scene, Turn::NONE, preset, resolution) else {
+                let Some(entry) = self.entry(goal.scene, Rotation::NONE, preset, resolution) else {
                     continue;
                 };
                 let Some((one, full)) = entry.figures.one_bounce.zip(entry.figures.full) else {
@@ -173,9 +179,9 @@ impl Page<'_> {
              | --- | --- | --- | --: | --: | --: | --: | --- |\n"
         );
         for goal in &GOALS {
-            for turn in Turn::ODD {
+            for rotation in Rotation::ODD {
                 for (preset, factor) in [(Preset::High, 1.0), (Preset::Balanced, 2.0)] {
-                    let Some(entry) = self.entry(goal.scene, turn, preset, resolution) else {
+                    let Some(entry) = self.entry(goal.scene, rotation, preset, resolution) else {
                         continue;
                     };
                     let Some((one, full)) = entry.figures.one_bounce.zip(entry.figures.full) else {
@@ -184,7 +190,7 @@ impl Page<'_> {
                     let rmse = goal.rmse.map(|rmse| factor * TURNED_RMSE * rmse);
                     let is_met = one.bias_percent.abs() <= factor * TURNED_BIAS
                         && rmse.is_none_or(|rmse| one.rmse_percent <= rmse);
-                    let [x, y, z] = turn.degrees;
+                    let [x, y, z] = rotation.degrees;
                     let _ = writeln!(
                         text,
                         "| {} | {x}, {y}, {z} | {} | {:+.1} | {:.1} | {} | {:+.1} | {} |",
@@ -212,7 +218,7 @@ impl Page<'_> {
         );
         for case in self.cases {
             let Some(leak) = self.store.get(case).and_then(|entry| entry.leak) else { continue };
-            let [x, y, z] = case.turn.degrees;
+            let [x, y, z] = case.rotation.degrees;
             let _ = writeln!(
                 text,
                 "| {} | {x}, {y}, {z} | {} | {} | {:.2} | {:.2} |",
@@ -239,7 +245,7 @@ impl Page<'_> {
         for scene in self.scene_names() {
             let means = |of: fn(&LayerFigures) -> Option<ErrorFigures>| -> Option<Vec<f64>> {
                 let mean = |resolution: &u32| {
-                    let entry = self.entry(scene, Turn::NONE, Preset::High, *resolution)?;
+                    let entry = self.entry(scene, Rotation::NONE, Preset::High, *resolution)?;
                     Some(100.0 + of(&entry.figures)?.bias_percent)
                 };
                 sorted.iter().map(mean).collect()
@@ -281,7 +287,7 @@ impl Page<'_> {
             );
             text += "| voxels | preset | layer | bias | RMSE | p95 | FLIP | noise | ms a frame | samples |\n\
                      | --: | --- | --- | --: | --: | --: | --: | --: | --: | --: |\n";
-            let own = |case: &&Case| case.scene == scene && case.turn == Turn::NONE;
+            let own = |case: &&Case| case.scene == scene && case.rotation == Rotation::NONE;
             for case in self.cases.iter().filter(own) {
                 let Some(entry) = self.store.get(case) else { continue };
                 text += &rows(case, entry);
@@ -317,13 +323,13 @@ fn rows(case: &Case, entry: &Entry) -> String {
     text
 }
 
-/// How far the means lie apart, in per cent of the reference's.
+/// The range of the means, in per cent of the reference's mean.
 fn change(means: &[f64]) -> f64 {
     let most = means.iter().copied().fold(f64::MIN, f64::max);
     most - means.iter().copied().fold(f64::MAX, f64::min)
 }
 
-/// None is left where the reference's noise explains all of the difference.
+/// The RMSE, or a note if the reference's noise explains all of the difference.
 fn rmse(figures: &ErrorFigures) -> String {
     if figures.rmse_percent > 0.0 {
         format!("{:.1}", figures.rmse_percent)

@@ -1,4 +1,4 @@
-//! What was measured, kept in a file so that long work can go on.
+//! Measurements kept in a file, so that long work can continue.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::cases::Case;
 use crate::quality::Leak;
 
-/// The file in its folder.
+/// The name of the file in its folder.
 pub const NAME: &str = "measurements.json";
 
 /// One measurement.
@@ -30,26 +30,26 @@ pub struct Store {
     content: Content,
 }
 
-/// What the file holds.
+/// The content of the file.
 #[derive(Debug, Deserialize, Serialize)]
 struct Content {
-    /// What all measurements share, in words.
+    /// A description of the settings of all measurements.
     settings: String,
     entries: BTreeMap<String, Entry>,
 }
 
 impl Store {
-    /// Reads what a folder keeps; `settings` says what all measurements share.
+    /// Reads the measurements of a folder; `settings` describes those of all measurements.
     ///
     /// # Errors
-    /// When the file is there and cannot be read, or was measured with other settings.
+    /// When the file exists but cannot be read, or was measured with other settings.
     pub fn open(folder: Option<&Path>, settings: String) -> anyhow::Result<Self> {
         let mut content = Content { settings, entries: BTreeMap::new() };
         let Some(folder) = folder else { return Ok(Self { file: None, content }) };
         let file = folder.join(NAME);
         if file.exists() {
             let refuse = |reason: String| {
-                Failure::input(format!("{}: {reason}; delete it to measure anew", file.display()))
+                Failure::input(format!("{}: {reason}; delete it to measure again", file.display()))
             };
             let text = read_regular(&file).map_err(|e| refuse(e.to_string()))?;
             let kept: Content = serde_json::from_slice(&text).map_err(|e| refuse(e.to_string()))?;
@@ -65,7 +65,7 @@ impl Store {
         self.content.entries.get(&case.key())
     }
 
-    /// Keeps a measurement.
+    /// Stores a measurement.
     ///
     /// # Errors
     /// When the file cannot be written.

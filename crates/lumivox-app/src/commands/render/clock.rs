@@ -1,10 +1,10 @@
-//! The clock on the wall.
+//! Wall-clock times of the stages.
 
 use std::time::Instant;
 
 use serde::Serialize;
 
-/// Wall-clock times of the whole.
+/// Wall-clock times of the stages.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Seconds {
     pub loading: f64,
@@ -14,7 +14,7 @@ pub struct Seconds {
     pub total: f64,
 }
 
-/// Takes them.
+/// Measures [`Seconds`].
 pub struct Clock {
     pub start: Instant,
     lap: Instant,
@@ -22,7 +22,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// Now.
+    /// Starts the clock.
     pub fn start() -> Self {
         let now = Instant::now();
         Self { start: now, lap: now, seconds: Seconds::default() }
@@ -34,7 +34,7 @@ impl Clock {
         (self.lap - lap).as_secs_f64()
     }
 
-    /// The times, with the last lap as that of writing.
+    /// The times; the last lap is that of writing.
     pub fn stop(&mut self) -> Seconds {
         self.seconds.writing = self.lap();
         self.seconds.total = self.start.elapsed().as_secs_f64();

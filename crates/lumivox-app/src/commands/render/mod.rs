@@ -1,7 +1,7 @@
-//! `lumivox render`: a scene to a picture, or to many.
+//! `lumivox render`: renders a scene to a picture, or to many.
 //!
-//! What is cheap to check comes first: the output's place, the scene's existence, the settings; then
-//! the GPU and its limits; then the scene; then the work.
+//! Cheap checks come first: the output's place, the scene's existence, the settings; then the GPU
+//! and its limits; then the scene; then the work.
 
 mod clock;
 mod report;
@@ -20,27 +20,27 @@ use crate::args::output;
 use crate::args::scene;
 use crate::cli::RenderArgs;
 use crate::host::Host;
-use crate::motion::{Asked, PathFile, Schedule, TimeChoice, When};
-use crate::progress::Progress;
+use crate::motion::{PathFile, PictureTimes, Schedule, ScheduleOptions, TimeChoice};
+use crate::progress::ProgressDisplay;
 use crate::sequence::FrameFiles;
 use clock::Clock;
 
-/// All that is ready before the first picture.
-struct Stage<'a> {
+/// Everything that is needed before the first picture.
+struct RenderJob<'a> {
     args: &'a RenderArgs,
     host: &'a Host,
     is_verbose: bool,
     settings: RenderSettings,
     gpu: Gpu,
     scene: Scene,
-    /// What was chosen for the scene.
+    /// Notes on what was chosen for the scene.
     notes: Vec<Note>,
     schedule: Schedule,
-    progress: Progress,
+    progress: ProgressDisplay,
     clock: Clock,
 }
 
-/// Renders, writes, reports.
+/// Renders, writes and reports.
 ///
 /// # Errors
 /// When anything that the arguments ask for cannot be done; the message says what.
@@ -57,7 +57,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
     light::check(&args.light.sources)?;
 
     let mut clock = Clock::start();
-    let progress = Progress::start(host, "loading");
+    let progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     settings.validate(&gpu.device.limits())?;
     if args.json || verbosity > 0 {
@@ -65,7 +65,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
     }
     let mut scene = args.scene.load(&progress)?;
     light::add(&mut scene, &args.light.sources, &progress)?;
-    let asked = Asked {
+    let asked = ScheduleOptions {
         time: args.motion.time,
         fps: f64::from(args.motion.fps),
         animation: args.motion.animation.as_ref(),
@@ -94,12 +94,22 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
 
     let is_verbose = verbosity > 0;
     let notes = sight.notes;
-    let mut stage =
-        Stage { args, host, is_verbose, settings, gpu, scene, notes, schedule, progress, clock };
-    let time_s = match stage.schedule.when {
-        When::Sequence(_) => return sequence::run(stage, path.as_ref()),
-        When::Rest => 0.0,
-        When::At(time_s) => {
+    let mut stage = RenderJob {
+        args,
+        host,
+        is_verbose,
+        settings,
+        gpu,
+        scene,
+        notes,
+        schedule,
+        progress,
+        clock,
+    };
+    let time_s = match stage.schedule.times {
+        PictureTimes::Sequence(_) => return sequence::run(stage, path.as_ref()),
+        PictureTimes::Rest => 0.0,
+        PictureTimes::At(time_s) => {
             stage.schedule.pose(&mut stage.scene, time_s)?;
             time_s
         }

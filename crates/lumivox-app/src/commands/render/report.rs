@@ -1,9 +1,9 @@
-//! What is said about one picture.
+//! The report on one picture.
 
 use std::path::Path;
 
 use lumivox_console::report::{
-    AdapterReport, GridReport, MemoryReport, SceneCounts, Times, bytes, count, counted,
+    AdapterReport, GridReport, MemoryReport, SceneCounts, TimesReport, bytes, count, counted,
     memory_table, total_bytes,
 };
 use lumivox_console::shown;
@@ -15,7 +15,7 @@ use super::clock::Seconds;
 use crate::commands::light::REMEDY;
 use crate::commands::settings;
 
-/// What was rendered, and what it cost.
+/// The report on one picture: its settings and its cost.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// The picture's file.
@@ -26,24 +26,24 @@ pub struct Report {
     camera: CameraReport,
     #[serde(flatten)]
     renderer: RendererReport,
-    /// By the clock on the wall.
+    /// Wall-clock times.
     seconds: Seconds,
-    /// In stops; for `auto` the one that was found. None for views that are not exposed.
+    /// Exposure in stops; with `auto` the one that was found. `None` for views without exposure.
     exposure: Option<f32>,
-    /// What was chosen for the scene, and what is wrong with its light.
+    /// Notes on what was chosen for the scene, and on problems with its light.
     notes: Vec<NoteReport>,
     #[serde(serialize_with = "settings::serialize")]
     settings: RenderSettings,
     adapter: AdapterReport,
 }
 
-/// What the user should know of a picture.
+/// A note about a picture for the user.
 #[derive(Clone, Debug, Serialize)]
 pub struct NoteReport {
     /// `camera`, `light` or `warning`.
     about: &'static str,
     text: String,
-    /// What overrules it; none for warnings, which say it themselves.
+    /// The option that overrides the choice; `None` for warnings, which name it themselves.
     option: Option<&'static str>,
 }
 
@@ -63,26 +63,26 @@ impl NoteReport {
         notes.iter().map(of).chain(warning).collect()
     }
 
-    /// A line for people.
+    /// The note as a line for people.
     pub fn line(&self) -> String {
         let option = self.option.map(|option| format!(" ({option})")).unwrap_or_default();
         format!("  {:<8} {}{option}\n", self.about, self.text)
     }
 }
 
-/// What stands on the GPU after a picture.
+/// The content of the GPU's memory after a picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct RendererReport {
     pub grid: GridReport,
     /// Occupied voxels.
     pub voxels: u32,
-    /// Sides of voxels that have surface.
+    /// Faces: lobes of voxels that have surface.
     pub faces: u32,
     pub memory: Vec<MemoryReport>,
     pub memory_bytes: u64,
-    /// On the GPU, milliseconds; passes of frames are the mean of a frame.
+    /// Times on the GPU in milliseconds; for passes of frames the mean of a frame.
     #[serde(flatten)]
-    pub times: Times,
+    pub times: TimesReport,
 }
 
 impl RendererReport {
@@ -95,12 +95,12 @@ impl RendererReport {
             faces: renderer.voxel_stats().faces,
             memory_bytes: total_bytes(&memory),
             memory,
-            times: Times::new(&renderer.times()),
+            times: TimesReport::new(&renderer.times()),
         }
     }
 }
 
-/// Where a picture was taken from.
+/// The camera of a picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct CameraReport {
     name: String,

@@ -1,4 +1,4 @@
-//! Many pictures, one after the other, with what need not be done again kept between them.
+//! A sequence of pictures, which share as much work as possible.
 
 use std::time::Instant;
 
@@ -11,23 +11,23 @@ use serde_json::{Map, Value, json};
 
 use super::clock::Seconds;
 use super::report::{CameraReport, NoteReport, RendererReport};
-use super::{Stage, light};
+use super::{RenderJob, light};
 use crate::cli::RenderArgs;
 use crate::commands::settings;
-use crate::motion::{Moments, PathFile, When};
-use crate::progress::Progress;
+use crate::motion::{Moments, PathFile, PictureTimes};
+use crate::progress::ProgressDisplay;
 use crate::progress::words;
 use crate::sequence::{Frame, FrameFiles, Index, Start};
 
-/// How many pictures are looked at for the exposure of all.
+/// The number of pictures that determine the common exposure.
 const METERED: u64 = 5;
 
-/// Renders what is missing, and reports.
+/// Renders the missing pictures, and reports.
 ///
 /// # Errors
-/// When the pictures that are there do not fit, or the device or the disk fails.
-pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> {
-    let When::Sequence(moments) = stage.schedule.when.clone() else {
+/// When the existing pictures do not fit, or the device or the disk fails.
+pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<()> {
+    let PictureTimes::Sequence(moments) = stage.schedule.times.clone() else {
         anyhow::bail!("a sequence without moments")
     };
     let mut files = FrameFiles::new(&stage.args.output)?;
@@ -47,7 +47,7 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
     let stopped = |done: usize| {
         let there = moments.count as usize - missing.len() + done;
         Failure::stopped(format!(
-            "stopped: {there} of {} pictures are there; the same command goes on with them",
+            "stopped: {there} of {} pictures are there; the same command continues",
             moments.count
         ))
     };
@@ -125,9 +125,10 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
     stage.host.print(&report.text(stage.is_verbose))
 }
 
-/// The exposure of all pictures: the median of what some of them ask for, spread over the sequence and
-/// rendered roughly. One alone may look at a wall. Also the renderer that found out; `None` if it was stopped.
-fn meter(stage: &mut Stage<'_>, moments: &Moments) -> anyhow::Result<Option<(Renderer, f32)>> {
+/// The exposure of all pictures: the median over some of them, spread over the sequence and
+/// rendered roughly. A single picture might only show a wall. Also returns the renderer used;
+/// `None` if it was stopped.
+fn meter(stage: &mut RenderJob<'_>, moments: &Moments) -> anyhow::Result<Option<(Renderer, f32)>> {
     let mut numbers: Vec<u32> = (0..METERED)
         .map(|i| (u64::from(moments.count) * (2 * i + 1) / (2 * METERED)) as u32)
         .collect();
@@ -153,7 +154,7 @@ fn meter(stage: &mut Stage<'_>, moments: &Moments) -> anyhow::Result<Option<(Ren
     Ok(Some((renderer, median(stops))))
 }
 
-/// Of an even number the higher of the two in the middle; 0 of none.
+/// The median; the higher of the two middle values of an even number, and 0 without values.
 fn median(mut values: Vec<f32>) -> f32 {
     values.sort_by(f32::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or_default()
@@ -162,20 +163,20 @@ fn median(mut values: Vec<f32>) -> f32 {
 /// A picture's place among those to be rendered.
 struct Step<'a> {
     stage: &'static str,
-    progress: &'a Progress,
+    progress: &'a ProgressDisplay,
     done: u32,
     total: u32,
 }
 
 impl Step<'_> {
-    /// A renderer that is ready for this picture: the one of the picture before, if there is one.
+    /// A renderer prepared for this picture, made from that of the picture before if there is one.
     fn prepare(
         &self,
         before: Option<Renderer>,
-        stage: &Stage<'_>,
+        stage: &RenderJob<'_>,
         camera: &Camera,
     ) -> anyhow::Result<Renderer> {
-        let mut tell = |step: lumivox_render::Progress| match self.done {
+        let mut tell = |step: lumivox_render::RenderProgress| match self.done {
             0 => self.progress.set(words(step.stage), step.done, step.total),
             _ => self.tell_share(0.0),
         };
@@ -191,8 +192,8 @@ impl Step<'_> {
         Ok(renderer)
     }
 
-    /// Renders the picture, or as much of it as there was time for until the wish to stop: then it is `None`, and a
-    /// later run makes it anew.
+    /// Renders the picture. Returns `None` if the user stopped it; a later run then renders it
+    /// again.
     fn render(&self, renderer: &mut Renderer) -> anyhow::Result<Option<Picture>> {
         let mut tell = |step| {
             self.tell(step);
@@ -201,7 +202,7 @@ impl Step<'_> {
         Ok(pollster::block_on(renderer.render_until(&mut tell))?)
     }
 
-    fn tell(&self, step: lumivox_render::Progress) {
+    fn tell(&self, step: lumivox_render::RenderProgress) {
         self.tell_share(f64::from(step.done) / f64::from(step.total.max(1)));
     }
 
@@ -210,9 +211,9 @@ impl Step<'_> {
     }
 }
 
-/// All that decides what the pictures show, under the names of the command line.
+/// All settings that decide what the pictures show, under the names of the command line.
 fn settings_of(
-    stage: &Stage<'_>,
+    stage: &RenderJob<'_>,
     moments: &Moments,
     path: Option<&PathFile>,
 ) -> Map<String, Value> {
@@ -259,7 +260,7 @@ fn animation_name(scene: &Scene, choice: Option<lumivox_scene::AnimationChoice>)
     }
 }
 
-/// What was rendered, and what it cost.
+/// The report on a sequence.
 #[derive(Clone, Debug, Serialize)]
 struct Report {
     /// The pictures' files, with # for the digits of the number.
@@ -270,17 +271,17 @@ struct Report {
     size: [u32; 2],
     /// Pictures of the whole sequence.
     pictures: u32,
-    /// Those that were rendered now; the others were there.
+    /// Pictures that were rendered now; the others existed.
     rendered: usize,
-    /// In stops, where all pictures have the same.
+    /// Exposure in stops, if all pictures have the same.
     exposure: Option<f32>,
-    /// What was chosen for the scene, and what is wrong with the light of the last picture.
+    /// Notes on what was chosen for the scene, and on problems with the light of the last picture.
     notes: Vec<NoteReport>,
     scene: SceneCounts,
-    /// None where nothing was left to render.
+    /// `None` if no picture had to be rendered.
     #[serde(flatten)]
     renderer: Option<RendererReport>,
-    /// By the clock on the wall.
+    /// Wall-clock times.
     seconds: Seconds,
     #[serde(serialize_with = "settings::serialize")]
     settings: RenderSettings,

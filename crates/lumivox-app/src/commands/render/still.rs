@@ -1,24 +1,24 @@
-//! One picture.
+//! A single picture.
 
 use std::path::Path;
 
 use lumivox_render::Renderer;
 
-use super::Stage;
+use super::RenderJob;
 use super::report::Report;
 use crate::progress::words;
 
-/// Renders the scene as it stands from `camera`, writes, reports.
+/// Renders the present scene from `camera`, writes and reports.
 ///
 /// # Errors
 /// When the device or the disk fails.
 pub fn run(
-    mut stage: Stage<'_>,
+    mut stage: RenderJob<'_>,
     camera: &lumivox_scene::Camera,
     file: &Path,
 ) -> anyhow::Result<()> {
     let progress = &stage.progress;
-    let mut tell = |step: lumivox_render::Progress| {
+    let mut tell = |step: lumivox_render::RenderProgress| {
         progress.set(words(step.stage), step.done, step.total);
     };
     let (gpu, scene, settings) = (&stage.gpu, &stage.scene, stage.settings.clone());

@@ -1,16 +1,18 @@
-//! All ways to make voxels of one scene, held against the exact one.
+//! Comparison of all voxelizers with the exact one.
 
+use anyhow::Context as _;
 use std::time::Instant;
 
 use lumivox::gpu::Timing;
 use lumivox::{Geometry, GiError, Grid, Voxelizer};
 use lumivox_console::report::{AdapterReport, GridReport, SceneCounts, Table, count};
 use lumivox_console::shown;
-use lumivox_render::classics::{self, VOXELIZERS};
-use lumivox_render::{Gpu, GpuScene, Lighting, VoxelSet, radiance_unit};
+use lumivox_explorer::parameters::{Kind, Value};
+use lumivox_render::{Gpu, GpuScene, Lighting, RenderSettings, VoxelSet, radiance_unit};
 use serde::Serialize;
 
 use super::picture::{Panel, picture};
+use super::voxelizers;
 use crate::args::camera::resolve;
 use crate::args::output;
 use crate::args::scene;
@@ -18,12 +20,12 @@ use crate::cli::VoxelsArgs;
 use crate::commands::compare::write_strip;
 use crate::commands::settings;
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
-/// Voxelizations whose fastest is the time told.
+/// Voxelizations that are timed; the fastest counts.
 const TIMED_RUNS: u32 = 3;
 
-/// Voxelizes in all ways, compares, reports.
+/// Voxelizes with all voxelizers, compares and reports.
 ///
 /// # Errors
 /// When the scene cannot be read, its voxels do not fit the GPU, or the picture cannot be written.
@@ -34,7 +36,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     }
     let settings = settings::of_voxels(&args.voxels)?;
     scene::check(&args.scene.scene)?;
-    let progress = Progress::start(host, "loading");
+    let progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let scene = args.scene.load(&progress)?;
     let size = comparison.size;
@@ -54,9 +56,10 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
     gpu.wait("uploading the scene")?;
 
-    let total = VOXELIZERS.len() as u32;
+    let Kind::Choice(methods) = voxelizers().kind else { unreachable!("they are choices") };
+    let total = methods.len() as u32;
     let mut found = Vec::new();
-    for (done, method) in (0..).zip(VOXELIZERS) {
+    for (done, method) in (0..).zip(methods) {
         progress.set("voxelizing", done, total);
         found.push(Found::new(&gpu, &grid, &uploaded.geometry, method.name)?);
     }
@@ -87,7 +90,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     host.print(&report.text())
 }
 
-/// What one method finds, and how fast.
+/// The voxels and the time of one voxelizer.
 struct Found {
     method: &'static str,
     set: VoxelSet,
@@ -104,18 +107,21 @@ impl Found {
         method: &'static str,
     ) -> anyhow::Result<Self> {
         let library = lumivox::shaders::library();
-        let voxelizer =
-            Voxelizer::with(&gpu.pipelines, &library, classics::voxelizer(method).as_deref())?;
+        let mut settings = RenderSettings::default();
+        voxelizers().set(&mut settings, Value::Choice(method))?;
+        let voxelizer = Voxelizer::with(&gpu.pipelines, &library, settings.voxelizer.as_deref())?;
         let once = || {
-            let work = voxelizer.voxelize(&gpu.device, &gpu.queue, grid, geometry, Timing::Off);
+            let mut scene = voxelizer.scene(&gpu.pipelines, &gpu.queue, grid);
+            let (device, queue) = (&gpu.device, &gpu.queue);
+            let work = voxelizer.voxelize(device, queue, &mut scene, geometry, Timing::Off);
             match pollster::block_on(work) {
-                Ok((list, stats, _)) => Ok(Some((list, stats))),
-                // Where all triangles are small, pixels' centres may miss them all.
+                Ok((stats, _)) => Ok(Some((scene, stats))),
+                // If all triangles are small, they may miss all pixels' centres.
                 Err(GiError::NothingToVoxelize { .. }) => Ok(None),
                 Err(error) => Err(error),
             }
         };
-        // The first one is not timed: drivers compile kernels when they are first used.
+        // The first one is not timed: drivers compile kernels at their first use.
         let voxelized = once()?;
         gpu.wait("voxelizing")?;
         let mut wall_ms = f64::INFINITY;
@@ -126,8 +132,9 @@ impl Found {
             wall_ms = wall_ms.min(start.elapsed().as_secs_f64() * 1e3);
         }
         let (set, fragments, faces) = match voxelized {
-            Some((list, stats)) => {
-                let set = pollster::block_on(VoxelSet::read(gpu, grid, &list))?;
+            Some((scene, stats)) => {
+                let list = scene.list().context("a voxelization makes a list")?;
+                let set = pollster::block_on(VoxelSet::read(gpu, grid, list))?;
                 (set, stats.fragments, stats.faces)
             }
             None => (VoxelSet::new(*grid, Vec::new()), 0, 0),
@@ -146,27 +153,27 @@ struct Report {
     adapter: AdapterReport,
 }
 
-/// One method against the exact one.
+/// The comparison of one voxelizer with the exact one.
 #[derive(Clone, Debug, Serialize)]
 struct MethodReport {
     name: &'static str,
     voxels: u32,
-    /// Of the exact method's voxels, those not found.
+    /// Voxels of the exact voxelizer that were not found.
     missing: u32,
-    /// Of those, the ones that surfaces touch without having any area in them.
+    /// Of those, voxels that surfaces touch without having area in them.
     missing_touched: u32,
-    /// Voxels found that the exact method has not.
+    /// Voxels that the exact voxelizer does not have.
     extra: u32,
-    /// Share of the exact method's surface that is in missing voxels, 0 to 1.
+    /// Share of the exact surface that is in missing voxels, 0 to 1.
     missing_area: f64,
-    /// Surface found over that of the exact method.
+    /// Surface found, over the exact one.
     area: f64,
-    /// RMSE of the voxels' reflectance, 0 to 1, over the voxels in which both have surface.
+    /// RMSE of reflectance, 0 to 1, over the voxels that both have.
     color_rmse: f64,
     faces: u32,
     /// Pieces of triangles in voxels.
     fragments: u64,
-    /// Of the fastest of a few voxelizations, by the clock on the wall.
+    /// Wall-clock time of the fastest voxelization, ms.
     wall_ms: f64,
 }
 

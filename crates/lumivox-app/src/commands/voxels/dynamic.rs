@@ -1,14 +1,16 @@
-//! What it saves to keep what is static when other things move: a scene of which a share of the triangles moves,
-//! voxelized and lit as a whole and with what is static kept, move by move.
+//! The gain of keeping the static surface while other things move. In a copy of the scene a share
+//! of the triangles moves; each move is voxelized and lit as a whole, and with the static surface
+//! kept.
 
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::time::Instant;
 
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{Recorder, StageTime, Timing, read_buffer};
+use lumivox::voxels::FaceRecord;
 use lumivox::{Geometry, Gi, GiConfig, Lights, TraceSettings};
 use lumivox_console::report::{
-    AdapterReport, GridReport, SceneCounts, Table, TimeReport, Times, count,
+    AdapterReport, GridReport, SceneCounts, Table, TimeReport, TimesReport, count,
 };
 use lumivox_console::shown;
 use lumivox_render::{Gpu, GpuScene, Lighting, global_illumination};
@@ -16,13 +18,13 @@ use lumivox_scene::{Bounds, Mesh, Scene};
 use serde::Serialize;
 
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
-/// How far things move, in voxels.
+/// The distance of the moves, in voxels.
 const REACH_VOXELS: f32 = 1.5;
 
-/// Marks a share of the triangles as dynamic, and all others as static: small instances first, those of one size in
-/// an order of no meaning. The last one is cut in two, so that the share is met.
+/// Marks a share of the triangles as dynamic, and all others as static: small instances first,
+/// those of equal size in an arbitrary order. The last one is cut in two, so that the share is met.
 pub fn mark(scene: &mut Scene, share: f32) {
     let total = scene.triangle_count();
     let mut left = ((total as f64 * f64::from(share)).round() as usize).clamp(1, total);
@@ -48,7 +50,7 @@ pub fn mark(scene: &mut Scene, share: f32) {
     }
 }
 
-/// Leaves the first triangles to an instance, and gives the others to a new, static one.
+/// Leaves the first triangles to an instance, and moves the others to a new, static one.
 fn cut(scene: &mut Scene, index: usize, triangles: usize) {
     let mut rest = scene.instances[index].clone();
     let whole = &scene.meshes[rest.mesh];
@@ -61,9 +63,9 @@ fn cut(scene: &mut Scene, index: usize, triangles: usize) {
     scene.instances.push(rest);
 }
 
-/// Where everything dynamic is at a move, relative to where it was at first.
+/// The offset of all dynamic instances at a move.
 fn offset(step: u32, voxel_size_m: f32) -> Vec3 {
-    // The golden angle: no two moves are alike.
+    // Steps by the golden angle: no two moves are alike.
     let (sin, cos) = (2.399_963 * step as f32).sin_cos();
     Vec3::new(cos, 0.3 * sin, sin) * (REACH_VOXELS * voxel_size_m)
 }
@@ -78,7 +80,7 @@ fn moved(geometry: &Geometry, offset: Vec3) -> Geometry {
     geometry
 }
 
-/// One way of keeping up with moves.
+/// One of the two ways to follow moves.
 struct Way {
     gi: Gi,
     lights: Lights,
@@ -98,12 +100,12 @@ impl Way {
             pollster::block_on(self.gi.voxelize(geometry, timing))?
         };
         gpu.wait("voxelizing")?;
-        // The first time there is nothing to keep.
+        // At the first time nothing is kept yet.
         let has_static =
             geometry.batches.iter().flat_map(|batch| &batch.draws).any(|d| d.is_static);
         let must_reuse = self.keeps_static && self.steps > 0 && has_static;
         if must_reuse && !voxelized.stats.static_reused {
-            anyhow::bail!("what is static was voxelized again, which is a defect of Lumivox");
+            anyhow::bail!("the static surface was voxelized again, which is a defect of Lumivox");
         }
         self.steps += 1;
         let voxelize_ms = start.elapsed().as_secs_f64() * 1e3;
@@ -125,7 +127,7 @@ impl Way {
         Ok(())
     }
 
-    /// The list and its light.
+    /// The voxel list and its light.
     fn bits(&self, gpu: &Gpu) -> anyhow::Result<Vec<Vec<u32>>> {
         let Some((voxels, light)) = self.gi.voxels().zip(self.gi.face_radiance()) else {
             anyhow::bail!("there are no voxels");
@@ -135,8 +137,8 @@ impl Way {
             (&voxels.occupancy, voxels.occupancy.size()),
             (&voxels.ranks, voxels.ranks.size()),
             (&voxels.nodes, u64::from(node_count) * 8),
-            (&voxels.first_faces, u64::from(voxels.voxel_count() + 1) * 4),
-            (&voxels.faces, u64::from(voxels.face_count) * 64),
+            (&voxels.first_faces, u64::from(voxels.voxel_count()) * 4),
+            (&voxels.faces, u64::from(voxels.face_count) * size_of::<FaceRecord>() as u64),
             (light, u64::from(voxels.face_count) * 16),
         ]
         .into_iter()
@@ -147,7 +149,7 @@ impl Way {
     }
 }
 
-/// Moves what is dynamic and takes the times of both ways.
+/// Moves the dynamic instances, and measures the times of both ways.
 ///
 /// # Errors
 /// When the voxels do not fit the GPU, or the device fails.
@@ -157,7 +159,7 @@ pub fn measure(
     uploaded: &GpuScene,
     config: &GiConfig,
     moves: u32,
-    progress: &Progress,
+    progress: &ProgressDisplay,
 ) -> anyhow::Result<Report> {
     let lights = Lighting::of(scene).to_gpu(uploaded.radiance_unit);
     let environment = scene.environment.radiance / uploaded.radiance_unit;
@@ -171,8 +173,8 @@ pub fn measure(
     let timing = Timing::for_device(&gpu.device);
     let mut has_same_bits = true;
     let mut changed = 0.0;
-    // One move more at first, for buffers and kernels are used for the first time there; then by the clock on the
-    // wall; then pass by pass, which slows the whole down.
+    // One untimed move first, since it allocates buffers and compiles kernels; then by the wall
+    // clock; then pass by pass, which slows everything down.
     let steps = 1 + 2 * moves;
     for step in 0..steps {
         progress.set("moving", step, steps);
@@ -206,32 +208,32 @@ fn share_of_changed(gpu: &Gpu, gi: &Gi) -> anyhow::Result<f64> {
     Ok(count(changed)? / count(&voxels.occupancy)?)
 }
 
-/// What the moves took.
+/// The report on the moves.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     scene: SceneCounts,
     grid: GridReport,
     dynamic_instances: usize,
     dynamic_triangles: usize,
-    /// At the last move.
+    /// Voxels at the last move.
     voxels: u32,
     faces: u32,
     moves: u32,
-    /// Voxelization and what the volume does with a new list, a move, as a whole and with what is static kept; by the
-    /// clock on the wall.
+    /// Wall-clock time of a move for the voxelization and the volume's update to its list, ms: as a
+    /// whole, and with the static surface kept.
     whole_voxelize_ms: f64,
     kept_voxelize_ms: f64,
-    /// Direct light, stored and filtered.
+    /// Time of direct light, stored and filtered, ms.
     whole_light_ms: f64,
     kept_light_ms: f64,
-    /// With each pass waited for, a move.
+    /// Times of a move with each pass waited for.
     stages: Vec<StageReport>,
     passes: Vec<StageReport>,
-    /// Of the occupied cells of all levels, the share that a move writes.
+    /// Share of the occupied cells of all levels that a move writes.
     changed_share: f64,
-    /// Whether the lists and their light were the same both ways at every move.
+    /// Whether both ways gave the same lists and light at every move.
     has_same_bits: bool,
-    /// What keeping takes.
+    /// Bytes of the kept surface.
     kept_bytes: u64,
     adapter: AdapterReport,
 }
@@ -255,7 +257,7 @@ impl Report {
         (changed_share, has_same_bits): (f64, bool),
     ) -> Self {
         let a_move = |ms: f64| ms / f64::from(moves);
-        let [of_whole, of_kept] = [whole, kept].map(|way| Times::new(&way.times));
+        let [of_whole, of_kept] = [whole, kept].map(|way| TimesReport::new(&way.times));
         let pairs = |whole: &[TimeReport], kept: &[TimeReport]| -> Vec<StageReport> {
             let pair = |own: &TimeReport| {
                 let is_same =
@@ -296,10 +298,10 @@ impl Report {
         }
     }
 
-    /// Prints it.
+    /// Prints the report.
     ///
     /// # Errors
-    /// When stdout is gone, and when the two ways gave different bits.
+    /// When stdout is closed, and when the two ways gave different bits.
     pub fn print(&self, json: bool, host: &Host) -> anyhow::Result<()> {
         if json {
             host.print_json(self)?;
@@ -308,7 +310,7 @@ impl Report {
         }
         anyhow::ensure!(
             self.has_same_bits,
-            "keeping what is static gave other bits than voxelizing everything: a defect of this \
+            "keeping the static surface gave other bits than voxelizing everything: a defect of this \
              program or of the GPU's driver; please report it"
         );
         Ok(())
@@ -327,7 +329,7 @@ impl Report {
             ("voxels", count(self.voxels.into())),
             ("cells that a move writes", format!("{:.1} %", self.changed_share * 100.0)),
             ("moves", self.moves.to_string()),
-            ("memory to keep what is static", lumivox_console::report::bytes(self.kept_bytes)),
+            ("memory of the kept surface", lumivox_console::report::bytes(self.kept_bytes)),
         ] {
             table.row([name.to_owned(), value]);
         }
@@ -355,7 +357,7 @@ impl Report {
 mod tests {
     use super::*;
 
-    /// The share is met to the triangle, nothing is lost, and the small things move.
+    /// The share is met to the triangle, no triangle is lost, and the small things move.
     #[test]
     fn the_share_is_met() {
         for (name, share) in

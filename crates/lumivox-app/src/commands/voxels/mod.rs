@@ -1,4 +1,4 @@
-//! `lumivox voxels`: what the voxelization of a scene finds, and what it takes.
+//! `lumivox voxels`: the voxels of a scene and their cost.
 
 mod compare;
 mod dynamic;
@@ -9,13 +9,12 @@ use std::time::Instant;
 use lumivox::gpu::Timing;
 use lumivox::{Gi, Grid, VoxelizeStats};
 use lumivox_console::report::{
-    AdapterReport, GridReport, MemoryReport, OctreeReport, SceneCounts, Table, Times, count,
+    AdapterReport, GridReport, MemoryReport, OctreeReport, SceneCounts, Table, TimesReport, count,
     memory_table, total_bytes,
 };
 use lumivox_console::shown;
-use lumivox_render::{
-    GpuScene, Lighting, RenderError, classics, global_illumination, radiance_unit,
-};
+use lumivox_explorer::parameters::{Parameter, find_parameter};
+use lumivox_render::{GpuScene, Lighting, RenderError, global_illumination, radiance_unit};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
@@ -23,7 +22,7 @@ use crate::args::scene;
 use crate::cli::VoxelsArgs;
 use crate::commands::settings;
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// Voxelizes and reports.
 ///
@@ -35,7 +34,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     }
     let settings = settings::of_voxels(&args.voxels)?;
     scene::check(&args.scene.scene)?;
-    let progress = Progress::start(host, "loading");
+    let progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let mut scene = args.scene.load(&progress)?;
     if let Some(share) = args.dynamic_share {
@@ -60,7 +59,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     gpu.wait("uploading the scene")?;
 
     progress.set("voxelizing", 0, 1);
-    // First without taking times, which may slow the whole down, then with.
+    // First untimed, since timing may slow it down, then timed.
     let start = Instant::now();
     let voxelized = pollster::block_on(gi.voxelize(&uploaded.geometry, Timing::Off));
     let voxelized = voxelized.map_err(|error| RenderError::of_scene(error, &scene))?;
@@ -71,12 +70,19 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     gpu.check("voxelizing")?;
     drop(progress);
 
-    let report = Report::new(&scene, &gi, voxelized.stats, Times::new(&timed.times), wall_ms);
+    let way = voxelizers().get(&settings).name();
+    let times = TimesReport::new(&timed.times);
+    let report = Report::new(&scene, &gi, way, voxelized.stats, times, wall_ms);
     let report = Report { adapter: Some(AdapterReport::new(&gpu.adapter_info)), ..report };
     if args.json {
         return host.print_json(&report);
     }
     host.print(&report.text())
+}
+
+/// The row of the ways from triangles to voxels.
+fn voxelizers() -> &'static Parameter {
+    find_parameter("voxelizer").unwrap_or_else(|| unreachable!("this program has the classics"))
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -97,21 +103,21 @@ struct Report {
     voxels: u32,
     faces: u32,
     levels: Vec<LevelReport>,
-    /// Null for a dense volume.
+    /// `None` for a dense volume.
     octree: Option<OctreeReport>,
-    /// What stays on the GPU.
+    /// Memory that stays on the GPU.
     memory: Vec<MemoryReport>,
     memory_bytes: u64,
-    /// What only the voxelization itself needs is in here besides.
+    /// The same, with the memory that only the voxelization needs.
     voxelization_memory: Vec<MemoryReport>,
-    /// Of one voxelization as a whole, by the clock on the wall, without times being taken.
+    /// Wall-clock time of one whole voxelization without timing of passes, ms.
     wall_ms: f64,
     #[serde(flatten)]
-    times: Times,
+    times: TimesReport,
     adapter: Option<AdapterReport>,
 }
 
-/// One level of the pyramid.
+/// The report on one level of the pyramid.
 #[derive(Clone, Debug, Serialize)]
 struct LevelReport {
     level: u32,
@@ -125,7 +131,14 @@ struct LevelReport {
 }
 
 impl Report {
-    fn new(scene: &Scene, gi: &Gi, stats: VoxelizeStats, times: Times, wall_ms: f64) -> Self {
+    fn new(
+        scene: &Scene,
+        gi: &Gi,
+        voxelizer: &'static str,
+        stats: VoxelizeStats,
+        times: TimesReport,
+        wall_ms: f64,
+    ) -> Self {
         let grid = gi.grid();
         let named = |(name, bytes): (&'static str, u64)| MemoryReport { name: name.into(), bytes };
         let memory: Vec<_> = gi.memory().into_iter().map(named).collect();
@@ -145,7 +158,7 @@ impl Report {
         Self {
             scene: SceneCounts::new(scene),
             grid: GridReport::new(grid),
-            voxelizer: classics::voxelizer_name(&gi.config().voxelizer),
+            voxelizer,
             triangles: stats.triangles,
             skipped: stats.skipped,
             outside: stats.outside,

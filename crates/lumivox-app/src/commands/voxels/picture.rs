@@ -1,4 +1,4 @@
-//! What each method finds, side by side.
+//! The voxels of each voxelizer, side by side.
 
 use glam::{UVec2, Vec3};
 use image::{Rgb, RgbImage};
@@ -11,11 +11,11 @@ const BACKGROUND: Rgb<u8> = Rgb([24, 24, 27]);
 const BRIGHT: Rgb<u8> = Rgb([240, 240, 240]);
 const DIM: Rgb<u8> = Rgb([178, 178, 184]);
 
-/// One method's part of the picture.
+/// The picture of one voxelizer.
 pub struct Panel<'a> {
-    /// What it finds.
+    /// Its voxels.
     pub set: &'a VoxelSet,
-    /// Two lines above it.
+    /// Two lines above the picture.
     pub caption: [String; 2],
 }
 
@@ -50,7 +50,7 @@ pub fn picture(panels: &[Panel<'_>], exact: &VoxelSet, camera: &Camera, size: UV
     canvas.into_image()
 }
 
-/// A linear colour in full light, as the side of a cube that faces up.
+/// A linear colour in full light, as on the side of a cube that faces up.
 fn shown(color: Vec3) -> Rgb<u8> {
     Rgb(color.to_array().map(|c| (lumivox_render::srgb_encode(c) * 255.0).round() as u8))
 }

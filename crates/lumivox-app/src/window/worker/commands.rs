@@ -8,7 +8,7 @@ use lumivox_render::{RenderSettings, View};
 use super::Worker;
 use crate::window::lines::{self, quoted};
 use crate::window::model::{Comparand, LogKind, Selected};
-use crate::window::orders::Wish;
+use crate::window::orders::WindowRequest;
 
 /// Samples of a reference where nobody says otherwise.
 const SAMPLES: u32 = 256;
@@ -34,7 +34,8 @@ impl Worker {
                 Ok(String::new())
             }
             "fullscreen" if arguments.is_empty() => {
-                self.publisher.publish(|published| published.wish = Some(Wish::FullScreen));
+                self.publisher
+                    .publish(|published| published.request = Some(WindowRequest::FullScreen));
                 Ok(String::new())
             }
             "fullscreen" => {
@@ -43,7 +44,8 @@ impl Worker {
             // For tests of what happens when a driver goes.
             "lose_device" => {
                 if arguments == ["window"] {
-                    self.publisher.publish(|published| published.wish = Some(Wish::LoseDevice));
+                    self.publisher
+                        .publish(|published| published.request = Some(WindowRequest::LoseDevice));
                 } else {
                     self.console.explorer.gpu().device.destroy();
                 }

@@ -4,7 +4,7 @@
 use std::sync::mpsc::Sender;
 
 use glam::UVec2;
-use lumivox_console::{Console, Opening, SceneSource};
+use lumivox_console::{Console, SceneRequest, SceneSource};
 use lumivox_explorer::Explorer;
 
 use crate::window::jobs::{self, Loading, Reference, ReferenceKey, Traced, Tracing};
@@ -43,7 +43,7 @@ impl Jobs {
     }
 
     /// Begins to read a scene, in the place of the one that is being read.
-    pub fn load(&mut self, opening: Opening, is_reload: bool) {
+    pub fn load(&mut self, opening: SceneRequest, is_reload: bool) {
         self.count += 1;
         // Files may change while the scene is read.
         let watched = match &opening.source {
@@ -88,7 +88,7 @@ impl Jobs {
     /// When the system does not watch files; with a sentence on it.
     pub fn watch(&mut self, console: &Console) -> Result<(), String> {
         let before = self.watched.take();
-        let opening = console.opening();
+        let opening = console.scene_request();
         let opening = opening.map(|opening| (opening.source.clone(), opening.load.allow_outside));
         let Some((SceneSource::File(file), allow_outside)) = opening else { return Ok(()) };
         match reload::watch(&file, allow_outside, self.orders.clone()) {

@@ -29,7 +29,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{self, Sender};
 use std::time::Duration;
 
-use lumivox_console::{Console, LineInfo, Opening, Urgency};
+use lumivox_console::{Console, LineInfo, SceneRequest, Urgency};
 use lumivox_explorer::Revoxelize;
 use lumivox_render::GpuOptions;
 
@@ -52,7 +52,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(100);
 pub fn start(
     console: Console,
     options: GpuOptions,
-    opening: Option<Opening>,
+    opening: Option<SceneRequest>,
     wake: impl Fn() + Send + Sync + 'static,
 ) -> (Sender<Order>, Shared, std::thread::JoinHandle<()>) {
     let (inbox, shared) = (Inbox::new(), Shared::default());
@@ -112,14 +112,14 @@ impl Worker {
         }
     }
 
-    fn run(mut self, opening: Option<Opening>) {
+    fn run(mut self, opening: Option<SceneRequest>) {
         if let Some(terminal) =
             hear_terminal(self.inbox.sender(), self.publisher.shared().clone(), self.is_terminal)
         {
             self.messages.log.print_to(terminal);
         }
-        let hear = self.hear();
-        self.console.on_progress(hear);
+        let listener = self.progress_listener();
+        self.console.on_progress(listener);
         if let Some(opening) = opening {
             self.jobs.load(opening, false);
         }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use glam::{UVec2, Vec2};
 use lumivox_explorer::{ExposureMeter, Pacing, Side, SplitSchedule, first_look};
-use lumivox_render::{Exposure, Picture, Progress, RenderSettings, Renderer, View};
+use lumivox_render::{Exposure, Picture, RenderProgress, RenderSettings, Renderer, View};
 
 use super::Worker;
 use super::totals::FrameLog;
@@ -115,7 +115,7 @@ impl Worker {
             self.lines.frames_are_over();
             return Ok(false);
         }
-        self.let_time_go()?;
+        self.advance_time()?;
         // Frames that come on demand are those of the picture.
         if self.console.explorer.is_single_frame {
             self.pictures.pacing.first_shown();
@@ -150,7 +150,7 @@ impl Worker {
     }
 
     /// Lets animations play and voxels follow.
-    fn let_time_go(&mut self) -> anyhow::Result<()> {
+    fn advance_time(&mut self) -> anyhow::Result<()> {
         if self.console.explorer.tick_clock()? {
             self.pictures.meter.start_again();
             self.pictures.split.scene_changed();
@@ -169,7 +169,7 @@ impl Worker {
         self.publisher.begin(RENDERING.to_owned());
         let publisher = self.publisher.clone();
         // Voxels, light and pipelines take long enough to tell.
-        let mut tell = |step: Progress| {
+        let mut tell = |step: RenderProgress| {
             let words = if step.done < step.total { words(step.stage) } else { RENDERING };
             publisher.begin(words.to_owned());
         };

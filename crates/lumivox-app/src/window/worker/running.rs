@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use lumivox_console::{Effect, Hear, LineInfo, Reply};
-use lumivox_render::Progress;
+use lumivox_console::{Effect, LineInfo, ProgressListener, Reply};
+use lumivox_render::RenderProgress;
 
 use super::Worker;
 use crate::window::lines::{Line, Origin};
@@ -135,10 +135,10 @@ impl Worker {
     }
 
     /// Hears how far long commands are, tells it to the window, and breaks them off when somebody wants that.
-    pub(super) fn hear(&self) -> Box<dyn Hear> {
+    pub(super) fn progress_listener(&self) -> Box<dyn ProgressListener> {
         let publisher = self.publisher.clone();
         let mut told = Instant::now();
-        Box::new(move |step: Progress| {
+        Box::new(move |step: RenderProgress| {
             if told.elapsed() >= TELL_EVERY {
                 told = Instant::now();
                 let steps = if step.total > 0 {

@@ -74,7 +74,7 @@ impl Worker {
     pub(super) fn reload(&mut self) {
         if self.jobs.is_opening() {
             self.jobs.note_change();
-        } else if let Some(opening) = self.console.opening().cloned() {
+        } else if let Some(opening) = self.console.scene_request().cloned() {
             self.jobs.load(opening, true);
         }
     }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use lumivox::gpu::StageTime;
 use lumivox_console::Failure;
-use lumivox_console::report::Times;
+use lumivox_console::report::TimesReport;
 
 use crate::window::model::{FrameTime, KEPT_FRAMES};
 
@@ -83,7 +83,7 @@ impl StageTotals {
     /// # Errors
     /// When the arguments are others.
     pub fn table(&self, arguments: &[&str]) -> anyhow::Result<String> {
-        let mut times = Times::new(&self.means());
+        let mut times = TimesReport::new(&self.means());
         match arguments {
             [] => times.passes.clear(),
             ["passes"] => {}

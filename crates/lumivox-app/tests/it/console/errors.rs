@@ -26,7 +26,7 @@ const WRONG: &[(&str, &[&str])] = &[
     ("material red roughness 2", &["roughness is a number from 0 to 1", "\"2\""]),
     ("material red roughness", &["roughness is a number from 0 to 1", "got nothing"]),
     ("material red albedo 1 2 3", &["base_color"]),
-    ("setmat 'tall block' shininess 5", &["no Phong material", "shading phong"]),
+    ("setmat 'tall block' shininess 5", &["not a Phong material", "shading phong"]),
     ("light nowhere strength 1", &["there is no light \"nowhere\""]),
     ("add_light lamp", &["point, spot or sun", "\"lamp\""]),
     ("add_light point strength -1", &["strength", "from 0"]),
@@ -39,9 +39,9 @@ const WRONG: &[(&str, &[&str])] = &[
     ("exposure bright", &["auto-each (stops)"]),
     ("preset fine", &["fast, balanced, high, report or vxct"]),
     ("reset bouncs", &["\"bounces\"?"]),
-    ("da 0.5", &["belongs to the look vxct", "`preset vxct`"]),
-    ("sf 2", &["belongs to the look vxct"]),
-    ("side_cones on", &["belongs to the look vxct"]),
+    ("da 0.5", &["is a setting of the look vxct", "`preset vxct`"]),
+    ("sf 2", &["is a setting of the look vxct"]),
+    ("side_cones on", &["is a setting of the look vxct"]),
     ("view nodes", &["octree"]),
     ("camera fron", &["no camera called \"fron\"", "\"front\"?"]),
     ("camera 9", &["no camera number 9"]),
@@ -185,7 +185,7 @@ fn scripts_that_cannot_be_read_run_nothing() {
     fs::write(folder.path().join("bytes.txt"), b"echo one\n\xff\xfe\n").unwrap();
     for (line, code, needle) in [
         ("run open.txt", INPUT, "open.txt:2: the quotation mark \" at column 6"),
-        ("run bytes.txt", INPUT, "bytes.txt:2: this is no text in UTF-8"),
+        ("run bytes.txt", INPUT, "bytes.txt:2: this is not text in UTF-8"),
         ("run missing.txt", INPUT, "missing.txt: cannot be read"),
         ("run missing.txt -c quit", USAGE, "cannot be used with"),
     ] {

@@ -7,7 +7,7 @@ use crate::common::{folder, lumivox_with};
 pub fn help_echo_and_lists() {
     let mut session = Session::new("");
     session.says("help", &["Settings: cones", "translate", "`help NAME`"]);
-    session.says("help translate", &["translate NAME X Y Z", "along its own axes", "VXCT has it"]);
+    session.says("help translate", &["translate NAME X Y Z", "along its own axes", "In VXCT"]);
     session.says("? bounces", &["a whole number from 0 to 16"]);
     session.says("commands cone", &["side_cones", "front_cone"]);
     session.says("echo 'two  lamps'; echo three # four", &["two  lamps\nthree\n"]);

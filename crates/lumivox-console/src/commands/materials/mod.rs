@@ -1,4 +1,4 @@
-//! Materials.
+//! Commands for materials.
 //!
 //! | file | is |
 //! | --- | --- |
@@ -24,7 +24,7 @@ const MATERIALS: Command = Command { group: Group::Objects, takes: &[Takes::Mate
 pub const TABLE: &[Command] = &[
     Command {
         name: "materials",
-        summary: "List the materials: how they are shaded, colour, emission, how many objects have them",
+        summary: "List the materials: shading, colour, emission, number of objects",
         example: "materials",
         run: Now(list),
         ..MATERIALS
@@ -36,7 +36,7 @@ pub const TABLE: &[Command] = &[
         takes: &[Takes::Material, Takes::Word(&NAMES)],
         summary: "Change properties of a material, or print them",
         details: "Of all: emission R G B (cd/m2), double_sided, normal_scale, clearcoat, clearcoat_roughness, sheen R G B, \
-                  sheen_roughness, transmission, strengths (seven numbers for the look vxct, which any other change of the surface ends), \
+                  sheen_roughness, transmission, strengths (seven numbers for the look vxct; any other change of the surface removes them), \
                   shading (metallic_roughness, phong or unlit, which keeps the colour). \
                   Metallic-roughness: base_color or albedo R G B [A], metallic, roughness, specular, specular_color R G B, \
                   ior. Phong: diffuse R G B, opacity, specular R G B, shininess. Unlit: color R G B [A]. Colours \
@@ -70,8 +70,8 @@ fn list(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::say(table.text().trim_end()))
 }
 
-/// Where a material is shaded again as its file has it: the textures that other ways of shading do
-/// not have.
+/// Brings back the file's textures that other kinds of shading do not have, when a material returns
+/// to its original shading.
 fn bring_textures_back(material: &mut Material, original: &Material) {
     match (&mut material.shading, &original.shading) {
         (Shading::MetallicRoughness(now), Shading::MetallicRoughness(was)) => {
@@ -98,7 +98,7 @@ fn material(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> 
     if let Some(original) = original.and_then(|original| original.materials.get(number)) {
         bring_textures_back(&mut changed, original);
     }
-    // Strengths that no longer fit the surface would keep it unchanged in the look of VXCT.
+    // Strengths that no longer fit the surface would leave it unchanged in VXCT's look.
     let is_other = changed.shading != material.shading || changed.emissive != material.emissive;
     if is_other && changed.strengths == material.strengths {
         changed.strengths = None;

@@ -12,19 +12,19 @@ use crate::{Console, Failure, Reply, nothing_to_show};
 
 const PROPERTIES: [&str; 5] = ["shininess", "specular_str", "diffuse_str", "ambient_str", "color"];
 
-/// VXCT has no limits; these leave room for sums.
+/// VXCT has no limits; this range leaves room for sums.
 const ANY: std::ops::RangeInclusive<f32> = -1e12..=1e12;
 
-/// Its place in the table.
+/// The command.
 pub const SETMAT: Command = Command {
     name: "setmat",
     usage: "NAME PROPERTY VALUE...",
     count: (3, MANY),
     takes: &[Takes::Object, Takes::Word(&PROPERTIES)],
     summary: "Change a property of an object's Phong material by VXCT's names",
-    details: "shininess, specular_str, diffuse_str, ambient_str, color R G B: any numbers. NAME is an object or else a \
-              material; all objects of the material change. The physical look takes the surface that comes nearest. Other \
-              materials become Phong's by `material NAME shading phong`.",
+    details: "shininess, specular_str, diffuse_str, ambient_str, color R G B: any numbers. NAME is an object or a \
+              material; all objects of the material change. The physical look shows the closest surface. Other \
+              materials become Phong materials by `material NAME shading phong`.",
     example: "setmat Floor color 0.2 0.4 0.8",
     vxct: Some("takes colours, too"),
     edits: Edits::Look,
@@ -32,7 +32,7 @@ pub const SETMAT: Command = Command {
     ..MATERIALS
 };
 
-/// The strengths of a material: its own, or those that look like it.
+/// The strengths of a material: its own, or those that match its surface.
 fn strengths_of(material: &Material) -> Option<Strengths> {
     let of_phong = |phong: &Phong| Strengths {
         color: phong.diffuse,
@@ -60,7 +60,7 @@ fn setmat(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let called = console.explorer.material_names().into_iter().nth(number).unwrap_or_default();
     let Some(mut strengths) = strengths_of(material) else {
         return Err(Failure::input(format!(
-            "the material of \"{name}\" is no Phong material; `material '{called}' roughness 0.5` and the like change it, \
+            "the material of \"{name}\" is not a Phong material; `material '{called}' roughness 0.5` and the like change it, \
              `material '{called}' shading phong` makes it one"
         ))
         .into());
@@ -78,7 +78,7 @@ fn setmat(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::default())
 }
 
-/// Gives a material strengths, and the surface that comes nearest to them.
+/// Gives a material strengths, and the closest physical surface.
 pub fn set_strengths(material: &mut Material, strengths: Strengths) {
     material.strengths = Some(strengths);
     if material.emissive == Vec3::ZERO {

@@ -9,12 +9,12 @@ use crate::arguments::{
 };
 use crate::properties::{Property, first, names};
 
-/// The most radiance, cd/m2: as of the command line.
+/// The greatest radiance, cd/m2, as on the command line.
 const BRIGHTEST: f32 = 1e10;
 
 type P = Property<Material>;
 
-/// Their names.
+/// The names of the properties.
 pub const NAMES: [&str; PROPERTIES.len()] = names(PROPERTIES);
 
 fn metallic(material: &Material) -> Option<&MetallicRoughness> {
@@ -48,7 +48,7 @@ macro_rules! set {
     }};
 }
 
-/// The table. The shading comes first, for the others belong to it.
+/// The properties of a material. Shading comes first, because the others depend on it.
 pub const PROPERTIES: &[P] = &[
     P {
         name: "shading",
@@ -276,8 +276,8 @@ pub const PROPERTIES: &[P] = &[
     },
 ];
 
-/// They describe the surface in VXCT's look, and not in the physical one: setting a physical
-/// property ends them.
+/// Sets the strengths, which describe the surface only in VXCT's look; setting a physical property
+/// removes them.
 fn set_strengths(material: &mut Material, words: &[&str]) -> Result<(), Failure> {
     if words == ["none"] {
         material.strengths = None;
@@ -307,7 +307,7 @@ pub fn shading_name(material: &Material) -> &'static str {
     }
 }
 
-/// The colour that a material mainly has.
+/// The main colour of a material.
 pub fn main_color(material: &Material) -> Vec4 {
     match &material.shading {
         Shading::MetallicRoughness(m) => m.base_color,

@@ -5,40 +5,40 @@ use serde::{Deserialize, Serialize};
 use super::picture::check_values;
 use super::{CompareError, LinearPicture};
 
-/// A pixel's error is given as a share of its luminance, or of this share of the reference's mean
-/// luminance where the pixel is darker.
+/// The least divisor of a relative error, as a share of the reference's mean luminance: darker
+/// pixels use it instead of their own luminance.
 pub const DARKEST_SHARE: f64 = 0.1;
 
-/// How far a picture is from its reference. Percentages are of the reference's mean unless they say
-/// otherwise; 0 is a perfect match.
+/// The errors of a picture against its reference. Percentages are of the reference's mean unless
+/// stated otherwise; 0 is a perfect match.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct ErrorFigures {
     /// The mean over pixels and channels less the reference's, in percent. Negative: too dark.
     pub bias_percent: f64,
-    /// The root of the mean squared difference over pixels and channels from the truth, in percent:
-    /// the reference's own noise is taken out, `sqrt(mse - mean variance)`, or 0 where noise
-    /// explains all. Its square is an unbiased estimate (except for the cut at 0). Where the
-    /// variance is not known, it is the difference from the reference as it is.
+    /// The root of the mean squared error over pixels and channels, in percent. The reference's own
+    /// noise is subtracted, `sqrt(mse - mean variance)`, or the result is 0 if noise explains all.
+    /// Its square is an unbiased estimate (except for the cut at 0). If the variance is unknown,
+    /// nothing is subtracted.
     pub rmse_percent: f64,
-    /// The root of the mean squared difference from the reference as it is, in percent.
+    /// The root of the mean squared difference from the reference, its noise included, in percent.
     pub rmse_with_noise_percent: f64,
     /// The 95th percentile of the pixels' absolute relative errors ([`relative_errors`]): the
     /// smallest that at least 95 % do not exceed, in percent of the pixels' own luminance.
     pub p95_percent: f64,
     /// Mean FLIP error for screens, 0 to 1 (Andersson et al. 2020), of both pictures with the
     /// automatic exposure of the reference and the curve
-    /// [`ToneMap::Neutral`](crate::ToneMap::Neutral), at 67 pixels a degree. None without the
+    /// [`ToneMap::Neutral`](crate::ToneMap::Neutral), at 67 pixels a degree. `None` without the
     /// feature `flip`.
     pub flip: Option<f64>,
     /// The noise of the reference itself: the root of the mean variance of its pixels, in percent.
-    /// None where the variance is not known.
+    /// `None` if the variance is unknown.
     pub noise_percent: Option<f64>,
 }
 
 impl ErrorFigures {
     /// Compares `ours` with `reference`. `variance` has, for each pixel, the variance of the
-    /// reference, averaged over the channels: of the mean over all of its samples, not of a single
-    /// one.
+    /// reference averaged over the channels: that of the mean over all samples, not of a single
+    /// sample.
     ///
     /// # Errors
     /// [`CompareError`] when sizes differ, a value is not finite, or the reference is black.
@@ -76,7 +76,7 @@ impl ErrorFigures {
 }
 
 impl ErrorFigures {
-    /// The mean of figures of the same reference; none of none.
+    /// The mean of figures of the same reference; `None` without figures.
     pub fn mean(figures: &[Self]) -> Option<Self> {
         let mean =
             |of: fn(&Self) -> f64| figures.iter().map(of).sum::<f64>() / figures.len() as f64;
@@ -95,9 +95,9 @@ impl ErrorFigures {
     }
 }
 
-/// The signed relative error of each pixel, row by row from the top: the difference of luminance,
-/// as a share of the reference's luminance or of [`DARKEST_SHARE`] times its mean, whichever is
-/// more. Negative: too dark.
+/// The signed relative error of each pixel, row by row from the top: the difference of luminance
+/// over the reference's luminance, or over [`DARKEST_SHARE`] times its mean if that is more.
+/// Negative: too dark.
 ///
 /// # Errors
 /// As [`ErrorFigures::new`].
@@ -116,7 +116,7 @@ fn errors(reference: &LinearPicture, ours: &LinearPicture) -> Vec<f64> {
     both.map(|(reference, ours)| (ours - reference) / reference.max(darkest)).collect()
 }
 
-/// Checks that both are sound and of one size.
+/// Checks that both pictures are valid and of one size.
 pub(super) fn check_pair(
     reference: &LinearPicture,
     ours: &LinearPicture,

@@ -57,7 +57,7 @@ pub(super) fn decode(bytes: &[u8], layer: Option<&str>) -> Result<PictureFile, F
     Ok(PictureFile { picture: LinearPicture { size, rgb }, layer })
 }
 
-/// The sizes that a file claims are checked before memory is taken.
+/// Checks the sizes that a file claims before memory is allocated.
 fn check_sizes(bytes: &[u8]) -> Result<(), Fault> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(Fault::broken)?;
     let mut samples = 0_u64;
@@ -73,7 +73,7 @@ fn check_sizes(bytes: &[u8]) -> Result<(), Fault> {
     Err(Fault::new(reason, "save fewer layers"))
 }
 
-/// Channels that make a picture.
+/// A layer: channels that form a picture.
 struct Candidate<'a> {
     name: String,
     part: &'a Part,
@@ -81,7 +81,7 @@ struct Candidate<'a> {
 }
 
 impl<'a> Candidate<'a> {
-    /// All that a part of the file has, by name.
+    /// All layers in a part of the file, by name.
     fn of(part: &'a Part) -> Vec<Self> {
         let list = &part.channel_data.list;
         let prefix_of = |name: &str| name.rfind('.').map_or("", |dot| &name[..=dot]).to_owned();

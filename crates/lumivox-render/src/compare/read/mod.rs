@@ -1,4 +1,4 @@
-//! Pictures from files: `OpenEXR`, Radiance, PNG, JPEG. The first bytes give the format.
+//! Reading pictures: `OpenEXR`, Radiance, PNG, JPEG. The first bytes decide the format.
 
 use std::fmt::Display;
 use std::io::Cursor;
@@ -17,12 +17,12 @@ mod exr;
 /// The most pixels of a picture: 16 384 x 8192, 1.5 GiB.
 const MOST_PIXELS: u64 = 1 << 27;
 
-/// A picture and where in its file it was.
+/// A picture from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureFile {
     /// The picture.
     pub picture: LinearPicture,
-    /// The name of its layer; None where the file names none.
+    /// The name of its layer; `None` if the file names none.
     pub layer: Option<String>,
 }
 
@@ -37,7 +37,7 @@ impl Fault {
         Self::Content { reason: reason.into(), remedy }
     }
 
-    /// The bytes break their format.
+    /// The fault of malformed bytes.
     fn broken(reason: impl Display) -> Self {
         Self::new(reason.to_string(), "save or download it again")
     }
@@ -47,9 +47,9 @@ impl PictureFile {
     /// Reads a picture as linear RGB: `OpenEXR` (.exr), Radiance (.hdr, divided by its `EXPOSURE`
     /// and `COLORCORR`), PNG or JPEG (decoded from sRGB, so that white is 1). Alpha is left out.
     ///
-    /// `layer` is the `OpenEXR` layer to take: the name of a part, or the text before the last dot
-    /// of the names of its channels, as in `full.R`. Files that name no layers are taken as they
-    /// are. Without `layer`, it is the one without a name, else the first. Layers of only luminance
+    /// `layer` is the `OpenEXR` layer to read: the name of a part, or the text before the last dot
+    /// of its channels' names, as in `full.R`. Without `layer`, it is the layer without a name,
+    /// else the first. It is ignored for files without named layers. Layers with only luminance
     /// (`Y`) are grey.
     ///
     /// # Errors
@@ -75,7 +75,7 @@ fn decode(bytes: &[u8], layer: Option<&str>) -> Result<PictureFile, Fault> {
         Ok(ImageFormat::Hdr) => decode_radiance(bytes),
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => decode_screen(bytes, format),
         _ => Err(Fault::new(
-            "it is of no kind that is read here",
+            "its format is unknown",
             "give an OpenEXR (.exr), Radiance (.hdr), PNG or JPEG picture",
         )),
     };
@@ -110,12 +110,12 @@ fn decode_radiance(bytes: &[u8]) -> Result<LinearPicture, Fault> {
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes)).map_err(Fault::broken)?;
     let meta = decoder.metadata();
     check_size(meta.width.into(), meta.height.into())?;
-    // The factor by which the pixels were multiplied since they were radiances.
+    // The factor by which the pixels, once radiances, were multiplied.
     let exposure = meta.exposure.unwrap_or(1.0);
     let (r, g, b) = meta.color_correction.unwrap_or((1.0, 1.0, 1.0));
     let factors = [r, g, b].map(|correction| correction * exposure);
     if factors.iter().any(|factor| !factor.is_normal() || *factor < 0.0) {
-        return Err(Fault::broken("its EXPOSURE or COLORCORR is no positive number"));
+        return Err(Fault::broken("its EXPOSURE or COLORCORR is not a positive number"));
     }
     let image = DynamicImage::from_decoder(decoder).map_err(Fault::broken)?;
     let mut picture = linear_picture(image, |value| value);

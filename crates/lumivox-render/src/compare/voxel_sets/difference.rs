@@ -1,15 +1,15 @@
-//! How far a set of voxels is from the exact one.
+//! The difference of a set of voxels from the exact one.
 
 use super::{Voxel, VoxelSet};
 
-/// What a voxelizer finds, against the exact set.
+/// The voxels of a voxelizer against the exact set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SetDifference {
     /// Voxels found.
     pub voxels: u32,
     /// Voxels of the exact set that are not found.
     pub missing: u32,
-    /// Of those, the ones that are touched alone: the exact set has no surface in them either.
+    /// Of those, the ones that are only touched: in the exact set they have no surface either.
     pub missing_touched: u32,
     /// Voxels found that are not in the exact set.
     pub extra: u32,
@@ -17,14 +17,14 @@ pub struct SetDifference {
     pub missing_area: f64,
     /// The surface of all voxels found over that of the exact set.
     pub area: f64,
-    /// Root of the mean squared difference of the reflectance of a voxel, over the voxels in which both have
-    /// surface and over red, green and blue, all of one weight. A voxel's reflectance is the mean over its
-    /// faces, weighted by area. 0 if there is no such voxel.
+    /// Root of the mean squared difference of a voxel's reflectance, over the voxels in which both
+    /// have surface and over red, green and blue, equally weighted. A voxel's reflectance is the
+    /// mean over its faces, weighted by area. 0 if there is no such voxel.
     pub color_rmse: f64,
 }
 
 impl VoxelSet {
-    /// Holds this set against the exact one of the same grid.
+    /// Compares this set with the exact one of the same grid.
     pub fn difference(&self, exact: &Self) -> SetDifference {
         let area = |voxels: &[Voxel]| voxels.iter().map(|voxel| f64::from(voxel.area)).sum::<f64>();
         let exact_area = area(exact.voxels());

@@ -1,4 +1,4 @@
-//! What voxelizers find, read back and held against each other.
+//! The voxels of a voxelizer, read back for comparison.
 
 mod difference;
 mod view;
@@ -19,8 +19,8 @@ use crate::{Gpu, RenderError};
 pub struct Voxel {
     /// Its place in the grid, the bits of the coordinates interleaved, x in the lowest.
     pub morton: u32,
-    /// The sum over its faces of the area along the lobe, in units of a voxel's side. 0 where the voxel is
-    /// only touched.
+    /// The sum over its faces of the area along the lobe, in units of a voxel's side. 0 if the
+    /// voxel is only touched.
     pub area: f32,
     /// The mean over its faces, weighted by that area: the share of light reflected diffusely.
     pub reflectance: Vec3,
@@ -52,8 +52,16 @@ impl VoxelSet {
         let touched =
             |node: &NodeRecord| Voxel { morton: node.morton, area: 0.0, reflectance: Vec3::ZERO };
         let mut voxels: Vec<Voxel> = nodes.iter().map(touched).collect();
-        for face in &faces {
-            let voxel = &mut voxels[face.voxel as usize];
+        let first_faces: Vec<u32> = read(gpu, &list.first_faces, count).await?;
+        let of_voxels =
+            nodes.iter().zip(&first_faces).enumerate().flat_map(|(index, (node, &first))| {
+                let count = (node.lobes & 0x3f).count_ones();
+                faces[first as usize..(first + count) as usize]
+                    .iter()
+                    .map(move |face| (index, face))
+            });
+        for (index, face) in of_voxels {
+            let voxel = &mut voxels[index];
             let area = face.vector_area[face.lobe as usize / 2].abs();
             voxel.area += area;
             voxel.reflectance += area * Vec3::from(face.reflectance);
@@ -64,7 +72,7 @@ impl VoxelSet {
         Ok(Self::new(*grid, voxels))
     }
 
-    /// The grid that they are in.
+    /// The grid of the voxels.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }

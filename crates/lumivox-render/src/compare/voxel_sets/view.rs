@@ -1,8 +1,9 @@
-//! A set of voxels as a picture: cubes in their reflectance, what is missing and what is too much in colours of
-//! their own.
+//! A picture of a set of voxels: cubes in their reflectance, with missing and extra voxels in
+//! colours of their own.
 //!
-//! Each pixel's ray walks from cell to cell (Amanatides and Woo 1987) until it meets a voxel of either set, so that
-//! what is missing is seen as well. On the CPU: it is a walk over bits, and no frame waits for it.
+//! Each pixel's ray walks from cell to cell (Amanatides and Woo 1987) until it meets a voxel of
+//! either set, so missing voxels are visible as well. It runs on the CPU: it only reads bits, and
+//! no frame waits for it.
 
 use glam::{DVec2, DVec3, UVec2, UVec3, Vec3};
 use lumivox::Grid;
@@ -15,14 +16,14 @@ use crate::picture::srgb::srgb_encode;
 pub const MISSING_COLOR: Vec3 = Vec3::new(1.0, 0.0, 0.7);
 /// Linear colour of voxels that are found, but not in the exact set.
 pub const EXTRA_COLOR: Vec3 = Vec3::new(0.0, 0.8, 1.0);
-/// Of voxels that are touched without any surface in them.
+/// Linear colour of voxels that are touched without any surface in them.
 const BARE_COLOR: Vec3 = Vec3::new(0.1, 0.1, 0.1);
-/// Where there is no voxel.
+/// Linear colour of the background.
 const BACKGROUND: Vec3 = Vec3::new(0.01, 0.01, 0.012);
 
-/// How bright a cube's sides are along x, y and z, so that its shape shows.
+/// Brightness of a cube's sides along x, y and z, so that its shape is visible.
 const SIDES: Vec3 = Vec3::new(0.72, 1.0, 0.86);
-/// Width of the outline of a cube's sides, as a share of its edge, and how much light it leaves.
+/// Width of the outline of a cube's sides, as a share of its edge, and the light that it leaves.
 const OUTLINE_WIDTH: f64 = 0.05;
 const OUTLINE_LIGHT: f32 = 0.6;
 /// Rays along either edge of a pixel.
@@ -72,7 +73,8 @@ fn reflectance(voxel: &Voxel) -> Vec3 {
     if voxel.area > 0.0 { voxel.reflectance } else { BARE_COLOR }
 }
 
-/// As in the renderer's view of voxels: darker near the edges of a side, unless a pixel is as wide.
+/// The outline as in the renderer's view of voxels: darker near the edges of a side, unless a pixel
+/// is as wide.
 fn outline(hit: &Hit, pixel_slope: f64) -> f32 {
     let from_corner = hit.position - hit.position.floor();
     let mut to_edge = from_corner.min(1.0 - from_corner);
@@ -111,7 +113,7 @@ impl Rays {
         }
     }
 
-    /// Through a place in pixels from the top left.
+    /// The direction through a place in pixels from the top left.
     fn direction(&self, at: DVec2) -> DVec3 {
         let from_middle = (at - 0.5 * self.size) * self.pixel_slope;
         (self.forward + from_middle.x * self.right - from_middle.y * self.up).normalize()
@@ -124,12 +126,12 @@ struct Cells {
     bits: Vec<u64>,
 }
 
-/// Where a ray meets a cell.
+/// The point at which a ray meets a cell.
 struct Hit {
     cell: UVec3,
-    /// Across which it comes in.
+    /// The axis across which the ray enters.
     axis: usize,
-    /// In cells.
+    /// The distance in cells.
     distance: f64,
     position: DVec3,
 }

@@ -23,7 +23,7 @@ pub(crate) struct EdgeRange {
     padding: u32,
 }
 
-/// Draws them.
+/// Draws the edges of the scene's triangles.
 #[derive(Debug)]
 pub(super) struct Edges {
     pipeline: DrawPipeline,
@@ -61,7 +61,7 @@ impl Edges {
             .collect();
         pass.set_pipeline(&self.pipeline);
         for draw in &scene.draws {
-            // Vertices are numbered by 32 bits, which end at 238 million triangles.
+            // Vertices are numbered by 32 bits, which are enough for 238 million triangles.
             let edges = draw.indices.len().min((u32::MAX / EDGE_VERTICES) as usize) as u32;
             pass.bind(1, &groups[draw.batch]);
             pass.draw(0..EDGE_VERTICES * edges, draw.record..draw.record + 1);
@@ -69,7 +69,7 @@ impl Edges {
     }
 }
 
-/// Where the triangles of a scene's draws are, in the order of their records.
+/// The ranges of triangles of a scene's draws, in the order of their records.
 pub(super) fn ranges(device: &wgpu::Device, scene: &GpuScene) -> Buffer {
     let range = |draw: &SceneDraw| EdgeRange {
         first_index: draw.indices.start,

@@ -6,11 +6,11 @@ import package::render::passes::overlay::segment::{
     nowhere, quad_corner, segment_color, segment_corner, segment_view, to_pixels, SegmentFragment, SegmentVertex,
 };
 
-// Where the triangles of a draw are.
+// The range of a draw's triangles.
 struct EdgeRange {
     first_index: u32,
     base_vertex: u32,
-    // Triangles that show their backs are left out.
+    // Back-facing triangles are left out.
     is_single_sided: u32,
     padding: u32,
 }
@@ -19,8 +19,9 @@ struct EdgeRange {
 @group(1) @binding(0) var<storage, read> positions: array<f32>;
 @group(1) @binding(1) var<storage, read> indices: array<u32>;
 
-// A line is at most this share of a small triangle's height, and at least this wide: thinner than a
-// pixel it is on that share of its pixels' samples, so that dense lines fade and do not fill up.
+// A line is at most this share of a small triangle's height, and at least this wide. A line thinner
+// than a pixel covers a share of its pixels' samples, so that dense lines fade instead of filling
+// the surface.
 const SHARE_OF_HEIGHT: f32 = 0.2;
 const MIN_WIDTH: f32 = 0.1;
 

@@ -1,4 +1,4 @@
-//! Lines that the caller gives, and the grid's box.
+//! Lines of the caller, and the grid's box.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -51,16 +51,16 @@ impl Lines {
         Ok(Self { pipeline, layout, group, count: lines.len() as u32 })
     }
 
-    /// Takes up other lines.
+    /// Replaces the lines.
     pub(super) fn set(&mut self, device: &wgpu::Device, lines: &[OverlayLine]) {
         self.group = group(device, &self.layout, lines);
         self.count = lines.len() as u32;
     }
 
-    /// Draws them, within a pass whose group 0 is bound.
+    /// Draws the lines, within a pass whose group 0 is bound.
     pub(super) fn draw(&self, pass: &mut RenderPass<'_>) {
         if self.count == 0 {
-            // The buffer of no lines is shorter than one line.
+            // The buffer is shorter than one line if there are no lines.
             return;
         }
         pass.set_pipeline(&self.pipeline);
@@ -85,7 +85,7 @@ fn group(
     BindGroupBuilder::new(layout).buffer(&upload(device, "lines", &records)).build(device, "lines")
 }
 
-/// All lines of an overlay in the order in which they are drawn.
+/// All lines of an overlay, in drawing order.
 pub(super) fn all(overlay: &Overlay, grid: &Grid) -> Vec<OverlayLine> {
     let edges = if overlay.grid_box { box_edges(grid) } else { Vec::new() };
     let edge = |(from, to), share: f32, is_hidden_by_surfaces| {

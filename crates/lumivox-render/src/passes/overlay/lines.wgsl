@@ -1,4 +1,4 @@
-// Lines that the caller gives, six vertices each.
+// Lines of the caller, six vertices each.
 
 import package::render::passes::overlay::segment::{
     quad_corner, segment_color, segment_corner, segment_view, SegmentFragment, SegmentVertex,
@@ -8,7 +8,7 @@ struct Line {
     from_in_world: vec3f,
     is_tested: u32,
     to_in_world: vec3f,
-    // In pixels.
+    // The width in pixels.
     width: f32,
     color: vec4f,
 }

@@ -1,10 +1,10 @@
-//! What is drawn over a picture: edges of triangles, wire cubes of voxels, the grid's bounds, lines.
+//! Overlays over a picture: edges of triangles, wire cubes of voxels, the grid's bounds, lines.
 //!
-//! An overlay is display-referred: its colours are what a screen shows, neither exposed nor tone mapped. It has a
-//! texture of its own, which frames are averaged in as the picture's are, so that lines become smooth by the same
-//! jitter; it is blended over the encoded picture at the very end (`blend.wgsl`), and radiance
-//! never meets it. Each frame's coverage is all or nothing, so that an edge that two triangles share is drawn twice
-//! without getting denser.
+//! An overlay is display-referred: its colours are those of a screen, neither exposed nor tone
+//! mapped. It has a texture of its own, in which frames are averaged like the picture's, so that
+//! the same jitter smooths its lines. It is blended over the encoded picture at the very end
+//! (`blend.wgsl`), and never changes radiance. In each frame coverage is all or nothing, so an edge
+//! that two triangles share gets no denser by being drawn twice.
 //!
 //! | file | draws |
 //! | --- | --- |
@@ -13,7 +13,7 @@
 //! | `lines.rs`, `lines.wgsl` | lines of the caller, and the grid's box |
 //! | `voxels.rs`, `voxels.wgsl` | wire cubes, by a walk through the occupancy bits |
 //!
-//! Nothing of it exists while the overlay is off.
+//! While the overlay is off, it has no resources.
 
 mod edges;
 mod lines;
@@ -43,24 +43,24 @@ pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
         .add("render::passes::overlay::voxels", include_str!("voxels.wgsl"));
 }
 
-/// Edges of triangles: sRGB-encoded, and coverage.
+/// Colour of triangles' edges: sRGB-encoded, and coverage.
 pub(crate) const WIREFRAME_COLOR: [f32; 4] = [0.16, 0.85, 1.0, 1.0];
-/// Wire cubes of voxels.
+/// Colour of wire cubes.
 pub(crate) const WIRE_VOXEL_COLOR: [f32; 4] = [1.0, 0.72, 0.2, 1.0];
-/// The grid's box.
+/// Colour of the grid's box.
 const GRID_BOX_COLOR: [f32; 4] = [0.75, 0.55, 1.0, 1.0];
-/// How much of it is left where surfaces hide it.
+/// The share of the box that remains visible behind surfaces.
 const HIDDEN_SHARE: f32 = 0.25;
-/// What is seen where surfaces are hidden.
+/// Colour behind the overlay where surfaces are hidden.
 pub(crate) const BACKGROUND: [f32; 4] = [0.07, 0.07, 0.09, 1.0];
 
 /// Width of triangles' edges in pixels.
 pub(crate) const WIREFRAME_WIDTH: f32 = 1.25;
-/// Width of the caller's lines and of the grid's box.
+/// Width of the caller's lines and of the grid's box, in pixels.
 pub(crate) const LINE_WIDTH: f32 = 2.0;
 
-/// What is drawn over the picture that a screen shows; pictures of radiance (OpenEXR) stay as they are.
-/// Default: nothing, which costs nothing.
+/// An overlay over the picture on a screen; pictures of radiance (OpenEXR) stay as they are.
+/// Default: nothing, at no cost.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlay {
     /// Edges of the scene's triangles. Default: none.
@@ -68,36 +68,37 @@ pub struct Overlay {
     /// Wire cubes of the voxels of [`RenderSettings::voxel_level`](crate::RenderSettings::voxel_level): outlines of
     /// the faces between an occupied cell and an empty one. Default: none.
     pub wire_voxels: Wires,
-    /// Whether a plain background stands in for a picture of surfaces, so that the overlay is seen alone. Surfaces still
-    /// hide what they hide of it. Views of voxels stay. Default: no.
+    /// Whether a plain background replaces a picture of surfaces, so that only the overlay is seen.
+    /// Surfaces still hide the parts of it behind them. Views of voxels are not replaced. Default:
+    /// no.
     pub hides_surfaces: bool,
-    /// The voxel grid's bounds; faint where surfaces hide them. Default: no.
+    /// Whether the voxel grid's bounds are drawn; they are faint behind surfaces. Default: no.
     pub grid_box: bool,
-    /// Markers, selection boxes, gizmos. Default: none. The later ones are drawn over the earlier ones.
+    /// Markers, selection boxes, gizmos. Default: none. Later lines are drawn over earlier ones.
     pub lines: Vec<OverlayLine>,
 }
 
-/// Which edges of triangles are drawn.
+/// The edges of triangles that are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wireframe {
     /// None.
     #[default]
     Off,
-    /// Those of visible surfaces: hidden lines are removed.
+    /// Edges of visible surfaces: hidden lines are removed.
     Over,
-    /// All, seen through surfaces.
+    /// All edges, also behind surfaces.
     Through,
 }
 
-/// Which wire cubes are drawn.
+/// The wire cubes that are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wires {
     /// None.
     #[default]
     Off,
-    /// Those in front of surfaces: each surface lies within its voxels, whose near faces are seen.
+    /// Cubes in front of surfaces: each surface is within its voxels, whose near faces are visible.
     Over,
-    /// All, seen through surfaces.
+    /// All cubes, also behind surfaces.
     Through,
 }
 
@@ -106,11 +107,11 @@ pub enum Wires {
 pub struct OverlayLine {
     /// One end, m.
     pub from: Vec3,
-    /// The other end, m; the same place makes a dot.
+    /// The other end, m; equal ends make a dot.
     pub to: Vec3,
     /// sRGB-encoded colour as a screen shows it, 0 to 1, not multiplied by its coverage (0 to 1, the last).
     pub color: [f32; 4],
-    /// Whether surfaces hide it; otherwise it is seen through them.
+    /// Whether surfaces hide it; otherwise it is visible through them.
     pub is_hidden_by_surfaces: bool,
 }
 
@@ -142,7 +143,7 @@ impl Overlay {
         *self != Self::default()
     }
 
-    /// Whether surfaces hide any of it, so that their depth must be known.
+    /// Whether surfaces hide any part of it, so that their depth must be known.
     pub(crate) fn needs_depth(&self) -> bool {
         self.wireframe == Wireframe::Over
             || self.wire_voxels == Wires::Over

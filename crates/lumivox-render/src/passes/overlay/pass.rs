@@ -1,11 +1,11 @@
-//! Frames of an overlay, their mean, and how it comes onto the screen.
+//! Frames of an overlay, their mean, and blending it over the picture.
 
 use glam::UVec2;
 use lumivox::gpu::{
     BindGroupBuilder, Buffer, Kernel, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture,
     TextureView, uniform_buffer,
 };
-use lumivox::{GBuffer, Gi, View};
+use lumivox::{CameraView, GBuffer, Gi};
 
 use super::edges::{Edges, ranges};
 use super::lines::{Lines, all};
@@ -21,20 +21,20 @@ use crate::scene::GpuScene;
 /// Bytes a pixel of an overlay: a frame in half floats, and two means.
 pub(crate) const OVERLAY_BYTES_PER_PIXEL: u64 = 8 + 2 * 16;
 
-/// What an overlay shows.
+/// The content of an overlay.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Shown {
     pub(crate) overlay: Overlay,
     pub(crate) voxel_level: u32,
 }
 
-/// What a frame of it is seen in.
+/// The camera and the textures of an overlay's frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OverlayView<'a> {
-    pub(crate) view: &'a View,
+    pub(crate) view: &'a CameraView,
     pub(crate) scene: &'a GpuScene,
     pub(crate) gi: &'a Gi,
-    /// Of the same frame where surfaces hide anything.
+    /// The G-buffer of the same frame, if surfaces hide anything.
     pub(crate) gbuffer: &'a GBuffer,
     pub(crate) surfaces: &'a GBufferTargets,
 }
@@ -50,9 +50,9 @@ pub(crate) struct OverlayPass {
     blend_layout: wgpu::BindGroupLayout,
     segment_layout: wgpu::BindGroupLayout,
     segment_view: Buffer,
-    /// The records of the scene's draws, and where their triangles are.
+    /// The records of the scene's draws, and the ranges of their triangles.
     draws: Option<(Buffer, Buffer)>,
-    /// Those that were needed so far.
+    /// The pipelines that were needed so far.
     edges: Option<Edges>,
     lines: Option<Lines>,
     voxels: Option<WireVoxels>,
@@ -103,7 +103,7 @@ impl OverlayPass {
         })
     }
 
-    /// How many frames of `shown` are in the mean.
+    /// The number of frames of `shown` in the mean.
     pub(crate) fn frames(&self, shown: &Shown) -> u32 {
         if self.shown == *shown { self.accumulate.frames() } else { 0 }
     }
@@ -113,8 +113,8 @@ impl OverlayPass {
         self.accumulate.reset();
     }
 
-    /// Adds a frame of `shown` to the mean, which starts anew where that is another than before; once per
-    /// submission.
+    /// Adds a frame of `shown` to the mean, or starts the mean again if `shown` has changed; once
+    /// per submission.
     ///
     /// # Errors
     /// When a shader does not link.
@@ -148,7 +148,7 @@ impl OverlayPass {
         Ok(())
     }
 
-    /// Makes the pipelines that are needed and not there yet.
+    /// Makes the missing pipelines.
     fn prepare(&mut self, gi: &Gi, is_new: bool) -> Result<(), ShaderError> {
         let device = gi.pipelines();
         let (overlay, shaders, layout) = (&self.shown.overlay, &self.shaders, &self.segment_layout);

@@ -1,14 +1,14 @@
-//! What edges and lines share: the camera, the G-buffer that hides them, and the pipeline.
+//! Common parts of edges and lines: the camera, the G-buffer that hides them, and the pipeline.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4, Vec4Swizzles as _};
-use lumivox::View;
+use lumivox::CameraView;
 use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
 use lumivox::gpu::{LayoutBuilder, Pipelines, ShaderError};
 
 use super::{Overlay, WIREFRAME_COLOR, WIREFRAME_WIDTH, Wireframe};
 
-/// Of the texture that an overlay's frames are drawn in: it can be blended.
+/// Format of the texture of an overlay's frame, which can be blended.
 pub(crate) const FRAME_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// `SegmentView` of `segment.wgsl`.
@@ -28,8 +28,9 @@ pub(crate) struct SegmentView {
 }
 
 impl SegmentView {
-    pub(super) fn new(view: &View, overlay: &Overlay) -> Self {
-        // Infinitely far, clip space is made of directions; w is not quite 0 where the matrix is rounded.
+    pub(super) fn new(view: &CameraView, overlay: &Overlay) -> Self {
+        // Infinitely far away, clip space consists of directions; w is not quite 0 if the matrix is
+        // rounded.
         let world_from_clip = view.clip_from_world.inverse();
         let ray = |column: Vec4| (column.xyz() - column.w * view.position).to_array();
         Self {
@@ -58,7 +59,8 @@ pub(super) fn layout(device: &Pipelines) -> wgpu::BindGroupLayout {
         .build(device, "segments")
 }
 
-/// A pipeline that draws quads over what is there, without a depth buffer: fragments test for themselves.
+/// A pipeline that draws quads over the target, without a depth buffer: fragments test depth
+/// themselves.
 ///
 /// # Errors
 /// When the shader has no such entry points.

@@ -1,8 +1,8 @@
-// Lines as quads of a width in pixels, hidden behind the surfaces of the G-buffer or not.
+// Lines as quads of a width in pixels, optionally hidden by the surfaces of the G-buffer.
 //
 // A quad is a little larger than the line; its fragments measure their distance from it. All
-// numbers are in pixels of the picture, and depths those of the G-buffer, near / distance, which
-// goes linearly along a line on the screen.
+// numbers are in pixels of the picture. Depths are those of the G-buffer, near / distance, which
+// are linear along a line on the screen.
 
 import package::trace::surface::octahedral_decode;
 
@@ -43,15 +43,16 @@ struct SegmentFragment {
     @location(3) @interpolate(flat) color: vec4f,
 }
 
-// How far beyond the picture's edge a line is cut, as a share of the picture: more than any width.
+// The distance beyond the picture's edge at which a line is cut, as a share of the picture: more
+// than any width.
 const BEYOND: f32 = 1.1;
 // The rounding of depths: the rasterizer's depths of large triangles are off by some 1e-5 of
 // themselves, and half floats of the normal turn a plane by 5e-4, seen a pixel away.
 const DEPTH_PRECISION: f32 = 1e-4;
-// A line may lie this many pixels' slope behind the surface: the steps of a curved surface within a
-// pixel.
+// The slope, in pixels, by which a line may be behind the surface: the steps of a curved surface
+// within a pixel.
 const SLOPE_PIXELS: f32 = 0.5;
-// Beyond this steepness the slope is no longer trusted.
+// Beyond this steepness the slope is not trusted.
 const MIN_COS: f32 = 0.05;
 
 fn to_pixels(clip: vec4f) -> vec2f {
@@ -64,7 +65,7 @@ fn quad_corner(vertex: u32) -> vec2f {
     return vec2f(f32(corner >> 1u), f32(corner & 1u)) * 2.0 - 1.0;
 }
 
-// A vertex of which nothing is drawn.
+// A vertex outside the picture, so that nothing is drawn.
 fn nowhere() -> SegmentVertex {
     return SegmentVertex(vec4f(2.0, 2.0, 0.5, 1.0), vec4f(0.0), vec2f(0.0), vec2f(0.0), vec4f(0.0));
 }
@@ -78,7 +79,7 @@ fn segment_corner(
     is_tested: bool,
     color: vec4f,
 ) -> SegmentVertex {
-    // The part of it before the near plane and not far out of the picture (Liang and Barsky 1984,
+    // The part in front of the near plane and not far outside the picture (Liang and Barsky 1984,
     // "A new concept and method for line clipping", in homogeneous coordinates).
     var start = 0.0;
     var end = 1.0;
@@ -100,7 +101,7 @@ fn segment_corner(
             end = -1.0;
         }
     }
-    // Not a number is not less either.
+    // NaN fails this comparison, too.
     if !(start <= end) {
         return nowhere();
     }
@@ -113,7 +114,7 @@ fn segment_corner(
     if pixels > 1e-4 {
         along = (b - a) / pixels;
     }
-    // The ends are round; a hair is left for the rasterizer's own grid.
+    // The ends are round; a little more is left for the rasterizer's own grid.
     let reach = 0.5 * width + 0.1;
     let tip = select(a, b, corner.x > 0.0) + reach * (corner.x * along + corner.y * vec2f(-along.y, along.x));
     let ndc = (tip / segment_view.size - 0.5) * vec2f(2.0, -2.0);
@@ -131,9 +132,9 @@ fn ray_through(pixel: vec2f) -> vec3f {
     return segment_view.ray_middle + ndc.x * segment_view.ray_across + ndc.y * segment_view.ray_up;
 }
 
-// Whether the surface of a pixel hides a point of that depth, which is seen at `place`, within a
-// line's width. The point is compared with the surface's plane right there: the edge of a surface
-// lies in it however steep it is.
+// Whether the surface of a pixel hides a point of that depth, seen at `place`, within a line's
+// width. The point is compared with the surface's plane at that place: the edge of a surface is in
+// that plane, however steep it is.
 fn is_hidden(pixel: vec2u, place: vec2f, depth: f32) -> bool {
     let surface = textureLoad(surface_depth, pixel, 0);
     let normal = octahedral_decode(textureLoad(surface_normals, pixel, 0).zw);
@@ -146,7 +147,7 @@ fn is_hidden(pixel: vec2u, place: vec2f, depth: f32) -> bool {
     return depth < plane * (1.0 - DEPTH_PRECISION) - SLOPE_PIXELS * slope;
 }
 
-// The colour of a pixel of a line, multiplied by its coverage; 0 where it is not.
+// The colour of a pixel of a line, multiplied by its coverage; 0 outside the line.
 fn segment_color(fragment: SegmentFragment) -> vec4f {
     let a = fragment.ends.xy;
     let along = fragment.ends.zw - a;

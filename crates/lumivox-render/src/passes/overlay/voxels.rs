@@ -21,13 +21,13 @@ pub(crate) struct WireSettings {
     padding: [u32; 2],
 }
 
-/// Draws them.
+/// Draws the wire cubes of one level.
 #[derive(Debug)]
 pub(super) struct WireVoxels {
     kernel: Kernel,
     layout: wgpu::BindGroupLayout,
     settings: Buffer,
-    /// Stands in for group 2: wires are of no light.
+    /// Takes the place of group 2: wires need no light.
     nothing: BindGroup,
 }
 
@@ -62,7 +62,7 @@ impl WireVoxels {
         background: [f32; 4],
         frame: &TextureView,
     ) {
-        // Without voxels there is nothing to show; the occupancy is there once there is a list.
+        // Without voxels there is nothing to show; the occupancy exists once there is a list.
         let Some(voxels) = gi.voxels() else { return };
         let settings = WireSettings {
             color: WIRE_VOXEL_COLOR,

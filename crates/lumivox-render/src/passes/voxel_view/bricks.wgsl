@@ -1,8 +1,8 @@
-// The bricks of one level of an octree, pulled apart: each node's 3x3x3 texels as small cubes in
+// The bricks of one level of an octree, pulled apart: each node's 3x3x3 texels are small cubes in
 // the node's place.
 //
-// The layer that a brick has from its neighbours, the third texels along each axis, is tinted
-// orange: it shows the neighbour's first cells again.
+// The layer of a brick that belongs to its neighbours, the third texels along each axis, is tinted
+// orange: it repeats the neighbour's first cells.
 
 import package::constants::ISOTROPIC;
 import package::grid::grid;
@@ -26,7 +26,7 @@ fn load_texel(node: u32, offset: vec3u, part: u32) -> vec4f {
     return textureLoad(atlas, brick_origin(brick_of(node, part)) + offset, 0);
 }
 
-// The value of a texel as seen against a direction: each side counts by how much it faces it.
+// The value of a texel seen from a direction: each side counts by how much it faces the viewer.
 fn texel_towards(node: u32, offset: vec3u, direction: vec3f) -> vec4f {
     if ISOTROPIC != 0u {
         return load_texel(node, offset, 0u);

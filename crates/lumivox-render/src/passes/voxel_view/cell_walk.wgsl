@@ -16,7 +16,7 @@ struct CellWalk {
     is_inside: bool,
 }
 
-// Into the box from 0 to `size`; `direction` has unit length.
+// A walk into the box from 0 to `size`; `direction` has unit length.
 fn walk_into(origin: vec3f, direction: vec3f, size: vec3f) -> CellWalk {
     // A direction along a plane never crosses it: a large number is used for infinity.
     let is_along = abs(direction) < vec3f(1e-12);
@@ -59,7 +59,7 @@ fn walked_on(from_cell: CellWalk) -> CellWalk {
     return walk;
 }
 
-// Cells that a walk can meet.
+// The most cells that a walk can meet.
 fn longest_walk(size: vec3f) -> u32 {
     return u32(size.x + size.y + size.z);
 }

@@ -22,8 +22,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
 }
 
-// Cells that got light glow in yellow, the others are grey, shaded by the side that is seen: which
-// ones were met by light at all is seen best if the amount does not matter.
+// Lit cells are yellow, the others grey, shaded by the visible side: whether a cell is lit at all
+// shows best without the amount.
 @compute @workgroup_size(8, 8)
 fn lit(@builtin(global_invocation_id) invocation: vec3u) {
     let pixel = invocation.xy;

@@ -9,7 +9,7 @@ struct Hit {
     is_hit: bool,
     // Radiance towards the eye.
     radiance: vec3f,
-    // In cells.
+    // The distance in cells.
     distance: f32,
     position: vec3f,
     axis: u32,
@@ -23,8 +23,8 @@ fn first_cube(ray: Ray, level: u32) -> Hit {
         let cell = vec3u(walk.cell);
         let seen = load_cell(cell, level, ray.direction);
         if seen.a > MIN_OPACITY {
-            // The colour of the face straight on, where it has any: a wall and a floor that share a
-            // cell are each on their own side of the cube.
+            // The radiance of the face along the view, if it has any: a wall and a floor that share
+            // a cell are each on their own side of the cube.
             var inwards = vec3f(0.0);
             inwards[walk.axis] = walk.forward[walk.axis];
             let face = load_cell(cell, level, inwards);

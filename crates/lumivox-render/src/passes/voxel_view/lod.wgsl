@@ -1,5 +1,5 @@
-// The volume's content of one level right at the visible surfaces, filtered as cones see it,
-// looking against the surface's normal: radiance, without the opacity that goes with it.
+// The content of one level of the volume at the visible surfaces, filtered as cones see it, against
+// the surface's normal: radiance, without its opacity.
 
 import package::grid::grid_from_world;
 import package::render::passes::voxel_view::view::{picture, voxel_view_settings, MIN_OPACITY};

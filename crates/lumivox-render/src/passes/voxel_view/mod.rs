@@ -1,12 +1,13 @@
-//! Views of the voxels: what the cones see, at any level.
+//! Views of the voxels: the content of the volume, at any level.
 //!
-//! *Voxels*: cells as cubes; a cube's face shows the radiance of its cell as seen straight through that face,
-//! without the cell's opacity, and faint outlines tell cubes apart. *Lit*: which of them the lights reach. Of an
-//! octree besides: *nodes*, the boxes that hold the cells of a level, and *bricks*, their texels with the layer that
-//! they have from their neighbours.
+//! *Voxels*: cells as cubes; a cube's face shows the radiance of its cell through that face,
+//! without the cell's opacity, and faint outlines separate cubes. *Lit*: the cells that light
+//! reaches. For an octree also *nodes*, the boxes around the cells of a level, and *bricks*, their
+//! texels with the layer of their neighbours.
 //!
-//! *Wire voxels*: the cubes' outlines, found in the occupancy bits of the voxel list; the overlay's wire cubes are the
-//! same walk. *Lod*: what the volume holds at the visible surfaces. Each is linked when it is first shown.
+//! *Wire voxels*: the cubes' outlines, found in the occupancy bits of the voxel list; the overlay's
+//! wire cubes use the same walk. *Lod*: the volume's content at the visible surfaces. Each is
+//! linked when it is first shown.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -48,7 +49,7 @@ pub(crate) struct VoxelViewSettings {
 #[derive(Debug)]
 pub struct VoxelViewPass {
     shaders: ShaderLibrary,
-    /// Those that were shown so far.
+    /// The kernels of the views shown so far.
     kernels: HashMap<View, Kernel>,
     wires_layout: wgpu::BindGroupLayout,
     layout: wgpu::BindGroupLayout,
@@ -58,7 +59,7 @@ pub struct VoxelViewPass {
 }
 
 impl VoxelViewPass {
-    /// Binds what it needs; it writes into `targets` instead of the composite.
+    /// Makes the bind group; the pass writes into `targets` in place of the composite.
     pub fn new(device: &Pipelines, shaders: &ShaderLibrary, targets: &CompositeTargets) -> Self {
         let base = LayoutBuilder::compute()
             .uniform()
@@ -75,9 +76,9 @@ impl VoxelViewPass {
         Self { shaders, kernels, wires_layout, layout, settings, group, picture }
     }
 
-    /// Shows a level to a camera of the given vertical field of view. Both take effect at the next
-    /// submission: one frame per recorder. A view that is not one of the voxels, or that the volume cannot show, is
-    /// shown as [`View::Voxels`]. [`View::Lod`] needs the G-buffer of this frame.
+    /// Draws a level for a camera of this vertical field of view. Both take effect at the next
+    /// submission: one frame per recorder. A view that is not of voxels, or that the volume cannot
+    /// show, is drawn as [`View::Voxels`]. [`View::Lod`] needs the G-buffer of this frame.
     ///
     /// # Errors
     /// When a shader does not link.
@@ -109,7 +110,7 @@ impl VoxelViewPass {
         Ok(())
     }
 
-    /// The kernel of a view, linked if it was not shown before.
+    /// The kernel of a view, linked at its first use.
     ///
     /// # Errors
     /// When its shader does not link.
@@ -133,7 +134,7 @@ impl VoxelViewPass {
     }
 }
 
-/// What stands in for a view that is not one of the voxels, or that there is nothing for.
+/// The view that is drawn for another one that is not of voxels, or whose data does not exist.
 fn shown(view: View, gi: &Gi) -> View {
     let is_octree = matches!(gi.config().volume, VolumeKind::Octree(_));
     match view {

@@ -1,7 +1,6 @@
-// The nodes of one level of an octree as wire boxes around the cells that they hold.
+// The nodes of one level of an octree as wire boxes around their cells.
 //
-// Blue: nodes with cells of their own. Orange: nodes that are there only for their neighbours'
-// sake.
+// Blue: nodes with cells of their own. Orange: nodes that exist only for their neighbours.
 
 import package::grid::grid;
 import package::volume::octree::search::{find_node, node_parts};

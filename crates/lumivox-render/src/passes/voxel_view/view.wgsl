@@ -1,4 +1,4 @@
-// The shared parts of all views of voxels: their settings, their picture, a pixel's ray, outlines.
+// The shared parts of all views of voxels: settings, picture, a pixel's ray, outlines.
 
 import package::grid::grid_from_world;
 import package::trace::view::{position_from_depth, view};
@@ -15,12 +15,12 @@ struct VoxelViewSettings {
 @group(1) @binding(0) var<uniform> voxel_view_settings: VoxelViewSettings;
 @group(1) @binding(1) var picture: texture_storage_2d<rgba32float, write>;
 
-// A depth at which two points of a ray are far enough apart for f32 to hold its direction: a
+// A depth at which two points of a ray are far enough apart for f32 to resolve its direction: a
 // thousand times the distance of the near plane.
 const FAR_DEPTH: f32 = 0.001;
-// Cells that cover less are empty: half floats do not hold the radiance of less to 1 %.
+// Cells that cover less count as empty: half floats cannot hold their radiance to 1 %.
 const MIN_OPACITY: f32 = 0.001;
-// How wide the outline of a cube's faces is, as a share of its edge, and how much light it leaves.
+// The width of the outline of a cube's faces, as a share of its edge, and the light that it leaves.
 const OUTLINE_WIDTH: f32 = 0.04;
 const OUTLINE_LIGHT: f32 = 0.7;
 
@@ -37,7 +37,7 @@ fn pixel_ray(pixel: vec2u, level: u32) -> Ray {
     return Ray(origin, normalize(target_point - view.position_in_world));
 }
 
-// How far a point of a face across an axis is from the nearest edge of its cell; at most 1/2.
+// The distance of a point of a face across an axis from the nearest edge of its cell; at most 1/2.
 fn distance_to_edge(position: vec3f, axis: u32) -> f32 {
     let from_corner = fract(position);
     var to_edge = min(from_corner, 1.0 - from_corner);

@@ -1,8 +1,8 @@
 // Wire cubes along a pixel's ray: the outlines of faces between an occupied cell and an empty one.
 //
-// The walk goes by the occupancy bits of the voxel list, from block to block: where a block of a
-// coarser level is empty it is crossed in one step, and the next one tried is twice as large; where
-// it is not, it is looked into.
+// The walk follows the occupancy bits of the voxel list, from block to block: an empty block of a
+// coarser level is crossed in one step, and the next one tried is twice as large; a block that is
+// not empty is searched.
 
 import package::grid::{grid, grid_from_world};
 import package::render::passes::voxel_view::cell_walk::{longest_walk, walk_into};
@@ -14,8 +14,7 @@ import package::voxels::morton::morton_encode;
 
 // Half the width of a line in pixels.
 const HALF_WIDTH: f32 = 0.55;
-// Where a pixel is a larger share of a cell than this, lines get fainter by as much as they get
-// denser.
+// Where a pixel is a larger share of a cell than this, lines fade by as much as they get denser.
 const DENSEST: f32 = 0.15;
 // A ray that is covered to this share hides everything behind it.
 const COVERED: f32 = 0.99;
@@ -26,7 +25,7 @@ struct Wires {
     cell: vec3u,
 }
 
-// A pixel's ray in units of cells of a level, and how it turns from pixel to pixel.
+// A pixel's ray in units of cells of a level, and its change from pixel to pixel.
 struct PixelRay {
     origin: vec3f,
     direction: vec3f,
@@ -34,7 +33,7 @@ struct PixelRay {
     down: vec3f,
 }
 
-// Where the bits of the level are, and its cells along each axis.
+// The first bit of the level, and its cells along each axis.
 struct LevelBits {
     first_word: u32,
     size: vec3i,
@@ -45,10 +44,10 @@ fn has_voxel(cell: vec3u, first_word: u32) -> bool {
     return ((occupancy[first_word + code / 32u] >> (code & 31u)) & 1u) != 0u;
 }
 
-// How much of a pixel the outline of a face covers that the ray crosses; `cell` is the occupied
-// one. Distances from the edges are those on the screen, so that lines are as wide at any distance
-// and slant. Where cells are small, lines turn into an even tint, which fades where a pixel is as
-// wide as several cells.
+// The share of a pixel that the outline of a crossed face covers; `cell` is the occupied one.
+// Distances from the edges are measured on the screen, so that lines have the same width at any
+// distance and slant. For small cells, lines turn into an even tint, which fades where a pixel is
+// as wide as several cells.
 fn outline_of(
     ray: PixelRay,
     cell: vec3i,
@@ -70,8 +69,8 @@ fn outline_of(
         // Cells that a pixel is wide.
         let pixel = max(distance * length(step), 1e-12);
         let pixels_off = abs(position[beside] - edge) / pixel;
-        // Half of a line lies on this face, the other half on the next; but at the outermost
-        // visible edges there is no next one.
+        // Half of a line is on this face, the other half on the next; at the outermost visible
+        // edges there is no next one.
         let is_high = edge > f32(cell[beside]) + 0.5;
         var width = HALF_WIDTH;
         if is_entry && pixels_off < 2.0 * HALF_WIDTH && (ray.direction[beside] > 0.0) == is_high {
@@ -105,14 +104,14 @@ fn wires_along(pixel: vec2u, level: u32, end: f32) -> Wires {
     var cell = vec3i(entry.cell);
     var axis = entry.axis;
     var distance = entry.distance;
-    // The block that is looked at is this many levels coarser; its level's bits begin here.
+    // The present block is this many levels coarser; its level's bits begin here.
     var up = 0u;
     var first_word = own.first_word;
     var words = level_words(level);
 
     var before = cell;
     var was_there = false;
-    // In the cell where the ray begins no face is crossed.
+    // No face is crossed in the cell where the ray begins.
     var has_face = distance > 0.0;
     var wires = Wires(0.0, vec3u(0u));
     var is_done = !entry.is_inside;
@@ -137,7 +136,7 @@ fn wires_along(pixel: vec2u, level: u32, end: f32) -> Wires {
             was_there = is_there;
             has_face = true;
             before = cell;
-            // On through the block, to the next cell behind it.
+            // Continue through the block, to the next cell behind it.
             let edge = i32(1u << up);
             let low = (cell >> vec3u(up)) << vec3u(up);
             let next = (vec3f(low + select(vec3i(0), vec3i(edge), forward > vec3i(0))) - ray.origin)

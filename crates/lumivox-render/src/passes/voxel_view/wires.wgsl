@@ -5,7 +5,7 @@ import package::render::passes::voxel_view::wire_walk::wires_along;
 import package::trace::view::view;
 import package::volume::load_cell;
 
-// The light that a cell sends out, over all sides.
+// The light that a cell emits, over all sides.
 fn light_of(cell: vec3u, level: u32) -> vec3f {
     var sum = vec4f(0.0);
     for (var side = 0u; side < 6u; side++) {

@@ -1,5 +1,5 @@
-//! The curves and the code of screens on the CPU, for pictures that no GPU made. The tests hold
-//! `tone_map.wgsl` to them.
+//! The curves and the screen's encoding on the CPU, for pictures that were not made on a GPU. Tests
+//! compare `tone_map.wgsl` with them.
 
 use glam::Vec3;
 
@@ -7,8 +7,8 @@ use crate::ToneMap;
 use crate::picture::srgb::srgb_encode;
 
 impl ToneMap {
-    /// Brings a linear colour, already exposed, to a screen: bent by the curve, limited to 0..1,
-    /// sRGB-encoded unless it is [`ToneMap::Raw`]. What is below 0 counts as 0.
+    /// Encodes a linear, already exposed colour for a screen: mapped by the curve, limited to 0..1,
+    /// sRGB-encoded unless it is [`ToneMap::Raw`]. Negative values count as 0.
     pub fn encode(self, exposed: Vec3) -> Vec3 {
         let color = exposed.max(Vec3::ZERO);
         let bent = match self {

@@ -1,9 +1,10 @@
-//! How bright the pixels of a picture are.
+//! The histogram of a picture's luminance.
 
 use super::MIDDLE_GREY;
 
-/// Pixels counted by their luminance in steps of a quarter of a stop, from 2^-14 cd/m² (a moonless night) to 2^22 (an
-/// incandescent filament). What is darker, such as black, or brighter is in the first and the last bin.
+/// Pixels counted by luminance in steps of a quarter of a stop, from 2^-14 cd/m² (a moonless night)
+/// to 2^22 (an incandescent filament). Darker pixels, such as black, and brighter ones are in the
+/// first and the last bin.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Histogram {
     /// The number of pixels in each bin.
@@ -11,35 +12,37 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// Bins to a stop, a factor of two.
+    /// Bins per stop, which is a factor of two.
     pub const BINS_PER_STOP: usize = 4;
-    /// Where the first bin begins: the logarithm to base 2 of its luminance in cd/m².
+    /// The start of the first bin: the logarithm to base 2 of its luminance in cd/m².
     pub const FIRST_STOP: i32 = -14;
-    /// Bins in all: 36 stops.
+    /// The number of bins: 36 stops.
     pub const BINS: usize = 36 * Self::BINS_PER_STOP;
 
-    /// Of luminances in cd/m².
+    /// The histogram of luminances in cd/m².
     pub(crate) fn of(luminances: impl Iterator<Item = f64>) -> Self {
         let mut bins = [0; Self::BINS];
         for luminance in luminances {
-            // Black has minus infinity, and a float becomes the nearest whole number that there is.
+            // The logarithm of black is minus infinity; the cast clamps it.
             let place = Self::place(luminance.max(0.0).log2()) as usize;
             bins[place.min(Self::BINS - 1)] += 1;
         }
         Self { bins }
     }
 
-    /// Where a luminance falls, in bins from the start of the first; its logarithm to base 2 is given.
+    /// The position of a luminance, given its logarithm to base 2, in bins from the start of the
+    /// first.
     fn place(log2_luminance: f64) -> f64 {
         (log2_luminance - f64::from(Self::FIRST_STOP)) * Self::BINS_PER_STOP as f64
     }
 
-    /// Where what becomes a middle grey falls at an exposure in stops, in bins from the start of the first.
+    /// The position of middle grey at an exposure in stops, in bins from the start of the first.
     pub fn middle_grey(stops: f32) -> f32 {
         Self::place(MIDDLE_GREY.log2() - f64::from(stops)) as f32
     }
 
-    /// Where what becomes white, the end of the screen's range, falls at an exposure in stops, before a curve bends it.
+    /// The position of white, the end of the screen's range, at an exposure in stops, before a
+    /// curve is applied.
     pub fn white(stops: f32) -> f32 {
         Self::place(-f64::from(stops)) as f32
     }
@@ -74,7 +77,7 @@ mod tests {
         assert_eq!(histogram.bins.iter().sum::<u32>(), 8);
     }
 
-    /// Grey and white are where the exposure puts them.
+    /// Grey and white are at the positions that the exposure gives them.
     #[test]
     fn marks_stand_where_the_exposure_says() {
         let one = 14.0 * Histogram::BINS_PER_STOP as f32;

@@ -1,7 +1,7 @@
 //! From radiance or data to 8 bits a channel.
 //!
-//! Colours are multiplied by 2 to the power of the exposure's stops, bent by a curve, and encoded for
-//! a screen (sRGB, IEC 61966-2-1). Data is scaled alone, or shown as colours of a heat map.
+//! Colours are multiplied by 2 to the power of the exposure's stops, mapped by a curve, and encoded
+//! for a screen (sRGB, IEC 61966-2-1). Data is only scaled, or shown as colours of a heat map.
 
 mod curve;
 mod histogram;
@@ -23,45 +23,46 @@ pub(crate) const ENCODE_COLOR: u32 = 0;
 pub(crate) const ENCODE_DATA: u32 = 1;
 pub(crate) const ENCODE_HEAT: u32 = 2;
 
-/// Of what a screen shows.
+/// The format of the pixels for a screen.
 const SCREEN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// The middle grey that automatic exposure aims at (Reinhard et al. 2002, section 3.1).
 const MIDDLE_GREY: f64 = 0.18;
-/// What it makes of the surfaces that a fifth outshines, such as the ground of a studio: what is white beside
-/// them is nearly white then, nothing large burns out, and a patch of sun may.
+/// The target for the luminance that a fifth of the surface exceeds, such as the ground of a
+/// studio: white things beside it are then nearly white, and no large surface is clipped; a patch
+/// of sun may be.
 const LIGHT_GREY: f64 = 0.6;
-/// So many stops of under- and overexposure of the mean may come of that.
+/// The most stops by which that may darken or brighten the mean.
 const UNDER_AND_OVER: [f32; 2] = [2.0, 1.5];
-/// What cameras expose for, in EV at ISO 100: from a landscape under stars to snow in full sun (ANSI
-/// PH2.7-1986, "Photographic exposure guide", table 1).
+/// The range that cameras expose for, in EV at ISO 100: from a landscape under stars to snow in
+/// full sun (ANSI PH2.7-1986, "Photographic exposure guide", table 1).
 pub const EV100_RANGE: std::ops::RangeInclusive<f32> = -6.0..=17.0;
-/// A reflected-light meter has a mean luminance of `K 2^EV / 100` cd/m² at ISO 100, K = 12.5 (ISO 2720:1974).
+/// A reflected-light meter reads `K 2^EV / 100` cd/m² at ISO 100, K = 12.5 (ISO 2720:1974).
 const METER_CD_M2: f64 = 0.125;
-/// A share of the pixels that must show more than the first code above black.
+/// The share of the pixels that must show more than the first code above black.
 const SHOWN: f64 = 1e-3;
-/// What that code stands for: IEC 61966-2-1.
+/// The linear value of that code: IEC 61966-2-1.
 const FIRST_CODE: f64 = 1.0 / (255.0 * 12.92);
-/// Pixels darker than this share of the picture's mean luminance do not count: black has no logarithm,
-/// and where direct light alone is shown, half of a picture may be black.
+/// Pixels darker than this share of the picture's mean luminance do not count: black has no
+/// logarithm, and in a view of direct light half of a picture may be black.
 const DARKEST: f64 = 1e-3;
 
-/// How a picture is brought to the screen.
+/// The encoding of a picture for a screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Encoding {
-    /// Linear colour: multiplied, bent by the curve, sRGB-encoded.
+    /// Linear colour: multiplied, mapped by the curve, sRGB-encoded.
     Color {
         /// The factor.
         scale: f32,
         /// The curve.
         curve: ToneMap,
     },
-    /// Numbers: the code from 0 to 1 is `scale` times the number, plus `offset` where there is a
+    /// Data: the code from 0 to 1 is `scale` times the number, plus `offset` where there is a
     /// surface.
     Data {
         /// The factor.
         scale: f32,
-        /// What is added.
+        /// The number that is added.
         offset: f32,
     },
     /// The first channel times `scale`, from 0 to 1, as colours from dark violet to yellow.
@@ -117,7 +118,7 @@ impl ToneMapPass {
         self.kernel.run(recorder, &[&group], [self.size.x, self.size.y, 1]);
     }
 
-    /// The same by a kernel with one texture more, which comes on top.
+    /// The same with a kernel that blends one more texture over the result.
     pub(crate) fn record_below(
         &self,
         recorder: &mut Recorder,
@@ -155,7 +156,7 @@ impl ToneMapPass {
         recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
     }
 
-    /// What was written: `Rgba8Unorm`, already encoded.
+    /// The result: `Rgba8Unorm`, already encoded.
     pub fn screen(&self) -> &Texture {
         &self.screen
     }
@@ -178,7 +179,7 @@ impl From<Encoding> for ToneMapSettings {
 }
 
 impl Exposure {
-    /// The stops, where they do not depend on a picture.
+    /// The stops, if they do not depend on a picture.
     pub fn fixed_stops(self) -> Option<f32> {
         match self {
             Self::Auto | Self::AutoEach => None,
@@ -186,8 +187,8 @@ impl Exposure {
         }
     }
 
-    /// The stops for a picture of radiances (rgb, and in a whether there is a surface) in cd/m²: see
-    /// [`Exposure::meter`].
+    /// The stops for a picture of radiances (rgb, and in a whether there is a surface) in cd/m²:
+    /// see [`Exposure::meter`].
     pub fn stops(self, picture: &[[f32; 4]]) -> f32 {
         match self {
             Self::Stops(stops) => stops,
@@ -195,12 +196,13 @@ impl Exposure {
         }
     }
 
-    /// The same, and whether it can be a good picture.
+    /// Measures a picture: the stops, its histogram, and a warning if it cannot be a good picture.
     ///
-    /// Automatic exposure maps the geometric mean of the surfaces' luminance to 0.18 (Reinhard et al. 2002,
-    /// "Photographic tone reproduction for digital images", equation 1), and from there by 1.5 stops up or two
-    /// down such that what only a fifth of them outshines is a light grey. It stays within [`EV100_RANGE`]; a
-    /// picture without light or surfaces is left as it is.
+    /// Automatic exposure maps the geometric mean of the surfaces' luminance to 0.18 (Reinhard et
+    /// al. 2002, "Photographic tone reproduction for digital images", equation 1). From there it
+    /// changes by 1.5 stops up or two down, so that the luminance that only a fifth of the surfaces
+    /// exceeds becomes a light grey. It stays within [`EV100_RANGE`]; a picture without light or
+    /// surfaces is left as it is.
     pub fn meter(self, picture: &[[f32; 4]]) -> Metering {
         let (automatic, wanted) = automatic(picture);
         let stops = self.fixed_stops().unwrap_or(automatic);
@@ -225,30 +227,30 @@ impl Exposure {
     }
 }
 
-/// What was found out about a picture's light.
+/// The measurements of a picture's light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metering {
-    /// That it is shown with.
+    /// The exposure of the picture, in stops.
     pub stops: f32,
-    /// What is wrong with it.
+    /// The problem with the picture's light, if there is one.
     pub warning: Option<ExposureWarning>,
-    /// How bright its pixels are; `None` where it shows no light.
+    /// The histogram of its pixels; `None` if it shows no light.
     pub histogram: Option<Histogram>,
 }
 
-/// Why a picture is not what a camera would make of the scene.
+/// Why a camera would not take such a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ExposureWarning {
-    /// It is black but for a thousandth.
+    /// All but a thousandth of the picture is black.
     Black,
-    /// Cameras do not expose for so little light; it is shown darker than asked for.
+    /// The scene has less light than cameras expose for; the picture is darker than requested.
     TooDark {
-        /// In EV at ISO 100.
+        /// The light in EV at ISO 100.
         ev100: f32,
     },
-    /// Nor for so much; it is shown brighter.
+    /// The scene has more light than cameras expose for; the picture is brighter.
     TooBright {
-        /// In EV at ISO 100.
+        /// The light in EV at ISO 100.
         ev100: f32,
     },
 }
@@ -274,7 +276,7 @@ impl std::fmt::Display for ExposureWarning {
     }
 }
 
-/// The exposure for which a meter's mean luminance becomes middle grey.
+/// The exposure at which a meter's mean luminance becomes middle grey.
 fn stops_of(ev100: f32) -> f32 {
     (MIDDLE_GREY / METER_CD_M2).log2() as f32 - ev100
 }
@@ -283,7 +285,7 @@ fn ev100(stops: f32) -> f32 {
     stops_of(stops)
 }
 
-/// The stops of automatic exposure, and those that it would have without limits.
+/// The stops of automatic exposure, with and without limits.
 fn automatic(picture: &[[f32; 4]]) -> (f32, f32) {
     let Some(grey) = middle_grey_stops(picture) else { return (0.0, 0.0) };
     let mut lit: Vec<f64> = surfaces(picture).collect();
@@ -295,7 +297,8 @@ fn automatic(picture: &[[f32; 4]]) -> (f32, f32) {
     (wanted.clamp(stops_of(*EV100_RANGE.end()), stops_of(*EV100_RANGE.start())), wanted)
 }
 
-/// The stops that make the geometric mean of the surfaces' luminance a middle grey; none without light.
+/// The stops that make the geometric mean of the surfaces' luminance a middle grey; `None` without
+/// light.
 pub(crate) fn middle_grey_stops(picture: &[[f32; 4]]) -> Option<f32> {
     geometric_mean(picture).map(|mean| (MIDDLE_GREY / mean).log2() as f32)
 }
@@ -391,7 +394,7 @@ mod tests {
         assert!((bright.stops + 16.47).abs() < 0.01, "{bright:?}");
         assert!(matches!(bright.warning, Some(ExposureWarning::TooBright { .. })));
         assert_eq!(Exposure::Auto.meter(&[BLACK; 9]).warning, Some(ExposureWarning::Black));
-        // Who fixes the exposure wants it so, unless nothing is seen.
+        // A fixed exposure gives no warning, unless nothing is seen.
         assert_eq!(Exposure::Stops(3.0).meter(&[grey(1e-3); 9]).warning, None);
         assert_eq!(
             Exposure::Stops(-30.0).meter(&[grey(1.0); 9]).warning,

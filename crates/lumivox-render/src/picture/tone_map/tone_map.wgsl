@@ -1,4 +1,4 @@
-// From radiance or data to the 8 bits a channel of a screen. Knows nothing of the grid: its own
+// From radiance or data to the 8 bits a channel of a screen. It does not use the grid: its own
 // bindings are in group 0.
 
 import package::constants::{ENCODE_COLOR, ENCODE_HEAT, TONE_MAP_ACES, TONE_MAP_NEUTRAL, TONE_MAP_RAW};

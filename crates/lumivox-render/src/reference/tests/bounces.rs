@@ -6,7 +6,7 @@ use super::*;
 fn the_first_gather_finds_one_bounce() {
     let scene = builtin("cornell");
     let by =
-        |gathers, samples| traced(&scene, &ReferenceSettings { gathers, ..settings(16, samples) });
+        |bounces, samples| traced(&scene, &ReferenceSettings { bounces, ..settings(16, samples) });
     let one = by(Some(1), 16);
     assert_eq!(one.one_bounce, one.full);
     assert_eq!(one.one_bounce_variance, one.full_variance);

@@ -42,7 +42,7 @@ fn a_panel_lights_a_floor_by_lamberts_formula() {
     let corners = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)];
     let corners = corners.map(|(x, z)| DVec3::new(x, 1.0, z));
     let edge = 24;
-    let layers = traced(&scene, &ReferenceSettings { gathers: Some(1), ..settings(edge, 256) });
+    let layers = traced(&scene, &ReferenceSettings { bounces: Some(1), ..settings(edge, 256) });
     let expected: Vec<f64> = (0..layers.full.len())
         .map(|pixel| pixel_mean(pixel, edge, 5.8, |at| polygon_irradiance(at, DVec3::Y, &corners)))
         .collect();

@@ -6,21 +6,21 @@ use lumivox_scene::{Clearcoat, MetallicRoughness, Phong, Shading};
 use super::brdf::Lobes;
 use super::*;
 
-/// In a closed cube that emits 1 cd/m² and reflects a half everywhere, n gathers bring the sum of
+/// In a closed cube that emits 1 cd/m² and reflects a half everywhere, n bounces bring the sum of
 /// the first powers of a half, and all of them 2 cd/m².
 #[test]
 fn a_closed_furnace_is_a_geometric_series() {
-    for (gathers, samples) in [(Some(0), 16), (Some(1), 16), (Some(3), 64), (None, 256)] {
-        let asked = ReferenceSettings { gathers, ..settings(8, samples) };
+    for (bounces, samples) in [(Some(0), 16), (Some(1), 16), (Some(3), 64), (None, 256)] {
+        let asked = ReferenceSettings { bounces, ..settings(8, samples) };
         let layers = traced(&builtin("furnace"), &asked);
         let powers = |count: u32| 2.0 - 0.5_f64.powi(count as i32 - 1);
-        let [radiance, irradiance] = match gathers {
+        let [radiance, irradiance] = match bounces {
             // The light of 0 to n reflections; the irradiance is that before the last one.
             Some(n) => [powers(n + 1), powers(n)],
             None => [2.0, 2.0],
         };
-        Estimate::radiance(&layers).assert_is(&format!("{gathers:?} gathers"), radiance);
-        let what = format!("irradiance of {gathers:?} gathers");
+        Estimate::radiance(&layers).assert_is(&format!("{bounces:?} bounces"), radiance);
+        let what = format!("irradiance of {bounces:?} bounces");
         Estimate::full(&layers).assert_is(&what, std::f64::consts::PI * irradiance);
         assert!(layers.coverage.iter().all(|share| *share == 1.0), "a ray left a closed cube");
         assert!(layers.occlusion.iter().all(|open| *open == 0.0), "nothing is open inside");

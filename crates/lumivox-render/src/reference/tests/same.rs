@@ -86,7 +86,7 @@ fn a_checkpoint_of_anything_else_is_refused() {
     assert!(!refused(&scene, &small()));
     assert!(!refused(&scene, &ReferenceSettings { samples: 99, ..small() }), "more may follow");
     assert!(refused(&scene, &ReferenceSettings { seed: 9, ..small() }));
-    assert!(refused(&scene, &ReferenceSettings { gathers: Some(3), ..small() }));
+    assert!(refused(&scene, &ReferenceSettings { bounces: Some(3), ..small() }));
     assert!(refused(&scene, &ReferenceSettings { occlusion_distance_m: 1.0, ..small() }));
     assert!(refused(&scene, &ReferenceSettings { size: UVec2::new(14, 24), ..small() }));
     let mut brighter = scene.clone();

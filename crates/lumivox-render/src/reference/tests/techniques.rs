@@ -96,15 +96,15 @@ fn a_round_lamp_is_a_glowing_sphere() {
     let intensity_cd = radiance * area / 4.0;
     // The sphere itself is above the picture, and is not hit by light from floor to wall: one
     // gather.
-    let settings = ReferenceSettings { gathers: Some(1), ..settings(24, 256) };
+    let settings = ReferenceSettings { bounces: Some(1), ..settings(24, 256) };
     // The floor's highlight is in the middle: there both asking and chance find the lamp.
     scene.cameras = vec![Camera::look_at(Vec3::new(0.3, 1.6, 2.2), Vec3::new(0.2, 0.0, 0.5), 0.35)];
     let mut by_mesh = scene.clone();
     add(&mut by_mesh, mesh, glowing(Vec3::splat(radiance)));
     by_mesh.instances.iter_mut().skip(2).for_each(|i| i.world_from_local = world_from_local);
-    let by_mesh = traced(&by_mesh, &ReferenceSettings { gathers: Some(1), ..settings.clone() });
+    let by_mesh = traced(&by_mesh, &ReferenceSettings { bounces: Some(1), ..settings.clone() });
     scene.lights = vec![point_light(center, intensity_cd, radius_m)];
-    let by_lamp = traced(&scene, &ReferenceSettings { gathers: Some(0), ..settings });
+    let by_lamp = traced(&scene, &ReferenceSettings { bounces: Some(0), ..settings });
     // The light that corners lose: a thousandth.
     let mesh = Estimate::radiance(&by_mesh);
     let mesh = Estimate { error: mesh.error.hypot(2.5e-4 * mesh.mean), ..mesh };

@@ -1,4 +1,4 @@
-//! Names for the values of the renderer's types.
+//! Names of the values of the renderer's types.
 
 use super::{Choice, Choices};
 use crate::{ShadowMethod, ToneMap, View, Wireframe, Wires};
@@ -7,8 +7,8 @@ impl Choices for View {
     const VALUES: &'static [Self] = &Self::ALL;
     const CHOICES: &'static [Choice] = &[
         Choice::new("final", "all light"),
-        Choice::new("direct", "emission, and what lamps and sun send without a detour"),
-        Choice::new("indirect", "what came by way of other surfaces or from the environment"),
+        Choice::new("direct", "emission, and light straight from lamps and sun"),
+        Choice::new("indirect", "light from other surfaces and from the environment"),
         Choice::new("diffuse", "indirect light as a white diffuse surface would reflect it"),
         Choice::new("specular", "indirect light that is reflected glossily"),
         Choice::new("occlusion", "ambient visibility: 1 in the open, 0 where no sky is seen"),
@@ -22,9 +22,12 @@ impl Choices for View {
             "lit",
             "which voxels of one level get direct light (yellow), and which not (grey)",
         ),
-        Choice::new("nodes", "the octree's nodes round the voxels of one level, as wire boxes"),
-        Choice::new("bricks", "these nodes' bricks, texels pulled apart; neighbours' are orange"),
-        Choice::new("lod", "light that the volume holds of one level (--level), on the surfaces"),
+        Choice::new("nodes", "the octree's nodes around the voxels of one level, as wire boxes"),
+        Choice::new(
+            "bricks",
+            "the bricks of these nodes, texels pulled apart; those of neighbours are orange",
+        ),
+        Choice::new("lod", "the volume's light of one level (--level), on the surfaces"),
         Choice::new(
             "wire-voxels",
             "the voxels of one level as wire cubes in the colours of their light",
@@ -37,8 +40,11 @@ impl Choices for ToneMap {
     const CHOICES: &'static [Choice] = &[
         Choice::new("neutral", "Khronos PBR Neutral: colours stay, highlights are compressed"),
         Choice::new("aces", "the ACES film curve: more contrast, hues shift in highlights"),
-        Choice::new("linear", "none: what is brighter than 1 is clipped"),
-        Choice::new("raw", "not even the screen's encoding: for display values, as in preset vxct"),
+        Choice::new("linear", "no curve: values above 1 are clipped"),
+        Choice::new(
+            "raw",
+            "no curve and no screen encoding: for display values, as in preset vxct",
+        ),
     ];
 }
 
@@ -53,17 +59,17 @@ impl Choices for ShadowMethod {
 impl Choices for Wireframe {
     const VALUES: &'static [Self] = &[Self::Off, Self::Over, Self::Through];
     const CHOICES: &'static [Choice] = &[
-        Choice::new("off", "none"),
-        Choice::new("over", "those of visible surfaces"),
-        Choice::new("through", "all, seen through surfaces"),
+        Choice::new("off", "no edges"),
+        Choice::new("over", "edges of visible surfaces"),
+        Choice::new("through", "all edges, also behind surfaces"),
     ];
 }
 
 impl Choices for Wires {
     const VALUES: &'static [Self] = &[Self::Off, Self::Over, Self::Through];
     const CHOICES: &'static [Choice] = &[
-        Choice::new("off", "none"),
-        Choice::new("over", "those in front of surfaces"),
-        Choice::new("through", "all, seen through surfaces"),
+        Choice::new("off", "no cubes"),
+        Choice::new("over", "cubes in front of surfaces"),
+        Choice::new("through", "all cubes, also behind surfaces"),
     ];
 }

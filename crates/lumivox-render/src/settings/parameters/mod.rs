@@ -1,11 +1,11 @@
-//! The one table of everything that can be set about a rendering.
+//! The table of all settings of a rendering.
 //!
 //! Each row says of a setting its names, group, unit, range, meaning, what is made again when it changes, and how it is
 //! read and written. Validation, options of command lines, consoles, panels, scripts, reports and declarations for
 //! JavaScript are all made from it; [`Parameter::default`] computes what a preset gives. Rows live where the settings do:
-//! those of the cones in [`TraceSettings::SETTINGS`] and [`ReportCones::SETTINGS`], all others of this crate in `table.rs`.
-//! A [look](crate::look) brings rows of its own, made by [`Parameter::of_part`]; whoever offers looks appends them, as
-//! `lumivox-explorer` does.
+//! those of the cones in [`TraceSettings::SETTINGS`], all others of this crate in `table.rs`. A [look](crate::look) and
+//! the library's [hooks](lumivox::hooks) bring rows of their own, made by [`Parameter::own`] and [`Parameter::of_part`];
+//! whoever offers them adds their rows, as `lumivox-explorer` does.
 
 mod choices;
 mod table;
@@ -18,7 +18,6 @@ pub use lumivox::settings::{Choice, Choices, Kind, Redoes, Setting, SettingError
 
 pub use table::MAX_STOPS;
 
-use crate::classics::ReportCones;
 use crate::{PresetChoice, RenderSettings};
 
 /// One setting of a rendering: a row of the table.
@@ -28,22 +27,22 @@ pub struct Parameter {
     pub name: &'static str,
     /// Other names.
     pub aliases: &'static [&'static str],
-    /// The group that it is shown in.
+    /// The group in which it is shown.
     pub group: Group,
-    /// The unit of its numbers; empty where there is none.
+    /// The unit of its numbers; empty without one.
     pub unit: &'static str,
     /// Its meaning, in one sentence without a full stop.
     pub summary: &'static str,
-    /// More about it, in sentences. It may be empty.
+    /// More about it, in sentences; may be empty.
     pub help: &'static str,
-    /// Which values there are.
+    /// The kind and range of its values.
     pub kind: Kind,
-    /// Words that mean one of its values each.
+    /// Words that each set one of its values.
     pub shorthands: &'static [(&'static str, Value)],
-    /// The setting that must have a certain value for this one to mean anything, and that value. Setting this one sets
-    /// that one, too.
+    /// The setting, and its value, without which this one has no effect. Setting this one sets that
+    /// one, too.
     pub needs: Option<(&'static str, &'static str)>,
-    /// What is made again when it changes.
+    /// The work that a change redoes.
     pub redoes: Redoes,
     get: Arc<Get>,
     set: Arc<Set>,
@@ -52,14 +51,14 @@ pub struct Parameter {
 type Get = dyn Fn(&RenderSettings) -> Value + Send + Sync;
 type Set = dyn Fn(&mut RenderSettings, Value) + Send + Sync;
 
-/// What settings belong to.
+/// A group of settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Group {
-    /// Size of the mean, exposure, curve.
+    /// Number of frames, exposure, curve.
     Picture,
-    /// What is shown.
+    /// The view.
     View,
-    /// What is drawn over the picture.
+    /// The overlay.
     Overlay,
     /// Voxels and where they are stored.
     Volume,
@@ -96,12 +95,8 @@ pub static PARAMETERS: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
         rows.iter().map(|row| Parameter::own(group, *row)).collect()
     };
     let cones = TraceSettings::SETTINGS;
-    let report = ReportCones::SETTINGS;
     let of_cones =
         |row| Parameter::of_part(Group::Cones, row, |s| s.trace, |s, trace| s.trace = trace);
-    let of_report = |row| {
-        Parameter::of_part(Group::Cones, row, |s| s.report_cones, |s, cones| s.report_cones = cones)
-    };
     [
         own(Group::Picture, table::PICTURE),
         own(Group::View, table::VIEW),
@@ -109,7 +104,6 @@ pub static PARAMETERS: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
         own(Group::Volume, table::VOLUME),
         own(Group::Light, table::LIGHT),
         cones.iter().copied().map(of_cones).collect(),
-        report.map(of_report).into(),
     ]
     .into_iter()
     .flatten()
@@ -117,12 +111,12 @@ pub static PARAMETERS: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
 });
 
 impl Parameter {
-    /// A row whose setting is in the settings of a rendering itself.
+    /// A row whose setting is in [`RenderSettings`] itself.
     pub fn own(group: Group, row: Setting<RenderSettings>) -> Self {
         Self::new(group, &row, Arc::new(row.get), Arc::new(row.set))
     }
 
-    /// A row whose setting is in a part of the settings, which is read as a whole and put back.
+    /// A row whose setting is in a part of the settings, which is read and written as a whole.
     pub fn of_part<S>(
         group: Group,
         row: Setting<S>,
@@ -155,31 +149,31 @@ impl Parameter {
         }
     }
 
-    /// The parameter of this crate's table of a name or an alias.
+    /// The row of a name or an alias in this crate's table.
     pub(crate) fn find(name: &str) -> Option<&'static Self> {
         PARAMETERS.iter().find(|parameter| parameter.names().any(|known| known == name))
     }
 
-    /// Its name and its aliases.
+    /// The name and the aliases.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         [self.name].into_iter().chain(self.aliases.iter().copied())
     }
 
-    /// Its value in some settings.
+    /// The value in some settings.
     pub fn get(&self, settings: &RenderSettings) -> Value {
         (self.get)(settings)
     }
 
-    /// The value that a preset gives it.
+    /// The value in a preset.
     pub fn default(&self, preset: PresetChoice) -> Value {
         self.get(&RenderSettings::default().with_preset(preset, None))
     }
 
-    /// Puts a value into settings.
+    /// Writes a value into settings.
     ///
     /// # Errors
-    /// [`SettingError`] when it is not one of this parameter's; then nothing changes. Values that only a device or a
-    /// combination forbids are found by [`RenderSettings::validate`].
+    /// [`SettingError`] when the value is not allowed; then nothing changes.
+    /// [`RenderSettings::validate`] finds values that only a device or a combination forbids.
     pub fn set(&self, settings: &mut RenderSettings, value: Value) -> Result<(), SettingError> {
         if !self.kind.allows(value) {
             return Err(self.error(&value.to_string()));
@@ -192,16 +186,18 @@ impl Parameter {
         (self.set)(settings, value);
     }
 
-    /// Reads a value as text: a number, a choice's name, `on` or `off`, the word for a value that has no number.
+    /// Parses a value: a number, a choice's name, `on` or `off`, the word for a value without a
+    /// number.
     ///
     /// # Errors
-    /// [`SettingError`], which says what would have been right.
+    /// [`SettingError`], which names the allowed values.
     pub fn parse(&self, text: &str) -> Result<Value, SettingError> {
         let value = self.kind.parse(text, self.unit).ok_or_else(|| self.error(text))?;
         if self.kind.allows(value) { Ok(value) } else { Err(self.error(text)) }
     }
 
-    /// Whether it means something in these settings: an option of the octree does only where there is one.
+    /// Whether it has an effect in these settings: an option of the octree only has one with an
+    /// octree.
     pub fn means_something(&self, settings: &RenderSettings) -> bool {
         self.needs.is_none_or(|(name, value)| match name {
             "look" => settings.look_name() == value,

@@ -6,9 +6,6 @@ use lumivox::{
 };
 
 use super::{Choice, Choices as _, Kind, Redoes, Setting, Value};
-use crate::classics::{
-    INJECTIONS, VOXELIZERS, injection, injection_name, voxelizer, voxelizer_name,
-};
 use crate::{Exposure, RenderSettings, ShadowMethod, ToneMap, View, Wireframe, Wires};
 
 type Row = Setting<RenderSettings>;
@@ -18,7 +15,7 @@ pub(super) const PICTURE: &[Row] = &[
     Row {
         name: "frames",
         unit: "frames",
-        summary: "Frames that are averaged",
+        summary: "Frames to average",
         help: "More: smoother edges and less noise, at proportional cost. A single frame is jagged.",
         // The running mean in f32 still moves by a 65 536th.
         kind: Kind::whole(1, 65_536),
@@ -31,9 +28,9 @@ pub(super) const PICTURE: &[Row] = &[
         name: "exposure",
         unit: "stops",
         summary: "Radiance in cd/m2 times 2 to this power is shown; auto makes the average a middle grey",
-        help: "auto stays within what cameras do (EV100 -6 to 17) and goes up to 1.5 stops brighter or two darker so that \
-               white is nearly white; a warning says where that is not enough. The pictures of a sequence all take the \
-               median of what five of them ask for, so that they do not flicker; with auto-each every picture finds its \
+        help: "auto stays within the range of cameras (EV100 -6 to 17) and goes up to 1.5 stops brighter or two darker so that \
+               white is nearly white; a warning says if that is not enough. All pictures of a sequence have the \
+               median of the exposures of five of them, so that they do not flicker; with auto-each every picture has its \
                own. No effect on OpenEXR.",
         kind: Kind::Number {
             low: -MAX_STOPS,
@@ -58,7 +55,7 @@ pub(super) const PICTURE: &[Row] = &[
     Row {
         name: "tone_map",
         summary: "Curve from radiance to the screen's range",
-        help: "It is for PNG and the screen; OpenEXR stays radiance.",
+        help: "Only for PNG and the screen; OpenEXR holds radiance.",
         kind: Kind::Choice(ToneMap::CHOICES),
         get: |s| Value::Choice(s.tone_map.choice()),
         set: |s, v| s.tone_map.choose(v),
@@ -66,7 +63,7 @@ pub(super) const PICTURE: &[Row] = &[
     },
 ];
 
-/// What the picture shows.
+/// The view.
 pub(super) const VIEW: &[Row] = &[
     Row {
         name: "view",
@@ -81,8 +78,8 @@ pub(super) const VIEW: &[Row] = &[
     },
     Row {
         name: "level",
-        summary: "Level of the voxels that are shown; 0 is the finest",
-        help: "It is for the views lod, voxels, wire-voxels, lit, nodes and bricks and for wire_voxels. Each level more has \
+        summary: "Level of the shown voxels; 0 is the finest",
+        help: "For the views lod, voxels, wire-voxels, lit, nodes and bricks and for wire_voxels. Each next level has \
                voxels of twice the edge.",
         kind: Kind::whole(0, MAX_RESOLUTION.ilog2()),
         redoes: Redoes::Frames,
@@ -92,12 +89,12 @@ pub(super) const VIEW: &[Row] = &[
     },
 ];
 
-/// What is drawn over the picture.
+/// The overlay.
 pub(super) const OVERLAY: &[Row] = &[
     Row {
         name: "wireframe",
-        summary: "Edges of triangles over the picture: those that are visible, or all through surfaces",
-        help: "An overlay is in PNG and on the screen only; OpenEXR stays what it is.",
+        summary: "Edges of triangles over the picture: only visible ones, or all",
+        help: "Overlays are only in PNG and on the screen, not in OpenEXR.",
         kind: Kind::Choice(Wireframe::CHOICES),
         get: |s| Value::Choice(s.overlay.wireframe.choice()),
         set: |s, v| s.overlay.wireframe.choose(v),
@@ -105,8 +102,8 @@ pub(super) const OVERLAY: &[Row] = &[
     },
     Row {
         name: "wire_voxels",
-        summary: "Voxels as wire cubes over the picture: those that are visible, or all through surfaces",
-        help: "They are those of one level; faces between two voxels are left out.",
+        summary: "Voxels as wire cubes over the picture: only visible ones, or all",
+        help: "The cubes are those of one level; faces between two voxels are left out.",
         kind: Kind::Choice(Wires::CHOICES),
         get: |s| Value::Choice(s.overlay.wire_voxels.choice()),
         set: |s, v| s.overlay.wire_voxels.choose(v),
@@ -114,8 +111,8 @@ pub(super) const OVERLAY: &[Row] = &[
     },
     Row {
         name: "show_grid",
-        summary: "The box that the voxels lie in",
-        help: "It is faint where surfaces hide it.",
+        summary: "The box of the voxel grid",
+        help: "It is faint behind surfaces.",
         get: |s| Value::Switch(s.overlay.grid_box),
         set: |s, v| s.overlay.grid_box = v.is_on(),
         ..Row::ROW
@@ -123,7 +120,7 @@ pub(super) const OVERLAY: &[Row] = &[
     Row {
         name: "hide_surfaces",
         summary: "A plain background instead of the picture under the overlay",
-        help: "Surfaces still hide what they hide of it.",
+        help: "Surfaces still hide the parts of the overlay behind them.",
         get: |s| Value::Switch(s.overlay.hides_surfaces),
         set: |s, v| s.overlay.hides_surfaces = v.is_on(),
         ..Row::ROW
@@ -158,8 +155,8 @@ pub(super) const VOLUME: &[Row] = &[
     Row {
         name: "directionality",
         summary: "A radiance for each of six directions, or one a voxel",
-        help: "One a voxel is a ninth of a dense volume's memory, half of an octree's; surfaces light and shadow \
-               themselves, thin walls leak.",
+        help: "One a voxel takes a ninth of a dense volume's memory, or half of an octree's; but surfaces light and shadow \
+               themselves, and thin walls leak.",
         kind: Kind::Choice(Directionality::CHOICES),
         shorthands: &[
             ("isotropic", Value::Choice("isotropic")),
@@ -173,7 +170,7 @@ pub(super) const VOLUME: &[Row] = &[
     Row {
         name: "volume",
         summary: "Where the voxels' light is stored",
-        help: "The picture is the same to 0.2 % in the mean. A dense volume is faster below 256 voxels (docs/octree.md has \
+        help: "The picture is the same to 0.2 % on average. A dense volume is faster below 256 voxels (docs/octree.md has \
                figures) and takes memory with the cube of the resolution; an octree takes it with the surface.",
         kind: Kind::Choice(&[
             Choice::new("dense", "3D textures over the whole grid"),
@@ -191,7 +188,7 @@ pub(super) const VOLUME: &[Row] = &[
     },
     Row {
         name: "octree_builder",
-        summary: "How an octree's nodes come into being; asks for an octree",
+        summary: "How an octree's nodes are made; selects an octree",
         kind: Kind::Choice(OctreeBuilder::CHOICES),
         get: |s| Value::Choice(octree(s).builder.choice()),
         set: |s, v| set_octree(s, |octree| octree.builder.choose(v)),
@@ -199,7 +196,7 @@ pub(super) const VOLUME: &[Row] = &[
     },
     Row {
         name: "octree_duplication",
-        summary: "How bricks find their neighbours' texels; asks for an octree",
+        summary: "How bricks find their neighbours' texels; selects an octree",
         kind: Kind::Choice(Duplication::CHOICES),
         get: |s| Value::Choice(octree(s).duplication.choice()),
         set: |s, v| set_octree(s, |octree| octree.duplication.choose(v)),
@@ -207,7 +204,7 @@ pub(super) const VOLUME: &[Row] = &[
     },
     Row {
         name: "octree_mipmaps",
-        summary: "Over which cells coarser levels are filtered; asks for an octree",
+        summary: "The cells over which coarser levels are filtered; selects an octree",
         kind: Kind::Choice(Mipmapping::CHOICES),
         get: |s| Value::Choice(octree(s).mipmapping.choice()),
         set: |s, v| set_octree(s, |octree| octree.mipmapping.choose(v)),
@@ -216,7 +213,7 @@ pub(super) const VOLUME: &[Row] = &[
     Row {
         name: "volume_memory",
         unit: "MiB",
-        summary: "The most memory that the volume may take",
+        summary: "The most memory of the volume",
         help: "A volume that does not fit is refused before it is allocated, with both numbers.",
         kind: Kind::Number { low: 0.0, high: 1_048_576.0, words: &[UNLIMITED], off: None },
         redoes: Redoes::Voxels,
@@ -227,36 +224,14 @@ pub(super) const VOLUME: &[Row] = &[
         set: |s, v| s.volume_memory = v.number().map(|mib| (mib * MIB) as u64),
         ..Row::ROW
     },
-    Row {
-        name: "voxelizer",
-        summary: "How triangles become voxels",
-        help: "All but the exact way use the GPU's rasterizer, and are there to be compared with it (`lumivox voxels SCENE \
-               --compare-voxelizers`).",
-        kind: Kind::Choice(VOXELIZERS),
-        redoes: Redoes::Voxels,
-        get: |s| Value::Choice(voxelizer_name(&s.voxelizer)),
-        set: |s, v| s.voxelizer = voxelizer(v.name()),
-        ..Row::ROW
-    },
 ];
 
 /// Light in the voxels, and shadows.
 pub(super) const LIGHT: &[Row] = &[
     Row {
-        name: "injection",
-        summary: "How light comes into the voxels",
-        help: "Both ways give the same light in the mean. Photons scatter with the texels that a voxel is seen by, and \
-               follow shadows within a voxel. Lights without shadow maps are injected directly.",
-        kind: Kind::Choice(INJECTIONS),
-        redoes: Redoes::Voxels,
-        get: |s| Value::Choice(injection_name(&s.injection)),
-        set: |s, v| s.injection = injection(v.name()),
-        ..Row::ROW
-    },
-    Row {
         name: "bounces",
-        summary: "Reflections of indirect light, the one at the visible surface included",
-        help: "0 is direct light only, 1 is light by way of one other surface. N leave out about the share a^N of the light \
+        summary: "Bounces of indirect light, including the one at the visible surface",
+        help: "0 is only direct light, 1 is light by way of one other surface. N bounces leave out about the share a^N of the light \
                in a room of albedo a. Each costs one more gather in the voxels, once.",
         // With an albedo of 0.9, a seventeenth would still add 2 % of the light.
         kind: Kind::whole(0, 16),
@@ -288,9 +263,9 @@ pub(super) const LIGHT: &[Row] = &[
     },
 ];
 
-/// The word for a memory without end.
+/// The word for unlimited memory.
 const UNLIMITED: &str = "unlimited";
-/// The words for an exposure that is found from the picture, or from each picture of a sequence.
+/// The words for automatic exposure, common to a sequence or of each picture.
 const AUTO: &str = "auto";
 const AUTO_EACH: &str = "auto-each";
 
@@ -299,11 +274,11 @@ pub const MAX_STOPS: f32 = 64.0;
 
 const MIB: f32 = 1_048_576.0;
 
-/// An option of the octree, which asks for one.
+/// The base of the octree's options, which select an octree.
 const OF_OCTREE: Row =
     Row { needs: Some(("volume", "octree")), redoes: Redoes::Voxels, ..Row::ROW };
 
-/// The options of the octree, or those that it would have.
+/// The options of the octree, or the defaults without one.
 fn octree(settings: &RenderSettings) -> OctreeOptions {
     match settings.volume {
         VolumeKind::Octree(options) => options,
@@ -311,7 +286,7 @@ fn octree(settings: &RenderSettings) -> OctreeOptions {
     }
 }
 
-/// Takes an octree with a changed option.
+/// Selects an octree with a changed option.
 fn set_octree(settings: &mut RenderSettings, change: impl FnOnce(&mut OctreeOptions)) {
     let mut options = octree(settings);
     change(&mut options);

@@ -1,11 +1,13 @@
 //! What the tests that render built-in scenes share: the device, a rendering, and means over pixels.
 
 mod device;
+mod still;
 pub mod zoo;
 
 pub use device::{gpu, own_gpu};
 use lumivox_render::{Gpu, Picture, RenderSettings, Renderer};
 use lumivox_scene::{Camera, Scene};
+pub use still::StillCones;
 
 /// A built-in scene.
 ///

@@ -1,11 +1,14 @@
 //! Cones from one pixel of four: what the others take from their neighbours.
 
+use std::sync::Arc;
+
 use glam::Vec3;
+use lumivox::hooks::ConeModel;
 use lumivox::{TraceResolution, TraceSettings};
-use lumivox_render::classics::ReportCones;
 use lumivox_render::{RenderSettings, View};
 use lumivox_scene::{Material, Scene};
 
+use crate::common::StillCones;
 use crate::surfaces::stage::*;
 
 /// Half the edge of the box.
@@ -65,10 +68,10 @@ fn half_resolution_traces_what_no_neighbour_fits() {
     add(&mut scene, quad(middle, 0.5 * pixel * Vec3::X, Vec3::Y * HALF), white);
     let [full, half] = [TraceResolution::Full, TraceResolution::Half].map(|resolution| {
         let trace = TraceSettings { resolution, ..TraceSettings::default() };
-        let report_cones = ReportCones { jitter: false, ..ReportCones::default() };
+        let cone_model: Option<Arc<dyn ConeModel>> = Some(Arc::new(StillCones { share: 1.0 }));
         let (bounces, frames) = (1, 1);
         let settings =
-            RenderSettings { bounces, frames, trace, report_cones, ..settings(View::Diffuse) };
+            RenderSettings { bounces, frames, trace, cone_model, ..settings(View::Diffuse) };
         let picture = render(&scene, settings);
         [14, 15, 16].map(|x: u32| mean_of(&picture, (x, 8).into(), (x + 1, 24).into()).x)
     });

@@ -29,8 +29,8 @@ const OZONE_COLUMN: f64 = 300.0 * 2.687e20;
 /// Angular radius of the sun, rad.
 pub(super) const SUN_RADIUS_RAD: f64 = 0.004_65;
 
-/// Densities at a place, or their integrals along a way in km: molecules, aerosol, ozone, each 1
-/// where it is densest.
+/// Densities at a point, or their integrals along a path in km: molecules, aerosol, ozone, each
+/// relative to its maximum.
 type Amounts = [f64; 3];
 
 /// The air of one day.
@@ -43,8 +43,7 @@ pub(super) struct Atmosphere {
     ozone: Spectrum,
     ground_albedo: f64,
     columns: Vec<Amounts>,
-    /// The light that all orders above the first send towards any direction, for a sun of
-    /// irradiance 1.
+    /// The light of all orders above the first, in any direction, for a sun of irradiance 1.
     many: Vec<Spectrum>,
 }
 
@@ -61,7 +60,7 @@ const COLUMN_STEPS: usize = 64;
 const MANY_STEPS: usize = 16;
 const VIEW_STEPS: usize = 32;
 
-/// A place above the ground and a direction from there.
+/// A point above the ground and a direction.
 #[derive(Clone, Copy)]
 struct Ray {
     /// Distance from the earth's centre.
@@ -80,7 +79,7 @@ impl Ray {
         self.mu < 0.0 && self.r * self.r * (1.0 - self.mu * self.mu) <= GROUND_KM * GROUND_KM
     }
 
-    /// Where the ray leaves the air or meets the ground.
+    /// The distance at which the ray leaves the air or meets the ground.
     fn length(self) -> f64 {
         if self.meets_ground() {
             self.distance_to(GROUND_KM, false)
@@ -89,7 +88,7 @@ impl Ray {
         }
     }
 
-    /// The distance from the earth's centre after a way.
+    /// The distance from the earth's centre after a length of the ray.
     fn radius_after(self, t: f64) -> f64 {
         (t * t + 2.0 * self.r * self.mu * t + self.r * self.r).sqrt()
     }
@@ -104,8 +103,8 @@ fn densities(r: f64) -> Amounts {
     ]
 }
 
-/// Cuts a way into steps that are short at its beginning, where the air is densest and detail is
-/// nearest: their middles and lengths.
+/// Divides a path into steps that are short at its beginning, where the air is densest and detail
+/// is nearest: their middles and lengths.
 fn steps(length: f64, count: usize) -> impl Iterator<Item = (f64, f64)> {
     let edge = move |i: usize| length * (i as f64 / count as f64).powi(2);
     (0..count).map(move |i| (0.5 * (edge(i) + edge(i + 1)), edge(i + 1) - edge(i)))
@@ -139,7 +138,7 @@ impl Atmosphere {
         air
     }
 
-    /// The share of light that a way leaves.
+    /// The transmitted share of light.
     fn transmitted(&self, column: &Amounts) -> Spectrum {
         std::array::from_fn(|band| (-self.optical_depth(band, column)).exp())
     }
@@ -168,7 +167,8 @@ impl Atmosphere {
                 };
                 let ray = Ray { r, mu };
                 let mut column = [0.0; 3];
-                // The middle of a step represents it; the way ends at the air's end, never below.
+                // The middle of a step represents it; the path ends at the end of the air, never
+                // below.
                 for (middle, length) in steps(d, COLUMN_STEPS) {
                     let here = densities(ray.radius_after(middle));
                     (0..3).for_each(|i| column[i] += here[i] * length);
@@ -178,7 +178,7 @@ impl Atmosphere {
         }
     }
 
-    /// The column from a place to the end of the air, along a direction that does not meet the
+    /// The column from a point to the end of the air, along a direction that does not meet the
     /// ground.
     fn column(&self, ray: Ray) -> Amounts {
         let horizon = (TOP_KM * TOP_KM - GROUND_KM * GROUND_KM).sqrt();
@@ -210,7 +210,7 @@ impl Atmosphere {
         self.transmitted(&column).map(|share| share * visible * visible * (3.0 - 2.0 * visible))
     }
 
-    /// The light of all orders above the first, scattered at a place towards anywhere.
+    /// The light of all orders above the first, scattered at a point in any direction.
     fn many_at(&self, r: f64, mu: f64) -> Spectrum {
         let height = ((r - GROUND_KM) / (TOP_KM - GROUND_KM)).clamp(0.0, 1.0).sqrt();
         let share = ((mu - LEAST_COSINE) / (1.0 - LEAST_COSINE)).clamp(0.0, 1.0);
@@ -272,9 +272,9 @@ impl Atmosphere {
         self.march(ray, sun, to_sun, VIEW_STEPS, Some(phases)).radiance
     }
 
-    /// Follows a ray. With `phases`, which say how much of the sun's light molecules and aerosol
-    /// scatter towards the eye, higher orders are added; without, scattering is the same in all
-    /// directions, and the ground is seen.
+    /// Follows a ray. With `phases`, the shares of the sun's light that molecules and aerosol
+    /// scatter towards the eye, higher orders are added. Without them, scattering is the same in
+    /// all directions, and the ground is visible.
     fn march(
         &self,
         ray: Ray,
@@ -327,7 +327,7 @@ impl Atmosphere {
 /// The light that a ray gathers.
 struct Marched {
     radiance: Spectrum,
-    /// The share of a uniform radiance of 1 that is scattered into the ray on its way.
+    /// The share of a uniform radiance of 1 that is scattered into the ray.
     scattered: Spectrum,
 }
 

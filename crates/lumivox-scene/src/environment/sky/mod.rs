@@ -1,12 +1,12 @@
-//! A clear sky in real units, from first principles: the sun's light after its way through the air.
+//! A clear sky in real units from first principles: sunlight after its way through the air.
 //!
-//! Spectra of the sun outside of the air, of molecules, aerosol and ozone go in (`spectrum`,
-//! `atmosphere`); luminance in cd/m² and illuminance in lux come out, and colours by themselves:
-//! the blue zenith, the white horizon, the red sunset, dusk.
+//! The input is spectra of the sun outside the air, of molecules, aerosol and ozone (`spectrum`,
+//! `atmosphere`). The output is luminance in cd/m² and illuminance in lux. The colours follow: the
+//! blue zenith, the white horizon, the red sunset, dusk.
 //!
 //! The published fits (Preetham et al. 1999; Hosek and Wilkie 2012) end where the sun meets the
-//! horizon. A computed sky goes on through dusk, and its sun has the colour that its light has lost
-//! to the sky. It takes about half a second of one core.
+//! horizon. A computed sky continues through dusk, and its sun has exactly the colour that its
+//! light has lost to the sky. It takes about half a second of one core.
 
 mod atmosphere;
 mod spectrum;
@@ -21,22 +21,22 @@ use self::atmosphere::{Atmosphere, SUN_RADIUS_RAD};
 use self::spectrum::{Observer, Spectrum, solar};
 use crate::{EnvironmentMap, Light, LightKind, SceneError};
 
-/// The description of a sky.
+/// The settings of a sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkySettings {
-    /// Towards the sun, in the world; any length above 0. Below the horizon, dusk falls; the sky is
-    /// black (to a millionth of a lux) from some 18 degrees on, since neither stars nor moon shine.
-    /// Default: 45 degrees high, over -z and +x alike.
+    /// Direction towards the sun, in the world; any length above 0. A sun below the horizon means
+    /// dusk; from some 18 degrees on the sky is black (to a millionth of a lux), since there are
+    /// neither stars nor moon. Default: 45 degrees high, halfway between -z and +x.
     pub sun_direction: Vec3,
-    /// The haze of the air: its optical depth over that of its molecules. 1 (the clearest that
-    /// there is) to 10 (thick haze); default 2, a clear day. Higher: paler, brighter around the
-    /// sun, a weaker sun.
+    /// The haze of the air: its optical depth over that of its molecules. 1 (the clearest possible)
+    /// to 10 (thick haze); default 2, a clear day. Higher: a paler sky, brighter around the sun,
+    /// and a weaker sun.
     pub turbidity: f32,
-    /// The share of light that the ground below the horizon reflects, 0 to 1; default 0.2, meadows
-    /// and soil. Snow has 0.8.
+    /// The share of light that the ground below the horizon reflects, 0 to 1; default 0.2, for
+    /// meadows and soil. Snow has 0.8.
     pub ground_albedo: f32,
     /// Texels around the horizon, even, 16 to 4096; half as many from top to bottom. Default: 512.
-    /// Nothing in a clear sky is finer than that, and the time goes with the square.
+    /// A clear sky has no finer detail, and the time grows with the square.
     pub width: u32,
 }
 
@@ -51,25 +51,24 @@ impl Default for SkySettings {
     }
 }
 
-/// A sky and its sun. Both together are the daylight; neither holds the other's.
+/// A sky and its sun. Daylight is both together; neither includes the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sky {
     /// The sky without the sun's disc, and the lit ground below the horizon, cd/m²; use it with a
     /// radiance of 1 and no rotation.
     pub map: EnvironmentMap,
     /// The sun: lux, an angular radius of 0.00465 rad. Its colour is that of the light that passes
-    /// the air, at luminance 1. `None` where no part of its disc is above the horizon.
+    /// the air, at luminance 1. `None` if no part of its disc is above the horizon.
     pub sun: Option<Light>,
 }
 
 /// The weights of linear sRGB in luminance: ITU-R BT.709-6, section 3.2.
 const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
-/// The air of the default settings, through which most skies are seen: it takes as long to make as
-/// they do.
+/// The air of the default settings, which most skies use: it takes as long to compute as a sky.
 static CLEAR: LazyLock<Atmosphere> = LazyLock::new(|| air(&SkySettings::default()));
 
-/// Makes a sky.
+/// Computes a sky.
 ///
 /// # Errors
 /// [`SceneError::OutOfRange`] when a setting is out of its range.
@@ -84,7 +83,7 @@ fn air(settings: &SkySettings) -> Atmosphere {
     Atmosphere::new(settings.turbidity.into(), settings.ground_albedo.into())
 }
 
-/// The sky of settings that were checked, through their air.
+/// The sky of valid settings, through their air.
 fn sky_through(air: &Atmosphere, settings: &SkySettings) -> Sky {
     let to_sun = settings.sun_direction.as_dvec3().normalize();
     let observer = Observer::new();
@@ -135,7 +134,7 @@ fn sky_through(air: &Atmosphere, settings: &SkySettings) -> Sky {
 
 fn sun(to_sun: DVec3, rgb: DVec3) -> Option<Light> {
     let illuminance = rgb.dot(LUMINANCE);
-    // Below this, nothing of it can be seen by day or night.
+    // A sun below this is invisible by day and night.
     if illuminance < 1e-6 {
         return None;
     }

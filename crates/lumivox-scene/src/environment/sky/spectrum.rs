@@ -1,6 +1,6 @@
-//! Light of 16 wavelengths, and its way to luminance and colour.
+//! Light of 16 wavelengths, and its conversion to luminance and colour.
 //!
-//! The air treats each wavelength differently, by far more than three channels could follow (the
+//! The air treats each wavelength differently, by far more than three channels could represent (the
 //! Rayleigh scattering of 400 nm is nine times that of 700 nm), so the sky is computed in bands of
 //! 20 nm from 390 to 710 nm and becomes RGB at the very end: 683 lm/W times the CIE 1931 colour
 //! matching functions.

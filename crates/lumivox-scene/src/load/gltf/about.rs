@@ -1,4 +1,4 @@
-//! The properties of a file that describe the file itself.
+//! Metadata of a file.
 
 use gltf::json::Root;
 

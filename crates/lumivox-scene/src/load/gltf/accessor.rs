@@ -1,4 +1,4 @@
-//! Numbers out of buffers, with every bound checked before anything is read or allocated.
+//! Numbers from buffers, with every bound checked before anything is read or allocated.
 
 use gltf::accessor::{DataType, Dimensions};
 use gltf::json;
@@ -8,8 +8,8 @@ use super::Loader;
 use crate::SceneError;
 
 impl<'a> Loader<'a> {
-    /// Reads vectors of `N` floats. Integers are normalised to 0..1 or -1..1 where the accessor
-    /// says so (glTF 2.0, section 3.11).
+    /// Reads vectors of `N` floats. Integers are normalised to 0..1 or -1..1 if the accessor says
+    /// so (glTF 2.0, section 3.11).
     pub(super) fn read_floats<const N: usize>(
         &self,
         accessor: usize,
@@ -19,8 +19,8 @@ impl<'a> Loader<'a> {
         self.read_vectors(accessor, what, &layout)
     }
 
-    /// The same, with integers of any kind normalised: a value that can only be a share, such as a
-    /// colour, is one even where the accessor forgets to say so.
+    /// The same, with all integers normalised, for values that can only be shares, such as a
+    /// colour, even if the accessor does not say so.
     pub(super) fn read_shares<const N: usize>(
         &self,
         accessor: usize,
@@ -76,7 +76,7 @@ impl<'a> Loader<'a> {
         Ok(values)
     }
 
-    /// Checks that the bytes are there which an accessor claims, before memory is taken for them.
+    /// Checks that the bytes of an accessor exist, before memory is allocated for them.
     pub(super) fn check_room(&self, accessor: usize, what: &str) -> Result<(), SceneError> {
         let layout = self.layout(accessor, what)?;
         self.slice(accessor, what, &layout).map(drop)
@@ -127,7 +127,7 @@ impl<'a> Loader<'a> {
         })
     }
 
-    /// The accessor's bytes, from its first element to the end of its last; `None` where it has no
+    /// The accessor's bytes, from its first element to the end of its last; `None` if it has no
     /// buffer view, which means zeros.
     fn slice(
         &self,
@@ -137,7 +137,7 @@ impl<'a> Loader<'a> {
     ) -> Result<Option<&'a [u8]>, SceneError> {
         let json = &self.root().accessors[accessor];
         let Some(view) = json.buffer_view else {
-            // Zeros cost the file nothing: it may claim no more of them than it has bytes.
+            // Zeros take no space in the file: it may claim no more of them than it has bytes.
             let available: usize = self.buffers.iter().map(|buffer| buffer.len()).sum();
             if layout.count > available {
                 let reason = format!("it claims {} elements without data", layout.count);
@@ -225,7 +225,7 @@ impl<'a> Loader<'a> {
     }
 }
 
-/// How the elements of an accessor lie in memory.
+/// The memory layout of an accessor's elements.
 struct Layout {
     kind: DataType,
     normalized: bool,

@@ -11,13 +11,13 @@ use super::{Loader, name_or_index};
 use crate::SceneError;
 use crate::pose::{Animation, Channel, Interpolation, Local, Property, Track};
 
-/// Numbers that were read already, by accessor and numbers an element: many channels share their
+/// Numbers that were read already, by accessor and numbers per element: many channels share their
 /// times.
 type Known = HashMap<(usize, usize), Arc<[f32]>>;
 
 impl Loader<'_> {
-    /// Reads all animations into the rig. Channels of nodes that are not in it are left out; so are
-    /// broken ones, with a warning: a mesh should not be lost because of its motion.
+    /// Reads all animations into the rig. Channels of nodes outside it are left out; so are broken
+    /// ones, with a warning: a mesh should not be lost because of its motion.
     pub(super) fn load_animations(&mut self, tree: &Tree) {
         let mut known = Known::new();
         for (i, animation) in self.root().animations.iter().enumerate() {
@@ -47,7 +47,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Reads a channel; `None` where it moves nothing here.
+    /// Reads a channel; `None` if it moves nothing here.
     fn channel(
         &mut self,
         part: &str,
@@ -87,8 +87,8 @@ impl Loader<'_> {
         Ok(Some(Channel { node, property, track }))
     }
 
-    /// The property that moves, and how many numbers its values have. `None`, with a warning, where
-    /// that is not supported.
+    /// The property that moves, and the number of its values' components. `None`, with a warning,
+    /// if it is not supported.
     fn property(
         &mut self,
         part: &str,
@@ -202,7 +202,8 @@ impl Loader<'_> {
         Ok(numbers)
     }
 
-    /// A node that moves should have no matrix, but some exporters write one: its parts then.
+    /// A moving node should have no matrix, but some exporters write one: it is split into its
+    /// parts.
     fn split_matrix(&mut self, node: usize) -> Result<(), SceneError> {
         let node = &mut self.rig.nodes[node];
         let Local::Matrix(matrix) = node.rest else { return Ok(()) };

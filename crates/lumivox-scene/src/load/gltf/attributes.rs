@@ -58,7 +58,7 @@ impl Loader<'_> {
         Ok(uvs.into_iter().map(Vec2::from_array).collect())
     }
 
-    /// The second set, where the material uses it.
+    /// The second set, if the material uses it.
     pub(super) fn read_second_uvs(
         &mut self,
         primitive: &gltf::Primitive<'_>,
@@ -77,7 +77,7 @@ impl Loader<'_> {
         Ok(Vec::new())
     }
 
-    /// Colours of three or four components; none where all are white.
+    /// Colours of three or four components; `None` if all are white.
     pub(super) fn read_colors(
         &mut self,
         accessor: usize,

@@ -1,5 +1,5 @@
-//! The two outer forms of glTF 2.0, JSON and GLB (section 4.4), down to a document whose indices
-//! all point at something, and its buffers.
+//! The two containers of glTF 2.0, JSON and GLB (section 4.4), parsed to a document with valid
+//! indices, and its buffers.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -122,7 +122,7 @@ fn drop_primitives_without_positions(root: &mut Root, notes: &mut Notes) {
     }
 }
 
-/// The JSON library's validation looks these up without a check of its own.
+/// Checks indices that the JSON library's validation would use unchecked.
 fn check_position_indices(root: &Root) -> Result<(), (String, String)> {
     for (i, mesh) in root.meshes.iter().enumerate() {
         for index in mesh.primitives.iter().flat_map(|primitive| primitive.attributes.values()) {
@@ -139,8 +139,8 @@ fn check_position_indices(root: &Root) -> Result<(), (String, String)> {
     Ok(())
 }
 
-/// Checks everything that points at something else; the rest of the loader relies on it. A broken
-/// animation is emptied, so that the others keep their numbers.
+/// Checks all references; the rest of the loader relies on it. A broken animation is emptied, so
+/// that the others keep their numbers.
 fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, String)> {
     let mut first = None;
     let mut animations: BTreeMap<usize, String> = BTreeMap::new();
@@ -197,7 +197,7 @@ fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, Stri
 }
 
 /// The number of the animation that a place in the document, such as `animations[3].channels[0]`,
-/// is in.
+/// belongs to.
 fn animation(place: &str) -> Option<usize> {
     place.strip_prefix("animations[")?.split(']').next()?.parse().ok()
 }

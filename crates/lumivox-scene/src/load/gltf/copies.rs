@@ -10,7 +10,7 @@ use crate::validate::is_invertible;
 const EXTENSION: &str = "EXT_mesh_gpu_instancing";
 
 impl Loader<'_> {
-    /// The transforms of the copies on the node; `None` where it has just the one mesh.
+    /// The transforms of the copies on the node; `None` if its mesh is there only once.
     pub(super) fn read_copies(
         &mut self,
         node: &gltf::Node<'_>,
@@ -38,7 +38,7 @@ impl Loader<'_> {
                 )),
             }
         }
-        // Before anything is read: no more copies than there are data for, and than the scene may
+        // Before anything is read: no more copies than there is data for, and than the scene may
         // have.
         let given = || [translations, rotations, scales].into_iter().flatten();
         for accessor in given() {
@@ -80,7 +80,7 @@ impl Loader<'_> {
         let hidden = count as usize - copies.len();
         if hidden > 0 {
             self.notes.warn(format!(
-                "{name}: {hidden} of {count} copies were skipped, for they are scaled to zero"
+                "{name}: {hidden} of {count} copies were skipped, because they are scaled to zero"
             ));
         }
         Ok(Some(copies))

@@ -10,7 +10,7 @@ use crate::pose::{Base, Deformed, Influences, Target};
 use crate::{Mesh, SceneError};
 
 impl Loader<'_> {
-    /// Loads a primitive as the site's node deforms it. `None` where it holds no triangles.
+    /// Loads a primitive as the site's node deforms it. `None` if it has no triangles.
     pub(super) fn deformed(
         &mut self,
         mesh: &gltf::Mesh<'_>,
@@ -57,8 +57,8 @@ impl Loader<'_> {
         Ok(Some(index))
     }
 
-    /// The file's vertex behind each of the mesh's. Flat shading and tangents split vertices, but
-    /// keep the order of the triangles' corners.
+    /// The file's vertex for each of the mesh's. Flat shading and tangents split vertices, but keep
+    /// the order of the triangles' corners.
     fn sources(
         &self,
         part: &str,
@@ -109,7 +109,7 @@ impl Loader<'_> {
                 None => Ok(Vec::new()),
             };
             let positions = read(given.positions(), "positions")?;
-            // Flat meshes take their normals from the triangles, generated tangents go along.
+            // Flat meshes take their normals from the triangles; generated tangents follow.
             let normals = read(given.normals().filter(|_| !is_flat), "normals")?;
             let tangents =
                 read(given.tangents().filter(|_| keeps_tangents && !is_flat), "tangents")?;
@@ -183,7 +183,7 @@ impl Loader<'_> {
                     let part = format!("{part}, a weight of vertex {vertex},");
                     return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
                 }
-                // Joints that weigh nothing may be anything.
+                // Joints without weight may be anything.
                 if weight == 0.0 {
                     continue;
                 }
@@ -213,7 +213,7 @@ impl Loader<'_> {
 /// Sets of four joints that are read.
 const MOST_SETS: usize = 4;
 
-/// The joints of the file's vertices, and how many of them each uses.
+/// The joints of the file's vertices, and the number for each.
 struct Bones {
     most: usize,
     counts: Vec<u8>,
@@ -238,7 +238,8 @@ impl Bones {
         self.counts[vertex] += 1;
     }
 
-    /// Brings a vertex's sum to one. Says whether more was wrong than rounding to eight bits.
+    /// Scales a vertex's weights to a sum of one. Returns whether more was wrong than rounding to
+    /// eight bits.
     fn repair(&mut self, vertex: usize) -> bool {
         let begin = vertex * self.most;
         let count = usize::from(self.counts[vertex]);
@@ -265,7 +266,7 @@ impl Bones {
     }
 }
 
-/// The file's vertices behind a mesh's.
+/// The file's vertices for a mesh's.
 struct Sources {
     of: Vec<u32>,
     /// How many the file has.
@@ -273,7 +274,8 @@ struct Sources {
 }
 
 impl Sources {
-    /// Keeps the attributes that move at all. Lists are empty or one a vertex of the file.
+    /// Keeps the attributes that move at all. Lists are empty or have one entry per vertex of the
+    /// file.
     fn target(&self, positions: &[Vec3], normals: &[Vec3], tangents: &[Vec3]) -> Target {
         let at = |list: &[Vec3], i: u32| list.get(i as usize).copied().unwrap_or(Vec3::ZERO);
         let moves = |i: u32| {

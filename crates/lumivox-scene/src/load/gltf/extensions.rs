@@ -8,7 +8,7 @@ use super::Notes;
 use crate::SceneError;
 use crate::load::files;
 
-/// The extensions that are understood.
+/// The supported extensions.
 const SUPPORTED: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -30,7 +30,7 @@ const SUPPORTED: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// The extensions that do not affect the picture: metadata, sound, and interaction with users.
+/// Extensions that do not affect the picture: metadata, sound, and interaction with users.
 const SILENT: &[&str] = &[
     "AGI_articulations",
     "AGI_stk_metadata",
@@ -53,7 +53,7 @@ const SILENT: &[&str] = &[
     "VRMC_vrm",
 ];
 
-/// The extensions without which the picture is nearly as it should be, and what it lacks then.
+/// Extensions without which the picture is nearly right, and what is missing then.
 const REPLACED: &[(&str, &str)] = &[
     ("CESIUM_primitive_outline", "its outlines are not drawn"),
     ("EXT_lights_ies", "its lamps shine as if they had no profile"),
@@ -71,8 +71,8 @@ const REPLACED: &[(&str, &str)] = &[
     ("VRMC_materials_mtoon", "its surfaces are lit as real ones, not as drawings"),
 ];
 
-/// Refuses a file that requires an extension which is not understood and may change the picture,
-/// unless `ignore_required`, and warns of the rest.
+/// Refuses a file that requires an unsupported extension which may change the picture, unless
+/// `ignore_required`, and warns of the rest.
 pub(super) fn check(
     file: &Path,
     root: &mut Root,

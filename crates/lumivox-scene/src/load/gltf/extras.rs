@@ -1,7 +1,7 @@
-//! The additions of Lumivox's own files to glTF, under `extras.lumivox`; `save` writes them.
+//! Lumivox's own additions to glTF, under `extras.lumivox`; `save` writes them.
 //!
-//! Extras have no standard, and other programs carry them along through their own changes. So
-//! values that do not fit are ignored with a warning, and never refused.
+//! Extras have no standard, and other programs keep them through their own changes. So values that
+//! do not fit are ignored with a warning, and never refused.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::{
     Attenuation, Bounds, Environment, EnvironmentMap, Light, LightKind, Phong, Shading, Strengths,
 };
 
-/// The part of an entry's extras that is ours.
+/// The part of an entry's extras that belongs to Lumivox.
 pub(super) fn own(extras: &Extras) -> Option<Value> {
     let raw = extras.as_ref()?;
     let mut extras: Value = serde_json::from_str(raw.get()).ok()?;
@@ -40,7 +40,7 @@ pub(super) fn texture_transform(extras: &Extras) -> Option<Affine2> {
     exact_transform(&own(extras)?)
 }
 
-/// Reads the same from our own part of the extras.
+/// Reads the same from Lumivox's own part of the extras.
 pub(super) fn exact_transform(own: &Value) -> Option<Affine2> {
     numbers(own.get("matrix")?).map(|columns: [f32; 6]| Affine2::from_cols_array(&columns))
 }
@@ -49,11 +49,11 @@ pub(super) fn exact_transform(own: &Value) -> Option<Affine2> {
 #[expect(clippy::struct_field_names, reason = "as the scene's instances call them")]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Marks {
-    /// That it is static, or that it is not.
+    /// Whether it is static; `None` if the file does not say.
     pub(super) is_static: Option<bool>,
-    /// That it is not in the voxels.
+    /// Whether it is left out of the voxels.
     pub(super) is_kept_out_of_voxels: bool,
-    /// That it belongs to the surroundings.
+    /// Whether it belongs to the surroundings.
     pub(super) is_backdrop: bool,
 }
 
@@ -95,8 +95,7 @@ fn attenuation(value: &Value) -> Option<Attenuation> {
     fits.then_some(Attenuation { constant, linear, quadratic })
 }
 
-/// Makes a surface Phong's again, of which its metallic-roughness stand-in has all but the
-/// exponent.
+/// Restores a Phong surface from its metallic-roughness substitute, which lacks only the exponent.
 pub(super) fn restore_phong(shading: Shading, extras: &Extras) -> Shading {
     let Shading::MetallicRoughness(m) = shading else { return shading };
     let Some(own) = own(extras) else { return shading };

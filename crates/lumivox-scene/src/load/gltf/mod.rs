@@ -2,17 +2,16 @@
 //! `.glb`.
 //!
 //! Files come from anywhere, so they are not trusted: sizes are checked against the bytes that
-//! exist before memory is taken, indices before they are used, paths before they are followed. Only
-//! things that one of the file's scenes reaches are loaded. One primitive becomes one
-//! [`Mesh`](crate::Mesh); where a transform mirrors, an instance gets a copy with turned winding,
-//! and where bones or morph targets deform it, each use gets its own.
+//! exist before memory is allocated, indices before they are used, paths before they are followed.
+//! Only things that one of the file's scenes uses are loaded. One primitive becomes one
+//! [`Mesh`](crate::Mesh); if a transform mirrors, an instance gets a copy with reversed winding,
+//! and if bones or morph targets deform it, each use gets its own.
 //!
-//! The way of the data: `container` parses and checks, `compression` makes plain buffers of
-//! compressed ones, `extensions` refuses or warns. Then nodes go into a [`Rig`], the things that
-//! they reach are converted and put on them, and the rig places everything: at rest now, and at
-//! other times when asked to. `extras` restores the additions of Lumivox's own files to glTF.
-//! Textures are only listed meanwhile and made in the end, within the memory budget
-//! (`load::textures`).
+//! The steps: `container` parses and checks, `compression` makes plain buffers of compressed ones,
+//! `extensions` refuses or warns. Then nodes go into a [`Rig`], the things on them are converted,
+//! and the rig places everything: at rest now, and at other times on request. `extras` restores
+//! Lumivox's own additions to glTF. Textures are only listed at first and made at the end, within
+//! the memory budget (`load::textures`).
 
 mod about;
 mod accessor;
@@ -50,11 +49,11 @@ use super::{LoadOptions, Notes, stream, tangents};
 use crate::pose::Parts;
 use crate::{Rig, Scene, SceneError};
 
-/// How much a scene may take, whatever its file claims: a small file can refer to the same data
-/// many times over.
+/// The limits of a scene, whatever its file claims: a small file can refer to the same data many
+/// times.
 struct Budget<'a> {
     geometry: GeometryBudget<'a>,
-    /// Left. Generous for real scenes.
+    /// The instances left. Generous for real scenes.
     instances: usize,
     weights: usize,
 }
@@ -70,15 +69,15 @@ struct Loader<'a> {
     rig: Parts,
     notes: Notes,
     budget: Budget<'a>,
-    /// From glTF skin to the rig's.
+    /// Skins of the rig by glTF skin.
     skins: HashMap<usize, usize>,
-    /// From primitives to a scene's meshes; `None` where one was skipped.
+    /// Meshes of the scene by primitive; `None` for skipped ones.
     meshes: HashMap<sharing::MeshKey, Option<usize>>,
     /// The scene's material for each material of a primitive.
     materials: HashMap<material::Key, usize>,
     /// The scene's textures, to be made in the end.
     textures: Textures<'a>,
-    /// From glTF image to a listed one, or why it is not there.
+    /// Listed images by glTF image, or why one is missing.
     images: HashMap<usize, texture::Listed>,
 }
 
@@ -87,7 +86,7 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
     load_bytes(file, &bytes, options)
 }
 
-/// Loads from memory; other files are looked for beside `file`.
+/// Loads from memory; other files are read beside `file`.
 fn load_bytes(
     file: &Path,
     bytes: &[u8],
@@ -98,8 +97,8 @@ fn load_bytes(
     let reach = options.reach(&folders);
     let parsed = container::parse(file, bytes, reach, options, &mut notes)?;
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    // Which images cannot be decoded shows in the end. Then all is put together again without them,
-    // as if they had been missing from the start.
+    // Images that cannot be decoded are only known at the end. Then everything is put together
+    // again without them, as if they had been missing from the start.
     let mut bad: HashMap<usize, texture::Listed> = HashMap::new();
     loop {
         let name = name.clone().unwrap_or_default();
@@ -152,7 +151,7 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// The text of an error for a warning: warnings already name the file.
+    /// The text of an error for a warning, without the file, which warnings already name.
     fn without_file(&self, error: &SceneError) -> String {
         let text = error.to_string();
         let file = format!("{}: ", self.file.display());
@@ -164,8 +163,8 @@ impl<'a> Loader<'a> {
     }
 }
 
-/// The name of a part of a glTF file: its own, or its number. Cut short, since many things can
-/// share one.
+/// The name of a part of a glTF file: its own, or its number. It is shortened, since many things
+/// can share one.
 fn name_or_index(name: Option<&str>, kind: &str, index: usize) -> String {
     name.map_or_else(|| format!("{kind} {index}"), files::shorten)
 }

@@ -10,38 +10,38 @@ use super::{Loader, name_or_index};
 use crate::SceneError;
 use crate::pose::{Local, Node, Pose, handedness, moving, weighing};
 
-/// Which of the file's nodes are in the rig, and where.
+/// The file's nodes in the rig, and their places.
 pub(super) struct Tree {
     /// The file's number of each of the rig's nodes.
     numbers: Vec<usize>,
-    /// From the file's number to the rig's.
+    /// The rig's number by the file's.
     places: Vec<Option<usize>>,
-    /// How many morph targets each of the file's meshes has.
+    /// The number of morph targets of each of the file's meshes.
     targets: Vec<usize>,
 }
 
 impl Tree {
-    /// Where in the rig a node of the file is.
+    /// The place in the rig of a node of the file.
     pub(super) fn place(&self, number: usize) -> Option<usize> {
         self.places.get(number).copied().flatten()
     }
 
-    /// How many morph targets the mesh of one of the rig's nodes has.
+    /// The number of morph targets of the mesh of one of the rig's nodes.
     pub(super) fn targets(&self, root: &Root, place: usize) -> usize {
         let mesh = root.nodes[self.numbers[place]].mesh;
         mesh.map_or(0, |mesh| self.targets[mesh.value()])
     }
 }
 
-/// A node that something is put on.
+/// A node with something on it.
 #[expect(clippy::struct_excessive_bools, reason = "what can be true of a node has no order")]
 pub(super) struct Site {
     pub(super) name: Arc<str>,
     /// Its place in the rig.
     pub(super) node: usize,
-    /// At rest.
+    /// Its transform at rest.
     pub(super) world_from_node: Mat4,
-    /// Whether it can keep handedness, and whether it can mirror.
+    /// Whether its transform can keep handedness, and whether it can mirror.
     pub(super) handedness: [bool; 2],
     /// Whether an animation moves it.
     pub(super) moves: bool,
@@ -54,7 +54,7 @@ pub(super) struct Site {
 }
 
 impl Loader<'_> {
-    /// Loads all that hangs on the nodes of a scene; see [`Loader::roots`].
+    /// Loads everything on the nodes of a scene; see [`Loader::roots`].
     pub(super) fn load_nodes(&mut self, wanted: Option<&str>) -> Result<(), SceneError> {
         let nodes: Vec<_> = self.document.nodes().collect();
         let targets = self.document.meshes().map(|mesh| {
@@ -101,11 +101,13 @@ impl Loader<'_> {
             if let Some(mesh) = gltf.mesh() {
                 self.put_mesh(gltf, &mesh, &site, &tree)?;
             }
-            // A hidden light does not shine, and lights have no switch.
+            // A hidden light does not shine; a scene's lights cannot be hidden.
             if let Some(light) = gltf.light() {
                 if site.is_hidden {
-                    self.notes
-                        .warn(format!("{}: its light was skipped, for it is hidden", site.name));
+                    self.notes.warn(format!(
+                        "{}: its light was skipped, because it is hidden",
+                        site.name
+                    ));
                 } else {
                     self.put_light(&light, &site);
                 }
@@ -117,7 +119,7 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Which of the rig's nodes are switched off, by themselves or from above.
+    /// The rig's nodes that are switched off, by themselves or by a node above.
     fn hidden(&self, nodes: &[gltf::Node<'_>], tree: &Tree) -> Vec<bool> {
         let mut hidden = Vec::with_capacity(tree.numbers.len());
         for (node, &number) in self.rig.nodes.iter().zip(&tree.numbers) {
@@ -131,8 +133,8 @@ impl Loader<'_> {
         hidden
     }
 
-    /// Puts a node and all below it into the rig, parents first. Nodes form trees: a node that is
-    /// met twice has two parents or is its own ancestor. That is an error where asked for.
+    /// Adds a node and everything below it to the rig, parents first. Nodes form trees: a node that
+    /// is met twice has two parents or is its own ancestor, which is an error.
     fn walk(
         &mut self,
         nodes: &[gltf::Node<'_>],
@@ -163,8 +165,8 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Joints should belong to the scene whose meshes they move. Where they do not, they still have
-    /// a place: that in their own tree.
+    /// Joints should belong to the scene whose meshes they move. Otherwise they still have a place:
+    /// that in their own tree.
     fn walk_to_joints(
         &mut self,
         nodes: &[gltf::Node<'_>],
@@ -195,7 +197,7 @@ impl Loader<'_> {
                 top = parent;
             }
             self.walk(nodes, top, tree, false)?;
-            // A tree that the scene reaches into from the middle.
+            // A tree of which the scene uses only a part.
             if tree.places[joint].is_none() {
                 self.walk(nodes, joint, tree, false)?;
             }
@@ -248,7 +250,8 @@ impl Loader<'_> {
         let weights = given[..count].to_vec();
         Ok(Node { name: name.into(), parent, rest, weights })
     }
-    /// Nodes share meshes and their weights, so a small file can ask for many.
+    /// Takes weights from the limit: nodes share meshes and their weights, so a small file can ask
+    /// for many.
     pub(super) fn spend_weights(&mut self, part: &str, count: usize) -> Result<(), SceneError> {
         let left = self.budget.weights.checked_sub(count);
         self.budget.weights =

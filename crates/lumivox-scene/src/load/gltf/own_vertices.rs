@@ -4,11 +4,11 @@
 
 use crate::Mesh;
 
-/// A list with this many more vertices than corners belongs to other primitives, too. Fewer are not
-/// worth the work.
+/// The number of surplus vertices, over the corners, from which a list counts as shared by several
+/// primitives. Fewer are not worth the work.
 const SPARE: u64 = 1024;
 
-/// How many of `given` vertices a primitive with so many corners keeps, at most.
+/// The most of `given` vertices that a primitive with so many corners keeps.
 pub(super) fn kept(given: u64, corners: u64) -> u64 {
     if is_shared(given, corners) { corners } else { given }
 }
@@ -18,7 +18,7 @@ fn is_shared(given: u64, corners: u64) -> bool {
 }
 
 /// Drops the vertices that no triangle of a shared list uses; the others keep their order.
-/// `tangents` are the file's, one a vertex, if it has some.
+/// `tangents` are the file's, one per vertex, if it has any.
 pub(super) fn keep_own(mesh: &mut Mesh, tangents: Option<&mut Vec<[f32; 4]>>) {
     if !is_shared(mesh.positions.len() as u64, mesh.indices.len() as u64) {
         return;
@@ -49,7 +49,7 @@ pub(super) fn keep_own(mesh: &mut Mesh, tangents: Option<&mut Vec<[f32; 4]>>) {
     }
 }
 
-/// Lists that are not there stay away.
+/// Keeps the used entries; missing lists stay missing.
 fn keep<T: Copy>(values: &mut Vec<T>, is_used: &[bool]) {
     let used = values.iter().zip(is_used).filter(|(_, used)| **used).map(|(value, _)| *value);
     *values = used.collect();

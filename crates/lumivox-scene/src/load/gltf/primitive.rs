@@ -9,7 +9,7 @@ use crate::load::normals::{self, unit_or_zero};
 use crate::{Mesh, SceneError};
 
 impl Loader<'_> {
-    /// Loads a primitive once per winding. `None` where it holds no triangles.
+    /// Loads a primitive once per winding. `None` if it has no triangles.
     pub(super) fn primitive(
         &mut self,
         mesh: &gltf::Mesh<'_>,
@@ -149,7 +149,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Brings normals to unit length, and gives those without a direction that of their triangles.
+    /// Normalises normals, and gives those without a direction that of their triangles.
     fn repair_normals(&mut self, mesh: &mut Mesh) -> Result<(), SceneError> {
         if let Some(i) = mesh.normals.iter().position(|n| !n.is_finite()) {
             let part = format!("mesh \"{}\", normal {i},", mesh.name);
@@ -175,8 +175,8 @@ pub(super) fn mesh_name(mesh: &gltf::Mesh<'_>, primitive: &gltf::Primitive<'_>) 
     name
 }
 
-/// A list of triangles out of a list, strip or fan (glTF 2.0, section 3.7.2.1). Left-over vertices
-/// are dropped.
+/// A list of triangles from a list, strip or fan (glTF 2.0, section 3.7.2.1). Surplus vertices are
+/// dropped.
 pub(super) fn to_triangles(mode: Mode, indices: &[u32]) -> Vec<u32> {
     match mode {
         Mode::TriangleStrip => indices
@@ -193,8 +193,8 @@ pub(super) fn to_triangles(mode: Mode, indices: &[u32]) -> Vec<u32> {
     }
 }
 
-/// Gives every triangle its own vertices and the normal of its plane, as glTF prescribes where a
-/// file brings no normals.
+/// Gives every triangle its own vertices and the normal of its plane, as glTF prescribes for files
+/// without normals.
 fn make_flat(mesh: &mut Mesh) {
     let corners = mesh.indices.iter().map(|&i| i as usize);
     mesh.uvs = corners.clone().map(|i| mesh.uvs[i]).collect();
@@ -209,7 +209,7 @@ fn make_flat(mesh: &mut Mesh) {
     mesh.normals = normals::flat(&mesh.positions);
 }
 
-/// Takes the file's tangents where they have a direction.
+/// Takes the file's tangents if they have a direction.
 fn use_tangents(mesh: &mut Mesh, given: &[[f32; 4]]) {
     for (tangent, given) in mesh.tangents.iter_mut().zip(given) {
         let given = Vec4::from_array(*given);

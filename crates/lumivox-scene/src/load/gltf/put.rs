@@ -23,11 +23,11 @@ impl Loader<'_> {
         let is_skinned = |primitive: &gltf::Primitive<'_>| {
             node.skin().is_some() && primitive.get(&Semantic::Joints(0)).is_some()
         };
-        // Whatever the node's own scale is, joints show the vertices that they move.
+        // Whatever the node's own scale is, joints place the vertices that they move.
         let is_flat = !site.moves && !is_invertible(site.world_from_node);
         if is_flat && !mesh.primitives().any(|primitive| is_skinned(&primitive)) {
             self.notes
-                .warn(format!("{}: its mesh was skipped, for it is scaled to zero", site.name));
+                .warn(format!("{}: its mesh was skipped, because it is scaled to zero", site.name));
             return Ok(());
         }
         let marks = Marks::of(node.extras());
@@ -69,7 +69,7 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Only joints place a skinned mesh (glTF 2.0, section 3.7.3.3).
+    /// Places a skinned mesh, which only its joints do (glTF 2.0, section 3.7.3.3).
     fn put_skinned(
         &mut self,
         mesh: &gltf::Mesh<'_>,

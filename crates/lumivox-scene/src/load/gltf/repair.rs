@@ -1,4 +1,4 @@
-//! JSON that follows the specification, but that the JSON library does not take.
+//! JSON that follows the specification, but that the JSON library refuses.
 
 use gltf::json::{Error, Root};
 use serde_json::{Value, json};
@@ -6,9 +6,9 @@ use serde_json::{Value, json};
 use super::{Notes, name_or_index};
 use crate::load::files::shorten;
 
-/// Reads the document. Channels that animate something other than nodes (`KHR_animation_pointer`)
-/// are taken out, with a warning; so are malformed animations, and data of morph targets for
-/// attributes other than positions, normals and tangents.
+/// Reads the document. Removes, with a warning, channels that animate something other than nodes
+/// (`KHR_animation_pointer`), malformed animations, and data of morph targets for attributes other
+/// than positions, normals and tangents.
 pub(super) fn read_root(json: &[u8], notes: &mut Notes) -> Result<Root, Error> {
     let root = match Root::from_slice(json) {
         Ok(root) => root,
@@ -24,7 +24,7 @@ pub(super) fn read_root(json: &[u8], notes: &mut Notes) -> Result<Root, Error> {
     Ok(root)
 }
 
-/// The JSON again as the library takes it, if there is something to repair.
+/// The JSON in a form that the library accepts, if there is something to repair.
 fn repaired(json: &[u8], notes: &mut Notes) -> Option<Vec<u8>> {
     let mut document: Value = serde_json::from_slice(json).ok()?;
     let are_repaired = [
@@ -46,7 +46,7 @@ fn name_nodes(document: &mut Value) -> bool {
     is_repaired
 }
 
-/// Takes channels out that name no node.
+/// Removes channels that name no node.
 fn drop_pointers(document: &mut Value, notes: &mut Notes) -> bool {
     let mut dropped = 0;
     for animation in list_mut(document, "animations") {
@@ -66,7 +66,7 @@ fn drop_pointers(document: &mut Value, notes: &mut Notes) -> bool {
     dropped > 0
 }
 
-/// Empties animations that do not have the form of one; the others keep their numbers.
+/// Empties malformed animations; the others keep their numbers.
 fn empty_animations(document: &mut Value, notes: &mut Notes) -> bool {
     let mut is_repaired = false;
     for (index, animation) in list_mut(document, "animations").iter_mut().enumerate() {
@@ -75,7 +75,7 @@ fn empty_animations(document: &mut Value, notes: &mut Notes) -> bool {
         let Err(error) = read else { continue };
         let name = animation.get("name").and_then(Value::as_str).map(str::to_owned);
         let shown = name_or_index(name.as_deref(), "animation", index);
-        // Where in the text it is, is said of another text.
+        // The reason's position refers to another text.
         let reason = error.to_string();
         let reason = reason.split(" at line ").next().unwrap_or_default();
         notes.warn(format!("the animation \"{shown}\" is malformed and was left out: {reason}"));

@@ -1,12 +1,12 @@
-//! A file's scenes: which one is loaded.
+//! The choice among a file's scenes.
 
 use super::Loader;
 use crate::SceneError;
 use crate::load::files::shorten;
 
 impl<'a> Loader<'a> {
-    /// The root nodes of the scene of this name or number; without one, of the scene that the file
-    /// marks, or else the first. A file without scenes shows all root nodes.
+    /// The root nodes of the scene of this name or number. Without one, those of the scene that the
+    /// file marks, or else of the first. A file without scenes shows all root nodes.
     pub(super) fn roots(&mut self, wanted: Option<&str>) -> Result<Vec<usize>, SceneError> {
         let document = self.document;
         let scene = match wanted {
@@ -25,7 +25,7 @@ impl<'a> Loader<'a> {
         Ok((0..nodes.len()).filter(|&i| !is_child[i]).collect())
     }
 
-    /// Names go first: a scene may be called "2".
+    /// Finds a scene. Names go first: a scene may be called "2".
     fn find_scene(&self, wanted: &str) -> Result<gltf::Scene<'a>, SceneError> {
         let mut scenes = self.document.scenes();
         if let Some(scene) = scenes.clone().find(|scene| scene.name() == Some(wanted)) {

@@ -1,26 +1,25 @@
-//! Which primitives are the same mesh.
+//! Primitives that share a mesh.
 //!
-//! glTF ties a primitive to one material, so a shape in several materials comes as several
-//! primitives over the same accessors. A scene's mesh knows no material: it is read once for all of
-//! them.
+//! glTF ties a primitive to one material, so a shape in several materials is several primitives
+//! over the same accessors. A scene's mesh has no material: it is read once for all of them.
 
 use gltf::Semantic;
 
 use super::Loader;
 
-/// All that a mesh depends on.
+/// Everything that a mesh depends on.
 #[derive(PartialEq, Eq, Hash)]
 pub(super) struct MeshKey {
     name: String,
-    /// By their names in the file.
+    /// The accessors by the attributes' names in the file.
     attributes: Vec<(String, usize)>,
     indices: Option<usize>,
     mode: u32,
-    /// Whether its winding is turned.
+    /// Whether its winding is reversed.
     mirrored: bool,
     /// Whether the material uses the second texture coordinates.
     needs_second_uvs: bool,
-    /// The input that tangents are computed for, if they are: the normal texture's coordinates
+    /// The input for computed tangents, if they are computed: the normal texture's coordinates
     /// (floats by their bits).
     tangents: Option<(u32, [u32; 6])>,
 }

@@ -1,4 +1,4 @@
-//! Skins: lists of joints, and where the mesh was bound to them.
+//! Skins: lists of joints, and the pose in which the mesh was bound to them.
 
 use glam::Mat4;
 

@@ -1,10 +1,10 @@
-//! Textures: which image a material means, where on it a vertex lies, and how it is sampled.
+//! Textures: the image, its place on the surface, and its sampling.
 //!
-//! Where a texture names its image by an extension and by the core format, the extension's comes
-//! first, and the other is used when the first cannot be read. An image that is missing or broken
-//! does not stop the scene: where it would show as a colour there is a board of magenta and black,
-//! and elsewhere no texture; both with a warning. Occlusion textures are not read at all: light is
-//! computed here, and theirs would count twice.
+//! If a texture names images both by an extension and by the core format, the extension's comes
+//! first, and the other is used if the first cannot be read. A missing or broken image does not
+//! stop the scene: a colour is replaced by a board of magenta and black, anything else by no
+//! texture, both with a warning. Occlusion textures are not read: light is computed here, and
+//! theirs would count twice.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -53,9 +53,10 @@ impl TextureUse {
     }
 }
 
-/// From a mesh's coordinates to the image's: translation * rotation * scale, where the rotation is
-/// counter-clockwise as seen on the image, whose v points down (`KHR_texture_transform`; the matrix
-/// in its text turns the other way round, see issue 1563 of the specification).
+/// The transform from a mesh's coordinates to the image's: translation * rotation * scale, where
+/// the rotation is counter-clockwise as seen on the image, whose v points down
+/// (`KHR_texture_transform`; the matrix in its text rotates the other way, see issue 1563 of the
+/// specification).
 fn uv_transform(offset: [f32; 2], rotation_rad: f32, scale: [f32; 2]) -> Affine2 {
     Affine2::from_scale_angle_translation(
         Vec2::from_array(scale),
@@ -64,7 +65,7 @@ fn uv_transform(offset: [f32; 2], rotation_rad: f32, scale: [f32; 2]) -> Affine2
     )
 }
 
-/// The same out of JSON, where the glTF library does not read it; and the coordinate set.
+/// The same from JSON, where the glTF library does not read it; and the coordinate set.
 fn json_transform(value: Option<&Value>, set: u32) -> (u32, Affine2) {
     let Some(value) = value else { return (set, Affine2::IDENTITY) };
     let pair = |key: &str, default: [f32; 2]| match value[key].as_array().map(Vec::as_slice) {
@@ -79,7 +80,7 @@ fn json_transform(value: Option<&Value>, set: u32) -> (u32, Affine2) {
     (set, transform)
 }
 
-/// A texture whose image is there.
+/// A texture with an existing image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Placed {
     pub(super) image: ImageId,
@@ -89,13 +90,14 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// Whether two lie the same on the mesh and are sampled alike, so that one image can hold both.
+    /// Whether both have the same place on the mesh and the same sampling, so that one image can
+    /// hold both.
     pub(super) fn matches(&self, other: &Self) -> bool {
         Self { image: other.image, ..*self } == *other
     }
 }
 
-/// One image, or why it is not there.
+/// An image, or why it is missing.
 pub(super) type Listed = Result<ImageId, String>;
 
 impl<'a> Loader<'a> {
@@ -119,7 +121,7 @@ impl<'a> Loader<'a> {
         Ok(Some(TextureUse { texture, uv_set, transform }))
     }
 
-    /// Finds the texture's image; `None` where it has none that can be had, with a warning.
+    /// Finds the texture's image; `None`, with a warning, if none can be read.
     pub(super) fn place(
         &mut self,
         wanted: Option<TextureUse>,
@@ -147,12 +149,12 @@ impl<'a> Loader<'a> {
         Ok(Some(Placed { image, sampler, uv_set, transform: wanted.transform }))
     }
 
-    /// A texture that shows the image as it is.
+    /// A texture of a single image.
     pub(super) fn whole(&mut self, placed: Placed, encoding: Encoding) -> TextureRef {
         self.refer(Recipe::Image(placed.image), placed, encoding)
     }
 
-    /// A texture made out of images, placed like the first of them.
+    /// A texture made of several images, placed like the first of them.
     pub(super) fn mixed(
         &mut self,
         placed: Placed,
@@ -171,7 +173,7 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// A data or colour texture, or none where its image is missing.
+    /// A data or colour texture, or none if its image is missing.
     pub(super) fn plain_texture(
         &mut self,
         wanted: Option<TextureUse>,
@@ -181,7 +183,7 @@ impl<'a> Loader<'a> {
         Ok(self.place(wanted, material)?.map(|placed| self.whole(placed, encoding)))
     }
 
-    /// The texture of a surface's colour, or the stand-in where its image is missing.
+    /// The texture of a surface's colour, or the stand-in if its image is missing.
     pub(super) fn color_texture(
         &mut self,
         wanted: Option<TextureUse>,
@@ -199,8 +201,8 @@ impl<'a> Loader<'a> {
         TextureRef::new(self.textures.texture(Recipe::Missing, Encoding::Color, sampler))
     }
 
-    /// One texture in place of two of a material: each says which channels of the result are its
-    /// own. Channels of neither are 1.
+    /// One texture in place of two of a material; each names its channels of the result. Channels
+    /// of neither are 1.
     pub(super) fn pair(
         &mut self,
         material: &str,
@@ -234,7 +236,7 @@ impl<'a> Loader<'a> {
         Ok(Some(self.mixed(placed, images, Mix::Channels(channels), encoding)))
     }
 
-    /// The best of the images that a texture names which can be had.
+    /// The best readable image of a texture.
     fn image_of(&mut self, texture: usize) -> Result<Option<ImageId>, SceneError> {
         let mut candidates = Vec::new();
         let document = self.document;
@@ -267,7 +269,9 @@ impl<'a> Loader<'a> {
         }
         self.notes.warn(match reasons.pop() {
             Some(reason) => format!("{reason}; a stand-in is shown"),
-            None => format!("texture {texture} names no image that is read here and was ignored"),
+            None => {
+                format!("texture {texture} names no image of a supported format and was ignored")
+            }
         });
         Ok(None)
     }
@@ -290,7 +294,7 @@ impl<'a> Loader<'a> {
         Ok(listed)
     }
 
-    /// Where an image's bytes are, or why they cannot be had.
+    /// The source of an image's bytes, or why there is none.
     fn image_source(&self, json: &gltf::json::Image, name: &str) -> Result<Source<'a>, String> {
         let part = format!("image \"{name}\"");
         if let Some(view) = json.buffer_view {
@@ -314,13 +318,13 @@ impl<'a> Loader<'a> {
     }
 }
 
-/// Its name, or that of its file, which a user can find.
+/// The image's name, or that of its file, which a user can find.
 fn image_name(json: &gltf::json::Image, index: usize) -> String {
     let file_name = json.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
     name_or_index(json.name.as_deref().or(file_name), "image", index)
 }
 
-/// Why an image cannot be had.
+/// Describes why an image cannot be read.
 fn told(name: &str, fault: &Fault) -> String {
     match fault {
         Fault::Unreadable(error) => {
@@ -330,7 +334,7 @@ fn told(name: &str, fault: &Fault) -> String {
     }
 }
 
-/// The document's images that cannot be decoded after all.
+/// The document's images that turned out not to be decodable.
 pub(super) fn unlisted(
     listed: &HashMap<usize, Listed>,
     faults: &[(ImageId, Fault)],

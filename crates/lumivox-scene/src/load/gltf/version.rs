@@ -1,4 +1,4 @@
-//! Versions of glTF other than 2.0, as distinguished from broken files.
+//! Versions of glTF other than 2.0, distinguished from broken files.
 
 use std::path::Path;
 
@@ -8,14 +8,14 @@ use serde_json::Value;
 use crate::SceneError;
 use crate::load::files::shorten;
 
-/// The version of a GLB container that is not read.
+/// The unsupported version of a GLB container, if it has one.
 pub(super) fn of_container(bytes: &[u8]) -> Option<String> {
     let version = u32::from_le_bytes(*bytes.get(4..)?.first_chunk()?);
     // Version 1 of the container held glTF 1.0.
     (version != 2).then(|| format!("{version}.0"))
 }
 
-/// The version of a document that is not read; `root` is there if it has the form of 2.0.
+/// The unsupported version of a document; `root` exists if the document has the form of 2.0.
 pub(super) fn of_document(json: &[u8], root: Option<&Root>) -> Option<String> {
     if let Some(root) = root {
         let needed = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
@@ -33,7 +33,7 @@ pub(super) fn of_document(json: &[u8], root: Option<&Root>) -> Option<String> {
     }
 }
 
-/// Whether a version is surely not 2.x.
+/// Whether a version is certainly not 2.x.
 fn is_other(version: &str) -> bool {
     major(version).is_some_and(|major| major != 2)
 }
@@ -42,7 +42,7 @@ fn major(version: &str) -> Option<u32> {
     version.trim().split('.').next()?.parse().ok()
 }
 
-/// The error that says so.
+/// The error about an unsupported version.
 pub(super) fn unknown(file: &Path, version: String) -> SceneError {
     let is_older = major(&version).is_some_and(|major| major < 2);
     let remedy = if is_older {

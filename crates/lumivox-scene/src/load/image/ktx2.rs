@@ -2,8 +2,8 @@
 //!
 //! Only the finest level of one face and layer is read. Basis Universal (ETC1S, UASTC) and ASTC are
 //! decoded by `basisu`, the older block formats by `texture2ddecoder`; both were chosen for their
-//! behaviour with broken files, and where a decoder's own reading of the container is careless, it
-//! gets a container made here from checked data.
+//! behaviour with broken files. Where a decoder reads the container carelessly, it gets one made
+//! here from checked data.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -15,14 +15,15 @@ use super::Pixels;
 
 /// Bytes of the header.
 pub(super) const HEADER_BYTES: usize = Header::LENGTH;
-/// The decoder of `zstd` keeps as much decoded data as the file asks for, up to this.
+/// The largest decoding window: `zstd`'s decoder keeps as much decoded data as the file asks for,
+/// up to this.
 const LARGEST_WINDOW_BYTES: u64 = 128 << 20;
 
 pub(super) fn is_ktx2(start: &[u8]) -> bool {
     start.starts_with(&ktx2::MAGIC)
 }
 
-/// The size in the header, if the image is of a kind that is decoded here.
+/// The size in the header, if the image is of a supported kind.
 pub(super) fn size(start: &[u8]) -> Result<(u32, u32), String> {
     let header = header(start)?;
     if header.pixel_depth > 1 || header.face_count != 1 || header.layer_count > 1 {
@@ -75,9 +76,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
 
 type BlockDecoder = fn(&[u8], usize, usize, &mut [u32]) -> Result<(), &'static str>;
 
-/// How a format is decoded.
+/// The decoding of a format.
 enum Kind {
-    /// Bytes, of which these are red, green, blue and alpha.
+    /// Bytes, with the places of red, green, blue and alpha.
     Channels([Option<usize>; 4]),
     /// Blocks of 4 x 4 texels.
     Blocks { bytes: usize, decode: BlockDecoder },
@@ -155,7 +156,7 @@ fn slice(bytes: &[u8], offset: u64, length: u64) -> Result<&[u8], String> {
         .ok_or_else(|| format!("{length} bytes at byte {offset} do not fit in its KTX2 file"))
 }
 
-/// The bytes of a level, at least so many of them as `wanted`.
+/// The bytes of a level, at least `wanted` of them.
 fn inflate<'a>(
     bytes: &'a [u8],
     header: &Header,
@@ -170,7 +171,7 @@ fn inflate<'a>(
                 |error: &dyn std::fmt::Display| format!("its zstd data is broken: {error}");
             let decoder = StreamingDecoder::new_with_max_window_size(stored, LARGEST_WINDOW_BYTES);
             let mut data = Vec::new();
-            // Data that are longer than they should be are not read to their end.
+            // Data that is longer than it should be is not read to its end.
             decoder
                 .map_err(|error| broken(&error))?
                 .take(wanted as u64)
@@ -206,7 +207,7 @@ fn decode_basis(bytes: &[u8], header: &Header, level: &LevelIndex) -> Result<Vec
     transcoder.transcode(0, basisu::TargetFormat::Rgba32, basisu::DecodeFlags::NONE).map_err(broken)
 }
 
-/// The file without its keys and values, in which `basisu` 0.1.0 looks beyond the end.
+/// The file without its keys and values, where `basisu` 0.1.0 reads beyond the end.
 fn without_metadata(bytes: &[u8]) -> Vec<u8> {
     let mut container = bytes.to_vec();
     // Offset and length of the keys and values.
@@ -214,8 +215,8 @@ fn without_metadata(bytes: &[u8]) -> Vec<u8> {
     container
 }
 
-/// A container of only the finest level, not compressed: `basisu` takes as much memory for a
-/// compressed level as the file asks for.
+/// A container of only the finest level, not compressed: for a compressed level `basisu` allocates
+/// as much memory as the file asks for.
 fn one_level(bytes: &[u8], header: &Header, level: &LevelIndex) -> Result<Vec<u8>, String> {
     let index = header.index;
     let description = slice(bytes, index.dfd_byte_offset.into(), index.dfd_byte_length.into())?;

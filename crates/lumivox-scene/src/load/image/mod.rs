@@ -1,8 +1,8 @@
-//! Image files, whatever their format: their size without decoding, and their texels.
+//! Image files of any format: their size without decoding, and their texels.
 //!
-//! The first bytes give the format, since declared types are often wrong; only Targa, which has no
-//! signature, is recognized by the file's extension. A size that the file is too short for is
-//! refused before memory is taken: a few bytes can claim a gigabyte.
+//! The first bytes decide the format, since declared types are often wrong; only Targa, which has
+//! no signature, is recognized by the file's extension. A size for which the file is too short is
+//! refused before memory is allocated: a few bytes can claim a gigabyte.
 
 mod ktx2;
 mod shrink;
@@ -19,19 +19,20 @@ pub(super) use shrink::{Encoding, halved, shrink};
 
 /// The longest edge in texels: the limit of common GPUs.
 const LONGEST_EDGE: u32 = 16_384;
-/// Bytes that decoding one image may take: the largest image with 16 bits a channel, and some.
+/// The most bytes for decoding one image: the largest image with 16 bits a channel, and a little
+/// more.
 const MOST_DECODER_BYTES: u64 = 3 << 30;
-/// Texels that a file may have whatever its length: 16 MiB as RGBA.
+/// Texels that any file may have, however short: 16 MiB as RGBA.
 const FREE_TEXELS: u64 = 4 << 20;
-/// And beyond that for each of its bytes. Deflate reaches 1032 bytes a byte (RFC 1951: 258 bytes
+/// Additional texels for each of its bytes. Deflate reaches 1032 bytes a byte (RFC 1951: 258 bytes
 /// from two bits), and a byte of a one-bit PNG holds eight texels; the other formats stay below
-/// that in pictures that show something.
+/// that in real pictures.
 const MOST_TEXELS_A_BYTE: u64 = 16_384;
 
-/// Where an image's bytes are.
+/// The place of an image's bytes.
 #[derive(Clone, Debug)]
 pub(super) enum Source<'a> {
-    /// Here.
+    /// In memory.
     Memory(Cow<'a, [u8]>),
     /// In a file of their own, read only while they are decoded.
     File(PathBuf),
@@ -72,18 +73,18 @@ pub(super) struct Pixels {
     pub(super) rgba8: Vec<u8>,
 }
 
-/// Why an image cannot be had.
+/// Why an image cannot be used.
 #[derive(Debug)]
 pub(super) enum Fault {
     /// The file cannot be read.
     Unreadable(std::io::Error),
-    /// The content is broken or of a kind that is not decoded: the reason and the remedy.
+    /// The content is broken or of an unsupported kind: the reason and the remedy.
     Bad(String, &'static str),
 }
 
-/// The remedy where the bytes break their format.
+/// The remedy if the bytes violate their format.
 const BROKEN: &str = "export it or download it again";
-/// The remedy where the bytes are right, but the format is not supported.
+/// The remedy if the bytes are valid, but the format is not supported.
 const OF_ANOTHER_KIND: &str = "save it as a plain PNG or JPEG";
 /// The remedy against too many texels.
 const LARGE: &str = "scale it down";
@@ -108,7 +109,7 @@ impl From<image::ImageError> for Fault {
     }
 }
 
-/// Reads the size of an image; of a file only its beginning.
+/// Reads the size of an image; of a file it only reads the beginning.
 pub(super) fn header(source: &Source<'_>) -> Result<Header, Fault> {
     match source {
         Source::Memory(bytes) => header_of(Cursor::new(bytes.as_ref()), bytes.len() as u64, None),
@@ -138,13 +139,14 @@ pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Faul
     Ok(pixels)
 }
 
-/// Decodes the bytes of a file that is called so.
+/// Decodes the bytes of a file of this name.
 pub(super) fn decode_file(bytes: &[u8], path: &Path) -> Result<Pixels, Fault> {
     let header = header_of(Cursor::new(bytes), bytes.len() as u64, Some(path))?;
     decode(&Source::Memory(Cow::Borrowed(bytes)), header)
 }
 
-/// Broken, or of a kind that is not read: another format helps against either.
+/// The fault of a file that is broken or of an unsupported kind: another format helps in both
+/// cases.
 fn of_ktx2(reason: String) -> Fault {
     Fault::Bad(reason, OF_ANOTHER_KIND)
 }

@@ -1,9 +1,8 @@
-//! Making images smaller by halves.
+//! Halving the size of images.
 //!
 //! A texel of the result is the mean of the rectangle that it covers, in which texels at the border
-//! count as far as they lie inside (edges of odd length). Colours are averaged as light, and by
-//! their alpha, so that invisible texels do not bleed into visible ones; data are averaged as they
-//! are.
+//! count with the share inside (for edges of odd length). Colours are averaged as light, and by
+//! their alpha, so that invisible texels do not bleed into visible ones; data is averaged as it is.
 
 use super::Pixels;
 use crate::load::color::{linear_from_srgb, srgb_from_linear};
@@ -66,7 +65,7 @@ pub(in crate::load) fn shrink(pixels: Pixels, times: u32, encoding: Encoding) ->
     Pixels { width, height, rgba8 }
 }
 
-/// Which texels lie under a texel of the result along one edge, and how much of each.
+/// The texels under a texel of the result along one edge, with their shares.
 struct Cover {
     first: usize,
     weights: Vec<f32>,

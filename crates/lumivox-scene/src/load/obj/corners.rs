@@ -1,13 +1,13 @@
-//! The distinct corners of a file's polygons: place, texture coordinates, normal.
+//! The distinct corners of a file's polygons: position, texture coordinates, normal.
 //!
-//! Chains from each place to its corners are shorter than hashing, and lie in memory as the file
-//! does: five million corners take their 16 bytes each and a second.
+//! Chains from each position to its corners need less memory than a hash map, and follow the file's
+//! order in memory: five million corners take their 16 bytes each and a second.
 
 /// A corner of polygons, as numbers of the vectors that were listed before.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Corner {
     pub(super) position: u32,
-    /// [`Corner::NONE`] where there are no texture coordinates.
+    /// [`Corner::NONE`] without texture coordinates.
     pub(super) uv: u32,
     pub(super) normal: Normal,
 }
@@ -16,16 +16,16 @@ impl Corner {
     pub(super) const NONE: u32 = u32::MAX;
 }
 
-/// Where a corner's normal comes from.
+/// The source of a corner's normal.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Normal(u32);
 
 impl Normal {
-    /// That of the face.
+    /// The normal of the face.
     pub(super) const FLAT: Self = Self(u32::MAX);
     const GROUP: u32 = 1 << 31;
 
-    /// A normal of the file. Numbers that do not fit into 31 bits become the normal of the face.
+    /// A normal of the file. Numbers that do not fit into 31 bits mean the normal of the face.
     pub(super) fn given(number: u32) -> Self {
         if number < Self::GROUP { Self(number) } else { Self::FLAT }
     }
@@ -55,11 +55,11 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    /// Corners compared at one place before another is made: more than real meshes have, and a
+    /// Corners compared at one position before another is made: more than real meshes have, and a
     /// bound on the cost of a hostile one.
     const LONGEST_CHAIN: usize = 32;
 
-    /// The number of a corner; a new one where it was not met before.
+    /// The number of a corner; a new one if it was not met before.
     pub(super) fn number(&mut self, corner: Corner) -> u32 {
         let place = corner.position as usize;
         if self.heads.len() <= place {

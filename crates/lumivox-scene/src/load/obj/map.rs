@@ -5,14 +5,14 @@ use glam::{Affine2, Vec2};
 use crate::load::text::{keyword, number, readable};
 use crate::{Texture, TextureRef, Wrap};
 
-/// An image and how it is used.
+/// An image and its use.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Map {
     /// The file, in any encoding.
     pub(super) file: Vec<u8>,
-    /// `-s`: multiplies texture coordinates. Default: one.
+    /// `-s`: factor of texture coordinates. Default: one.
     pub(super) scale: Vec2,
-    /// `-o`: added to them after. Default: zero.
+    /// `-o`: added to them after that. Default: zero.
     pub(super) offset: Vec2,
     /// `-bm`: the strength of bumps. Default: 1.
     pub(super) bump: f32,
@@ -22,10 +22,10 @@ pub(super) struct Map {
     pub(super) channel: Channel,
 }
 
-/// Where an image holds one number.
+/// The channel that holds one number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) enum Channel {
-    /// Luminance; for opacities alpha, where the image has any.
+    /// Luminance; for opacities alpha, if the image has any.
     #[default]
     Unsaid,
     Red,
@@ -36,8 +36,8 @@ pub(super) enum Channel {
 }
 
 impl Map {
-    /// Reads the rest of the line after the keyword; the second part of the answer names the
-    /// options that were ignored. `None` where no file is named.
+    /// Reads the rest of the line after the keyword; also returns the ignored options. `None` if no
+    /// file is named.
     pub(super) fn parse(mut rest: &[u8]) -> Option<(Self, Vec<String>)> {
         let mut map = Self {
             file: Vec::new(),
@@ -89,7 +89,7 @@ impl Map {
                         ignored.push(readable(option));
                     }
                 }
-                // No option: a name that begins so.
+                // Not an option, but a name that begins like one.
                 _ => break,
             }
             rest = after;
@@ -115,7 +115,7 @@ impl Map {
         TextureRef { transform, ..TextureRef::new(texture) }
     }
 
-    /// Whether both lie on a surface alike, so that one image can hold both.
+    /// Whether both have the same place on a surface, so that one image can hold both.
     pub(super) fn lies_like(&self, other: &Self) -> bool {
         (self.scale, self.offset, self.clamp) == (other.scale, other.offset, other.clamp)
     }

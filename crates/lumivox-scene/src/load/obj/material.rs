@@ -1,6 +1,6 @@
-//! Materials of MTL in this crate's terms.
+//! Conversion of MTL's materials.
 //!
-//! With `Pr`, `Pm` or another key of physically-based materials the surface is of metal and
+//! With `Pr`, `Pm` or another key of physically-based materials the surface has metalness and
 //! roughness; otherwise it is Phong's, with `Ks` limited to the share that `Kd` leaves, so that no
 //! surface reflects more than it receives. `Ka` has no meaning where ambient light is computed.
 //! Colours are linear, as reflectivities ("the diffuse reflectivity using RGB values"). MTL has no
@@ -23,9 +23,9 @@ use crate::{
     Unlit,
 };
 
-/// The diffuse reflectivity of materials that give none: that of no material.
+/// The diffuse reflectivity of materials without one: that of a missing material.
 const NO_DIFFUSE: f32 = 0.5;
-/// Roughnesses that MTL leaves out.
+/// The roughness of materials without one.
 const NO_ROUGHNESS: f32 = 0.5;
 
 /// Converts materials once each.
@@ -35,9 +35,9 @@ pub(super) struct Materials<'s, 'o> {
     definitions: Library,
     textures: Textures<'s>,
     options: &'s mut LoadOptions<'o>,
-    /// By name; without one by whether vertices have colours.
+    /// Materials by name; without a name, by whether vertices have colours.
     known: HashMap<(Option<Vec<u8>>, bool), usize>,
-    /// How many images were looked at, and how many materials were limited.
+    /// The number of images so far, and of limited materials.
     images: u64,
     limited: u64,
 }
@@ -55,7 +55,7 @@ impl<'s, 'o> Materials<'s, 'o> {
     }
 
     /// The scene's number of a material; `colored` says whether the vertices have colours, which
-    /// are then the only colours of a missing one.
+    /// then are the only colours of a missing material.
     pub(super) fn get(
         &mut self,
         name: Option<&[u8]>,
@@ -128,7 +128,7 @@ impl<'s, 'o> Materials<'s, 'o> {
         };
         if illumination == Some(0.0) {
             this.notes.warn(format!(
-                "material \"{name}\": illum 0 is a constant colour, which takes no light"
+                "material \"{name}\": illum 0 is a constant colour, without lighting"
             ));
             material.shading = Shading::Unlit(Unlit {
                 color: diffuse.extend(opacity),
@@ -173,7 +173,7 @@ fn is_physical(mtl: &Mtl) -> bool {
             .any(|&slot| mtl.map(slot).is_some())
 }
 
-/// One material under way.
+/// The conversion of one material.
 struct Conversion<'c, 's, 'o> {
     own: &'c mut Materials<'s, 'o>,
     mtl: &'c Mtl,
@@ -211,7 +211,7 @@ impl Conversion<'_, '_, '_> {
                 (Some(opacity), _) => opacity,
                 (None, Some(1.0)) => {
                     // Exporters do not write invisible surfaces; many took Tr for an opacity.
-                    self.warn("Tr 1 without d is taken for solid");
+                    self.warn("Tr 1 without d counts as opaque");
                     1.0
                 }
                 (None, Some(transparency)) => 1.0 - transparency,
@@ -228,7 +228,7 @@ impl Conversion<'_, '_, '_> {
     fn diffuse(&mut self, has_texture: bool) -> Vec3 {
         match self.mtl.diffuse {
             Some(diffuse) if diffuse == Vec3::ZERO && has_texture => {
-                self.warn("Kd 0 would make map_Kd black and was taken for 1");
+                self.warn("Kd 0 would make map_Kd black and counts as 1");
                 Vec3::ONE
             }
             Some(diffuse) => self.unit_color(diffuse, "Kd"),
@@ -263,7 +263,7 @@ impl Conversion<'_, '_, '_> {
                     let cuts_out = made.cuts_out && opacity >= 1.0;
                     let alpha =
                         if cuts_out { AlphaMode::Mask { cutoff: 0.5 } } else { AlphaMode::Blend };
-                    // Without a colour's image it is the opacity's that lies there.
+                    // Without a colour's image, that of the opacity is used.
                     return (Some(placed.reference(made.texture)), Some(made), alpha);
                 }
                 Err(reason) => self.warn(&format!("map_d is ignored: {reason}")),
@@ -328,7 +328,7 @@ impl Conversion<'_, '_, '_> {
         match made {
             Ok(made) if made.from_heights => {
                 self.warn(
-                    "its bump map of heights became a normal map; -bm 1 is taken for a depth of a \
+                    "its bump map of heights became a normal map; -bm 1 counts as a depth of a \
                      hundredth of the image's width",
                 );
                 (Some(map.reference(made.texture)), 1.0)
@@ -356,7 +356,7 @@ impl Conversion<'_, '_, '_> {
         base.metallic_roughness_texture = self.rough_metal();
         let has = |slot| base.metallic_roughness_texture.is_some() && self.mtl.map(slot).is_some();
         let (has_rough, has_metal) = (has(Slot::Roughness), has(Slot::Metallic));
-        // Images multiply numbers, of which exporters leave zero beside them.
+        // Images multiply numbers, which exporters leave at zero beside them.
         let factor = |said: Option<f32>, image: bool, otherwise: f32| match said {
             Some(0.0) | None if image => 1.0,
             said => said.unwrap_or(otherwise),
@@ -427,7 +427,7 @@ impl Conversion<'_, '_, '_> {
     }
 
     fn checker(&mut self, map: &Map, reason: &str) -> TextureRef {
-        self.warn(&format!("an image is missing, a magenta checker stands in: {reason}"));
+        self.warn(&format!("an image is missing, a magenta checkerboard replaces it: {reason}"));
         TextureRef::new(self.own.textures.stand_in(&readable(&map.file), self.scene))
     }
 }

@@ -1,4 +1,4 @@
-//! The triangles of a submesh become a mesh of its own vertices.
+//! Converts the triangles of a submesh to a mesh with vertices of its own.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,7 @@ use crate::load::geometry::GeometryBudget;
 use crate::load::{Notes, color, normals};
 use crate::{Mesh, SceneError};
 
-/// A submesh that is ready.
+/// A finished submesh.
 pub(super) struct Built {
     pub(super) name: String,
     pub(super) material: Option<usize>,
@@ -20,12 +20,12 @@ pub(super) struct Built {
 /// Makes the meshes of a model.
 pub(super) struct Builder<'m> {
     model: &'m Model,
-    /// By corner, for those in smoothing groups.
+    /// The normals of corners in smoothing groups, by corner.
     group_normals: &'m [Vec3],
     crease_rad: Option<f32>,
-    /// The vertex that each corner became in the current submesh; [`Corner::NONE`] in between.
+    /// The vertex of each corner in the current submesh; [`Corner::NONE`] in between.
     vertices: Vec<u32>,
-    /// The number that colours are divided by.
+    /// The divisor of colours.
     full_color: f32,
 }
 
@@ -43,7 +43,7 @@ impl<'m> Builder<'m> {
         Self { model, group_normals, crease_rad, vertices, full_color }
     }
 
-    /// The mesh of a submesh; `None` where it has no triangles.
+    /// The mesh of a submesh; `None` if it has no triangles.
     pub(super) fn build(
         &mut self,
         submesh: Submesh,
@@ -101,13 +101,15 @@ impl<'m> Builder<'m> {
         drop(order);
         let broken = normals::repair(&mut mesh.normals, &mesh.positions, &mesh.indices);
         if broken > 0 {
-            notes.warn(format!("mesh \"{name}\": {broken} normals of no direction were replaced"));
+            notes.warn(format!(
+                "mesh \"{name}\": {broken} normals without a direction were replaced"
+            ));
         }
         normals::set_any_tangents(&mut mesh);
         Ok(Some(Built { name, material, mesh }))
     }
 
-    /// Turns numbers of corners into numbers of vertices, and returns the corner of each vertex.
+    /// Converts numbers of corners to numbers of vertices, and returns the corner of each vertex.
     /// Corners with the normal of their face get a vertex each, unless edges will decide.
     fn number_vertices(&mut self, indices: &mut [u32], share_flat: bool) -> Vec<u32> {
         let mut order = Vec::new();
@@ -131,10 +133,10 @@ impl<'m> Builder<'m> {
         order
     }
 
-    /// The normals of a mesh's corners: smooth up to the angle where the file says nothing.
+    /// The normals of a mesh's corners: smooth up to the angle where the file gives none.
     fn crease(&self, mesh: &Mesh, order: &[u32], crease_rad: f32) -> Vec<Vec3> {
         let corners = &self.model.corners;
-        // Vertices at seams of the texture are apart, but their surface is one.
+        // Vertices at seams of the texture are separate, but their surface is one.
         let mut known = HashMap::new();
         let mut positions = Vec::new();
         let places: Vec<u32> = order
@@ -169,13 +171,13 @@ impl<'m> Builder<'m> {
     }
 }
 
-/// Gives the vertices that ask for it, which no triangles share, the normals of their faces.
+/// Gives the marked vertices, which no triangles share, the normals of their faces.
 fn face_normals(mesh: &mut Mesh, is_flat: impl Fn(usize) -> bool) {
     for triangle in mesh.indices.chunks_exact(3) {
         let corners = [0, 1, 2].map(|i| triangle[i] as usize);
         let normal = normals::face_normal(corners.map(|i| mesh.positions[i]));
         for i in corners.into_iter().filter(|&i| is_flat(i)) {
-            // Triangles without a direction have no area and go later.
+            // Triangles without a direction have no area and are removed later.
             mesh.normals[i] = if normal == Vec3::ZERO { Vec3::Y } else { normal };
         }
     }

@@ -7,19 +7,20 @@
 //! group with one material become a mesh and an instance of that name.
 //!
 //! Corners without a normal are smooth among the faces of their smoothing group, across meshes.
-//! Outside of groups they are flat: that is the state in which the format begins ("the default is
-//! off"), and programs that mean smooth surfaces write normals or groups.
-//! [`LoadOptions::crease_rad`] says otherwise; then edges between two materials stay.
+//! Outside groups they are flat: that is the format's initial state ("the default is off"), and
+//! programs that mean smooth surfaces write normals or groups. [`LoadOptions::crease_rad`]
+//! overrides this; then edges between two materials stay.
 //!
-//! A material has no sides in MTL, and many files are wound as it came: all are seen from both.
+//! MTL does not say whether materials are two-sided, and many files have arbitrary winding: all
+//! materials are visible from both sides.
 //!
 //! The file is read line by line ([`read`]) into shared lists of places, texture coordinates and
 //! normals, a table of the distinct corners, and the corners of each submesh's triangles, which
 //! become the mesh's indices in place ([`mesh`]).
 //!
-//! `tobj` 4.0 was weighed: it keeps no smoothing groups, wants UTF-8, joins no lines, fans concave
-//! polygons, holds all faces beside the meshes, and knows neither texture options nor the keys of
-//! physically-based materials.
+//! `tobj` 4.0 was considered: it keeps no smoothing groups, requires UTF-8, joins no lines, fans
+//! concave polygons, holds all faces beside the meshes, and knows neither texture options nor the
+//! keys of physically-based materials.
 
 mod corners;
 mod map;
@@ -34,16 +35,17 @@ use std::path::Path;
 use super::files::folder_of;
 use super::geometry::GeometryBudget;
 use super::{LoadOptions, Notes, stream, tangents};
-use crate::{Instance, Mesh, Scene, SceneError};
+use crate::{Instance, Scene, SceneError};
 
 /// The first mesh of a file, without its materials, and how many others there are; `None` where
 /// there are no triangles. Warnings go to `notes`.
+#[cfg(feature = "vxct")]
 pub(super) fn first_mesh(
     file: &Path,
     options: &mut LoadOptions<'_>,
     budget: &mut GeometryBudget<'_>,
     notes: &mut Notes,
-) -> Result<Option<(Mesh, usize)>, SceneError> {
+) -> Result<Option<(crate::Mesh, usize)>, SceneError> {
     let crease_rad = options.crease_rad;
     let (reader, _) = stream::open(file, options)?;
     let mut model = read::read(file, reader, notes, budget)?;

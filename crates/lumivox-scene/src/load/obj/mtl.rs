@@ -18,7 +18,7 @@ pub(super) struct Library {
     materials: HashMap<Vec<u8>, Mtl>,
 }
 
-/// One material as its file says it; `None` is not said.
+/// One material as its file gives it; `None` means not given.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mtl {
     /// The file that contains it.
@@ -132,7 +132,7 @@ impl Library {
         Ok(())
     }
 
-    /// The first material of a name counts.
+    /// Stores a material; the first one of a name counts.
     fn insert(&mut self, named: Option<(Vec<u8>, Mtl)>) {
         if let Some((name, mtl)) = named {
             self.materials.entry(name).or_insert(mtl);
@@ -149,7 +149,7 @@ impl Mtl {
         self.maps.get(&slot)
     }
 
-    /// The sentence of an error says why a statement has no effect.
+    /// Reads a statement. The error is a sentence on why it has no effect.
     fn statement(&mut self, first: &[u8], rest: &[u8]) -> Result<(), String> {
         let first = first.to_ascii_lowercase();
         match first.as_slice() {
@@ -238,7 +238,7 @@ fn color(rest: &[u8]) -> Result<Vec3, String> {
     Ok(if xyz { rgb_from_xyz(color) } else { color })
 }
 
-/// From the colour space of CIE 1931 to linear sRGB (IEC 61966-2-1:1999).
+/// Converts from CIE 1931 XYZ to linear sRGB (IEC 61966-2-1:1999).
 fn rgb_from_xyz(xyz: Vec3) -> Vec3 {
     glam::Mat3::from_cols(
         Vec3::new(3.2406, -0.9689, 0.0557),

@@ -13,16 +13,16 @@ use crate::load::polygon::Cutter;
 use crate::load::text::{Lines, keyword, number, numbers, readable, words};
 use crate::load::{Notes, normals};
 
-/// Parts beyond which groups of one material share one: a file could name millions.
+/// The number of submeshes from which groups of one material share one: a file could name millions.
 const MOST_SUBMESHES: usize = 1 << 16;
-/// Material libraries that are looked for.
+/// The most material libraries that are searched.
 const MOST_LIBRARIES: usize = 64;
 
-/// All that an OBJ file says.
+/// The content of an OBJ file.
 #[derive(Default)]
 pub(super) struct Model {
     pub(super) positions: Vec<Vec3>,
-    /// Colours as in the file, NaN where a vertex has none; shorter than `positions`, or empty.
+    /// Colours as in the file, NaN for vertices without one; shorter than `positions`, or empty.
     pub(super) colors: Vec<Vec3>,
     pub(super) uvs: Vec<Vec2>,
     pub(super) normals: Vec<Vec3>,
@@ -96,20 +96,20 @@ impl From<String> for Fault {
 /// Object, group and material.
 type SubmeshKey = (Vec<u8>, Vec<u8>, Option<usize>);
 
-/// Where reading is.
+/// The state of reading.
 #[derive(Default)]
 struct State {
     model: Model,
     object: Vec<u8>,
     group: Vec<u8>,
-    /// The normal of corners without: flat, or that of the smoothing group.
+    /// The normal of corners without one: flat, or that of the smoothing group.
     smoothing: Option<Normal>,
     groups: HashMap<u64, u32>,
     material: Option<usize>,
     material_numbers: HashMap<Vec<u8>, usize>,
     /// From names and material to submeshes.
     submesh_numbers: HashMap<SubmeshKey, usize>,
-    /// The submesh that faces go to; `None` after any of its names changed.
+    /// The submesh of the next faces; `None` after any of its names changed.
     submesh: Option<usize>,
     triangles: u64,
     cutter: Cutter,
@@ -118,7 +118,7 @@ struct State {
     skipped: Skipped,
 }
 
-/// Counts of the things that are left out.
+/// Counts of skipped things.
 #[derive(Default)]
 struct Skipped {
     lines_and_points: u64,
@@ -198,7 +198,7 @@ impl State {
             return Err(Fault::NotFinite);
         }
         if self.model.positions.len() >= Corner::NONE as usize {
-            return Err("it is vertex 4294967296, beyond what indices can tell".to_owned().into());
+            return Err("it is vertex 4294967296, more than indices can number".to_owned().into());
         }
         self.model.positions.push(position);
         let Some(red) = words.next() else { return Ok(()) };
@@ -218,7 +218,7 @@ impl State {
         // Coordinates of lines have no v.
         let v = match words.next() {
             Some(word) => {
-                number(word).ok_or_else(|| format!("\"{}\" is no number", readable(word)))?
+                number(word).ok_or_else(|| format!("\"{}\" is not a number", readable(word)))?
             }
             None => 0.0,
         };
@@ -241,7 +241,7 @@ impl State {
             _ => match std::str::from_utf8(word).ok().and_then(|text| text.parse::<i64>().ok()) {
                 Some(number) => number.cast_unsigned(),
                 None => {
-                    return Err(format!("\"{}\" is no smoothing group", readable(word)).into());
+                    return Err(format!("\"{}\" is not a smoothing group", readable(word)).into());
                 }
             },
         };
@@ -286,7 +286,7 @@ impl State {
     /// `position[/[uv][/normal]]`, from 1, or from -1 backwards.
     fn corner(&mut self, word: &[u8]) -> Result<Corner, Fault> {
         let mut parts = word.split(|&byte| byte == b'/');
-        let bad = || Fault::Text(format!("\"{}\" is no corner of a face", readable(word)));
+        let bad = || Fault::Text(format!("\"{}\" is not a corner of a face", readable(word)));
         let index = integer(parts.next().unwrap_or_default()).ok_or_else(bad)?;
         let count = self.model.positions.len();
         let position = resolve(index, count).ok_or(match index {
@@ -296,7 +296,7 @@ impl State {
                 count,
             },
         })?;
-        // An index out of range is ignored here: without it the picture is better than no picture.
+        // An invalid index is ignored here: a picture without it is better than none.
         let mut other = |count: usize, lost: &mut u64| match parts.next() {
             None | Some([]) => Ok(None),
             Some(part) => {

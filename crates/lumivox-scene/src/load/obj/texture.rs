@@ -1,4 +1,4 @@
-//! The images of MTL files as textures, some made of two or of heights.
+//! The images of MTL files as textures, some made of two images or of heights.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -12,11 +12,10 @@ use crate::load::image::{Encoding, Pixels};
 use crate::load::{self, Notes, color, stand_in};
 use crate::{Scene, Texture};
 
-/// The height of white above black in a bump map whose `-bm` is 1, as a share of the image's width.
-/// MTL gives heights no length; a hundredth is a joint between tiles of a metre, one centimetre
-/// deep.
+/// The height of white above black in a bump map with `-bm` 1, as a share of the image's width. MTL
+/// gives heights no length; a hundredth is a joint of one centimetre between tiles of a metre.
 const BUMP_DEPTH: f32 = 0.01;
-/// The share of texels that may be neither clear nor solid in an image that cuts out: its edges.
+/// The most texels that are neither clear nor solid in an image that cuts out: its edges.
 const MOST_EDGE_TEXELS: f32 = 0.1;
 
 /// The sources of a texture.
@@ -26,7 +25,7 @@ pub(super) enum Source {
     Color(PathBuf),
     /// A colour, or white, with the opacity of another image.
     Cutout { color: Option<PathBuf>, opacity: PathBuf, channel: Channel },
-    /// Normals, or heights of that strength (the bits of a float).
+    /// Normals, or heights of this strength (the bits of a float).
     Bump { file: PathBuf, bump_bits: u32, heights: Option<bool> },
     /// Roughness in green, metal in blue.
     RoughMetal { rough: Option<PathBuf>, metal: Option<PathBuf>, channels: (Channel, Channel) },
@@ -41,7 +40,7 @@ impl Source {
     }
 }
 
-/// The properties of a texture that was made.
+/// The properties of a finished texture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Made {
     pub(super) texture: usize,
@@ -60,7 +59,7 @@ pub(super) struct Textures<'a> {
     reach: Reach<'a>,
     budget_bytes: u64,
     used_bytes: u64,
-    /// How many times all textures were halved.
+    /// The number of halvings of all textures.
     halvings: u32,
     made: HashMap<(Source, bool), Made>,
     /// The encodings of the scene's textures.
@@ -109,7 +108,7 @@ impl<'a> Textures<'a> {
         self.push(stand_in::checker(name), Encoding::Color, scene)
     }
 
-    /// Adds a texture, and halves all as often as the budget wants it.
+    /// Adds a texture, and halves all as often as the budget requires.
     fn push(&mut self, mut texture: Texture, encoding: Encoding, scene: &mut Scene) -> usize {
         (0..self.halvings).for_each(|_| halve(&mut texture, encoding));
         self.used_bytes += texture.rgba8.len() as u64;
@@ -273,8 +272,8 @@ fn luminance(texel: Rgba<u8>) -> u8 {
     rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722)).round() as u8
 }
 
-/// Whether an image that is said to be bumps holds normals, as many exporters write: grey images
-/// are heights; in those of normals most texels are unit vectors out of the surface.
+/// Whether a bump image holds normals, as many exporters write: grey images are heights; in those
+/// of normals most texels are unit vectors out of the surface.
 fn holds_normals(image: &RgbaImage) -> bool {
     let texels = u64::from(image.width()) * u64::from(image.height());
     let fitting = image.pixels().filter(|texel| {
@@ -287,7 +286,7 @@ fn holds_normals(image: &RgbaImage) -> bool {
 }
 
 /// Tangent-space normals of a height field: its gradient by Sobel's differences (weights 1 2 1
-/// across, eight texels in sum), the image repeating at its edges.
+/// across, a sum of eight texels), the image repeating at its edges.
 fn normals_from_heights(heights: &RgbaImage, bump: f32) -> RgbaImage {
     let (width, height) = heights.dimensions();
     // Rows of heights, so that each texel is weighed once.

@@ -1,4 +1,4 @@
-//! The elements of a PLY file become a mesh.
+//! The elements of a PLY file, converted to a mesh.
 
 use std::path::Path;
 
@@ -72,7 +72,7 @@ impl<'f> Body<'f> {
         Ok(())
     }
 
-    /// The mesh, except for derived data.
+    /// The mesh, without derived data.
     pub(super) fn finish(mut self) -> Result<(Mesh, GeometryBudget<'f>, Notes), SceneError> {
         let mesh = &mut self.mesh;
         if mesh.indices.is_empty() {
@@ -85,7 +85,7 @@ impl<'f> Body<'f> {
             };
             return Err(SceneError::NoTriangles { file: self.file.to_owned(), reason });
         }
-        // Scans mark unseen points by positions that are not numbers.
+        // Scans mark unseen points by NaN positions.
         let lost = |i: u32| !mesh.positions[i as usize].is_finite();
         if let Some(&i) = mesh.indices.iter().find(|&&i| lost(i)) {
             let part = format!("vertex {i}, which faces use,");
@@ -264,7 +264,7 @@ impl<'f> Body<'f> {
         self.budget.spend(|| format!("face {face}"), 0, more, false)
     }
 
-    /// Strips one after another, each ended by a negative number.
+    /// Reads strips one after another, each ended by a negative number.
     fn strip(&mut self, element: usize) -> Result<(), SceneError> {
         self.check_corners("strip", element, |i| i != u32::MAX)?;
         let before = self.mesh.indices.len();
@@ -330,7 +330,7 @@ impl<'f> Body<'f> {
 }
 
 fn skip(element: &Element, source: &mut impl Source) -> Result<(), SceneError> {
-    // Entries of nothing take no bytes, however many they are.
+    // Entries without properties take no bytes, however many they are.
     if element.properties.is_empty() {
         return Ok(());
     }
@@ -351,7 +351,7 @@ fn skip_items(count: f64, property: &Property, source: &mut impl Source) -> Resu
     (0..whole(count)).try_for_each(|_| source.value(property.scalar).map(drop))
 }
 
-/// The length of a list: a value that is negative or not a number counts as zero.
+/// The length of a list: a negative value or NaN counts as zero.
 fn whole(count: f64) -> u64 {
     count as u64
 }

@@ -1,4 +1,4 @@
-//! The head of a PLY file: its encoding, and its elements.
+//! The header of a PLY file: its encoding, and its elements.
 
 use std::io::{BufRead, ErrorKind};
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::SceneError;
 use crate::load::text::{keyword, readable, words};
 
-/// Bytes that a header may have: a thousand times those of real ones.
+/// The most bytes of a header: a thousand times those of real ones.
 const LONGEST: usize = 1 << 20;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,9 +20,9 @@ pub(super) enum Encoding {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
-    /// The image that a comment of `MeshLab`'s kind names.
+    /// The image named by a comment as `MeshLab` writes it.
     pub(super) texture: Option<String>,
-    /// Lines that the header has.
+    /// The number of the header's lines.
     pub(super) lines: u64,
 }
 
@@ -79,7 +79,7 @@ impl Scalar {
         }
     }
 
-    /// The largest value of an integer; none for floats.
+    /// The largest value of an integer; `None` for floats.
     pub(super) fn largest(self) -> Option<u32> {
         Some(match self {
             Self::I8 => i8::MAX as u32,
@@ -94,7 +94,7 @@ impl Scalar {
 }
 
 impl Element {
-    /// The fewest bytes that one can take in the file.
+    /// The fewest bytes of an entry in the file.
     pub(super) fn least_bytes(&self, encoding: Encoding) -> u64 {
         let bytes = |p: &Property| match encoding {
             // A digit and a space.
@@ -106,7 +106,7 @@ impl Element {
 }
 
 impl Header {
-    /// Reads a header, and how many bytes it has.
+    /// Reads a header, and returns its length in bytes.
     pub(super) fn read(file: &Path, reader: &mut impl BufRead) -> Result<(Self, u64), SceneError> {
         let mut lines = HeadLines { file, reader, line: Vec::new(), bytes: 0, number: 0, cr: None };
         lines.advance()?;
@@ -134,7 +134,7 @@ impl Header {
                     }
                     None => Err("a property comes before the first element".to_owned()),
                 },
-                other => Err(format!("\"{}\" is no word of a header", readable(other))),
+                other => Err(format!("\"{}\" is not a word of a header", readable(other))),
             };
             fault.map_err(|reason| lines.malformed(reason))?;
         }
@@ -160,7 +160,7 @@ fn parse_element(rest: &[u8]) -> Result<Element, String> {
         return Err("an element needs a name and a count".to_owned());
     };
     let number = std::str::from_utf8(count).ok().and_then(|count| count.parse().ok());
-    let count = number.ok_or_else(|| format!("\"{}\" is no count", readable(count)))?;
+    let count = number.ok_or_else(|| format!("\"{}\" is not a count", readable(count)))?;
     Ok(Element { name: readable(name), count, properties: Vec::new() })
 }
 
@@ -168,14 +168,14 @@ fn parse_property(rest: &[u8]) -> Result<Property, String> {
     let mut words = words(rest).peekable();
     let scalar = |words: &mut dyn Iterator<Item = &[u8]>| {
         let word = words.next().unwrap_or_default();
-        Scalar::parse(word).ok_or_else(|| format!("\"{}\" is no type", readable(word)))
+        Scalar::parse(word).ok_or_else(|| format!("\"{}\" is not a type", readable(word)))
     };
     let list_count = match words.next_if_eq(&&b"list"[..]) {
         Some(_) => Some(scalar(&mut words)?),
         None => None,
     };
     if list_count.is_some_and(|count| count.largest().is_none()) {
-        return Err("the length of a list is no whole number".to_owned());
+        return Err("the length of a list is not a whole number".to_owned());
     }
     let scalar = scalar(&mut words)?;
     let name = words.next().ok_or("a property has no name")?;
@@ -190,7 +190,7 @@ struct HeadLines<'a, R> {
     bytes: usize,
     number: u64,
     /// Whether lines end in CR only; the first line decides. In a CR LF file LF is part of the
-    /// ending, in the other it may be the first byte of the body.
+    /// ending, otherwise it may be the first byte of the body.
     cr: Option<bool>,
 }
 

@@ -1,17 +1,16 @@
 //! Reads PLY (Turk 1994, "The PLY Polygon File Format"), as text or binary of both byte orders.
 //!
 //! A file is a header that declares elements and their properties, then the elements. Used are
-//! `vertex` (place, normal, colour, texture coordinates), `face` (polygons by vertex number) and
-//! `tristrips`; every other element and property is skipped by its declared size, whatever it is.
-//! The whole is one mesh.
+//! `vertex` (position, normal, colour, texture coordinates), `face` (polygons by vertex number) and
+//! `tristrips`; every other element and property is skipped by its declared size. The result is one
+//! mesh.
 //!
-//! Where a file brings no normals they are smooth: vertices of PLY are shared by their triangles,
-//! and scans sample surfaces that are smooth mostly. [`LoadOptions::crease_rad`] says otherwise.
-//! Colours of integers are taken for sRGB, as scanners and their programs write them, those of
-//! floats for linear.
+//! Without normals in the file surfaces are smooth: triangles share the vertices of PLY, and scans
+//! sample mostly smooth surfaces. [`LoadOptions::crease_rad`] overrides this. Integer colours count
+//! as sRGB, as scanners and their programs write them, floats as linear.
 //!
-//! `ply-rs-bw` 4.0 was weighed: it collects one object an element before anything can be done with
-//! it, and a vector for each face, several times the memory of the mesh itself.
+//! `ply-rs-bw` 4.0 was considered: it collects an object for each element before anything can be
+//! done with it, and a vector for each face, several times the memory of the mesh itself.
 
 mod body;
 mod header;
@@ -38,7 +37,7 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
     let (mesh, budget, mut notes) = body.finish()?;
     if let Some(texture) = &header.texture {
         notes.warn(format!(
-            "its image \"{texture}\" is not shown, for PLY has no materials; save as OBJ or glTF"
+            "its image \"{texture}\" is not shown, because PLY has no materials; save as OBJ or glTF"
         ));
     }
     let mesh = with_normals(mesh, budget, crease_rad, &mut notes)?;
@@ -75,7 +74,7 @@ fn with_normals(
     if !mesh.normals.is_empty() {
         let broken = normals::repair(&mut mesh.normals, &mesh.positions, &mesh.indices);
         if broken > 0 {
-            notes.warn(format!("{broken} normals of no direction were replaced"));
+            notes.warn(format!("{broken} normals without a direction were replaced"));
         }
     } else if let Some(crease_rad) = crease_rad {
         budget.spend_split(&mesh)?;

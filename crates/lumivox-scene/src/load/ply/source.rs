@@ -7,7 +7,7 @@ use super::header::Scalar;
 use crate::SceneError;
 use crate::load::text::{Lines, readable};
 
-/// Where values come from. All types fit into an f64 without loss.
+/// A source of values. All types fit into an f64 without loss.
 pub(super) trait Source {
     /// Goes to the next element.
     fn begin(&mut self) -> Result<(), SceneError>;
@@ -20,7 +20,7 @@ pub(super) trait Source {
 pub(super) struct Text<'f, R> {
     file: &'f Path,
     lines: Lines<'f, R>,
-    /// How much of the line was used.
+    /// The used part of the line.
     at: usize,
 }
 
@@ -46,7 +46,7 @@ impl<'f, R: BufRead> Text<'f, R> {
 }
 
 impl<R: BufRead> Source for Text<'_, R> {
-    /// Surplus words of a line are dropped, so that one bad line spoils one element.
+    /// Surplus words of a line are dropped, so that one bad line spoils only one element.
     fn begin(&mut self) -> Result<(), SceneError> {
         self.advance()?;
         while self.lines.line().trim_ascii().is_empty() {
@@ -55,7 +55,7 @@ impl<R: BufRead> Source for Text<'_, R> {
         Ok(())
     }
 
-    /// Goes on in the next line where one has too little: some programs wrap.
+    /// Continues in the next line if one has too little: some programs wrap.
     fn value(&mut self, _scalar: Scalar) -> Result<f64, SceneError> {
         let mut range = self.word();
         while range.is_empty() {
@@ -66,7 +66,7 @@ impl<R: BufRead> Source for Text<'_, R> {
         let parsed = std::str::from_utf8(word).ok().and_then(|text| text.parse().ok());
         parsed
             .or_else(|| crate::load::text::number(word).map(f64::from))
-            .ok_or_else(|| self.lines.malformed(format!("\"{}\" is no number", readable(word))))
+            .ok_or_else(|| self.lines.malformed(format!("\"{}\" is not a number", readable(word))))
     }
 }
 

@@ -72,12 +72,12 @@ impl Reading<'_> {
                     self.notes.warn("the colours of its facets were ignored".to_owned());
                     break;
                 } else if is("normal") {
-                    // The winding says it, too.
+                    // The winding gives it, too.
                     for _ in 0..3 {
                         words.next();
                     }
                 } else if !(is("outer") || is("loop") || is("endloop")) {
-                    let reason = format!("\"{}\" is no word of STL", readable(word));
+                    let reason = format!("\"{}\" is not a word of STL", readable(word));
                     return Err(lines.malformed(reason));
                 }
             }

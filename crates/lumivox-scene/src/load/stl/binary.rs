@@ -22,7 +22,7 @@ impl Reading<'_> {
         let held = bytes / BINARY_TRIANGLE as u64;
         let rest = bytes % BINARY_TRIANGLE as u64;
         // If triangles fill the file to its very end, all of them count; otherwise the rest is
-        // something else.
+        // other data.
         let count = if declared == 0 || rest == 0 { held } else { declared.min(held) };
         if declared != held {
             self.notes.warn(format!(

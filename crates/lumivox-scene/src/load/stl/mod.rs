@@ -1,15 +1,15 @@
 //! Reads STL (3D Systems, "Stereolithography Interface Specification", 1989): triangles and nothing
 //! else, binary or as text.
 //!
-//! A file is binary if its length is that which its count of triangles asks for (many binary files
-//! begin with `solid`, as text does), and otherwise if it holds a zero byte where text would not.
-//! Each solid becomes a mesh. A triangle faces the way that it is wound; the normals in the file,
-//! which say the same or are zero, are not used. STL knows no shared corners, so it is flat; with
+//! A file is binary if its length matches its count of triangles (many binary files begin with
+//! `solid`, as text does), and otherwise if it has a zero byte where text would not. Each solid
+//! becomes a mesh. The winding decides a triangle's front; the normals in the file, which are the
+//! same or zero, are not used. STL has no shared corners, so it is flat; with
 //! [`LoadOptions::crease_rad`] equal corners are joined and flat edges smoothed.
 //!
-//! `stl_io` 0.11 was weighed and found too strict for files in the wild (one solid, `solid` in
-//! lower case with a space, UTF-8, a binary file with `solid` in its header is refused), and its
-//! text reader makes a string of every word.
+//! `stl_io` 0.11 was considered: it is too strict for real files (it refuses several solids, other
+//! spellings of `solid`, text that is not UTF-8, and binary files with `solid` in their header),
+//! and its text reader makes a string of every word.
 
 mod ascii;
 mod binary;
@@ -28,10 +28,10 @@ use crate::{Instance, Mesh, Scene, SceneError};
 const BINARY_HEAD: usize = 84;
 /// Bytes of a binary file's triangle: a normal, three corners, and 16 bits of no fixed meaning.
 const BINARY_TRIANGLE: usize = 50;
-/// Solids beyond which the rest go into one: a file could name millions.
+/// The number of solids from which the rest go into one: a file could name millions.
 const MOST_SOLIDS: usize = 1 << 16;
 
-/// One solid: three positions a triangle.
+/// One solid: three positions for each triangle.
 struct Solid {
     name: String,
     corners: Vec<Vec3>,
@@ -120,7 +120,7 @@ impl Solid {
     }
 }
 
-/// One vertex for all corners at the same place.
+/// Joins corners at the same position to one vertex.
 fn weld(corners: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
     let mut positions = Vec::new();
     let mut known = HashMap::new();

@@ -1,18 +1,18 @@
-//! One image out of two, where a format spreads the channels over several images that a
-//! [`Material`](crate::Material) reads from one.
+//! One image made of two, for formats that spread channels over several images where a
+//! [`Material`](crate::Material) has one.
 
 use crate::load::color::{linear_from_srgb, srgb_from_linear};
 use crate::load::image::Pixels;
 
-/// How the texels of one or two images become one. Factors are kept by their bits, so that equal
-/// recipes can be found.
+/// The way to combine the texels of one or two images. Factors are kept by their bits, so that
+/// equal recipes can be found.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(in crate::load) enum Mix {
     /// Red, green, blue and alpha, each from a channel of one of the images; `None` is 1.
     Channels([Option<(usize, usize)>; 4]),
-    /// The diffuse albedo of the specular-glossiness model: the last image holds the specular
-    /// colour, of which `specular` is the factor; the first, where there are two, is the diffuse
-    /// colour. Energy that is reflected specularly is not reflected diffusely (glTF extension
+    /// The diffuse albedo of the specular-glossiness model. The last image holds the specular
+    /// colour, with the factor `specular`; the first of two is the diffuse colour. Energy that is
+    /// reflected specularly is not reflected diffusely (glTF extension
     /// `KHR_materials_pbrSpecularGlossiness`): albedo = diffuse * (1 - max(specular)).
     SpecularDiffuse {
         /// The specular factor.
@@ -86,8 +86,8 @@ fn to_byte(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// The texel of `image` at the place of texel (x, y) of an image of the given size, between four
-/// neighbours where their centres do not meet.
+/// The texel of `image` at the place of texel (x, y) of an image of the given size, interpolated
+/// between four neighbours if their centres differ.
 fn sample(image: &Pixels, x: u32, y: u32, width: u32, height: u32) -> [u8; 4] {
     let texel = |x: u32, y: u32| {
         let at = (y as usize * image.width as usize + x as usize) * 4;
@@ -106,8 +106,8 @@ fn sample(image: &Pixels, x: u32, y: u32, width: u32, height: u32) -> [u8; 4] {
     })
 }
 
-/// The two texels of an edge of `to` around the centre of texel `i` of an edge of `from`, and how
-/// far it is from the first to the second.
+/// The two texels of an edge of `to` around the centre of texel `i` of an edge of `from`, and its
+/// place between them.
 fn between(i: u32, from: u32, to: u32) -> (u32, u32, f32) {
     let at = (f64::from(i) + 0.5) * f64::from(to) / f64::from(from) - 0.5;
     let at = at.clamp(0.0, f64::from(to - 1));

@@ -1,4 +1,4 @@
-//! The keys that blocks may hold, and the kind of their values.
+//! The keys of blocks, and the kinds of their values.
 
 use std::path::Path;
 
@@ -13,9 +13,9 @@ use crate::load::Notes;
 pub(super) struct Keys {
     /// The kind, with its article.
     pub(super) what: &'static str,
-    /// The first of these counts.
+    /// Keys of which the first counts.
     pub(super) once: &'static [&'static str],
-    /// These may come any number of times.
+    /// Keys that may come any number of times.
     pub(super) many: &'static [&'static str],
 }
 
@@ -54,14 +54,14 @@ pub(super) const LIGHT: Keys = Keys {
 pub(super) const XYZ: Keys = Keys { what: "a vector", once: &["x", "y", "z"], many: &[] };
 pub(super) const RGB: Keys = Keys { what: "a colour", once: &["r", "g", "b"], many: &[] };
 
-/// Reads the values of blocks, and notes the entries that are ignored.
+/// Reads the values of blocks, and notes ignored entries.
 pub(super) struct Values<'v> {
     pub(super) file: &'v Path,
     pub(super) notes: &'v mut Notes,
 }
 
 impl Values<'_> {
-    /// Notes the names that a block should not have, or has twice.
+    /// Notes unknown and repeated names of a block.
     pub(super) fn check(&mut self, block: &Block<'_>, keys: &Keys) {
         let mut seen = 0_u32;
         for Entry { key, .. } in &block.entries {
@@ -76,7 +76,7 @@ impl Values<'_> {
                 seen |= 1 << place;
             } else if !keys.many.contains(&key.text) {
                 let known = [keys.once, keys.many].concat().join(", ");
-                let text = format!("{} knows no {}, it was passed over", keys.what, quote(key));
+                let text = format!("{} knows no {}, it was ignored", keys.what, quote(key));
                 self.warn(key.at, format!("{text}; there are: {known}"));
             }
         }
@@ -101,7 +101,7 @@ impl Values<'_> {
         }
     }
 
-    /// The word of a name in a block, where it has one.
+    /// The word of a name in a block, if it has one.
     pub(super) fn word<'t>(
         &self,
         block: &Block<'t>,
@@ -127,7 +127,7 @@ impl Values<'_> {
         word.map_or(Ok(default), |word| self.parse(&word))
     }
 
-    /// Digits, maybe with an `f` and a comma behind.
+    /// Digits, optionally followed by an `f` and a comma.
     fn parse(&self, word: &Token<'_>) -> Result<f32, SceneError> {
         let fault = |expected: &str| fault(self.file, word.at, quote(word), expected);
         let text = word.text.strip_suffix(',').unwrap_or(word.text);
@@ -142,7 +142,7 @@ impl Values<'_> {
         }
     }
 
-    /// `true`, and nothing else, is true.
+    /// Only `true` is true.
     pub(super) fn flag(
         &mut self,
         block: &Block<'_>,
@@ -159,7 +159,7 @@ impl Values<'_> {
         Ok(word.text == "true")
     }
 
-    /// Three numbers. A missing number equals the first one that is there.
+    /// Three numbers. A missing number equals the first given one.
     pub(super) fn vector(
         &mut self,
         block: &Block<'_>,
@@ -190,7 +190,7 @@ impl Values<'_> {
     }
 }
 
-/// The first of that name.
+/// The first entry of that name.
 pub(super) fn find<'e, 't>(block: &'e Block<'t>, name: &str) -> Option<&'e Entry<'t>> {
     block.entries.iter().find(|entry| entry.key.text == name)
 }

@@ -1,4 +1,4 @@
-//! Lights, and the places from which VXCT looks.
+//! Lights, and VXCT's cameras.
 
 use std::f32::consts::PI;
 
@@ -10,9 +10,9 @@ use crate::{Attenuation, Camera, Light, LightKind, SceneError};
 
 /// The light of a block, the `number`th of its scene.
 ///
-/// VXCT gives a surface `colour * cos / (c + l d + q d²)` times its own colour, and shows that as
-/// it is. Here a surface of albedo a that faces a lamp of I candela at a metre has a radiance of a
-/// I / pi, so with I = pi / (c + l + q) both agree there, one being a cd/m².
+/// VXCT lights a surface by `colour * cos / (c + l d + q d²)` times its own colour, and shows that
+/// as it is. Here a surface of albedo a that faces a lamp of I candela at a metre has a radiance of
+/// a I / pi, so with I = pi / (c + l + q) both agree there, if one unit is a cd/m².
 pub(super) fn light(
     block: &Block<'_>,
     number: usize,
@@ -59,7 +59,7 @@ fn attenuation(block: &Block<'_>, values: &mut Values<'_>) -> Result<Attenuation
     Ok(default)
 }
 
-/// Where the program looks from at first, and the two places that its console goes to.
+/// The program's initial camera, and the two that its console offers.
 pub(super) fn cameras() -> Vec<Camera> {
     let camera = |name: &str, position: Vec3, forward: Vec3| Camera {
         name: name.to_owned(),

@@ -33,7 +33,7 @@ use crate::{Bounds, Scene, SceneError};
 use keys::{FILE, SCENE, Values, find};
 use tree::{Block, Value, fault, quote};
 
-/// Bytes of a text: a hundred thousand models have as much.
+/// The most bytes of a text, enough for a hundred thousand models.
 const LONGEST_TEXT: usize = 16 << 20;
 
 /// The cube that the program voxelizes, whatever the scene.
@@ -98,7 +98,7 @@ fn scene_names(root: &Block<'_>, values: &Values<'_>) -> Result<Vec<String>, Sce
     Ok(names)
 }
 
-/// The scene of that name or number; by default the first. `None` where the file has no scene.
+/// The scene of that name or number; by default the first. `None` if the file has no scene.
 fn choose<'e, 't>(
     root: &'e Block<'t>,
     values: &mut Values<'_>,
@@ -109,7 +109,7 @@ fn choose<'e, 't>(
     let index = match wanted {
         None => {
             if let [_, second, ..] = scenes.as_slice() {
-                let text = "the first scene of the file counts, the others were passed over";
+                let text = "the first scene of the file counts, the others were ignored";
                 values.warn(second.key.at, text);
             }
             0
@@ -127,14 +127,14 @@ fn choose<'e, 't>(
     scenes.get(index).map(|entry| values.block(entry, "model { } light { }")).transpose()
 }
 
-/// The folder of a scene, and that of the program, if the scene lies in its folder `scenes`.
+/// The folder of a scene, and that of the program, if the scene is in its folder `scenes`.
 pub(super) fn folders(file: &Path, options: &LoadOptions<'_>) -> Vec<PathBuf> {
     let program = model::program_folder(file, options);
     let program = program.map(|(folder, _)| folder_of(&folder.join("program")));
     [folder_of(file)].into_iter().chain(program).collect()
 }
 
-/// Puts all that a scene's block holds into the scene.
+/// Adds everything in a scene's block to the scene.
 fn fill(
     scene: &mut Scene,
     block: &Block<'_>,

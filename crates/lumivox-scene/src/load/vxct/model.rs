@@ -17,10 +17,10 @@ use crate::load::geometry::GeometryBudget;
 use crate::load::{LoadOptions, Notes, obj};
 use crate::{Instance, Mesh, Scene, SceneError};
 
-/// Models of a scene; each takes a kibibyte.
+/// The most models of a scene; each takes a kibibyte.
 const MOST_MODELS: usize = 100_000;
 
-/// Where a mesh comes from.
+/// The source of a mesh.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Source {
     Cube,
@@ -31,10 +31,10 @@ enum Source {
 pub(super) struct Models<'m, 'o> {
     options: &'m mut LoadOptions<'o>,
     budget: GeometryBudget<'m>,
-    /// Files, each in a folder where models are looked for.
+    /// Files whose folders are searched for models.
     beside: Vec<PathBuf>,
     reach: Reach<'m>,
-    /// The scene's mesh for transforms that do not mirror, and for those that do; why there is
+    /// The scene's mesh for transforms that do not mirror, and for those that do; or why there is
     /// none.
     meshes: HashMap<Source, Result<(usize, Option<usize>), String>>,
     count: usize,
@@ -61,7 +61,7 @@ impl<'m, 'o> Models<'m, 'o> {
         Self { options, budget, beside, reach, meshes: HashMap::new(), count: 0 }
     }
 
-    /// Puts a model into the scene. One that has nothing to show is noted and left out.
+    /// Adds a model to the scene. One without anything to show is noted and left out.
     pub(super) fn put(
         &mut self,
         scene: &mut Scene,
@@ -79,7 +79,7 @@ impl<'m, 'o> Models<'m, 'o> {
             Some(word) => shorten(word.text),
             None => format!("model {}", self.count),
         };
-        // All is read, so that errors do not depend on which files there are.
+        // Everything is read, so that errors do not depend on which files exist.
         let is_active = values.flag(block, "active", true)?;
         let is_voxelized = !values.flag(block, "static", false)?;
         let world_from_local = transform(block, values)?;
@@ -107,7 +107,7 @@ impl<'m, 'o> Models<'m, 'o> {
         Ok(())
     }
 
-    /// Where a model's mesh comes from; `path` goes before `primitive`.
+    /// The source of a model's mesh; `path` goes before `primitive`.
     fn source(
         &self,
         block: &Block<'_>,
@@ -138,7 +138,7 @@ impl<'m, 'o> Models<'m, 'o> {
         let beside: Vec<&Path> = self.beside.iter().map(PathBuf::as_path).collect();
         let reason = match find(&beside, path.text.as_bytes(), self.reach) {
             Ok(found) if is_obj(&found) => return Some(found),
-            Ok(_) => format!("{} is no OBJ file (.obj)", quote(path)),
+            Ok(_) => format!("{} is not an OBJ file (.obj)", quote(path)),
             Err(reason) if self.beside.len() > 1 => {
                 format!("{reason}, or into the folder `models` beside the folder `scenes`")
             }
@@ -190,8 +190,7 @@ impl<'m, 'o> Models<'m, 'o> {
         Ok(Some(mirrored))
     }
 
-    /// Reads a source. A file that cannot be used is not an error of the scene, unless it is too
-    /// large.
+    /// Reads a source. An unusable file is not an error of the scene, unless it is too large.
     fn read(
         &mut self,
         source: &Source,
@@ -215,14 +214,14 @@ impl<'m, 'o> Models<'m, 'o> {
                 if others > 0 {
                     let were = if others == 1 { "was" } else { "were" };
                     values.notes.warn(format!(
-                        "{}: the first mesh counts, \"{}\", and {others} more {were} passed over",
+                        "{}: the first mesh counts, \"{}\", and {others} more {were} ignored",
                         file.display(),
                         mesh.name
                     ));
                 }
                 let stem = file.file_stem().map(OsStr::to_string_lossy).unwrap_or_default();
                 mesh.name = shorten(&stem);
-                // One flat colour a model.
+                // One flat colour for each model.
                 mesh.colors = Vec::new();
                 Ok(Ok(mesh))
             }
@@ -238,14 +237,14 @@ fn is_obj(path: &Path) -> bool {
 }
 
 /// The folder above the scene's, if the scene's is called `scenes` or all folders are allowed: VXCT
-/// itself would be in it, for sure in the first case.
+/// itself would be in it, certainly in the first case.
 pub(super) fn program_folder(file: &Path, options: &LoadOptions<'_>) -> Option<(PathBuf, bool)> {
     let folder = file.parent()?;
     let is_scenes = |name: &OsStr| name.eq_ignore_ascii_case("scenes");
     if folder.file_name().is_some_and(is_scenes) {
         return Some((folder.parent()?.to_owned(), true));
     }
-    // A path of nothing but the file's name: the folder is the one that the program runs in.
+    // A path of only a file name: the folder is the working folder.
     let here = || std::path::absolute(file).ok()?.parent()?.file_name().map(is_scenes);
     let is_here = folder.as_os_str().is_empty() && options.files.is_none() && here() == Some(true);
     (is_here || options.allow_outside).then(|| (folder.join(".."), is_here))

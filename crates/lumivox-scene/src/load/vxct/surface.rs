@@ -1,4 +1,4 @@
-//! A model's material: Phong's strengths as the file has them, and the nearest physical equivalent.
+//! A model's material: Phong's strengths as the file has them, and the closest physical equivalent.
 
 use glam::Vec3;
 
@@ -6,7 +6,7 @@ use super::keys::{MATERIAL, RGB, Values, find};
 use super::tree::{Block, quote};
 use crate::{Material, Phong, SceneError, Shading, Strengths};
 
-/// The material of a model's block, under the model's name; `is_rounded` as [`Strengths`] has it.
+/// The material of a model's block, with the model's name; `is_rounded` as in [`Strengths`].
 pub(super) fn material(
     model: &Block<'_>,
     name: &str,
@@ -48,7 +48,7 @@ pub(super) fn material(
     Ok(material)
 }
 
-/// The values that are impossible for a surface.
+/// Descriptions of the values that are impossible for a surface.
 fn limits(strengths: &Strengths) -> impl Iterator<Item = &'static str> {
     let Strengths { color, ambient, diffuse, specular, shininess, .. } = *strengths;
     let least = [color.min_element(), ambient, diffuse, specular, shininess];
@@ -83,7 +83,7 @@ fn emits(model: &Block<'_>, values: &mut Values<'_>) -> Result<bool, SceneError>
         _ => values.warn(
             word.at,
             format!(
-                "there is no shader {}, COLOR stands in; there are: COLOR, EMIT, EMITRGBA, VOX",
+                "there is no shader {}, COLOR is used instead; there are: COLOR, EMIT, EMITRGBA, VOX",
                 quote(&word)
             ),
         ),

@@ -6,7 +6,7 @@ use std::str::CharIndices;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Place {
     pub(super) line: u32,
-    /// In characters.
+    /// The column in characters.
     pub(super) column: u32,
 }
 
@@ -16,7 +16,7 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// Anything but white space, and where it begins.
+/// A run of characters other than white space, with its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Token<'t> {
     pub(super) text: &'t str,
@@ -40,13 +40,13 @@ pub(super) struct Tokens<'t> {
 
 impl<'t> Tokens<'t> {
     pub(super) fn new(text: &'t str) -> Self {
-        // The mark that some editors begin a file with.
+        // The byte order mark that some editors write.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let at = Place { line: 1, column: 1 };
         Self { text, chars: text.char_indices(), at, after_return: false }
     }
 
-    /// Where the next character is; after the last token, the end of the text.
+    /// The place of the next character; after the last token, the end of the text.
     pub(super) fn place(&self) -> Place {
         self.at
     }
@@ -83,7 +83,7 @@ impl<'t> Iterator for Tokens<'t> {
     }
 }
 
-/// White space as C has it: of other languages' spaces VXCT knows nothing.
+/// White space as in C: VXCT knows no other languages' spaces.
 pub(super) fn is_space(char: char) -> bool {
     matches!(char, ' ' | '\t' | '\n' | '\r' | '\u{b}' | '\u{c}')
 }

@@ -14,11 +14,11 @@ use crate::SceneError;
 use crate::load::Notes;
 use crate::load::files::shorten;
 
-/// Blocks in blocks; real scenes have four.
+/// The deepest nesting of blocks; real scenes have four.
 const DEEPEST: usize = 32;
-/// Names of a file: more than a hundred thousand models have, and a bound on memory.
+/// The most names of a file: enough for a hundred thousand models, and a bound on memory.
 const MOST_ENTRIES: usize = 1 << 20;
-/// Stray tokens that are reported one by one.
+/// The most stray tokens that are reported one by one.
 const MOST_STRAYS: usize = 20;
 
 /// A name and its value.
@@ -66,7 +66,7 @@ pub(super) fn quote(token: &Token<'_>) -> String {
     format!("\"{}\"", shorten(head))
 }
 
-/// Reads a whole file's text. The second part of the answer is how many stray tokens there were.
+/// Reads a whole file's text; also returns the number of stray tokens.
 pub(super) fn read<'t>(
     file: &Path,
     text: &'t str,
@@ -82,7 +82,7 @@ pub(super) fn read<'t>(
     let root = reader.block(None, 0)?;
     let strays = reader.strays;
     if strays > MOST_STRAYS {
-        notes.warn(format!("{} more stray tokens were passed over", strays - MOST_STRAYS));
+        notes.warn(format!("{} more stray tokens were ignored", strays - MOST_STRAYS));
     }
     Ok((root, strays))
 }
@@ -133,7 +133,7 @@ impl<'t> Reader<'_, 't> {
         }
     }
 
-    /// The entry of a name; `None` where the token is not a name.
+    /// The entry of a name; `None` if the token is not a name.
     fn entry(&mut self, key: Token<'t>, depth: usize) -> Result<Option<Entry<'t>>, SceneError> {
         let after = self.tokens.next_if(|token| matches!(token.text, "=" | "{"));
         let brace = match after {
@@ -179,7 +179,7 @@ impl<'t> Reader<'_, 't> {
     fn stray(&mut self, token: &Token<'t>, why: &str) {
         self.strays += 1;
         if self.strays <= MOST_STRAYS {
-            self.notes.warn(format!("{}: {} was passed over: {why}", token.at, quote(token)));
+            self.notes.warn(format!("{}: {} was ignored: {why}", token.at, quote(token)));
         }
     }
 

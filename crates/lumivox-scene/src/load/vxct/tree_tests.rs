@@ -33,19 +33,19 @@ fn stray_tokens_are_passed_over_and_told() {
     let (block, warnings) = read_text("oh scene { dear name = a b\n c= d={ } }").unwrap();
     assert_eq!(short(&block), "scene{name=a}");
     let expected = [
-        "1:1: \"oh\" was passed over: neither `=` nor `{` follows it",
-        "1:12: \"dear\" was passed over: neither `=` nor `{` follows it",
-        "1:26: \"b\" was passed over: neither `=` nor `{` follows it",
-        "2:2: \"c=\" was passed over: `=`, `{` and `}` need white space around them",
-        "2:5: \"d={\" was passed over: `=`, `{` and `}` need white space around them",
-        "2:11: \"}\" was passed over: no block is open there",
+        "1:1: \"oh\" was ignored: neither `=` nor `{` follows it",
+        "1:12: \"dear\" was ignored: neither `=` nor `{` follows it",
+        "1:26: \"b\" was ignored: neither `=` nor `{` follows it",
+        "2:2: \"c=\" was ignored: `=`, `{` and `}` need white space around them",
+        "2:5: \"d={\" was ignored: `=`, `{` and `}` need white space around them",
+        "2:11: \"}\" was ignored: no block is open there",
     ];
     assert_eq!(warnings, expected);
     let words = "word ".repeat(1000);
     let (block, warnings) = read_text(&words).unwrap();
     assert_eq!(block.entries, []);
     assert_eq!(warnings.len(), MOST_STRAYS + 1);
-    assert_eq!(warnings[MOST_STRAYS], "980 more stray tokens were passed over");
+    assert_eq!(warnings[MOST_STRAYS], "980 more stray tokens were ignored");
 }
 
 #[test]

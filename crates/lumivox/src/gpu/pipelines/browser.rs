@@ -1,9 +1,10 @@
-//! Making pipelines in browsers beside the page, which goes on meanwhile.
+//! Making pipelines in browsers asynchronously, while the page continues.
 //!
-//! wgpu asks for pipelines by `createComputePipeline` and `createRenderPipeline` alone: the browser then compiles one after
-//! the other, in the process that everything on the GPU waits for. Their `Async` siblings take the same descriptors. So
-//! for the length of one call a function of ours stands in for the device's method: at first it takes the descriptor,
-//! and once the browser has made the pipeline, another one hands that to wgpu. Nothing is compiled twice.
+//! wgpu only calls `createComputePipeline` and `createRenderPipeline`: the browser then compiles
+//! one after the other, in the process that all GPU work waits for. Their `Async` siblings take the
+//! same descriptors. So during one call our function replaces the device's method: first it takes
+//! the descriptor, and once the browser has made the pipeline, another function returns it to wgpu.
+//! Nothing is compiled twice.
 
 use js_sys::{Function, Object, Promise, Reflect};
 use wasm_bindgen::closure::Closure;
@@ -13,7 +14,7 @@ use wasm_bindgen_futures::JsFuture;
 use super::lazy::Pending;
 
 impl Pending {
-    /// The device's method that makes it.
+    /// The device's method that makes this pipeline.
     fn method(&self) -> &'static str {
         match self {
             Self::Compute(_) => "createComputePipeline",
@@ -22,7 +23,7 @@ impl Pending {
     }
 }
 
-/// Lets the browser make them, all at once.
+/// Makes all pipelines at once.
 pub(super) async fn make(
     device: &wgpu::Device,
     pending: &[Pending],
@@ -42,14 +43,15 @@ pub(super) async fn make(
             (Some(device), Some(made)) => {
                 stand_in(device, pipeline.method(), |_| made.clone(), || pipeline.make());
             }
-            // What the browser refuses is refused again, and heard by those who listen to the device.
+            // A pipeline that the browser refuses is refused again, and the device's error handlers
+            // see it.
             _ => pipeline.make(),
         }
         progress(done, pending.len() as u32);
     }
 }
 
-/// Starts to make a pipeline; `None` where the browser has no such call.
+/// Starts to make a pipeline; `None` if the browser has no such method.
 fn start(device: &JsValue, pipeline: &Pending) -> Option<Promise> {
     let asynchronous = format!("{}Async", pipeline.method());
     let create: Function = Reflect::get(device, &asynchronous.into()).ok()?.dyn_into().ok()?;
@@ -62,7 +64,7 @@ fn start(device: &JsValue, pipeline: &Pending) -> Option<Promise> {
     create.call1(device, &descriptor?).ok()?.dyn_into().ok()
 }
 
-/// Calls `run` while `function` stands in for the device's method `name`.
+/// Calls `run` while `function` replaces the device's method `name`.
 fn stand_in(
     device: &JsValue,
     name: &str,
@@ -72,7 +74,7 @@ fn stand_in(
     let mut call: &mut dyn FnMut(JsValue) -> JsValue = &mut function;
     let own = Closure::borrow_mut(&mut call);
     let name = JsValue::from_str(name);
-    // An object's own property goes before its prototype's.
+    // An object's own property hides its prototype's.
     let is_set = Reflect::set(device, &name, own.as_ref().unchecked_ref());
     run();
     if is_set.is_ok() {

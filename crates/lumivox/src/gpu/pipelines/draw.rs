@@ -6,28 +6,28 @@ use super::lazy::{Lazy, Plan, pipeline_layout};
 use super::{Shader, ShaderEntry};
 use crate::gpu::ShaderError;
 
-/// What a pipeline that draws triangles is made from: one sample a pixel, one view.
+/// The description of a pipeline that draws triangles: one sample a pixel, one view.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct DrawPlan {
     /// The vertex shader.
     pub vertex: ShaderEntry,
-    /// The fragment shader; none where only depth is written.
+    /// The fragment shader; `None` to write only depth.
     pub fragment: Option<ShaderEntry>,
-    /// What the fragment shader writes to, by location.
+    /// The colour targets of the fragment shader, by location.
     pub targets: Vec<Option<wgpu::ColorTargetState>>,
     /// Vertex buffers by their slots.
     pub vertex_buffers: Vec<Option<wgpu::VertexBufferLayout<'static>>>,
     /// Layouts of the bind groups, from group 0.
     pub groups: Vec<wgpu::BindGroupLayout>,
-    /// How vertices become triangles.
+    /// The assembly of vertices into triangles.
     pub primitive: wgpu::PrimitiveState,
     /// The depth test, if there is one.
     pub depth_stencil: Option<wgpu::DepthStencilState>,
 }
 
 impl DrawPlan {
-    /// Draws all sides of triangles without vertex buffers, targets, bind groups or a depth buffer: a start for
-    /// struct updates.
+    /// A plan that draws both sides of triangles without vertex buffers, targets, bind groups or a
+    /// depth buffer: a start for struct updates.
     ///
     /// # Errors
     /// When there is no entry point of that name.
@@ -73,7 +73,7 @@ impl Plan for DrawPlan {
     }
 }
 
-/// A pipeline that draws; using it (by `Deref`) makes it if it is not there yet. Clones share it.
+/// A pipeline that draws; it is made at its first use (by `Deref`) if not before. Clones share it.
 #[derive(Clone, Debug)]
 pub struct DrawPipeline(pub(super) Lazy<DrawPlan>);
 

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::{ComputePlan, DrawPlan};
 
-/// What a pipeline is made from.
+/// The description of a pipeline.
 pub(crate) trait Plan {
     type Pipeline: std::fmt::Debug;
 
@@ -44,7 +44,7 @@ impl<P: Plan> Clone for Lazy<P> {
     }
 }
 
-/// One of either kind.
+/// A pipeline of either kind that may not be made yet.
 #[derive(Clone, Debug)]
 pub(super) enum Pending {
     Compute(LazyCompute),
@@ -59,7 +59,7 @@ impl Pending {
         }
     }
 
-    /// Makes it, if it is not there.
+    /// Makes the pipeline if it does not exist.
     pub(super) fn make(&self) {
         match self {
             Self::Compute(pipeline) => {
@@ -71,7 +71,7 @@ impl Pending {
         }
     }
 
-    /// Makes one that is thrown away: for what wgpu calls on the way.
+    /// Makes a pipeline and discards it, for the calls that wgpu makes on the way.
     #[cfg(target_arch = "wasm32")]
     pub(super) fn rehearse(&self) {
         match self {

@@ -34,7 +34,7 @@ pub(crate) use lazy::LazyCompute;
 use lazy::{Lazy, Pending};
 pub use shader::{Shader, ShaderEntry};
 
-/// What [`LazyCompute`] is made from.
+/// The inputs of a [`LazyCompute`].
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ComputePlan {
     pub(crate) entry: ShaderEntry,
@@ -144,7 +144,7 @@ impl Pipelines {
         self.ask(&self.cache.draw, plan, create, |made| Pending::Draw(made.0))
     }
 
-    /// What is there for a plan, or a new one, which is then pending.
+    /// The pipeline of a plan; a new one is pending.
     fn ask<Plan: Clone + Eq + Hash, Asked: Clone>(
         &self,
         known: &Mutex<HashMap<Plan, Asked>>,
@@ -163,9 +163,9 @@ impl Pipelines {
     }
 
     /// Makes all pipelines that were asked for and are not there: on all cores, or in browsers without holding the page up.
-    /// `progress` hears how many of how many are made, if any are left to make.
+    /// `progress` gets the number made and the total, if any are left to make.
     ///
-    /// What the device refuses it reports as any failed call, not here.
+    /// An error of the device is reported like that of any failed call, not here.
     pub async fn compile(&self, progress: &mut dyn FnMut(u32, u32)) {
         let mut pending = std::mem::take(&mut *lock(&self.cache.pending));
         pending.retain(|pipeline| !pipeline.is_made());

@@ -5,7 +5,7 @@ use std::sync::mpsc;
 
 use super::lazy::Pending;
 
-/// Makes them on all cores. It blocks, as waiting for the device does outside of browsers.
+/// Makes pipelines on all cores. It blocks, as does waiting for the device outside browsers.
 pub(super) fn make(
     pending: &[Pending],
     progress: &mut dyn FnMut(u32, u32),
@@ -19,7 +19,7 @@ pub(super) fn make(
             scope.spawn(move || {
                 while let Some(pipeline) = pending.get(next.fetch_add(1, Ordering::Relaxed)) {
                     pipeline.make();
-                    // Nobody hears of it if the caller's progress has panicked.
+                    // The receiver is gone if the caller's progress function has panicked.
                     let _ = made.send(());
                 }
             });

@@ -14,7 +14,7 @@ struct Linked {
     device: wgpu::Device,
     path: String,
     source: String,
-    /// Names and workgroup sizes (zeros where it is not for compute).
+    /// Names and workgroup sizes (zeros for entry points of other stages than compute).
     entries: Vec<(String, [u32; 3])>,
     module: OnceLock<wgpu::ShaderModule>,
 }
@@ -60,7 +60,7 @@ impl Shader {
     }
 }
 
-/// Within a cache there is one of each content, so that identity is equality.
+/// Within a cache each content exists once, so identity is equality.
 impl PartialEq for Shader {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
@@ -93,7 +93,7 @@ impl ShaderEntry {
         format!("{}::{}", self.shader.0.path, self.name())
     }
 
-    /// Invocations along x, y and z of one workgroup; zeros where it is not for compute.
+    /// Invocations along x, y and z of one workgroup; zeros for other stages than compute.
     pub fn workgroup_size(&self) -> [u32; 3] {
         self.shader.0.entries[self.number].1
     }

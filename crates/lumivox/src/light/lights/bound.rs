@@ -1,5 +1,7 @@
 //! Lights bound for the shaders, and changed without binding them anew.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use bytemuck::Pod;
 
 use super::{
@@ -54,6 +56,8 @@ pub struct Lights {
     pub group: BindGroup,
     /// How many lights there are.
     pub count: u32,
+    /// A number that is unique to these lights: others, and the same after an update, have another.
+    pub(crate) version: u64,
     /// Whether any of them gets its shadows by cones.
     pub(crate) has_cone_shadows: bool,
     /// Those that have shadow maps.
@@ -136,6 +140,7 @@ impl Lights {
         let mut bound = Self {
             group,
             count: 0,
+            version: 0,
             has_cone_shadows: false,
             mapped: Vec::new(),
             map_size: [0; 2],
@@ -187,6 +192,7 @@ impl Lights {
     /// Sets what the host knows of the lights.
     fn describe(&mut self, lights: &[Light], records: &Records, shadows: ShadowSource<'_>) {
         self.count = records.globals.light_count;
+        self.version = next_version();
         self.has_cone_shadows = records.lights.iter().any(|light| light.shadow == SHADOW_CONE);
         (self.mapped, self.map_size) = match shadows {
             ShadowSource::Maps(maps) => {
@@ -196,6 +202,12 @@ impl Lights {
             ShadowSource::None | ShadowSource::Own(_) => (Vec::new(), [0; 2]),
         };
     }
+}
+
+/// A number that was not given out before.
+fn next_version() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 /// Writes records into a buffer, or makes one with room to grow if they do not fit; tells whether it did.

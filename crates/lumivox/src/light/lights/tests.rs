@@ -6,7 +6,7 @@ use super::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps, ShadowS
 use crate::gpu::{Pipelines, Recorder, Timing, upload};
 use crate::hooks::{Mounted, Resource};
 use crate::testing::{busy_room, device, read};
-use crate::trace::View;
+use crate::trace::CameraView;
 use crate::trace::tests::room;
 use crate::{Gi, GiConfig, Grid, TraceSettings};
 
@@ -82,7 +82,7 @@ fn shadow_maps_of_another_layout_give_the_same_bits() {
         [0.0, 2.0, 0.0, 0.0],
         [-1.0, -1.0, 0.25, 1.0],
     ]);
-    let view = View::new(clip_from_world, Vec3::ZERO, size);
+    let view = CameraView::new(clip_from_world, Vec3::ZERO, size);
     let source = LightSource::Directional {
         direction: Vec3::NEG_Y,
         irradiance: Vec3::ONE,

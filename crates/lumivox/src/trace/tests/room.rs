@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, UVec2, Vec3};
 
 use crate::gpu::uniform_buffer;
-use crate::trace::View;
+use crate::trace::CameraView;
 
 /// The inside of this box is what [`crate::testing::busy_room`] has as walls.
 const ROOM: Vec3 = Vec3::new(1.0, 0.7, 0.9);
@@ -21,20 +21,20 @@ struct Camera {
 }
 
 /// A camera in the room.
-pub(crate) fn view(size: UVec2) -> View {
+pub(crate) fn view(size: UVec2) -> CameraView {
     let position = Vec3::new(0.15, 0.4, 0.1);
     let aspect = size.x as f32 / size.y as f32;
     let clip_from_view =
         glam::camera::rh::proj::directx::perspective_infinite_reverse(1.3, aspect, 0.05);
     let view_from_world =
         glam::camera::rh::view::look_at_mat4(position, Vec3::new(0.7, 0.3, 0.8), Vec3::Y);
-    View { frame: 1, ..View::new(clip_from_view * view_from_world, position, size) }
+    CameraView { frame: 1, ..CameraView::new(clip_from_view * view_from_world, position, size) }
 }
 
 /// Draws it with one of the fragment shaders of `room.wgsl`, into a depth texture and textures of the given formats.
 pub(crate) fn draw(
     (device, queue): (&wgpu::Device, &wgpu::Queue),
-    view: View,
+    view: CameraView,
     entry: &str,
     formats: &[wgpu::TextureFormat],
 ) -> (wgpu::TextureView, Vec<wgpu::TextureView>) {

@@ -5,10 +5,10 @@ use bytemuck::{Pod, Zeroable};
 use crate::GiError;
 use crate::Grid;
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, ComputePass, Indirect, Kernel, LayoutBuilder, Pipelines,
-    Recorder, Run, Scan, ShaderLibrary, storage_buffer, uniform_buffer,
+    BindGroup, BindGroupBuilder, BoundIndirect, BoundScan, Buffer, ComputePass, Indirect, Kernel,
+    LayoutBuilder, Pipelines, Recorder, Run, Scan, ShaderLibrary, storage_buffer, uniform_buffer,
 };
-use crate::voxels::level_first_word;
+use crate::voxels::{VoxelList, level_first_word};
 
 /// `ListParams` of `list.wgsl`.
 #[repr(C)]
@@ -45,23 +45,14 @@ pub(crate) struct ChangedCells {
     pub(crate) ranks: Buffer,
     /// `array<ChangedCell>` of `list.wgsl`.
     pub(crate) cells: Buffer,
+    words: u64,
+    group: BindGroup,
+    scan: BoundScan,
     /// The arguments of a dispatch over each level's cells.
-    arguments: Buffer,
+    levels: BoundIndirect,
 }
 
 impl ChangedCells {
-    /// Room for so many cells of all levels.
-    pub(super) fn new(device: &wgpu::Device, grid: &Grid, count: u64) -> Self {
-        let words = level_first_word(grid, grid.levels);
-        // Zeros, which dispatch nothing.
-        let arguments_bytes = u64::from(grid.levels) * Indirect::STRIDE;
-        Self {
-            ranks: storage_buffer(device, "ranks of changed cells", (words + 1) * 4),
-            cells: storage_buffer(device, "changed cells", count * 8),
-            arguments: storage_buffer(device, "no changed cells", arguments_bytes),
-        }
-    }
-
     /// Runs a kernel with a thread for each changed cell of a level, and some more:
     /// `package::volume::changes::cells` returns its cell.
     pub(crate) fn dispatch(
@@ -71,21 +62,14 @@ impl ChangedCells {
         groups: &[&BindGroup],
         level: usize,
     ) {
-        kernel.dispatch_indirect(pass, groups, &self.arguments, level as u64 * Indirect::STRIDE);
+        let offset = level as u64 * Indirect::STRIDE;
+        kernel.dispatch_indirect(pass, groups, &self.levels.arguments, offset);
     }
 
     /// Bytes on the GPU.
     pub(super) fn bytes(&self) -> u64 {
         self.ranks.size() + self.cells.size()
     }
-}
-
-/// Bits, and the list of voxels that they are of.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bits<'a> {
-    pub(super) changed: &'a Buffer,
-    pub(super) occupancy: &'a Buffer,
-    pub(super) ranks: &'a Buffer,
 }
 
 /// The kernels.
@@ -121,35 +105,54 @@ impl Lister {
         })
     }
 
-    /// Lists the changed cells, of which `cells` must have room for all; those that are not
-    /// occupied only if asked for.
-    pub(super) fn list(
+    /// Room for so many cells, which must be enough for all whose bits are set; those that are not occupied are left out
+    /// if asked for.
+    pub(super) fn cells(
         &self,
-        recorder: &mut Recorder,
-        globals: &BindGroup,
+        device: &wgpu::Device,
         grid: &Grid,
-        (bits, only_occupied): (Bits<'_>, bool),
-        cells: &mut ChangedCells,
-    ) {
-        let device = recorder.device().clone();
+        (bits, voxels): (&Buffer, &VoxelList),
+        count: u64,
+        only_occupied: bool,
+    ) -> ChangedCells {
+        let words = level_first_word(grid, grid.levels);
+        let ranks = storage_buffer(device, "ranks of changed cells", (words + 1) * 4);
+        let cells = storage_buffer(device, "changed cells", count * 8);
         let params = ListParams { only_occupied: u32::from(only_occupied) };
-        let params = uniform_buffer(&device, "list parameters", &params);
+        let params = uniform_buffer(device, "list parameters", &params);
         let group = BindGroupBuilder::new(&self.layout)
             .buffer(&params)
-            .buffer(bits.occupancy)
-            .buffer(bits.ranks)
-            .buffer(bits.changed)
-            .buffer(&cells.ranks)
-            .buffer(&cells.cells)
-            .build(&device, "changed cells");
-        let words = level_first_word(grid, grid.levels);
-        self.count.run_linear(recorder, &[globals, &group], words);
-        self.scan.run(recorder, &cells.ranks, words as u32 + 1);
-        self.list.run_linear(recorder, &[globals, &group], words);
+            .buffer(&voxels.occupancy)
+            .buffer(&voxels.ranks)
+            .buffer(bits)
+            .buffer(&ranks)
+            .buffer(&cells)
+            .build(device, "changed cells");
         let first_word = |level: u32| level_first_word(grid, level) as u32;
         let levels: Vec<Run> = (0..grid.levels)
             .map(|level| Run { first: first_word(level), end: first_word(level + 1) })
             .collect();
-        cells.arguments = self.indirect.arguments(recorder, &cells.ranks, &levels, &self.zero);
+        ChangedCells {
+            scan: self.scan.bind(device, &ranks, words as u32 + 1),
+            levels: self.indirect.bind(device, &ranks, &levels, &self.zero),
+            ranks,
+            cells,
+            words,
+            group,
+        }
+    }
+
+    /// Lists the changed cells.
+    pub(super) fn list(
+        &self,
+        recorder: &mut Recorder<'_>,
+        globals: &BindGroup,
+        cells: &ChangedCells,
+    ) {
+        let groups = [globals, &cells.group];
+        self.count.run_linear(recorder, &groups, cells.words);
+        self.scan.run_bound(recorder, &cells.scan);
+        self.list.run_linear(recorder, &groups, cells.words);
+        self.indirect.run(recorder, &cells.levels);
     }
 }

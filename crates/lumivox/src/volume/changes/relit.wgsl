@@ -2,10 +2,11 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::volume::changes::moved::MovedParams;
+import package::voxels::counts::NodeRange;
 import package::voxels::list::Node;
 
-@group(1) @binding(0) var<uniform> params: MovedParams;
+// The voxels.
+@group(1) @binding(0) var<uniform> finest: NodeRange;
 @group(1) @binding(1) var<storage, read> nodes: array<Node>;
 @group(1) @binding(2) var<storage, read> first_faces: array<u32>;
 @group(1) @binding(3) var<storage, read> radiance: array<vec4f>;
@@ -19,11 +20,13 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = linear_index(invocation, workgroups);
-    if voxel >= params.voxel_count {
+    if voxel >= finest.count {
         return;
     }
     var is_same = true;
-    for (var face = first_faces[voxel]; face < first_faces[voxel + 1u]; face++) {
+    let first = first_faces[voxel];
+    let end = first + countOneBits(nodes[voxel].lobes & 0x3fu);
+    for (var face = first; face < end; face++) {
         let now = radiance[face];
         // Bits, since a zero has a sign that the volume stores.
         is_same = is_same && all(bitcast<vec4u>(now) == bitcast<vec4u>(held[face]));

@@ -8,7 +8,8 @@ use crate::gpu::{
 use crate::volume::changes::{ChangedCells, LevelWords};
 use crate::{GiError, Grid};
 
-use crate::volume::{CELL_FORMAT, Directionality, Lists};
+use crate::volume::{CELL_FORMAT, Directionality};
+use crate::voxels::VoxelList;
 
 /// Kernels, and the bind groups of the current voxel list.
 #[derive(Debug)]
@@ -25,6 +26,8 @@ pub(super) struct Build {
     store_group: Option<BindGroup>,
     /// Filtering into each level but the finest.
     filter_groups: Vec<BindGroup>,
+    /// Clearing each level.
+    clear_groups: Vec<BindGroup>,
 }
 
 impl Build {
@@ -70,15 +73,17 @@ impl Build {
             levels,
             store_group: None,
             filter_groups: Vec::new(),
+            clear_groups: Vec::new(),
         })
     }
 
-    /// Makes the bind groups for a voxel list; `views` are the levels of the texture.
+    /// Makes the bind groups for a voxel list, its light and the cells of it that change; `views` are the levels of the
+    /// texture.
     pub(super) fn bind(
         &mut self,
         device: &wgpu::Device,
-        Lists { new: voxels, radiance, .. }: Lists<'_>,
-        changed: &ChangedCells,
+        (voxels, radiance): (&VoxelList, &Buffer),
+        [changed, wrong]: [&ChangedCells; 2],
         views: &[TextureView],
     ) {
         let store = BindGroupBuilder::new(&self.store_layout)
@@ -104,33 +109,31 @@ impl Build {
                     .build(device, "filter cells")
             })
             .collect();
-    }
-
-    /// Writes zeros over the cells of all levels that have changed.
-    pub(super) fn clear(
-        &self,
-        recorder: &mut Recorder,
-        grid: &BindGroup,
-        changed: &ChangedCells,
-        views: &[TextureView],
-    ) {
-        let device = recorder.device().clone();
-        let groups: Vec<_> = self
+        self.clear_groups = self
             .levels
             .iter()
             .zip(views)
             .map(|(level, view)| {
                 BindGroupBuilder::new(&self.clear_layout)
                     .buffer(level)
-                    .buffer(&changed.ranks)
-                    .buffer(&changed.cells)
+                    .buffer(&wrong.ranks)
+                    .buffer(&wrong.cells)
                     .view(view)
-                    .build(&device, "clear cells")
+                    .build(device, "clear cells")
             })
             .collect();
+    }
+
+    /// Writes zeros over the cells of all levels whose content is wrong.
+    pub(super) fn clear(
+        &self,
+        recorder: &mut Recorder<'_>,
+        grid: &BindGroup,
+        wrong: &ChangedCells,
+    ) {
         recorder.compute("volume::dense::clear", |pass| {
-            for (level, group) in groups.iter().enumerate() {
-                changed.dispatch(pass, &self.clear, &[grid, group], level);
+            for (level, group) in self.clear_groups.iter().enumerate() {
+                wrong.dispatch(pass, &self.clear, &[grid, group], level);
             }
         });
     }

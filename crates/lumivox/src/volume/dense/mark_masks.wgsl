@@ -4,7 +4,7 @@ import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::volume::level_range::{node_range, nodes};
-import package::volume::dense::masks::mask_entry;
+import package::volume::dense::masks::{level_first_entry, mask_entry};
 import package::volume::parts::parts_of_lobes;
 import package::voxels::morton::morton_decode;
 
@@ -23,9 +23,10 @@ fn main(
     let cell = morton_decode(node.morton);
     let dimensions = grid.dimensions >> vec3u(node_range.level);
     let parts = parts_of_lobes(node.lobes);
+    let first_entry = level_first_entry(node_range.level);
     for (var corner = 0u; corner < 8u; corner++) {
         let position = cell + vec3u(corner & 1u, (corner >> 1u) & 1u, corner >> 2u);
-        let entry = mask_entry(node_range.first_mask_entry, position, dimensions);
+        let entry = mask_entry(first_entry, position, dimensions);
         atomicOr(&marked[entry >> 1u], parts << ((entry & 1u) * 16u));
     }
 }

@@ -6,8 +6,7 @@ use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
     storage_buffer, uniform_buffer,
 };
-use crate::volume::level_range::NodeRange;
-use crate::voxels::VoxelList;
+use crate::voxels::{LIST_COUNT_BYTES, VoxelList, level_arguments, level_block};
 use crate::{GiError, Grid};
 
 /// `MAX_LEVELS` of `masks.wgsl`.
@@ -32,7 +31,9 @@ pub(super) fn bytes(grid: &Grid) -> u64 {
 
 #[derive(Debug)]
 pub(super) struct Masks {
-    levels: MaskLevels,
+    level_count: u32,
+    /// Of each level, with the list's counts.
+    bound: Option<(Vec<BindGroup>, Buffer)>,
     levels_uniform: Buffer,
     entries: Buffer,
     layout: wgpu::BindGroupLayout,
@@ -73,7 +74,8 @@ impl Masks {
         let mark =
             Kernel::new(device, shaders, "volume::dense::mark_masks", "main", &[globals, &layout])?;
         Ok(Self {
-            levels,
+            level_count: grid.levels,
+            bound: None,
             levels_uniform: uniform_buffer(device, "mask levels", &levels),
             entries: storage_buffer(device, "empty-space masks", bytes),
             layout,
@@ -81,25 +83,27 @@ impl Masks {
         })
     }
 
-    pub(super) fn rebuild(&self, recorder: &mut Recorder, grid: &BindGroup, voxels: &VoxelList) {
+    /// Binds another list, or one with other room.
+    pub(super) fn bind(&mut self, device: &wgpu::Device, voxels: &VoxelList) {
+        let group = |level| {
+            BindGroupBuilder::new(&self.layout)
+                .slice(&voxels.counts, level_block(level), LIST_COUNT_BYTES)
+                .buffer(&voxels.nodes)
+                .buffer(&self.entries)
+                .build(device, "mask marks")
+        };
+        let groups = (0..self.level_count).map(group).collect();
+        self.bound = Some((groups, voxels.counts.clone()));
+    }
+
+    /// Fills the masks from the list.
+    pub(super) fn fill(&self, recorder: &mut Recorder<'_>, grid: &BindGroup) {
+        let Some((groups, counts)) = &self.bound else { return };
         recorder.clear(&self.entries);
-        let device = recorder.device().clone();
-        let groups: Vec<_> = (0..voxels.level_starts.len() as u32 - 1)
-            .map(|level| {
-                let first_mask_entry = self.levels.first_entry[level as usize][0];
-                let range = NodeRange { first_mask_entry, ..NodeRange::new(voxels, level) };
-                let uniform = uniform_buffer(&device, "mask range", &range);
-                let group = BindGroupBuilder::new(&self.layout)
-                    .buffer(&uniform)
-                    .buffer(&voxels.nodes)
-                    .buffer(&self.entries)
-                    .build(&device, "mask marks");
-                (group, range.count)
-            })
-            .collect();
         recorder.compute("volume::dense::mark_masks", |pass| {
-            for (group, count) in &groups {
-                self.mark.dispatch_linear(pass, &[grid, group], u64::from(*count));
+            for (level, group) in (0..).zip(groups) {
+                let arguments = level_arguments(level);
+                self.mark.dispatch_indirect(pass, &[grid, group], counts, arguments);
             }
         });
     }

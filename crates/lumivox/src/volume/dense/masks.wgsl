@@ -23,6 +23,16 @@ fn mask_entry(first_entry: u32, corner: vec3u, dimensions: vec3u) -> u32 {
     return first_entry + (corner.z * entries.y + corner.y) * entries.x + corner.x;
 }
 
+// The first entry of a level.
+fn level_first_entry(level: u32) -> u32 {
+    var first = 0u;
+    for (var finer = 0u; finer < level; finer++) {
+        let entries = (grid.dimensions >> vec3u(finer)) + 1u;
+        first += entries.x * entries.y * entries.z;
+    }
+    return first;
+}
+
 // All parts that a look-up at a level can meet.
 fn parts_near(position_in_grid: vec3f, level: u32) -> u32 {
     let dimensions = grid.dimensions >> vec3u(level);

@@ -15,11 +15,12 @@ mod tests;
 use glam::UVec3;
 
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, Texture,
-    TextureView,
+    BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    Texture, TextureView,
 };
 use crate::volume::changes::ChangedCells;
-use crate::volume::{CELL_FORMAT, Cells, Directionality, Lists, budget};
+use crate::volume::{CELL_FORMAT, Directionality, budget};
+use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
 use build::Build;
@@ -132,13 +133,22 @@ impl DenseVolume {
         })
     }
 
-    pub(super) fn rebuild(&mut self, recorder: &mut Recorder, lists: Lists<'_>, cells: Cells<'_>) {
+    /// Binds another list, or one with other room.
+    pub(super) fn bind(
+        &mut self,
+        device: &wgpu::Device,
+        light: (&VoxelList, &Buffer),
+        cells: [&ChangedCells; 2],
+    ) {
+        self.build.bind(device, light, cells, &self.levels);
+        self.masks.bind(device, light.0);
+    }
+
+    /// Follows the list, whose cells of another surface are `wrong`.
+    pub(super) fn follow(&self, recorder: &mut Recorder<'_>, wrong: &ChangedCells) {
         recorder.stage("volume");
-        if let Some(wrong) = cells.wrong {
-            self.build.clear(recorder, &self.grid, wrong, &self.levels);
-        }
-        self.build.bind(recorder.device(), lists, cells.changed, &self.levels);
-        self.masks.rebuild(recorder, &self.grid, lists.new);
+        self.build.clear(recorder, &self.grid, wrong);
+        self.masks.fill(recorder, &self.grid);
     }
 
     pub(super) fn update(&self, recorder: &mut Recorder, changed: &ChangedCells) {

@@ -7,7 +7,7 @@ use super::Directionality;
 use crate::gpu::{Pipelines, Recorder, Timing};
 use crate::testing::{busy_room, device, read, read_level};
 use crate::volume::Volume;
-use crate::voxels::{FaceRecord, NodeRecord};
+use crate::voxels::FaceRecord;
 use crate::{Gi, GiConfig, Grid, TraceSettings};
 
 /// A level of the pyramid, read back: lobes (rgb premultiplied, opacity) and tilts.
@@ -92,8 +92,6 @@ fn finest_level_holds_the_faces_and_nothing_else() {
     let (device, queue, gi) = lit_room(32, Directionality::SixLobes);
     let voxels = gi.voxels().expect("there are voxels");
     let level = &read_levels(&device, &queue, &gi)[0];
-    let nodes: Vec<NodeRecord> =
-        read(&device, &queue, &voxels.nodes, voxels.voxel_count() as usize);
     let faces: Vec<FaceRecord> = read(&device, &queue, &voxels.faces, voxels.face_count as usize);
     let radiance: Vec<[f32; 4]> = read(
         &device,
@@ -105,7 +103,7 @@ fn finest_level_holds_the_faces_and_nothing_else() {
     let mut tilts = vec![vec![[0.0_f32; 4]; level.lobes[0].len()]; 3];
     for (face, radiance) in faces.iter().zip(&radiance) {
         let (lobe, axis) = (face.lobe as usize, face.lobe as usize / 2);
-        let cell = crate::testing::morton_decode(nodes[face.voxel as usize].morton);
+        let cell = crate::testing::morton_decode(face.cell);
         let opacity = face.vector_area[axis].abs();
         let [r, g, b, _] = radiance.map(|value| value * opacity);
         expected[lobe][level.index(cell)] = [r, g, b, opacity];
@@ -212,14 +210,12 @@ fn isotropic_levels_are_means() {
     let levels = read_levels(&device, &queue, &gi);
     let voxels = gi.voxels().expect("there are voxels");
     let count = voxels.face_count as usize;
-    let nodes: Vec<NodeRecord> =
-        read(&device, &queue, &voxels.nodes, voxels.voxel_count() as usize);
     let faces: Vec<FaceRecord> = read(&device, &queue, &voxels.faces, count);
     let buffer = gi.face_radiance().expect("there is light");
     let radiance: Vec<[f32; 4]> = read(&device, &queue, buffer, count);
     let mut sums = vec![[0.0_f32; 4]; levels[0].lobes[0].len()];
     for (face, [r, g, b, _]) in faces.iter().zip(&radiance) {
-        let cell = crate::testing::morton_decode(nodes[face.voxel as usize].morton);
+        let cell = crate::testing::morton_decode(face.cell);
         let area = Vec3::from(face.vector_area).length();
         let sum = &mut sums[levels[0].index(cell)];
         *sum = std::array::from_fn(|i| sum[i] + area * [r, g, b, &1.0][i]);

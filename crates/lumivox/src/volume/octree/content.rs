@@ -8,15 +8,13 @@ use super::topology::{NodeRanks, Topology};
 use super::{Duplication, Input, Mipmapping, OctreeOptions};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, Scan,
-    ShaderLibrary, Texture, TextureView, read_buffer, storage_buffer, uniform_buffer,
+    ShaderLibrary, Texture, TextureView, read_buffer, storage_buffer,
 };
 use crate::gpu::{Memory, Remedy};
 use crate::volume::CELL_FORMAT;
 use crate::volume::budget;
 use crate::volume::changes::{ChangedCells, LevelWords};
-use crate::volume::level_range::NodeRange;
-use crate::volume::{Cells, Lists};
-use crate::voxels::VoxelList;
+use crate::voxels::{LIST_COUNT_BYTES, VoxelList, level_arguments, level_block};
 use crate::{GiError, Grid};
 
 /// Texels along a brick's edge.
@@ -347,8 +345,8 @@ impl ContentKernels {
         &self,
         device: &wgpu::Device,
         grid: &Grid,
-        Lists { new: voxels, radiance, .. }: Lists<'_>,
-        cells: Cells<'_>,
+        (voxels, radiance): (&VoxelList, &Buffer),
+        (changed, bits): (&ChangedCells, &Buffer),
         topology: &Topology,
         content: &mut Content,
     ) {
@@ -356,8 +354,8 @@ impl ContentKernels {
         let of_level = |layout, level: usize| {
             BindGroupBuilder::new(layout)
                 .buffer(&self.levels[level])
-                .buffer(&cells.changed.ranks)
-                .buffer(&cells.changed.cells)
+                .buffer(&changed.ranks)
+                .buffer(&changed.cells)
                 .buffer(&voxels.nodes)
                 .buffer(value_starts)
                 .buffer(values)
@@ -392,7 +390,7 @@ impl ContentKernels {
                 .view(&content.atlas)
                 .build(device, "volume::octree::fill")
         };
-        let (fill_all, fill_changed) = (fill(&voxels.occupancy), fill(cells.bits));
+        let (fill_all, fill_changed) = (fill(&voxels.occupancy), fill(bits));
         content.bound = Some(Bound { store, filters, fill_all, fill_changed });
     }
 
@@ -402,32 +400,30 @@ impl ContentKernels {
         recorder: &mut Recorder,
         grid: &Grid,
         voxels: &VoxelList,
-        (old, earlier): (&VoxelList, &Content),
+        (old, earlier): ([&Buffer; 2], &Content),
         content: &Content,
         changed: &Buffer,
     ) {
         let device = recorder.device().clone();
         let groups: Vec<_> = (0..grid.levels)
             .map(|level| {
-                let range = NodeRange::new(voxels, level);
-                let uniform = uniform_buffer(&device, "node range", &range);
-                let group = BindGroupBuilder::new(&self.carry_layout)
-                    .buffer(&uniform)
+                BindGroupBuilder::new(&self.carry_layout)
+                    .slice(&voxels.counts, level_block(level), LIST_COUNT_BYTES)
                     .buffer(&voxels.nodes)
                     .buffer(changed)
                     .buffer(&content.value_starts)
                     .buffer(&content.values)
-                    .buffer(&old.occupancy)
-                    .buffer(&old.ranks)
+                    .buffer(old[0])
+                    .buffer(old[1])
                     .buffer(&earlier.value_starts)
                     .buffer(&earlier.values)
-                    .build(&device, "volume::octree::carry");
-                (group, u64::from(range.count))
+                    .build(&device, "volume::octree::carry")
             })
             .collect();
         recorder.compute("volume::octree::carry", |pass| {
-            for (group, count) in &groups {
-                self.carry.dispatch_linear(pass, &[&content.globals, group], *count);
+            for (level, group) in (0..).zip(&groups) {
+                let groups = [&content.globals, group];
+                self.carry.dispatch_indirect(pass, &groups, &voxels.counts, level_arguments(level));
             }
         });
     }

@@ -136,9 +136,10 @@ impl LockBuilder {
                 continue;
             }
             let run = Run { first: DEFERRED - 1, end: DEFERRED + pass_number - 1 };
-            let arguments = self.indirect.arguments(recorder, &counters, &[run], &no_overflow);
+            let bound = self.indirect.bind(&device, &counters, &[run], &no_overflow);
+            self.indirect.run(recorder, &bound);
             recorder.compute("volume::octree::locks::main", |pass| {
-                self.pass.dispatch_indirect(pass, &[globals, &group], &arguments, 0);
+                self.pass.dispatch_indirect(pass, &[globals, &group], &bound.arguments, 0);
             });
         }
         let group = BindGroupBuilder::new(&self.adopt_layout)

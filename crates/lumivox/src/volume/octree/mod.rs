@@ -29,7 +29,6 @@ use crate::gpu::{
     uniform_buffer,
 };
 use crate::volume::changes::ChangedCells;
-use crate::volume::{Cells, Lists};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
@@ -169,6 +168,8 @@ struct Input<'a> {
 struct Built {
     topology: Topology,
     content: Content,
+    /// Occupancy and ranks of the list that it was built from.
+    cells: [Buffer; 2],
 }
 
 impl OctreeVolume {
@@ -224,23 +225,37 @@ impl OctreeVolume {
         };
         let (mut topology, order) = self.topology_kernels.build(recorder, &input).await?;
         let content = self.content_kernels.build(recorder, &input, (&mut topology, order)).await?;
-        self.prepared = Some(Built { topology, content });
+        let device = recorder.device();
+        let cells = [&voxels.occupancy, &voxels.ranks]
+            .map(|buffer| storage_buffer(device, "cells of the octree", buffer.size()));
+        self.prepared = Some(Built { topology, content, cells });
         Ok(())
     }
 
-    /// Takes the new list: carries over the values that are still right.
-    pub(super) fn rebuild(&mut self, recorder: &mut Recorder, lists: Lists<'_>, cells: Cells<'_>) {
+    /// Takes the list that was prepared for, and the light that its faces will send out: carries over the values that are
+    /// still right, by the bits of cells of another surface. `changed` is the list of cells that updates will come with.
+    pub(super) fn rebuild(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        light: (&VoxelList, &Buffer),
+        changed: &ChangedCells,
+        bits: &Buffer,
+    ) {
         let Some(mut built) = self.prepared.take() else {
             return;
         };
         recorder.stage("volume");
         let device = recorder.device().clone();
-        let Built { topology, content } = &mut built;
-        self.content_kernels.bind(&device, &self.grid, lists, cells, topology, content);
-        if let Some((old, earlier)) = lists.old.zip(self.built.as_ref()) {
-            let old = (old, &earlier.content);
-            self.content_kernels.carry(recorder, &self.grid, lists.new, old, content, cells.bits);
+        let Built { topology, content, .. } = &mut built;
+        self.content_kernels.bind(&device, &self.grid, light, (changed, bits), topology, content);
+        if let Some(earlier) = &self.built {
+            let old = (earlier.cells.each_ref(), &earlier.content);
+            self.content_kernels.carry(recorder, &self.grid, light.0, old, content, bits);
         }
+        for (from, to) in [&light.0.occupancy, &light.0.ranks].into_iter().zip(&built.cells) {
+            recorder.copy((from, 0), (to, 0), from.size());
+        }
+        let Built { topology, content, .. } = &built;
         self.globals = BindGroupBuilder::new(&self.globals_layout)
             .buffer(&self.grid_uniform)
             .buffer(&topology.tree)
@@ -266,7 +281,7 @@ impl OctreeVolume {
     }
 
     pub(super) fn memory(&self) -> Vec<(&'static str, u64)> {
-        let Some(Built { topology, content }) = &self.built else {
+        let Some(Built { topology, content, cells }) = &self.built else {
             return Vec::new();
         };
         vec![
@@ -275,6 +290,7 @@ impl OctreeVolume {
             ("volume: nodes and their table", topology.octree.size()),
             ("volume: places of nodes", topology.sites.size()),
             ("volume: neighbours of nodes", content.neighbor_bytes()),
+            ("volume: cells of the octree", cells.iter().map(|buffer| buffer.size()).sum()),
         ]
     }
 

@@ -10,8 +10,7 @@ use crate::gpu::{
 };
 use crate::gpu::{Memory, Remedy};
 use crate::volume::budget;
-use crate::volume::level_range::NodeRange;
-use crate::voxels::{BitLevel, Pyramid, VoxelList};
+use crate::voxels::{BitLevel, LIST_COUNT_BYTES, Pyramid, VoxelList, level_arguments, level_block};
 use crate::{GiError, Grid};
 
 /// The nodes of a voxel list's octree, still without bricks.
@@ -181,23 +180,23 @@ impl TopologyKernels {
         let device = recorder.device().clone();
         let groups: Vec<_> = (0..grid.levels)
             .map(|level| {
-                let range = NodeRange::new(voxels, level);
-                let uniform = uniform_buffer(&device, "node range", &range);
-                let group = BindGroupBuilder::new(&self.occupy_layout)
-                    .buffer(&uniform)
+                BindGroupBuilder::new(&self.occupy_layout)
+                    .slice(&voxels.counts, level_block(level), LIST_COUNT_BYTES)
                     .buffer(&voxels.nodes)
                     .buffer(node_bits)
-                    .build(&device, "volume::octree::occupy");
-                (group, u64::from(range.count))
+                    .build(&device, "volume::octree::occupy")
             })
             .collect();
         recorder.compute("volume::octree::occupy", |pass| {
-            for (group, count) in &groups {
-                self.occupy.dispatch_linear(pass, &[globals, group], *count);
+            for (level, group) in (0..).zip(&groups) {
+                let arguments = level_arguments(level);
+                let groups = [globals, group];
+                self.occupy.dispatch_indirect(pass, &groups, &voxels.counts, arguments);
             }
         });
         let levels: Vec<BitLevel> =
             (grid.levels..=layout.root_level).map(|level| layout.bits(level)).collect();
-        self.pyramid.fill_levels(recorder, globals, node_bits, &levels);
+        let levels = self.pyramid.bind_levels(&device, node_bits, &levels);
+        self.pyramid.run(recorder, globals, &levels);
     }
 }

@@ -1,10 +1,10 @@
 //! Vertices and indices as they lie in engines' buffers give the bits of tightly packed ones.
 
 use glam::Mat4;
-use lumivox::gpu::Timing;
 use lumivox::{Geometry, GeometryBatch, GiError, Indices, SurfaceMaterial, VertexPositions};
 use wgpu::IndexFormat::{Uint16, Uint32};
 
+use crate::voxelize::promises::error_of;
 use crate::voxelize::read::Lab;
 use crate::voxelize::scenes::{Mesh, triangle_soup, unit_grid, upload};
 
@@ -99,9 +99,7 @@ fn layouts_that_cannot_be_are_refused() {
     for (change, message) in wrong {
         let mut geometry = good.clone();
         change(&mut geometry.batches[0]);
-        let voxelized =
-            lab.voxelizer.voxelize(&lab.device, &lab.queue, &grid, &geometry, Timing::Off);
-        let error = pollster::block_on(voxelized).expect_err(message);
+        let error = error_of(&lab, &grid, &geometry);
         assert!(matches!(error, GiError::Geometry { .. }), "{error}");
         assert!(error.to_string().contains(message), "{error}");
     }

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3, Vec4};
 use lumivox::{Geometry, Gloss, SurfaceMaterial, SurfaceTexture};
 
-use crate::voxelize::read::{Lab, along};
+use crate::voxelize::read::{Lab, along, morton_decode};
 use crate::voxelize::scenes::{unit_grid, upload};
 use crate::voxelize::textures::{columns, texture, textured, wall};
 
@@ -145,7 +145,7 @@ fn materials_with_and_without_textures_mix() {
     ];
     let mut seen = 0;
     for face in list.faces.iter().filter(|face| along(face) > 1e-4) {
-        let z = list.voxel(face.voxel)[2];
+        let z = morton_decode(face.cell).to_array()[2];
         let (reflectance, emission, gloss) = expected[(z as usize - 6) % 3];
         let error = (Vec3::from(face.gloss) - gloss).abs().max_element();
         assert!(error < 1e-5, "{z}: {face:?}");
@@ -281,7 +281,7 @@ fn attributes_that_do_not_fit_are_refused() {
         let voxelized = pollster::block_on(lab.voxelizer.voxelize(
             &lab.device,
             &lab.queue,
-            &unit_grid(16),
+            &mut lab.scene(&unit_grid(16)),
             &geometry,
             lumivox::gpu::Timing::Off,
         ));

@@ -4,7 +4,7 @@ use glam::Vec3;
 use lumivox::voxels::FaceRecord;
 use lumivox::{Geometry, SurfaceMaterial};
 
-use crate::voxelize::read::{Lab, ReadList};
+use crate::voxelize::read::{Lab, ReadList, morton_decode};
 use crate::voxelize::scenes::{Mesh, unit_grid};
 
 /// Voxels along the grid's edges, and metres.
@@ -83,7 +83,7 @@ pub fn middle_face(list: &ReadList, lobe: u32) -> FaceRecord {
     *list
         .faces
         .iter()
-        .find(|face| face.lobe == lobe && list.voxel(face.voxel) == [8, 8, 8])
+        .find(|face| face.lobe == lobe && morton_decode(face.cell).to_array() == [8, 8, 8])
         .expect("a face")
 }
 

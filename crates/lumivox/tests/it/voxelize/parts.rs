@@ -3,7 +3,7 @@
 use glam::{Mat4, Vec3, Vec4};
 use lumivox::gpu::Recorder;
 use lumivox::hooks::{Voxelization, VoxelizationShares, Walk, WalkStep, Walker};
-use lumivox::{Draw, Geometry, GiError, Grid, KeptStatic, SurfaceMaterial};
+use lumivox::{Draw, Geometry, GiError, Grid, SurfaceMaterial};
 
 use crate::voxelize::read::{Lab, ReadList};
 use crate::voxelize::scenes::{Mesh, Random, cornell_box};
@@ -96,13 +96,13 @@ fn moves_give_the_bits_of_a_whole_voxelization() {
         ("in the air", [at(0.5, 1.5, 1.0), at(1.4, 1.5, 0.7), at(1.0, 1.7, 1.0) * turned]),
     ];
     set(&mut geometry, 4, at(30.0, 0.0, 0.0));
-    let mut kept = KeptStatic::default();
+    let mut kept = lab.scene(&grid);
     let mut first = None;
     for (step, (name, transforms)) in moves.into_iter().enumerate() {
         for (mesh, transform) in (1..).zip(transforms) {
             set(&mut geometry, mesh, transform);
         }
-        let partly = lab.voxelize_dynamic(&grid, &geometry, &mut kept);
+        let partly = lab.voxelize_into(&grid, &geometry, &mut kept);
         let whole = lab.voxelize(&grid, &geometry);
         assert_same(&partly, &whole, name);
         assert_eq!(partly.stats.static_reused, step > 0, "{name}");
@@ -110,7 +110,7 @@ fn moves_give_the_bits_of_a_whole_voxelization() {
         let walked = partly.stats.triangles - if step > 0 { room } else { 0 };
         assert_eq!(partly.stats.walked, walked, "{name}");
         assert!(!whole.stats.static_reused);
-        assert!(kept.bytes() > 0);
+        assert!(kept.kept_bytes() > 0);
         let again = first.get_or_insert_with(|| lab.voxelize(&grid, &geometry));
         assert_eq!(again.bits() == partly.bits(), name == "in the air", "{name}: a move shows");
     }
@@ -124,7 +124,7 @@ fn draws_come_and_go() {
         set(&mut geometry, mesh, at(0.4 * mesh as f32, 1.0, 1.1));
     }
     let draws: Vec<Vec<Draw>> = geometry.batches.iter().map(|b| b.draws.clone()).collect();
-    let mut kept = KeptStatic::default();
+    let mut kept = lab.scene(&grid);
     // Which meshes are drawn; all, fewer, none but the room, again; then no room; then nothing kept fits.
     let cases: [(&[usize], bool); 7] = [
         (&[0, 1, 2, 3, 4], false),
@@ -139,7 +139,7 @@ fn draws_come_and_go() {
         for (mesh, batch) in geometry.batches.iter_mut().enumerate() {
             batch.draws = if shown.contains(&mesh) { draws[mesh].clone() } else { Vec::new() };
         }
-        let partly = lab.voxelize_dynamic(&grid, &geometry, &mut kept);
+        let partly = lab.voxelize_into(&grid, &geometry, &mut kept);
         assert_same(&partly, &lab.voxelize(&grid, &geometry), &format!("{shown:?}"));
         assert_eq!(partly.stats.static_reused, is_reused, "{shown:?}");
     }
@@ -162,23 +162,18 @@ fn a_change_of_static_draws_is_noticed() {
         ("other buffers", &|g| g.batches[0].positions = stage(&lab).batches[0].positions.clone()),
     ];
     for (name, change) in changes {
-        let mut kept = KeptStatic::default();
-        lab.voxelize_dynamic(&grid, &geometry, &mut kept);
+        let mut kept = lab.scene(&grid);
+        lab.voxelize_into(&grid, &geometry, &mut kept);
         let mut changed = geometry.clone();
         change(&mut changed);
-        let partly = lab.voxelize_dynamic(&grid, &changed, &mut kept);
+        let partly = lab.voxelize_into(&grid, &changed, &mut kept);
         assert!(!partly.stats.static_reused, "{name} was not noticed");
         assert_same(&partly, &lab.voxelize(&grid, &changed), name);
     }
-    let mut kept = KeptStatic::default();
-    lab.voxelize_dynamic(&grid, &geometry, &mut kept);
-    let shifted = Grid::fit(Vec3::ZERO, Vec3::splat(2.0), 32, Vec3::splat(0.5)).expect("it fits");
-    let partly = lab.voxelize_dynamic(&shifted, &geometry, &mut kept);
-    assert_same(&partly, &lab.voxelize(&shifted, &geometry), "another grid");
-    let mut kept = KeptStatic::default();
-    lab.voxelize_dynamic(&grid, &geometry, &mut kept);
+    let mut kept = lab.scene(&grid);
+    lab.voxelize_into(&grid, &geometry, &mut kept);
     let other = Lab::by(Some(&AsItIs));
-    let partly = other.voxelize_dynamic(&grid, &geometry, &mut kept);
+    let partly = other.voxelize_into(&grid, &geometry, &mut kept);
     assert_same(&partly, &other.voxelize(&grid, &geometry), "another method");
 }
 
@@ -229,19 +224,19 @@ fn two_parts_are_one_surface() {
     assert!(two.occupancy == one.occupancy, "the voxels differ");
     assert_eq!(two.stats.fragments, one.stats.fragments);
     assert_eq!(two.faces.len(), one.faces.len());
-    let area = |voxel: u32| -> f32 {
-        let faces = one.faces.iter().filter(|face| face.voxel == voxel);
+    let area = |cell: u32| -> f32 {
+        let faces = one.faces.iter().filter(|face| face.cell == cell);
         faces.map(crate::voxelize::read::along).sum()
     };
     let mut compared = 0;
     for (a, b) in two.faces.iter().zip(&one.faces) {
-        assert_eq!((a.voxel, a.lobe), (b.voxel, b.lobe));
+        assert_eq!((a.cell, a.lobe), (b.cell, b.lobe));
         let close = |a: [f32; 3], b: [f32; 3], tolerance: f32| {
             let apart = (Vec3::from(a) - Vec3::from(b)).abs().max_element();
             assert!(apart <= tolerance, "{a:?} and {b:?}, but for {tolerance}");
         };
         close(a.vector_area, b.vector_area, 1e-5);
-        if area(a.voxel) > 1.0 + 1e-4 {
+        if area(a.cell) > 1.0 + 1e-4 {
             continue;
         }
         compared += 1;

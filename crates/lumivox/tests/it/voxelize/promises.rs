@@ -55,9 +55,11 @@ fn the_order_of_triangles_does_not_matter() {
     assert!(first.bits() == shared.bits());
 }
 
-fn error_of(lab: &Lab, grid: &Grid, geometry: &Geometry) -> GiError {
-    pollster::block_on(lab.voxelizer.voxelize(&lab.device, &lab.queue, grid, geometry, Timing::Off))
-        .expect_err("this must fail")
+/// What voxelizing is refused with.
+pub fn error_of(lab: &Lab, grid: &Grid, geometry: &Geometry) -> GiError {
+    let (device, queue, mut scene) = (&lab.device, &lab.queue, lab.scene(grid));
+    let voxelizing = lab.voxelizer.voxelize(device, queue, &mut scene, geometry, Timing::Off);
+    pollster::block_on(voxelizing).expect_err("this must fail")
 }
 
 #[test]

@@ -24,7 +24,8 @@ fn cpu_seconds() -> f64 {
 fn report(name: &str, grid: &Grid, geometry: &Geometry, device: &Pipelines, queue: &wgpu::Queue) {
     let voxelizer = Voxelizer::new(device, &lumivox::shaders::library()).expect("it works");
     let run = |timing| {
-        pollster::block_on(voxelizer.voxelize(device, queue, grid, geometry, timing))
+        let mut scene = voxelizer.scene(device, queue, grid);
+        pollster::block_on(voxelizer.voxelize(device, queue, &mut scene, geometry, timing))
             .expect("it works")
     };
     let mut best = f64::MAX;
@@ -36,7 +37,7 @@ fn report(name: &str, grid: &Grid, geometry: &Geometry, device: &Pipelines, queu
         best = best.min(start.elapsed().as_secs_f64());
     }
     let work = (cpu_seconds() - before) / f64::from(RUNS);
-    let (_, stats, times) = run(Timing::SubmitAndWait);
+    let (stats, times) = run(Timing::SubmitAndWait);
     println!(
         "{name} at {}: {:.1} ms at best, {:.1} ms of all cores on average; {} triangles, {} items, {} pieces, {} voxels, {} faces",
         grid.dimensions.max_element(),

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use lumivox::{Geometry, SurfaceTexture};
 
-use crate::voxelize::read::{Lab, along};
+use crate::voxelize::read::{Lab, along, morton_decode};
 use crate::voxelize::scenes::{Mesh, unit_grid};
 
 /// A square texture with all its mips, each texel the mean of four.
@@ -77,7 +77,7 @@ pub fn columns(lab: &Lab, geometry: &Geometry) -> Vec<([u32; 2], lumivox::voxels
     let list = lab.voxelize(&unit_grid(16), geometry);
     let mut faces = Vec::new();
     for face in list.faces.iter().filter(|face| along(face) > 1e-4) {
-        let [x, y, z] = list.voxel(face.voxel);
+        let [x, y, z] = morton_decode(face.cell).to_array();
         assert_eq!(z, 6);
         faces.push(([x, y], *face));
     }

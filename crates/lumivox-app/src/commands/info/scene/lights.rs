@@ -1,4 +1,4 @@
-//! What shines in a scene, and the cameras.
+//! The reports on lights and cameras of a scene.
 
 use lumivox_console::report::Table;
 use lumivox_scene::{Camera, Environment, Light, LightKind};
@@ -6,22 +6,22 @@ use serde::Serialize;
 
 use super::point;
 
-/// A light.
+/// The report on a light.
 #[derive(Clone, Debug, Serialize)]
 pub struct LightReport {
     name: String,
     kind: &'static str,
-    /// Illuminance in lux or intensity in candela.
+    /// Illuminance in lux, or intensity in candela.
     strength: f32,
     unit: &'static str,
     color: [f32; 3],
-    /// None for directional lights.
+    /// `None` for directional lights.
     position: Option<[f32; 3]>,
-    /// Along which the light travels; none for point lights.
+    /// The direction in which the light travels; `None` for point lights.
     direction: Option<[f32; 3]>,
 }
 
-/// A camera.
+/// The report on a camera.
 #[derive(Clone, Debug, Serialize)]
 pub struct CameraReport {
     pub name: String,
@@ -30,7 +30,7 @@ pub struct CameraReport {
     vertical_fov_deg: f32,
 }
 
-/// A panorama around a scene.
+/// The report on a panorama.
 #[derive(Clone, Debug, Serialize)]
 pub struct PanoramaReport {
     name: String,
@@ -83,7 +83,7 @@ impl PanoramaReport {
         })
     }
 
-    /// In words.
+    /// A summary in one line.
     pub fn text(&self) -> String {
         format!(
             "{}, {}x{} texels, turned by {:.0} degrees",

@@ -1,10 +1,10 @@
-//! The materials of a scene, and the textures with what they are used for.
+//! The reports on materials and textures of a scene.
 
 use lumivox_console::report::{Table, bytes};
 use lumivox_scene::{AlphaMode, Material, Scene, Shading, Texture, TextureRef};
 use serde::Serialize;
 
-/// A material.
+/// The report on a material.
 #[derive(Clone, Debug, Serialize)]
 pub struct MaterialReport {
     pub name: String,
@@ -12,14 +12,14 @@ pub struct MaterialReport {
     kind: &'static str,
     /// Base, diffuse or shown colour, linear RGB.
     color: [f32; 3],
-    /// From 0 to 1; none for Phong and unlit.
+    /// From 0 to 1; `None` for Phong and unlit.
     metallic: Option<f32>,
     roughness: Option<f32>,
     /// Radiance, cd/m².
     emissive: [f32; 3],
     /// `opaque`, `mask` or `blend`.
     alpha: &'static str,
-    /// The alpha at which masked surfaces begin.
+    /// The alpha at which a masked surface begins.
     alpha_cutoff: Option<f32>,
     double_sided: bool,
     /// From 0 to 1.
@@ -29,31 +29,31 @@ pub struct MaterialReport {
     textures: Vec<TextureUse>,
 }
 
-/// A texture in a material.
+/// The use of a texture by a material.
 #[derive(Clone, Debug, Serialize)]
 struct TextureUse {
     /// `base colour`, `normal` and so on.
     role: &'static str,
     texture: usize,
-    /// Which of the mesh's texture coordinates.
+    /// The set of texture coordinates, from 0.
     uv_set: u32,
 }
 
-/// A texture.
+/// The report on a texture.
 #[derive(Clone, Debug, Serialize)]
 pub struct TextureReport {
     name: String,
     width: u32,
     height: u32,
-    /// Of the finest level, in main memory.
+    /// Bytes of the finest level, in main memory.
     bytes: u64,
-    /// What materials use it for; none where nothing does.
+    /// The roles that it has in materials; none if it is unused.
     roles: Vec<&'static str>,
-    /// How many materials use it.
+    /// The number of materials that use it.
     materials: usize,
 }
 
-/// The textures of a material with what each is for.
+/// The textures of a material with their roles.
 fn uses(material: &Material) -> impl Iterator<Item = (&'static str, TextureRef)> {
     let shading = match &material.shading {
         Shading::MetallicRoughness(m) => [
@@ -114,7 +114,7 @@ impl MaterialReport {
         }
     }
 
-    /// What is unusual about it.
+    /// The unusual properties of the material.
     fn traits(&self) -> String {
         let emits = self.emissive.iter().any(|value| *value > 0.0);
         let [r, g, b] = self.emissive;
@@ -167,7 +167,7 @@ impl TextureReport {
 
 /// A table of materials.
 pub fn material_table(materials: &[MaterialReport]) -> Table {
-    let heading = ["#", "material", "kind", "colour", "metal", "rough", "textures", "besides"];
+    let heading = ["#", "material", "kind", "colour", "metal", "rough", "textures", "other"];
     let mut table = Table::left(&heading);
     for (index, material) in materials.iter().enumerate() {
         let [r, g, b] = material.color;

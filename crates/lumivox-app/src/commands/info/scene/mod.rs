@@ -1,4 +1,4 @@
-//! What is in a scene.
+//! The report on a scene.
 
 mod lights;
 mod materials;
@@ -22,24 +22,23 @@ use materials::{MaterialReport, TextureReport, material_table, texture_table};
 /// The most rows of a table for people; JSON has all.
 const MOST_ROWS: usize = 50;
 
-/// What is in a scene.
+/// The report on a scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     #[serde(flatten)]
     counts: SceneCounts,
-    /// Of the triangles and instances, those that stay as they are when others move.
+    /// Triangles that are static: they stay while others move.
     static_triangles: usize,
     static_instances: usize,
     dynamic_triangles: usize,
     dynamic_instances: usize,
-    /// Instances that are in the scene and in nothing else; they are in no other count.
+    /// Hidden instances. No other count includes them.
     hidden_instances: usize,
     /// Instances that are drawn but not in the voxels.
     unvoxelized_instances: usize,
     /// Vertices of all meshes, each once.
     vertices: usize,
-    /// Of the box around everything, m.
-    /// Null where nothing is shown.
+    /// The corners of the box around everything, m; null if nothing is shown.
     bounds_min: Option<[f32; 3]>,
     bounds_max: Option<[f32; 3]>,
     /// The program that wrote the file.
@@ -54,30 +53,30 @@ pub struct Report {
     masked_materials: usize,
     blended_materials: usize,
     texture_list: Vec<TextureReport>,
-    /// Texels of all textures, finest levels.
+    /// Texels of all textures at their finest levels.
     texels: u64,
-    /// Radiance of the surroundings, cd/m²; with a panorama, what that is multiplied by.
+    /// Radiance of the surroundings, cd/m²; for a panorama its factor.
     environment: [f32; 3],
     panorama: Option<PanoramaReport>,
     #[serde(rename = "light_list")]
     lights: Vec<LightReport>,
     #[serde(rename = "camera_list")]
     cameras: Vec<CameraReport>,
-    /// The camera that is used if none is named.
+    /// The camera that is used by default.
     default_camera: CameraReport,
-    /// The light that was added where the scene's own is not enough; none where it is.
+    /// The light that is added if the scene's own is not enough; `None` if it is.
     default_light: Option<String>,
-    /// The view and the light that were chosen for the scene, and why.
+    /// The view and the light that were chosen, with the reasons.
     sight: Vec<String>,
     animations: Vec<AnimationReport>,
-    /// In main memory.
+    /// Bytes in main memory.
     vertex_bytes: u64,
     texture_bytes: u64,
-    /// The resolution that the memory on the GPU is told for.
+    /// The resolution for which memory on the GPU is estimated.
     resolution: u32,
     /// Occupied voxels at that resolution, estimated.
     voxels: u64,
-    /// On the GPU, estimated, without the picture.
+    /// Estimated memory on the GPU, without the picture.
     memory: Vec<MemoryReport>,
     memory_bytes: u64,
     /// Triangles of no area that were removed.
@@ -103,7 +102,7 @@ struct AnimationReport {
 }
 
 impl Report {
-    /// Looks through a scene.
+    /// Examines a scene.
     ///
     /// # Errors
     /// When the voxels' settings are impossible for it.
@@ -349,7 +348,7 @@ fn meshes(scene: &Scene) -> Vec<MeshReport> {
     reports
 }
 
-/// Of a mesh in main memory.
+/// Bytes of a mesh in main memory.
 fn bytes_of(mesh: &Mesh) -> u64 {
     let bytes = size_of_val(mesh.positions.as_slice())
         + size_of_val(mesh.normals.as_slice())

@@ -6,7 +6,7 @@ use lumivox::{Draw, Geometry, Grid, SurfaceMaterial};
 use lumivox_classics::raster::Raster;
 
 use super::{ALL, EXACT, RASTER, depth_inside, dominant, lab, turn, voxelize};
-use crate::voxelize::read::{Lab, along};
+use crate::voxelize::read::{Lab, along, morton_decode};
 use crate::voxelize::scenes::unit_grid;
 use crate::voxelize::scenes::{Mesh, Random};
 use crate::voxelize::twin::in_grid;
@@ -96,12 +96,11 @@ fn conservative_shares_are_exact_within_a_plane() {
         let own = voxelize(Some(Raster::Conservative), &grid, &[t]);
         let mut compared = 0;
         for face in &exact.faces {
-            let voxel = UVec3::from(exact.voxel(face.voxel)).as_dvec3() + 0.5;
+            let voxel = UVec3::from(morton_decode(face.cell)).as_dvec3() + 0.5;
             if depth_inside(&turned, turn(voxel, axis).truncate()) < 1.0 {
                 continue;
             }
-            let other =
-                own.faces.iter().find(|other| own.voxel(other.voxel) == exact.voxel(face.voxel));
+            let other = own.faces.iter().find(|other| other.cell == face.cell);
             let area = other.map_or(0.0, along);
             assert!((area - along(face)).abs() < 1e-3, "{face:?}: {area}");
             if let Some(other) = other.filter(|_| along(face) > 0.05) {

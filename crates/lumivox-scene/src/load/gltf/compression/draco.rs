@@ -1,8 +1,8 @@
 //! `KHR_draco_mesh_compression` (Google, Khronos): a primitive's indices and attributes as one
 //! stream of the Draco library, decoded by `draco-core`.
 //!
-//! The accessors of the compressed attributes say what they are, but have no data; the decoded data
-//! become theirs. Draco may split vertices, so it returns their number.
+//! The accessors of the compressed attributes describe them, but have no data; they get the decoded
+//! data. Draco may split vertices, so it returns their number.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -66,8 +66,7 @@ pub(super) fn decompress(
     Ok(())
 }
 
-/// The primitive's compressed accessors, with the numbers that Draco has for them; the indices have
-/// none.
+/// The primitive's compressed accessors, with their numbers in Draco; the indices have none.
 fn wanted(root: &Root, mesh: usize, index: usize, stream: &Value) -> Vec<(usize, Option<u64>)> {
     let primitive = &root.meshes[mesh].primitives[index];
     let mut wanted: Vec<(usize, Option<u64>)> =
@@ -80,7 +79,7 @@ fn wanted(root: &Root, mesh: usize, index: usize, stream: &Value) -> Vec<(usize,
             wanted.push((accessor.value(), Some(id.as_u64().unwrap_or(u64::MAX))));
         }
     }
-    // The map's order is not the same in every run.
+    // The map's order differs from run to run.
     wanted.sort_unstable();
     wanted
 }

@@ -96,12 +96,12 @@ fn decode_stream(
         }
         (Some("ATTRIBUTES"), _) => codec::decode_vertex_buffer(count, stride, encoded, workspace),
         (Some("TRIANGLES"), _) if !count.is_multiple_of(3) => {
-            return Err(format!("its {count} indices are no triangles"));
+            return Err(format!("its {count} indices are not whole triangles"));
         }
         (Some("TRIANGLES"), 2 | 4) => codec::decode_index_buffer(count, stride, encoded, workspace),
         (Some("INDICES"), 2 | 4) => codec::decode_index_sequence(count, stride, encoded, workspace),
         (Some("TRIANGLES" | "INDICES"), _) => {
-            return Err("indices of a stride of not 2 or 4".to_owned());
+            return Err("its indices have a stride other than 2 or 4".to_owned());
         }
         _ => return Err("its mode is unknown".to_owned()),
     };

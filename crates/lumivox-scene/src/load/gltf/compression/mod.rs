@@ -1,8 +1,8 @@
-//! Geometry that is stored compressed, put back into plain buffers before anything reads it.
+//! Compressed geometry, put back into plain buffers before anything reads it.
 //!
-//! Each decoder appends a buffer of its own to the document and turns views or accessors to it, so
-//! the rest of the loader knows nothing of compression. The sizes that a stream claims are checked
-//! against its length and against the budget before memory is taken.
+//! Each decoder appends a buffer of its own to the document and points views or accessors to it, so
+//! the rest of the loader does not know compression. The sizes that a stream claims are checked
+//! against its length and against the budget before memory is allocated.
 
 mod draco;
 mod meshopt;
@@ -17,8 +17,8 @@ use crate::SceneError;
 use crate::load::geometry::GeometryBudget;
 use crate::load::textures::size_text;
 
-/// The extensions under which a compressed buffer view goes: the same under two names, of which the
-/// second may use more (Khronos, `KHR_meshopt_compression`).
+/// The extensions for compressed buffer views: the same under two names, of which the second may
+/// use more (Khronos, `KHR_meshopt_compression`).
 const MESHOPT: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 
 /// The bytes of a document's buffers; a GLB's own are part of the file's.
@@ -37,7 +37,7 @@ pub(super) fn decompress(
     draco::decompress(root, buffers, &mut sink)
 }
 
-/// Whether a buffer has no bytes of its own, because all that would lie in it is compressed.
+/// Whether a buffer has no bytes of its own, because all of its data is compressed.
 pub(super) fn is_stand_in(buffer: &Buffer) -> bool {
     let extensions = buffer.extensions.as_ref().map(|extensions| &extensions.others);
     extensions.is_some_and(|others| {
@@ -45,7 +45,7 @@ pub(super) fn is_stand_in(buffer: &Buffer) -> bool {
     })
 }
 
-/// The limits of decompression, and how faults are reported.
+/// The limits of decompression, and the reporting of faults.
 struct Sink<'a> {
     file: &'a Path,
     budget: GeometryBudget<'a>,

@@ -1,5 +1,5 @@
 //! The layers on the core's surface and the changes of its reflection: specular colour, clearcoat,
-//! sheen, transmission. Where an extension has two textures, they are read into the one that the
+//! sheen, transmission. If an extension has two textures, they are combined into the one that the
 //! scene's material has.
 
 use glam::Vec3;
@@ -16,7 +16,7 @@ const RED: [bool; 4] = [true, false, false, false];
 const GREEN: [bool; 4] = [false, true, false, false];
 
 impl Loader<'_> {
-    /// `KHR_materials_specular`: how much a dielectric reflects, and in which colour.
+    /// `KHR_materials_specular`: the reflectance and the reflected colour of a dielectric.
     pub(super) fn specular(
         &mut self,
         shading: MetallicRoughness,
@@ -114,7 +114,7 @@ impl Loader<'_> {
         })
     }
 
-    /// A factor from 0 to 1 out of an extension's JSON; 0 where it is left out.
+    /// A factor from 0 to 1 of an extension's JSON; 0 if it is left out.
     fn unit_in(&mut self, extension: &Value, key: &str, material: &str) -> f32 {
         let value = extension[key].as_f64().unwrap_or(0.0) as f32;
         self.unit(value, material, key)

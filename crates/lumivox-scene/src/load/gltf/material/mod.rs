@@ -66,8 +66,8 @@ impl Loader<'_> {
             strengths: extras::strengths(material.extras()),
             ..Material::default()
         };
-        // An unlit material has no data on light; the rest of it is for programs that do not know
-        // the extension (`KHR_materials_unlit`).
+        // An unlit material has no data on light; the rest of it is for programs without the
+        // extension (`KHR_materials_unlit`).
         if material.unlit() {
             return Ok(Material { shading: self.unlit(material, &name)?, name, ..plain });
         }
@@ -121,8 +121,8 @@ impl Loader<'_> {
         self.specular(shading, material, name)
     }
 
-    /// Light below the index of vacuum does not exist; 0 is the extension's way to say "all is
-    /// reflected at normal incidence" (`KHR_materials_ior`).
+    /// Indices below that of vacuum do not exist; 0 is the extension's way to say "all is reflected
+    /// at normal incidence" (`KHR_materials_ior`).
     fn ior(&mut self, ior: Option<f32>, name: &str) -> f32 {
         match ior {
             None => 1.5,

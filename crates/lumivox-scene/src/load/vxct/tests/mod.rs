@@ -227,7 +227,7 @@ fn of_two_the_first_counts() {
     assert_eq!(warnings.len(), 3);
     let scene = load("scene { name = x light { } } scene { light { } light { } }").unwrap();
     assert_eq!(scene.lights.len(), 1);
-    let expected = ["1:30: the first scene of the file counts, the others were passed over"];
+    let expected = ["1:30: the first scene of the file counts, the others were ignored"];
     assert_eq!(scene.notes.warnings, expected);
     assert_eq!(scene.notes.scenes, ["x", "1"]);
 }
@@ -253,7 +253,7 @@ fn unknown_names_are_passed_over_and_told() {
     assert_eq!(
         warnings,
         [
-            "1:34: a model knows no \"colour\", it was passed over; there are: name, active, static, path, \
+            "1:34: a model knows no \"colour\", it was ignored; there are: name, active, static, path, \
           primitive, position, rotation, scale, scale_x, scale_y, scale_z, shader, material"
         ]
     );
@@ -340,7 +340,7 @@ fn shaders_decide_what_a_surface_does() {
     assert!(shown("VOX").2[0].starts_with("1:43: the shader VOX"));
     assert!(
         shown("SHINY").2[0]
-            .contains("no shader \"SHINY\", COLOR stands in; there are: COLOR, EMIT")
+            .contains("no shader \"SHINY\", COLOR is used instead; there are: COLOR, EMIT")
     );
     assert_eq!(shown("emit").0, Vec3::ZERO);
 }

@@ -13,7 +13,7 @@ fn of_an_obj_the_first_mesh_counts_in_one_colour() {
     assert_eq!(scene.materials[1].name, "model 2");
     assert_eq!(
         warnings,
-        ["models/tri.obj: the first mesh counts, \"first\", and 1 more was passed over"]
+        ["models/tri.obj: the first mesh counts, \"first\", and 1 more was ignored"]
     );
 }
 
@@ -100,7 +100,9 @@ fn what_has_no_mesh_is_left_out_and_told() {
     let text = b"scene { model { path = a.obj } model { path = b.obj } model { path = c.png } }";
     let scene = Scene::from_memory("a.scene", text, &mut options).unwrap();
     let warnings = scene.notes.warnings.join("\n");
-    for needle in ["a.obj: a corner of line 2", "b.obj has no faces", "\"c.png\" is no OBJ file"] {
+    for needle in
+        ["a.obj: a corner of line 2", "b.obj has no faces", "\"c.png\" is not an OBJ file"]
+    {
         assert!(warnings.contains(needle), "{warnings}");
     }
 }

@@ -7,8 +7,8 @@
 use glam::{UVec2, Vec3};
 use lumivox::gpu::read_buffer;
 use lumivox::voxels::FaceRecord;
-use lumivox_classics::photons::{PhotonFates, photon_fates};
-use lumivox_render::{Gpu, RenderSettings, Renderer, View, classics};
+use lumivox_classics::photons::{PhotonFates, photon_fates, photons};
+use lumivox_render::{Gpu, RenderSettings, Renderer, View};
 use lumivox_scene::{Light, LightKind, Scene};
 
 use crate::common::{builtin, gpu, mean_luminance, picture, renderer};
@@ -56,14 +56,14 @@ fn photons_bring_the_light_that_the_direct_evaluation_finds() {
         (builtin("cornell-rotated"), "cornell, turned"),
         (with_spot(builtin("cornell")), "spot"),
     ] {
-        let light = |injection: &str| {
+        let light = |injection| {
             let settings = RenderSettings {
                 size: UVec2::new(64, 48),
                 resolution: 64,
                 bounces: 1,
                 frames: 4,
                 view: View::Diffuse,
-                injection: classics::injection(injection),
+                injection,
                 ..RenderSettings::default()
             };
             let mut renderer = renderer(&gpu, &scene, settings);
@@ -72,11 +72,11 @@ fn photons_bring_the_light_that_the_direct_evaluation_finds() {
             let fates = fates.map(|buffer| read::<PhotonFates>(&gpu, buffer, 1)[0]);
             (reflected, mean_luminance(&picture(&mut renderer)), fates)
         };
-        let (direct, direct_picture, none) = light("direct");
-        let (photons, photon_picture, fates) = light("photons");
+        let (direct, direct_picture, none) = light(None);
+        let (by_photons, photon_picture, fates) = light(Some(photons()));
         let fates = fates.expect("there are photons");
         let (in_voxels, in_picture) =
-            (photons / direct - 1.0, photon_picture / direct_picture - 1.0);
+            (by_photons / direct - 1.0, photon_picture / direct_picture - 1.0);
         println!(
             "{name}: {:+.2} % in the voxels, {:+.2} % in the picture, {fates:?}",
             100.0 * in_voxels,

@@ -1,0 +1,150 @@
+//! The classics among other settings: pictures do not depend on what was there before, nor on the order of threads.
+
+#![allow(clippy::float_cmp)] // Equal to the bit is the claim.
+
+use glam::UVec2;
+use lumivox_explorer::parameters::{find_parameter, find_preset};
+use lumivox_render::{MemoryEstimate, MemoryUse, Picture, RenderError, RenderSettings, Renderer};
+
+use crate::common::{builtin, gpu, own_gpu, picture, renderer};
+
+fn small() -> RenderSettings {
+    RenderSettings {
+        size: UVec2::new(40, 24),
+        resolution: 32,
+        frames: 2,
+        bounces: 2,
+        shadow_resolution: 128,
+        ..RenderSettings::default()
+    }
+}
+
+/// Takes a setting as a user names it.
+fn take(settings: &mut RenderSettings, name: &str, value: &str) {
+    let row = find_parameter(name).expect("a setting");
+    row.set(settings, row.parse(value).expect("a value")).expect("in range");
+}
+
+fn set(renderer: &mut Renderer, settings: &RenderSettings) {
+    pollster::block_on(renderer.set_settings(settings.clone(), &mut |_| {})).expect("in range");
+}
+
+#[test]
+fn settings_may_change_in_any_order() {
+    let (gpu, scene) = (gpu(), builtin("cornell"));
+    let mut changing = renderer(&gpu, &scene, small());
+    let mut before = picture(&mut changing);
+    let mut asked = small();
+    for (name, value) in [
+        ("voxelizer", "dominant-axis"),
+        ("injection", "photons"),
+        ("voxelizer", "conservative"),
+        ("level_gain", "4"),
+        ("level_gain", "2"),
+        ("jitter", "off"),
+        ("volume", "octree"),
+        ("voxelizer", "three-plane"),
+        ("injection", "direct"),
+        ("clear_of_walls", "off"),
+        ("width_attenuation", "1"),
+        ("voxelizer", "exact"),
+    ] {
+        take(&mut asked, name, value);
+        set(&mut changing, &asked);
+        assert_eq!(*changing.settings(), asked);
+        let seen = picture(&mut changing);
+        let mut fresh = renderer(&gpu, &scene, asked.clone());
+        assert!(seen == picture(&mut fresh), "{name} {value}: something of before is left");
+        assert_eq!(changing.memory(), fresh.memory(), "{name} {value}");
+        assert!(seen != before, "{name} {value} changed nothing");
+        before = seen;
+    }
+    // The physics again.
+    for (name, value) in [
+        ("level_gain", "1"),
+        ("jitter", "on"),
+        ("clear_of_walls", "on"),
+        ("width_attenuation", "0"),
+    ] {
+        take(&mut asked, name, value);
+    }
+    assert!(asked.cone_model.is_none());
+}
+
+#[test]
+fn cones_out_of_range_are_refused_by_their_names() {
+    let row = find_parameter("level_gain").expect("a setting");
+    let error = row.parse("9").expect_err("too much");
+    assert_eq!(error.to_string(), "level_gain is a number from 1 to 8 (factor); got \"9\"");
+    let cones = lumivox_classics::report::ReportCones { level_gain: 9.0, ..Default::default() };
+    let settings = RenderSettings { cone_model: cones.model(), ..small() };
+    let error = settings.validate(&wgpu::Limits::default()).expect_err("too much");
+    assert!(matches!(error, RenderError::Setting { name: "level_gain", .. }), "{error}");
+}
+
+/// With all that belongs to the report's look.
+#[test]
+fn photons_repeat_to_the_bit() {
+    let report = find_preset("report").expect("a preset");
+    let settings = RenderSettings {
+        size: UVec2::new(75, 45),
+        resolution: 48,
+        frames: 3,
+        shadow_resolution: 256,
+        ..RenderSettings::default()
+    };
+    let RenderSettings { volume, bounces, .. } = settings;
+    let settings = RenderSettings { volume, bounces, ..settings.with_preset(report, None) };
+    let bits = || {
+        let mut renderer = renderer(&gpu(), &builtin("cornell"), settings.clone());
+        let Picture { hdr, ldr, .. } = picture(&mut renderer);
+        assert!(hdr.iter().any(|pixel| pixel[0] > 0.1), "the picture is black");
+        let hdr: Vec<_> = hdr.into_iter().map(|pixel| pixel.map(f32::to_bits)).collect();
+        (hdr, ldr)
+    };
+    assert!(bits() == bits());
+}
+
+/// Settings that link other shaders are gone through twice; the second time there is nothing to compile.
+#[test]
+fn a_second_round_asks_for_nothing_new() {
+    let gpu = own_gpu();
+    let mut renderer = renderer(&gpu, &builtin("cornell"), small());
+    let mut go_round = || {
+        for (name, value) in
+            [("voxelizer", "conservative"), ("injection", "photons"), ("level_gain", "2")]
+        {
+            let mut settings = small();
+            take(&mut settings, name, value);
+            set(&mut renderer, &settings);
+            picture(&mut renderer);
+        }
+        gpu.pipelines.counts()
+    };
+    let first = go_round();
+    assert_eq!(first.pipelines, first.made, "{first:?}");
+    assert_eq!(go_round(), first);
+}
+
+/// The renderer's own account is the truth.
+#[test]
+fn the_memory_of_photons_is_estimated() {
+    let scene = builtin("two-rooms-rotated");
+    let mut settings = RenderSettings { resolution: 48, ..small() };
+    let list_of = |settings: &RenderSettings| {
+        let estimate = MemoryEstimate::new(&scene, settings).expect("an estimate");
+        let is_list = |part: &&MemoryUse| part.name == "voxel list (about)";
+        estimate.parts.iter().find(is_list).expect("a voxel list").bytes as f64
+    };
+    let without = list_of(&settings);
+    take(&mut settings, "injection", "photons");
+    let estimated = list_of(&settings);
+    let memory = renderer(&gpu(), &scene, settings).memory();
+    let of_list = memory
+        .iter()
+        .filter(|part| ["voxels", "light"].iter().any(|prefix| part.name.starts_with(prefix)));
+    let truth: f64 = of_list.map(|part| part.bytes as f64).sum();
+    assert!(estimated > without);
+    // Surfaces that share a voxel.
+    assert!((estimated / truth - 1.0).abs() < 0.4, "{estimated} is not {truth}");
+}

@@ -1,0 +1,7 @@
+//! The classics in the renderer: settings that name its hooks, pictures, and what they leave behind.
+
+#[allow(dead_code, unused_imports)] // The renderer's own tests use the rest.
+#[path = "../../../lumivox-render/tests/it/common/mod.rs"]
+mod common;
+mod hooks;
+mod photons;

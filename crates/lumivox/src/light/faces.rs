@@ -1,0 +1,344 @@
+//! The faces of a voxel list with their light, and the kernels that run over them.
+
+use crate::GiError;
+use crate::gpu::{
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary, storage_buffer,
+};
+use crate::volume::changes::Shown;
+use crate::voxelize::{Moving, Taken};
+use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList};
+
+/// The kernels.
+#[derive(Debug)]
+pub(super) struct LightKernels {
+    direct_layout: wgpu::BindGroupLayout,
+    bounce_layout: wgpu::BindGroupLayout,
+    reflect_layout: wgpu::BindGroupLayout,
+    cover_layout: wgpu::BindGroupLayout,
+    follow_layout: wgpu::BindGroupLayout,
+    settle_layout: wgpu::BindGroupLayout,
+    inherit_layout: wgpu::BindGroupLayout,
+    bounce: Kernel,
+    fresh: Kernel,
+    reflect: Kernel,
+    cover: Kernel,
+    follow: Kernel,
+    settle: Kernel,
+    inherit: Kernel,
+}
+
+impl LightKernels {
+    /// Links them; `grid` is the layout of the grid alone, the others those of groups 0 and 2.
+    pub fn new(
+        device: &Pipelines,
+        shaders: &ShaderLibrary,
+        grid: &wgpu::BindGroupLayout,
+        [globals, lights]: [&wgpu::BindGroupLayout; 2],
+    ) -> Result<Self, GiError> {
+        let layout = |uniforms: u32, read: u32, written: u32, label: &str| {
+            let layout = (0..uniforms).fold(LayoutBuilder::compute(), |layout, _| layout.uniform());
+            let layout = (0..read).fold(layout, |layout, _| layout.storage());
+            (0..written).fold(layout, |layout, _| layout.storage_mut()).build(device, label)
+        };
+        let bounce_layout = layout(2, 1, 1, "bounce");
+        let reflect_layout = layout(1, 3, 1, "reflect");
+        let cover_layout = layout(1, 6, 1, "cover");
+        let follow_layout = layout(1, 6, 2, "follow");
+        let settle_layout = layout(2, 2, 2, "settle");
+        let inherit_layout = layout(0, 6, 1, "inherit");
+        let kernel = |module, layout| Kernel::new(device, shaders, module, "main", &[grid, layout]);
+        let bounce = |entry| {
+            let groups = [globals, &bounce_layout, lights];
+            Kernel::new(device, shaders, "light::bounce", entry, &groups)
+        };
+        Ok(Self {
+            direct_layout: layout(1, 1, 1, "direct light"),
+            bounce: bounce("main")?,
+            fresh: bounce("fresh")?,
+            reflect: kernel("light::reflect", &reflect_layout)?,
+            cover: kernel("light::cover", &cover_layout)?,
+            follow: kernel("light::follow", &follow_layout)?,
+            settle: kernel("light::settle", &settle_layout)?,
+            inherit: kernel("light::inherit", &inherit_layout)?,
+            bounce_layout,
+            reflect_layout,
+            cover_layout,
+            follow_layout,
+            settle_layout,
+            inherit_layout,
+        })
+    }
+
+    /// The kernel of direct light; groups 0 and 2 have these layouts.
+    pub fn direct(
+        &self,
+        device: &Pipelines,
+        shaders: &ShaderLibrary,
+        [globals, lights]: [&wgpu::BindGroupLayout; 2],
+    ) -> Result<Kernel, ShaderError> {
+        let groups = [globals, &self.direct_layout, lights];
+        Kernel::new(device, shaders, "light::direct", "main", &groups)
+    }
+
+    /// Gathers of so many faces, whose turn it is, and of those that never have.
+    pub fn gather(
+        &self,
+        recorder: &mut Recorder<'_>,
+        [globals, lights]: [&BindGroup; 2],
+        faces: &Faces,
+        count: u64,
+    ) {
+        let groups = [globals, &faces.bounce, lights];
+        recorder.compute("light::bounce", |pass| {
+            self.bounce.dispatch_linear(pass, &groups, count.min(faces.capacity));
+            if count < faces.capacity {
+                self.fresh.dispatch_linear(pass, &groups, faces.moving_capacity);
+            }
+        });
+    }
+
+    /// What faces send out, and what the volume shows of it.
+    pub fn show(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
+        faces.run(recorder, "light::reflect", &self.reflect, &[grid, &faces.reflect]);
+        faces.run(recorder, "light::cover", &self.cover, &[grid, &faces.cover]);
+    }
+
+    /// Before a list is taken: the light of faces that it puts elsewhere.
+    pub fn follow(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
+        recorder.compute("light::follow", |pass| {
+            let voxels = faces.moving_voxels;
+            self.follow.dispatch_linear(pass, &[grid, &faces.follow], voxels);
+            self.settle.dispatch_linear(pass, &[grid, &faces.settle], faces.moving_capacity);
+        });
+    }
+
+    /// After a list was taken: the light of faces that a list before had.
+    pub fn inherit(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &mut Faces) {
+        if let Some(group) = faces.inherit.take() {
+            self.inherit.run_linear(recorder, &[grid, &group], faces.capacity);
+        }
+    }
+}
+
+/// What belongs to a voxel list.
+#[derive(Debug)]
+pub(super) struct Faces {
+    /// What it is bound to, to be known again.
+    list_faces: Buffer,
+    moving_faces: Buffer,
+    counts: Buffer,
+    capacity: u64,
+    moving_voxels: u64,
+    moving_capacity: u64,
+    /// Radiance without bounces (`array<vec4f>`).
+    direct: Buffer,
+    /// What was gathered (`array<vec4f>`).
+    irradiance: Buffer,
+    /// Radiance with the bounces so far (`array<vec4f>`).
+    radiance: Buffer,
+    /// What the volume shows of it (`cover.wgsl`).
+    shown: Buffer,
+    /// What the volume holds of it.
+    held: Buffer,
+    direct_group: BindGroup,
+    bounce: BindGroup,
+    reflect: BindGroup,
+    cover: BindGroup,
+    follow: BindGroup,
+    settle: BindGroup,
+    /// Once, from a list that was replaced.
+    inherit: Option<BindGroup>,
+}
+
+impl Faces {
+    /// Room for the light of a list; what `earlier` has of it goes on.
+    pub fn new(
+        recorder: &mut Recorder<'_>,
+        kernels: &LightKernels,
+        settings: &Buffer,
+        Taken { list, replaced, moving }: Taken<'_>,
+        earlier: Option<Self>,
+    ) -> Self {
+        let device = recorder.device().clone();
+        let faces = Self::bound(&device, kernels, settings, (list, moving));
+        let Some(earlier) = earlier else { return faces };
+        let Some(old) = replaced else {
+            // The same list with other room.
+            for (from, to) in
+                [(&earlier.irradiance, &faces.irradiance), (&earlier.held, &faces.held)]
+            {
+                recorder.copy((from, 0), (to, 0), from.size().min(to.size()));
+            }
+            return faces;
+        };
+        let inherit = BindGroupBuilder::new(&kernels.inherit_layout)
+            .buffer(&list.faces)
+            .buffer(&old.occupancy)
+            .buffer(&old.ranks)
+            .buffer(&old.first_faces)
+            .buffer(&old.faces)
+            .buffer(&earlier.irradiance)
+            .buffer(&faces.irradiance)
+            .build(&device, "inherit");
+        Self { inherit: Some(inherit), ..faces }
+    }
+
+    fn bound(
+        device: &wgpu::Device,
+        kernels: &LightKernels,
+        settings: &Buffer,
+        (list, moving): (&VoxelList, Moving<'_>),
+    ) -> Self {
+        let buffer = |label| storage_buffer(device, label, list.face_capacity() * 16);
+        let direct = buffer("direct radiance");
+        let irradiance = buffer("gathered irradiance");
+        let radiance = buffer("radiance");
+        let shown = buffer("shown radiance");
+        let held = buffer("held radiance");
+        let moving_count = moving.faces.size() / size_of::<crate::voxels::FaceRecord>() as u64;
+        let [moving_irradiance, moving_held] = ["moving irradiance", "moving held radiance"]
+            .map(|label| storage_buffer(device, label, moving_count * 16));
+        let direct_group = BindGroupBuilder::new(&kernels.direct_layout)
+            .slice(&list.counts, 0, LIST_COUNT_BYTES)
+            .buffer(&list.faces)
+            .buffer(&direct)
+            .build(device, "direct light");
+        let bounce = BindGroupBuilder::new(&kernels.bounce_layout)
+            .buffer(settings)
+            .slice(&list.counts, 0, LIST_COUNT_BYTES)
+            .buffer(&list.faces)
+            .buffer(&irradiance)
+            .build(device, "bounce");
+        let reflect = BindGroupBuilder::new(&kernels.reflect_layout)
+            .slice(&list.counts, 0, LIST_COUNT_BYTES)
+            .buffer(&list.faces)
+            .buffer(&direct)
+            .buffer(&irradiance)
+            .buffer(&radiance)
+            .build(device, "reflect");
+        let cover = BindGroupBuilder::new(&kernels.cover_layout)
+            .slice(&list.counts, 0, LIST_COUNT_BYTES)
+            .buffer(&list.faces)
+            .buffer(&list.nodes)
+            .buffer(&list.first_faces)
+            .buffer(&list.occupancy)
+            .buffer(&list.ranks)
+            .buffer(&radiance)
+            .buffer(&shown)
+            .build(device, "cover");
+        let follow = BindGroupBuilder::new(&kernels.follow_layout)
+            .buffer(moving.verdict)
+            .buffer(moving.united_faces)
+            .buffer(moving.faces)
+            .buffer(moving.former)
+            .buffer(&list.faces)
+            .buffer(&irradiance)
+            .buffer(&held)
+            .buffer(&moving_irradiance)
+            .buffer(&moving_held)
+            .build(device, "follow");
+        let settle = BindGroupBuilder::new(&kernels.settle_layout)
+            .buffer(moving.verdict)
+            .slice(&list.counts, 0, LIST_COUNT_BYTES)
+            .buffer(&moving_irradiance)
+            .buffer(&moving_held)
+            .buffer(&irradiance)
+            .buffer(&held)
+            .build(device, "settle");
+        Self {
+            list_faces: list.faces.clone(),
+            moving_faces: moving.faces.clone(),
+            counts: list.counts.clone(),
+            capacity: list.face_capacity(),
+            moving_voxels: moving.voxels,
+            moving_capacity: moving_count,
+            direct,
+            irradiance,
+            radiance,
+            shown,
+            held,
+            direct_group,
+            bounce,
+            reflect,
+            cover,
+            follow,
+            settle,
+            inherit: None,
+        }
+    }
+
+    /// Whether it is bound to all that a list is taken from.
+    pub fn is_of(&self, taken: &Taken<'_>) -> bool {
+        self.list_faces == taken.list.faces && self.moving_faces == *taken.moving.faces
+    }
+
+    /// Whether light comes from a list that was replaced.
+    pub fn is_inheriting(&self) -> bool {
+        self.inherit.is_some()
+    }
+
+    /// Faces that there is room for.
+    pub fn capacity(&self) -> u64 {
+        self.capacity
+    }
+
+    /// What was gathered.
+    pub fn irradiance(&self) -> &Buffer {
+        &self.irradiance
+    }
+
+    /// Radiance without bounces.
+    pub fn direct(&self) -> &Buffer {
+        &self.direct
+    }
+
+    /// Radiance with the bounces so far.
+    pub fn radiance(&self) -> &Buffer {
+        &self.radiance
+    }
+
+    /// What the volume shows, and what it holds.
+    pub fn shown(&self) -> Shown<'_> {
+        Shown { now: &self.shown, held: &self.held }
+    }
+
+    /// Notes that the volume holds what it shows.
+    pub fn hold(&self, recorder: &mut Recorder<'_>) {
+        recorder.copy((&self.shown, 0), (&self.held, 0), self.shown.size());
+    }
+
+    /// Runs the kernel of direct light; groups 0 and 2 are given.
+    pub fn run_direct(
+        &self,
+        recorder: &mut Recorder<'_>,
+        kernel: &Kernel,
+        [globals, lights]: [&BindGroup; 2],
+    ) {
+        self.run(recorder, "light::direct", kernel, &[globals, &self.direct_group, lights]);
+    }
+
+    /// Runs a kernel over all faces.
+    fn run(
+        &self,
+        recorder: &mut Recorder<'_>,
+        label: &str,
+        kernel: &Kernel,
+        groups: &[&BindGroup],
+    ) {
+        recorder.compute(label, |pass| {
+            kernel.dispatch_indirect(pass, groups, &self.counts, FACE_ARGUMENTS);
+        });
+    }
+
+    /// Bytes on the GPU, by what they hold.
+    pub fn memory(&self) -> Vec<(&'static str, u64)> {
+        vec![
+            ("light: direct radiance of the faces", self.direct.size()),
+            ("light: irradiance of the faces", self.irradiance.size()),
+            ("light: radiance of the faces", self.radiance.size()),
+            ("light: shown radiance of the faces", self.shown.size()),
+            ("light: held radiance of the faces", self.held.size()),
+        ]
+    }
+}

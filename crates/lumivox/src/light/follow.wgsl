@@ -1,0 +1,57 @@
+// The light of a face that moves to another place in the list: of voxels that dynamic surface touches.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::voxelize::former::NO_FACE;
+import package::voxelize::verdict::Verdict;
+import package::voxels::list::Face;
+
+@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(1) var<storage, read> united_faces: array<u32>;
+@group(1) @binding(2) var<storage, read> moving_faces: array<Face>;
+@group(1) @binding(3) var<storage, read> former_faces: array<u32>;
+@group(1) @binding(4) var<storage, read> faces: array<Face>;
+@group(1) @binding(5) var<storage, read> irradiance: array<vec4f>;
+@group(1) @binding(6) var<storage, read> held: array<vec4f>;
+// By the index of a moving face.
+@group(1) @binding(7) var<storage, read_write> moving_irradiance: array<vec4f>;
+@group(1) @binding(8) var<storage, read_write> moving_held: array<vec4f>;
+
+// The face of that lobe, among those of a voxel that start at `former`.
+fn find_face(former: u32, cell: u32, lobe: u32) -> u32 {
+    if former == NO_FACE {
+        return NO_FACE;
+    }
+    for (var i = 0u; i < 6u && former + i < arrayLength(&faces); i++) {
+        if faces[former + i].cell != cell {
+            return NO_FACE;
+        }
+        if faces[former + i].lobe == lobe {
+            return former + i;
+        }
+    }
+    return NO_FACE;
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let voxel = linear_index(invocation, workgroups);
+    if verdict.no_room != 0u || voxel >= verdict.moving_voxels {
+        return;
+    }
+    for (var face = united_faces[voxel]; face < united_faces[voxel + 1u]; face++) {
+        let own = moving_faces[face];
+        let former = find_face(former_faces[voxel], own.cell, own.lobe);
+        var light = vec4f(0.0);
+        var in_volume = vec4f(0.0);
+        if former != NO_FACE {
+            light = irradiance[former];
+            in_volume = held[former];
+        }
+        moving_irradiance[face] = light;
+        moving_held[face] = in_volume;
+    }
+}

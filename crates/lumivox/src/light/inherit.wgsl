@@ -1,0 +1,38 @@
+// The irradiance of the faces of a list from that of the list before: from the same lobe of the same voxel.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::voxels::list::Face;
+import package::voxels::lookup::bits_below;
+
+@group(1) @binding(0) var<storage, read> faces: array<Face>;
+@group(1) @binding(1) var<storage, read> old_occupancy: array<u32>;
+@group(1) @binding(2) var<storage, read> old_ranks: array<u32>;
+@group(1) @binding(3) var<storage, read> old_first_faces: array<u32>;
+@group(1) @binding(4) var<storage, read> old_faces: array<Face>;
+@group(1) @binding(5) var<storage, read> old_irradiance: array<vec4f>;
+@group(1) @binding(6) var<storage, read_write> irradiance: array<vec4f>;
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let index = linear_index(invocation, workgroups);
+    if index >= arrayLength(&faces) {
+        return;
+    }
+    let face = faces[index];
+    let word = face.cell / 32u;
+    let bits = old_occupancy[word];
+    if (bits & (1u << (face.cell % 32u))) == 0u {
+        return;
+    }
+    let first = old_first_faces[old_ranks[word] + bits_below(bits, face.cell % 32u)];
+    for (var i = first; i < first + 6u && i < arrayLength(&old_faces); i++) {
+        if old_faces[i].cell == face.cell && old_faces[i].lobe == face.lobe {
+            irradiance[index] = old_irradiance[i];
+            return;
+        }
+    }
+}

@@ -1,0 +1,47 @@
+// Which of the voxels that dynamic surface touches have another surface than the list still holds: their cells, and the
+// cells above them, are outdated.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::voxelize::former::NO_FACE;
+import package::voxelize::verdict::Verdict;
+import package::voxels::list::{Face, Node};
+
+@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(1) var<storage, read> moving_nodes: array<Node>;
+@group(1) @binding(2) var<storage, read> united_faces: array<u32>;
+@group(1) @binding(3) var<storage, read> moving_faces: array<Face>;
+@group(1) @binding(4) var<storage, read> former_faces: array<u32>;
+@group(1) @binding(5) var<storage, read> faces: array<Face>;
+// A bit per cell of the finest level.
+@group(1) @binding(6) var<storage, read_write> changed: array<atomic<u32>>;
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let voxel = linear_index(invocation, workgroups);
+    if verdict.no_room != 0u || voxel >= verdict.moving_voxels {
+        return;
+    }
+    let cell = moving_nodes[voxel].morton;
+    let first = united_faces[voxel];
+    let count = united_faces[voxel + 1u] - first;
+    let former = former_faces[voxel];
+    var is_same = former != NO_FACE;
+    for (var i = 0u; is_same && i < count; i++) {
+        let before = faces[former + i];
+        let now = moving_faces[first + i];
+        // Bits, since a zero has a sign that the volume stores.
+        is_same = before.cell == cell && before.lobe == now.lobe
+            && all(bitcast<vec3u>(before.vector_area) == bitcast<vec3u>(now.vector_area));
+    }
+    // It may have had more.
+    if is_same && former + count < arrayLength(&faces) {
+        is_same = faces[former + count].cell != cell;
+    }
+    if !is_same {
+        atomicOr(&changed[cell / 32u], 1u << (cell % 32u));
+    }
+}

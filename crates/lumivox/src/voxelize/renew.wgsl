@@ -1,0 +1,24 @@
+// A list in place of another one: whatever was in the old one, or is in the new one, has changed.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+
+@group(1) @binding(0) var<storage, read> old_occupancy: array<u32>;
+@group(1) @binding(1) var<storage, read> occupancy: array<u32>;
+@group(1) @binding(2) var<storage, read_write> changed: array<u32>;
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let word = linear_index(invocation, workgroups);
+    if word >= arrayLength(&occupancy) {
+        return;
+    }
+    var bits = changed[word] | occupancy[word];
+    if word < arrayLength(&old_occupancy) {
+        bits |= old_occupancy[word];
+    }
+    changed[word] = bits;
+}

@@ -1,0 +1,43 @@
+// Takes the new list, where it has room: bits and ranks of all cells, and the faces of the voxels that dynamic surface
+// touches, in place of those that it touched before.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::voxelize::verdict::Verdict;
+
+@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(1) var<storage, read> new_occupancy: array<u32>;
+@group(1) @binding(2) var<storage, read> new_ranks: array<u32>;
+// Of the finest level: the voxels that dynamic surface touches, now and in the list so far.
+@group(1) @binding(3) var<storage, read> moving: array<u32>;
+@group(1) @binding(4) var<storage, read_write> moving_before: array<u32>;
+@group(1) @binding(5) var<storage, read_write> occupancy: array<u32>;
+@group(1) @binding(6) var<storage, read_write> ranks: array<u32>;
+@group(1) @binding(7) var<storage, read_write> changed: array<u32>;
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn cells(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let word = linear_index(invocation, workgroups);
+    if verdict.no_room != 0u || word > arrayLength(&occupancy) {
+        return;
+    }
+    // The total stands behind the ranks.
+    ranks[word] = new_ranks[word];
+    if word == arrayLength(&occupancy) {
+        return;
+    }
+    occupancy[word] = new_occupancy[word];
+    if word < arrayLength(&moving_before) {
+        // A share that is not there touches nothing.
+        var now = 0u;
+        if word < arrayLength(&moving) {
+            now = moving[word];
+        }
+        // What dynamic surface has left has another surface, if any; compare.wgsl finds the others.
+        changed[word] |= moving_before[word] & ~now;
+        moving_before[word] = now;
+    }
+}

@@ -1,0 +1,515 @@
+//! From shares to the list of voxels.
+//!
+//! The list is changed in place. Static surface has its faces at the front of the list, where they stay; behind them stand
+//! the faces of the voxels that dynamic surface touches, with what is static in them. A new list is put together beside
+//! the old one and taken only if it has room, which the GPU decides by itself (`verdict.wgsl`).
+
+use bytemuck::{Pod, Zeroable};
+
+use super::share::{Share, Work};
+use crate::gpu::{
+    BindGroup, BindGroupBuilder, BoundScan, Buffer, Remedy, Staged, counted_buffer, storage_buffer,
+    uniform_buffer,
+};
+use crate::voxels::{
+    BoundInner, BoundNodes, BoundPyramid, FaceRecord, LIST_COUNT_BYTES, NodeRecord, RankedBits,
+    VoxelList, count_bytes, level_block, level_first_word,
+};
+use crate::{GiError, Grid};
+
+/// `ResolveParams` of `resolve.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(super) struct ResolveParams {
+    pub emission_scale: f32,
+    padding: [u32; 3],
+}
+
+/// `UnitedVoxel` of `unite.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(super) struct UnitedVoxel {
+    pub lobes: u32,
+    padding_0: u32,
+    pub first_sums: [u32; 2],
+    pub scales: [f32; 2],
+}
+
+/// `Room` of `verdict.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(super) struct Room {
+    pub voxels: u32,
+    pub sums: u32,
+    pub nodes: u32,
+    pub faces: u32,
+    pub fixed_faces: u32,
+    padding: [u32; 3],
+}
+
+/// `Verdict` of `verdict.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub(super) struct Verdict {
+    pub no_room: u32,
+    pub moving_voxels: u32,
+    pub moving_faces: u32,
+    pub sums: u32,
+    pub nodes: u32,
+    pub own_faces: u32,
+    pub fronts: u32,
+    padding: u32,
+}
+
+impl Verdict {
+    /// There is room, and so many faces have fronts.
+    pub fn of_fronts(fronts: u64) -> Self {
+        Self { fronts: fronts as u32, ..Self::zeroed() }
+    }
+}
+
+/// Bits of [`Verdict::no_room`].
+pub(super) const NO_ROOM_FOR_VOXELS: u32 = 1;
+/// Of the sums of dynamic surface.
+pub(super) const NO_ROOM_FOR_SUMS: u32 = 2;
+/// Of all levels.
+pub(super) const NO_ROOM_FOR_NODES: u32 = 4;
+/// Of the list.
+pub(super) const NO_ROOM_FOR_FACES: u32 = 8;
+
+/// A list without voxels, with room for some.
+pub(super) fn new_list(
+    work: &mut Work<'_, '_>,
+    nodes: u64,
+    faces: u64,
+) -> Result<VoxelList, GiError> {
+    let grid = work.grid;
+    let words = level_first_word(grid, grid.levels);
+    let volume = Remedy::Volume(grid.dimensions.max_element());
+    let occupancy = work.memory.buffer("occupancy", words, 4, volume)?;
+    let ranks = work.memory.buffer("ranks", words + 1, 4, volume)?;
+    list_with_room(work, (occupancy, ranks), nodes, faces)
+}
+
+/// The list with room for other numbers of nodes and faces; what is in it stays.
+pub(super) fn resized_list(
+    work: &mut Work<'_, '_>,
+    list: &VoxelList,
+    nodes: u64,
+    faces: u64,
+) -> Result<VoxelList, GiError> {
+    let bits = (list.occupancy.clone(), list.ranks.clone());
+    let resized = list_with_room(work, bits, nodes, faces)?;
+    let both = |buffer: fn(&VoxelList) -> &Buffer| (buffer(list), buffer(&resized));
+    for (from, to) in [
+        both(|list| &list.nodes),
+        both(|list| &list.first_faces),
+        both(|list| &list.faces),
+        both(|list| &list.counts),
+    ] {
+        work.recorder.copy((from, 0), (to, 0), from.size().min(to.size()));
+    }
+    let (level_starts, face_count) = (list.level_starts.clone(), list.face_count);
+    Ok(VoxelList { level_starts, face_count, ..resized })
+}
+
+fn list_with_room(
+    work: &mut Work<'_, '_>,
+    (occupancy, ranks): (Buffer, Buffer),
+    nodes: u64,
+    faces: u64,
+) -> Result<VoxelList, GiError> {
+    let (remedy, levels) = (work.remedy(), work.grid.levels);
+    let memory = &mut work.memory;
+    let nodes = nodes.max(1);
+    Ok(VoxelList {
+        level_starts: vec![0; levels as usize + 1],
+        face_count: 0,
+        occupancy,
+        ranks,
+        nodes: memory.buffer("nodes", nodes, size_of::<NodeRecord>() as u64, remedy)?,
+        // Voxels are fewer than nodes.
+        first_faces: memory.buffer("first faces", nodes, 4, remedy)?,
+        faces: memory.buffer("faces", faces.max(1), size_of::<FaceRecord>() as u64, remedy)?,
+        counts: counted_buffer(memory.device(), "counts of voxels", count_bytes(levels)),
+    })
+}
+
+/// The union of both shares.
+#[derive(Debug)]
+pub(super) struct Union {
+    /// Stands in for what a share that is not there would have: zeros.
+    nothing: Buffer,
+    /// Bits of all levels of the new list.
+    merged: RankedBits,
+    pyramid: BoundPyramid,
+    /// Bits of the finest level: the voxels that dynamic surface touches in the list so far.
+    moving_before: Buffer,
+    /// [`Verdict`].
+    verdict: Buffer,
+    params: Staged,
+    merge: Option<BindGroup>,
+    united: Option<United>,
+    taking: Option<Taking>,
+}
+
+/// What goes with the voxels that dynamic surface touches.
+#[derive(Debug)]
+struct United {
+    capacity: u64,
+    voxels: Buffer,
+    faces: Buffer,
+    /// Where the list so far has a voxel's faces.
+    former: Buffer,
+    scan: BoundScan,
+    group: BindGroup,
+}
+
+/// What goes with the list.
+#[derive(Debug)]
+struct Taking {
+    /// The faces of the voxels that dynamic surface touches.
+    moving_faces: Buffer,
+    room: Room,
+    /// Words of the bits, and one for the total.
+    words: u64,
+    nodes: u64,
+    verdict: BindGroup,
+    resolve: BindGroup,
+    former: BindGroup,
+    compare: BindGroup,
+    take: BindGroup,
+    take_faces: BindGroup,
+    describe: BindGroup,
+    bound_nodes: BoundNodes,
+    inner: BoundInner,
+}
+
+/// What light needs to follow a list that takes others' faces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moving<'a> {
+    /// [`Verdict`].
+    pub verdict: &'a Buffer,
+    /// For each voxel that dynamic surface touches, the index of its first face among `faces`.
+    pub united_faces: &'a Buffer,
+    /// The faces that the list takes behind those of static surface.
+    pub faces: &'a Buffer,
+    /// For each voxel, where the list so far has its first face; `0xffffffff` where it has none.
+    pub former: &'a Buffer,
+    /// Voxels that there is room for.
+    pub voxels: u64,
+}
+
+impl Union {
+    pub fn new(work: &mut Work<'_, '_>) -> Result<Self, GiError> {
+        let (list, grid) = (&work.kernels.list, work.grid);
+        let merged = list.bits(&mut work.memory, grid, grid.levels)?;
+        let device = work.memory.device();
+        let pyramid = list.pyramid.bind(device, grid, &merged.occupancy);
+        let bytes = level_first_word(grid, 1) * 4;
+        let verdict = counted_buffer(device, "verdict", size_of::<Verdict>() as u64);
+        let params = Staged::new(device, "resolve parameters", size_of::<ResolveParams>() as u64);
+        Ok(Self {
+            // One element of the largest kind: what the binding of an array needs at least.
+            nothing: storage_buffer(device, "nothing", size_of::<FaceRecord>() as u64),
+            merged,
+            pyramid,
+            moving_before: storage_buffer(device, "moving before", bytes),
+            verdict,
+            params,
+            merge: None,
+            united: None,
+            taking: None,
+        })
+    }
+
+    /// [`Verdict`].
+    pub fn verdict(&self) -> &Buffer {
+        &self.verdict
+    }
+
+    /// Binds the shares' bits.
+    pub fn bind_shares(&mut self, work: &Work<'_, '_>, shares: [Option<&Share>; 2]) {
+        let bits = |share: Option<&Share>| {
+            share.map_or(&self.nothing, |share| &share.bits().occupancy).clone()
+        };
+        let [fixed, moving] = shares.map(bits);
+        let group = BindGroupBuilder::new(&work.kernels.layouts.merge_bits)
+            .buffer(&fixed)
+            .buffer(&moving)
+            .buffer(&self.merged.occupancy);
+        self.merge = Some(group.build(work.memory.device(), "voxelize::merge_bits"));
+    }
+
+    /// Which voxels there are in all.
+    pub fn merge(&self, work: &mut Work<'_, '_>) {
+        let Some(merge) = &self.merge else { return };
+        let (kernels, globals) = (work.kernels, work.globals);
+        let words = level_first_word(work.grid, 1);
+        kernels.merge_bits.run_linear(work.recorder, &[globals, merge], words);
+        kernels.list.pyramid.run(work.recorder, globals, &self.pyramid);
+        kernels.list.rank(work.recorder, globals, &self.merged);
+    }
+
+    /// The buffers to read back once bits are merged: where each level's nodes start, and their total.
+    pub fn level_starts(&self, grid: &Grid) -> Vec<(&Buffer, u64, u64)> {
+        let start = |level| (&self.merged.ranks, level_first_word(grid, level) * 4, 4);
+        (0..=grid.levels).map(start).collect()
+    }
+
+    /// Binds the shares' voxels, for which there is room.
+    pub fn bind_voxels(
+        &mut self,
+        work: &mut Work<'_, '_>,
+        [fixed, moving]: [Option<&Share>; 2],
+    ) -> Result<(), GiError> {
+        let remedy = work.remedy();
+        let capacity = moving.map_or(1, |moving| moving.capacity()[0].max(1));
+        let stride = size_of::<UnitedVoxel>() as u64;
+        let voxels = work.memory.buffer("united voxels", capacity, stride, remedy)?;
+        let faces = work.memory.buffer("united faces", capacity + 1, 4, remedy)?;
+        let former = work.memory.buffer("former faces", capacity, 4, remedy)?;
+        let device = work.memory.device();
+        let nothing = &self.nothing;
+        let [fixed_faces, ..] = fixed.and_then(Share::voxels).unwrap_or([nothing; 4]);
+        let [moving_faces, moving_nodes, ..] =
+            moving.and_then(Share::voxels).unwrap_or([nothing; 4]);
+        let group = BindGroupBuilder::new(&work.kernels.layouts.unite)
+            .buffer(fixed.map_or(nothing, Share::cells))
+            .buffer(fixed_faces)
+            .buffer(moving.map_or(nothing, |moving| &moving.bits().ranks))
+            .buffer(moving_nodes)
+            .buffer(moving_faces)
+            .buffer(&voxels)
+            .buffer(&faces)
+            .build(device, "voxelize::unite");
+        let scan = work.kernels.scan.bind(device, &faces, capacity as u32 + 1);
+        self.united = Some(United { capacity, voxels, faces, former, scan, group });
+        Ok(())
+    }
+
+    /// Which lobes the voxels have that dynamic surface touches.
+    pub fn unite(&self, work: &mut Work<'_, '_>) {
+        let Some(united) = &self.united else { return };
+        let groups = [work.globals, &united.group];
+        work.kernels.unite.run_linear(work.recorder, &groups, united.capacity);
+        work.kernels.scan.run_bound(work.recorder, &united.scan);
+    }
+
+    /// The buffer to read back once lobes are united of so many voxels: the number of their faces.
+    pub fn united_count(&self, voxels: u64) -> Option<(&Buffer, u64, u64)> {
+        self.united.as_ref().map(|united| (&united.faces, voxels * 4, 4))
+    }
+
+    /// Binds the list that the voxels are put into. `changed` has a bit per cell.
+    pub fn bind_list(
+        &mut self,
+        work: &mut Work<'_, '_>,
+        [fixed, moving]: [Option<&Share>; 2],
+        (list, fixed_count): (&VoxelList, u32),
+        changed: &Buffer,
+    ) -> Result<(), GiError> {
+        let Some(united) = &self.united else { return Ok(()) };
+        let [voxels, sums] = moving.map_or([0; 2], Share::capacity).map(|count| count as u32);
+        let room = Room {
+            voxels,
+            sums,
+            nodes: list.node_capacity() as u32,
+            faces: list.face_capacity() as u32,
+            fixed_faces: fixed_count,
+            padding: [0; 3],
+        };
+        let capacity = u64::from(room.faces.saturating_sub(fixed_count)).max(1);
+        let stride = size_of::<FaceRecord>() as u64;
+        let remedy = work.remedy();
+        let moving_faces = work.memory.buffer("moving faces", capacity, stride, remedy)?;
+        let (device, kernels) = (work.memory.device(), work.kernels);
+        let layouts = &kernels.layouts;
+        let room_uniform = uniform_buffer(device, "room", &room);
+        let nothing = &self.nothing;
+        let [_, fixed_nodes, fixed_faces, _] =
+            fixed.and_then(Share::voxels).unwrap_or([nothing; 4]);
+        let [_, moving_nodes, own_faces, own_fronts] =
+            moving.and_then(Share::voxels).unwrap_or([nothing; 4]);
+        let moving_bits = moving.map(Share::bits);
+        let verdict = BindGroupBuilder::new(&layouts.verdict)
+            .buffer(&room_uniform)
+            .buffer(&self.merged.ranks)
+            .buffer(moving_bits.map_or(nothing, |bits| &bits.ranks))
+            .buffer(own_faces)
+            .buffer(own_fronts)
+            .buffer(&united.faces)
+            .buffer(&self.verdict)
+            .buffer(&list.counts)
+            .build(device, "voxelize::verdict");
+        let resolve = BindGroupBuilder::new(&layouts.resolve_shares)
+            .buffer(self.params.buffer())
+            .buffer(&self.verdict)
+            .buffer(&united.voxels)
+            .buffer(&united.faces)
+            .buffer(fixed.and_then(Share::sums).unwrap_or(nothing))
+            .buffer(moving.and_then(Share::sums).unwrap_or(nothing))
+            .buffer(moving_nodes)
+            .buffer(&moving_faces)
+            .build(device, "voxelize::resolve_shares");
+        let former = BindGroupBuilder::new(&layouts.former)
+            .buffer(&self.verdict)
+            .buffer(moving_nodes)
+            .buffer(&list.occupancy)
+            .buffer(&list.ranks)
+            .buffer(&list.first_faces)
+            .buffer(&united.former)
+            .build(device, "voxelize::former");
+        let compare = BindGroupBuilder::new(&layouts.compare)
+            .buffer(&self.verdict)
+            .buffer(moving_nodes)
+            .buffer(&united.faces)
+            .buffer(&moving_faces)
+            .buffer(&united.former)
+            .buffer(&list.faces)
+            .buffer(changed)
+            .build(device, "voxelize::compare");
+        let take = BindGroupBuilder::new(&layouts.take)
+            .buffer(&self.verdict)
+            .buffer(&self.merged.occupancy)
+            .buffer(&self.merged.ranks)
+            .buffer(moving_bits.map_or(nothing, |bits| &bits.occupancy))
+            .buffer(&self.moving_before)
+            .buffer(&list.occupancy)
+            .buffer(&list.ranks)
+            .buffer(changed)
+            .build(device, "voxelize::take");
+        let take_faces = BindGroupBuilder::new(&layouts.take_faces)
+            .buffer(&self.verdict)
+            .slice(&list.counts, 0, LIST_COUNT_BYTES)
+            .buffer(&moving_faces)
+            .buffer(&list.faces)
+            .build(device, "voxelize::take_faces");
+        let describe = BindGroupBuilder::new(&layouts.describe)
+            .buffer(&self.verdict)
+            .slice(&list.counts, 0, LIST_COUNT_BYTES)
+            .slice(&list.counts, level_block(0), LIST_COUNT_BYTES)
+            .buffer(fixed.map_or(nothing, Share::cells))
+            .buffer(fixed_nodes)
+            .buffer(fixed_faces)
+            .buffer(moving.map_or(nothing, Share::cells))
+            .buffer(moving_nodes)
+            .buffer(&united.faces)
+            .buffer(&list.nodes)
+            .buffer(&list.first_faces)
+            .build(device, "voxelize::describe");
+        let buffers = [&list.occupancy, &list.ranks, &list.nodes];
+        self.taking = Some(Taking {
+            room,
+            words: level_first_word(work.grid, work.grid.levels) + 1,
+            nodes: list.node_capacity(),
+            verdict,
+            resolve,
+            former,
+            compare,
+            take,
+            take_faces,
+            describe,
+            bound_nodes: kernels.list.bind_nodes(device, buffers),
+            inner: kernels.list.bind_inner(device, work.grid, list),
+            moving_faces,
+        });
+        Ok(())
+    }
+
+    /// Whether all that was found has room: what follows is done only then.
+    pub fn judge(&self, work: &mut Work<'_, '_>) {
+        let Some(taking) = &self.taking else { return };
+        let groups = [work.globals, &taking.verdict];
+        work.kernels.verdict.run(work.recorder, &groups, [1; 3]);
+    }
+
+    /// The faces of the voxels that dynamic surface touches, and which of them differ from what the list has.
+    pub fn resolve(&mut self, work: &mut Work<'_, '_>, emission_scale: f32) {
+        let (Some(united), Some(taking)) = (&self.united, &self.taking) else { return };
+        let params = ResolveParams { emission_scale, padding: [0; 3] };
+        self.params.set(work.recorder, bytemuck::bytes_of(&params));
+        let Work { kernels, recorder, globals, .. } = work;
+        let count = united.capacity;
+        kernels.resolve_shares.run_linear(recorder, &[globals, &taking.resolve], count);
+        kernels.former.run_linear(recorder, &[globals, &taking.former], count);
+        kernels.compare.run_linear(recorder, &[globals, &taking.compare], count);
+    }
+
+    /// What light needs before the list is taken.
+    pub fn moving(&self) -> Option<Moving<'_>> {
+        let (united, taking) = self.united.as_ref().zip(self.taking.as_ref())?;
+        Some(Moving {
+            verdict: &self.verdict,
+            united_faces: &united.faces,
+            faces: &taking.moving_faces,
+            former: &united.former,
+            voxels: united.capacity,
+        })
+    }
+
+    /// Makes the list the new one.
+    pub fn take(&self, work: &mut Work<'_, '_>) {
+        let Some(taking) = &self.taking else { return };
+        let Work { kernels, recorder, globals, .. } = work;
+        kernels.take.run_linear(recorder, &[globals, &taking.take], taking.words);
+        let moving = u64::from(taking.room.faces - taking.room.fixed_faces);
+        kernels.take_faces.run_linear(recorder, &[globals, &taking.take_faces], moving);
+        kernels.list.fill_nodes(recorder, globals, &taking.bound_nodes);
+        kernels.describe.run_linear(recorder, &[globals, &taking.describe], taking.nodes);
+        kernels.list.inner_lobes(recorder, globals, &taking.inner);
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        let united = self.united.iter().flat_map(|own| [&own.voxels, &own.faces, &own.former]);
+        let taking = self.taking.iter().map(|taking| &taking.moving_faces);
+        let buffers = united.chain(taking).chain([&self.moving_before]);
+        self.merged.bytes() + buffers.map(|buffer| buffer.size()).sum::<u64>()
+    }
+}
+
+/// The faces of the static share, at the front of a list.
+pub(super) fn resolve_fixed(
+    work: &mut Work<'_, '_>,
+    share: &Share,
+    list: &VoxelList,
+    emission_scale: f32,
+) {
+    let Some(([voxels, nodes, ..], sums)) = share.voxels().zip(share.sums()) else { return };
+    let params = ResolveParams { emission_scale, padding: [0; 3] };
+    let device = work.memory.device();
+    let params = uniform_buffer(device, "resolve parameters", &params);
+    let group = BindGroupBuilder::new(&work.kernels.layouts.resolve)
+        .buffer(&params)
+        .buffer(voxels)
+        .buffer(sums)
+        .buffer(nodes)
+        .buffer(&list.faces)
+        .build(device, "voxelize::resolve");
+    let count = share.capacity()[0];
+    work.kernels.resolve.run_linear(work.recorder, &[work.globals, &group], count);
+}
+
+/// Marks all cells of two lists as changed, one of which comes in the other's place.
+pub(super) fn renew(
+    work: &mut Work<'_, '_>,
+    (old, new): (Option<&VoxelList>, &VoxelList),
+    nothing: &Buffer,
+    changed: &Buffer,
+) {
+    let group = BindGroupBuilder::new(&work.kernels.layouts.merge_bits)
+        .buffer(old.map_or(nothing, |old| &old.occupancy))
+        .buffer(&new.occupancy)
+        .buffer(changed)
+        .build(work.memory.device(), "voxelize::renew");
+    let words = level_first_word(work.grid, work.grid.levels);
+    work.kernels.renew.run_linear(work.recorder, &[work.globals, &group], words);
+}
+
+impl Union {
+    /// Zeros that stand in for what is not there.
+    pub fn nothing(&self) -> &Buffer {
+        &self.nothing
+    }
+}

@@ -1,0 +1,94 @@
+// Whether all that was found has room; if so, the counts of the new list. One thread.
+//
+// What does not have room was counted all the same: a thread that writes past the end of a buffer writes nothing that
+// matters, since nothing of this voxelization is taken then.
+
+import package::constants::{COUNT_BLOCK_WORDS, FRONT_WORDS, FACE_WORDS, LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS,
+    NO_ROOM_FOR_FACES, NO_ROOM_FOR_NODES, NO_ROOM_FOR_SUMS, NO_ROOM_FOR_VOXELS};
+import package::grid::grid;
+import package::voxels::lookup::level_first_word;
+
+// What there is room for.
+struct Room {
+    voxels: u32,
+    sums: u32,
+    nodes: u32,
+    faces: u32,
+    // Faces of static surface, which stand before those of voxels that dynamic surface touches.
+    fixed_faces: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+}
+
+struct Verdict {
+    // Bits NO_ROOM_FOR_*; zero: the list is taken.
+    no_room: u32,
+    // Voxels that dynamic surface touches, and their faces with those of static surface in them.
+    moving_voxels: u32,
+    moving_faces: u32,
+    // What is needed: sums in faces, fronts counted by their words.
+    sums: u32,
+    nodes: u32,
+    // Faces of dynamic surface alone, and those of them that have fronts.
+    own_faces: u32,
+    fronts: u32,
+    padding: u32,
+}
+
+@group(1) @binding(0) var<uniform> room: Room;
+@group(1) @binding(1) var<storage, read> list_ranks: array<u32>;
+// Of the dynamic share: the last one is the number of its voxels.
+@group(1) @binding(2) var<storage, read> moving_ranks: array<u32>;
+@group(1) @binding(3) var<storage, read> own_faces: array<u32>;
+@group(1) @binding(4) var<storage, read> own_fronts: array<u32>;
+@group(1) @binding(5) var<storage, read> united_faces: array<u32>;
+@group(1) @binding(6) var<storage, read_write> verdict: Verdict;
+@group(1) @binding(7) var<storage, read_write> counts: array<u32>;
+
+fn put_groups(first: u32, threads: u32) {
+    let needed = (threads + LINEAR_WORKGROUP_SIZE - 1u) / LINEAR_WORKGROUP_SIZE;
+    let rows = (needed + MAX_WORKGROUPS - 1u) / MAX_WORKGROUPS;
+    counts[first] = (needed + max(rows, 1u) - 1u) / max(rows, 1u);
+    counts[first + 1u] = rows;
+    counts[first + 2u] = select(0u, 1u, needed > 0u);
+}
+
+@compute @workgroup_size(1)
+fn main() {
+    let voxels = moving_ranks[arrayLength(&moving_ranks) - 1u];
+    let nodes = list_ranks[level_first_word(grid.levels)];
+    var now: Verdict;
+    now.moving_voxels = voxels;
+    now.nodes = nodes;
+    if voxels > room.voxels {
+        // Nothing is known of what is in them.
+        now.no_room |= NO_ROOM_FOR_VOXELS;
+    } else {
+        now.moving_faces = united_faces[voxels];
+        now.own_faces = own_faces[voxels];
+        now.fronts = own_fronts[voxels];
+        now.sums = now.own_faces + (now.fronts * FRONT_WORDS + FACE_WORDS - 1u) / FACE_WORDS;
+        now.no_room |= select(0u, NO_ROOM_FOR_SUMS, now.sums > room.sums);
+        now.no_room |= select(0u, NO_ROOM_FOR_FACES, room.fixed_faces + now.moving_faces > room.faces);
+    }
+    now.no_room |= select(0u, NO_ROOM_FOR_NODES, nodes > room.nodes);
+    verdict = now;
+    if now.no_room != 0u {
+        return;
+    }
+    counts[0] = room.fixed_faces;
+    counts[1] = room.fixed_faces + now.moving_faces;
+    counts[2] = nodes;
+    counts[3] = voxels;
+    put_groups(4u, counts[1]);
+    for (var level = 0u; level < grid.levels; level++) {
+        let first = list_ranks[level_first_word(level)];
+        let count = list_ranks[level_first_word(level + 1u)] - first;
+        let block = (level + 1u) * COUNT_BLOCK_WORDS;
+        counts[block] = level;
+        counts[block + 1u] = first;
+        counts[block + 2u] = count;
+        put_groups(block + 4u, count);
+    }
+}
