@@ -56,7 +56,7 @@ pub struct Lights {
     pub group: BindGroup,
     /// How many lights there are.
     pub count: u32,
-    /// A number that is unique to these lights: others, and the same after an update, have another.
+    /// A number that is unique to these lights: others have another, and so have these once they have changed.
     pub(crate) version: u64,
     /// Whether any of them gets its shadows by cones.
     pub(crate) has_cone_shadows: bool,
@@ -64,6 +64,8 @@ pub struct Lights {
     pub mapped: Vec<MappedLight>,
     /// Width and height of the maps, texels; zeros without any.
     pub map_size: [u32; 2],
+    /// As they are on the GPU, in the next three.
+    known: Records,
     globals: Buffer,
     records: Buffer,
     layers: Buffer,
@@ -111,6 +113,7 @@ struct StandIns {
 }
 
 /// Lights as the shaders read them.
+#[derive(Debug)]
 struct Records {
     globals: LightGlobals,
     lights: Vec<LightRecord>,
@@ -144,6 +147,7 @@ impl Lights {
             has_cone_shadows: false,
             mapped: Vec::new(),
             map_size: [0; 2],
+            known: records,
             globals,
             records: light_buffer,
             layers,
@@ -152,15 +156,16 @@ impl Lights {
             device: device.clone(),
             layout: layout.clone(),
         };
-        bound.describe(lights, &records, shadows);
+        bound.describe(lights, shadows);
         bound
     }
 
     /// Takes other lights, another environment and other shadow layers, from the next submission on, for all that is
     /// submitted then. Light in the voxels stays what it was before the next [`crate::Gi::light`].
     ///
-    /// The parameters are those of [`crate::Gi::bind_lights`]. Buffers and the bind group stay, unless there are more
-    /// lights or layers than ever before, or textures other than those bound.
+    /// The parameters are those of [`crate::Gi::bind_lights`]; where they say what is bound already, nothing is done.
+    /// Buffers and the bind group stay, unless there are more lights or layers than ever before, or textures other
+    /// than those bound.
     pub fn update<'a>(
         &mut self,
         queue: &wgpu::Queue,
@@ -171,6 +176,9 @@ impl Lights {
         let (environment, shadows) = (environment.into(), shadows.into());
         let records = Records::new(lights, environment, self.stand_ins.white_unit, shadows);
         let textures = self.stand_ins.textures(environment, shadows);
+        if textures == self.textures && records.are_same(&self.known) {
+            return;
+        }
         queue.write_buffer(&self.globals, 0, bytemuck::bytes_of(&records.globals));
         let device = self.device.clone();
         let has_grown = [
@@ -186,11 +194,13 @@ impl Lights {
                 &self.stand_ins,
             );
         }
-        self.describe(lights, &records, shadows);
+        self.known = records;
+        self.describe(lights, shadows);
     }
 
     /// Sets what the host knows of the lights.
-    fn describe(&mut self, lights: &[Light], records: &Records, shadows: ShadowSource<'_>) {
+    fn describe(&mut self, lights: &[Light], shadows: ShadowSource<'_>) {
+        let records = &self.known;
         self.count = records.globals.light_count;
         self.version = next_version();
         self.has_cone_shadows = records.lights.iter().any(|light| light.shadow == SHADOW_CONE);
@@ -305,6 +315,16 @@ impl StandIns {
 }
 
 impl Records {
+    /// Whether both are the same to the bit.
+    fn are_same(&self, other: &Self) -> bool {
+        fn bits<T: Pod>(records: &[T]) -> &[u32] {
+            bytemuck::cast_slice(records)
+        }
+        bytemuck::bytes_of(&self.globals) == bytemuck::bytes_of(&other.globals)
+            && bits(&self.lights) == bits(&other.lights)
+            && bits(&self.layers) == bits(&other.layers)
+    }
+
     fn new(
         lights: &[Light],
         environment: EnvironmentLight<'_>,

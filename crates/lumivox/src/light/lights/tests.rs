@@ -61,8 +61,11 @@ fn updated_lights_are_as_those_bound_anew() {
     ];
     let mut updated = lab.gi.bind_lights(&sets[0].0, sets[0].1, None);
     for (number, (lights, environment)) in sets.iter().enumerate() {
+        // The first set is bound already.
         let before = wgpu::BindGroup::clone(&updated.group);
+        let version = updated.version;
         updated.update(&lab.queue, lights, *environment, None);
+        assert_eq!(version == updated.version, number == 0, "set {number}");
         // Room for five is made for eight.
         assert_eq!(before == *updated.group, number != 2, "set {number}");
         let fresh = lab.gi.bind_lights(lights, *environment, None);
