@@ -6,7 +6,7 @@ import package::render::passes::voxel_view::cell_walk::{longest_walk, next_axis,
 import package::render::passes::voxel_view::view::distance_to_edge;
 import package::vxct::finish::background;
 import package::vxct::uniform::{in_cube, settings};
-import package::trace::gbuffer::{ray_direction, view};
+import package::trace::view::{ray_direction, view};
 
 @group(1) @binding(0) var voxels: texture_3d<f32>;
 @group(1) @binding(1) var picture: texture_storage_2d<rgba32float, write>;

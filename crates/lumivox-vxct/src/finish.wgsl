@@ -6,7 +6,7 @@ import package::constants::{
 };
 import package::environment::environment_background;
 import package::vxct::uniform::settings;
-import package::trace::gbuffer::{ray_direction, view};
+import package::trace::view::{ray_direction, view};
 
 // Premultiplied by the coverage in alpha.
 @group(1) @binding(0) var drawn: texture_2d<f32>;

@@ -17,7 +17,7 @@ import package::vxct::lights::{arriving_light, vxct_lights, Arriving};
 import package::vxct::material::{material_of, vxct_draws, VxctMaterial};
 import package::vxct::uniform::{has, in_cube, settings};
 import package::vxct::vertex::corner_of;
-import package::trace::gbuffer::octahedral_encode;
+import package::trace::surface::octahedral_encode;
 
 struct Fragment {
     @builtin(position) @invariant clip: vec4f,

@@ -77,7 +77,7 @@ impl SurfaceTexture {
 /// A run of triangles with one material and one transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draw {
-    /// The first index in the batch's index buffer.
+    /// The first index, counted from where the batch's indices start ([`Indices::offset`]).
     pub first_index: u32,
     /// How many indices, a multiple of three.
     pub index_count: u32,
@@ -93,21 +93,64 @@ pub struct Draw {
     pub is_static: bool,
 }
 
+impl Draw {
+    /// A run of triangles that moves nowhere: all else is zero, the identity, or not set.
+    pub fn new(first_index: u32, index_count: u32, material: u32) -> Self {
+        Self {
+            first_index,
+            index_count,
+            base_vertex: 0,
+            material,
+            world_from_local: Mat4::IDENTITY,
+            is_static: false,
+        }
+    }
+}
+
 /// Triangles whose vertices share a set of buffers. All buffers need `BufferUsages::STORAGE`, and each must
-/// fit into one storage binding (`Limits::max_storage_buffer_binding_size`): split larger ones into batches.
+/// fit into one storage binding (`Limits::max_storage_buffer_binding_size`): split larger ones into batches. One buffer
+/// may hold several of them, as interleaved vertices and slabs of meshes do.
+///
+/// ```no_run
+/// # fn mesh() -> (wgpu::Buffer, wgpu::Buffer) { unimplemented!() }
+/// use lumivox::{Draw, GeometryBatch, Indices, VertexAttributes, VertexPositions};
+///
+/// // A mesh in a slab: position, normal and texture coordinates a vertex, 16-bit indices.
+/// let (vertices, indices) = mesh();
+/// let mut attributes = VertexAttributes::new(vertices.clone(), 32);
+/// attributes.offset = 4096;
+/// attributes.texcoords[0] = Some(24);
+/// let positions = VertexPositions { buffer: vertices, stride: 32, offset: 4096 };
+/// let format = wgpu::IndexFormat::Uint16;
+/// let indices = Indices { buffer: indices, format, offset: 512 };
+/// let mut batch = GeometryBatch::new(positions, indices, vec![Draw::new(0, 36, 0)]);
+/// batch.attributes = Some(attributes);
+/// ```
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct GeometryBatch {
-    /// Positions, three `f32` a vertex, tightly packed.
-    pub positions: wgpu::Buffer,
-    /// Texture coordinates and colours; needed if a material has a texture.
+    /// Positions, three `f32` a vertex.
+    pub positions: VertexPositions,
+    /// Texture coordinates and colours; needed if a material has a texture. Default: none.
     pub attributes: Option<VertexAttributes>,
-    /// Indices, `u32`, a triangle list; counter-clockwise seen from the front.
-    pub indices: wgpu::Buffer,
+    /// Indices, a triangle list; counter-clockwise seen from the front.
+    pub indices: Indices,
     /// The runs of triangles.
     pub draws: Vec<Draw>,
 }
 
 impl GeometryBatch {
+    /// Triangles without texture coordinates and colours. A plain `wgpu::Buffer` stands for tightly packed positions
+    /// and for 32-bit indices.
+    pub fn new(
+        positions: impl Into<VertexPositions>,
+        indices: impl Into<Indices>,
+        draws: Vec<Draw>,
+    ) -> Self {
+        let (positions, indices) = (positions.into(), indices.into());
+        Self { positions, attributes: None, indices, draws }
+    }
+
     /// Whether all but the draws is the same.
     pub(crate) fn is_same_but_draws(&self, other: &Self) -> bool {
         self.positions == other.positions
@@ -116,26 +159,70 @@ impl GeometryBatch {
     }
 }
 
+/// Where in a buffer the positions of vertices stand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VertexPositions {
+    /// The buffer, with `BufferUsages::STORAGE`.
+    pub buffer: wgpu::Buffer,
+    /// Bytes from a position to the next, a multiple of four and at least 12.
+    pub stride: u32,
+    /// Bytes from the start of the buffer to the position of vertex 0, a multiple of four.
+    pub offset: u64,
+}
+
+impl From<wgpu::Buffer> for VertexPositions {
+    /// Tightly packed, from the start of the buffer on.
+    fn from(buffer: wgpu::Buffer) -> Self {
+        Self { buffer, stride: 12, offset: 0 }
+    }
+}
+
+/// Where in a buffer indices stand, tightly packed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Indices {
+    /// The buffer, with `BufferUsages::STORAGE`.
+    pub buffer: wgpu::Buffer,
+    /// 16 or 32 bits.
+    pub format: wgpu::IndexFormat,
+    /// Bytes from the start of the buffer to index 0, a multiple of an index's size.
+    pub offset: u64,
+}
+
+impl From<wgpu::Buffer> for Indices {
+    /// 32 bits, from the start of the buffer on.
+    fn from(buffer: wgpu::Buffer) -> Self {
+        Self { buffer, format: wgpu::IndexFormat::Uint32, offset: 0 }
+    }
+}
+
 /// Where in a buffer the texture coordinates and colours of vertices stand: the caller's own layout, as long as
 /// numbers stand at multiples of four bytes.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct VertexAttributes {
     /// The buffer, with `BufferUsages::STORAGE`.
     pub buffer: wgpu::Buffer,
     /// Bytes from a vertex to the next, a multiple of four.
     pub stride: u32,
+    /// Bytes from the start of the buffer to vertex 0, a multiple of four; default 0.
+    pub offset: u64,
     /// Bytes from the start of a vertex to its texture coordinates, two `f32` a set. Where there is no second
-    /// set, the first is used for it.
+    /// set, the first is used for it. Default: none.
     pub texcoords: [Option<u32>; 2],
     /// Bytes from the start of a vertex to its colour, four 16-bit numbers of which 65 535 stands for one
-    /// (`VertexFormat::Unorm16x4`): linear RGB and alpha that multiply the reflectance.
+    /// (`VertexFormat::Unorm16x4`): linear RGB and alpha that multiply the reflectance. Default: none.
     pub color: Option<u32>,
 }
 
 impl VertexAttributes {
+    /// Vertices of `stride` bytes, of which nothing is used yet.
+    pub fn new(buffer: wgpu::Buffer, stride: u32) -> Self {
+        Self { buffer, stride, offset: 0, texcoords: [None; 2], color: None }
+    }
+
     /// A buffer of nothing but texture coordinates, two `f32` a vertex, tightly packed.
     pub fn texcoords(buffer: wgpu::Buffer) -> Self {
-        Self { buffer, stride: 8, texcoords: [Some(0), None], color: None }
+        Self { texcoords: [Some(0), None], ..Self::new(buffer, 8) }
     }
 }
 

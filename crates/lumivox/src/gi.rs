@@ -1,15 +1,19 @@
 //! The library's face: global illumination in four calls.
 
-use std::sync::Arc;
+mod points;
+
+use std::sync::{Arc, OnceLock};
 
 use glam::UVec2;
 
 use crate::cones::{ConeModel, TraceResolution, TraceSettings};
 use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
-use crate::light::{Injection, Injector, Light, Lighting, Lights, ShadowMaps, lights_layout};
+use crate::light::{Injection, Injector, Light, Lighting, Lights, ShadowSource, lights_layout};
+use crate::mounted::{Mounted, Resource};
+use crate::points::PointGatherer;
 use crate::trace::{
-    Bound, CameraView, GBuffer, GBufferViews, TraceTargets, Tracer, gbuffer_layout,
+    Bound, CameraView, GBuffer, GBufferViews, ScreenSettings, TraceTargets, Tracer, gbuffer_layout,
 };
 use crate::volume::changes::Changes;
 use crate::volume::{Directionality, OctreeStats, Volume, VolumeKind};
@@ -35,6 +39,14 @@ pub struct GiConfig {
     pub injection: Option<Arc<dyn Injection>>,
     /// Where cones start and point, and what their samples show; `None` (the default): the physics.
     pub cones: Option<Arc<dyn ConeModel>>,
+    /// The caller's G-buffer as it is: a module that takes the place of `package::trace::gbuffer`, with its functions
+    /// `load_surface`, `load_specular` and `load_motion`, and bindings from 1 on of group 3. `None` (the default): the
+    /// textures of [`GBufferViews`]. docs/recipes.md has an example.
+    pub gbuffer: Option<Mounted>,
+    /// The caller's shadow maps as they are: a module that takes the place of `package::light::shadow_map`, with its
+    /// function `shadow_map_visibility`, and bindings from 8 on of group 2. [`Shadow::Map`](crate::Shadow) then names
+    /// whatever the module takes `first_layer` for. `None` (the default): [`ShadowMaps`](crate::ShadowMaps).
+    pub shadow_maps: Option<Mounted>,
 }
 
 impl GiConfig {
@@ -48,6 +60,8 @@ impl GiConfig {
             voxelizer: None,
             injection: None,
             cones: None,
+            gbuffer: None,
+            shadow_maps: None,
         }
     }
 }
@@ -86,6 +100,8 @@ pub struct Gi {
     bounces: u32,
     /// Those of the cone model; nothing reads them without one.
     cone_values: [f32; 4],
+    /// Once something was gathered at points.
+    points: OnceLock<PointGatherer>,
 }
 
 impl Gi {
@@ -118,6 +134,13 @@ impl Gi {
         if let Some(model) = &config.cones {
             shaders.add("cones::model", model.module());
         }
+        for (path, own) in
+            [("trace::gbuffer", &config.gbuffer), ("light::shadow_map", &config.shadow_maps)]
+        {
+            if let Some(own) = own {
+                shaders.add(path, own.source.clone());
+            }
+        }
         let cone_values = config.cones.as_ref().map_or([0.0; 4], |model| model.values());
         let volume = Volume::new(
             device,
@@ -129,8 +152,8 @@ impl Gi {
         let voxelizer = Voxelizer::with(device, &shaders, config.voxelizer.as_deref())?;
         let scene = voxelizer.scene(device, queue, &config.grid);
         let changes = Changes::new(device, &shaders, &config.grid, scene.changed())?;
-        let lights_layout = lights_layout(device);
-        let gbuffer_layout = gbuffer_layout(device);
+        let lights_layout = lights_layout(device, config.shadow_maps.as_ref());
+        let gbuffer_layout = gbuffer_layout(device, config.gbuffer.as_ref());
         let globals = volume.globals_layout();
         let lighting = Lighting::new(device, &shaders, &config, globals, &lights_layout)?;
         let tracer = Tracer::new(device, &shaders, globals, &lights_layout, &gbuffer_layout)?;
@@ -150,6 +173,7 @@ impl Gi {
             white: EnvironmentMap::white(device, queue),
             bounces: 0,
             cone_values,
+            points: OnceLock::new(),
         })
     }
 
@@ -245,15 +269,37 @@ impl Gi {
 
     /// Binds lights for [`Self::light`] and [`Self::trace`]. `environment` is what lies outside the grid: a
     /// radiance, or an [`EnvironmentLight`] with a map, whose own lights ([`EnvironmentMap::lights`])
-    /// belong among `lights`.
+    /// belong among `lights`. `shadows` are maps for lights with [`Shadow::Map`](crate::Shadow); `None` where there are
+    /// none. [`Lights::update`] changes them.
+    ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::Vec3;
+    /// # use lumivox::{Gi, GiConfig, Grid, Light, LightSource, Shadow};
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// let lamp = |x| LightSource::Point {
+    ///     position: Vec3::new(x, 0.9, 0.5),
+    ///     intensity: Vec3::splat(100.0),
+    ///     radius_m: 0.05,
+    ///     range_m: None,
+    /// };
+    /// let light = |x| Light { source: lamp(x), shadow: Shadow::Cone };
+    /// let mut lights = gi.bind_lights(&[light(0.2)], Vec3::ZERO, None);
+    /// // In the next frame it has moved.
+    /// lights.update(&queue, &[light(0.3)], Vec3::ZERO, None);
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
     pub fn bind_lights<'a>(
         &self,
         lights: &[Light],
         environment: impl Into<EnvironmentLight<'a>>,
-        shadow_maps: Option<&ShadowMaps>,
+        shadows: impl Into<ShadowSource<'a>>,
     ) -> Lights {
         let (layout, white) = (&self.lights_layout, &self.white);
-        Lights::new(&self.device, layout, lights, environment.into(), white, shadow_maps)
+        Lights::new(&self.device, layout, lights, environment.into(), white, shadows.into())
     }
 
     /// Lights the voxels: direct light and emission, then bounces.
@@ -332,7 +378,7 @@ impl Gi {
             // Early, so that it is compiled with all else; tracing tells what is wrong.
             let _ = self.prepare_half();
         }
-        self.tracer.targets(&self.device, size, resolution)
+        TraceTargets::new(&self.device, size, resolution)
     }
 
     fn prepare_half(&self) -> Result<(), GiError> {
@@ -345,8 +391,70 @@ impl Gi {
         GBuffer::new(&self.device, &self.gbuffer_layout, views, view)
     }
 
+    /// Binds what [`GiConfig::gbuffer`]'s module reads, in the order of its bindings, for [`Self::trace`]. wgpu reports
+    /// resources that do not fit the bindings.
+    pub fn bind_own_gbuffer(&self, resources: &[Resource], view: CameraView) -> GBuffer {
+        GBuffer::own(&self.device, &self.gbuffer_layout, resources, view)
+    }
+
     /// Traces the cones of one frame from the G-buffer into the targets. The settings' resolution is that of
-    /// the targets.
+    /// the targets. Several traces may be recorded before one submission, each with settings of its own; into the same
+    /// targets the last one's result stays. For several cameras bind as many G-buffers.
+    ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::{Mat4, UVec2, Vec3};
+    /// # use lumivox::gpu::Recorder;
+    /// # use lumivox::wgpu::TextureFormat::{Depth32Float, Rgba16Float};
+    /// # use lumivox::{CameraView, GBufferViews, Gi, GiConfig, Grid, TraceSettings};
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// # let lights = gi.bind_lights(&[], Vec3::ONE, None);
+    /// # let size = UVec2::new(8, 8);
+    /// # let texture = |format| {
+    /// #     let texture = device.create_texture(&lumivox::wgpu::TextureDescriptor {
+    /// #         label: None,
+    /// #         size: lumivox::wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
+    /// #         mip_level_count: 1,
+    /// #         sample_count: 1,
+    /// #         dimension: lumivox::wgpu::TextureDimension::D2,
+    /// #         format,
+    /// #         usage: lumivox::wgpu::TextureUsages::TEXTURE_BINDING,
+    /// #         view_formats: &[],
+    /// #     });
+    /// #     texture.create_view(&Default::default())
+    /// # };
+    /// # let depth = texture(Depth32Float);
+    /// # let [normals, diffuse, specular, emission] = [Rgba16Float; 4].map(texture);
+    /// # let clip_from_world = Mat4::IDENTITY;
+    /// # let position = Vec3::ZERO;
+    /// let settings = TraceSettings::default();
+    /// let targets = gi.targets(size, settings.resolution);
+    /// let mut view = CameraView::new(clip_from_world, position, size);
+    /// let views = GBufferViews {
+    ///     depth: &depth,
+    ///     normals: &normals,
+    ///     diffuse: &diffuse,
+    ///     specular: &specular,
+    ///     emission: &emission,
+    ///     motion: None,
+    /// };
+    /// let gbuffer = gi.bind_gbuffer(views, view);
+    /// for frame in 0..2 {
+    ///     view.previous_clip_from_world = view.clip_from_world;
+    ///     view.frame = frame;
+    ///     gbuffer.set_camera(&queue, view);
+    ///     let mut encoder = device.create_command_encoder(&Default::default());
+    ///     // The engine's G-buffer pass, then the cones, then its shading, which reads the targets.
+    ///     let mut recorder = Recorder::on(&device, &queue, &mut encoder);
+    ///     gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
+    ///     drop(recorder);
+    ///     queue.submit([encoder.finish()]);
+    /// }
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
     ///
     /// # Errors
     /// [`GiError::Setting`] when a setting is out of range.
@@ -363,9 +471,11 @@ impl Gi {
             self.prepare_half()?;
         }
         let cones = (settings, self.cone_values);
-        targets.set(&self.queue, cones, self.config.grid.voxel_size_m, self.bounces);
+        let resolution = targets.resolution();
+        let voxel_size_m = self.config.grid.voxel_size_m;
+        let screen = ScreenSettings::new(cones, resolution, voxel_size_m, self.bounces);
         let bound = Bound { globals: self.volume.globals(), lights: &lights.group, gbuffer };
-        self.tracer.run(recorder, &bound, targets);
+        self.tracer.run(recorder, &bound, targets, &screen);
         Ok(())
     }
 

@@ -7,6 +7,7 @@
 
 pub use crate::cones::ConeModel;
 pub use crate::light::{FaceLight, Injection, InjectionParts, Injector, MappedLight};
+pub use crate::mounted::{Mounted, Resource};
 pub use crate::voxelize::{
     Detail, Voxelization, VoxelizationShares, Walk, WalkRun, WalkStep, Walker,
 };

@@ -3,6 +3,7 @@
 use crate::cones::ConeSettings;
 use crate::gpu::ShaderLibrary;
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
+use crate::points::{GatheredPoint, PointSettings};
 use crate::trace::{CameraViewUniform, ScreenSettings};
 use crate::volume::changes::{LevelWords, ListParams};
 use crate::volume::{LockPass, MaskLevels, TreeUniform};
@@ -29,8 +30,10 @@ fn structs_lie_in_memory_alike() {
     library.check_struct::<ShadowLayerRecord>("light::shadow_map", "ShadowLayer").unwrap();
     library.check_struct::<BounceSettings>("light::bounce", "BounceSettings").unwrap();
     library.check_struct::<ConeSettings>("cones::cone", "ConeSettings").unwrap();
+    library.check_struct::<PointSettings>("points::gather", "PointSettings").unwrap();
+    library.check_struct::<GatheredPoint>("points::gather", "GatheredPoint").unwrap();
     library.check_struct::<ScreenSettings>("trace::screen", "ScreenSettings").unwrap();
-    library.check_struct::<CameraViewUniform>("trace::gbuffer", "CameraView").unwrap();
+    library.check_struct::<CameraViewUniform>("trace::view", "CameraView").unwrap();
     library.check_struct::<ListParams>("volume::changes::list", "ListParams").unwrap();
     library.check_struct::<LevelWords>("volume::changes::cells", "LevelWords").unwrap();
     library.check_struct::<MaskLevels>("volume::dense::masks", "MaskLevels").unwrap();

@@ -26,6 +26,8 @@ pub mod hooks;
 #[cfg(test)]
 mod layouts_test;
 mod light;
+mod mounted;
+mod points;
 pub mod settings;
 pub mod shaders;
 #[cfg(test)]
@@ -43,13 +45,18 @@ pub use cones::{Preset, TraceResolution, TraceSettings};
 pub use environment::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
 pub use error::GiError;
 pub use geometry::{
-    Draw, Geometry, GeometryBatch, SurfaceMaterial, SurfaceTexture, VertexAttributes,
+    Draw, Geometry, GeometryBatch, Indices, SurfaceMaterial, SurfaceTexture, VertexAttributes,
+    VertexPositions,
 };
 pub use gi::{Gi, GiConfig, Voxelized};
 pub use gloss::Gloss;
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
-pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
+pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps, ShadowSource};
+pub use points::{GatherPoints, GatherSettings, GatheredPoint, Irradiance};
 pub use trace::{CameraView, GBuffer, GBufferViews, TraceTargets};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
+// The engine's wgpu must be this one.
+pub use wgpu;
+
 pub use voxelize::{FrameVoxels, VoxelizeStats, VoxelizedScene, Voxelizer};

@@ -27,6 +27,7 @@ pub fn library() -> ShaderLibrary {
         crate::cones::MODULES,
         crate::environment::MODULES,
         crate::light::MODULES,
+        crate::points::MODULES,
         crate::trace::MODULES,
         crate::voxelize::MODULES,
     ];

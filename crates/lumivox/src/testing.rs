@@ -80,12 +80,9 @@ impl SceneBuilder {
             })
         };
         let indices: Vec<u32> = (0..self.positions.len() as u32).collect();
-        let batch = GeometryBatch {
-            positions: buffer(bytemuck::cast_slice(&self.positions)),
-            attributes: None,
-            indices: buffer(bytemuck::cast_slice(&indices)),
-            draws: self.draws,
-        };
+        let positions = buffer(bytemuck::cast_slice(&self.positions));
+        let batch =
+            GeometryBatch::new(positions, buffer(bytemuck::cast_slice(&indices)), self.draws);
         Geometry { batches: vec![batch], materials: self.materials }
     }
 }

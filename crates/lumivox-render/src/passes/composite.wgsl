@@ -9,8 +9,10 @@ import package::environment::environment_background;
 import package::trace::brdf::{fresnel_schlick, PI};
 import package::trace::coat::{below_coat, load_coat};
 import package::trace::gbuffer::{
-    gbuffer_diffuse, gbuffer_emission, gbuffer_specular, load_surface, ray_direction, view, Surface,
+    gbuffer_diffuse, gbuffer_emission, gbuffer_specular, load_surface,
 };
+import package::trace::surface::Surface;
+import package::trace::view::{ray_direction, view};
 
 struct CompositeSettings {
     // One of VIEW_...

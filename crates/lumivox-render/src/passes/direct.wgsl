@@ -7,7 +7,8 @@ import package::trace::brdf::{
     alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_visibility, PI,
 };
 import package::trace::coat::{below_coat, coat_fresnel, load_coat};
-import package::trace::gbuffer::{gbuffer_diffuse, gbuffer_specular, load_surface, view};
+import package::trace::gbuffer::{gbuffer_diffuse, gbuffer_specular, load_surface};
+import package::trace::view::view;
 
 // Reflected radiance in rgb, visibility in a.
 @group(1) @binding(0) var direct_diffuse: texture_storage_2d<rgba16float, write>;

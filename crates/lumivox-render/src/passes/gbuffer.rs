@@ -125,6 +125,7 @@ impl GBufferTargets {
             diffuse: &self.diffuse,
             specular: &self.specular,
             emission: &self.emission,
+            motion: None,
         }
     }
 }

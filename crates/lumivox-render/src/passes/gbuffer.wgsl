@@ -6,7 +6,7 @@ import package::render::scene::layers::{shade_layers, Layered};
 import package::render::scene::material::material;
 import package::render::scene::point::{frame_at, is_masked_out, sample_point, Point, PointFrame, PointSamples};
 import package::render::passes::screen_door::{is_there, surface_seed};
-import package::trace::gbuffer::octahedral_encode;
+import package::trace::surface::octahedral_encode;
 
 struct RasterView {
     clip_from_world: mat4x4f,

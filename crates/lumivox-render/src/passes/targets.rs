@@ -84,12 +84,7 @@ impl Targets {
         let device = &gpu.pipelines;
         let mut textures = ScreenTextures::new(device, size);
         let gbuffer_textures = GBufferTargets::new(gpu, &mut textures, is_tinted);
-        let view = lumivox::CameraView {
-            clip_from_world: Mat4::IDENTITY,
-            position: glam::Vec3::ZERO,
-            size,
-            frame: 0,
-        };
+        let view = lumivox::CameraView::new(Mat4::IDENTITY, glam::Vec3::ZERO, size);
         let gbuffer = gi.bind_gbuffer(gbuffer_textures.views(), view);
         let direct = direct.targets(device, &mut textures);
         let traced = gi.targets(size, resolution);

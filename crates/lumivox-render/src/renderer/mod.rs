@@ -254,7 +254,8 @@ impl Renderer {
         let jitter = gbuffer::jitter(frame, settings.frames);
         let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
-        let view = lumivox::CameraView { clip_from_world, position, size, frame };
+        let mut view = lumivox::CameraView::new(clip_from_world, position, size);
+        view.frame = frame;
         targets.gbuffer.set_camera(&self.gpu.queue, view);
 
         let mut recorder =

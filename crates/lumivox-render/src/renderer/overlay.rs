@@ -46,7 +46,8 @@ impl Renderer {
         let size = self.settings.size;
         let jitter = gbuffer::jitter(frame, self.settings.frames);
         let clip_from_world = gbuffer::clip_from_world(&self.camera, size, jitter);
-        let view = CameraView { clip_from_world, position: self.camera.position, size, frame };
+        let mut view = CameraView::new(clip_from_world, self.camera.position, size);
+        view.frame = frame;
         self.targets.gbuffer.set_camera(&self.gpu.queue, view);
         let timing = self.settings.timing;
         let mut recorder = Recorder::with_timing(&self.gpu.device, &self.gpu.queue, timing);

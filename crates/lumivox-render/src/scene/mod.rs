@@ -405,27 +405,27 @@ impl VertexBuffers {
     }
 
     fn for_voxels(&self) -> GeometryBatch {
-        GeometryBatch {
-            positions: wgpu::Buffer::clone(&self.positions),
-            attributes: Some(self.attributes_for_voxels()),
-            indices: wgpu::Buffer::clone(&self.indices),
-            draws: Vec::new(),
-        }
+        let (positions, indices) = (&self.positions, &self.indices);
+        let [positions, indices] = [positions, indices].map(|own| wgpu::Buffer::clone(own));
+        let mut batch = GeometryBatch::new(positions, indices, Vec::new());
+        batch.attributes = Some(self.attributes_for_voxels());
+        batch
     }
 
     fn attributes_for_voxels(&self) -> VertexAttributes {
         let buffer = wgpu::Buffer::clone(&self.attributes);
         match self.kind {
             Attributes::Texcoords => VertexAttributes::texcoords(buffer),
-            Attributes::All => VertexAttributes {
-                buffer,
-                stride: size_of::<AllAttributes>() as u32,
-                texcoords: [
+            Attributes::All => {
+                let stride = size_of::<AllAttributes>() as u32;
+                let mut attributes = VertexAttributes::new(buffer, stride);
+                attributes.texcoords = [
                     Some(offset_of!(AllAttributes, texcoord) as u32),
                     Some(offset_of!(AllAttributes, texcoord_1) as u32),
-                ],
-                color: Some(offset_of!(AllAttributes, color) as u32),
-            },
+                ];
+                attributes.color = Some(offset_of!(AllAttributes, color) as u32);
+                attributes
+            }
         }
     }
 

@@ -185,6 +185,7 @@ impl RenderSettings {
             voxelizer: self.voxelizer.clone(),
             injection: self.injection.clone(),
             cones: self.cone_model.clone(),
+            ..GiConfig::new(grid)
         }
     }
 

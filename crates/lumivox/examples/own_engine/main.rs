@@ -5,9 +5,9 @@
 
 mod raster;
 
-use glam::{Mat4, UVec2, Vec3};
+use glam::{UVec2, Vec3};
 use lumivox::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Timing};
-use lumivox::gpu::{read_buffer, storage_buffer};
+use lumivox::gpu::{open_device, read_buffer, storage_buffer};
 use lumivox::{
     CameraView, Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, Shadow,
     SurfaceMaterial, TraceSettings,
@@ -28,31 +28,21 @@ fn main() -> Result<(), Failure> {
 }
 
 async fn render() -> Result<Vec<u8>, Failure> {
+    // WebGPU's default limits are all that Lumivox needs.
     let (device, queue) = open_device().await?;
 
     // The engine's scene: every quad has a colour of its own.
     let mesh = room();
     let raster = Raster::new(&device, &mesh, SIZE);
 
-    // Lumivox takes the same triangles: positions and indices of the engine's buffers, and materials.
+    // Lumivox takes the same triangles, as they lie in the engine's buffers, and materials.
     let (min, max) = mesh.bounds();
     let grid = Grid::fit(min, max, 64, Vec3::ZERO)?;
     let config = GiConfig::new(grid);
     let mut gi = Gi::new(&device, &queue, config)?;
-    let draws = (0..mesh.colors.len() as u32).map(|quad| Draw {
-        first_index: 6 * quad,
-        index_count: 6,
-        base_vertex: 0,
-        material: quad,
-        world_from_local: Mat4::IDENTITY,
-        is_static: false,
-    });
-    let batch = GeometryBatch {
-        positions: raster.positions.clone(),
-        attributes: None,
-        indices: raster.indices.clone(),
-        draws: draws.collect(),
-    };
+    let draws = (0..mesh.colors.len() as u32).map(|quad| Draw::new(6 * quad, 6, quad));
+    let (positions, indices) = raster.geometry();
+    let batch = GeometryBatch::new(positions, indices, draws.collect());
     let materials = mesh.colors.iter().map(|color| SurfaceMaterial {
         reflectance: color.extend(1.0),
         ..SurfaceMaterial::default()
@@ -83,7 +73,7 @@ async fn render() -> Result<Vec<u8>, Failure> {
             SIZE.x as f32 / SIZE.y as f32,
             0.1,
         ) * glam::camera::rh::view::look_at_mat4(position, Vec3::new(0.0, 1.0, 0.0), Vec3::Y);
-    let mut view = CameraView { clip_from_world, position, size: SIZE, frame: 0 };
+    let mut view = CameraView::new(clip_from_world, position, SIZE);
     let gbuffer = gi.bind_gbuffer(raster.views(), view);
     let targets = gi.targets(SIZE, settings.resolution);
 
@@ -106,12 +96,15 @@ async fn render() -> Result<Vec<u8>, Failure> {
     for frame in 0..FRAMES {
         view.frame = frame;
         gbuffer.set_camera(&queue, view);
-        let mut recorder = Recorder::new(&device, &queue);
-        raster.draw(recorder.encoder(), &queue, view.clip_from_world);
+        // One encoder a frame: the engine's passes and Lumivox's.
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        raster.draw(&mut encoder, &queue, view.clip_from_world);
+        let mut recorder = Recorder::on(&device, &queue, &mut encoder);
         gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
         let groups = [gi.globals(), &group, &lights.group, &gbuffer.group];
         shade.run(&mut recorder, &groups, [SIZE.x, SIZE.y, 1]);
-        recorder.submit();
+        drop(recorder);
+        queue.submit([encoder.finish()]);
     }
 
     let picture: Vec<[f32; 4]> = read_buffer(&device, &queue, &picture, 0..bytes).await?;
@@ -123,13 +116,6 @@ fn srgb(linear: f32) -> u8 {
     let encoded =
         if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
     (encoded.clamp(0.0, 1.0) * 255.0).round() as u8
-}
-
-async fn open_device() -> Result<(wgpu::Device, wgpu::Queue), Failure> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let adapter = instance.request_adapter(&wgpu::RequestAdapterOptions::default()).await?;
-    // WebGPU's default limits are all that Lumivox needs.
-    Ok(adapter.request_device(&wgpu::DeviceDescriptor::default()).await?)
 }
 
 /// A white room with a red and a blue wall, and a screen that keeps the lamp's light off its right half.

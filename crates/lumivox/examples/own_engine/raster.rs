@@ -2,34 +2,34 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, UVec2, Vec3};
-use lumivox::GBufferViews;
+use lumivox::{GBufferViews, Indices, VertexPositions};
 use wgpu::util::DeviceExt as _;
 
 /// Quads, each of one colour.
 #[derive(Default)]
 pub struct Mesh {
-    positions: Vec<[f32; 3]>,
-    attributes: Vec<Attributes>,
-    indices: Vec<u32>,
+    vertices: Vec<Vertex>,
+    indices: Vec<u16>,
     /// Albedo of each quad.
     pub colors: Vec<Vec3>,
 }
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct Attributes {
+struct Vertex {
     normal: [f32; 3],
+    position: [f32; 3],
     albedo: [f32; 3],
 }
 
 impl Mesh {
     /// A parallelogram whose front is where `u` x `v` points.
     pub fn quad(&mut self, corner: Vec3, u: Vec3, v: Vec3, albedo: Vec3) {
-        let first = self.positions.len() as u32;
+        let first = self.vertices.len() as u16;
         let normal = u.cross(v).normalize().to_array();
         for position in [corner, corner + u, corner + u + v, corner + v] {
-            self.positions.push(position.to_array());
-            self.attributes.push(Attributes { normal, albedo: albedo.to_array() });
+            let position = position.to_array();
+            self.vertices.push(Vertex { normal, position, albedo: albedo.to_array() });
         }
         self.indices.extend([0, 1, 2, 0, 2, 3].map(|index| first + index));
         self.colors.push(albedo);
@@ -37,7 +37,7 @@ impl Mesh {
 
     /// The corners of the box around all quads.
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        let positions = self.positions.iter().map(|position| Vec3::from(*position));
+        let positions = self.vertices.iter().map(|vertex| Vec3::from(vertex.position));
         positions
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)))
     }
@@ -45,11 +45,9 @@ impl Mesh {
 
 /// The pass, with its buffers and targets.
 pub struct Raster {
-    /// Vertex positions, which the voxelizer reads as well.
-    pub positions: wgpu::Buffer,
-    /// Indices, which the voxelizer reads as well.
-    pub indices: wgpu::Buffer,
-    attributes: wgpu::Buffer,
+    /// Vertices and indices, which the voxelizer reads as well.
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
     index_count: u32,
     camera: wgpu::Buffer,
     group: wgpu::BindGroup,
@@ -102,15 +100,14 @@ impl Raster {
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: camera.as_entire_binding() }],
         });
         Self {
-            positions: buffer(
-                bytemuck::cast_slice(&mesh.positions),
+            vertices: buffer(
+                bytemuck::cast_slice(&mesh.vertices),
                 wgpu::BufferUsages::VERTEX | shared,
             ),
             indices: buffer(
                 bytemuck::cast_slice(&mesh.indices),
                 wgpu::BufferUsages::INDEX | shared,
             ),
-            attributes: buffer(bytemuck::cast_slice(&mesh.attributes), wgpu::BufferUsages::VERTEX),
             index_count: mesh.indices.len() as u32,
             camera,
             group,
@@ -120,10 +117,21 @@ impl Raster {
         }
     }
 
+    /// The positions among the engine's vertices, and its indices.
+    pub fn geometry(&self) -> (VertexPositions, Indices) {
+        let positions = VertexPositions {
+            buffer: self.vertices.clone(),
+            stride: size_of::<Vertex>() as u32,
+            offset: std::mem::offset_of!(Vertex, position) as u64,
+        };
+        let format = wgpu::IndexFormat::Uint16;
+        (positions, Indices { buffer: self.indices.clone(), format, offset: 0 })
+    }
+
     /// The targets, as Lumivox wants them.
     pub fn views(&self) -> GBufferViews<'_> {
         let [normals, diffuse, specular, emission] = &self.colors;
-        GBufferViews { depth: &self.depth, normals, diffuse, specular, emission }
+        GBufferViews { depth: &self.depth, normals, diffuse, specular, emission, motion: None }
     }
 
     /// Draws the mesh.
@@ -156,23 +164,19 @@ impl Raster {
         });
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.group, &[]);
-        pass.set_vertex_buffer(0, self.positions.slice(..));
-        pass.set_vertex_buffer(1, self.attributes.slice(..));
-        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
         pass.draw_indexed(0..self.index_count, 0, 0..1);
     }
 }
 
 fn pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {
     let shader = device.create_shader_module(wgpu::include_wgsl!("raster.wgsl"));
-    let position = wgpu::vertex_attr_array![0 => Float32x3];
-    let attributes = wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32x3];
-    let layout = |attributes, array_stride| {
-        Some(wgpu::VertexBufferLayout {
-            array_stride,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes,
-        })
+    let attributes = wgpu::vertex_attr_array![1 => Float32x3, 0 => Float32x3, 2 => Float32x3];
+    let layout = wgpu::VertexBufferLayout {
+        array_stride: size_of::<Vertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &attributes,
     };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("G-buffer"),
@@ -181,7 +185,7 @@ fn pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {
             module: &shader,
             entry_point: Some("vertex"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[layout(&position, 12), layout(&attributes, size_of::<Attributes>() as u64)],
+            buffers: &[Some(layout)],
         },
         primitive: wgpu::PrimitiveState { cull_mode: Some(wgpu::Face::Back), ..Default::default() },
         depth_stencil: Some(wgpu::DepthStencilState {

@@ -4,7 +4,8 @@
 import package::environment::environment_background;
 import package::light::lights::{incident_light, light_globals, lights};
 import package::light::visibility::light_visibility;
-import package::trace::gbuffer::{gbuffer_diffuse, load_surface, ray_direction, view};
+import package::trace::gbuffer::{gbuffer_diffuse, load_surface};
+import package::trace::view::{ray_direction, view};
 
 @group(1) @binding(0) var irradiance: texture_2d<f32>;
 @group(1) @binding(1) var<storage, read_write> picture: array<vec4f>;

@@ -7,12 +7,13 @@ use crate::gpu::{BindGroup, BufferHandle, Kept, Pipelines, ViewHandle};
 pub struct LayoutBuilder {
     visibility: wgpu::ShaderStages,
     entries: Vec<wgpu::BindGroupLayoutEntry>,
+    skipped: u32,
 }
 
 impl LayoutBuilder {
     /// A layout whose bindings all have the given visibility.
     pub fn new(visibility: wgpu::ShaderStages) -> Self {
-        Self { visibility, entries: Vec::new() }
+        Self { visibility, entries: Vec::new(), skipped: 0 }
     }
 
     /// A layout for compute shaders.
@@ -20,10 +21,17 @@ impl LayoutBuilder {
         Self::new(wgpu::ShaderStages::COMPUTE)
     }
 
+    /// Leaves the next `count` bindings out.
+    #[must_use]
+    pub fn skip(mut self, count: u32) -> Self {
+        self.skipped += count;
+        self
+    }
+
     /// Adds a binding of any type.
     #[must_use]
     pub fn binding(mut self, ty: wgpu::BindingType) -> Self {
-        let binding = self.entries.len() as u32;
+        let binding = self.skipped + self.entries.len() as u32;
         self.entries.push(wgpu::BindGroupLayoutEntry {
             binding,
             visibility: self.visibility,
@@ -160,18 +168,26 @@ pub struct BindGroupBuilder<'a> {
     layout: &'a wgpu::BindGroupLayout,
     entries: Vec<wgpu::BindGroupEntry<'a>>,
     kept: Vec<Kept>,
+    skipped: u32,
 }
 
 impl<'a> BindGroupBuilder<'a> {
     /// A bind group of the given layout.
     pub fn new(layout: &'a wgpu::BindGroupLayout) -> Self {
-        Self { layout, entries: Vec::new(), kept: Vec::new() }
+        Self { layout, entries: Vec::new(), kept: Vec::new(), skipped: 0 }
+    }
+
+    /// Leaves the next `count` bindings out.
+    #[must_use]
+    pub fn skip(mut self, count: u32) -> Self {
+        self.skipped += count;
+        self
     }
 
     /// Adds any resource of the caller.
     #[must_use]
     pub fn resource(mut self, resource: wgpu::BindingResource<'a>) -> Self {
-        let binding = self.entries.len() as u32;
+        let binding = self.skipped + self.entries.len() as u32;
         self.entries.push(wgpu::BindGroupEntry { binding, resource });
         self
     }

@@ -15,6 +15,7 @@ mod recorder;
 mod resources;
 mod scan;
 mod shaders;
+mod slots;
 
 pub use bindings::{BindGroupBuilder, LayoutBuilder};
 pub(crate) use buffers::{Staged, counted_buffer};
@@ -34,3 +35,4 @@ pub use resources::{
 pub use scan::{BoundScan, Scan};
 pub(crate) use scan::{SCAN_ITEMS, SCAN_WORKGROUP_SIZE};
 pub use shaders::{ShaderError, ShaderLibrary, StructLayout};
+pub(crate) use slots::{Slot, Slots};

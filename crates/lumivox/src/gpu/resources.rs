@@ -167,6 +167,11 @@ impl BindGroup {
     pub(super) fn kept(&self) -> &Arc<[Kept]> {
         &self.kept
     }
+
+    /// Whether a recording or another handle holds it.
+    pub(crate) fn is_held(&self) -> bool {
+        Arc::strong_count(&self.kept) > 1
+    }
 }
 
 /// A bind group of the caller's own resources.

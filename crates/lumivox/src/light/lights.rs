@@ -5,16 +5,17 @@
 //! cd/m². The volumes hold half floats (6e-5 to 65504), so give very bright scenes in a larger
 //! unit.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+mod bound;
+#[cfg(test)]
+mod tests;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
-use crate::environment::{EnvironmentLight, EnvironmentMap};
-use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, Texture, TextureView,
-    uniform_buffer, upload,
-};
+use crate::gpu::{Buffer, TextureView, upload};
+
+pub(crate) use bound::lights_layout;
+pub use bound::{Lights, MappedLight, ShadowSource};
 
 /// Values of `Light::kind` in the shaders.
 pub(crate) const LIGHT_DIRECTIONAL: u32 = 0;
@@ -227,203 +228,7 @@ impl Light {
     }
 }
 
-/// The layout of group 2: lights, environment, shadow maps.
-pub fn lights_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
-    LayoutBuilder::compute()
-        .uniform()
-        .storage()
-        .storage()
-        .depth_2d_array()
-        .sampler_comparison()
-        .texture_2d()
-        .texture_2d()
-        .sampler()
-        .build(device, "lights")
-}
-
-/// Lights, environment and shadow maps bound for the shaders.
-#[derive(Debug)]
-pub struct Lights {
-    /// The bind group, of the layout [`crate::Gi::lights_layout`].
-    pub group: BindGroup,
-    /// The number of lights.
-    pub count: u32,
-    /// A number that is unique to these resources: other bound resources have another.
-    pub(crate) version: u64,
-    /// Whether any light has shadows by cones.
-    pub(crate) has_cone_shadows: bool,
-    /// The lights with shadow maps.
-    pub mapped: Vec<MappedLight>,
-    /// Width and height of the maps, texels; zeros without any.
-    pub map_size: [u32; 2],
-}
-
-/// A light with the layers of the shadow maps that are its own.
-#[derive(Clone, Debug)]
-pub struct MappedLight {
-    /// Its index among the lights.
-    pub index: u32,
-    /// Its position and distribution.
-    pub source: LightSource,
-    /// Its first layer in the maps.
-    pub first_layer: u32,
-    /// Its layers.
-    pub layers: Vec<ShadowLayer>,
-}
-
-impl Lights {
-    /// Uploads lights. `environment` is the light from outside the grid; `white` replaces its map
-    /// if it has none.
-    ///
-    /// A light whose shadow layer does not exist in `maps` gets its shadows by cones instead.
-    pub(crate) fn new(
-        device: &wgpu::Device,
-        layout: &wgpu::BindGroupLayout,
-        lights: &[Light],
-        environment: EnvironmentLight<'_>,
-        white: &EnvironmentMap,
-        maps: Option<&ShadowMaps>,
-    ) -> Self {
-        let layer_count = maps.map_or(0, |maps| maps.layers.len() as u32);
-        let records: Vec<LightRecord> = lights
-            .iter()
-            .map(|light| {
-                let needed = layers_of(&light.source) as u32;
-                let shadow = match light.shadow {
-                    Shadow::Map { first_layer } if first_layer + needed > layer_count => {
-                        tracing::warn!(
-                            "a light asks for shadow layers {first_layer} to {} of {layer_count}: it gets its shadows by cones",
-                            first_layer + needed - 1
-                        );
-                        Shadow::Cone
-                    }
-                    shadow => shadow,
-                };
-                Light { shadow, ..*light }.to_gpu()
-            })
-            .collect();
-        let mapped = maps.map(|maps| mapped(lights, &records, maps)).unwrap_or_default();
-        let map_size = maps.map_or([0; 2], |maps| {
-            let size = maps.depth.texture().size();
-            [size.width, size.height]
-        });
-        let layers: Vec<ShadowLayerRecord> = maps
-            .map(|maps| maps.layers.as_slice())
-            .unwrap_or_default()
-            .iter()
-            .map(|layer| ShadowLayerRecord {
-                clip_from_world: layer.clip_from_world,
-                texel_size: layer.texel_size,
-                is_perspective: u32::from(layer.is_perspective),
-                padding: [0; 2],
-            })
-            .collect();
-        let map = environment.map.unwrap_or(white);
-        let globals = LightGlobals {
-            environment: (environment.radiance * map.unit).to_array(),
-            light_count: records.len() as u32,
-            environment_turn: [environment.rotation_rad.cos(), environment.rotation_rad.sin()],
-            mirror_alpha: mirror_alpha(&records),
-            padding: 0,
-        };
-        let globals = uniform_buffer(device, "light globals", &globals);
-        let lights = upload(device, "lights", &padded(&records));
-        let layers = upload(device, "shadow layers", &padded(&layers));
-        let no_map = maps.is_none().then(|| {
-            let texture = Texture::new(
-                device,
-                &wgpu::TextureDescriptor {
-                    label: Some("no shadow map"),
-                    size: wgpu::Extent3d::default(),
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: wgpu::TextureDimension::D2,
-                    format: wgpu::TextureFormat::Depth32Float,
-                    usage: wgpu::TextureUsages::TEXTURE_BINDING
-                        | wgpu::TextureUsages::RENDER_ATTACHMENT,
-                    view_formats: &[],
-                },
-            );
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2Array),
-                ..Default::default()
-            })
-        });
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("shadow comparison"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            compare: Some(wgpu::CompareFunction::GreaterEqual),
-            ..Default::default()
-        });
-        let environment_sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("environment"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            ..Default::default()
-        });
-        let builder =
-            BindGroupBuilder::new(layout).buffer(&globals).buffer(&lights).buffer(&layers);
-        let builder = match (maps, &no_map) {
-            (Some(maps), _) => builder.view(&maps.depth),
-            (None, Some(view)) => builder.view(view),
-            (None, None) => unreachable!("a fallback is made if there are no maps"),
-        };
-        let group = builder
-            .sampler(&sampler)
-            .view(&map.sharp)
-            .view(&map.soft)
-            .sampler(&environment_sampler)
-            .build(device, "lights");
-        Self {
-            group,
-            count: records.len() as u32,
-            version: next_version(),
-            has_cone_shadows: records.iter().any(|light| light.shadow == SHADOW_CONE),
-            mapped,
-            map_size,
-        }
-    }
-}
-
-/// A number that was not given out before.
-fn next_version() -> u64 {
-    static NEXT: AtomicU64 = AtomicU64::new(0);
-    NEXT.fetch_add(1, Ordering::Relaxed)
-}
-
-/// The lights that have layers of the maps, which the records have checked.
-fn mapped(lights: &[Light], records: &[LightRecord], maps: &ShadowMaps) -> Vec<MappedLight> {
-    let with_records = lights.iter().zip(records).enumerate();
-    with_records
-        .filter(|(_, (_, record))| record.shadow == SHADOW_MAP)
-        .map(|(index, (light, record))| {
-            let layers = maps.layers.iter().skip(record.shadow_layer as usize);
-            MappedLight {
-                index: index as u32,
-                source: light.source,
-                first_layer: record.shadow_layer,
-                layers: layers.take(layers_of(&light.source)).copied().collect(),
-            }
-        })
-        .collect()
-}
-
-/// Layers of the shadow maps that a light needs.
-fn layers_of(source: &LightSource) -> usize {
-    if matches!(source, LightSource::Point { .. }) { 6 } else { 1 }
-}
-
-/// The alpha below which a lobe shows the shape of the widest light that belongs to the
-/// environment: the normals of microfacets turn by half the angle of the reflection. 0 without such
-/// lights.
-fn mirror_alpha(records: &[LightRecord]) -> f32 {
-    let parts = records.iter().filter(|light| light.kind == LIGHT_ENVIRONMENT);
-    parts.map(|light| 0.5 * light.radius).fold(0.0, f32::max)
-}
-
-/// The records, or a single record of zeros if there are none: WebGPU has no empty bindings.
+/// The records, or a single zero one where there are none: WebGPU has no empty bindings.
 fn padded<T: Pod>(records: &[T]) -> Vec<T> {
     if records.is_empty() { vec![T::zeroed()] } else { records.to_vec() }
 }

@@ -37,7 +37,9 @@ pub(crate) use lights::{
     LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPOT, SHADOW_CONE, SHADOW_MAP,
     SHADOW_NONE, lights_layout,
 };
-pub use lights::{Light, LightSource, Lights, MappedLight, Shadow, ShadowLayer, ShadowMaps};
+pub use lights::{
+    Light, LightSource, Lights, MappedLight, Shadow, ShadowLayer, ShadowMaps, ShadowSource,
+};
 #[cfg(test)]
 pub(crate) use lights::{LightGlobals, LightRecord, ShadowLayerRecord};
 

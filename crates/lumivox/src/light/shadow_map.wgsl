@@ -1,4 +1,7 @@
 // Visibility from shadow maps: layers of one depth array, reversed z (1 near, 0 far), greater is nearer.
+//
+// A caller's own module (`GiConfig::shadow_maps`) takes its place as `package::light::shadow_map`, with bindings of its
+// own from 8 on and the function shadow_map_visibility.
 
 import package::constants::LIGHT_POINT;
 import package::light::lights::Light;

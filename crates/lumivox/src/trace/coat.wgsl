@@ -4,7 +4,8 @@
 // camera, 1 - strength * F(n . v): the extension's own approximation, in which light enters unhindered.
 
 import package::trace::brdf::{alpha_from_roughness, fresnel_schlick};
-import package::trace::gbuffer::{gbuffer_diffuse, gbuffer_emission};
+import package::trace::gbuffer::load_specular;
+import package::trace::surface::Specular;
 
 const COAT_F0: f32 = 0.04;
 
@@ -14,11 +15,12 @@ struct Coat {
     alpha: f32,
 }
 
+fn coat_of(specular: Specular) -> Coat {
+    return Coat(specular.coat, alpha_from_roughness(specular.coat_roughness));
+}
+
 fn load_coat(pixel: vec2u) -> Coat {
-    return Coat(
-        1.0 - textureLoad(gbuffer_diffuse, pixel, 0).a,
-        alpha_from_roughness(textureLoad(gbuffer_emission, pixel, 0).a),
-    );
+    return coat_of(load_specular(pixel));
 }
 
 // What the coat reflects of light that it meets at a cosine.

@@ -2,8 +2,9 @@
 
 import package::gpu::random::{hash, random_pair};
 import package::cones::gather::gather;
-import package::trace::gbuffer::{load_surface, view};
+import package::trace::gbuffer::load_surface;
 import package::trace::screen::{settings, traced_pixel, traced_size};
+import package::trace::view::view;
 
 @group(1) @binding(1) var irradiance_out: texture_storage_2d<rgba16float, write>;
 @group(1) @binding(2) var samples_out: texture_storage_2d<r32float, write>;

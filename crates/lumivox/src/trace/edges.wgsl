@@ -7,7 +7,7 @@ import package::gpu::dispatch::linear_index;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::trace::diffuse::trace_diffuse;
 import package::trace::specular::trace_specular;
-import package::trace::gbuffer::view;
+import package::trace::view::view;
 
 @group(1) @binding(1) var<storage, read> listed: array<u32>;
 @group(1) @binding(2) var irradiance_out: texture_storage_2d<rgba16float, write>;

@@ -4,30 +4,58 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, UVec2, Vec3};
 
 use crate::gpu::{BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, upload};
+use crate::mounted::{Mounted, Resource};
 
 /// The camera of a G-buffer, for one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct CameraView {
-    /// From the world to clip space (y up, z reversed: 1 near, 0 far), sub-pixel jitter included.
+    /// From the world to clip space (y up, z reversed: 1 near, 0 far), sub-pixel jitter included. A G-buffer module
+    /// of the caller's own may have another depth.
     pub clip_from_world: Mat4,
+    /// As `clip_from_world` was in the frame before, for motion; equal to it by default.
+    pub previous_clip_from_world: Mat4,
     /// Where the camera stands, m.
     pub position: Vec3,
     /// The picture's width and height in pixels.
     pub size: UVec2,
-    /// Number of the frame since the picture last changed; it moves the jitter of the cones.
+    /// Number of the frame since the picture last changed; it moves the jitter of the cones. Default: 0.
     pub frame: u32,
 }
 
-/// `CameraView` of `gbuffer.wgsl`.
+impl CameraView {
+    /// The first frame of a camera that stands still.
+    pub fn new(clip_from_world: Mat4, position: Vec3, size: UVec2) -> Self {
+        let previous_clip_from_world = clip_from_world;
+        Self { clip_from_world, previous_clip_from_world, position, size, frame: 0 }
+    }
+
+    fn to_gpu(self, has_motion: bool) -> CameraViewUniform {
+        CameraViewUniform {
+            clip_from_world: self.clip_from_world,
+            world_from_clip: self.clip_from_world.inverse(),
+            previous_clip_from_world: self.previous_clip_from_world,
+            position_in_world: self.position.to_array(),
+            frame: self.frame,
+            size: self.size.to_array(),
+            has_motion: u32::from(has_motion),
+            padding: 0,
+        }
+    }
+}
+
+/// `CameraView` of `view.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct CameraViewUniform {
-    pub(crate) clip_from_world: Mat4,
-    pub(crate) world_from_clip: Mat4,
-    pub(crate) position_in_world: [f32; 3],
-    pub(crate) frame: u32,
-    pub(crate) size: [u32; 2],
-    pub(crate) padding: [u32; 2],
+    clip_from_world: Mat4,
+    world_from_clip: Mat4,
+    previous_clip_from_world: Mat4,
+    position_in_world: [f32; 3],
+    frame: u32,
+    size: [u32; 2],
+    has_motion: u32,
+    padding: u32,
 }
 
 /// Views of the G-buffer's textures, all of the picture's size.
@@ -44,6 +72,10 @@ pub struct GBufferViews<'a> {
     pub specular: &'a wgpu::TextureView,
     /// Emitted radiance, and in a the coat's perceptual roughness (`Rgba16Float`).
     pub emission: &'a wgpu::TextureView,
+    /// In xy where a pixel's surface is in the picture minus where it was in the frame before, in shares of the
+    /// picture, x to the right, y down (`Rg16Float`). `None`: nothing moves but the camera
+    /// ([`CameraView::previous_clip_from_world`]). Nothing reads it yet but `package::trace::gbuffer::load_motion`.
+    pub motion: Option<&'a wgpu::TextureView>,
 }
 
 /// A G-buffer bound for the shaders (group 3).
@@ -54,42 +86,29 @@ pub struct GBuffer {
     /// The picture's width and height in pixels.
     pub size: UVec2,
     view: Buffer,
+    has_motion: bool,
 }
 
-/// The layout of group 3: the camera and the G-buffer.
-pub fn gbuffer_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
-    LayoutBuilder::compute()
-        .storage()
-        .depth_2d()
-        .texture_2d_unfilterable()
-        .texture_2d_unfilterable()
-        .texture_2d_unfilterable()
-        .texture_2d_unfilterable()
-        .build(device, "G-buffer")
-}
-
-impl CameraView {
-    pub(crate) fn to_gpu(self) -> CameraViewUniform {
-        CameraViewUniform {
-            clip_from_world: self.clip_from_world,
-            world_from_clip: self.clip_from_world.inverse(),
-            position_in_world: self.position.to_array(),
-            frame: self.frame,
-            size: self.size.to_array(),
-            padding: [0; 2],
-        }
-    }
+/// The layout of group 3: the camera, and what the caller's module binds or Lumivox's own.
+pub fn gbuffer_layout(device: &Pipelines, own: Option<&Mounted>) -> wgpu::BindGroupLayout {
+    let camera = LayoutBuilder::compute().storage();
+    let layout = match own {
+        Some(own) => own.bindings.iter().fold(camera, |layout, ty| layout.binding(*ty)),
+        None => (0..5).fold(camera.depth_2d(), |layout, _| layout.texture_2d_unfilterable()),
+    };
+    layout.build(device, "G-buffer")
 }
 
 impl GBuffer {
     /// Binds a G-buffer; the views stay the caller's.
-    pub fn new(
+    pub(crate) fn new(
         device: &wgpu::Device,
         layout: &wgpu::BindGroupLayout,
         views: GBufferViews<'_>,
         view: CameraView,
     ) -> Self {
-        let uniform = upload(device, "view", &[view.to_gpu()]);
+        let has_motion = views.motion.is_some();
+        let uniform = upload(device, "view", &[view.to_gpu(has_motion)]);
         let group = BindGroupBuilder::new(layout)
             .buffer(&uniform)
             .view(views.depth)
@@ -97,13 +116,33 @@ impl GBuffer {
             .view(views.diffuse)
             .view(views.specular)
             .view(views.emission)
+            // Nothing reads the one that stands in.
+            .view(views.motion.unwrap_or(views.normals))
             .build(device, "G-buffer");
-        Self { group, size: view.size, view: uniform }
+        Self { group, size: view.size, view: uniform, has_motion }
     }
 
-    /// Sets the camera of the next frame. The write takes effect at the next submission: with several frames
-    /// in one recorder, call `Recorder::flush` between them.
+    /// Binds what the caller's own module reads.
+    pub(crate) fn own(
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        resources: &[Resource],
+        view: CameraView,
+    ) -> Self {
+        let uniform = upload(device, "view", &[view.to_gpu(false)]);
+        let group = resources
+            .iter()
+            .fold(BindGroupBuilder::new(layout).buffer(&uniform), |group, resource| {
+                group.resource(resource.binding())
+            })
+            .build(device, "G-buffer");
+        Self { group, size: view.size, view: uniform, has_motion: false }
+    }
+
+    /// Sets the camera of the next frame. The write takes effect at the next submission, for all that is submitted
+    /// then: bind a G-buffer for each camera, and submit each frame by itself.
     pub fn set_camera(&self, queue: &wgpu::Queue, view: CameraView) {
-        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view.to_gpu()));
+        let uniform = view.to_gpu(self.has_motion);
+        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
     }
 }

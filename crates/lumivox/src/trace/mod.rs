@@ -5,6 +5,9 @@
 //! accumulate, reproject or filter as it likes.
 
 mod gbuffer;
+mod targets;
+#[cfg(test)]
+pub(crate) mod tests;
 
 use std::sync::OnceLock;
 
@@ -13,15 +16,13 @@ use glam::UVec2;
 
 use crate::GiError;
 use crate::cones::{ConeSettings, TraceResolution, TraceSettings};
-use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
-    Texture, TextureView, storage_buffer, uniform_buffer,
-};
+use crate::gpu::{BindGroup, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
 
 #[cfg(test)]
 pub(crate) use gbuffer::CameraViewUniform;
 pub(crate) use gbuffer::gbuffer_layout;
 pub use gbuffer::{CameraView, GBuffer, GBufferViews};
+pub use targets::TraceTargets;
 
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
@@ -33,7 +34,9 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("trace::gbuffer", include_str!("gbuffer.wgsl")),
     ("trace::screen", include_str!("screen.wgsl")),
     ("trace::specular", include_str!("specular.wgsl")),
+    ("trace::surface", include_str!("surface.wgsl")),
     ("trace::upsample", include_str!("upsample.wgsl")),
+    ("trace::view", include_str!("view.wgsl")),
 ];
 
 /// Format of the outputs.
@@ -51,6 +54,28 @@ pub(crate) struct ScreenSettings {
     pub(crate) specular_share: f32,
     pub(crate) bounces: u32,
 }
+
+impl ScreenSettings {
+    /// What a frame is traced with.
+    pub(crate) fn new(
+        (settings, model_values): (&TraceSettings, [f32; 4]),
+        resolution: TraceResolution,
+        voxel_size_m: f32,
+        bounces: u32,
+    ) -> Self {
+        Self {
+            cones: settings.cones(voxel_size_m, model_values),
+            diffuse_cones: settings.diffuse_cones,
+            scale: resolution.scale(),
+            // Without glossy cones every share is zero.
+            specular_share: if settings.specular { settings.specular_share } else { 0.0 },
+            bounces,
+        }
+    }
+}
+
+/// Where the workgroups stand in the counts of half resolution.
+const ARGUMENTS_OFFSET: u64 = 4;
 
 /// Traces cones from a G-buffer.
 #[derive(Debug)]
@@ -78,37 +103,6 @@ struct HalfKernels {
     upsample: Kernel,
     count: Kernel,
     edges: Kernel,
-}
-
-/// What belongs to one size of picture at half resolution.
-#[derive(Debug)]
-struct HalfTargets {
-    upsample: BindGroup,
-    count: BindGroup,
-    edges: BindGroup,
-    /// How many pixels are traced by themselves, and the workgroups for them.
-    counts: Buffer,
-}
-
-/// Where the workgroups stand in the counts.
-const ARGUMENTS_OFFSET: u64 = 4;
-
-/// The textures that cones are traced into, for one size of picture.
-#[derive(Debug)]
-pub struct TraceTargets {
-    /// Irradiance in rgb; in a the share of the hemisphere that is open, weighted by the cosine.
-    pub irradiance: TextureView,
-    /// Radiance reflected by the glossy lobe towards the camera in rgb, the BRDF included; in a the samples
-    /// that the pixel cost, diffuse ones included.
-    pub specular: TextureView,
-    size: UVec2,
-    resolution: TraceResolution,
-    traced_size: UVec2,
-    settings: Buffer,
-    diffuse_group: BindGroup,
-    specular_group: BindGroup,
-    half: Option<HalfTargets>,
-    bytes: u64,
 }
 
 impl Tracer {
@@ -182,117 +176,32 @@ impl Tracer {
         Ok(())
     }
 
-    pub(crate) fn targets(
+    pub(crate) fn run(
         &self,
-        device: &wgpu::Device,
-        size: UVec2,
-        resolution: TraceResolution,
-    ) -> TraceTargets {
-        let scale = resolution.scale();
-        let traced_size = UVec2::new(size.x.div_ceil(scale), size.y.div_ceil(scale));
-        let mut bytes = 0;
-        let mut texture = |label, size: UVec2, format: wgpu::TextureFormat| {
-            let pixels = u64::from(size.x) * u64::from(size.y);
-            bytes += pixels * u64::from(format.block_copy_size(None).unwrap_or(8));
-            let texture = Texture::new(
-                device,
-                &wgpu::TextureDescriptor {
-                    label: Some(label),
-                    size: wgpu::Extent3d {
-                        width: size.x,
-                        height: size.y,
-                        depth_or_array_layers: 1,
-                    },
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: wgpu::TextureDimension::D2,
-                    format,
-                    usage: wgpu::TextureUsages::STORAGE_BINDING
-                        | wgpu::TextureUsages::TEXTURE_BINDING
-                        | wgpu::TextureUsages::COPY_SRC,
-                    view_formats: &[],
-                },
-            );
-            texture.view()
-        };
-        let irradiance = texture("traced irradiance", traced_size, OUTPUT_FORMAT);
-        let specular = texture("traced specular", traced_size, OUTPUT_FORMAT);
-        let samples = texture("diffuse samples", traced_size, SAMPLES_FORMAT);
-        let full = (scale > 1).then(|| {
-            (texture("irradiance", size, OUTPUT_FORMAT), texture("specular", size, OUTPUT_FORMAT))
-        });
-        let settings = uniform_buffer(device, "screen settings", &ScreenSettings::zeroed());
-        let diffuse_group = BindGroupBuilder::new(&self.diffuse_layout)
-            .buffer(&settings)
-            .view(&irradiance)
-            .view(&samples)
-            .build(device, "diffuse cones");
-        let specular_group = BindGroupBuilder::new(&self.specular_layout)
-            .buffer(&settings)
-            .view(&samples)
-            .view(&specular)
-            .build(device, "glossy cones");
-        let half = full.as_ref().map(|(full_irradiance, full_specular)| {
-            let pixels = u64::from(size.x) * u64::from(size.y);
-            // More than 33 million of them no picture has, whatever its size.
-            let most = device.limits().max_storage_buffer_binding_size / 4;
-            let counts = storage_buffer(device, "edge count", 16);
-            let listed = storage_buffer(device, "edges", 4 * (pixels + 1).min(most));
-            bytes += counts.size() + listed.size();
-            HalfTargets {
-                upsample: BindGroupBuilder::new(&self.half.upsample)
-                    .buffer(&settings)
-                    .view(&irradiance)
-                    .view(&specular)
-                    .view(full_irradiance)
-                    .view(full_specular)
-                    .buffer(&counts)
-                    .buffer(&listed)
-                    .build(device, "upsample"),
-                count: BindGroupBuilder::new(&self.half.count)
-                    .buffer(&counts)
-                    .buffer(&listed)
-                    .build(device, "edge count"),
-                edges: BindGroupBuilder::new(&self.half.edges)
-                    .buffer(&settings)
-                    .buffer(&listed)
-                    .view(full_irradiance)
-                    .view(full_specular)
-                    .build(device, "edges"),
-                counts,
+        recorder: &mut Recorder,
+        bound: &Bound<'_>,
+        targets: &TraceTargets,
+        settings: &ScreenSettings,
+    ) {
+        let device = recorder.device().clone();
+        recorder.stage("trace");
+        targets.with_settings(self, &device, |slot| {
+            slot.set(recorder.queue(), settings);
+            let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
+            let UVec2 { x, y } = targets.traced_size();
+            self.diffuse.run(recorder, &group(&slot.diffuse), [x, y, 1]);
+            self.specular.run(recorder, &group(&slot.specular), [x, y, 1]);
+            if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
+                let UVec2 { x, y } = targets.size();
+                recorder.clear(&half.counts);
+                kernels.upsample.run(recorder, &group(&half.upsample), [x, y, 1]);
+                kernels.count.run(recorder, &group(&half.count), [1, 1, 1]);
+                recorder.compute("trace::edges", |pass| {
+                    let groups = group(&half.edges);
+                    kernels.edges.dispatch_indirect(pass, &groups, &half.counts, ARGUMENTS_OFFSET);
+                });
             }
         });
-        let (irradiance, specular) = full.unwrap_or((irradiance, specular));
-        TraceTargets {
-            irradiance,
-            specular,
-            size,
-            resolution,
-            traced_size,
-            settings,
-            diffuse_group,
-            specular_group,
-            half,
-            bytes,
-        }
-    }
-
-    pub(crate) fn run(&self, recorder: &mut Recorder, bound: &Bound<'_>, targets: &TraceTargets) {
-        let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
-        let UVec2 { x, y } = targets.traced_size;
-        recorder.stage("trace");
-        self.diffuse.run(recorder, &group(&targets.diffuse_group), [x, y, 1]);
-        self.specular.run(recorder, &group(&targets.specular_group), [x, y, 1]);
-        if let (Some(half), Some(kernels)) = (&targets.half, self.kernels.get()) {
-            let UVec2 { x, y } = targets.size;
-            recorder.clear(&half.counts);
-            kernels.upsample.run(recorder, &group(&half.upsample), [x, y, 1]);
-            kernels.count.run(recorder, &group(&half.count), [1, 1, 1]);
-            recorder.compute("trace::edges", |pass| {
-                let groups = group(&half.edges);
-                kernels.edges.dispatch_indirect(pass, &groups, &half.counts, ARGUMENTS_OFFSET);
-            });
-        }
     }
 }
 
@@ -301,40 +210,4 @@ pub(crate) struct Bound<'a> {
     pub(crate) globals: &'a BindGroup,
     pub(crate) lights: &'a BindGroup,
     pub(crate) gbuffer: &'a GBuffer,
-}
-
-impl TraceTargets {
-    /// The picture's width and height in pixels.
-    pub fn size(&self) -> UVec2 {
-        self.size
-    }
-
-    /// Whether the targets are for full or half resolution.
-    pub fn resolution(&self) -> TraceResolution {
-        self.resolution
-    }
-
-    /// Bytes on the GPU.
-    pub fn memory(&self) -> u64 {
-        self.bytes
-    }
-
-    /// Sets what the next frames are traced with; takes effect at the next submission.
-    pub(crate) fn set(
-        &self,
-        queue: &wgpu::Queue,
-        (settings, model_values): (&TraceSettings, [f32; 4]),
-        voxel_size_m: f32,
-        bounces: u32,
-    ) {
-        let uniform = ScreenSettings {
-            cones: settings.cones(voxel_size_m, model_values),
-            diffuse_cones: settings.diffuse_cones,
-            scale: self.resolution.scale(),
-            // Without glossy cones every share is zero.
-            specular_share: if settings.specular { settings.specular_share } else { 0.0 },
-            bounces,
-        };
-        queue.write_buffer(&self.settings, 0, bytemuck::bytes_of(&uniform));
-    }
 }

@@ -1,7 +1,7 @@
 // What the passes over the screen share: the settings, and the pixel that an invocation stands for.
 
 import package::cones::cone::ConeSettings;
-import package::trace::gbuffer::view;
+import package::trace::view::view;
 
 struct ScreenSettings {
     cones: ConeSettings,

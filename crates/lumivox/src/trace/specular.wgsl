@@ -14,12 +14,13 @@ import package::trace::brdf::{
     alpha_from_roughness, fresnel_schlick, ggx_masking, ggx_visibility, mirrored_density,
     sample_visible_normal,
 };
-import package::trace::coat::{below_coat, coat_fresnel, load_coat};
+import package::trace::coat::{below_coat, coat_fresnel, coat_of};
 import package::cones::cone::{cone_growth, cone_start, trace_cone, Cone};
-import package::trace::gbuffer::{gbuffer_specular, load_surface, view};
+import package::trace::gbuffer::{load_specular, load_surface};
 import package::cones::hemisphere::basis;
 import package::cones::model::glossy_half_vector;
 import package::trace::screen::{settings, traced_pixel, traced_size};
+import package::trace::view::view;
 
 @group(1) @binding(1) var diffuse_samples: texture_2d<f32>;
 @group(1) @binding(2) var specular_out: texture_storage_2d<rgba16float, write>;
@@ -31,10 +32,10 @@ const MIN_COS_HALF_ANGLE: f32 = 0.5;
 fn trace_specular(pixel: vec2u, samples: f32) -> vec4f {
     let nothing = vec4f(0.0, 0.0, 0.0, samples);
     let surface = load_surface(pixel);
-    let material = textureLoad(gbuffer_specular, pixel, 0);
+    let material = load_specular(pixel);
     let is_off = settings.bounces == 0u || settings.specular_share <= 0.0;
-    let coat = load_coat(pixel);
-    if surface.depth <= 0.0 || is_off || (all(material.rgb <= vec3f(0.0)) && coat.strength <= 0.0) {
+    let coat = coat_of(material);
+    if surface.depth <= 0.0 || is_off || (all(material.reflectance <= vec3f(0.0)) && coat.strength <= 0.0) {
         return nothing;
     }
 
@@ -46,13 +47,13 @@ fn trace_specular(pixel: vec2u, samples: f32) -> vec4f {
 
     let start = random_pair(pixel.y + 0x9e3779b9u, hash(pixel.x));
     let below = below_coat(coat, local_view.z);
-    let base_weight = below * dot(fresnel_schlick(material.rgb, local_view.z), vec3f(1.0 / 3.0));
+    let base_weight = below * dot(fresnel_schlick(material.reflectance, local_view.z), vec3f(1.0 / 3.0));
     let coat_weight = coat_fresnel(coat, local_view.z);
     // The golden ratio's sequence is independent of the half vector's.
     let choice = fract(start.x - start.y + 1.0 + 0.618034 * f32(view.frame & 0xffffu));
     let coat_share = select(0.0, coat_weight / (coat_weight + base_weight), coat_weight > 0.0);
     let is_coat = choice < coat_share;
-    let alpha = select(alpha_from_roughness(material.a), coat.alpha, is_coat);
+    let alpha = select(alpha_from_roughness(material.roughness), coat.alpha, is_coat);
     let drawn = sample_visible_normal(local_view, alpha, sequence_pair(start, view.frame));
     let half_vector = glossy_half_vector(drawn, settings.cones.model_values);
     let local_light = reflect(-local_view, half_vector);
@@ -79,7 +80,7 @@ fn trace_specular(pixel: vec2u, samples: f32) -> vec4f {
 
     let cos_half_vector = dot(local_view, half_vector);
     let fresnel = select(
-        fresnel_schlick(material.rgb, cos_half_vector) * (below / (1.0 - coat_share)),
+        fresnel_schlick(material.reflectance, cos_half_vector) * (below / (1.0 - coat_share)),
         vec3f(coat_fresnel(coat, cos_half_vector) / coat_share),
         is_coat,
     );

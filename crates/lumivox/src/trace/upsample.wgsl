@@ -4,8 +4,9 @@
 // is listed, to be traced itself (`edges.wgsl`).
 
 import package::grid::grid;
-import package::trace::gbuffer::{load_surface, view};
+import package::trace::gbuffer::load_surface;
 import package::trace::screen::{settings, traced_pixel, traced_size};
+import package::trace::view::view;
 
 @group(1) @binding(1) var irradiance_in: texture_2d<f32>;
 @group(1) @binding(2) var specular_in: texture_2d<f32>;

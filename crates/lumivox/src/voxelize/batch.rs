@@ -126,13 +126,13 @@ impl SplitBatch {
         let device = memory.device();
         let layouts = &kernels.layouts;
         let draws = Staged::new(device, "draws", size_of_val(prepared.draws.as_slice()) as u64);
-        let triangles = BindGroupBuilder::new(&layouts.triangles).buffer(&batch.positions);
+        let triangles = BindGroupBuilder::new(&layouts.triangles).buffer(&batch.positions.buffer);
         let triangles = match &batch.attributes {
             Some(attributes) => triangles.buffer(&attributes.buffer),
             None => triangles.buffer(&fallbacks.attributes),
         };
         let triangles = triangles
-            .buffer(&batch.indices)
+            .buffer(&batch.indices.buffer)
             .buffer(draws.buffer())
             .build(device, "voxelize::triangles");
 

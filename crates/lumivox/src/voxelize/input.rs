@@ -3,14 +3,19 @@
 //! The draws of a batch are sorted into groups that share their textures, so that a group is one run of
 //! triangles and one dispatch; materials without textures are one group.
 
+mod check;
+
 use std::collections::BTreeSet;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine2, Mat4, Vec3};
 
+pub(crate) use check::check_materials;
+use check::{check_buffers, check_draw};
+
 use super::hook::Detail;
 use crate::geometry::{Draw, GeometryBatch};
-use crate::{Geometry, GiError, Gloss, Grid, SurfaceMaterial, SurfaceTexture, VertexAttributes};
+use crate::{Geometry, GiError, Grid, Indices, SurfaceMaterial, SurfaceTexture};
 
 /// `TexturePlace` of `triangles.wgsl`.
 #[repr(C)]
@@ -41,7 +46,8 @@ pub(crate) struct DrawRecord {
     pub transmission_place: TexturePlace,
     pub vertex_words: u32,
     pub color_word: u32,
-    padding: [u32; 2],
+    pub position_word: u32,
+    pub position_words: u32,
     pub gloss: [f32; 3],
     padding_2: u32,
 }
@@ -52,6 +58,8 @@ pub(crate) const DOUBLE_SIDED: u32 = 1;
 pub(crate) const ALPHA_IS_COVERAGE: u32 = 2;
 /// The vertices have colours.
 pub(crate) const HAS_COLORS: u32 = 4;
+/// Indices have 16 bits.
+pub(crate) const HAS_SHORT_INDICES: u32 = 8;
 
 /// Neighbouring draws that share their textures.
 #[derive(Clone, Debug, PartialEq)]
@@ -195,44 +203,6 @@ pub(crate) fn emission_scale(geometry: &Geometry) -> f32 {
     geometry.materials.iter().map(|material| material.emission.max_element()).fold(0.0, f32::max)
 }
 
-/// Checks all materials.
-pub(crate) fn check_materials(geometry: &Geometry) -> Result<(), GiError> {
-    for (index, material) in geometry.materials.iter().enumerate() {
-        let fail = |problem: &str| {
-            Err(GiError::Geometry {
-                place: format!("material {index}"),
-                problem: problem.to_owned(),
-            })
-        };
-        if !material.reflectance.is_finite() || material.reflectance.min_element() < 0.0 {
-            return fail("its reflectance must be finite and not negative");
-        }
-        if !material.emission.is_finite() || material.emission.min_element() < 0.0 {
-            return fail("its emission must be finite and not negative");
-        }
-        let Gloss { mean, grazing, kept_out } = material.gloss;
-        if ![mean, kept_out].iter().all(|share| (0.0..=1.0).contains(share))
-            || !(-1.0..=1.0).contains(&grazing)
-        {
-            return fail(
-                "its gloss must be shares from 0 to 1, and from -1 to 1 at grazing angles",
-            );
-        }
-        if !(0.0..=1.0).contains(&material.transmission) {
-            return fail("its transmission must be from 0 to 1");
-        }
-        for texture in textures(material).into_iter().flatten() {
-            if !texture.transform.is_finite() {
-                return fail("the transform of a texture's coordinates must be finite");
-            }
-            if texture.texcoord_set > 1 {
-                return fail("vertices have texture coordinates of the sets 0 and 1 alone");
-            }
-        }
-    }
-    Ok(())
-}
-
 /// Checks a batch and puts the draws of a share in order; `None` if they have no triangles.
 fn prepare_batch(
     geometry: &Geometry,
@@ -359,84 +329,6 @@ fn texture_groups(materials: &[SurfaceMaterial], batch: &GeometryBatch) -> Vec<u
     materials.iter().map(group).collect()
 }
 
-fn check_buffers(
-    batch: &GeometryBatch,
-    index: usize,
-    limits: &wgpu::Limits,
-) -> Result<(), GiError> {
-    let buffers = [
-        ("positions", Some(&batch.positions)),
-        ("attributes", batch.attributes.as_ref().map(|attributes| &attributes.buffer)),
-        ("indices", Some(&batch.indices)),
-    ];
-    for (name, buffer) in buffers {
-        let Some(buffer) = buffer else { continue };
-        if !buffer.usage().contains(wgpu::BufferUsages::STORAGE) {
-            return Err(GiError::Geometry {
-                place: format!("batch {index}"),
-                problem: format!("the buffer of its {name} lacks BufferUsages::STORAGE"),
-            });
-        }
-        if buffer.size() > limits.max_storage_buffer_binding_size {
-            return Err(GiError::Limit {
-                what: format!("the buffer of the {name} of batch {index}"),
-                needed: buffer.size(),
-                unit: "bytes",
-                limit: "max_storage_buffer_binding_size",
-                available: limits.max_storage_buffer_binding_size,
-                remedy: "share its triangles out to several batches".to_owned(),
-            });
-        }
-    }
-    let attributes = batch.attributes.as_ref().map_or(Ok(()), check_attributes);
-    attributes.map_err(|problem| GiError::Geometry { place: format!("batch {index}"), problem })
-}
-
-/// The layout of a batch's attributes: whole words, within a vertex.
-fn check_attributes(attributes: &VertexAttributes) -> Result<(), String> {
-    let VertexAttributes { stride, texcoords, color, .. } = attributes;
-    if !stride.is_multiple_of(4) {
-        return Err(format!("the stride of its attributes, {stride} bytes, is no multiple of 4"));
-    }
-    for offset in texcoords.iter().chain([color]).flatten() {
-        let fits =
-            offset.is_multiple_of(4) && offset.checked_add(8).is_some_and(|end| end <= *stride);
-        if !fits {
-            return Err(format!(
-                "an attribute at byte {offset} does not lie in whole words within the stride of \
-                 {stride} bytes"
-            ));
-        }
-    }
-    Ok(())
-}
-
-fn check_draw(geometry: &Geometry, batch: &GeometryBatch, draw: &Draw) -> Result<(), String> {
-    if !draw.index_count.is_multiple_of(3) {
-        return Err(format!("it has {} indices, which is no multiple of 3", draw.index_count));
-    }
-    let end = u64::from(draw.first_index) + u64::from(draw.index_count);
-    let indices = batch.indices.size() / 4;
-    if end > indices {
-        return Err(format!("its indices end at {end}, but the batch has {indices}"));
-    }
-    let Some(material) = geometry.materials.get(draw.material as usize) else {
-        return Err(format!(
-            "it names material {}, but there are {}",
-            draw.material,
-            geometry.materials.len()
-        ));
-    };
-    let has_texcoords = batch.attributes.as_ref().is_some_and(|a| a.texcoords[0].is_some());
-    if is_textured(material) && !has_texcoords {
-        return Err(format!(
-            "its material {} has a texture, but the batch has no texture coordinates",
-            draw.material
-        ));
-    }
-    Ok(())
-}
-
 /// Where the vertices of a batch lie on a texture; anything where there is none.
 fn place(texture: Option<&SurfaceTexture>, batch: &GeometryBatch) -> TexturePlace {
     let transform = texture.map_or(Affine2::IDENTITY, |texture| texture.transform);
@@ -444,10 +336,20 @@ fn place(texture: Option<&SurfaceTexture>, batch: &GeometryBatch) -> TexturePlac
     let second = second.filter(|_| texture.is_some_and(|texture| texture.texcoord_set == 1));
     TexturePlace {
         u_row: transform.matrix2.row(0).extend(transform.translation.x).to_array(),
-        word: second.or(first).unwrap_or(0) / 4,
+        word: first_attribute_word(batch) + second.or(first).unwrap_or(0) / 4,
         v_row: transform.matrix2.row(1).extend(transform.translation.y).to_array(),
         padding: 0,
     }
+}
+
+/// Bytes of an index.
+fn index_bytes(indices: &Indices) -> u64 {
+    u64::from(indices.format.byte_size())
+}
+
+/// The word at which the attributes of vertex 0 start.
+fn first_attribute_word(batch: &GeometryBatch) -> u32 {
+    batch.attributes.as_ref().map_or(0, |attributes| (attributes.offset / 4) as u32)
 }
 
 fn draw_record(
@@ -480,18 +382,21 @@ fn draw_record(
         reflectance: material.reflectance.to_array(),
         emission: relative_emission.to_array(),
         first_triangle,
-        first_index: draw.first_index,
+        first_index: (batch.indices.offset / index_bytes(&batch.indices)) as u32 + draw.first_index,
         base_vertex: draw.base_vertex,
         flags: flag(material.double_sided, DOUBLE_SIDED)
             | flag(material.alpha_is_coverage, ALPHA_IS_COVERAGE)
-            | flag(has_colors(batch), HAS_COLORS),
+            | flag(has_colors(batch), HAS_COLORS)
+            | flag(batch.indices.format == wgpu::IndexFormat::Uint16, HAS_SHORT_INDICES),
         transmission: material.transmission,
         reflectance_place,
         emission_place,
         transmission_place,
         vertex_words: attributes.map_or(0, |attributes| attributes.stride / 4),
-        color_word: attributes.and_then(|attributes| attributes.color).unwrap_or(0) / 4,
-        padding: [0; 2],
+        color_word: first_attribute_word(batch)
+            + attributes.and_then(|attributes| attributes.color).unwrap_or(0) / 4,
+        position_word: (batch.positions.offset / 4) as u32,
+        position_words: batch.positions.stride / 4,
         gloss: material.gloss.to_array(),
         padding_2: 0,
     }

@@ -1,13 +1,14 @@
 // The triangles of a batch: all draws one after another, brought into grid space.
 
+import package::constants::HAS_SHORT_INDICES;
 
 // Of a piece with holes, when less than this share is left, it is not there: about what 8 bits can hold.
 const SMALLEST_COVERAGE = 1.0 / 512.0;
 
 // Where a vertex lies on a texture.
 struct TexturePlace {
-    // The rows of the affine transform from the vertices' coordinates to the image's, and the word of a vertex
-    // at which those coordinates stand.
+    // The rows of the affine transform from the vertices' coordinates to the image's, and the word at which those
+    // coordinates of vertex 0 stand.
     u_row: vec3f,
     word: u32,
     v_row: vec3f,
@@ -25,20 +26,21 @@ struct Draw {
     emission: vec3f,
     // The first triangle in the batch's numbering.
     first_triangle: u32,
-    // The first index in the index buffer, and what is added to each index.
+    // The first index, counted from the start of the index buffer, and what is added to each index.
     first_index: u32,
     base_vertex: u32,
-    // Bits named in package::constants: DOUBLE_SIDED, ALPHA_IS_COVERAGE, HAS_COLORS.
+    // Bits named in package::constants: DOUBLE_SIDED, ALPHA_IS_COVERAGE, HAS_COLORS, HAS_SHORT_INDICES.
     flags: u32,
     transmission: f32,
     reflectance_place: TexturePlace,
     emission_place: TexturePlace,
     transmission_place: TexturePlace,
-    // Words of a vertex's attributes, and the word of its colour among them.
+    // Words from a vertex's attributes to the next one's, and the word of vertex 0 at which its colour stands.
     vertex_words: u32,
     color_word: u32,
-    padding_0: u32,
-    padding_1: u32,
+    // The word of the position of vertex 0, and the words from there to the next one's.
+    position_word: u32,
+    position_words: u32,
     // What the surface mirrors (voxels::list::Face).
     gloss: vec3f,
     padding_2: u32,
@@ -76,7 +78,8 @@ fn find_draw(triangle: u32, first: u32, end: u32) -> u32 {
 }
 
 fn position_in_grid(draw: u32, vertex: u32) -> vec3f {
-    let p = vec3f(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
+    let word = draws[draw].position_word + draws[draw].position_words * vertex;
+    let p = vec3f(positions[word], positions[word + 1u], positions[word + 2u]);
     let x = draws[draw].grid_from_local_x;
     let y = draws[draw].grid_from_local_y;
     let z = draws[draw].grid_from_local_z;
@@ -87,12 +90,25 @@ fn position_in_grid(draw: u32, vertex: u32) -> vec3f {
     );
 }
 
+// An index, counted from the start of the buffer.
+fn load_index(number: u32, is_short: bool) -> u32 {
+    if is_short {
+        return extractBits(indices[number / 2u], 16u * (number % 2u), 16u);
+    }
+    return indices[number];
+}
+
 // `first_draw` and `end_draw` bound the search for the triangle's draw.
 fn load_triangle(triangle: u32, first_draw: u32, end_draw: u32) -> Triangle {
     let draw = find_draw(triangle, first_draw, end_draw);
     let first = draws[draw].first_index + 3u * (triangle - draws[draw].first_triangle);
     let base = draws[draw].base_vertex;
-    let vertices = vec3u(indices[first], indices[first + 1u], indices[first + 2u]) + base;
+    let is_short = (draws[draw].flags & HAS_SHORT_INDICES) != 0u;
+    let vertices = vec3u(
+        load_index(first, is_short),
+        load_index(first + 1u, is_short),
+        load_index(first + 2u, is_short),
+    ) + base;
     return Triangle(
         position_in_grid(draw, vertices.x),
         position_in_grid(draw, vertices.y),

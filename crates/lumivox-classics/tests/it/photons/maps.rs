@@ -110,7 +110,7 @@ pub(super) fn draw(
                     let matrix: Mat4 = layer.clip_from_world * draw.world_from_local;
                     let group = BindGroupBuilder::new(&layout)
                         .buffer(&uniform_buffer(&device, "test map", &matrix))
-                        .buffer(&batch.positions)
+                        .buffer(&batch.positions.buffer)
                         .build(&device, "test maps");
                     pass.bind(0, &group);
                     // The test scenes' indices count up.

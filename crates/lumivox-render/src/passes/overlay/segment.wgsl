@@ -4,7 +4,7 @@
 // numbers are in pixels of the picture. Depths are those of the G-buffer, near / distance, which
 // are linear along a line on the screen.
 
-import package::trace::gbuffer::octahedral_decode;
+import package::trace::surface::octahedral_decode;
 
 struct SegmentView {
     clip_from_world: mat4x4f,

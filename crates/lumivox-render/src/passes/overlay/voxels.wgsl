@@ -2,7 +2,8 @@
 
 import package::grid::grid;
 import package::render::passes::voxel_view::wire_walk::wires_along;
-import package::trace::gbuffer::{gbuffer_depth, position_from_depth, view};
+import package::trace::gbuffer::gbuffer_depth;
+import package::trace::view::{position_from_depth, view};
 
 struct WireSettings {
     color: vec4f,

@@ -11,7 +11,7 @@ import package::volume::octree::search::{brick_of, find_node, node_parts};
 import package::volume::octree::tree::brick_origin;
 import package::render::passes::voxel_view::cell_walk::{longest_walk, walk_into, walked_on};
 import package::render::passes::voxel_view::view::{picture, pixel_ray, voxel_view_settings, Ray, MIN_OPACITY};
-import package::trace::gbuffer::view;
+import package::trace::view::view;
 import package::volume::cells::atlas;
 import package::volume::parts::part_of;
 

@@ -3,7 +3,7 @@
 import package::environment::environment_background;
 import package::render::passes::voxel_view::first_cube::first_cube;
 import package::render::passes::voxel_view::view::{outline, picture, pixel_ray, voxel_view_settings};
-import package::trace::gbuffer::view;
+import package::trace::view::view;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) invocation: vec3u) {

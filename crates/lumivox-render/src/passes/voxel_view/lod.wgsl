@@ -3,7 +3,8 @@
 
 import package::grid::grid_from_world;
 import package::render::passes::voxel_view::view::{picture, voxel_view_settings, MIN_OPACITY};
-import package::trace::gbuffer::{load_surface, view};
+import package::trace::gbuffer::load_surface;
+import package::trace::view::view;
 import package::volume::{is_empty, probe_volume, sample_probe};
 
 @compute @workgroup_size(8, 8)

@@ -10,7 +10,7 @@ import package::render::passes::voxel_view::first_cube::first_cube;
 import package::render::passes::voxel_view::view::{
     distance_to_edge, outline, picture, pixel_ray, voxel_view_settings, Ray,
 };
-import package::trace::gbuffer::view;
+import package::trace::view::view;
 import package::volume::cells::load_part;
 import package::volume::parts::PARTS;
 

@@ -1,7 +1,7 @@
 // The shared parts of all views of voxels: settings, picture, a pixel's ray, outlines.
 
 import package::grid::grid_from_world;
-import package::trace::gbuffer::{position_from_depth, view};
+import package::trace::view::{position_from_depth, view};
 
 struct VoxelViewSettings {
     // The level of cells that is shown.

@@ -6,7 +6,7 @@
 
 import package::grid::{grid, grid_from_world};
 import package::render::passes::voxel_view::cell_walk::{longest_walk, walk_into};
-import package::trace::gbuffer::{ray_direction, view};
+import package::trace::view::{ray_direction, view};
 import package::voxels::lookup::{level_first_word, level_words};
 import package::voxels::morton::morton_encode;
 

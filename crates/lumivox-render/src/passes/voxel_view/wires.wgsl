@@ -2,7 +2,7 @@
 
 import package::render::passes::voxel_view::view::{picture, voxel_view_settings, MIN_OPACITY};
 import package::render::passes::voxel_view::wire_walk::wires_along;
-import package::trace::gbuffer::view;
+import package::trace::view::view;
 import package::volume::load_cell;
 
 // The light that a cell emits, over all sides.

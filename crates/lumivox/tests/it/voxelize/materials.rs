@@ -170,12 +170,11 @@ fn interleaved(lab: &Lab, second: [Vec2; 4], colors: [[u16; 4]; 4]) -> lumivox::
             [&[r | g << 16, b | a << 16, 0xdead_beef][..], &floats].concat()
         })
         .collect();
-    lumivox::VertexAttributes {
-        buffer: upload(&lab.device, "attributes", &words),
-        stride: 28,
-        texcoords: [Some(20), Some(12)],
-        color: Some(0),
-    }
+    let buffer = upload(&lab.device, "attributes", &words);
+    let mut attributes = lumivox::VertexAttributes::new(buffer, 28);
+    attributes.texcoords = [Some(20), Some(12)];
+    attributes.color = Some(0);
+    attributes
 }
 
 const WHITE: [u16; 4] = [u16::MAX; 4];

@@ -2,6 +2,7 @@
 //! same bits whatever the order.
 
 mod layers;
+mod layouts;
 mod materials;
 mod overlap;
 mod panels;

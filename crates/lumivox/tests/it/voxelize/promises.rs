@@ -55,7 +55,8 @@ fn the_order_of_triangles_does_not_matter() {
     assert!(first.bits() == shared.bits());
 }
 
-fn error_of(lab: &Lab, grid: &Grid, geometry: &Geometry) -> GiError {
+/// What voxelizing is refused with.
+pub fn error_of(lab: &Lab, grid: &Grid, geometry: &Geometry) -> GiError {
     let (device, queue, mut scene) = (&lab.device, &lab.queue, lab.scene(grid));
     let voxelizing = lab.voxelizer.voxelize(device, queue, &mut scene, geometry, Timing::Off);
     pollster::block_on(voxelizing).expect_err("this must fail")

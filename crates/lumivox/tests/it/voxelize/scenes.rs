@@ -121,20 +121,14 @@ impl Mesh {
     pub fn batch(&self, device: &wgpu::Device, material: u32) -> GeometryBatch {
         let positions: Vec<[f32; 3]> = self.positions.iter().map(Vec3::to_array).collect();
         let texcoords: Vec<[f32; 2]> = self.texcoords.iter().map(Vec2::to_array).collect();
-        GeometryBatch {
-            positions: upload(device, "positions", &positions),
-            attributes: (!texcoords.is_empty())
-                .then(|| VertexAttributes::texcoords(upload(device, "texcoords", &texcoords))),
-            indices: upload(device, "indices", &self.indices),
-            draws: vec![Draw {
-                first_index: 0,
-                index_count: self.indices.len() as u32,
-                base_vertex: 0,
-                material,
-                world_from_local: Mat4::IDENTITY,
-                is_static: false,
-            }],
-        }
+        let mut batch = GeometryBatch::new(
+            upload(device, "positions", &positions),
+            upload(device, "indices", &self.indices),
+            vec![Draw::new(0, self.indices.len() as u32, material)],
+        );
+        batch.attributes = (!texcoords.is_empty())
+            .then(|| VertexAttributes::texcoords(upload(device, "texcoords", &texcoords)));
+        batch
     }
 
     /// The mesh with one material.

@@ -1,0 +1,404 @@
+//! Lights bound for the shaders, and changed without binding them anew.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use bytemuck::Pod;
+
+use super::{
+    LIGHT_ENVIRONMENT, Light, LightGlobals, LightRecord, LightSource, SHADOW_CONE, SHADOW_MAP,
+    Shadow, ShadowLayer, ShadowLayerRecord, ShadowMaps, padded,
+};
+use crate::environment::{EnvironmentLight, EnvironmentMap};
+use crate::gpu::{
+    BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, Texture, TextureView,
+    uniform_buffer, upload,
+};
+use crate::mounted::{Mounted, Resource};
+
+/// Where the shadows of lights with [`Shadow::Map`] come from. `None` and `Some(&maps)` turn into it.
+#[derive(Clone, Copy, Debug)]
+pub enum ShadowSource<'a> {
+    /// There are no shadow maps.
+    None,
+    /// Maps in Lumivox's own layout.
+    Maps(&'a ShadowMaps),
+    /// What the caller's own module binds ([`crate::GiConfig::shadow_maps`]), in the order of its bindings.
+    Own(&'a [Resource]),
+}
+
+impl<'a> From<Option<&'a ShadowMaps>> for ShadowSource<'a> {
+    fn from(maps: Option<&'a ShadowMaps>) -> Self {
+        maps.map_or(Self::None, Self::Maps)
+    }
+}
+
+/// The bindings of shadow maps in Lumivox's own layout.
+const MAP_BINDINGS: u32 = 3;
+
+/// The layout of group 2: lights, shadow maps in Lumivox's layout, environment, and behind them what the caller's own
+/// module of shadow maps binds.
+pub fn lights_layout(device: &Pipelines, own: Option<&Mounted>) -> wgpu::BindGroupLayout {
+    let lights = LayoutBuilder::compute().uniform().storage();
+    let maps = match own {
+        Some(_) => lights.skip(MAP_BINDINGS),
+        None => lights.storage().depth_2d_array().sampler_comparison(),
+    };
+    let environment = maps.texture_2d().texture_2d().sampler();
+    let bindings = own.map(|own| own.bindings.as_slice()).unwrap_or_default();
+    let layout = bindings.iter().fold(environment, |layout, ty| layout.binding(*ty));
+    layout.build(device, "lights")
+}
+
+/// Lights, environment and shadow maps bound for the shaders.
+#[derive(Debug)]
+pub struct Lights {
+    /// The bind group, of the layout [`crate::Gi::lights_layout`]. [`Self::update`] may put another in its place.
+    pub group: BindGroup,
+    /// How many lights there are.
+    pub count: u32,
+    /// A number that is unique to these lights: others have another, and so have these once they have changed.
+    pub(crate) version: u64,
+    /// Whether any of them gets its shadows by cones.
+    pub(crate) has_cone_shadows: bool,
+    /// Those that have shadow maps.
+    pub mapped: Vec<MappedLight>,
+    /// Width and height of the maps, texels; zeros without any.
+    pub map_size: [u32; 2],
+    /// As they are on the GPU, in the next three.
+    known: Records,
+    globals: Buffer,
+    records: Buffer,
+    layers: Buffer,
+    textures: Textures,
+    stand_ins: StandIns,
+    device: wgpu::Device,
+    layout: wgpu::BindGroupLayout,
+}
+
+/// A light with the layers of the shadow maps that are its own.
+#[derive(Clone, Debug)]
+pub struct MappedLight {
+    /// Its place among the lights.
+    pub index: u32,
+    /// Where it stands and how it spreads.
+    pub source: LightSource,
+    /// Its first layer among all of the maps.
+    pub first_layer: u32,
+    /// Its layers.
+    pub layers: Vec<ShadowLayer>,
+}
+
+/// The textures that are bound.
+#[derive(Clone, Debug, PartialEq)]
+struct Textures {
+    shadows: ShadowTextures,
+    sharp: TextureView,
+    soft: TextureView,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum ShadowTextures {
+    Maps(TextureView),
+    Own(Vec<Resource>),
+}
+
+/// What is bound where something is not there, and the samplers.
+#[derive(Debug)]
+struct StandIns {
+    no_map: TextureView,
+    white: [TextureView; 2],
+    white_unit: f32,
+    shadow_sampler: wgpu::Sampler,
+    environment_sampler: wgpu::Sampler,
+}
+
+/// Lights as the shaders read them.
+#[derive(Debug)]
+struct Records {
+    globals: LightGlobals,
+    lights: Vec<LightRecord>,
+    layers: Vec<ShadowLayerRecord>,
+}
+
+impl Lights {
+    /// Uploads lights. `environment` is what lies outside the grid; `white` stands in for its map.
+    ///
+    /// A light whose shadow layer does not exist in the maps gets its shadows by cones instead.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        lights: &[Light],
+        environment: EnvironmentLight<'_>,
+        white: &EnvironmentMap,
+        shadows: ShadowSource<'_>,
+    ) -> Self {
+        let stand_ins = StandIns::new(device, white);
+        let records = Records::new(lights, environment, stand_ins.white_unit, shadows);
+        let textures = stand_ins.textures(environment, shadows);
+        let globals = uniform_buffer(device, "light globals", &records.globals);
+        let light_buffer = upload(device, "lights", &padded(&records.lights));
+        let layers = upload(device, "shadow layers", &padded(&records.layers));
+        let group =
+            bind((device, layout), [&globals, &light_buffer, &layers], &textures, &stand_ins);
+        let mut bound = Self {
+            group,
+            count: 0,
+            version: 0,
+            has_cone_shadows: false,
+            mapped: Vec::new(),
+            map_size: [0; 2],
+            known: records,
+            globals,
+            records: light_buffer,
+            layers,
+            textures,
+            stand_ins,
+            device: device.clone(),
+            layout: layout.clone(),
+        };
+        bound.describe(lights, shadows);
+        bound
+    }
+
+    /// Takes other lights, another environment and other shadow layers, from the next submission on, for all that is
+    /// submitted then. Light in the voxels stays what it was before the next [`crate::Gi::light`].
+    ///
+    /// The parameters are those of [`crate::Gi::bind_lights`]; where they say what is bound already, nothing is done.
+    /// Buffers and the bind group stay, unless there are more lights or layers than ever before, or textures other
+    /// than those bound.
+    pub fn update<'a>(
+        &mut self,
+        queue: &wgpu::Queue,
+        lights: &[Light],
+        environment: impl Into<EnvironmentLight<'a>>,
+        shadows: impl Into<ShadowSource<'a>>,
+    ) {
+        let (environment, shadows) = (environment.into(), shadows.into());
+        let records = Records::new(lights, environment, self.stand_ins.white_unit, shadows);
+        let textures = self.stand_ins.textures(environment, shadows);
+        if textures == self.textures && records.are_same(&self.known) {
+            return;
+        }
+        queue.write_buffer(&self.globals, 0, bytemuck::bytes_of(&records.globals));
+        let device = self.device.clone();
+        let has_grown = [
+            write_or_grow((&device, queue), &mut self.records, "lights", &records.lights),
+            write_or_grow((&device, queue), &mut self.layers, "shadow layers", &records.layers),
+        ];
+        if has_grown.contains(&true) || textures != self.textures {
+            self.textures = textures;
+            self.group = bind(
+                (&device, &self.layout),
+                [&self.globals, &self.records, &self.layers],
+                &self.textures,
+                &self.stand_ins,
+            );
+        }
+        self.known = records;
+        self.describe(lights, shadows);
+    }
+
+    /// Sets what the host knows of the lights.
+    fn describe(&mut self, lights: &[Light], shadows: ShadowSource<'_>) {
+        let records = &self.known;
+        self.count = records.globals.light_count;
+        self.version = next_version();
+        self.has_cone_shadows = records.lights.iter().any(|light| light.shadow == SHADOW_CONE);
+        (self.mapped, self.map_size) = match shadows {
+            ShadowSource::Maps(maps) => {
+                let size = maps.depth.texture().size();
+                (mapped(lights, &records.lights, maps), [size.width, size.height])
+            }
+            ShadowSource::None | ShadowSource::Own(_) => (Vec::new(), [0; 2]),
+        };
+    }
+}
+
+/// A number that was not given out before.
+fn next_version() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
+
+/// Writes records into a buffer, or makes one with room to grow if they do not fit; tells whether it did.
+fn write_or_grow<T: Pod>(
+    (device, queue): (&wgpu::Device, &wgpu::Queue),
+    buffer: &mut Buffer,
+    label: &str,
+    records: &[T],
+) -> bool {
+    let bytes: &[u8] = bytemuck::cast_slice(records);
+    if bytes.len() as u64 <= buffer.size() {
+        queue.write_buffer(buffer, 0, bytes);
+        return false;
+    }
+    let mut roomy = records.to_vec();
+    roomy.resize(records.len().next_power_of_two(), T::zeroed());
+    *buffer = upload(device, label, &roomy);
+    true
+}
+
+fn bind(
+    (device, layout): (&wgpu::Device, &wgpu::BindGroupLayout),
+    [globals, lights, layers]: [&Buffer; 3],
+    textures: &Textures,
+    stand_ins: &StandIns,
+) -> BindGroup {
+    let group = BindGroupBuilder::new(layout).buffer(globals).buffer(lights);
+    let (group, own) = match &textures.shadows {
+        ShadowTextures::Maps(view) => {
+            (group.buffer(layers).view(view).sampler(&stand_ins.shadow_sampler), [].as_slice())
+        }
+        ShadowTextures::Own(own) => (group.skip(MAP_BINDINGS), own.as_slice()),
+    };
+    let group =
+        group.view(&textures.sharp).view(&textures.soft).sampler(&stand_ins.environment_sampler);
+    own.iter()
+        .fold(group, |group, resource| group.resource(resource.binding()))
+        .build(device, "lights")
+}
+
+impl StandIns {
+    fn new(device: &wgpu::Device, white: &EnvironmentMap) -> Self {
+        let no_map = Texture::new(
+            device,
+            &wgpu::TextureDescriptor {
+                label: Some("no shadow map"),
+                size: wgpu::Extent3d::default(),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Depth32Float,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            },
+        )
+        .create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        let shadow_sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("shadow comparison"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            compare: Some(wgpu::CompareFunction::GreaterEqual),
+            ..Default::default()
+        });
+        let environment_sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("environment"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        });
+        let white_views = [white.sharp.clone(), white.soft.clone()];
+        Self {
+            no_map,
+            white: white_views,
+            white_unit: white.unit,
+            shadow_sampler,
+            environment_sampler,
+        }
+    }
+
+    fn textures(&self, environment: EnvironmentLight<'_>, shadows: ShadowSource<'_>) -> Textures {
+        let [sharp, soft] = &self.white;
+        let (sharp, soft) = environment.map.map_or((sharp, soft), |map| (&map.sharp, &map.soft));
+        let shadows = match shadows {
+            ShadowSource::None => ShadowTextures::Maps(self.no_map.clone()),
+            ShadowSource::Maps(maps) => ShadowTextures::Maps(maps.depth.clone()),
+            ShadowSource::Own(own) => ShadowTextures::Own(own.to_vec()),
+        };
+        Textures { shadows, sharp: sharp.clone(), soft: soft.clone() }
+    }
+}
+
+impl Records {
+    /// Whether both are the same to the bit.
+    fn are_same(&self, other: &Self) -> bool {
+        fn bits<T: Pod>(records: &[T]) -> &[u32] {
+            bytemuck::cast_slice(records)
+        }
+        bytemuck::bytes_of(&self.globals) == bytemuck::bytes_of(&other.globals)
+            && bits(&self.lights) == bits(&other.lights)
+            && bits(&self.layers) == bits(&other.layers)
+    }
+
+    fn new(
+        lights: &[Light],
+        environment: EnvironmentLight<'_>,
+        white_unit: f32,
+        shadows: ShadowSource<'_>,
+    ) -> Self {
+        let layers = match shadows {
+            ShadowSource::Maps(maps) => maps.layers.as_slice(),
+            ShadowSource::None | ShadowSource::Own(_) => &[],
+        };
+        // The caller's own module has what layers it says.
+        let layer_count =
+            if matches!(shadows, ShadowSource::Own(_)) { u32::MAX } else { layers.len() as u32 };
+        let lights: Vec<LightRecord> =
+            lights.iter().map(|light| with_layers(light, layer_count).to_gpu()).collect();
+        let unit = environment.map.map_or(white_unit, |map| map.unit);
+        let globals = LightGlobals {
+            environment: (environment.radiance * unit).to_array(),
+            light_count: lights.len() as u32,
+            environment_turn: [environment.rotation_rad.cos(), environment.rotation_rad.sin()],
+            mirror_alpha: mirror_alpha(&lights),
+            padding: 0,
+        };
+        let layers = layers.iter().map(|layer| ShadowLayerRecord {
+            clip_from_world: layer.clip_from_world,
+            texel_size: layer.texel_size,
+            is_perspective: u32::from(layer.is_perspective),
+            padding: [0; 2],
+        });
+        Self { globals, lights, layers: layers.collect() }
+    }
+}
+
+/// The light, or with shadows by cones if it asks for layers that are not there.
+fn with_layers(light: &Light, layer_count: u32) -> Light {
+    let needed = layers_of(&light.source) as u32;
+    let shadow = match light.shadow {
+        Shadow::Map { first_layer } if first_layer.saturating_add(needed) > layer_count => {
+            tracing::warn!(
+                "a light asks for shadow layers {first_layer} to {} of {layer_count}: it gets its shadows by cones",
+                first_layer.saturating_add(needed - 1)
+            );
+            Shadow::Cone
+        }
+        shadow => shadow,
+    };
+    Light { shadow, ..*light }
+}
+
+/// The lights that have layers of the maps, which the records have checked.
+fn mapped(lights: &[Light], records: &[LightRecord], maps: &ShadowMaps) -> Vec<MappedLight> {
+    let with_records = lights.iter().zip(records).enumerate();
+    with_records
+        .filter(|(_, (_, record))| record.shadow == SHADOW_MAP)
+        .map(|(index, (light, record))| {
+            let layers = maps.layers.iter().skip(record.shadow_layer as usize);
+            MappedLight {
+                index: index as u32,
+                source: light.source,
+                first_layer: record.shadow_layer,
+                layers: layers.take(layers_of(&light.source)).copied().collect(),
+            }
+        })
+        .collect()
+}
+
+/// Layers of the shadow maps that a light needs.
+fn layers_of(source: &LightSource) -> usize {
+    if matches!(source, LightSource::Point { .. }) { 6 } else { 1 }
+}
+
+/// The alpha below which a lobe shows the shape of the widest light that is a part of the environment: the
+/// microfacets' normals turn by half of what the reflection does. 0 without such lights.
+fn mirror_alpha(records: &[LightRecord]) -> f32 {
+    let parts = records.iter().filter(|light| light.kind == LIGHT_ENVIRONMENT);
+    parts.map(|light| 0.5 * light.radius).fold(0.0, f32::max)
+}

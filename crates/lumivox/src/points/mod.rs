@@ -1,0 +1,264 @@
+//! Irradiance at any points: for lux meters, probes and baking.
+//!
+//! A point gathers as a pixel does, without a G-buffer. Frames differ in where their cones point, and the mean over
+//! them is what is wanted, so the buffer of results holds the mean and the number of frames: gathering again goes on.
+
+#[cfg(test)]
+mod tests;
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use crate::cones::{ConeSettings, TraceSettings};
+use crate::gpu::{
+    BindGroup, BindGroupBuilder, Buffer, BufferHandle, Kept, Kernel, LayoutBuilder, Pipelines,
+    Recorder, ShaderError, ShaderLibrary, Slot, Slots, storage_buffer, uniform_buffer, upload,
+};
+
+/// The shader modules of this folder.
+pub(crate) const MODULES: &[(&str, &str)] = &[("points::gather", include_str!("gather.wgsl"))];
+
+/// How irradiance at points is gathered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct GatherSettings {
+    /// The cones. What they have for glossy ones and for the screen's resolution does not count.
+    pub cones: TraceSettings,
+    /// Frames to gather, 1 to 65 536; default 16. More: less noise, at a proportional cost.
+    pub frames: u32,
+    /// Whether the light that comes straight from lamps and suns is added up as well, each with its own kind of shadow;
+    /// default true.
+    pub direct: bool,
+}
+
+impl Default for GatherSettings {
+    fn default() -> Self {
+        Self { cones: TraceSettings::default(), frames: 16, direct: true }
+    }
+}
+
+/// The irradiance at a point, in the unit of the lights: lux where they are in lux and candela.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Irradiance {
+    /// Light of surfaces and of the surroundings, RGB.
+    pub indirect: Vec3,
+    /// Light straight from lamps and suns, RGB; zero unless asked for ([`GatherSettings::direct`]).
+    pub direct: Vec3,
+    /// The share of the hemisphere that is open, weighted by the cosine, 0 to 1.
+    pub openness: f32,
+}
+
+impl Irradiance {
+    /// All of the light, RGB.
+    pub fn total(&self) -> Vec3 {
+        self.direct + self.indirect
+    }
+}
+
+/// `GatheredPoint` of `gather.wgsl`: an element of [`GatherPoints::gathered`].
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct GatheredPoint {
+    /// Mean irradiance from surfaces and surroundings over the frames so far, RGB. The cones of a few frames may sum up
+    /// to a little less than zero.
+    pub indirect: [f32; 3],
+    /// The open share of the hemisphere, as in [`Irradiance`].
+    pub openness: f32,
+    /// Irradiance from lamps and suns, RGB.
+    pub direct: [f32; 3],
+    /// Frames so far.
+    pub frames: u32,
+}
+
+impl From<GatheredPoint> for Irradiance {
+    fn from(point: GatheredPoint) -> Self {
+        Self {
+            indirect: Vec3::from(point.indirect).max(Vec3::ZERO),
+            direct: point.direct.into(),
+            openness: point.openness,
+        }
+    }
+}
+
+/// `PointSettings` of `gather.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct PointSettings {
+    pub(crate) cones: ConeSettings,
+    pub(crate) cone_count: u32,
+    pub(crate) point_count: u32,
+    pub(crate) frames: u32,
+    pub(crate) has_direct: u32,
+}
+
+/// Points on the GPU, with what was gathered there.
+#[derive(Debug)]
+pub struct GatherPoints {
+    positions: Given,
+    normals: Given,
+    gathered: Buffer,
+    count: u32,
+    slots: Slots<PointSlot>,
+}
+
+/// A buffer of Lumivox's or of the caller's.
+#[derive(Clone, Debug)]
+enum Given {
+    Own(Buffer),
+    Callers(wgpu::Buffer),
+}
+
+impl BufferHandle for Given {
+    fn raw(&self) -> &wgpu::Buffer {
+        match self {
+            Self::Own(buffer) => buffer,
+            Self::Callers(buffer) => buffer,
+        }
+    }
+
+    fn kept(&self) -> Option<Kept> {
+        match self {
+            Self::Own(buffer) => buffer.kept(),
+            Self::Callers(_) => None,
+        }
+    }
+}
+
+impl GatherPoints {
+    /// Points of the caller's buffers, which need `BufferUsages::STORAGE`: `count` positions (m) and normals (of any
+    /// length but zero), four `f32` each, of which the fourth is not read.
+    pub fn new(
+        device: &wgpu::Device,
+        positions: &wgpu::Buffer,
+        normals: &wgpu::Buffer,
+        count: u32,
+    ) -> Self {
+        let given = [positions, normals].map(|buffer| Given::Callers(buffer.clone()));
+        Self::of(device, given, count)
+    }
+
+    pub(crate) fn upload(device: &wgpu::Device, positions: &[Vec3], normals: &[Vec3]) -> Self {
+        let given = [("positions", positions), ("normals", normals)].map(|(label, vectors)| {
+            let padded: Vec<[f32; 4]> =
+                vectors.iter().map(|vector| vector.extend(0.0).to_array()).collect();
+            Given::Own(upload(device, label, &padded))
+        });
+        Self::of(device, given, positions.len() as u32)
+    }
+
+    fn of(device: &wgpu::Device, [positions, normals]: [Given; 2], count: u32) -> Self {
+        let bytes = u64::from(count) * size_of::<GatheredPoint>() as u64;
+        let gathered = storage_buffer(device, "gathered", bytes);
+        Self { positions, normals, gathered, count, slots: Slots::default() }
+    }
+
+    /// What was gathered, a [`GatheredPoint`] for each point.
+    pub fn gathered(&self) -> &Buffer {
+        &self.gathered
+    }
+
+    /// How many points there are.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Forgets what was gathered: after the light or the points have changed.
+    pub fn restart(&self, recorder: &mut Recorder) {
+        recorder.clear(&self.gathered);
+    }
+}
+
+/// The settings of one pass, bound.
+#[derive(Debug)]
+struct PointSlot {
+    settings: Buffer,
+    group: BindGroup,
+}
+
+impl Slot for PointSlot {
+    fn is_free(&self) -> bool {
+        !self.group.is_held()
+    }
+}
+
+/// Gathers of one pass at most: a GPU does them in milliseconds, and two CPU cores in a few seconds, before any system
+/// takes it for hung up.
+const GATHERS_A_PASS: u64 = 1 << 16;
+
+/// Gathers at points.
+#[derive(Debug)]
+pub(crate) struct PointGatherer {
+    layout: wgpu::BindGroupLayout,
+    kernel: Kernel,
+}
+
+impl PointGatherer {
+    pub(crate) fn new(
+        device: &Pipelines,
+        shaders: &ShaderLibrary,
+        [globals, lights]: [&wgpu::BindGroupLayout; 2],
+    ) -> Result<Self, ShaderError> {
+        let layout = LayoutBuilder::compute()
+            .uniform()
+            .storage()
+            .storage()
+            .storage_mut()
+            .build(device, "points");
+        let layouts = [globals, &layout, lights];
+        let kernel = Kernel::new(device, shaders, "points::gather", "main", &layouts)?;
+        Ok(Self { layout, kernel })
+    }
+
+    /// Adds frames to the points, a few of them in each pass.
+    pub(crate) fn run(
+        &self,
+        recorder: &mut Recorder,
+        [globals, lights]: [&BindGroup; 2],
+        points: &GatherPoints,
+        settings: &GatherSettings,
+        cones: ConeSettings,
+    ) {
+        recorder.stage("points");
+        let count = u64::from(points.count);
+        let most = (GATHERS_A_PASS / count.max(1)).clamp(1, u64::from(settings.frames)) as u32;
+        let mut left = settings.frames;
+        while left > 0 && count > 0 {
+            let frames = left.min(most);
+            left -= frames;
+            let uniform = PointSettings {
+                cones,
+                cone_count: settings.cones.diffuse_cones,
+                point_count: points.count,
+                frames,
+                // Once: it does not change from frame to frame.
+                has_direct: u32::from(settings.direct && left == 0),
+            };
+            self.pass(recorder, [globals, lights], points, &uniform);
+        }
+    }
+
+    fn pass(
+        &self,
+        recorder: &mut Recorder,
+        [globals, lights]: [&BindGroup; 2],
+        points: &GatherPoints,
+        uniform: &PointSettings,
+    ) {
+        let device = recorder.device().clone();
+        let make = || {
+            let settings = uniform_buffer(&device, "point settings", uniform);
+            let group = BindGroupBuilder::new(&self.layout)
+                .buffer(&settings)
+                .buffer(&points.positions)
+                .buffer(&points.normals)
+                .buffer(&points.gathered)
+                .build(&device, "points");
+            PointSlot { settings, group }
+        };
+        points.slots.with_free(make, |slot| {
+            recorder.queue().write_buffer(&slot.settings, 0, bytemuck::bytes_of(uniform));
+            let groups = [globals, &slot.group, lights];
+            self.kernel.run_linear(recorder, &groups, u64::from(points.count));
+        });
+    }
+}

@@ -1,0 +1,363 @@
+//! Traces of a room: what one recording sees of another, and G-buffers of other layouts.
+
+pub(crate) mod room;
+
+use glam::{Mat4, UVec2, Vec2, Vec3};
+
+use super::{CameraView, GBuffer, GBufferViews, TraceTargets};
+use crate::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Timing, storage_buffer,
+};
+use crate::hooks::Mounted;
+use crate::testing::{busy_room, device, read};
+use crate::{Gi, GiConfig, Grid, Lights, Preset, TraceResolution, TraceSettings};
+
+const SIZE: UVec2 = UVec2::new(32, 24);
+
+/// A lit room, and its G-buffer.
+struct Room {
+    device: Pipelines,
+    queue: wgpu::Queue,
+    gi: Gi,
+    lights: Lights,
+    gbuffer: GBuffer,
+}
+
+fn lit(config: GiConfig) -> (Pipelines, wgpu::Queue, Gi, Lights) {
+    let (device, queue) = device();
+    let mut gi = Gi::with_pipelines(&device, &queue, config).expect("a device");
+    let geometry = busy_room().build(&device);
+    pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+    let lights = gi.bind_lights(&[], Vec3::splat(0.2), None);
+    let mut recorder = Recorder::new(&device, &queue);
+    gi.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
+    recorder.submit();
+    (device, queue, gi, lights)
+}
+
+fn grid() -> Grid {
+    Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), 24, Vec3::ZERO).expect("it fits")
+}
+
+impl Room {
+    fn new() -> Self {
+        let (device, queue, gi, lights) = lit(GiConfig::new(grid()));
+        let view = room::view(SIZE);
+        let gbuffer = gbuffer_of_views(&device, &queue, &gi, (view, None));
+        Self { device, queue, gi, lights, gbuffer }
+    }
+
+    /// With the same G-buffer in a layout of its own.
+    fn packed() -> Self {
+        let texture = |sample_type| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let bindings = [wgpu::TextureSampleType::Uint, wgpu::TextureSampleType::Depth].map(texture);
+        let module = Mounted::new(include_str!("tests/packed.wgsl"), bindings);
+        let config = GiConfig { gbuffer: Some(module), ..GiConfig::new(grid()) };
+        let (device, queue, gi, lights) = lit(config);
+        let view = room::view(SIZE);
+        let (depth, colors) = room::draw((&device, &queue), view, "textures", &room::FORMATS);
+        let packed = pack(&device, &queue, &colors);
+        let gbuffer = gi.bind_own_gbuffer(&[packed.into(), depth.into()], view);
+        Self { device, queue, gi, lights, gbuffer }
+    }
+
+    fn targets(&self, settings: &TraceSettings) -> TraceTargets {
+        self.gi.targets(SIZE, settings.resolution)
+    }
+
+    fn trace(&self, encoder: &mut wgpu::CommandEncoder, to: &TraceTargets, with: &TraceSettings) {
+        let mut recorder = Recorder::on(&self.device, &self.queue, encoder);
+        self.gi
+            .trace(&mut recorder, &self.gbuffer, &self.lights, with, to)
+            .expect("valid settings");
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    /// A trace in a submission of its own.
+    fn alone(&self, settings: &TraceSettings) -> Vec<u8> {
+        let targets = self.targets(settings);
+        let mut encoder = self.encoder();
+        self.trace(&mut encoder, &targets, settings);
+        let picture = copied(&self.device, &mut encoder, &targets);
+        self.queue.submit([encoder.finish()]);
+        picture.read(&self.device, &self.queue)
+    }
+}
+
+/// Binds textures as Lumivox's own G-buffer module has them.
+fn gbuffer_of_views(
+    device: &Pipelines,
+    queue: &wgpu::Queue,
+    gi: &Gi,
+    (view, motion): (CameraView, Option<&wgpu::TextureView>),
+) -> GBuffer {
+    let (depth, colors) = room::draw((device, queue), view, "textures", &room::FORMATS);
+    let [normals, diffuse, specular, emission] = colors.as_slice() else {
+        unreachable!("there are four formats");
+    };
+    let views = GBufferViews { depth: &depth, normals, diffuse, specular, emission, motion };
+    gi.bind_gbuffer(views, view)
+}
+
+const PACK_WGSL: &str = "
+@group(0) @binding(0) var normals: texture_2d<f32>;
+@group(0) @binding(1) var diffuse: texture_2d<f32>;
+@group(0) @binding(2) var specular: texture_2d<f32>;
+@group(0) @binding(3) var emission: texture_2d<f32>;
+@group(0) @binding(4) var packed: texture_storage_2d<rgba32uint, write>;
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let turned = textureLoad(normals, id.xy, 0);
+    let coat = vec2f(textureLoad(diffuse, id.xy, 0).a, textureLoad(emission, id.xy, 0).a);
+    textureStore(packed, id.xy, vec4u(
+        pack2x16float(turned.xy),
+        pack2x16float(turned.zw),
+        pack2x16float(textureLoad(specular, id.xy, 0).zw),
+        pack2x16float(coat),
+    ));
+}";
+
+/// All of the textures' half floats in one texture of integers.
+fn pack(
+    device: &Pipelines,
+    queue: &wgpu::Queue,
+    colors: &[wgpu::TextureView],
+) -> wgpu::TextureView {
+    let format = wgpu::TextureFormat::Rgba32Uint;
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("packed"),
+        size: wgpu::Extent3d { width: SIZE.x, height: SIZE.y, ..Default::default() },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    let packed = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let layout = (0..4)
+        .fold(LayoutBuilder::compute(), |layout, _| layout.texture_2d_unfilterable())
+        .storage_texture(wgpu::TextureViewDimension::D2, format)
+        .build(device, "pack");
+    let mut shaders = crate::shaders::library();
+    shaders.add("test::pack", PACK_WGSL);
+    let kernel = Kernel::new(device, &shaders, "test::pack", "main", &[&layout]).expect("links");
+    let group = colors
+        .iter()
+        .fold(BindGroupBuilder::new(&layout), BindGroupBuilder::view)
+        .view(&packed)
+        .build(device, "pack");
+    let mut recorder = Recorder::new(device, queue);
+    kernel.run(&mut recorder, &[&group], [SIZE.x, SIZE.y, 1]);
+    recorder.submit();
+    packed
+}
+
+/// Both pictures of the targets, in a buffer.
+struct Copied(crate::gpu::Buffer);
+
+const PICTURE_BYTES: u64 = 256 * SIZE.y as u64;
+
+fn copied(
+    device: &Pipelines,
+    encoder: &mut wgpu::CommandEncoder,
+    targets: &TraceTargets,
+) -> Copied {
+    let buffer = storage_buffer(device, "pictures", 2 * PICTURE_BYTES);
+    for (number, view) in [&targets.irradiance, &targets.specular].into_iter().enumerate() {
+        encoder.copy_texture_to_buffer(
+            view.texture().as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: number as u64 * PICTURE_BYTES,
+                    bytes_per_row: Some(256),
+                    rows_per_image: None,
+                },
+            },
+            wgpu::Extent3d { width: SIZE.x, height: SIZE.y, depth_or_array_layers: 1 },
+        );
+    }
+    Copied(buffer)
+}
+
+impl Copied {
+    fn read(&self, device: &Pipelines, queue: &wgpu::Queue) -> Vec<u8> {
+        let bytes: Vec<u8> = read(device, queue, &self.0, 2 * PICTURE_BYTES as usize);
+        assert!(bytes.iter().any(|byte| *byte != 0), "the picture is black");
+        bytes
+    }
+}
+
+/// Settings that differ in everything that a trace reads.
+fn settings(resolution: TraceResolution) -> [TraceSettings; 2] {
+    let first = TraceSettings { resolution, ..TraceSettings::preset(Preset::Balanced) };
+    let second = TraceSettings {
+        resolution,
+        diffuse_cones: 12,
+        specular: false,
+        occlusion_distance_m: 0.2,
+        ..TraceSettings::preset(Preset::High)
+    };
+    [first, second]
+}
+
+#[test]
+fn traces_of_one_submission_see_their_own_settings() {
+    let room = Room::new();
+    for resolution in [TraceResolution::Full, TraceResolution::Half] {
+        let [first, second] = settings(resolution);
+        let alone = [room.alone(&first), room.alone(&second)];
+        assert_ne!(alone[0], alone[1], "the settings change nothing");
+
+        // Into the same targets, one after the other.
+        let targets = room.targets(&first);
+        let mut encoder = room.encoder();
+        let mut pictures = Vec::new();
+        for settings in [&first, &second] {
+            room.trace(&mut encoder, &targets, settings);
+            pictures.push(copied(&room.device, &mut encoder, &targets));
+        }
+        // And into targets of their own, the copies last.
+        let own = [room.targets(&first), room.targets(&second)];
+        room.trace(&mut encoder, &own[0], &first);
+        room.trace(&mut encoder, &own[1], &second);
+        pictures.extend(own.each_ref().map(|own| copied(&room.device, &mut encoder, own)));
+        room.queue.submit([encoder.finish()]);
+        for (number, picture) in pictures.iter().enumerate() {
+            let picture = picture.read(&room.device, &room.queue);
+            assert!(picture == alone[number % 2], "trace {number} at {resolution:?}");
+        }
+    }
+}
+
+#[test]
+fn steady_frames_make_no_new_slots() {
+    let room = Room::new();
+    let [settings, _] = settings(TraceResolution::Half);
+    let targets = room.targets(&settings);
+    for frame in 0..8 {
+        let mut encoder = room.encoder();
+        room.trace(&mut encoder, &targets, &settings);
+        room.queue.submit([encoder.finish()]);
+        room.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device is there");
+        assert_eq!(targets.slot_count(), 1, "frame {frame}");
+    }
+    // With two under way there are two.
+    let (mut first, mut second) = (room.encoder(), room.encoder());
+    room.trace(&mut first, &targets, &settings);
+    room.trace(&mut second, &targets, &settings);
+    assert_eq!(targets.slot_count(), 2);
+    // One that is given up frees its slot.
+    drop(first);
+    room.trace(&mut second, &targets, &settings);
+    assert_eq!(targets.slot_count(), 2);
+}
+
+#[test]
+fn a_packed_gbuffer_gives_the_bits_of_the_textures() {
+    let (textures, packed) = (Room::new(), Room::packed());
+    for resolution in [TraceResolution::Full, TraceResolution::Half] {
+        for settings in settings(resolution) {
+            let (expected, found) = (textures.alone(&settings), packed.alone(&settings));
+            let differ = expected.iter().zip(&found).filter(|(a, b)| a != b).count();
+            assert_eq!(differ, 0, "bytes of {} differ: {settings:?}", expected.len());
+        }
+    }
+}
+
+const MOTION_WGSL: &str = "
+import package::trace::gbuffer::{load_motion, load_surface};
+import package::trace::view::view;
+@group(1) @binding(0) var<storage, read_write> motion: array<vec2f>;
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if any(id.xy >= view.size) { return; }
+    motion[id.y * view.size.x + id.x] = load_motion(id.xy, load_surface(id.xy).position_in_world);
+}";
+
+/// What `load_motion` gives for each pixel, row by row.
+fn motion_of(room: &Room, gbuffer: &GBuffer) -> Vec<Vec2> {
+    let Room { device, queue, gi, .. } = room;
+    let mut shaders = gi.shaders().clone();
+    shaders.add("test::motion", MOTION_WGSL);
+    let layout = LayoutBuilder::compute().storage_mut().build(device, "motion");
+    let layouts = [gi.globals_layout(), &layout, gi.lights_layout(), gi.gbuffer_layout()];
+    let kernel = Kernel::new(device, &shaders, "test::motion", "main", &layouts).expect("links");
+    let pixels = u64::from(SIZE.element_product());
+    let output = storage_buffer(device, "motion", 8 * pixels);
+    let group = BindGroupBuilder::new(&layout).buffer(&output).build(device, "motion");
+    let mut recorder = Recorder::new(device, queue);
+    let groups = [gi.globals(), &group, &room.lights.group, &gbuffer.group];
+    kernel.run(&mut recorder, &groups, [SIZE.x, SIZE.y, 1]);
+    recorder.submit();
+    read(device, queue, &output, pixels as usize)
+}
+
+/// By the camera alone, against where the frame before shows what a pixel shows; then by a texture.
+#[test]
+fn motion_is_where_the_surface_is_minus_where_it_was() {
+    let room = Room::new();
+    let view = room::view(SIZE);
+    // The camera looked elsewhere: as if the picture had been scaled about its middle and moved.
+    let moved =
+        Mat4::from_translation(Vec3::new(0.2, 0.1, 0.0)) * Mat4::from_scale(Vec3::splat(0.5));
+    let previous = moved * view.clip_from_world;
+    let mut with_previous = CameraView { previous_clip_from_world: previous, ..view };
+    let views = (with_previous, None);
+    let gbuffer = gbuffer_of_views(&room.device, &room.queue, &room.gi, views);
+    for (index, motion) in motion_of(&room, &gbuffer).into_iter().enumerate() {
+        let pixel = UVec2::new(index as u32 % SIZE.x, index as u32 / SIZE.x);
+        let uv = (pixel.as_vec2() + 0.5) / SIZE.as_vec2();
+        // The place of the room that the pixel shows.
+        let ndc = Vec2::new(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
+        let far = view.clip_from_world.inverse().project_point3(ndc.extend(1e-4));
+        let direction = (far - view.position).normalize();
+        let walls = Vec3::select(direction.cmpgt(Vec3::ZERO), Vec3::new(1.0, 0.7, 0.9), Vec3::ZERO);
+        let distance = ((walls - view.position) / direction).min_element();
+        let was = previous.project_point3(view.position + distance * direction);
+        let expected = uv - Vec2::new(0.5 + 0.5 * was.x, 0.5 - 0.5 * was.y);
+        if (uv - 0.5).length() > 0.15 {
+            assert!((motion - expected).length() < 1e-3, "{pixel}: {motion}, not {expected}");
+        }
+    }
+
+    // A camera that stood still gives none.
+    with_previous.previous_clip_from_world = view.clip_from_world;
+    gbuffer.set_camera(&room.queue, with_previous);
+    let still = motion_of(&room, &gbuffer);
+    assert!(still.iter().all(|motion| motion.length() < 1e-4));
+
+    let size = wgpu::Extent3d { width: SIZE.x, height: SIZE.y, ..Default::default() };
+    let texture = room.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("motion"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rg32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let content: Vec<[f32; 2]> =
+        (0..SIZE.element_product()).map(|i| [i as f32, -(i as f32)]).collect();
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(8 * SIZE.x),
+        rows_per_image: None,
+    };
+    let bytes = bytemuck::cast_slice(&content);
+    room.queue.write_texture(texture.as_image_copy(), bytes, layout, size);
+    let motion = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let views = (view, Some(&motion));
+    let gbuffer = gbuffer_of_views(&room.device, &room.queue, &room.gi, views);
+    let read = motion_of(&room, &gbuffer);
+    assert!(read.iter().zip(&content).all(|(read, written)| *read == Vec2::from(*written)));
+}

@@ -1,0 +1,45 @@
+// The camera of a G-buffer, in group 3 of every pass over the screen.
+
+struct CameraView {
+    clip_from_world: mat4x4f,
+    world_from_clip: mat4x4f,
+    // As clip_from_world was in the frame before.
+    previous_clip_from_world: mat4x4f,
+    position_in_world: vec3f,
+    // Counts the frames that are accumulated; it moves the jitter.
+    frame: u32,
+    size: vec2u,
+    // Whether Lumivox's own G-buffer has a texture of motion.
+    has_motion: u32,
+    padding: u32,
+}
+
+// A storage buffer, not a uniform: lavapipe 22.3 crashes when it inlines uniforms into kernels that march cones
+// from here.
+@group(3) @binding(0) var<storage, read> view: CameraView;
+
+// World position of a pixel's centre at a depth in clip space.
+fn position_from_depth(pixel: vec2u, depth: f32) -> vec3f {
+    let uv = (vec2f(pixel) + 0.5) / vec2f(view.size);
+    let ndc = vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
+    let world = view.world_from_clip * vec4f(ndc, depth, 1.0);
+    return world.xyz / world.w;
+}
+
+// The unit vector from the camera through a pixel's centre, from where it meets infinity: points nearby would
+// lose its digits to the camera's own position.
+fn ray_direction(pixel: vec2u) -> vec3f {
+    let uv = (vec2f(pixel) + 0.5) / vec2f(view.size);
+    let ndc = vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
+    let far = view.world_from_clip * vec4f(ndc, 0.0, 1.0);
+    return normalize(far.xyz - far.w * view.position_in_world);
+}
+
+// How far a place that stands still has moved over the picture since the frame before, by the camera alone: in shares
+// of the picture, x to the right, y down.
+fn camera_motion(pixel: vec2u, position_in_world: vec3f) -> vec2f {
+    let clip = view.previous_clip_from_world * vec4f(position_in_world, 1.0);
+    let ndc = clip.xy / clip.w;
+    let previous = vec2f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y);
+    return (vec2f(pixel) + 0.5) / vec2f(view.size) - previous;
+}
