@@ -38,6 +38,10 @@ pub struct GpuOptions {
 /// An open device.
 #[derive(Clone, Debug)]
 pub struct Gpu {
+    /// The instance that the adapter comes from: surfaces that the device is to draw into are made with it.
+    pub instance: wgpu::Instance,
+    /// The adapter that the device was opened on.
+    pub adapter: wgpu::Adapter,
     /// The device.
     pub device: wgpu::Device,
     /// Its queue.
@@ -55,7 +59,7 @@ impl Gpu {
     /// The adapters of this machine, best first: a discrete GPU, an integrated one, a virtual one,
     /// a software driver.
     pub async fn adapters() -> Vec<wgpu::AdapterInfo> {
-        adapters().await.iter().map(wgpu::Adapter::get_info).collect()
+        adapters(&instance()).await.iter().map(wgpu::Adapter::get_info).collect()
     }
 
     /// Opens a device.
@@ -65,8 +69,8 @@ impl Gpu {
     /// that there are; [`RenderError::NoDevice`] when the adapter gives none with WebGPU's default
     /// limits.
     pub async fn new(options: &GpuOptions) -> Result<Self, RenderError> {
-        let adapter = choose(adapters().await, options.adapter.as_deref())?;
-        let adapter_info = adapter.get_info();
+        let instance = instance();
+        let adapter = choose(adapters(&instance).await, options.adapter.as_deref())?;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("lumivox"),
             required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
@@ -74,14 +78,30 @@ impl Gpu {
             ..Default::default()
         };
         let (device, queue) = adapter.request_device(&descriptor).await.map_err(|error| {
-            RenderError::NoDevice { adapter: describe(&adapter_info), reason: error.to_string() }
+            let adapter = describe(&adapter.get_info());
+            RenderError::NoDevice { adapter, reason: error.to_string() }
         })?;
+        let gpu = Self::with_device(instance, adapter, device, queue);
+        tracing::debug!("rendering on {}", describe(&gpu.adapter_info));
+        Ok(gpu)
+    }
+
+    /// Takes over a device that the caller has opened, for an engine or a window that renders with its own. It needs
+    /// WebGPU's default limits at least, and [`wgpu::Features::TIMESTAMP_QUERY`] where times of stages are to be taken.
+    ///
+    /// The device's errors and its loss are heard here from now on, in the place of handlers that it had.
+    pub fn with_device(
+        instance: wgpu::Instance,
+        adapter: wgpu::Adapter,
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+    ) -> Self {
+        let adapter_info = adapter.get_info();
         let faults = Arc::default();
         let is_lost = Arc::new(AtomicBool::new(false));
         hear_errors(&device, &faults, &is_lost);
-        tracing::debug!("rendering on {}", describe(&adapter_info));
         let pipelines = Pipelines::new(&device);
-        Ok(Self { device, queue, pipelines, adapter_info, faults, is_lost })
+        Self { instance, adapter, device, queue, pipelines, adapter_info, faults, is_lost }
     }
 
     /// Whether the adapter is a software driver, running on the CPU.
@@ -122,13 +142,6 @@ impl Gpu {
             available_mib: available.map(|bytes| bytes >> 20),
             remedy: remedy.to_owned(),
         }
-    }
-
-    /// An instance of the APIs that devices are looked for in, to make surfaces with.
-    pub fn instance() -> wgpu::Instance {
-        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-        descriptor.backends = BACKENDS;
-        wgpu::Instance::new(descriptor)
     }
 
     /// Waits until the device has done all that was submitted; in browsers the page goes on meanwhile.
@@ -173,7 +186,14 @@ pub fn describe(info: &wgpu::AdapterInfo) -> String {
     format!("{} ({kind}, {:?}, {driver})", info.name, info.backend)
 }
 
-async fn adapters() -> Vec<wgpu::Adapter> {
+/// An instance of the APIs that devices are looked for in.
+fn instance() -> wgpu::Instance {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = BACKENDS;
+    wgpu::Instance::new(descriptor)
+}
+
+async fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     // Browsers show one adapter, and take a hint which.
     #[cfg(target_arch = "wasm32")]
     let mut adapters = {
@@ -181,10 +201,10 @@ async fn adapters() -> Vec<wgpu::Adapter> {
             power_preference: wgpu::PowerPreference::HighPerformance,
             ..Default::default()
         };
-        Vec::from_iter(Gpu::instance().request_adapter(&options).await)
+        Vec::from_iter(instance.request_adapter(&options).await)
     };
     #[cfg(not(target_arch = "wasm32"))]
-    let mut adapters = Gpu::instance().enumerate_adapters(BACKENDS).await;
+    let mut adapters = instance.enumerate_adapters(BACKENDS).await;
     // Stable, so that adapters of a kind stay in the driver's order.
     adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
