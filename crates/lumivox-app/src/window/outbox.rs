@@ -26,6 +26,7 @@ pub struct Outbox {
     gesture: u64,
     held: HashMap<String, (Held, u64)>,
     size: UVec2,
+    device: Option<wgpu::Device>,
     is_timed: bool,
     is_coarse: bool,
 }
@@ -39,6 +40,7 @@ impl Outbox {
             gesture: 1,
             held: HashMap::new(),
             size: UVec2::ZERO,
+            device: None,
             is_timed: false,
             is_coarse: true,
         }
@@ -85,6 +87,14 @@ impl Outbox {
         if size != self.size {
             self.size = size;
             self.order(Order::Size(size));
+        }
+    }
+
+    /// Says which device the window draws with.
+    pub fn set_device(&mut self, device: &wgpu::Device) {
+        if self.device.as_ref() != Some(device) {
+            self.device = Some(device.clone());
+            self.order(Order::Device(device.clone()));
         }
     }
 
