@@ -38,8 +38,8 @@ pub struct WindowArgs {
 
     /// The GPU device that the window is drawn with [default: auto]
     ///
-    /// With `shared`, the one that renders: pictures stay on the GPU, and panels wait for frames. With `own`, another one: panels
-    /// wait for nothing, and pictures cross through main memory. `auto` shares a GPU and does not share a software driver.
+    /// With the device that renders, pictures stay on the GPU and panels wait for frames. With another one, panels wait for
+    /// nothing and pictures cross through main memory.
     #[arg(
         long,
         value_enum,

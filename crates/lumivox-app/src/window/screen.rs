@@ -167,3 +167,27 @@ fn new_texture(gpu: &Gpu, size: wgpu::Extent3d) -> wgpu::Texture {
         view_formats: &[],
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_texture_that_somebody_holds_is_not_given_again() {
+        let gpu = pollster::block_on(Gpu::new(&lumivox_render::GpuOptions::default())).unwrap();
+        let size = |width| wgpu::Extent3d { width, height: 4, depth_or_array_layers: 1 };
+        let mut screen = Screen::default();
+        let drawn = screen.free_texture(&gpu, size(4));
+        let published = screen.free_texture(&gpu, size(4));
+        let written = screen.free_texture(&gpu, size(4));
+        assert!(drawn != published && published != written && written != drawn);
+        let was_drawn = (*drawn).clone();
+        drop(drawn);
+        assert_eq!(*screen.free_texture(&gpu, size(4)), was_drawn);
+        assert_eq!(screen.textures.len(), 3, "a ring of three is enough");
+        // Another size gives up those that nobody needs any more.
+        screen.free_texture(&gpu, size(8));
+        assert_eq!(screen.textures.len(), 1);
+        assert_eq!(published.size(), size(4), "who holds one keeps it");
+    }
+}

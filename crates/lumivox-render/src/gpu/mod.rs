@@ -303,6 +303,19 @@ mod tests {
     }
 
     #[test]
+    fn a_callers_device_is_heard() {
+        let own = own_gpu();
+        let descriptor = wgpu::DeviceDescriptor::default();
+        let (device, queue) = pollster::block_on(own.adapter.request_device(&descriptor)).unwrap();
+        let gpu = Gpu::with_device(own.instance.clone(), own.adapter.clone(), device, queue);
+        gpu.wait("testing").unwrap();
+        assert!(!gpu.is_lost());
+        gpu.device.destroy();
+        let _ = gpu.wait("testing");
+        assert!(gpu.is_lost() && !own.is_lost());
+    }
+
+    #[test]
     fn a_refused_command_becomes_an_error() {
         let gpu = own_gpu();
         assert!(gpu.check("testing").is_ok());
