@@ -8,6 +8,7 @@ use egui::{CentralPanel, Frame, Panel, TextureId, Ui};
 use glam::{UVec2, Vec2};
 use lumivox_explorer::REST;
 use lumivox_explorer::parameters::{Parameter, Value};
+use lumivox_render::GpuId;
 use lumivox_scene::Camera;
 
 use super::config::Config;
@@ -300,7 +301,7 @@ impl App {
     }
 
     /// Says which device the window draws with.
-    pub fn set_device(&mut self, device: &wgpu::Device) {
+    pub fn set_device(&mut self, device: GpuId) {
         self.outbox.set_device(device);
     }
 

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{UVec2, Vec2};
-use lumivox_render::Gpu;
+use lumivox_render::{Gpu, GpuId};
 use lumivox_scene::Camera;
 
 use super::jobs::{Loaded, Traced};
@@ -32,7 +32,7 @@ pub enum Order {
     /// Fewer pixels while the camera moves, or not.
     Coarse(bool),
     /// The window draws with this device.
-    Device(wgpu::Device),
+    Device(GpuId),
     /// The user wants the command line that reproduces the picture.
     CommandLine,
     /// A scene was read.

@@ -6,6 +6,7 @@ use std::sync::mpsc::Sender;
 use glam::UVec2;
 use lumivox_console::LineInfo;
 use lumivox_explorer::parameters::Value;
+use lumivox_render::GpuId;
 
 use super::lines::{Line, Origin};
 use super::orders::{Order, Published, Shared};
@@ -26,7 +27,7 @@ pub struct Outbox {
     gesture: u64,
     held: HashMap<String, (Held, u64)>,
     size: UVec2,
-    device: Option<wgpu::Device>,
+    device: Option<GpuId>,
     is_timed: bool,
     is_coarse: bool,
 }
@@ -91,10 +92,10 @@ impl Outbox {
     }
 
     /// Says which device the window draws with.
-    pub fn set_device(&mut self, device: &wgpu::Device) {
-        if self.device.as_ref() != Some(device) {
-            self.device = Some(device.clone());
-            self.order(Order::Device(device.clone()));
+    pub fn set_device(&mut self, device: GpuId) {
+        if self.device != Some(device) {
+            self.device = Some(device);
+            self.order(Order::Device(device));
         }
     }
 

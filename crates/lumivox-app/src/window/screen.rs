@@ -9,7 +9,7 @@ use std::sync::Arc;
 use egui::TextureId;
 use glam::UVec2;
 use lumivox_explorer::{Explorer, ExplorerError};
-use lumivox_render::Gpu;
+use lumivox_render::{Gpu, GpuId};
 
 use super::model::Shown;
 
@@ -22,14 +22,14 @@ pub enum Pixels {
     /// Row by row from the top.
     InMemory(Vec<[u8; 4]>),
     /// In a texture of a device. The worker writes into it again once nobody else holds it.
-    OnDevice(wgpu::Device, Arc<wgpu::Texture>),
+    OnDevice(GpuId, Arc<wgpu::Texture>),
 }
 
 /// The worker's end.
 #[derive(Default)]
 pub struct Screen {
     /// The device that the window draws with; `None` before there is one.
-    device: Option<wgpu::Device>,
+    device: Option<GpuId>,
     /// Textures that pictures were copied into: one that is written, one that is published, one that is drawn, and the
     /// same of another view beside.
     textures: Vec<Arc<wgpu::Texture>>,
@@ -37,7 +37,7 @@ pub struct Screen {
 
 impl Screen {
     /// The window draws with this device from now on.
-    pub fn draw_with(&mut self, device: wgpu::Device) {
+    pub fn draw_with(&mut self, device: GpuId) {
         self.textures.clear();
         self.device = Some(device);
     }
@@ -51,7 +51,7 @@ impl Screen {
         explorer: &mut Explorer,
         stops: f32,
     ) -> Result<Option<Pixels>, ExplorerError> {
-        if self.device.as_ref() != Some(&explorer.gpu().device) {
+        if self.device != Some(explorer.gpu().id) {
             return Ok(explorer.screen(stops).await?.map(Pixels::InMemory));
         }
         explorer.draw(stops).await?;
@@ -65,7 +65,7 @@ impl Screen {
         encoder.copy_texture_to_texture(from, to, drawn.size());
         gpu.queue.submit([encoder.finish()]);
         gpu.check("bringing the picture to the screen")?;
-        Ok(Some(Pixels::OnDevice(gpu.device.clone(), texture)))
+        Ok(Some(Pixels::OnDevice(gpu.id, texture)))
     }
 
     /// A texture that nobody looks at.
@@ -118,7 +118,7 @@ impl Textures {
             return Some(old.id);
         }
         let (texture, is_own) = match &picture.pixels {
-            Pixels::OnDevice(device, _) if *device != gpu.device => return None,
+            Pixels::OnDevice(device, _) if *device != gpu.id => return None,
             Pixels::OnDevice(_, texture) => ((**texture).clone(), false),
             Pixels::InMemory(pixels) => (upload(gpu, picture.size, pixels, old), true),
         };

@@ -13,7 +13,7 @@ use egui::epaint::textures::TexturesDelta;
 use egui::epaint::{ImageData, ImageDelta};
 use egui::{ClippedPrimitive, ColorImage, TextureId, TextureOptions};
 use lumivox_console::Failure;
-use lumivox_render::Gpu;
+use lumivox_render::{Gpu, GpuId};
 use wgpu::CurrentSurfaceTexture;
 use winit::window::Window;
 
@@ -86,13 +86,14 @@ impl Surface {
     }
 
     /// The device that draws.
-    pub fn device(&self) -> Option<&wgpu::Device> {
-        self.parts.as_ref().map(|parts| &parts.gpu.device)
+    pub fn device(&self) -> Option<GpuId> {
+        self.parts.as_ref().map(|parts| parts.gpu.id)
     }
 
     /// The longest edge of a texture, px.
     pub fn max_texture_side(&self) -> usize {
-        self.device().map_or(2048, |device| device.limits().max_texture_dimension_2d as usize)
+        let most = |parts: &Parts| parts.gpu.device.limits().max_texture_dimension_2d as usize;
+        self.parts.as_ref().map_or(2048, most)
     }
 
     /// Follows the worker to another device, where the window shares it.
@@ -100,7 +101,7 @@ impl Surface {
     /// # Errors
     /// When no device can draw any more.
     pub fn follow(&mut self, worker: Gpu) -> anyhow::Result<()> {
-        if worker.device == self.worker.device {
+        if worker.id == self.worker.id {
             return Ok(());
         }
         self.worker = worker;
@@ -118,8 +119,8 @@ impl Surface {
 
     /// Loses the device, as a driver might.
     pub fn lose(&self) {
-        if let Some(device) = self.device() {
-            device.destroy();
+        if let Some(parts) = &self.parts {
+            parts.gpu.device.destroy();
         }
     }
 

@@ -8,7 +8,7 @@ pub(crate) mod textures;
 pub(crate) mod times;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use lumivox::gpu::Pipelines;
 
@@ -35,9 +35,15 @@ pub struct GpuOptions {
     pub portable: bool,
 }
 
+/// Tells open devices apart. Handles of wgpu do not: those of different instances compare as equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GpuId(u64);
+
 /// An open device.
 #[derive(Clone, Debug)]
 pub struct Gpu {
+    /// The same for all clones, and for nothing else.
+    pub id: GpuId,
     /// The instance that the adapter comes from: surfaces that the device is to draw into are made with it.
     pub instance: wgpu::Instance,
     /// The adapter that the device was opened on.
@@ -96,12 +102,14 @@ impl Gpu {
         device: wgpu::Device,
         queue: wgpu::Queue,
     ) -> Self {
+        static DEVICES: AtomicU64 = AtomicU64::new(0);
+        let id = GpuId(DEVICES.fetch_add(1, Ordering::Relaxed));
         let adapter_info = adapter.get_info();
         let faults = Arc::default();
         let is_lost = Arc::new(AtomicBool::new(false));
         hear_errors(&device, &faults, &is_lost);
         let pipelines = Pipelines::new(&device);
-        Self { instance, adapter, device, queue, pipelines, adapter_info, faults, is_lost }
+        Self { id, instance, adapter, device, queue, pipelines, adapter_info, faults, is_lost }
     }
 
     /// Whether the adapter is a software driver, running on the CPU.
@@ -309,7 +317,7 @@ mod tests {
         let (device, queue) = pollster::block_on(own.adapter.request_device(&descriptor)).unwrap();
         let gpu = Gpu::with_device(own.instance.clone(), own.adapter.clone(), device, queue);
         gpu.wait("testing").unwrap();
-        assert!(!gpu.is_lost());
+        assert!(!gpu.is_lost() && gpu.id != own.id && gpu.id == gpu.clone().id);
         gpu.device.destroy();
         let _ = gpu.wait("testing");
         assert!(gpu.is_lost() && !own.is_lost());
