@@ -66,7 +66,7 @@ enum Drawn {
     Shown,
     /// The surface does not take anything now.
     NotNow,
-    /// The surface has changed.
+    /// The surface has changed, or has no free texture yet.
     Again,
     /// The surface or its device is gone.
     Lost,
@@ -367,10 +367,10 @@ impl Parts {
                 return Drawn::Again;
             }
             CurrentSurfaceTexture::Lost | CurrentSurfaceTexture::Validation => return Drawn::Lost,
+            // A long frame of the worker goes before, where the device is shared.
+            CurrentSurfaceTexture::Timeout => return Drawn::Again,
             // It comes again when there is something to see.
-            CurrentSurfaceTexture::Timeout | CurrentSurfaceTexture::Occluded => {
-                return Drawn::NotNow;
-            }
+            CurrentSurfaceTexture::Occluded => return Drawn::NotNow,
         };
         let screen = egui_wgpu::ScreenDescriptor {
             size_in_pixels: [config.width, config.height],
