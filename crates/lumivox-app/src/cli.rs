@@ -36,7 +36,7 @@ pub use run::{CommandsArgs, RunArgs};
 pub use view::ViewArgs;
 pub use volumes::VolumesArgs;
 pub use voxels::VoxelsArgs;
-pub use window::WindowArgs;
+pub use window::{WindowArgs, WindowDevice};
 
 use crate::args::number;
 use crate::args::settings::{Given, SettingArgs, VolumeGroups};

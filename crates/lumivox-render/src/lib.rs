@@ -53,7 +53,7 @@ pub use compare::voxel_sets::{
 };
 pub use error::RenderError;
 pub use gpu::memory::MemoryUse;
-pub use gpu::{Gpu, GpuOptions, describe};
+pub use gpu::{Gpu, GpuId, GpuOptions, describe};
 pub use passes::gbuffer::clip_from_world;
 pub use passes::overlay::{Overlay, OverlayLine, Wireframe, Wires};
 pub use picture::srgb::srgb_encode;

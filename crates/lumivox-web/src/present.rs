@@ -69,7 +69,7 @@ impl Presenter {
     /// # Errors
     /// When something else already draws on the canvas.
     pub fn new(gpu: &Gpu, canvas: Canvas) -> Result<Self, WebError> {
-        let surface = Gpu::instance().create_surface(canvas.target());
+        let surface = gpu.instance.create_surface(canvas.target());
         let surface = surface.map_err(|error| {
             WebError::new(
                 Code::Value,

@@ -1,6 +1,6 @@
 //! The arguments of `view`, the window.
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use lumivox_console::SceneSource;
 
 use super::ExploreArgs;
@@ -35,6 +35,32 @@ pub struct WindowArgs {
     /// Options of the command line override kept settings in any case. Changes are kept again.
     #[arg(long, help_heading = "Window")]
     pub fresh: bool,
+
+    /// The GPU device that the window is drawn with [default: auto]
+    ///
+    /// With the device that renders, pictures stay on the GPU and panels wait for frames. With another one, panels wait for
+    /// nothing and pictures cross through main memory.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "DEVICE",
+        default_value_t,
+        hide_default_value = true,
+        help_heading = "Window"
+    )]
+    pub window_device: WindowDevice,
+}
+
+/// The GPU device that a window is drawn with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum WindowDevice {
+    /// The one that renders, unless it is a software driver.
+    #[default]
+    Auto,
+    /// The one that renders, if it can draw into windows.
+    Shared,
+    /// Its own.
+    Own,
 }
 
 impl WindowArgs {

@@ -44,5 +44,6 @@ pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
     let console = Console::new(explorer, Box::new(Disk))
         .with_defaults(explore.load.clone(), explore.light.sources.clone());
     let _terminal = Restore;
-    window::run(event_loop, Start { console, opening, options, config })
+    let device = args.window_device;
+    window::run(event_loop, Start { console, opening, options, config, device })
 }

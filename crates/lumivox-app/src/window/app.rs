@@ -8,6 +8,7 @@ use egui::{CentralPanel, Frame, Panel, TextureId, Ui};
 use glam::{UVec2, Vec2};
 use lumivox_explorer::REST;
 use lumivox_explorer::parameters::{Parameter, Value};
+use lumivox_render::GpuId;
 use lumivox_scene::Camera;
 
 use super::config::Config;
@@ -17,7 +18,7 @@ use super::model::{LogKind, Model, Selected};
 use super::orders::{Order, Published, Shared};
 use super::outbox::{Outbox, PendingValue};
 use super::panels::{self, console, files};
-use super::surface::PICTURES;
+use super::screen::PICTURES;
 use super::{camera, theme};
 
 /// The line that puts the camera where it has come to rest is sent a moment before pictures become sharp, which would
@@ -297,6 +298,11 @@ impl App {
     pub fn set_room(&mut self, size: UVec2) {
         let size = if self.config.half_size { size / 2 } else { size };
         self.outbox.set_size(size.max(UVec2::ONE));
+    }
+
+    /// Says which device the window draws with.
+    pub fn set_device(&mut self, device: GpuId) {
+        self.outbox.set_device(device);
     }
 
     /// All of the window.

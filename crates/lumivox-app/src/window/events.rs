@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use anyhow::Context as _;
 use egui::ViewportId;
 use egui_winit::accesskit_winit;
 use lumivox_console::Failure;
@@ -16,6 +17,7 @@ use super::app::App;
 use super::orders::{Order, WindowRequest};
 use super::surface::Surface;
 use super::{Start, theme, worker};
+use crate::cli::WindowDevice;
 
 /// What wakes the window.
 #[derive(Debug)]
@@ -50,7 +52,7 @@ pub fn run(event_loop: EventLoop<Wake>, start: Start) -> anyhow::Result<()> {
             let _ = proxy.send_event(Wake::Published);
         }
     };
-    let Start { console, opening, options, config } = start;
+    let Start { console, opening, options, config, device } = start;
     let (orders, shared, thread) = worker::start(console, options, opening, wake);
     let context = egui::Context::default();
     theme::apply(&context);
@@ -59,6 +61,7 @@ pub fn run(event_loop: EventLoop<Wake>, start: Start) -> anyhow::Result<()> {
         proxy: event_loop.create_proxy(),
         context,
         app,
+        device,
         open: None,
         next_paint: None,
         error: None,
@@ -88,6 +91,7 @@ struct Handler {
     proxy: winit::event_loop::EventLoopProxy<Wake>,
     context: egui::Context,
     app: App,
+    device: WindowDevice,
     open: Option<Open>,
     /// When egui wants to paint again by itself.
     next_paint: Option<Instant>,
@@ -107,7 +111,7 @@ impl Handler {
         event_loop.exit();
     }
 
-    fn open(&self, event_loop: &ActiveEventLoop) -> anyhow::Result<Open> {
+    fn open(&mut self, event_loop: &ActiveEventLoop) -> anyhow::Result<Open> {
         let [width, height] = self.app.config.window;
         let attributes = Window::default_attributes()
             .with_title("Lumivox")
@@ -128,7 +132,8 @@ impl Handler {
             None,
         );
         input.init_accesskit(event_loop, &window, self.proxy.clone());
-        let surface = Surface::new(window.clone(), event_loop.owned_display_handle())?;
+        let worker = self.app.look().gpu.context("the worker has published no device")?;
+        let surface = Surface::new(window.clone(), worker, self.device)?;
         input.set_max_texture_side(surface.max_texture_side());
         window.set_visible(true);
         Ok(Open { window, input, surface })
@@ -148,6 +153,13 @@ impl Handler {
         if published.has_ended {
             event_loop.exit();
             return;
+        }
+        if let Some(error) = published.gpu.and_then(|worker| surface.follow(worker).err()) {
+            self.fail(event_loop, error);
+            return;
+        }
+        if let Some(device) = surface.device() {
+            self.app.set_device(device);
         }
         self.app.textures = [
             surface.set_picture(0, published.picture.clone()),
@@ -230,10 +242,7 @@ impl ApplicationHandler<Wake> for Handler {
         match event {
             WindowEvent::CloseRequested => event_loop.exit(),
             WindowEvent::RedrawRequested => self.paint(event_loop),
-            WindowEvent::Resized(size) => {
-                open.surface.resize(size.width, size.height);
-                open.window.request_redraw();
-            }
+            WindowEvent::Resized(_) => open.window.request_redraw(),
             WindowEvent::DroppedFile(file) => {
                 self.app.open_file(&file);
                 open.window.request_redraw();

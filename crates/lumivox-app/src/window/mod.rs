@@ -1,9 +1,9 @@
 //! The window: a thin front end on the console.
 //!
-//! Two threads, two devices. This one belongs to the window: it draws the panels by egui on a device of its own, and
-//! sends lines of the console's language to the worker ([`worker`]), which owns the console, the explorer and the
-//! explorer's device. Back come a snapshot for the panels ([`model`]) and pictures in main memory. So the panels never
-//! wait for a frame, and neither device takes the other along when it is lost.
+//! Two threads. This one belongs to the window: it draws the panels by egui, and sends lines of the console's language to
+//! the worker ([`worker`]), which owns the console and the explorer. Back come a snapshot for the panels ([`model`]) and
+//! pictures ([`screen`]). A GPU draws the window with the device that renders, so that pictures stay where they are. Beside
+//! a software driver the window has a device of its own, so that panels never wait for a frame.
 //!
 //! Whatever is done with the mouse is a line, which is written in the console: it can be read, repeated and put into a
 //! script. Only the camera and the picture's size go as they are while they change.
@@ -12,7 +12,8 @@
 //! | --- | --- |
 //! | `app.rs` | the window's state and its layout; `panels/`: what is in it |
 //! | `events.rs` | the event loop |
-//! | `surface.rs` | the window's device |
+//! | `surface.rs` | drawing the window |
+//! | `screen.rs` | pictures on their way to the window |
 //! | `orders.rs`, `outbox.rs` | what goes between the window and the worker |
 //! | `worker/` | the thread that renders |
 //! | `model.rs` | what the panels show |
@@ -39,6 +40,7 @@ mod outbox;
 mod panels;
 mod priority;
 mod reload;
+mod screen;
 mod surface;
 mod terminal;
 mod theme;
@@ -49,6 +51,8 @@ use std::time::{Duration, Instant};
 
 use lumivox_console::{Console, Failure, SceneRequest};
 use winit::event_loop::EventLoop;
+
+use crate::cli::WindowDevice;
 
 pub use config::Config;
 pub use events::{Wake, run};
@@ -66,6 +70,8 @@ pub struct Start {
     pub options: lumivox_render::GpuOptions,
     /// What was kept of the last time.
     pub config: Config,
+    /// The device that the window is drawn with.
+    pub device: WindowDevice,
 }
 
 /// Waits for the end of a thread, but not for ever; whether it has ended, and not by a panic.

@@ -9,6 +9,8 @@ use lumivox_explorer::{Explorer, Placement, Playback, Revoxelize};
 use lumivox_render::{Histogram, MemoryUse, Photometry, PresetChoice, RenderSettings};
 use lumivox_scene::{Bounds, Camera, Light, Material};
 
+use super::screen::Pixels;
+
 /// The stages whose times are shown, as the renderer names them; what is none of these is added to the last.
 pub const STAGES: [&str; 8] =
     ["upload", "voxelize", "light", "G-buffer", "direct light", "trace", "voxel view", "picture"];
@@ -273,8 +275,8 @@ pub struct Shown {
     pub serial: u64,
     /// Width and height, px.
     pub size: UVec2,
-    /// Row by row from the top.
-    pub pixels: Vec<[u8; 4]>,
+    /// What it shows.
+    pub pixels: Pixels,
     /// Frames in the mean, or samples of the reference.
     pub frames: u32,
 }

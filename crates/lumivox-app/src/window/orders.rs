@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{UVec2, Vec2};
+use lumivox_render::{Gpu, GpuId};
 use lumivox_scene::Camera;
 
 use super::jobs::{Loaded, Traced};
@@ -30,6 +31,8 @@ pub enum Order {
     Timed(bool),
     /// Fewer pixels while the camera moves, or not.
     Coarse(bool),
+    /// The window draws with this device.
+    Device(GpuId),
     /// The user wants the command line that reproduces the picture.
     CommandLine,
     /// A scene was read.
@@ -51,6 +54,8 @@ pub enum Order {
 /// State that the worker publishes for the window.
 #[derive(Clone, Debug, Default)]
 pub struct Published {
+    /// The worker's device; `None` before it starts.
+    pub gpu: Option<Gpu>,
     /// For the panels.
     pub model: Arc<Model>,
     /// The picture.
@@ -72,7 +77,7 @@ pub struct Published {
 /// Something that only the window can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WindowRequest {
-    /// Lose its own device.
+    /// Lose the device that it draws with.
     LoseDevice,
     /// Take all of the screen, or no longer.
     FullScreen,

@@ -6,6 +6,7 @@ use std::sync::mpsc::Sender;
 use glam::UVec2;
 use lumivox_console::LineInfo;
 use lumivox_explorer::parameters::Value;
+use lumivox_render::GpuId;
 
 use super::lines::{Line, Origin};
 use super::orders::{Order, Published, Shared};
@@ -26,6 +27,7 @@ pub struct Outbox {
     gesture: u64,
     held: HashMap<String, (PendingValue, u64)>,
     size: UVec2,
+    device: Option<GpuId>,
     is_timed: bool,
     is_coarse: bool,
 }
@@ -39,6 +41,7 @@ impl Outbox {
             gesture: 1,
             held: HashMap::new(),
             size: UVec2::ZERO,
+            device: None,
             is_timed: false,
             is_coarse: true,
         }
@@ -85,6 +88,14 @@ impl Outbox {
         if size != self.size {
             self.size = size;
             self.order(Order::Size(size));
+        }
+    }
+
+    /// Says which device the window draws with.
+    pub fn set_device(&mut self, device: GpuId) {
+        if self.device != Some(device) {
+            self.device = Some(device);
+            self.order(Order::Device(device));
         }
     }
 

@@ -1,35 +1,37 @@
-//! The window's own device: what draws the panels and brings pictures from main memory to the screen.
+//! Drawing the window: the panels and the pictures, with the worker's device or one of its own.
 //!
 //! It is drawn on a canvas of which only what changes is painted anew, and which is copied to the screen.
 //!
-//! What egui has uploaded is remembered, so that another device can take its place when this one is lost.
+//! What egui has uploaded is remembered, so that another device can take the place of one that is lost. If that was the
+//! worker's, the window draws with its own until the worker has published another.
 
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context as _;
 use egui::epaint::textures::TexturesDelta;
 use egui::epaint::{ImageData, ImageDelta};
 use egui::{ClippedPrimitive, ColorImage, TextureId, TextureOptions};
 use lumivox_console::Failure;
+use lumivox_render::{Gpu, GpuId};
 use wgpu::CurrentSurfaceTexture;
-use winit::event_loop::OwnedDisplayHandle;
 use winit::window::Window;
 
 use super::damage;
 use super::model::Shown;
-
-/// Pictures on the screen: what is rendered, and what it is compared with.
-pub const PICTURES: usize = 2;
+use super::screen::{PICTURES, Textures};
+use crate::cli::WindowDevice;
 
 /// Devices that are opened one after the other without a frame that is shown.
 const MOST_REPLACEMENTS: u32 = 4;
 
-/// A window's device and all that it draws with.
+/// A window and all that draws it.
 pub struct Surface {
     window: Arc<Window>,
-    display: OwnedDisplayHandle,
+    /// The device that renders.
+    worker: Gpu,
+    /// The device that was asked for.
+    asked: WindowDevice,
     /// `None` while it is replaced: a window has one surface at a time.
     parts: Option<Parts>,
     /// Replacements since the last frame that was shown.
@@ -43,15 +45,13 @@ pub struct Surface {
 struct Parts {
     surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,
-    device: wgpu::Device,
-    queue: wgpu::Queue,
+    gpu: Gpu,
     painter: egui_wgpu::Renderer,
-    shown: [Option<OnDevice>; PICTURES],
+    textures: Textures,
     /// The window as it was painted last; made with the first frame, and anew when the window's size changes.
     canvas: Option<Canvas>,
-    /// Pictures that were written since the last frame.
-    written: Vec<TextureId>,
-    is_lost: Arc<AtomicBool>,
+    /// The device has no memory left, or its driver has failed.
+    is_broken: bool,
 }
 
 /// The window as it was painted last.
@@ -61,60 +61,75 @@ struct Canvas {
     pixels_per_point: f32,
 }
 
-/// A picture's texture.
-struct OnDevice {
-    texture: wgpu::Texture,
-    id: TextureId,
-    serial: u64,
+/// The end of an attempt to draw.
+enum Drawn {
+    Shown,
+    /// The surface does not take anything now.
+    NotNow,
+    /// The surface has changed, or has no free texture yet.
+    Again,
+    /// The surface or its device is gone.
+    Lost,
 }
 
 impl Surface {
-    /// Opens a device that can draw into the window.
+    /// Opens what can draw into the window.
     ///
     /// # Errors
-    /// When there is none.
-    pub fn new(window: Arc<Window>, display: OwnedDisplayHandle) -> anyhow::Result<Self> {
-        let parts = Parts::new(&window, &display)?;
-        Ok(Self {
-            window,
-            display,
-            parts: Some(parts),
-            replaced: 0,
-            images: HashMap::new(),
-            pictures: [None, None],
-        })
+    /// When there is no device that can.
+    pub fn new(window: Arc<Window>, worker: Gpu, asked: WindowDevice) -> anyhow::Result<Self> {
+        let (images, pictures) = (HashMap::new(), [None, None]);
+        let mut surface =
+            Self { window, worker, asked, parts: None, replaced: 0, images, pictures };
+        surface.open(surface.shares())?;
+        Ok(surface)
+    }
+
+    /// The device that draws.
+    pub fn device(&self) -> Option<GpuId> {
+        self.parts.as_ref().map(|parts| parts.gpu.id)
     }
 
     /// The longest edge of a texture, px.
     pub fn max_texture_side(&self) -> usize {
-        self.parts
-            .as_ref()
-            .map_or(2048, |parts| parts.device.limits().max_texture_dimension_2d as usize)
+        let most = |parts: &Parts| parts.gpu.device.limits().max_texture_dimension_2d as usize;
+        self.parts.as_ref().map_or(2048, most)
     }
 
-    /// Follows the window's size.
-    pub fn resize(&mut self, width: u32, height: u32) {
-        let Some(parts) = &mut self.parts else { return };
-        let most = parts.device.limits().max_texture_dimension_2d;
-        let (width, height) = (width.min(most), height.min(most));
-        if width > 0 && height > 0 && (parts.config.width, parts.config.height) != (width, height) {
-            (parts.config.width, parts.config.height) = (width, height);
-            parts.surface.configure(&parts.device, &parts.config);
+    /// Follows the worker to another device, where the window shares it.
+    ///
+    /// # Errors
+    /// When no device can draw any more.
+    pub fn follow(&mut self, worker: Gpu) -> anyhow::Result<()> {
+        if worker.id == self.worker.id {
+            return Ok(());
         }
+        self.worker = worker;
+        if self.shares() { self.open(true) } else { Ok(()) }
     }
 
-    /// Shows another picture in a place; none keeps the place free.
+    /// Shows another picture in a place; none keeps the place free. Returns its name for egui, unless the device that it
+    /// was made for is gone: then another one is on its way.
     pub fn set_picture(&mut self, place: usize, picture: Option<Arc<Shown>>) -> Option<TextureId> {
         let kept = self.pictures.get_mut(place)?;
         *kept = picture;
         let picture = kept.as_ref()?;
-        Some(self.parts.as_mut()?.upload(place, picture))
+        self.parts.as_mut()?.guarded(|parts| parts.bind(place, picture))
     }
 
     /// Loses the device, as a driver might.
     pub fn lose(&self) {
         if let Some(parts) = &self.parts {
-            parts.device.destroy();
+            parts.gpu.device.destroy();
+        }
+    }
+
+    /// Whether the worker's device is to draw the window.
+    fn shares(&self) -> bool {
+        match self.asked {
+            WindowDevice::Auto => !self.worker.is_software(),
+            WindowDevice::Shared => true,
+            WindowDevice::Own => false,
         }
     }
 
@@ -123,8 +138,8 @@ impl Surface {
         for (id, deltas) in delta.set.drain() {
             for delta in deltas {
                 self.remember(id, &delta);
-                if let Some(Parts { painter, device, queue, .. }) = &mut self.parts {
-                    painter.update_texture(device, queue, id, &delta);
+                if let Some(parts) = &mut self.parts {
+                    parts.guarded(|parts| parts.upload(id, &delta));
                 }
             }
         }
@@ -158,8 +173,7 @@ impl Surface {
         primitives: &[ClippedPrimitive],
         pixels_per_point: f32,
     ) -> anyhow::Result<()> {
-        let is_lost = |parts: &Parts| parts.is_lost.load(Ordering::Relaxed);
-        if self.parts.as_ref().is_none_or(is_lost) {
+        if self.parts.as_ref().is_none_or(Parts::is_lost) {
             self.replace()?;
             // What egui has drawn names textures of the device before.
             self.window.request_redraw();
@@ -167,8 +181,7 @@ impl Surface {
         let freed = self.take_images(&mut delta);
         let size = self.window.inner_size();
         if size.width > 0 && size.height > 0 {
-            self.resize(size.width, size.height);
-            self.draw(primitives, pixels_per_point)?;
+            self.draw([size.width, size.height], primitives, pixels_per_point)?;
         }
         for id in freed {
             self.images.remove(&id);
@@ -181,34 +194,192 @@ impl Surface {
 
     fn draw(
         &mut self,
+        size: [u32; 2],
         primitives: &[ClippedPrimitive],
         pixels_per_point: f32,
     ) -> anyhow::Result<()> {
         let Some(parts) = &mut self.parts else { return Ok(()) };
-        let Parts { surface, config, device, queue, painter, canvas, written, .. } = parts;
+        let window = &self.window;
+        match parts.guarded(|parts| parts.draw(window, size, primitives, pixels_per_point)) {
+            Drawn::Shown => self.replaced = 0,
+            Drawn::NotNow => {}
+            Drawn::Again => self.window.request_redraw(),
+            Drawn::Lost => {
+                self.replace()?;
+                self.window.request_redraw();
+            }
+        }
+        Ok(())
+    }
+
+    /// Opens everything again after a loss.
+    fn replace(&mut self) -> anyhow::Result<()> {
+        self.replaced += 1;
+        if self.replaced > MOST_REPLACEMENTS {
+            return Err(Failure::display(
+                "the window's GPU device was lost again and again; another driver may help",
+            )
+            .into());
+        }
+        tracing::warn!("the window's device was lost; going on with a new one");
+        // wgpu tells of a loss later than it fails, and egui panics on a device that is lost. So a device that has failed
+        // is left to the worker, which opens another.
+        self.open(false)
+    }
+
+    /// Opens a surface, with the worker's device if that can draw into windows, and uploads everything to it.
+    fn open(&mut self, shares: bool) -> anyhow::Result<()> {
+        // First this: a window has one surface at a time.
+        self.parts = None;
+        let mut parts = Parts::new(&self.window, &self.worker, shares)?;
+        parts.guarded(|parts| {
+            for (id, (image, options)) in &self.images {
+                parts.upload(*id, &ImageDelta::full(image.clone(), *options));
+            }
+            for (place, picture) in self.pictures.iter().enumerate() {
+                if let Some(picture) = picture {
+                    parts.bind(place, picture);
+                }
+            }
+        });
+        self.parts = Some(parts);
+        Ok(())
+    }
+}
+
+impl Canvas {
+    /// The canvas for a frame, and the parts of it that have to be painted.
+    fn prepare<'a>(
+        canvas: &'a mut Option<Self>,
+        device: &wgpu::Device,
+        config: &wgpu::SurfaceConfiguration,
+        primitives: &[ClippedPrimitive],
+        written: &[TextureId],
+        screen: &egui_wgpu::ScreenDescriptor,
+    ) -> (&'a Self, Vec<egui::Rect>) {
+        let size =
+            wgpu::Extent3d { width: config.width, height: config.height, depth_or_array_layers: 1 };
+        let scale = screen.pixels_per_point;
+        let fits = |canvas: &Self| {
+            canvas.texture.size() == size && (canvas.pixels_per_point - scale).abs() < f32::EPSILON
+        };
+        let (texture, parts) = if let Some(canvas) = canvas.take().filter(fits) {
+            let parts = damage::parts(&canvas.painted, primitives, written);
+            (canvas.texture, parts)
+        } else {
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("window"),
+                size,
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: config.format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            });
+            let [width, height] = screen.size_in_pixels.map(|pixels| pixels as f32 / scale);
+            let all = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
+            (texture, vec![all])
+        };
+        let parts = parts.into_iter().map(|part| damage::on_pixels(part, scale)).collect();
+        let painted = primitives.to_vec();
+        (canvas.insert(Self { texture, painted, pixels_per_point: scale }), parts)
+    }
+}
+
+impl Parts {
+    fn new(window: &Arc<Window>, worker: &Gpu, shares: bool) -> anyhow::Result<Self> {
+        let surface = worker.instance.create_surface(window.clone());
+        let surface = surface.context("the window cannot be drawn into")?;
+        let fits = shares && !worker.is_lost() && worker.adapter.is_surface_supported(&surface);
+        let gpu = if fits { worker.clone() } else { own_device(&worker.instance, &surface)? };
+        let size = window.inner_size();
+        let (width, height) = (size.width.max(1), size.height.max(1));
+        let mut config = surface
+            .get_default_config(&gpu.adapter, width, height)
+            .context("the window cannot be drawn into by this GPU")?;
+        // egui blends as screens show: without a conversion by the GPU.
+        let formats = surface.get_capabilities(&gpu.adapter).formats;
+        let is_plain = |format: &&wgpu::TextureFormat| {
+            matches!(format, wgpu::TextureFormat::Bgra8Unorm | wgpu::TextureFormat::Rgba8Unorm)
+        };
+        if let Some(format) = formats.iter().find(is_plain) {
+            config.format = *format;
+        }
+        config.usage |= wgpu::TextureUsages::COPY_DST;
+        let (painter, is_broken) = guarded(&gpu.device, || {
+            surface.configure(&gpu.device, &config);
+            let options = egui_wgpu::RendererOptions::default();
+            egui_wgpu::Renderer::new(&gpu.device, config.format, options)
+        });
+        let textures = Textures::default();
+        Ok(Self { surface, config, gpu, painter, textures, canvas: None, is_broken })
+    }
+
+    fn is_lost(&self) -> bool {
+        self.is_broken || self.gpu.is_lost()
+    }
+
+    /// Calls the device. Missing memory and a failing driver count as its loss: a window without a picture helps nobody.
+    fn guarded<T>(&mut self, call: impl FnOnce(&mut Self) -> T) -> T {
+        let device = self.gpu.device.clone();
+        let (done, is_broken) = guarded(&device, || call(self));
+        self.is_broken |= is_broken;
+        done
+    }
+
+    fn upload(&mut self, id: TextureId, delta: &ImageDelta) {
+        self.painter.update_texture(&self.gpu.device, &self.gpu.queue, id, delta);
+    }
+
+    fn bind(&mut self, place: usize, picture: &Shown) -> Option<TextureId> {
+        self.textures.bind(place, picture, &self.gpu, &mut self.painter)
+    }
+
+    /// Lets the surface have the window's size, px.
+    fn resize(&mut self, size: [u32; 2]) {
+        let device = &self.gpu.device;
+        let most = device.limits().max_texture_dimension_2d;
+        let [width, height] = size.map(|edge| edge.min(most));
+        if (self.config.width, self.config.height) != (width, height) {
+            (self.config.width, self.config.height) = (width, height);
+            self.surface.configure(device, &self.config);
+        }
+    }
+
+    /// Draws a frame of the window.
+    fn draw(
+        &mut self,
+        window: &Window,
+        size: [u32; 2],
+        primitives: &[ClippedPrimitive],
+        pixels_per_point: f32,
+    ) -> Drawn {
+        self.resize(size);
+        let Self { surface, config, gpu, painter, textures, canvas, .. } = self;
+        let (device, queue) = (&gpu.device, &gpu.queue);
         let frame = match surface.get_current_texture() {
             CurrentSurfaceTexture::Success(frame) | CurrentSurfaceTexture::Suboptimal(frame) => {
                 frame
             }
             CurrentSurfaceTexture::Outdated => {
                 surface.configure(device, config);
-                self.window.request_redraw();
-                return Ok(());
+                return Drawn::Again;
             }
-            CurrentSurfaceTexture::Lost | CurrentSurfaceTexture::Validation => {
-                self.replace()?;
-                self.window.request_redraw();
-                return Ok(());
-            }
+            CurrentSurfaceTexture::Lost | CurrentSurfaceTexture::Validation => return Drawn::Lost,
+            // A long frame of the worker goes before, where the device is shared.
+            CurrentSurfaceTexture::Timeout => return Drawn::Again,
             // It comes again when there is something to see.
-            CurrentSurfaceTexture::Timeout | CurrentSurfaceTexture::Occluded => return Ok(()),
+            CurrentSurfaceTexture::Occluded => return Drawn::NotNow,
         };
         let screen = egui_wgpu::ScreenDescriptor {
             size_in_pixels: [config.width, config.height],
             pixels_per_point,
         };
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let (canvas, parts) = Canvas::prepare(canvas, device, config, primitives, written, &screen);
+        let changed = textures.take_changed();
+        let (canvas, parts) =
+            Canvas::prepare(canvas, device, config, primitives, &changed, &screen);
         let changed: Vec<ClippedPrimitive> =
             parts.iter().flat_map(|part| damage::cut(primitives, *part)).collect();
         let mut commands = painter.update_buffers(device, queue, &mut encoder, &changed, &screen);
@@ -233,196 +404,48 @@ impl Surface {
         );
         commands.push(encoder.finish());
         queue.submit(commands);
-        self.window.pre_present_notify();
+        window.pre_present_notify();
         queue.present(frame);
-        self.replaced = 0;
-        Ok(())
-    }
-
-    /// Opens another device and uploads everything again.
-    fn replace(&mut self) -> anyhow::Result<()> {
-        self.replaced += 1;
-        if self.replaced > MOST_REPLACEMENTS {
-            return Err(Failure::display(
-                "the window's GPU device was lost again and again; another driver may help",
-            )
-            .into());
-        }
-        tracing::warn!("the window's device was lost; going on with a new one");
-        // First this: a window has one surface at a time.
-        self.parts = None;
-        let mut parts = Parts::new(&self.window, &self.display)?;
-        for (id, (image, options)) in &self.images {
-            let delta = ImageDelta::full(image.clone(), *options);
-            parts.painter.update_texture(&parts.device, &parts.queue, *id, &delta);
-        }
-        for (place, picture) in self.pictures.iter().enumerate() {
-            if let Some(picture) = picture {
-                parts.upload(place, picture);
-            }
-        }
-        self.parts = Some(parts);
-        Ok(())
+        Drawn::Shown
     }
 }
 
-impl Canvas {
-    /// The canvas for a frame, and the parts of it that have to be painted.
-    fn prepare<'a>(
-        canvas: &'a mut Option<Self>,
-        device: &wgpu::Device,
-        config: &wgpu::SurfaceConfiguration,
-        primitives: &[ClippedPrimitive],
-        written: &mut Vec<TextureId>,
-        screen: &egui_wgpu::ScreenDescriptor,
-    ) -> (&'a Self, Vec<egui::Rect>) {
-        let size =
-            wgpu::Extent3d { width: config.width, height: config.height, depth_or_array_layers: 1 };
-        let scale = screen.pixels_per_point;
-        let fits = |canvas: &Self| {
-            canvas.texture.size() == size && (canvas.pixels_per_point - scale).abs() < f32::EPSILON
-        };
-        let written = std::mem::take(written);
-        let (texture, parts) = if let Some(canvas) = canvas.take().filter(fits) {
-            let parts = damage::parts(&canvas.painted, primitives, &written);
-            (canvas.texture, parts)
-        } else {
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("window"),
-                size,
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: config.format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            });
-            let [width, height] = screen.size_in_pixels.map(|pixels| pixels as f32 / scale);
-            let all = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
-            (texture, vec![all])
-        };
-        let parts = parts.into_iter().map(|part| damage::on_pixels(part, scale)).collect();
-        let painted = primitives.to_vec();
-        (canvas.insert(Self { texture, painted, pixels_per_point: scale }), parts)
-    }
+/// A device for the window alone.
+fn own_device(instance: &wgpu::Instance, surface: &wgpu::Surface<'_>) -> anyhow::Result<Gpu> {
+    // Panels are no work: on a machine with two GPUs the thrifty one will do.
+    let options = wgpu::RequestAdapterOptions {
+        power_preference: wgpu::PowerPreference::LowPower,
+        compatible_surface: Some(surface),
+        ..Default::default()
+    };
+    let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(|error| {
+        Failure::display(format!(
+            "no GPU adapter can draw into a window ({error}); install the GPU's driver, or a software driver that \
+             knows windows (on Debian and Ubuntu: mesa-vulkan-drivers)"
+        ))
+    })?;
+    let request = wgpu::DeviceDescriptor {
+        label: Some("window"),
+        required_limits: wgpu::Limits::default().using_resolution(adapter.limits()),
+        ..Default::default()
+    };
+    let (device, queue) = pollster::block_on(adapter.request_device(&request))?;
+    Ok(Gpu::with_device(instance.clone(), adapter, device, queue))
 }
 
-impl Parts {
-    fn new(window: &Arc<Window>, display: &OwnedDisplayHandle) -> anyhow::Result<Self> {
-        let mut descriptor =
-            wgpu::InstanceDescriptor::new_with_display_handle(Box::new(display.clone()));
-        descriptor.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
-        let instance = wgpu::Instance::new(descriptor);
-        let surface =
-            instance.create_surface(window.clone()).context("the window cannot be drawn into")?;
-        // Panels are no work: on a machine with two GPUs the thrifty one will do.
-        let options = wgpu::RequestAdapterOptions {
-            power_preference: wgpu::PowerPreference::LowPower,
-            compatible_surface: Some(&surface),
-            ..Default::default()
-        };
-        let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(|error| {
-            Failure::display(format!(
-                "no GPU adapter can draw into a window ({error}); install the GPU's driver, or a software driver that \
-                 knows windows (on Debian and Ubuntu: mesa-vulkan-drivers)"
-            ))
-        })?;
-        let limits = wgpu::Limits::default().using_resolution(adapter.limits());
-        let request = wgpu::DeviceDescriptor {
-            label: Some("window"),
-            required_limits: limits,
-            ..Default::default()
-        };
-        let (device, queue) = pollster::block_on(adapter.request_device(&request))?;
-        let is_lost = Arc::new(AtomicBool::new(false));
-        let lost = is_lost.clone();
-        device.set_device_lost_callback(move |_, _| lost.store(true, Ordering::Relaxed));
-        let lost = is_lost.clone();
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+/// Calls a device, whose errors meanwhile are not the worker's, which may share it; whether memory was missing or the
+/// driver has failed.
+fn guarded<T>(device: &wgpu::Device, call: impl FnOnce() -> T) -> (T, bool) {
+    use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+    let scopes = [Validation, OutOfMemory, Internal].map(|filter| device.push_error_scope(filter));
+    let done = call();
+    let mut is_broken = false;
+    for scope in scopes.into_iter().rev() {
+        if let Some(error) = pollster::block_on(scope.pop()) {
+            // What follows from a loss says so in many words.
             tracing::debug!("the window's device: {error}");
-            // What follows from a loss says so in many words; a window without a picture helps nobody.
-            if matches!(error, wgpu::Error::OutOfMemory { .. } | wgpu::Error::Internal { .. }) {
-                lost.store(true, Ordering::Relaxed);
-            }
-        }));
-        let size = window.inner_size();
-        let (width, height) = (size.width.max(1), size.height.max(1));
-        let mut config = surface
-            .get_default_config(&adapter, width, height)
-            .context("the window cannot be drawn into by this GPU")?;
-        // egui blends as screens show: without a conversion by the GPU.
-        let formats = surface.get_capabilities(&adapter).formats;
-        let is_plain = |format: &&wgpu::TextureFormat| {
-            matches!(format, wgpu::TextureFormat::Bgra8Unorm | wgpu::TextureFormat::Rgba8Unorm)
-        };
-        if let Some(format) = formats.iter().find(is_plain) {
-            config.format = *format;
+            is_broken |= !matches!(error, wgpu::Error::Validation { .. });
         }
-        config.usage |= wgpu::TextureUsages::COPY_DST;
-        surface.configure(&device, &config);
-        let painter =
-            egui_wgpu::Renderer::new(&device, config.format, egui_wgpu::RendererOptions::default());
-        Ok(Self {
-            surface,
-            config,
-            device,
-            queue,
-            painter,
-            shown: [None, None],
-            canvas: None,
-            written: Vec::new(),
-            is_lost,
-        })
     }
-
-    /// The picture in its texture, which is made anew where the size changes.
-    fn upload(&mut self, place: usize, picture: &Shown) -> TextureId {
-        let size = wgpu::Extent3d {
-            width: picture.size.x,
-            height: picture.size.y,
-            depth_or_array_layers: 1,
-        };
-        let old = self.shown[place].take();
-        if let Some(shown) = old {
-            if shown.texture.size() == size {
-                let id = shown.id;
-                if shown.serial != picture.serial {
-                    self.write(&shown.texture, picture);
-                    self.written.push(id);
-                }
-                self.shown[place] = Some(OnDevice { serial: picture.serial, ..shown });
-                return id;
-            }
-            self.painter.free_texture(&shown.id);
-        }
-        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("picture"),
-            size,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
-        self.write(&texture, picture);
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let filter = wgpu::FilterMode::Linear;
-        let id = self.painter.register_native_texture(&self.device, &view, filter);
-        self.shown[place] = Some(OnDevice { texture, id, serial: picture.serial });
-        id
-    }
-
-    fn write(&self, texture: &wgpu::Texture, picture: &Shown) {
-        self.queue.write_texture(
-            texture.as_image_copy(),
-            picture.pixels.as_flattened(),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(picture.size.x * 4),
-                rows_per_image: None,
-            },
-            texture.size(),
-        );
-    }
+    (done, is_broken)
 }

@@ -8,7 +8,7 @@ pub(crate) mod textures;
 pub(crate) mod times;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use lumivox::gpu::Pipelines;
 
@@ -35,9 +35,19 @@ pub struct GpuOptions {
     pub portable: bool,
 }
 
+/// Tells open devices apart. Handles of wgpu do not: those of different instances compare as equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GpuId(u64);
+
 /// An open device.
 #[derive(Clone, Debug)]
 pub struct Gpu {
+    /// The same for all clones, and for nothing else.
+    pub id: GpuId,
+    /// The instance that the adapter comes from: surfaces that the device is to draw into are made with it.
+    pub instance: wgpu::Instance,
+    /// The adapter that the device was opened on.
+    pub adapter: wgpu::Adapter,
     /// The device.
     pub device: wgpu::Device,
     /// Its queue.
@@ -55,7 +65,7 @@ impl Gpu {
     /// The adapters of this machine, best first: a discrete GPU, an integrated one, a virtual one,
     /// a software driver.
     pub async fn adapters() -> Vec<wgpu::AdapterInfo> {
-        adapters().await.iter().map(wgpu::Adapter::get_info).collect()
+        adapters(&instance()).await.iter().map(wgpu::Adapter::get_info).collect()
     }
 
     /// Opens a device.
@@ -65,8 +75,8 @@ impl Gpu {
     /// others; [`RenderError::NoDevice`] when the adapter has no device with WebGPU's default
     /// limits.
     pub async fn new(options: &GpuOptions) -> Result<Self, RenderError> {
-        let adapter = choose(adapters().await, options.adapter.as_deref())?;
-        let adapter_info = adapter.get_info();
+        let instance = instance();
+        let adapter = choose(adapters(&instance).await, options.adapter.as_deref())?;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("lumivox"),
             required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
@@ -74,14 +84,32 @@ impl Gpu {
             ..Default::default()
         };
         let (device, queue) = adapter.request_device(&descriptor).await.map_err(|error| {
-            RenderError::NoDevice { adapter: describe(&adapter_info), reason: error.to_string() }
+            let adapter = describe(&adapter.get_info());
+            RenderError::NoDevice { adapter, reason: error.to_string() }
         })?;
+        let gpu = Self::with_device(instance, adapter, device, queue);
+        tracing::debug!("rendering on {}", describe(&gpu.adapter_info));
+        Ok(gpu)
+    }
+
+    /// Takes over a device that the caller has opened, for an engine or a window that renders with its own. It needs
+    /// WebGPU's default limits at least, and [`wgpu::Features::TIMESTAMP_QUERY`] where times of stages are to be taken.
+    ///
+    /// The device's errors and its loss are heard here from now on, in the place of handlers that it had.
+    pub fn with_device(
+        instance: wgpu::Instance,
+        adapter: wgpu::Adapter,
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+    ) -> Self {
+        static DEVICES: AtomicU64 = AtomicU64::new(0);
+        let id = GpuId(DEVICES.fetch_add(1, Ordering::Relaxed));
+        let adapter_info = adapter.get_info();
         let faults = Arc::default();
         let is_lost = Arc::new(AtomicBool::new(false));
         hear_errors(&device, &faults, &is_lost);
-        tracing::debug!("rendering on {}", describe(&adapter_info));
         let pipelines = Pipelines::new(&device);
-        Ok(Self { device, queue, pipelines, adapter_info, faults, is_lost })
+        Self { id, instance, adapter, device, queue, pipelines, adapter_info, faults, is_lost }
     }
 
     /// Whether the adapter is a software driver, running on the CPU.
@@ -123,13 +151,6 @@ impl Gpu {
             available_mib: available.map(|bytes| bytes >> 20),
             remedy: remedy.to_owned(),
         }
-    }
-
-    /// An instance with the supported APIs, to make surfaces with.
-    pub fn instance() -> wgpu::Instance {
-        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-        descriptor.backends = BACKENDS;
-        wgpu::Instance::new(descriptor)
     }
 
     /// Waits until the device has done all submitted work; in browsers the page continues
@@ -175,7 +196,14 @@ pub fn describe(info: &wgpu::AdapterInfo) -> String {
     format!("{} ({kind}, {:?}, {driver})", info.name, info.backend)
 }
 
-async fn adapters() -> Vec<wgpu::Adapter> {
+/// An instance of the APIs that devices are looked for in.
+fn instance() -> wgpu::Instance {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = BACKENDS;
+    wgpu::Instance::new(descriptor)
+}
+
+async fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     // Browsers show one adapter, and take a hint which.
     #[cfg(target_arch = "wasm32")]
     let mut adapters = {
@@ -183,10 +211,10 @@ async fn adapters() -> Vec<wgpu::Adapter> {
             power_preference: wgpu::PowerPreference::HighPerformance,
             ..Default::default()
         };
-        Vec::from_iter(Gpu::instance().request_adapter(&options).await)
+        Vec::from_iter(instance.request_adapter(&options).await)
     };
     #[cfg(not(target_arch = "wasm32"))]
-    let mut adapters = Gpu::instance().enumerate_adapters(BACKENDS).await;
+    let mut adapters = instance.enumerate_adapters(BACKENDS).await;
     // Stable, so that adapters of a kind stay in the driver's order.
     adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
@@ -282,6 +310,19 @@ mod tests {
         let gpu = pollster::block_on(Gpu::new(&options)).expect("a device");
         assert_eq!(gpu.adapter_info.name, known[0].name);
         assert_eq!(gpu.device.limits().max_buffer_size, wgpu::Limits::default().max_buffer_size);
+    }
+
+    #[test]
+    fn a_callers_device_is_heard() {
+        let own = own_gpu();
+        let descriptor = wgpu::DeviceDescriptor::default();
+        let (device, queue) = pollster::block_on(own.adapter.request_device(&descriptor)).unwrap();
+        let gpu = Gpu::with_device(own.instance.clone(), own.adapter.clone(), device, queue);
+        gpu.wait("testing").unwrap();
+        assert!(!gpu.is_lost() && gpu.id != own.id && gpu.id == gpu.clone().id);
+        gpu.device.destroy();
+        let _ = gpu.wait("testing");
+        assert!(gpu.is_lost() && !own.is_lost());
     }
 
     #[test]

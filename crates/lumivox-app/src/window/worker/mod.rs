@@ -56,6 +56,7 @@ pub fn start(
     wake: impl Fn() + Send + Sync + 'static,
 ) -> (Sender<Order>, Shared, std::thread::JoinHandle<()>) {
     let (inbox, shared) = (Inbox::new(), Shared::default());
+    shared.change(|published| published.gpu = Some(console.explorer.gpu().clone()));
     let sender = inbox.sender();
     let wake: Wake = Arc::new(wake);
     let publisher = Publisher::new(shared.clone(), wake);
@@ -199,6 +200,10 @@ impl Worker {
                 Order::Probe(at) => self.pictures.probe = Some(at),
                 Order::Timed(is_timed) => self.console.explorer.set_timed(is_timed),
                 Order::Coarse(is_coarse) => self.pictures.pacing.is_allowed = is_coarse,
+                Order::Device(device) => {
+                    self.pictures.screen.draw_with(device);
+                    self.pictures.show_again();
+                }
                 Order::CommandLine => self.tell_command_line(),
                 Order::Loaded(loaded) => self.take_scene(*loaded),
                 Order::Traced(traced) => self.take_reference(*traced),

@@ -13,6 +13,7 @@ use crate::commands::light::REMEDY;
 use crate::progress::words;
 use crate::window::jobs::Traced;
 use crate::window::model::{Comparand, LightAt, LogKind, RENDERING, Shown};
+use crate::window::screen::{Pixels, Screen};
 
 /// The pictures on the screen, and which frame is next.
 pub struct Pictures {
@@ -21,6 +22,7 @@ pub struct Pictures {
     pub pacing: Pacing,
     pub meter: ExposureMeter,
     pub comparand: Comparand,
+    pub screen: Screen,
     split: SplitSchedule,
     /// A picture of the present state was published.
     is_current: bool,
@@ -43,6 +45,7 @@ impl Pictures {
             pacing: Pacing::default(),
             meter: ExposureMeter::default(),
             comparand: Comparand::default(),
+            screen: Screen::default(),
             split: SplitSchedule::default(),
             is_current: false,
             serial: 0,
@@ -64,9 +67,14 @@ impl Pictures {
     }
 
     fn start_again(&mut self) {
-        self.split.start_again();
         self.meter.start_again();
         self.has_failed = false;
+        self.show_again();
+    }
+
+    /// What is there is published once more.
+    pub fn show_again(&mut self) {
+        self.split.start_again();
         self.is_current = false;
     }
 
@@ -115,6 +123,8 @@ impl Worker {
             self.lines.frames_are_over();
             return Ok(false);
         }
+        // The window may have seen it first.
+        anyhow::ensure!(!self.console.explorer.gpu().is_lost(), "the GPU was lost");
         self.advance_time()?;
         // Frames that come on demand are those of the picture.
         if self.console.explorer.is_single_frame {
@@ -252,7 +262,7 @@ impl Worker {
         let explorer = &mut self.console.explorer;
         let (serial, size) = (self.pictures.next_serial(), explorer.size());
         let frames = explorer.renderer().map_or(0, Renderer::frame_count);
-        let pixels = pollster::block_on(explorer.screen(stops))?;
+        let pixels = pollster::block_on(self.pictures.screen.picture(explorer, stops))?;
         Ok(pixels.map(|pixels| Arc::new(Shown { serial, size, pixels, frames })))
     }
 
@@ -268,7 +278,7 @@ impl Worker {
         // Not one that is refused: it was there before.
         let _ = self.console.explorer.set_settings(settings);
         match done {
-            Err(error) if !self.console.explorer.gpu().is_lost() => {
+            Err(error) if !self.has_lost_device() => {
                 self.messages.fail(&error);
                 self.compare(Comparand::Nothing);
                 self.publish();
@@ -331,7 +341,7 @@ impl Worker {
         let picture = Picture::develop(explorer.gpu(), size, hdr, exposure, curve);
         let picture = pollster::block_on(picture)?;
         let serial = self.pictures.next_serial();
-        let shown = Shown { serial, size, pixels: picture.ldr, frames };
+        let shown = Shown { serial, size, pixels: Pixels::InMemory(picture.ldr), frames };
         self.publisher.change(|published| published.other = Some(Arc::new(shown)));
         Ok(())
     }

@@ -93,9 +93,17 @@ impl Worker {
         self.publisher.change(|published| published.other = None);
     }
 
+    /// Whether a failure of rendering is a loss of the device.
+    pub(super) fn has_lost_device(&self) -> bool {
+        let gpu = self.console.explorer.gpu();
+        // A loss is told once the queue is empty, and the window may draw.
+        let _ = gpu.wait("finding out whether the device is lost");
+        gpu.is_lost()
+    }
+
     /// After a failure of rendering: another device where this one is lost; whether there is something to do.
     pub(super) fn mend(&mut self, error: &anyhow::Error) -> bool {
-        if !self.console.explorer.gpu().is_lost() {
+        if !self.has_lost_device() {
             self.messages.fail(error);
             return self.give_up();
         }
@@ -103,6 +111,7 @@ impl Worker {
         self.forget_reference();
         match pollster::block_on(Gpu::new(&self.options)) {
             Ok(gpu) => {
+                self.publisher.change(|published| published.gpu = Some(gpu.clone()));
                 self.console.explorer.set_gpu(gpu);
                 if self.pictures.losses >= MOST_LOSSES {
                     self.messages.fail(&anyhow::anyhow!(

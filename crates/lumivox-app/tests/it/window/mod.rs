@@ -2,6 +2,7 @@
 //! is.
 
 mod answers;
+mod devices;
 mod habits;
 mod support;
 
@@ -117,23 +118,6 @@ fn it_survives_what_happens_to_windows() {
     let at = window.wait_line(lines, "size 8");
     assert!(window.lines()[at - 1].starts_with("size 800x"), "{:?}", window.lines());
 
-    // The explorer's device goes, and comes again; so does the window's.
-    let lines = window.lines().len();
-    window.tell("lose_device");
-    window.wait_line(lines, "going on with a new device");
-    let rest = window.wait_rest();
-    assert!(is_cornell(&rest));
-    window.tell("lose_device window");
-    window.wait_error("the window's device was lost");
-    // Nothing else is asked of it.
-    window.wait("picture on another device", |window| {
-        Some(()).filter(|()| window.picture().distance(&rest) < 1.0)
-    });
-    // Both still work: the panels, and the picture.
-    window.tell("view albedo");
-    let albedo = window.wait_change("picture of albedo", &rest);
-    window.tell("view final");
-    window.wait_change("picture of light", &albedo);
     let shown = window.wait_rest();
 
     // Minimized, it goes on working; restored, it shows what is.

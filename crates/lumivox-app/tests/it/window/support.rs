@@ -144,10 +144,16 @@ pub fn command(display: &str, home: &Path) -> Command {
 }
 
 impl Window {
-    /// `lumivox view` with the words of a line.
+    /// `lumivox view` with the words of a line, and with the device that the environment asks for.
     pub fn open(display: &Display, home: &Path, line: &str) -> Self {
-        let mut program =
-            command(&display.name, home).arg("view").args(line.split_whitespace()).spawn().unwrap();
+        let mut command = command(&display.name, home);
+        command.arg("view").args(line.split_whitespace());
+        if let Some(device) = std::env::var_os("LUMIVOX_TEST_WINDOW_DEVICE")
+            && !line.contains("--window-device")
+        {
+            command.arg("--window-device").arg(device);
+        }
+        let mut program = command.spawn().unwrap();
         let lines = collect(program.stdout.take().unwrap());
         let errors = collect(program.stderr.take().unwrap());
         let (x, screen) = x11rb::connect(Some(&display.name)).unwrap();

@@ -1,0 +1,193 @@
+//! The way of pictures from the worker to the window.
+//!
+//! Where the window draws with the device that renders, a picture is a texture of it, which is copied on the GPU and bound
+//! as it is. Otherwise it crosses through main memory. The worker decides for each picture by the device that the window
+//! has named last, so every picture can be shown by the device that it was made for, and nobody else asks.
+
+use std::sync::Arc;
+
+use egui::TextureId;
+use glam::UVec2;
+use lumivox_explorer::{Explorer, ExplorerError};
+use lumivox_render::{Gpu, GpuId};
+
+use super::model::Shown;
+
+/// Pictures on the screen: what is rendered, and what it is compared with.
+pub const PICTURES: usize = 2;
+
+/// A picture's pixels.
+#[derive(Clone, Debug)]
+pub enum Pixels {
+    /// Row by row from the top.
+    InMemory(Vec<[u8; 4]>),
+    /// In a texture of a device. The worker writes into it again once nobody else holds it.
+    OnDevice(GpuId, Arc<wgpu::Texture>),
+}
+
+/// The worker's end.
+#[derive(Default)]
+pub struct Screen {
+    /// The device that the window draws with; `None` before there is one.
+    device: Option<GpuId>,
+    /// Textures that pictures were copied into: one that is written, one that is published, one that is drawn, and the
+    /// same of another view beside.
+    textures: Vec<Arc<wgpu::Texture>>,
+}
+
+impl Screen {
+    /// The window draws with this device from now on.
+    pub fn draw_with(&mut self, device: GpuId) {
+        self.textures.clear();
+        self.device = Some(device);
+    }
+
+    /// The picture of an explorer's frames so far, exposed by a number of stops; `None` where there are none.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn picture(
+        &mut self,
+        explorer: &mut Explorer,
+        stops: f32,
+    ) -> Result<Option<Pixels>, ExplorerError> {
+        if self.device != Some(explorer.gpu().id) {
+            return Ok(explorer.screen(stops).await?.map(Pixels::InMemory));
+        }
+        explorer.draw(stops).await?;
+        let (gpu, Some(drawn)) = (explorer.gpu(), explorer.screen_texture()) else {
+            return Ok(None);
+        };
+        let texture = self.free_texture(gpu, drawn.size());
+        let mut encoder =
+            gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let (from, to) = (drawn.as_image_copy(), texture.as_image_copy());
+        encoder.copy_texture_to_texture(from, to, drawn.size());
+        gpu.queue.submit([encoder.finish()]);
+        gpu.check("bringing the picture to the screen")?;
+        Ok(Some(Pixels::OnDevice(gpu.id, texture)))
+    }
+
+    /// A texture that nobody looks at.
+    fn free_texture(&mut self, gpu: &Gpu, size: wgpu::Extent3d) -> Arc<wgpu::Texture> {
+        self.textures.retain(|texture| texture.size() == size);
+        // Only the worker clones what it alone holds.
+        let is_free = |texture: &&Arc<wgpu::Texture>| Arc::strong_count(texture) == 1;
+        if let Some(texture) = self.textures.iter().find(is_free) {
+            return texture.clone();
+        }
+        let texture = Arc::new(new_texture(gpu, size));
+        self.textures.push(texture.clone());
+        texture
+    }
+}
+
+/// The window's end: the pictures' textures, as egui knows them.
+#[derive(Default)]
+pub struct Textures {
+    shown: [Option<Bound>; PICTURES],
+    changed: Vec<TextureId>,
+}
+
+/// A picture in its place.
+struct Bound {
+    texture: wgpu::Texture,
+    id: TextureId,
+    serial: u64,
+    /// Made by the window, for pictures from main memory.
+    is_own: bool,
+}
+
+impl Textures {
+    /// Names of the textures that have changed since the last call.
+    pub fn take_changed(&mut self) -> Vec<TextureId> {
+        std::mem::take(&mut self.changed)
+    }
+
+    /// Gives a picture to egui, under the name that the picture before had in its place; `None` where it is of another
+    /// device.
+    pub fn bind(
+        &mut self,
+        place: usize,
+        picture: &Shown,
+        gpu: &Gpu,
+        painter: &mut egui_wgpu::Renderer,
+    ) -> Option<TextureId> {
+        let old = self.shown[place].as_ref();
+        if let Some(old) = old.filter(|old| old.serial == picture.serial) {
+            return Some(old.id);
+        }
+        let (texture, is_own) = match &picture.pixels {
+            Pixels::OnDevice(device, _) if *device != gpu.id => return None,
+            Pixels::OnDevice(_, texture) => ((**texture).clone(), false),
+            Pixels::InMemory(pixels) => (upload(gpu, picture.size, pixels, old), true),
+        };
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let filter = wgpu::FilterMode::Linear;
+        let id = match old.map(|old| old.id) {
+            None => painter.register_native_texture(&gpu.device, &view, filter),
+            Some(id) => {
+                painter.update_egui_texture_from_wgpu_texture(&gpu.device, &view, filter, id);
+                id
+            }
+        };
+        self.changed.push(id);
+        self.shown[place] = Some(Bound { texture, id, serial: picture.serial, is_own });
+        Some(id)
+    }
+}
+
+/// Pixels in a texture: in the last one of the place, unless that has another size or is the worker's.
+fn upload(gpu: &Gpu, size: UVec2, pixels: &[[u8; 4]], old: Option<&Bound>) -> wgpu::Texture {
+    let extent = wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 };
+    let old = old.filter(|old| old.is_own && old.texture.size() == extent);
+    let texture = old.map_or_else(|| new_texture(gpu, extent), |old| old.texture.clone());
+    gpu.queue.write_texture(
+        texture.as_image_copy(),
+        pixels.as_flattened(),
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(size.x * 4),
+            rows_per_image: None,
+        },
+        extent,
+    );
+    texture
+}
+
+fn new_texture(gpu: &Gpu, size: wgpu::Extent3d) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("picture on the screen"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_texture_that_somebody_holds_is_not_given_again() {
+        let gpu = pollster::block_on(Gpu::new(&lumivox_render::GpuOptions::default())).unwrap();
+        let size = |width| wgpu::Extent3d { width, height: 4, depth_or_array_layers: 1 };
+        let mut screen = Screen::default();
+        let drawn = screen.free_texture(&gpu, size(4));
+        let published = screen.free_texture(&gpu, size(4));
+        let written = screen.free_texture(&gpu, size(4));
+        assert!(drawn != published && published != written && written != drawn);
+        let was_drawn = (*drawn).clone();
+        drop(drawn);
+        assert_eq!(*screen.free_texture(&gpu, size(4)), was_drawn);
+        assert_eq!(screen.textures.len(), 3, "a ring of three is enough");
+        // Another size gives up those that nobody needs any more.
+        screen.free_texture(&gpu, size(8));
+        assert_eq!(screen.textures.len(), 1);
+        assert_eq!(published.size(), size(4), "who holds one keeps it");
+    }
+}

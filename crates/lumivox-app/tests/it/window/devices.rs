@@ -1,0 +1,109 @@
+//! The window with a device of its own, and with the worker's.
+
+use std::path::Path;
+
+use super::support::{Display, Seen, Window};
+use super::{home, is_cornell};
+
+const OWN: &str = "own";
+const SHARED: &str = "shared";
+
+/// The Cornell box, once it is complete. Pictures of one frame come in one step.
+fn open(display: &Display, home: &Path, device: &str) -> (Window, Seen) {
+    let line = "builtin:cornell --resolution 32 --frames 1 --bounces 1 --window-device";
+    let mut window = Window::open(display, home, &format!("{line} {device}"));
+    window.wait("Cornell box", |window| Some(window.picture()).filter(is_cornell));
+    let seen = window.wait_rest();
+    (window, seen)
+}
+
+fn right(seen: &Seen) -> Seen {
+    seen.part((seen.width / 2 + 20, 30), (seen.width, seen.height))
+}
+
+/// All ways to a picture on the screen: the picture, another view beside, one from main memory, and both in another size.
+fn all_pictures(display: &Display, device: &str) -> Vec<Seen> {
+    let home = home();
+    let (mut window, first) = open(display, home.path(), device);
+    let mut seen = vec![first];
+    for beside in ["albedo", "reference 1"] {
+        let before = right(seen.last().unwrap());
+        window.tell(&format!("compare_with {beside}"));
+        window.wait(beside, |window| {
+            Some(()).filter(|()| right(&window.picture()).distance(&before) > 2.0)
+        });
+        seen.push(window.wait_rest());
+    }
+    window.tell("compare_with nothing");
+    window.resize(700, 500);
+    window.wait("another size", |window| {
+        window.tell("size");
+        window.lines().iter().any(|line| line.starts_with("size 700x")).then_some(())
+    });
+    seen.push(window.wait_rest());
+    assert_eq!(window.close(), 0);
+    seen
+}
+
+#[test]
+#[ignore = "slow: a window under Xvfb, in real time"]
+fn one_device_shows_what_two_show() {
+    let display = Display::start();
+    let [own, shared] = [OWN, SHARED].map(|device| all_pictures(&display, device));
+    for (number, (own, shared)) in own.iter().zip(&shared).enumerate() {
+        assert!(own == shared, "picture {number}: {} apart", own.distance(shared));
+    }
+}
+
+const WORKER_LOST: &str = "going on with a new device";
+
+/// Waits for the picture of before.
+fn wait_for(window: &mut Window, before: &Seen) {
+    window.wait("picture on another device", |window| {
+        Some(()).filter(|()| window.picture().distance(before) < 1.0)
+    });
+}
+
+/// The worker and the window both still work.
+fn try_both(window: &mut Window, before: &Seen) {
+    window.tell("view albedo");
+    window.wait_change("picture of albedo", before);
+    window.tell("view final");
+    wait_for(window, before);
+    window.wait_rest();
+}
+
+#[test]
+#[ignore = "slow: a window under Xvfb, in real time"]
+fn two_devices_are_lost_one_at_a_time() {
+    let (display, home) = (Display::start(), home());
+    let (mut window, first) = open(&display, home.path(), OWN);
+    window.tell("lose_device");
+    let lines = window.wait_line(0, WORKER_LOST);
+    wait_for(&mut window, &first);
+    window.wait_rest();
+    window.tell("lose_device window");
+    window.wait_error("the window's device was lost");
+    // Nothing else is asked of it.
+    wait_for(&mut window, &first);
+    try_both(&mut window, &first);
+    let said = window.lines();
+    assert!(!said[lines..].iter().any(|line| line.contains(WORKER_LOST)), "{said:?}");
+    assert_eq!(window.close(), 0);
+}
+
+#[test]
+#[ignore = "slow: a window under Xvfb, in real time"]
+fn one_device_is_lost_for_both() {
+    let (display, home) = (Display::start(), home());
+    let (mut window, first) = open(&display, home.path(), SHARED);
+    let mut lines = 0;
+    // After each loss, the two share another device.
+    for loss in ["lose_device", "lose_device window", "lose_device window"] {
+        window.tell(loss);
+        lines = window.wait_line(lines, WORKER_LOST);
+        wait_for(&mut window, &first);
+        try_both(&mut window, &first);
+    }
+    assert_eq!(window.close(), 0);
+}
