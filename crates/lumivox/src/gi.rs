@@ -1,23 +1,21 @@
 //! The library's face: global illumination in four calls.
 
+mod frames;
 mod points;
+mod screen;
 
 use std::sync::{Arc, OnceLock};
 
-use glam::UVec2;
-
-use crate::cones::{ConeModel, TraceResolution, TraceSettings};
+use crate::cones::{ConeModel, TraceSettings};
 use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{Injection, Injector, Light, Lighting, Lights, ShadowSource, lights_layout};
-use crate::mounted::{Mounted, Resource};
+use crate::mounted::Mounted;
 use crate::points::PointGatherer;
-use crate::trace::{
-    Bound, CameraView, GBuffer, GBufferViews, ScreenSettings, TraceTargets, Tracer, gbuffer_layout,
-};
+use crate::trace::{Tracer, gbuffer_layout};
 use crate::volume::changes::Changes;
 use crate::volume::{Directionality, OctreeStats, Volume, VolumeKind};
-use crate::voxelize::{FrameVoxels, Taken, Voxelization, VoxelizeStats, VoxelizedScene, Voxelizer};
+use crate::voxelize::{Taken, Voxelization, VoxelizeStats, VoxelizedScene, Voxelizer};
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
 
@@ -41,7 +39,7 @@ pub struct GiConfig {
     pub cones: Option<Arc<dyn ConeModel>>,
     /// The caller's G-buffer as it is: a module that takes the place of `package::trace::gbuffer`, with its functions
     /// `load_surface`, `load_specular` and `load_motion`, and bindings from 1 on of group 3. `None` (the default): the
-    /// textures of [`GBufferViews`]. docs/recipes.md has an example.
+    /// textures of [`GBufferViews`](crate::GBufferViews). docs/recipes.md has an example.
     pub gbuffer: Option<Mounted>,
     /// The caller's shadow maps as they are: a module that takes the place of `package::light::shadow_map`, with its
     /// function `shadow_map_visibility`, and bindings from 8 on of group 2. [`Shadow::Map`](crate::Shadow) then names
@@ -79,6 +77,44 @@ pub struct Voxelized {
 ///
 /// The order of calls: [`Self::voxelize`] when triangles change ([`Self::voxelize_dynamic`] when only those of
 /// dynamic draws do), [`Self::light`] when lights or triangles change, [`Self::trace`] every frame.
+///
+/// ```
+/// # pollster::block_on(async {
+/// # let (device, queue) = lumivox::gpu::open_device().await?;
+/// use glam::Vec3;
+/// use lumivox::gpu::{Recorder, Timing, upload};
+/// use lumivox::{
+///     Draw, GatherSettings, Geometry, GeometryBatch, Gi, GiConfig, Grid, SurfaceMaterial, TraceSettings,
+/// };
+///
+/// // A triangle that reflects half of the light, and emits none, as it lies in an engine's buffers.
+/// let corners = [[0.0_f32, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+/// let positions = upload(&device, "positions", &corners);
+/// let indices = upload(&device, "indices", &[0_u32, 1, 2]);
+/// let draws = vec![Draw::new(0, 3, 0)];
+/// let batch = GeometryBatch::new((*positions).clone(), (*indices).clone(), draws);
+/// let materials = vec![SurfaceMaterial::default()];
+/// let geometry = Geometry { batches: vec![batch], materials };
+///
+/// let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+/// let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+/// let voxelized = gi.voxelize(&geometry, Timing::Off).await?;
+/// assert!(voxelized.stats.voxels > 0);
+///
+/// // Under a sky of radiance 1, with one bounce in the voxels.
+/// let lights = gi.bind_lights(&[], Vec3::ONE, None);
+/// let mut recorder = Recorder::new(&device, &queue);
+/// gi.light(&mut recorder, &lights, 2, &TraceSettings::default())?;
+/// recorder.submit();
+///
+/// // What a lux meter above it reads that looks down: less than the sky's pi.
+/// let settings = GatherSettings::default();
+/// let above = Vec3::new(0.3, 0.2, 0.3);
+/// let down = gi.gather(&[above], &[Vec3::NEG_Y], &lights, &settings).await?;
+/// assert!(down[0].total().y < std::f32::consts::PI);
+/// # Ok::<(), lumivox::GiError>(())
+/// # }).unwrap();
+/// ```
 #[derive(Debug)]
 pub struct Gi {
     /// They stand for the device, too.
@@ -223,38 +259,6 @@ impl Gi {
         Ok(Voxelized { stats, times: recorder.finish().await? })
     }
 
-    /// Records the voxelization of dynamic draws into the caller's frame, without waiting for the GPU: for engines, in
-    /// each frame in which something has moved. [`Self::light_frame`] goes with it.
-    ///
-    /// The result has the same bits as that of [`Self::voxelize_dynamic`]. If there is no room for all that has moved into
-    /// the grid, the voxels stay what they were: how much room is needed is known a few frames later, and then there is. New static
-    /// draws take a few frames, too. [`FrameVoxels::is_late`] tells. Once everything has room, no buffer and no bind group is made.
-    ///
-    /// Transforms are set for what is recorded here, vertices are read when it runs: submit the encoders in the order in
-    /// which they were recorded.
-    ///
-    /// # Errors
-    /// [`GiError::Geometry`] when draws and buffers contradict each other, [`GiError::Limit`] when the room that is needed
-    /// does not fit the device. The voxels stay what they were.
-    pub fn voxelize_frame(
-        &mut self,
-        recorder: &mut Recorder<'_>,
-        geometry: &Geometry,
-    ) -> Result<FrameVoxels, GiError> {
-        self.changes.begin(recorder);
-        let Self { device, voxelizer, scene, volume, changes, lighting, .. } = self;
-        let mut is_taken = false;
-        let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
-            is_taken = true;
-            follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
-        };
-        let frame = voxelizer.record(recorder, scene, geometry, follow)?;
-        if is_taken {
-            self.follow_taken(recorder);
-        }
-        Ok(frame)
-    }
-
     /// After the list was taken: light and volume follow it.
     fn follow_taken(&mut self, recorder: &mut Recorder<'_>) {
         let Self { device, scene, volume, changes, lighting, .. } = self;
@@ -327,31 +331,6 @@ impl Gi {
         Ok(())
     }
 
-    /// Lights the voxels in the caller's frame, from what the last call of this or of [`Self::light`] has left: direct
-    /// light, where lights or surfaces have changed, and one gather. Light travels one bounce a frame, and converges to
-    /// what [`Self::light`] gives with very many bounces. Some 32 gathers after the last change it has settled, and nothing is
-    /// recorded any more.
-    ///
-    /// `faces_per_frame` is the most faces that gather in a frame; `None`: all. With fewer than there are they take
-    /// turns, in the same order in every run.
-    ///
-    /// # Errors
-    /// [`GiError::Setting`] when a setting is out of range.
-    pub fn light_frame(
-        &mut self,
-        recorder: &mut Recorder<'_>,
-        lights: &Lights,
-        faces_per_frame: Option<u32>,
-        settings: &TraceSettings,
-    ) -> Result<(), GiError> {
-        settings.validate()?;
-        self.bounces = u32::MAX;
-        let volume = (&mut self.volume, &mut self.changes);
-        let cones = (settings, self.cone_values);
-        self.lighting.step(recorder, volume, lights, faces_per_frame, cones);
-        Ok(())
-    }
-
     /// Takes other values of its [`ConeModel`], from the next calls of [`Self::light`] and
     /// [`Self::trace`] on. Another model needs another `Gi`.
     pub fn set_cone_values(&mut self, values: [f32; 4]) {
@@ -370,113 +349,6 @@ impl Gi {
     /// surface than before, cells that are gone included.
     pub fn changed_cells(&self) -> Option<&Buffer> {
         self.changes.bits()
-    }
-
-    /// Textures for [`Self::trace`] to write to.
-    pub fn targets(&self, size: UVec2, resolution: TraceResolution) -> TraceTargets {
-        if resolution == TraceResolution::Half {
-            // Early, so that it is compiled with all else; tracing tells what is wrong.
-            let _ = self.prepare_half();
-        }
-        TraceTargets::new(&self.device, size, resolution)
-    }
-
-    fn prepare_half(&self) -> Result<(), GiError> {
-        let layouts = [self.volume.globals_layout(), &self.lights_layout, &self.gbuffer_layout];
-        self.tracer.prepare_half(&self.device, &self.shaders, layouts)
-    }
-
-    /// Binds the caller's G-buffer for [`Self::trace`].
-    pub fn bind_gbuffer(&self, views: GBufferViews<'_>, view: CameraView) -> GBuffer {
-        GBuffer::new(&self.device, &self.gbuffer_layout, views, view)
-    }
-
-    /// Binds what [`GiConfig::gbuffer`]'s module reads, in the order of its bindings, for [`Self::trace`]. wgpu reports
-    /// resources that do not fit the bindings.
-    pub fn bind_own_gbuffer(&self, resources: &[Resource], view: CameraView) -> GBuffer {
-        GBuffer::own(&self.device, &self.gbuffer_layout, resources, view)
-    }
-
-    /// Traces the cones of one frame from the G-buffer into the targets. The settings' resolution is that of
-    /// the targets. Several traces may be recorded before one submission, each with settings of its own; into the same
-    /// targets the last one's result stays. For several cameras bind as many G-buffers.
-    ///
-    /// ```
-    /// # pollster::block_on(async {
-    /// # let (device, queue) = lumivox::gpu::open_device().await?;
-    /// # use glam::{Mat4, UVec2, Vec3};
-    /// # use lumivox::gpu::Recorder;
-    /// # use lumivox::wgpu::TextureFormat::{Depth32Float, Rgba16Float};
-    /// # use lumivox::{CameraView, GBufferViews, Gi, GiConfig, Grid, TraceSettings};
-    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
-    /// # let gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
-    /// # let lights = gi.bind_lights(&[], Vec3::ONE, None);
-    /// # let size = UVec2::new(8, 8);
-    /// # let texture = |format| {
-    /// #     let texture = device.create_texture(&lumivox::wgpu::TextureDescriptor {
-    /// #         label: None,
-    /// #         size: lumivox::wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
-    /// #         mip_level_count: 1,
-    /// #         sample_count: 1,
-    /// #         dimension: lumivox::wgpu::TextureDimension::D2,
-    /// #         format,
-    /// #         usage: lumivox::wgpu::TextureUsages::TEXTURE_BINDING,
-    /// #         view_formats: &[],
-    /// #     });
-    /// #     texture.create_view(&Default::default())
-    /// # };
-    /// # let depth = texture(Depth32Float);
-    /// # let [normals, diffuse, specular, emission] = [Rgba16Float; 4].map(texture);
-    /// # let clip_from_world = Mat4::IDENTITY;
-    /// # let position = Vec3::ZERO;
-    /// let settings = TraceSettings::default();
-    /// let targets = gi.targets(size, settings.resolution);
-    /// let mut view = CameraView::new(clip_from_world, position, size);
-    /// let views = GBufferViews {
-    ///     depth: &depth,
-    ///     normals: &normals,
-    ///     diffuse: &diffuse,
-    ///     specular: &specular,
-    ///     emission: &emission,
-    ///     motion: None,
-    /// };
-    /// let gbuffer = gi.bind_gbuffer(views, view);
-    /// for frame in 0..2 {
-    ///     view.previous_clip_from_world = view.clip_from_world;
-    ///     view.frame = frame;
-    ///     gbuffer.set_camera(&queue, view);
-    ///     let mut encoder = device.create_command_encoder(&Default::default());
-    ///     // The engine's G-buffer pass, then the cones, then its shading, which reads the targets.
-    ///     let mut recorder = Recorder::on(&device, &queue, &mut encoder);
-    ///     gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
-    ///     drop(recorder);
-    ///     queue.submit([encoder.finish()]);
-    /// }
-    /// # Ok::<(), lumivox::GiError>(())
-    /// # }).unwrap();
-    /// ```
-    ///
-    /// # Errors
-    /// [`GiError::Setting`] when a setting is out of range.
-    pub fn trace(
-        &self,
-        recorder: &mut Recorder,
-        gbuffer: &GBuffer,
-        lights: &Lights,
-        settings: &TraceSettings,
-        targets: &TraceTargets,
-    ) -> Result<(), GiError> {
-        settings.validate()?;
-        if targets.resolution() == TraceResolution::Half {
-            self.prepare_half()?;
-        }
-        let cones = (settings, self.cone_values);
-        let resolution = targets.resolution();
-        let voxel_size_m = self.config.grid.voxel_size_m;
-        let screen = ScreenSettings::new(cones, resolution, voxel_size_m, self.bounces);
-        let bound = Bound { globals: self.volume.globals(), lights: &lights.group, gbuffer };
-        self.tracer.run(recorder, &bound, targets, &screen);
-        Ok(())
     }
 
     /// The shader modules, with `package::volume` standing for this object's volume: link your own shaders

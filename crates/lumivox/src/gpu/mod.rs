@@ -30,7 +30,8 @@ pub use passes::{ComputePass, RenderPass};
 pub use pipelines::Pipelines;
 pub use recorder::{Recorder, StageTime, Timing};
 pub use resources::{
-    BindGroup, Buffer, BufferHandle, Kept, LiveResources, Texture, TextureView, ViewHandle,
+    BindGroup, Buffer, BufferHandle, Kept, LiveResources, MadeResources, Texture, TextureView,
+    ViewHandle,
 };
 pub use scan::{BoundScan, Scan};
 pub(crate) use scan::{SCAN_ITEMS, SCAN_WORKGROUP_SIZE};

@@ -59,6 +59,33 @@ pub struct LiveResources {
     pub buffer_bytes: u64,
 }
 
+/// What this library and those who use its types have made so far on all devices: it only grows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct MadeResources {
+    /// Buffers.
+    pub buffers: u64,
+    /// Textures.
+    pub textures: u64,
+    /// Bind groups.
+    pub bind_groups: u64,
+}
+
+static BUFFERS_MADE: AtomicU64 = AtomicU64::new(0);
+static TEXTURES_MADE: AtomicU64 = AtomicU64::new(0);
+static BIND_GROUPS_MADE: AtomicU64 = AtomicU64::new(0);
+
+impl MadeResources {
+    /// What was made until now.
+    pub fn now() -> Self {
+        Self {
+            buffers: BUFFERS_MADE.load(Ordering::Relaxed),
+            textures: TEXTURES_MADE.load(Ordering::Relaxed),
+            bind_groups: BIND_GROUPS_MADE.load(Ordering::Relaxed),
+        }
+    }
+}
+
 static BUFFERS: AtomicU64 = AtomicU64::new(0);
 static TEXTURES: AtomicU64 = AtomicU64::new(0);
 static BUFFER_BYTES: AtomicU64 = AtomicU64::new(0);
@@ -84,6 +111,7 @@ impl Buffer {
     /// handles become useless.
     pub fn own(buffer: wgpu::Buffer) -> Self {
         BUFFERS.fetch_add(1, Ordering::Relaxed);
+        BUFFERS_MADE.fetch_add(1, Ordering::Relaxed);
         BUFFER_BYTES.fetch_add(buffer.size(), Ordering::Relaxed);
         Self(Arc::new(OwnBuffer(buffer)))
     }
@@ -115,6 +143,7 @@ impl Texture {
     /// handles become useless.
     pub fn own(texture: wgpu::Texture) -> Self {
         TEXTURES.fetch_add(1, Ordering::Relaxed);
+        TEXTURES_MADE.fetch_add(1, Ordering::Relaxed);
         Self(Arc::new(OwnTexture(texture)))
     }
 
@@ -161,6 +190,7 @@ impl Deref for TextureView {
 
 impl BindGroup {
     pub(super) fn new(group: wgpu::BindGroup, kept: Vec<Kept>) -> Self {
+        BIND_GROUPS_MADE.fetch_add(1, Ordering::Relaxed);
         Self { group, kept: kept.into() }
     }
 

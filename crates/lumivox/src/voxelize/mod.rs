@@ -31,6 +31,7 @@
 //! million shares below the unit still add up.
 
 mod batch;
+mod frames;
 mod hook;
 mod input;
 mod kernels;

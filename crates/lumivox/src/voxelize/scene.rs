@@ -8,61 +8,56 @@
 use super::batch::Fallbacks;
 use super::input::{self, ShareInput, ShareKey};
 use super::share::{Share, ShareCounts, Work};
-use super::union::{
-    Moving, NO_ROOM_FOR_VOXELS, Union, Verdict, new_list, renew, resized_list, resolve_fixed,
-};
+use super::union::{Moving, Union, Verdict, new_list, renew, resized_list, resolve_fixed};
 use super::{FRONT_WORDS, VoxelizeStats, Voxelizer};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LateReads, Memory, Pipelines, Recorder, StageTime, Timing,
     read_buffer, storage_buffer, uniform_buffer,
 };
-use crate::voxels::{FaceRecord, VoxelList, count_bytes, level_first_word};
+use crate::voxels::{FaceRecord, VoxelList, level_first_word};
 use crate::{Geometry, GiError, Grid};
-
-/// Voxels that dynamic surface is given room for before it is known how many it touches.
-const FIRST_VOXELS: u64 = 4096;
 
 /// The voxels of a scene, and what is kept to make them again when some of its triangles have moved.
 #[derive(Debug)]
 pub struct VoxelizedScene {
-    grid: Grid,
+    pub(super) grid: Grid,
     /// Group 0.
-    globals: BindGroup,
-    fallbacks: Fallbacks,
-    fixed: Option<Fixed>,
-    moving: Option<Share>,
-    union: Option<Union>,
+    pub(super) globals: BindGroup,
+    pub(super) fallbacks: Fallbacks,
+    pub(super) fixed: Option<Fixed>,
+    pub(super) moving: Option<Share>,
+    pub(super) union: Option<Union>,
     /// Whether the union is bound to the shares and the list as they are.
-    is_bound: bool,
-    list: Option<VoxelList>,
+    pub(super) is_bound: bool,
+    pub(super) list: Option<VoxelList>,
     /// A bit per cell, laid out as the list's occupancy: cells of another surface than before. Whoever follows the list
     /// clears them.
-    changed: Buffer,
+    pub(super) changed: Buffer,
     /// The verdicts and counts of recorded voxelizations.
-    late: Option<LateReads>,
-    /// The last verdict that was heard of: there was no room.
-    lacks_room: bool,
-    rebuild: Option<Rebuild>,
+    pub(super) late: Option<LateReads>,
+    /// The last verdict that was heard of is that there is no room, or none was heard yet.
+    pub(super) lacks_room: bool,
+    pub(super) rebuild: Option<Rebuild>,
 }
 
 /// Static surface.
 #[derive(Debug)]
-struct Fixed {
-    key: ShareKey,
+pub(super) struct Fixed {
+    pub(super) key: ShareKey,
     /// Nothing where nothing moves: then nobody would ask for it.
-    share: Option<Share>,
-    faces: u64,
-    counts: ShareCounts,
+    pub(super) share: Option<Share>,
+    pub(super) faces: u64,
+    pub(super) counts: ShareCounts,
 }
 
 /// Static surface that is on its way, a step at a time, while the list stays what it was.
 #[derive(Debug)]
-struct Rebuild {
-    key: ShareKey,
-    share: Share,
+pub(super) struct Rebuild {
+    pub(super) key: ShareKey,
+    pub(super) share: Share,
     /// Once its voxels are counted.
-    voxels: Option<u64>,
-    reads: LateReads,
+    pub(super) voxels: Option<u64>,
+    pub(super) reads: LateReads,
 }
 
 /// A list that is about to be taken.
@@ -104,7 +99,7 @@ impl VoxelizedScene {
             list: None,
             changed: storage_buffer(device, "changed", words * 4),
             late: None,
-            lacks_room: false,
+            lacks_room: true,
             rebuild: None,
         }
     }
@@ -135,7 +130,7 @@ impl VoxelizedScene {
     }
 
     /// How it stands.
-    fn frame(&self, is_late: bool) -> FrameVoxels {
+    pub(super) fn frame(&self, is_late: bool) -> FrameVoxels {
         let list = self.list.as_ref();
         FrameVoxels {
             is_late,
@@ -145,12 +140,12 @@ impl VoxelizedScene {
     }
 
     /// The shares: static and dynamic.
-    fn shares(&self) -> [Option<&Share>; 2] {
+    pub(super) fn shares(&self) -> [Option<&Share>; 2] {
         [self.fixed.as_ref().and_then(|fixed| fixed.share.as_ref()), self.moving.as_ref()]
     }
 
     /// Whether static draws are what they were, and what was found of them is there.
-    fn has_fixed(&self, method: &str, geometry: &Geometry) -> bool {
+    pub(super) fn has_fixed(&self, method: &str, geometry: &Geometry) -> bool {
         self.fixed.as_ref().is_some_and(|fixed| {
             fixed.share.is_some() && fixed.key.is_of(method, geometry, &self.grid)
         })
@@ -158,19 +153,13 @@ impl VoxelizedScene {
 }
 
 /// Room for a number that grows: a quarter to spare.
-fn with_spare(count: u64) -> u64 {
+pub(super) fn with_spare(count: u64) -> u64 {
     count + count / 4 + 64
 }
 
 /// Room for the sums of faces with their fronts, in faces, as `verdict.wgsl` counts it.
-fn sums_for(faces: u64, fronts: u64) -> u64 {
+pub(super) fn sums_for(faces: u64, fronts: u64) -> u64 {
     faces + (fronts * u64::from(FRONT_WORDS) * 4).div_ceil(size_of::<FaceRecord>() as u64)
-}
-
-/// The most nodes that so many voxels can have in all levels.
-fn most_nodes(grid: &Grid, voxels: u64) -> u64 {
-    let cells = |level| grid.level_dimensions(level).as_u64vec3().element_product();
-    (0..grid.levels).map(|level| voxels.min(cells(level))).sum()
 }
 
 impl Voxelizer {
@@ -379,85 +368,7 @@ impl Voxelizer {
         Ok(stats)
     }
 
-    /// Records the voxelization of what moves, and returns without waiting.
-    ///
-    /// The list is the same as that of [`Self::voxelize`], unless there is no room for it: then it stays what it was, and a
-    /// few frames later, when that is known here, there is. Static draws that are not what they were take a few frames, too.
-    pub(crate) fn record(
-        &self,
-        recorder: &mut Recorder<'_>,
-        scene: &mut VoxelizedScene,
-        geometry: &Geometry,
-        follow: &mut dyn FnMut(&mut Recorder<'_>, Taken<'_>),
-    ) -> Result<FrameVoxels, GiError> {
-        input::check_materials(geometry)?;
-        let (device, grid) = (recorder.device().clone(), scene.grid);
-        let limits = device.limits();
-        let moving_input = ShareInput::new(geometry, false, &grid, &limits)?;
-        let emission_scale = input::emission_scale(geometry);
-        recorder.stage("voxelize");
-        let globals = scene.globals.clone();
-        let mut work = self.work(recorder, &device, &grid, &globals);
-        let work = &mut work;
-        let mut is_late = self.hear(work, scene)?;
-        let mut replaced = (false, None);
-        if !ShareKey::is_needed(geometry) {
-            scene.rebuild = None;
-            if scene.fixed.is_some() {
-                replaced = self.replace(work, scene, None)?;
-            }
-        } else if !scene.has_fixed(self.method, geometry) {
-            is_late = true;
-            if let Some(fixed) = self.rebuild(work, scene, geometry)? {
-                replaced = self.replace(work, scene, Some(fixed))?;
-                is_late = false;
-            }
-        }
-        self.mark_moving(work, scene, &moving_input, geometry)?;
-        if scene.moving.is_none() && !replaced.0 {
-            return Ok(scene.frame(is_late));
-        }
-        if scene.union.is_none() || scene.list.is_none() {
-            let fixed = scene.fixed.take();
-            replaced = self.replace(work, scene, fixed)?;
-        }
-        if let Some(moving) = &mut scene.moving
-            && moving.capacity()[0] == 0
-        {
-            moving.make_room(work, FIRST_VOXELS)?;
-            scene.is_bound = false;
-        }
-        let Some(mut union) = scene.union.take() else { return Ok(scene.frame(is_late)) };
-        if let Some(moving) = &mut scene.moving
-            && (moving.capacity()[1] == 0 || replaced.0)
-        {
-            let capacity = moving.capacity();
-            let sums = capacity[1].max(2 * capacity[0]);
-            moving.make_room_for_sums(work, sums, union.verdict())?;
-            scene.is_bound = false;
-        }
-        if !scene.is_bound {
-            union.bind_shares(work, scene.shares());
-            union.bind_voxels(work, scene.shares())?;
-        }
-        union.merge(work);
-        if let Some(moving) = &scene.moving {
-            moving.collect_lobes(work);
-        }
-        union.unite(work);
-        scene.union = Some(union);
-        let (is_new, replaced) = replaced;
-        self.take(work, scene, (is_new, replaced.as_ref()), emission_scale, follow)?;
-        let bytes = size_of::<Verdict>() as u64 + count_bytes(grid.levels);
-        let late = scene.late.get_or_insert_with(|| LateReads::new(&device, bytes));
-        if let Some((union, list)) = scene.union.as_ref().zip(scene.list.as_ref()) {
-            let verdict = (union.verdict(), 0, size_of::<Verdict>() as u64);
-            late.record(work.recorder, &[verdict, (&list.counts, 0, list.counts.size())]);
-        }
-        Ok(scene.frame(is_late))
-    }
-
-    fn work<'a, 'r>(
+    pub(super) fn work<'a, 'r>(
         &'a self,
         recorder: &'a mut Recorder<'r>,
         device: &'a wgpu::Device,
@@ -469,7 +380,7 @@ impl Voxelizer {
     }
 
     /// Marks the voxels of what moves, if anything ever did.
-    fn mark_moving(
+    pub(super) fn mark_moving(
         &self,
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
@@ -488,7 +399,7 @@ impl Voxelizer {
     }
 
     /// The list from what was collected, if there is room.
-    fn take(
+    pub(super) fn take(
         &self,
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
@@ -521,125 +432,6 @@ impl Voxelizer {
         scene.union = Some(union);
         scene.is_bound = true;
         Ok(())
-    }
-
-    /// Takes what the GPU has told of earlier recordings, and makes the room that lacked. Whether any did is returned.
-    fn hear(&self, work: &mut Work<'_, '_>, scene: &mut VoxelizedScene) -> Result<bool, GiError> {
-        let device = work.memory.device();
-        let Some(words) = scene.late.as_mut().and_then(|late| late.latest(device)) else {
-            return Ok(scene.lacks_room);
-        };
-        let (verdict, counts) = words.split_at(size_of::<Verdict>() / 4);
-        let verdict: Verdict = bytemuck::pod_read_unaligned(bytemuck::cast_slice(verdict));
-        if let Some(list) = &mut scene.list {
-            list.know(counts);
-        }
-        scene.lacks_room = verdict.no_room != 0;
-        let (Some(moving), Some(list), Some(union)) =
-            (&mut scene.moving, &scene.list, &scene.union)
-        else {
-            return Ok(scene.lacks_room);
-        };
-        let [voxels, sums] = moving.capacity();
-        let room = [list.node_capacity(), list.face_capacity()];
-        let fixed = scene.fixed.as_ref().map_or(0, |fixed| fixed.faces);
-        let mut needed_sums = u64::from(verdict.sums);
-        let mut needed_faces = u64::from(verdict.moving_faces);
-        if verdict.no_room & NO_ROOM_FOR_VOXELS != 0 {
-            let needed = u64::from(verdict.moving_voxels);
-            // Of what is in them nothing is known yet.
-            (needed_sums, needed_faces) = (2 * needed, 2 * needed);
-            if voxels < needed {
-                moving.make_room(work, with_spare(needed))?;
-                scene.is_bound = false;
-            }
-        }
-        if sums < needed_sums {
-            moving.make_room_for_sums(work, with_spare(needed_sums), union.verdict())?;
-            scene.is_bound = false;
-        }
-        let needed = [u64::from(verdict.nodes), fixed + needed_faces];
-        if room[0] < needed[0] || room[1] < needed[1] {
-            let nodes = room[0].max(with_spare(needed[0]));
-            let faces = room[1].max(fixed + with_spare(needed_faces));
-            scene.list = Some(resized_list(work, list, nodes, faces)?);
-            scene.is_bound = false;
-        }
-        Ok(scene.lacks_room)
-    }
-
-    /// Goes on with static surface that is not what it was, a step a call. Once it is there, it is returned.
-    fn rebuild(
-        &self,
-        work: &mut Work<'_, '_>,
-        scene: &mut VoxelizedScene,
-        geometry: &Geometry,
-    ) -> Result<Option<Fixed>, GiError> {
-        let (device, grid) = (work.memory.device(), work.grid);
-        let is_current = |rebuild: &Rebuild| rebuild.key.is_of(self.method, geometry, grid);
-        let Some(mut rebuild) = scene.rebuild.take().filter(is_current) else {
-            let input = ShareInput::new(geometry, true, grid, &device.limits())?;
-            let mut share = Share::new(work)?;
-            share.bind(work, &scene.fallbacks, &input, geometry)?;
-            share.mark(work, input.draws());
-            let sources = share.marked_counts();
-            let mut reads = LateReads::new(device, sources.iter().map(|source| source.2).sum());
-            reads.record(work.recorder, &sources);
-            let key = ShareKey::new(self.method, geometry, grid);
-            scene.rebuild = Some(Rebuild { key, share, voxels: None, reads });
-            return Ok(None);
-        };
-        let Some(words) = rebuild.reads.latest(device) else {
-            scene.rebuild = Some(rebuild);
-            return Ok(None);
-        };
-        let share = &mut rebuild.share;
-        if rebuild.voxels.is_none() {
-            let voxels = share.take_marked(&words)?;
-            share.make_room(work, voxels)?;
-            share.collect_lobes(work);
-            let sources = share.lobed_counts(voxels);
-            rebuild.reads = LateReads::new(device, sources.iter().map(|source| source.2).sum());
-            rebuild.reads.record(work.recorder, &sources);
-            rebuild.voxels = Some(voxels);
-            scene.rebuild = Some(rebuild);
-            return Ok(None);
-        }
-        let [faces, fronts] = share.take_lobed(&words);
-        let verdict = Verdict::of_fronts(fronts);
-        let verdict = uniform_buffer(device, "verdict", &verdict);
-        share.make_room_for_sums(work, sums_for(faces, fronts), &verdict)?;
-        share.sum_up(work);
-        let Rebuild { key, share, .. } = rebuild;
-        let counts = share.counts;
-        Ok(Some(Fixed { key, share: Some(share), faces, counts }))
-    }
-
-    /// Puts other static surface, or none, in the place of that so far, with a list of its own. That it is new, and the
-    /// list so far, are returned.
-    fn replace(
-        &self,
-        work: &mut Work<'_, '_>,
-        scene: &mut VoxelizedScene,
-        fixed: Option<Fixed>,
-    ) -> Result<(bool, Option<VoxelList>), GiError> {
-        let share = fixed.as_ref().and_then(|fixed| fixed.share.as_ref());
-        let voxels = share.map_or(0, |share| share.capacity()[0]);
-        let faces = fixed.as_ref().map_or(0, |fixed| fixed.faces);
-        let moving = scene.moving.as_ref().map_or(FIRST_VOXELS, |moving| moving.capacity()[0]);
-        // What moves has had room so far.
-        let so_far = scene.list.as_ref().map_or(0, VoxelList::face_capacity);
-        let before = scene.fixed.as_ref().map_or(0, |fixed| fixed.faces);
-        let moving_faces = so_far.saturating_sub(before).max(2 * moving);
-        let union = Union::new(work)?;
-        let nodes = most_nodes(work.grid, voxels + moving);
-        let list = new_list(work, nodes, faces + moving_faces)?;
-        scene.union = Some(union);
-        scene.fixed = fixed;
-        scene.is_bound = false;
-        // What is told of the list so far says nothing of this one.
-        (scene.late, scene.lacks_room) = (None, false);
-        Ok((true, scene.list.replace(list)))
     }
 }
 

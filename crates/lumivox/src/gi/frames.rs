@@ -1,0 +1,78 @@
+//! The calls of a frame that waits for nothing.
+
+use super::{Gi, follow};
+use crate::cones::TraceSettings;
+use crate::gpu::Recorder;
+use crate::light::Lights;
+use crate::volume::VolumeKind;
+use crate::voxelize::{FrameVoxels, Taken};
+use crate::{Geometry, GiError};
+
+impl Gi {
+    /// Records the voxelization of dynamic draws into the caller's frame, without waiting for the GPU: for engines, in
+    /// each frame in which something has moved. [`Self::light_frame`] goes with it.
+    ///
+    /// The result has the same bits as that of [`Self::voxelize_dynamic`]. If there is no room for all that has moved into
+    /// the grid, the voxels stay what they were: how much room is needed is known a few frames later, and then there is. New static
+    /// draws take a few frames, too. [`FrameVoxels::is_late`] tells. Once everything has room, no buffer and no bind group is made.
+    ///
+    /// Transforms are set for what is recorded here, vertices are read when it runs: submit the encoders in the order in
+    /// which they were recorded.
+    ///
+    /// # Errors
+    /// [`GiError::Geometry`] when draws and buffers contradict each other, [`GiError::Limit`] when the room that is needed
+    /// does not fit the device, [`GiError::Setting`] with an octree, which only calls that wait can rebuild. The voxels stay
+    /// what they were.
+    pub fn voxelize_frame(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        geometry: &Geometry,
+    ) -> Result<FrameVoxels, GiError> {
+        if matches!(self.config.volume, VolumeKind::Octree(_)) {
+            return Err(GiError::Setting {
+                name: "volume",
+                value: "octree".to_owned(),
+                expected: "dense: an octree is only rebuilt by calls that wait for the GPU \
+                           (voxelize_dynamic)"
+                    .to_owned(),
+            });
+        }
+        self.changes.begin(recorder);
+        let Self { device, voxelizer, scene, volume, changes, lighting, .. } = self;
+        let mut is_taken = false;
+        let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
+            is_taken = true;
+            follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
+        };
+        let frame = voxelizer.record(recorder, scene, geometry, follow)?;
+        if is_taken {
+            self.follow_taken(recorder);
+        }
+        Ok(frame)
+    }
+
+    /// Lights the voxels in the caller's frame, from what the last call of this or of [`Self::light`] has left: direct
+    /// light, where lights or surfaces have changed, and one gather. Light travels one bounce a frame, and converges to
+    /// what [`Self::light`] gives with very many bounces. Some 32 gathers after the last change it has settled, and nothing is
+    /// recorded any more.
+    ///
+    /// `faces_per_frame` is the most faces that gather in a frame; `None`: all. With fewer than there are they take
+    /// turns, in the same order in every run.
+    ///
+    /// # Errors
+    /// [`GiError::Setting`] when a setting is out of range.
+    pub fn light_frame(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        lights: &Lights,
+        faces_per_frame: Option<u32>,
+        settings: &TraceSettings,
+    ) -> Result<(), GiError> {
+        settings.validate()?;
+        self.bounces = u32::MAX;
+        let volume = (&mut self.volume, &mut self.changes);
+        let cones = (settings, self.cone_values);
+        self.lighting.step(recorder, volume, lights, faces_per_frame, cones);
+        Ok(())
+    }
+}

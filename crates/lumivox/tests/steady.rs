@@ -1,0 +1,64 @@
+//! Frames of an animation make nothing and wait for nothing. In a program of its own, since what is made is counted for
+//! all that runs in it.
+
+#[path = "it/common/mod.rs"]
+mod common;
+
+use glam::{Mat4, Vec3};
+use lumivox::gpu::{MadeResources, Recorder, Timing, storage_buffer};
+use lumivox::{
+    Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, Shadow, SurfaceMaterial,
+    TraceSettings,
+};
+
+/// A quad over x and z, facing up.
+const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+
+fn lamp(position: Vec3) -> Light {
+    let source =
+        LightSource::Point { position, intensity: Vec3::ONE, radius_m: 0.02, range_m: None };
+    Light { source, shadow: Shadow::Cone }
+}
+
+/// 300 frames: a lamp and a plate move; each is recorded into an encoder of the caller's, and none is waited for.
+#[test]
+fn a_steady_frame_makes_nothing() {
+    let (device, queue) = common::device();
+    let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO).expect("it fits");
+    let mut gi = Gi::with_pipelines(&device, &queue, GiConfig::new(grid)).expect("a device");
+    let positions = storage_buffer(&device, "positions", size_of_val(&CORNERS) as u64);
+    queue.write_buffer(&positions, 0, bytemuck::cast_slice(&CORNERS));
+    let order = [0_u32, 1, 2, 0, 2, 3];
+    let indices = storage_buffer(&device, "indices", size_of_val(&order) as u64);
+    queue.write_buffer(&indices, 0, bytemuck::cast_slice(&order));
+    let mut draws = vec![Draw::new(0, 6, 0), Draw::new(0, 6, 0)];
+    draws[0].is_static = true;
+    let batch =
+        GeometryBatch::new(wgpu::Buffer::clone(&positions), wgpu::Buffer::clone(&indices), draws);
+    let mut geometry =
+        Geometry { batches: vec![batch], materials: vec![SurfaceMaterial::default()] };
+    let mut lights = gi.bind_lights(&[lamp(Vec3::splat(0.5))], Vec3::ZERO, None);
+    let settings = TraceSettings::default();
+    pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+    let mut made = MadeResources::now();
+    for frame in 0..320 {
+        let time = frame as f32 / 320.0;
+        let place = Vec3::new(0.3 * time, 0.2 + 0.5 * time, 0.2);
+        geometry.batches[0].draws[1].world_from_local =
+            Mat4::from_translation(place) * Mat4::from_scale(Vec3::splat(0.5));
+        lights.update(&queue, &[lamp(Vec3::new(0.5, 0.9 - 0.3 * time, 0.5))], Vec3::ZERO, None);
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut recorder = Recorder::on(&device, &queue, &mut encoder);
+        gi.voxelize_frame(&mut recorder, &geometry).expect("it fits");
+        gi.light_frame(&mut recorder, &lights, Some(200), &settings).expect("valid");
+        drop(recorder);
+        queue.submit([encoder.finish()]);
+        // The first frames may find that there is too little room.
+        if frame == 19 {
+            made = MadeResources::now();
+        }
+    }
+    assert_eq!(MadeResources::now(), made, "300 frames have made something");
+    device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
+    assert!(gi.voxels().is_some_and(|list| list.voxel_count() > 100));
+}
