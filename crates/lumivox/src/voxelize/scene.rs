@@ -152,9 +152,9 @@ impl VoxelizedScene {
     }
 }
 
-/// Room for a number that grows: a quarter to spare.
+/// Room for a number that grows: a quarter to spare, and a thousand, so that little things need no more when they turn.
 pub(super) fn with_spare(count: u64) -> u64 {
-    count + count / 4 + 64
+    count + count / 4 + 1024
 }
 
 /// Room for the sums of faces with their fronts, in faces, as `verdict.wgsl` counts it.
