@@ -1,33 +1,97 @@
 //! Lumivox in an engine of its own: own triangles, own G-buffer, own shading, no other crate of the project.
 //!
-//! `cargo run --release -p lumivox --example own_engine -- [picture.png]` renders a room with a point light
-//! into a corner of which light only gets by bouncing.
+//! `cargo run --release -p lumivox --example own_engine -- [picture.png] [--json]` renders 300 frames of a room in which a
+//! lamp and a screen move, and saves the last one. The engine records each frame into an encoder of its own and never
+//! waits. Then it prints what a frame took, what it made (nothing), and the time of each stage of one more frame.
 
 mod raster;
 
-use glam::{UVec2, Vec3};
-use lumivox::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Timing};
+use std::time::Instant;
+
+use glam::{Mat4, UVec2, Vec3};
+use lumivox::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, MadeResources, Recorder, StageTime, Timing,
+};
 use lumivox::gpu::{open_device, read_buffer, storage_buffer};
 use lumivox::{
     CameraView, Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, Shadow,
     SurfaceMaterial, TraceSettings,
 };
-use raster::{Mesh, Raster};
+use raster::{Camera, Mesh, Raster};
 
 const SIZE: UVec2 = UVec2::new(480, 360);
-const FRAMES: u32 = 16;
+const FRAMES: u32 = 300;
+/// Frames in which buffers may still grow.
+const FIRST_FRAMES: u32 = 20;
+/// Of some 20 000.
+const FACES_PER_FRAME: u32 = 5000;
 
 type Failure = Box<dyn std::error::Error>;
 
 fn main() -> Result<(), Failure> {
-    let path = std::env::args().nth(1).unwrap_or_else(|| "own_engine.png".to_owned());
-    let pixels = pollster::block_on(render())?;
-    image::save_buffer(&path, &pixels, SIZE.x, SIZE.y, image::ColorType::Rgb8)?;
-    println!("{path}");
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let path = arguments.iter().find(|argument| !argument.starts_with("--"));
+    let path = path.map_or("own_engine.png", String::as_str);
+    let (pixels, report) = pollster::block_on(render())?;
+    image::save_buffer(path, &pixels, SIZE.x, SIZE.y, image::ColorType::Rgb8)?;
+    if arguments.iter().any(|argument| argument == "--json") {
+        println!("{}", report.json());
+    } else {
+        println!("{path}\n{}", report.text());
+    }
     Ok(())
 }
 
-async fn render() -> Result<Vec<u8>, Failure> {
+/// What the frames took.
+struct Report {
+    /// Of one frame on the average, ms: until it was recorded, and until the GPU was done.
+    recording_ms: f64,
+    frame_ms: f64,
+    /// What was made after the first frames.
+    made: u64,
+    stages: Vec<StageTime>,
+}
+
+impl Report {
+    /// Milliseconds by stage, in the order in which they ran.
+    fn by_stage(&self) -> Vec<(&'static str, f64)> {
+        let mut sums: Vec<(&'static str, f64)> = Vec::new();
+        for time in &self.stages {
+            let ms = time.duration.as_secs_f64() * 1e3;
+            match sums.iter_mut().find(|(stage, _)| *stage == time.stage) {
+                Some((_, sum)) => *sum += ms,
+                None => sums.push((time.stage, ms)),
+            }
+        }
+        sums
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!(
+            "{FRAMES} frames: {:.1} ms each, of which recording {:.1} ms; {} buffers, textures and bind groups made after \
+             the first {FIRST_FRAMES}\n",
+            self.frame_ms, self.recording_ms, self.made
+        );
+        for (stage, ms) in self.by_stage() {
+            text += &format!("  {stage:10} {ms:8.2} ms\n");
+        }
+        text
+    }
+
+    fn json(&self) -> String {
+        let stages = self.by_stage().into_iter().map(|(stage, ms)| format!("\"{stage}\": {ms:.3}"));
+        format!(
+            "{{\"frames\": {FRAMES}, \"frame_ms\": {:.3}, \"recording_ms\": {:.3}, \"made\": {}, \
+             \"stages_ms\": {{{}}}}}",
+            self.frame_ms,
+            self.recording_ms,
+            self.made,
+            stages.collect::<Vec<_>>().join(", ")
+        )
+    }
+}
+
+async fn render() -> Result<(Vec<u8>, Report), Failure> {
     // WebGPU's default limits are all that Lumivox needs.
     let (device, queue) = open_device().await?;
 
@@ -40,30 +104,22 @@ async fn render() -> Result<Vec<u8>, Failure> {
     let grid = Grid::fit(min, max, 64, Vec3::ZERO)?;
     let config = GiConfig::new(grid);
     let mut gi = Gi::new(&device, &queue, config)?;
-    let draws = (0..mesh.colors.len() as u32).map(|quad| Draw::new(6 * quad, 6, quad));
+    // What never moves is walked once.
+    let draw = |quad| Draw { is_static: quad < mesh.first_moving, ..Draw::new(6 * quad, 6, quad) };
+    let draws = (0..mesh.colors.len() as u32).map(draw);
     let (positions, indices) = raster.geometry();
     let batch = GeometryBatch::new(positions, indices, draws.collect());
     let materials = mesh.colors.iter().map(|color| SurfaceMaterial {
         reflectance: color.extend(1.0),
         ..SurfaceMaterial::default()
     });
-    let geometry = Geometry { batches: vec![batch], materials: materials.collect() };
+    let mut geometry = Geometry { batches: vec![batch], materials: materials.collect() };
     let voxelized = gi.voxelize(&geometry, Timing::Off).await?;
     println!("{} voxels, {} faces", voxelized.stats.voxels, voxelized.stats.faces);
 
     // One light; its shadows come from cones through the voxels, so no shadow map is needed.
-    let lamp = LightSource::Point {
-        position: Vec3::new(-0.6, 1.6, 0.3),
-        intensity: Vec3::splat(2.0),
-        radius_m: 0.05,
-        range_m: None,
-    };
-    let lamp = Light { source: lamp, shadow: Shadow::Cone };
-    let lights = gi.bind_lights(&[lamp], Vec3::ZERO, None);
-    let mut recorder = Recorder::new(&device, &queue);
+    let mut lights = gi.bind_lights(&[lamp_at(0.0)], Vec3::ZERO, None);
     let settings = TraceSettings::default();
-    gi.light(&mut recorder, &lights, 4, &settings)?;
-    recorder.submit();
 
     // The camera and the G-buffer.
     let position = Vec3::new(0.0, 1.0, 3.6);
@@ -93,22 +149,70 @@ async fn render() -> Result<Vec<u8>, Failure> {
         .buffer(&picture)
         .build(&device, "shade");
 
+    let start = Instant::now();
+    let mut recording = 0.0;
+    let mut made = MadeResources::now();
     for frame in 0..FRAMES {
+        let frame_start = Instant::now();
+        let time = frame as f32 / 60.0;
         view.frame = frame;
         gbuffer.set_camera(&queue, view);
+        lights.update(&queue, &[lamp_at(time)], Vec3::ZERO, None);
+        for draw in geometry.batches[0].draws.iter_mut().filter(|draw| !draw.is_static) {
+            draw.world_from_local = screen_at(time);
+        }
         // One encoder a frame: the engine's passes and Lumivox's.
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        raster.draw(&mut encoder, &queue, view.clip_from_world);
+        let camera = Camera::new(view.clip_from_world, screen_at(time));
+        raster.draw(&mut encoder, &queue, camera);
         let mut recorder = Recorder::on(&device, &queue, &mut encoder);
+        gi.voxelize_frame(&mut recorder, &geometry)?;
+        gi.light_frame(&mut recorder, &lights, Some(FACES_PER_FRAME), &settings)?;
         gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
         let groups = [gi.globals(), &group, &lights.group, &gbuffer.group];
         shade.run(&mut recorder, &groups, [SIZE.x, SIZE.y, 1]);
         drop(recorder);
         queue.submit([encoder.finish()]);
+        recording += frame_start.elapsed().as_secs_f64();
+        if frame == FIRST_FRAMES {
+            made = MadeResources::now();
+        }
     }
+    let now = MadeResources::now();
+    let made = now.buffers + now.textures + now.bind_groups
+        - (made.buffers + made.textures + made.bind_groups);
 
     let picture: Vec<[f32; 4]> = read_buffer(&device, &queue, &picture, 0..bytes).await?;
-    Ok(picture.iter().flat_map(|pixel| [pixel[0], pixel[1], pixel[2]].map(srgb)).collect())
+    let frame_ms = start.elapsed().as_secs_f64() * 1e3 / f64::from(FRAMES);
+    let pixels = picture.iter().flat_map(|pixel| [pixel[0], pixel[1], pixel[2]].map(srgb));
+
+    // The time of each stage, of a frame that a recorder of its own submits: an engine's encoder has none.
+    lights.update(&queue, &[lamp_at(FRAMES as f32 / 60.0)], Vec3::ZERO, None);
+    let mut recorder = Recorder::with_timing(&device, &queue, Timing::for_device(&device));
+    gi.voxelize_frame(&mut recorder, &geometry)?;
+    gi.light_frame(&mut recorder, &lights, Some(FACES_PER_FRAME), &settings)?;
+    gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
+    let stages = recorder.finish().await?;
+    let recording_ms = recording * 1e3 / f64::from(FRAMES);
+    Ok((pixels.collect(), Report { recording_ms, frame_ms, made, stages }))
+}
+
+/// The lamp, on a circle below the ceiling.
+fn lamp_at(time: f32) -> Light {
+    let (sine, cosine) = (0.9 * time).sin_cos();
+    let source = LightSource::Point {
+        position: Vec3::new(-0.3 - 0.3 * cosine, 1.6, 0.3 + 0.4 * sine),
+        intensity: Vec3::splat(2.0),
+        radius_m: 0.05,
+        range_m: None,
+    };
+    Light { source, shadow: Shadow::Cone }
+}
+
+/// The screen, which slides and turns.
+fn screen_at(time: f32) -> Mat4 {
+    let slide = Vec3::new(0.25 * (1.3 * time).sin(), 0.0, 0.1);
+    Mat4::from_translation(slide) * Mat4::from_rotation_y(0.25 * time.sin())
 }
 
 /// The sRGB encoding of a linear value: IEC 61966-2-1.
@@ -131,6 +235,7 @@ fn room() -> Mesh {
     mesh.quad(corner, y, z, red); // left
     mesh.quad(corner + x, z, y, blue); // right
     // The screen: a thin box, its front sides outside.
+    mesh.first_moving = mesh.colors.len() as u32;
     let (low, size) = (Vec3::new(0.15, 0.0, -0.5), Vec3::new(0.04, 1.3, 1.2));
     let (sx, sy, sz) = (Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z);
     mesh.quad(low, sz, sy, white);

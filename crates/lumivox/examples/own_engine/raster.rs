@@ -12,6 +12,25 @@ pub struct Mesh {
     indices: Vec<u16>,
     /// Albedo of each quad.
     pub colors: Vec<Vec3>,
+    /// The first quad of those that move.
+    pub first_moving: u32,
+}
+
+/// What a frame draws with.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub struct Camera {
+    pub clip_from_world: Mat4,
+    /// Of the quads that move.
+    pub world_from_moving: Mat4,
+    /// Set by the pass.
+    first_moving: [u32; 4],
+}
+
+impl Camera {
+    pub fn new(clip_from_world: Mat4, world_from_moving: Mat4) -> Self {
+        Self { clip_from_world, world_from_moving, first_moving: [0; 4] }
+    }
 }
 
 #[repr(C)]
@@ -49,6 +68,7 @@ pub struct Raster {
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     index_count: u32,
+    first_moving: u32,
     camera: wgpu::Buffer,
     group: wgpu::BindGroup,
     pipeline: wgpu::RenderPipeline,
@@ -76,7 +96,7 @@ impl Raster {
         };
         let shared = wgpu::BufferUsages::STORAGE;
         let camera = buffer(
-            bytemuck::bytes_of(&Mat4::IDENTITY),
+            bytemuck::bytes_of(&Camera::zeroed()),
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         );
         let texture = |format| {
@@ -109,6 +129,7 @@ impl Raster {
                 wgpu::BufferUsages::INDEX | shared,
             ),
             index_count: mesh.indices.len() as u32,
+            first_moving: 4 * mesh.first_moving,
             camera,
             group,
             pipeline,
@@ -135,7 +156,8 @@ impl Raster {
     }
 
     /// Draws the mesh.
-    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, queue: &wgpu::Queue, camera: Mat4) {
+    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, queue: &wgpu::Queue, camera: Camera) {
+        let camera = Camera { first_moving: [self.first_moving; 4], ..camera };
         queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&camera));
         let colors = self.colors.each_ref().map(|view| {
             Some(wgpu::RenderPassColorAttachment {

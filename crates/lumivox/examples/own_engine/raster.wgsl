@@ -2,6 +2,9 @@
 
 struct Camera {
     clip_from_world: mat4x4f,
+    // Of the vertices from `first_moving` on.
+    world_from_moving: mat4x4f,
+    first_moving: u32,
 }
 
 @group(0) @binding(0) var<uniform> camera: Camera;
@@ -14,11 +17,18 @@ struct Varyings {
 
 @vertex
 fn vertex(
+    @builtin(vertex_index) index: u32,
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) albedo: vec3f,
 ) -> Varyings {
-    return Varyings(camera.clip_from_world * vec4f(position, 1.0), normal, albedo);
+    var in_world = vec4f(position, 1.0);
+    var turned = vec4f(normal, 0.0);
+    if index >= camera.first_moving {
+        in_world = camera.world_from_moving * in_world;
+        turned = camera.world_from_moving * turned;
+    }
+    return Varyings(camera.clip_from_world * in_world, turned.xyz, albedo);
 }
 
 struct GBuffer {
