@@ -1,20 +1,17 @@
 //! The library's face: global illumination in four calls.
 
 mod points;
+mod screen;
 
 use std::sync::{Arc, OnceLock};
 
-use glam::UVec2;
-
-use crate::cones::{ConeModel, TraceResolution, TraceSettings};
+use crate::cones::{ConeModel, TraceSettings};
 use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{Injection, Injector, Light, Lighting, Lights, ShadowSource, lights_layout};
-use crate::mounted::{Mounted, Resource};
+use crate::mounted::Mounted;
 use crate::points::PointGatherer;
-use crate::trace::{
-    Bound, CameraView, GBuffer, GBufferViews, ScreenSettings, TraceTargets, Tracer, gbuffer_layout,
-};
+use crate::trace::{Tracer, gbuffer_layout};
 use crate::volume::changes::Changes;
 use crate::volume::{Directionality, OctreeStats, Volume, VolumeKind};
 use crate::voxelize::{FrameVoxels, Taken, Voxelization, VoxelizeStats, VoxelizedScene, Voxelizer};
@@ -41,7 +38,7 @@ pub struct GiConfig {
     pub cones: Option<Arc<dyn ConeModel>>,
     /// The caller's G-buffer as it is: a module that takes the place of `package::trace::gbuffer`, with its functions
     /// `load_surface`, `load_specular` and `load_motion`, and bindings from 1 on of group 3. `None` (the default): the
-    /// textures of [`GBufferViews`]. docs/recipes.md has an example.
+    /// textures of [`GBufferViews`](crate::GBufferViews). docs/recipes.md has an example.
     pub gbuffer: Option<Mounted>,
     /// The caller's shadow maps as they are: a module that takes the place of `package::light::shadow_map`, with its
     /// function `shadow_map_visibility`, and bindings from 8 on of group 2. [`Shadow::Map`](crate::Shadow) then names
@@ -79,6 +76,44 @@ pub struct Voxelized {
 ///
 /// The order of calls: [`Self::voxelize`] when triangles change ([`Self::voxelize_dynamic`] when only those of
 /// dynamic draws do), [`Self::light`] when lights or triangles change, [`Self::trace`] every frame.
+///
+/// ```
+/// # pollster::block_on(async {
+/// # let (device, queue) = lumivox::gpu::open_device().await?;
+/// use glam::Vec3;
+/// use lumivox::gpu::{Recorder, Timing, upload};
+/// use lumivox::{
+///     Draw, GatherSettings, Geometry, GeometryBatch, Gi, GiConfig, Grid, SurfaceMaterial, TraceSettings,
+/// };
+///
+/// // A triangle that reflects half of the light, and emits none, as it lies in an engine's buffers.
+/// let corners = [[0.0_f32, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+/// let positions = upload(&device, "positions", &corners);
+/// let indices = upload(&device, "indices", &[0_u32, 1, 2]);
+/// let draws = vec![Draw::new(0, 3, 0)];
+/// let batch = GeometryBatch::new((*positions).clone(), (*indices).clone(), draws);
+/// let materials = vec![SurfaceMaterial::default()];
+/// let geometry = Geometry { batches: vec![batch], materials };
+///
+/// let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+/// let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+/// let voxelized = gi.voxelize(&geometry, Timing::Off).await?;
+/// assert!(voxelized.stats.voxels > 0);
+///
+/// // Under a sky of radiance 1, with one bounce in the voxels.
+/// let lights = gi.bind_lights(&[], Vec3::ONE, None);
+/// let mut recorder = Recorder::new(&device, &queue);
+/// gi.light(&mut recorder, &lights, 2, &TraceSettings::default())?;
+/// recorder.submit();
+///
+/// // What a lux meter above it reads that looks down: less than the sky's pi.
+/// let settings = GatherSettings::default();
+/// let above = Vec3::new(0.3, 0.2, 0.3);
+/// let down = gi.gather(&[above], &[Vec3::NEG_Y], &lights, &settings).await?;
+/// assert!(down[0].total().y < std::f32::consts::PI);
+/// # Ok::<(), lumivox::GiError>(())
+/// # }).unwrap();
+/// ```
 #[derive(Debug)]
 pub struct Gi {
     /// They stand for the device, too.
@@ -370,113 +405,6 @@ impl Gi {
     /// surface than before, cells that are gone included.
     pub fn changed_cells(&self) -> Option<&Buffer> {
         self.changes.bits()
-    }
-
-    /// Textures for [`Self::trace`] to write to.
-    pub fn targets(&self, size: UVec2, resolution: TraceResolution) -> TraceTargets {
-        if resolution == TraceResolution::Half {
-            // Early, so that it is compiled with all else; tracing tells what is wrong.
-            let _ = self.prepare_half();
-        }
-        TraceTargets::new(&self.device, size, resolution)
-    }
-
-    fn prepare_half(&self) -> Result<(), GiError> {
-        let layouts = [self.volume.globals_layout(), &self.lights_layout, &self.gbuffer_layout];
-        self.tracer.prepare_half(&self.device, &self.shaders, layouts)
-    }
-
-    /// Binds the caller's G-buffer for [`Self::trace`].
-    pub fn bind_gbuffer(&self, views: GBufferViews<'_>, view: CameraView) -> GBuffer {
-        GBuffer::new(&self.device, &self.gbuffer_layout, views, view)
-    }
-
-    /// Binds what [`GiConfig::gbuffer`]'s module reads, in the order of its bindings, for [`Self::trace`]. wgpu reports
-    /// resources that do not fit the bindings.
-    pub fn bind_own_gbuffer(&self, resources: &[Resource], view: CameraView) -> GBuffer {
-        GBuffer::own(&self.device, &self.gbuffer_layout, resources, view)
-    }
-
-    /// Traces the cones of one frame from the G-buffer into the targets. The settings' resolution is that of
-    /// the targets. Several traces may be recorded before one submission, each with settings of its own; into the same
-    /// targets the last one's result stays. For several cameras bind as many G-buffers.
-    ///
-    /// ```
-    /// # pollster::block_on(async {
-    /// # let (device, queue) = lumivox::gpu::open_device().await?;
-    /// # use glam::{Mat4, UVec2, Vec3};
-    /// # use lumivox::gpu::Recorder;
-    /// # use lumivox::wgpu::TextureFormat::{Depth32Float, Rgba16Float};
-    /// # use lumivox::{CameraView, GBufferViews, Gi, GiConfig, Grid, TraceSettings};
-    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
-    /// # let gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
-    /// # let lights = gi.bind_lights(&[], Vec3::ONE, None);
-    /// # let size = UVec2::new(8, 8);
-    /// # let texture = |format| {
-    /// #     let texture = device.create_texture(&lumivox::wgpu::TextureDescriptor {
-    /// #         label: None,
-    /// #         size: lumivox::wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
-    /// #         mip_level_count: 1,
-    /// #         sample_count: 1,
-    /// #         dimension: lumivox::wgpu::TextureDimension::D2,
-    /// #         format,
-    /// #         usage: lumivox::wgpu::TextureUsages::TEXTURE_BINDING,
-    /// #         view_formats: &[],
-    /// #     });
-    /// #     texture.create_view(&Default::default())
-    /// # };
-    /// # let depth = texture(Depth32Float);
-    /// # let [normals, diffuse, specular, emission] = [Rgba16Float; 4].map(texture);
-    /// # let clip_from_world = Mat4::IDENTITY;
-    /// # let position = Vec3::ZERO;
-    /// let settings = TraceSettings::default();
-    /// let targets = gi.targets(size, settings.resolution);
-    /// let mut view = CameraView::new(clip_from_world, position, size);
-    /// let views = GBufferViews {
-    ///     depth: &depth,
-    ///     normals: &normals,
-    ///     diffuse: &diffuse,
-    ///     specular: &specular,
-    ///     emission: &emission,
-    ///     motion: None,
-    /// };
-    /// let gbuffer = gi.bind_gbuffer(views, view);
-    /// for frame in 0..2 {
-    ///     view.previous_clip_from_world = view.clip_from_world;
-    ///     view.frame = frame;
-    ///     gbuffer.set_camera(&queue, view);
-    ///     let mut encoder = device.create_command_encoder(&Default::default());
-    ///     // The engine's G-buffer pass, then the cones, then its shading, which reads the targets.
-    ///     let mut recorder = Recorder::on(&device, &queue, &mut encoder);
-    ///     gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
-    ///     drop(recorder);
-    ///     queue.submit([encoder.finish()]);
-    /// }
-    /// # Ok::<(), lumivox::GiError>(())
-    /// # }).unwrap();
-    /// ```
-    ///
-    /// # Errors
-    /// [`GiError::Setting`] when a setting is out of range.
-    pub fn trace(
-        &self,
-        recorder: &mut Recorder,
-        gbuffer: &GBuffer,
-        lights: &Lights,
-        settings: &TraceSettings,
-        targets: &TraceTargets,
-    ) -> Result<(), GiError> {
-        settings.validate()?;
-        if targets.resolution() == TraceResolution::Half {
-            self.prepare_half()?;
-        }
-        let cones = (settings, self.cone_values);
-        let resolution = targets.resolution();
-        let voxel_size_m = self.config.grid.voxel_size_m;
-        let screen = ScreenSettings::new(cones, resolution, voxel_size_m, self.bounces);
-        let bound = Bound { globals: self.volume.globals(), lights: &lights.group, gbuffer };
-        self.tracer.run(recorder, &bound, targets, &screen);
-        Ok(())
     }
 
     /// The shader modules, with `package::volume` standing for this object's volume: link your own shaders
