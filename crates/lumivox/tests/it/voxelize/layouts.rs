@@ -68,12 +68,13 @@ fn every_layout_gives_the_bits_of_the_packed_one() {
     }
 }
 
+type Change = fn(&mut GeometryBatch);
+
 #[test]
 fn layouts_that_cannot_be_are_refused() {
     let lab = Lab::new();
     let mesh = Mesh::from_triangles(&triangle_soup()[..10]);
     let good = mesh.geometry(&lab.device, SurfaceMaterial::default());
-    type Change = fn(&mut GeometryBatch);
     let grid = unit_grid(16);
     let wrong: [(Change, &str); 8] = [
         (|batch| batch.positions.stride = 8, "the stride of its positions, 8 bytes"),
