@@ -122,11 +122,12 @@ pub struct Gi {
     queue: wgpu::Queue,
     config: GiConfig,
     shaders: ShaderLibrary,
-    voxelizer: Voxelizer,
-    scene: VoxelizedScene,
+    /// What is large is boxed: an object of this type is moved by futures.
+    voxelizer: Box<Voxelizer>,
+    scene: Box<VoxelizedScene>,
     volume: Volume,
     changes: Changes,
-    lighting: Lighting,
+    lighting: Box<Lighting>,
     tracer: Tracer,
     lights_layout: wgpu::BindGroupLayout,
     gbuffer_layout: wgpu::BindGroupLayout,
@@ -198,11 +199,11 @@ impl Gi {
             queue: queue.clone(),
             config,
             shaders,
-            voxelizer,
-            scene,
+            voxelizer: Box::new(voxelizer),
+            scene: Box::new(scene),
             volume,
             changes,
-            lighting,
+            lighting: Box::new(lighting),
             tracer,
             lights_layout,
             gbuffer_layout,
@@ -251,7 +252,9 @@ impl Gi {
         let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
             follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
         };
-        let stats = voxelizer.voxelize_into(&mut recorder, scene, geometry, follow).await?;
+        // Its state is too large for the futures of those who wait.
+        let voxelizing = Box::pin(voxelizer.voxelize_into(&mut recorder, scene, geometry, follow));
+        let stats = voxelizing.await?;
         if let Some(list) = scene.list() {
             volume.prepare(&mut recorder, list).await?;
         }

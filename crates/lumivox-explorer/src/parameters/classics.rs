@@ -109,7 +109,7 @@ fn of_report(row: Setting<ReportCones>) -> Parameter {
 
 const LOOK: Row = Row {
     name: "look",
-    summary: "How the picture comes about; preset vxct takes what goes with that look as well",
+    summary: "How the picture is made; preset vxct also sets what this look needs",
     kind: Kind::Choice(&[
         Choice::new(PHYSICAL, "direct light with shadow maps, and cones that gather radiance"),
         lumivox_vxct::CHOICE,

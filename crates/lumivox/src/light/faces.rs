@@ -124,9 +124,8 @@ impl LightKernels {
 /// What belongs to a voxel list.
 #[derive(Debug)]
 pub(super) struct Faces {
-    /// What it is bound to, to be known again.
-    list_faces: Buffer,
-    moving_faces: Buffer,
+    /// The faces that it is bound to, to be known again: the list's, and those that it takes.
+    list: [Buffer; 2],
     counts: Buffer,
     capacity: u64,
     moving_voxels: u64,
@@ -247,8 +246,7 @@ impl Faces {
             .buffer(&held)
             .build(device, "settle");
         Self {
-            list_faces: list.faces.clone(),
-            moving_faces: moving.faces.clone(),
+            list: [&list.faces, moving.faces].map(Buffer::clone),
             counts: list.counts.clone(),
             capacity: list.face_capacity(),
             moving_voxels: moving.voxels,
@@ -270,7 +268,7 @@ impl Faces {
 
     /// Whether it is bound to all that a list is taken from.
     pub fn is_of(&self, taken: &Taken<'_>) -> bool {
-        self.list_faces == taken.list.faces && self.moving_faces == *taken.moving.faces
+        self.list.each_ref() == [&taken.list.faces, taken.moving.faces]
     }
 
     /// Whether light comes from a list that was replaced.

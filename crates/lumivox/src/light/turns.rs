@@ -59,7 +59,7 @@ impl Turns {
         capacity: u64,
         budget: Option<u32>,
     ) -> Option<Turn> {
-        let cones = Some((settings.clone(), values));
+        let cones = Some((*settings, values));
         let is_direct_new = self.is_disturbed || self.lights != Some(lights.version);
         if is_direct_new || self.cones != cones {
             let most = budget.map_or(u64::MAX, |budget| u64::from(budget.max(1)));

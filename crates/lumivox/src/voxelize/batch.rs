@@ -266,7 +266,7 @@ fn run_group(
     };
     let run = uniform_buffer(device, "run of items", &run);
     textures
-        .into_iter()
+        .iter()
         .fold(BindGroupBuilder::new(&layouts.run).buffer(&run), |builder, texture| match texture {
             Some(texture) => builder.view(&texture.view).sampler(&texture.sampler),
             None => builder.view(&fallbacks.white).sampler(&fallbacks.sampler),

@@ -39,27 +39,27 @@ impl Voxelizer {
         let globals = scene.globals.clone();
         let mut work = self.work(recorder, &device, &grid, &globals);
         let work = &mut work;
-        let mut is_late = self.hear(work, scene)?;
+        let mut is_late = Self::hear(work, scene)?;
         let mut replaced = (false, None);
         if !ShareKey::is_needed(geometry) {
             scene.rebuild = None;
             if scene.fixed.is_some() {
-                replaced = self.replace(work, scene, None)?;
+                replaced = Self::replace(work, scene, None)?;
             }
         } else if !scene.has_fixed(self.method, geometry) {
             is_late = true;
             if let Some(fixed) = self.rebuild(work, scene, geometry)? {
-                replaced = self.replace(work, scene, Some(fixed))?;
+                replaced = Self::replace(work, scene, Some(fixed))?;
             }
         }
-        self.mark_moving(work, scene, &moving_input, geometry)?;
+        Self::mark_moving(work, scene, &moving_input, geometry)?;
         if scene.moving.is_none() && !replaced.0 {
             // Without a list there is nothing that could come late but static draws.
             return Ok(scene.frame(is_late && (scene.list.is_some() || scene.rebuild.is_some())));
         }
         if scene.union.is_none() || scene.list.is_none() {
             let fixed = scene.fixed.take();
-            replaced = self.replace(work, scene, fixed)?;
+            replaced = Self::replace(work, scene, fixed)?;
         }
         if let Some(moving) = &mut scene.moving
             && moving.capacity()[0] == 0
@@ -87,7 +87,7 @@ impl Voxelizer {
         union.unite(work);
         scene.union = Some(union);
         let (is_new, replaced) = replaced;
-        self.take(work, scene, (is_new, replaced.as_ref()), emission_scale, follow)?;
+        Self::take(work, scene, (is_new, replaced.as_ref()), emission_scale, follow)?;
         let bytes = size_of::<Verdict>() as u64 + count_bytes(grid.levels);
         let late = scene.late.get_or_insert_with(|| LateReads::new(&device, bytes));
         if let Some((union, list)) = scene.union.as_ref().zip(scene.list.as_ref()) {
@@ -98,7 +98,7 @@ impl Voxelizer {
     }
 
     /// Takes what the GPU has told of earlier recordings, and makes the room that lacked. Whether any did is returned.
-    fn hear(&self, work: &mut Work<'_, '_>, scene: &mut VoxelizedScene) -> Result<bool, GiError> {
+    fn hear(work: &mut Work<'_, '_>, scene: &mut VoxelizedScene) -> Result<bool, GiError> {
         let device = work.memory.device();
         let Some(words) = scene.late.as_mut().and_then(|late| late.latest(device)) else {
             return Ok(scene.lacks_room);
@@ -192,7 +192,6 @@ impl Voxelizer {
     /// Puts other static surface, or none, in the place of that so far, with a list of its own. That it is new, and the
     /// list so far, are returned.
     fn replace(
-        &self,
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
         fixed: Option<Fixed>,

@@ -227,7 +227,7 @@ impl Voxelizer {
             share.mark(work, fixed_input.draws());
             fixed = Some(share);
         }
-        self.mark_moving(work, scene, &moving_input, geometry)?;
+        Self::mark_moving(work, scene, &moving_input, geometry)?;
         let replaces = scene.list.is_none()
             || scene.union.is_none()
             || (!is_reused && (fixed.is_some() || scene.fixed.is_some()));
@@ -338,7 +338,7 @@ impl Voxelizer {
             scene.fixed = None;
         }
         scene.union = Some(union);
-        self.take(work, scene, (replaces, replaced.as_ref()), emission_scale, follow)?;
+        Self::take(work, scene, (replaces, replaced.as_ref()), emission_scale, follow)?;
         let Some(list) = &mut scene.list else {
             return Ok(VoxelizeStats::default());
         };
@@ -381,7 +381,6 @@ impl Voxelizer {
 
     /// Marks the voxels of what moves, if anything ever did.
     pub(super) fn mark_moving(
-        &self,
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
         input: &ShareInput<'_>,
@@ -400,7 +399,6 @@ impl Voxelizer {
 
     /// The list from what was collected, if there is room.
     pub(super) fn take(
-        &self,
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
         (is_new, replaced): (bool, Option<&VoxelList>),

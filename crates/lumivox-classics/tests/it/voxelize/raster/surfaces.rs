@@ -1,6 +1,6 @@
 //! How much surface the rasterizer's methods find in each voxel, and of what colour.
 
-use glam::{UVec3, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use lumivox::{Draw, Geometry, Grid, SurfaceMaterial};
 
 use lumivox_classics::raster::Raster;
@@ -96,7 +96,7 @@ fn conservative_shares_are_exact_within_a_plane() {
         let own = voxelize(Some(Raster::Conservative), &grid, &[t]);
         let mut compared = 0;
         for face in &exact.faces {
-            let voxel = UVec3::from(morton_decode(face.cell)).as_dvec3() + 0.5;
+            let voxel = morton_decode(face.cell).as_dvec3() + 0.5;
             if depth_inside(&turned, turn(voxel, axis).truncate()) < 1.0 {
                 continue;
             }
