@@ -6,6 +6,7 @@
 
 mod raster;
 
+use std::fmt::Write as _;
 use std::time::Instant;
 
 use glam::{Mat4, UVec2, Vec3};
@@ -75,7 +76,7 @@ impl Report {
             self.frame_ms, self.recording_ms, self.made
         );
         for (stage, ms) in self.by_stage() {
-            text += &format!("  {stage:10} {ms:8.2} ms\n");
+            let _ = writeln!(text, "  {stage:10} {ms:8.2} ms");
         }
         text
     }
@@ -238,9 +239,9 @@ fn room() -> Mesh {
     mesh.quad(corner, x, y, white); // back
     mesh.quad(corner, y, z, red); // left
     mesh.quad(corner + x, z, y, blue); // right
-    // The screen: a thin box, its front sides outside.
+    // The screen: a box of a few voxels' thickness, its front sides outside.
     mesh.first_moving = mesh.colors.len() as u32;
-    let (low, size) = (Vec3::new(0.15, 0.0, -0.5), Vec3::new(0.04, 1.3, 1.2));
+    let (low, size) = (Vec3::new(0.15, 0.0, -0.5), Vec3::new(0.12, 1.3, 1.2));
     let (sx, sy, sz) = (Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z);
     mesh.quad(low, sz, sy, white);
     mesh.quad(low + sx, sy, sz, white);
