@@ -221,6 +221,25 @@ fn a_frame_without_room_is_late_and_never_wrong() {
     stage.assert_fresh(&sized(0.05), "small again");
 }
 
+/// Something that moves comes into a scene of which nothing was kept, since all of it stood still: until static surface is
+/// collected again, the voxels stay as they were.
+#[test]
+fn what_stood_alone_stays_until_it_is_there_again() {
+    let mut stage = Stage::new(Vec3::new(1.0, 0.7, 0.9), 32);
+    let both = moved(&room_with_a_box().build(&stage.device), at(0.3, 0.4, 0.6));
+    let mut alone = both.clone();
+    alone.batches[0].draws.retain(|draw| draw.is_static);
+    pollster::block_on(stage.gi.voxelize(&alone, Timing::Off)).expect("there are voxels");
+    let lights = stage.lamp(Vec3::new(0.2, 0.4, 0.7), Vec3::ONE);
+    stage.light(&lights, 1);
+    let before = stage.lit();
+    assert!(stage.voxelize(&both).is_late);
+    stage.light(&lights, 1);
+    assert!(stage.lit() == before, "the room is there all the time");
+    stage.catch_up(&both);
+    stage.assert_fresh(&both, "with the box");
+}
+
 /// Recordings that wait for each other: nothing is submitted in between.
 #[test]
 fn recordings_keep_what_they_were_given() {

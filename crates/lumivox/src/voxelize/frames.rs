@@ -2,9 +2,10 @@
 
 use super::Voxelizer;
 use super::input::{self, ShareInput, ShareKey};
+use super::room::{new_list, resized_list};
 use super::scene::{Fixed, FrameVoxels, Rebuild, Taken, VoxelizedScene, sums_for, with_spare};
 use super::share::{Share, Work};
-use super::union::{NO_ROOM_FOR_VOXELS, Union, Verdict, new_list, resized_list};
+use super::union::{NO_ROOM_FOR_VOXELS, Union, Verdict};
 use crate::gpu::{LateReads, Recorder, uniform_buffer};
 use crate::voxels::{VoxelList, count_bytes};
 use crate::{Geometry, GiError, Grid};
@@ -40,26 +41,28 @@ impl Voxelizer {
         let mut work = self.work(recorder, &device, &grid, &globals);
         let work = &mut work;
         let mut is_late = Self::hear(work, scene)?;
-        let mut replaced = (false, None);
         if !ShareKey::is_needed(geometry) {
             scene.rebuild = None;
             if scene.fixed.is_some() {
-                replaced = Self::replace(work, scene, None)?;
+                Self::replace(work, scene, None)?;
             }
         } else if !scene.has_fixed(self.method, geometry) {
             is_late = true;
-            if let Some(fixed) = self.rebuild(work, scene, geometry)? {
-                replaced = Self::replace(work, scene, Some(fixed))?;
+            match self.rebuild(work, scene, geometry)? {
+                Some(fixed) => Self::replace(work, scene, Some(fixed))?,
+                // What moves cannot be put together with static surface that is not there.
+                None if scene.union.is_none() => return Ok(scene.frame(true)),
+                None => {}
             }
         }
         Self::mark_moving(work, scene, &moving_input, geometry)?;
-        if scene.moving.is_none() && !replaced.0 {
+        if scene.moving.is_none() && !scene.is_list_new {
             // Without a list there is nothing that could come late but static draws.
             return Ok(scene.frame(is_late && (scene.list.is_some() || scene.rebuild.is_some())));
         }
         if scene.union.is_none() || scene.list.is_none() {
             let fixed = scene.fixed.take();
-            replaced = Self::replace(work, scene, fixed)?;
+            Self::replace(work, scene, fixed)?;
         }
         if let Some(moving) = &mut scene.moving
             && moving.capacity()[0] == 0
@@ -69,7 +72,7 @@ impl Voxelizer {
         }
         let Some(mut union) = scene.union.take() else { return Ok(scene.frame(is_late)) };
         if let Some(moving) = &mut scene.moving
-            && (moving.capacity()[1] == 0 || replaced.0)
+            && (moving.capacity()[1] == 0 || scene.is_list_new)
         {
             let capacity = moving.capacity();
             let sums = capacity[1].max(2 * capacity[0]);
@@ -86,8 +89,7 @@ impl Voxelizer {
         }
         union.unite(work);
         scene.union = Some(union);
-        let (is_new, replaced) = replaced;
-        Self::take(work, scene, (is_new, replaced.as_ref()), emission_scale, follow)?;
+        Self::take(work, scene, emission_scale, follow)?;
         let bytes = size_of::<Verdict>() as u64 + count_bytes(grid.levels);
         let late = scene.late.get_or_insert_with(|| LateReads::new(&device, bytes));
         if let Some((union, list)) = scene.union.as_ref().zip(scene.list.as_ref()) {
@@ -189,13 +191,12 @@ impl Voxelizer {
         Ok(Some(Fixed { key, share: Some(share), faces, counts }))
     }
 
-    /// Puts other static surface, or none, in the place of that so far, with a list of its own. That it is new, and the
-    /// list so far, are returned.
+    /// Puts other static surface, or none, in the place of that so far, with a list of its own.
     fn replace(
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
         fixed: Option<Fixed>,
-    ) -> Result<(bool, Option<VoxelList>), GiError> {
+    ) -> Result<(), GiError> {
         let share = fixed.as_ref().and_then(|fixed| fixed.share.as_ref());
         let voxels = share.map_or(0, |share| share.capacity()[0]);
         let faces = fixed.as_ref().map_or(0, |fixed| fixed.faces);
@@ -209,9 +210,9 @@ impl Voxelizer {
         let list = new_list(work, nodes, faces + moving_faces)?;
         scene.union = Some(union);
         scene.fixed = fixed;
-        scene.is_bound = false;
-        // What is told of the list so far says nothing of this one.
+        scene.replace_list(list);
+        // The verdicts on the list so far say nothing of this one.
         (scene.late, scene.lacks_room) = (None, true);
-        Ok((true, scene.list.replace(list)))
+        Ok(())
     }
 }

@@ -37,6 +37,7 @@ mod input;
 mod kernels;
 #[cfg(test)]
 mod layouts_test;
+mod room;
 mod scene;
 mod share;
 mod union;

@@ -7,8 +7,9 @@
 
 use super::batch::Fallbacks;
 use super::input::{self, ShareInput, ShareKey};
+use super::room::{new_list, resized_list};
 use super::share::{Share, ShareCounts, Work};
-use super::union::{Moving, Union, Verdict, new_list, renew, resized_list, resolve_fixed};
+use super::union::{Moving, Union, Verdict, renew, resolve_fixed};
 use super::{FRONT_WORDS, VoxelizeStats, Voxelizer};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LateReads, Memory, Pipelines, Recorder, StageTime, Timing,
@@ -30,6 +31,10 @@ pub struct VoxelizedScene {
     /// Whether the union is bound to the shares and the list as they are.
     pub(super) is_bound: bool,
     pub(super) list: Option<VoxelList>,
+    /// The list is new: static surface is not in it yet.
+    pub(super) is_list_new: bool,
+    /// The last list that was taken, which the new one comes in the place of.
+    pub(super) replaced: Option<VoxelList>,
     /// A bit per cell, laid out as the list's occupancy: cells of another surface than before. Whoever follows the list
     /// clears them.
     pub(super) changed: Buffer,
@@ -97,6 +102,8 @@ impl VoxelizedScene {
             union: None,
             is_bound: false,
             list: None,
+            is_list_new: false,
+            replaced: None,
             changed: storage_buffer(device, "changed", words * 4),
             late: None,
             lacks_room: true,
@@ -127,6 +134,16 @@ impl VoxelizedScene {
         let fixed = self.fixed.iter().flat_map(|fixed| &fixed.share);
         let shares: u64 = fixed.chain(&self.moving).map(Share::bytes).sum();
         shares + self.union.as_ref().map_or(0, Union::bytes)
+    }
+
+    /// Puts a list without voxels in the place of that so far, until it is taken.
+    pub(super) fn replace_list(&mut self, list: VoxelList) {
+        let before = self.list.replace(list);
+        // One that was never taken has never been lit.
+        if !self.is_list_new {
+            self.replaced = before;
+        }
+        (self.is_list_new, self.is_bound) = (true, false);
     }
 
     /// How it stands.
@@ -329,8 +346,11 @@ impl Voxelizer {
         } else if let Some(list) = scene.list.as_ref().filter(|list| !fits(list)) {
             new_list_or = Some(resized_list(work, list, room[0], room[1])?);
         }
-        scene.is_bound &= new_list_or.is_none();
-        let replaced = new_list_or.and_then(|list| scene.list.replace(list)).filter(|_| replaces);
+        match new_list_or {
+            Some(list) if replaces => scene.replace_list(list),
+            Some(list) => (scene.list, scene.is_bound) = (Some(list), false),
+            None => {}
+        }
         if let Some(share) = fixed {
             let (key, counts) = (ShareKey::new(self.method, geometry, &grid), share.counts);
             scene.fixed = Some(Fixed { key, share: Some(share), faces, counts });
@@ -338,7 +358,7 @@ impl Voxelizer {
             scene.fixed = None;
         }
         scene.union = Some(union);
-        Self::take(work, scene, (replaces, replaced.as_ref()), emission_scale, follow)?;
+        Self::take(work, scene, emission_scale, follow)?;
         let Some(list) = &mut scene.list else {
             return Ok(VoxelizeStats::default());
         };
@@ -401,10 +421,10 @@ impl Voxelizer {
     pub(super) fn take(
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
-        (is_new, replaced): (bool, Option<&VoxelList>),
         emission_scale: f32,
         follow: &mut dyn FnMut(&mut Recorder<'_>, Taken<'_>),
     ) -> Result<(), GiError> {
+        let (is_new, replaced) = (scene.is_list_new, scene.replaced.as_ref());
         let fixed = scene.fixed.as_ref();
         let fixed_faces = fixed.map_or(0, |fixed| fixed.faces as u32);
         let Some(mut union) = scene.union.take() else { return Ok(()) };
@@ -429,6 +449,7 @@ impl Voxelizer {
         }
         scene.union = Some(union);
         scene.is_bound = true;
+        (scene.is_list_new, scene.replaced) = (false, None);
         Ok(())
     }
 }

@@ -8,12 +8,12 @@ use bytemuck::{Pod, Zeroable};
 
 use super::share::{Share, Work};
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, BoundScan, Buffer, Remedy, Staged, counted_buffer, storage_buffer,
+    BindGroup, BindGroupBuilder, BoundScan, Buffer, Staged, counted_buffer, storage_buffer,
     uniform_buffer,
 };
 use crate::voxels::{
-    BoundInner, BoundNodes, BoundPyramid, FaceRecord, LIST_COUNT_BYTES, NodeRecord, RankedBits,
-    VoxelList, count_bytes, level_block, level_first_word,
+    BoundInner, BoundNodes, BoundPyramid, FaceRecord, LIST_COUNT_BYTES, RankedBits, VoxelList,
+    level_block, level_first_word,
 };
 use crate::{GiError, Grid};
 
@@ -76,64 +76,6 @@ pub(super) const NO_ROOM_FOR_SUMS: u32 = 2;
 pub(super) const NO_ROOM_FOR_NODES: u32 = 4;
 /// Of the list.
 pub(super) const NO_ROOM_FOR_FACES: u32 = 8;
-
-/// A list without voxels, with room for some.
-pub(super) fn new_list(
-    work: &mut Work<'_, '_>,
-    nodes: u64,
-    faces: u64,
-) -> Result<VoxelList, GiError> {
-    let grid = work.grid;
-    let words = level_first_word(grid, grid.levels);
-    let volume = Remedy::Volume(grid.dimensions.max_element());
-    let occupancy = work.memory.buffer("occupancy", words, 4, volume)?;
-    let ranks = work.memory.buffer("ranks", words + 1, 4, volume)?;
-    list_with_room(work, (occupancy, ranks), nodes, faces)
-}
-
-/// The list with room for other numbers of nodes and faces; what is in it stays.
-pub(super) fn resized_list(
-    work: &mut Work<'_, '_>,
-    list: &VoxelList,
-    nodes: u64,
-    faces: u64,
-) -> Result<VoxelList, GiError> {
-    let bits = (list.occupancy.clone(), list.ranks.clone());
-    let resized = list_with_room(work, bits, nodes, faces)?;
-    let both = |buffer: fn(&VoxelList) -> &Buffer| (buffer(list), buffer(&resized));
-    for (from, to) in [
-        both(|list| &list.nodes),
-        both(|list| &list.first_faces),
-        both(|list| &list.faces),
-        both(|list| &list.counts),
-    ] {
-        work.recorder.copy((from, 0), (to, 0), from.size().min(to.size()));
-    }
-    let (level_starts, face_count) = (list.level_starts.clone(), list.face_count);
-    Ok(VoxelList { level_starts, face_count, ..resized })
-}
-
-fn list_with_room(
-    work: &mut Work<'_, '_>,
-    (occupancy, ranks): (Buffer, Buffer),
-    nodes: u64,
-    faces: u64,
-) -> Result<VoxelList, GiError> {
-    let (remedy, levels) = (work.remedy(), work.grid.levels);
-    let memory = &mut work.memory;
-    let nodes = nodes.max(1);
-    Ok(VoxelList {
-        level_starts: vec![0; levels as usize + 1],
-        face_count: 0,
-        occupancy,
-        ranks,
-        nodes: memory.buffer("nodes", nodes, size_of::<NodeRecord>() as u64, remedy)?,
-        // Voxels are fewer than nodes.
-        first_faces: memory.buffer("first faces", nodes, 4, remedy)?,
-        faces: memory.buffer("faces", faces.max(1), size_of::<FaceRecord>() as u64, remedy)?,
-        counts: counted_buffer(memory.device(), "counts of voxels", count_bytes(levels)),
-    })
-}
 
 /// The union of both shares.
 #[derive(Debug)]
