@@ -48,7 +48,7 @@ impl Stage {
     fn catch_up(&mut self, geometry: &Geometry) -> u32 {
         for frame in 1..16 {
             self.voxelize(geometry);
-            // What the last one found is heard of by the next one.
+            // The next one hears what the last one found.
             if !self.voxelize(geometry).is_late {
                 return frame;
             }
@@ -194,7 +194,7 @@ fn frames_have_the_bits_of_a_new_object() {
     stage.assert_fresh(&geometry, "after nothing");
 }
 
-/// What moves grows a hundredfold at once: there is no room, the former voxels stay as they were, and a few frames later
+/// A moving object grows a hundredfold at once: there is no room, the former voxels stay as they were, and a few frames later
 /// there is.
 #[test]
 fn a_frame_without_room_is_late_and_never_wrong() {

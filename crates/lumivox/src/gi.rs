@@ -1,4 +1,4 @@
-//! The library's face: global illumination in four calls.
+//! The library's face: global illumination in four calls that may wait, and in `gi/frames.rs` two that never do.
 
 mod frames;
 mod points;
@@ -122,7 +122,7 @@ pub struct Gi {
     queue: wgpu::Queue,
     config: GiConfig,
     shaders: ShaderLibrary,
-    /// What is large is boxed: an object of this type is moved by futures.
+    /// Large parts are boxed: futures move objects of this type.
     voxelizer: Box<Voxelizer>,
     scene: Box<VoxelizedScene>,
     volume: Volume,

@@ -219,7 +219,7 @@ struct Report {
     camera: String,
     /// Samples of each pixel.
     samples: u32,
-    /// Of those, the samples from the checkpoint.
+    /// The samples among them that come from the checkpoint.
     samples_before: u32,
     /// Whether all requested samples are there.
     is_complete: bool,

@@ -105,9 +105,9 @@ struct Row {
     build_ms: Option<f64>,
     /// Time to store the faces' radiance, filter, and fill bricks: needed at each change of light.
     update_ms: Option<f64>,
-    /// Of that, the time to filter.
+    /// The part of it that filtering takes.
     filter_ms: Option<f64>,
-    /// Of that, the time to fill bricks.
+    /// The part of it that filling bricks takes.
     fill_ms: Option<f64>,
     /// Time of the cones of one frame.
     trace_ms: Option<f64>,

@@ -275,7 +275,7 @@ mod tests {
             point("b", 6, 8.0, 2.0), // worse than 4 for the same
         ];
         assert_eq!(resolutions(&points), [1, 3, 4]);
-        // Of two equal points neither beats the other.
+        // Neither of two equal points beats the other.
         assert_eq!(resolutions(&[point("a", 1, 1.0, 2.0), point("b", 2, 1.0, 2.0)]), [1, 2]);
         assert_eq!(resolutions(&points[..1]), [4]);
     }

@@ -275,7 +275,7 @@ pub struct Shown {
     pub serial: u64,
     /// Width and height, px.
     pub size: UVec2,
-    /// What it shows.
+    /// Its pixels: on the CPU, or a texture of the shared device.
     pub pixels: Pixels,
     /// Frames in the mean, or samples of the reference.
     pub frames: u32,

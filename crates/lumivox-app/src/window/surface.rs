@@ -2,7 +2,7 @@
 //!
 //! It is drawn on a canvas of which only what changes is painted anew, and which is copied to the screen.
 //!
-//! What egui has uploaded is remembered, so that another device can take the place of one that is lost. If that was the
+//! The textures that egui has uploaded are remembered, so that another device can take the place of one that is lost. If that was the
 //! worker's, the window draws with its own until the worker has published another.
 
 use std::collections::HashMap;
@@ -175,7 +175,7 @@ impl Surface {
     ) -> anyhow::Result<()> {
         if self.parts.as_ref().is_none_or(Parts::is_lost) {
             self.replace()?;
-            // What egui has drawn names textures of the device before.
+            // The shapes that egui has drawn name textures of the former device.
             self.window.request_redraw();
         }
         let freed = self.take_images(&mut delta);
@@ -442,7 +442,7 @@ fn guarded<T>(device: &wgpu::Device, call: impl FnOnce() -> T) -> (T, bool) {
     let mut is_broken = false;
     for scope in scopes.into_iter().rev() {
         if let Some(error) = pollster::block_on(scope.pop()) {
-            // What follows from a loss says so in many words.
+            // Errors that follow from a loss say so in many words.
             tracing::debug!("the window's device: {error}");
             is_broken |= !matches!(error, wgpu::Error::Validation { .. });
         }

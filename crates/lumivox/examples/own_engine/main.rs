@@ -26,7 +26,7 @@ const FRAMES: u32 = 300;
 const STILL_FRAMES: u32 = 16;
 /// Frames in which buffers may still grow.
 const FIRST_FRAMES: u32 = 20;
-/// Of some 20 000.
+/// The faces that gather in a frame, of some 20 000.
 const FACES_PER_FRAME: u32 = 5000;
 
 type Failure = Box<dyn std::error::Error>;
@@ -45,12 +45,12 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// What the frames took.
+/// The cost of the frames.
 struct Report {
-    /// Of one frame on the average, ms: until it was recorded, and until the GPU was done.
+    /// The mean time of a frame, ms: until it was recorded, and until the GPU was done.
     recording_ms: f64,
     frame_ms: f64,
-    /// What was made after the first frames.
+    /// Buffers, textures and bind groups made after the first frames.
     made: u64,
     stages: Vec<StageTime>,
 }
@@ -107,7 +107,7 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
     let grid = Grid::fit(min, max, 64, Vec3::ZERO)?;
     let config = GiConfig::new(grid);
     let mut gi = Gi::new(&device, &queue, config)?;
-    // What never moves is walked once.
+    // Static draws are walked once.
     let draw = |quad| Draw { is_static: quad < mesh.first_moving, ..Draw::new(6 * quad, 6, quad) };
     let draws = (0..mesh.colors.len() as u32).map(draw);
     let (positions, indices) = raster.geometry();

@@ -16,12 +16,12 @@ pub struct Mesh {
     pub first_moving: u32,
 }
 
-/// What a frame draws with.
+/// The uniform of a frame.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub struct Camera {
     pub clip_from_world: Mat4,
-    /// Of the quads that move.
+    /// The transform of the quads that move.
     pub world_from_moving: Mat4,
     /// Set by the pass.
     first_moving: [u32; 4],

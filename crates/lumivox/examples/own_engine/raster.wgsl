@@ -2,7 +2,7 @@
 
 struct Camera {
     clip_from_world: mat4x4f,
-    // Of the vertices from `first_moving` on.
+    // The transform of the vertices from `first_moving` on.
     world_from_moving: mat4x4f,
     first_moving: u32,
 }

@@ -60,7 +60,7 @@ impl Staged {
         Self { stages: Buffer::new(device, &descriptor), buffer, next: 0 }
     }
 
-    /// What shaders read.
+    /// The buffer that shaders read.
     pub fn buffer(&self) -> &Buffer {
         &self.buffer
     }

@@ -46,7 +46,7 @@ impl LateReads {
     /// Records a read of parts of buffers, one after another: a buffer, a byte and a number of bytes each.
     pub fn record(&mut self, recorder: &mut Recorder<'_>, sources: &[(&Buffer, u64, u64)]) {
         self.recorded += 1;
-        // Those whose encoder was dropped are free again.
+        // Slots whose encoder was dropped are free again.
         for slot in &mut self.slots {
             let is_lost = |state: &Arc<AtomicU8>| {
                 state.load(Ordering::Acquire) == PENDING && Arc::strong_count(state) == 1

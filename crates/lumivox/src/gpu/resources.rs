@@ -59,7 +59,7 @@ pub struct LiveResources {
     pub buffer_bytes: u64,
 }
 
-/// What this library and those who use its types have made so far on all devices: it only grows.
+/// The resources made so far on all devices, by this library and through its types. The numbers only grow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct MadeResources {
@@ -76,7 +76,7 @@ static TEXTURES_MADE: AtomicU64 = AtomicU64::new(0);
 static BIND_GROUPS_MADE: AtomicU64 = AtomicU64::new(0);
 
 impl MadeResources {
-    /// What was made until now.
+    /// The numbers of now.
     pub fn now() -> Self {
         Self {
             buffers: BUFFERS_MADE.load(Ordering::Relaxed),

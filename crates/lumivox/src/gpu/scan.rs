@@ -56,7 +56,7 @@ impl Scan {
         self.run_bound(recorder, &bound);
     }
 
-    /// What [`Self::run_bound`] needs to do the work of [`Self::run`] again and again.
+    /// Binds a buffer for [`Self::run_bound`], which does the work of [`Self::run`] again and again.
     pub fn bind(&self, device: &wgpu::Device, values: &Buffer, count: u32) -> BoundScan {
         let mut levels = Vec::new();
         let (mut values, mut count) = (values.clone(), count);

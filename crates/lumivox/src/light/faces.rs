@@ -98,7 +98,7 @@ impl LightKernels {
         });
     }
 
-    /// What faces send out, and what the volume shows of it.
+    /// Computes the radiance that faces send out, and the part of it that the volume shows.
     pub fn show(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
         faces.run(recorder, "light::reflect", &self.reflect, &[grid, &faces.reflect]);
         faces.run(recorder, "light::cover", &self.cover, &[grid, &faces.cover]);
@@ -121,7 +121,7 @@ impl LightKernels {
     }
 }
 
-/// What belongs to a voxel list.
+/// The faces of a voxel list, with room for their light.
 #[derive(Debug)]
 pub(super) struct Faces {
     /// The faces that it is bound to, to be known again: the list's, and those that it takes.
@@ -132,13 +132,13 @@ pub(super) struct Faces {
     moving_capacity: u64,
     /// Radiance without bounces (`array<vec4f>`).
     direct: Buffer,
-    /// What was gathered (`array<vec4f>`).
+    /// Irradiance gathered (`array<vec4f>`).
     irradiance: Buffer,
     /// Radiance with the bounces so far (`array<vec4f>`).
     radiance: Buffer,
-    /// What the volume shows of it (`cover.wgsl`).
+    /// Radiance that the volume shows (`cover.wgsl`).
     shown: Buffer,
-    /// What the volume holds of it.
+    /// Radiance that the volume holds.
     held: Buffer,
     direct_group: BindGroup,
     bounce: BindGroup,
@@ -281,7 +281,7 @@ impl Faces {
         self.capacity
     }
 
-    /// What was gathered.
+    /// Irradiance gathered.
     pub fn irradiance(&self) -> &Buffer {
         &self.irradiance
     }
@@ -296,7 +296,7 @@ impl Faces {
         &self.radiance
     }
 
-    /// What the volume shows, and what it holds.
+    /// Radiance that the volume shows, and that it holds.
     pub fn shown(&self) -> Shown<'_> {
         Shown { now: &self.shown, held: &self.held }
     }

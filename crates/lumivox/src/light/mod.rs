@@ -5,7 +5,7 @@
 //! the volume (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives through gathers.
 //! A caller's own [`Injection`] takes the place of the direct evaluation.
 //!
-//! What faces have gathered is kept. A still picture starts from darkness and gathers once for each bounce
+//! The irradiance that faces have gathered is kept. A still picture starts from darkness and gathers once for each bounce
 //! ([`Lighting::solve`]); a frame goes on from what the frame before has left ([`Lighting::step`]), so that light travels a
 //! bounce a frame, and converges to the same.
 
@@ -137,7 +137,7 @@ impl Lighting {
         let faces = Faces::new(recorder, &self.kernels, self.settings.buffer(), taken, earlier);
         self.kernels.follow(recorder, &self.grid, &faces);
         if faces.is_inheriting() {
-            // What is not found in the list before has gathered nothing.
+            // Faces that were not in the former list have gathered nothing.
             self.turns.gather_all();
         }
         self.faces = Some(faces);
@@ -158,7 +158,7 @@ impl Lighting {
         }
     }
 
-    /// What the faces of the list send out, and what the volume holds of it.
+    /// The radiance that the faces send out, and that the volume holds of them.
     pub(crate) fn shown(&self) -> Option<Shown<'_>> {
         self.faces.as_ref().map(Faces::shown)
     }

@@ -160,7 +160,7 @@ struct MethodReport {
     voxels: u32,
     /// Voxels of the exact voxelizer that were not found.
     missing: u32,
-    /// Of those, voxels that surfaces touch without having area in them.
+    /// The missing voxels that surfaces touch without having area in them.
     missing_touched: u32,
     /// Voxels that the exact voxelizer does not have.
     extra: u32,
