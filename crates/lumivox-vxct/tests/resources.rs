@@ -41,8 +41,7 @@ fn nothing_outlives_the_look() {
         picture(&mut changing);
         let now = LiveResources::now();
         assert_eq!(now.textures, held.textures);
-        // A trace has a uniform for each recording that was under way at once.
-        assert!(now.buffers.abs_diff(held.buffers) <= 2, "{now:?}, not {held:?}");
-        assert!(now.buffer_bytes.abs_diff(held.buffer_bytes) <= 512, "{now:?}, not {held:?}");
+        // Targets that cones were ever traced into keep a uniform.
+        assert!((held.buffers..=held.buffers + 1).contains(&now.buffers), "{now:?}, not {held:?}");
     }
 }
