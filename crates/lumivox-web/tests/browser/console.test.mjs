@@ -45,7 +45,7 @@ test("the commands and their help are the program's", async () => {
     const { app, enter } = await opened();
     const { stdout } = await promisify(execFile)(program(), ["commands"], { maxBuffer: 1 << 22 });
     assert.equal(await enter("commands"), stdout.trimEnd());
-    assert.match(await enter("help translate"), /^translate .*\n.*VXCT has it/s);
+    assert.match(await enter("help translate"), /^translate .*\n.*In VXCT:/s);
     await app.check();
     await app.close();
 });
