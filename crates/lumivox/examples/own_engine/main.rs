@@ -214,10 +214,9 @@ fn lamp_at(time: f32) -> Light {
     Light { source, shadow: Shadow::Cone }
 }
 
-/// The screen, which slides and turns.
+/// The screen, which slides.
 fn screen_at(time: f32) -> Mat4 {
-    let slide = Vec3::new(0.25 * (1.3 * time).sin(), 0.0, 0.1);
-    Mat4::from_translation(slide) * Mat4::from_rotation_y(0.25 * time.sin())
+    Mat4::from_translation(Vec3::new(0.25 * (1.3 * time).sin(), 0.0, 0.1 * time.sin()))
 }
 
 /// The sRGB encoding of a linear value: IEC 61966-2-1.
