@@ -30,6 +30,7 @@ mod mounted;
 mod points;
 pub mod settings;
 pub mod shaders;
+mod temporal;
 #[cfg(test)]
 mod testing;
 mod trace;

@@ -28,6 +28,7 @@ pub fn library() -> ShaderLibrary {
         crate::environment::MODULES,
         crate::light::MODULES,
         crate::points::MODULES,
+        crate::temporal::MODULES,
         crate::trace::MODULES,
         crate::voxelize::MODULES,
     ];

@@ -1,7 +1,8 @@
 //! The mean over frames.
 //!
 //! After n frames the mean m moves by (x - m) / (n + 1), in full floats: each frame has the same
-//! weight, and nothing grows with their number. Two textures take turns, since WebGPU's core cannot
+//! weight, and nothing grows with their number. Frames that are means themselves, of all frames before them, get weights that grow
+//! as they get better: m moves by 2 (x - m) / (n + 2). Two textures take turns, since WebGPU's core cannot
 //! both read and write storage textures of this format.
 
 use bytemuck::{Pod, Zeroable};
@@ -19,7 +20,8 @@ use crate::passes::composite::PICTURE_FORMAT;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct AccumulateSettings {
     pub(crate) frames: u32,
-    padding: [u32; 3],
+    pub(crate) are_means: u32,
+    padding: [u32; 2],
 }
 
 /// Averages frames.
@@ -80,9 +82,10 @@ impl AccumulatePass {
         self.frames = 0;
     }
 
-    /// Adds a frame; once per submission.
-    pub fn record(&mut self, recorder: &mut Recorder) {
-        let settings = AccumulateSettings { frames: self.frames, padding: [0; 3] };
+    /// Adds a frame; once per submission. `are_means` says whether frames are means of those before them.
+    pub fn record(&mut self, recorder: &mut Recorder, are_means: bool) {
+        let are_means = u32::from(are_means);
+        let settings = AccumulateSettings { frames: self.frames, are_means, padding: [0; 2] };
         recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
         let group = &self.groups[(self.frames % 2) as usize];
         self.kernel.run(recorder, &[group], [self.size.x, self.size.y, 1]);

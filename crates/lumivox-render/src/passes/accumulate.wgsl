@@ -3,9 +3,10 @@
 struct AccumulateSettings {
     // Frames in the mean so far.
     frames: u32,
+    // Whether each frame is a mean of those before it.
+    are_means: u32,
     padding_0: u32,
     padding_1: u32,
-    padding_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> accumulate_settings: AccumulateSettings;
@@ -25,6 +26,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         return;
     }
     let old = textureLoad(old_mean, pixel, 0);
-    let mean = old + (value - old) / f32(accumulate_settings.frames + 1u);
+    let frames = f32(accumulate_settings.frames);
+    let weight = select(1.0 / (frames + 1.0), 2.0 / (frames + 2.0), accumulate_settings.are_means != 0u);
+    let mean = old + (value - old) * weight;
     textureStore(new_mean, pixel, mean);
 }

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, UVec2};
 use lumivox::gpu::ShaderLibrary;
-use lumivox::{GBuffer, Gi, TraceResolution, TraceTargets};
+use lumivox::{GBuffer, Gi, TraceSettings, TraceTargets};
 
 use crate::gpu::memory::available_memory;
 use crate::gpu::textures::ScreenTextures;
@@ -50,7 +50,7 @@ impl Targets {
         gi: &Gi,
         passes: (&DirectPass, &CompositePass),
         size: UVec2,
-        resolution: TraceResolution,
+        trace: &TraceSettings,
         is_tinted: bool,
     ) -> Result<Self, RenderError> {
         let tint = if is_tinted { TINT_BYTES_PER_PIXEL } else { 0 };
@@ -65,7 +65,7 @@ impl Targets {
             return Err(too_large());
         }
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let targets = Self::create(gpu, shaders, gi, passes, size, resolution, is_tinted);
+        let targets = Self::create(gpu, shaders, gi, passes, size, trace, is_tinted);
         if scope.pop().await.is_some() {
             return Err(too_large());
         }
@@ -78,7 +78,7 @@ impl Targets {
         gi: &Gi,
         (direct, composite): (&DirectPass, &CompositePass),
         size: UVec2,
-        resolution: TraceResolution,
+        trace: &TraceSettings,
         is_tinted: bool,
     ) -> Result<Self, RenderError> {
         let device = &gpu.pipelines;
@@ -87,7 +87,7 @@ impl Targets {
         let view = lumivox::CameraView::new(Mat4::IDENTITY, glam::Vec3::ZERO, size);
         let gbuffer = gi.bind_gbuffer(gbuffer_textures.views(), view);
         let direct = direct.targets(device, &mut textures);
-        let traced = gi.targets(size, resolution);
+        let traced = gi.targets(size, trace);
         let composite =
             composite.targets(device, &mut textures, &gbuffer_textures, &direct, &traced);
         let voxel_view = VoxelViewPass::new(device, shaders, &composite);

@@ -66,6 +66,10 @@ pub struct Renderer {
     environment: Option<EnvironmentMap>,
     shadow_bytes: u64,
     times: StageTimes,
+    /// Frames that were drawn, in whatever picture.
+    drawn: u32,
+    /// The camera of the last one.
+    former_camera: Option<Camera>,
 }
 
 impl Renderer {
@@ -176,6 +180,8 @@ impl Renderer {
             environment: map,
             shadow_bytes,
             times,
+            drawn: 0,
+            former_camera: None,
         })
     }
 
@@ -251,11 +257,19 @@ impl Renderer {
         self.prepare_view().await?;
         let frame = self.frame_count();
         let Self { settings, camera, scene, gi, lights, passes, targets, .. } = self;
+        let (drawn, former_camera) = (&self.drawn, &self.former_camera);
         let jitter = gbuffer::jitter(frame, settings.frames);
         let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
         let mut view = lumivox::CameraView::new(clip_from_world, position, size);
         view.frame = frame;
+        if targets.traced.has_history() {
+            // Frames that go into a memory must not repeat each other.
+            view.frame = *drawn;
+            let former = former_camera.as_ref().unwrap_or(camera);
+            // The jitter within the pixel is no motion.
+            view.previous_clip_from_world = gbuffer::clip_from_world(former, size, jitter);
+        }
         targets.gbuffer.set_camera(&self.gpu.queue, view);
 
         let mut recorder =
@@ -299,10 +313,16 @@ impl Renderer {
         }
         if is_kept {
             recorder.stage("picture");
-            self.targets.accumulate.record(&mut recorder);
+            let are_means = self.targets.traced.has_history();
+            self.targets.accumulate.record(&mut recorder, are_means);
             self.record_overlay(&mut recorder, &view)?;
         }
         self.times.add(recorder.finish().await?);
+        self.drawn = self.drawn.wrapping_add(1);
+        self.former_camera = Some(self.camera.clone());
+        if !is_kept {
+            self.targets.traced.forget();
+        }
         self.gpu.check("rendering a frame")
     }
 

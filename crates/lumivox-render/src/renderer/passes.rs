@@ -75,8 +75,8 @@ impl Passes {
         settings: &RenderSettings,
     ) -> Result<Targets, RenderError> {
         let passes = (&self.direct, &self.composite);
-        let (size, resolution) = (settings.size, settings.trace.resolution);
+        let size = settings.size;
         let is_tinted = scene.is_tinted();
-        Targets::new(gpu, &self.shaders, gi, passes, size, resolution, is_tinted).await
+        Targets::new(gpu, &self.shaders, gi, passes, size, &settings.trace, is_tinted).await
     }
 }

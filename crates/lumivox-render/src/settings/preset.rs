@@ -54,13 +54,18 @@ impl Default for PresetChoice {
 
 impl PresetChoice {
     /// Those of this crate, from the cheapest to the dearest.
-    pub const ALL: [Self; 3] =
-        [Self::Cones(Preset::Fast), Self::Cones(Preset::Balanced), Self::Cones(Preset::High)];
+    pub const ALL: [Self; 4] = [
+        Self::Cones(Preset::Fast),
+        Self::Cones(Preset::Realtime),
+        Self::Cones(Preset::Balanced),
+        Self::Cones(Preset::High),
+    ];
 
     /// The name in lower case.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Cones(Preset::Fast) => "fast",
+            Self::Cones(Preset::Realtime) => "realtime",
             Self::Cones(Preset::Balanced) => "balanced",
             Self::Cones(Preset::High) => "high",
             Self::Added(preset) => preset.name,
@@ -71,6 +76,7 @@ impl PresetChoice {
     pub const fn summary(self) -> &'static str {
         match self {
             Self::Cones(Preset::Fast) => "6 cones, one pixel in four",
+            Self::Cones(Preset::Realtime) => "as fast, with the light of earlier frames: for what moves",
             Self::Cones(Preset::Balanced) => "6 cones, every pixel",
             Self::Cones(Preset::High) => {
                 "12 cones, every pixel, samples half as large: fewest leaks"

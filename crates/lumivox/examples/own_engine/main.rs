@@ -134,7 +134,7 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
         ) * glam::camera::rh::view::look_at_mat4(position, Vec3::new(0.0, 1.0, 0.0), Vec3::Y);
     let mut view = CameraView::new(clip_from_world, position, SIZE);
     let gbuffer = gi.bind_gbuffer(raster.views(), view);
-    let targets = gi.targets(SIZE, settings.resolution);
+    let targets = gi.targets(SIZE, &settings);
 
     // The engine's shading kernel, linked against Lumivox's shader modules.
     let mut shaders = gi.shaders().clone();

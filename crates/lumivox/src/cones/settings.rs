@@ -9,6 +9,8 @@ use crate::settings::{self, Choice, Choices as _, Kind, Redoes, Setting, Value};
 pub enum Preset {
     /// 6 diffuse cones at half resolution, voxels of half the cone's diameter.
     Fast,
+    /// As [`Self::Fast`], with the light of earlier frames.
+    Realtime,
     /// 6 diffuse cones at full resolution, voxels of an eighth of the cone's diameter.
     #[default]
     Balanced,
@@ -72,6 +74,9 @@ pub struct TraceSettings {
     pub occlusion_distance_m: f32,
     /// Resolution of the trace.
     pub resolution: TraceResolution,
+    /// Whether light of earlier frames is kept and carried along with the surfaces that it is on; off by default. For
+    /// moving pictures: a frame then has the noise of many.
+    pub history: bool,
 }
 
 impl Default for TraceSettings {
@@ -94,6 +99,7 @@ impl TraceSettings {
             specular_share: 0.25,
             occlusion_distance_m: f32::INFINITY,
             resolution: TraceResolution::Full,
+            history: false,
         };
         match preset {
             Preset::Fast => Self {
@@ -102,6 +108,7 @@ impl TraceSettings {
                 resolution: TraceResolution::Half,
                 ..balanced
             },
+            Preset::Realtime => Self { history: true, ..Self::preset(Preset::Fast) },
             Preset::Balanced => balanced,
             Preset::High => {
                 Self { diffuse_cones: 12, voxel_per_diameter: 0.0625, clearance: 0.0, ..balanced }
@@ -148,6 +155,17 @@ impl TraceSettings {
             redoes: Redoes::Targets,
             get: |s| Value::Choice(s.resolution.choice()),
             set: |s, v| s.resolution.choose(v),
+            ..CONES
+        },
+        Setting {
+            name: "history",
+            summary: "Light of earlier frames, carried along with the surfaces that it is on",
+            help: "For moving pictures: a frame then has the noise of many. What changes is seen at once, and direct light \
+                   never takes this way.",
+            shorthands: &[("no_history", Value::Switch(false))],
+            redoes: Redoes::Targets,
+            get: |s| Value::Switch(s.history),
+            set: |s, v| s.history = v.is_on(),
             ..CONES
         },
         Setting {

@@ -11,13 +11,24 @@ use crate::mounted::Resource;
 use crate::trace::{Bound, CameraView, GBuffer, GBufferViews, ScreenSettings, TraceTargets};
 
 impl Gi {
-    /// Textures for [`Self::trace`] to write to.
-    pub fn targets(&self, size: UVec2, resolution: TraceResolution) -> TraceTargets {
-        if resolution == TraceResolution::Half {
-            // Early, so that it is compiled with all else; tracing tells what is wrong.
-            let _ = self.prepare_half();
+    /// Textures for [`Self::trace`] to write to, for a resolution and, if the settings ask for it, with a memory of earlier
+    /// frames.
+    pub fn targets(&self, size: UVec2, settings: &TraceSettings) -> TraceTargets {
+        let targets = TraceTargets::new(&self.device, size, settings);
+        // Early, so that it is compiled with all else; tracing tells what is wrong.
+        let _ = self.prepare_targets(&targets);
+        targets
+    }
+
+    fn prepare_targets(&self, targets: &TraceTargets) -> Result<(), GiError> {
+        if targets.resolution() == TraceResolution::Half {
+            self.prepare_half()?;
         }
-        TraceTargets::new(&self.device, size, resolution)
+        if targets.has_history() {
+            let layouts = [self.volume.globals_layout(), &self.gbuffer_layout];
+            self.tracer.prepare_memory(&self.device, &self.shaders, layouts)?;
+        }
+        Ok(())
     }
 
     fn prepare_half(&self) -> Result<(), GiError> {
@@ -69,7 +80,7 @@ impl Gi {
     /// # let clip_from_world = Mat4::IDENTITY;
     /// # let position = Vec3::ZERO;
     /// let settings = TraceSettings::default();
-    /// let targets = gi.targets(size, settings.resolution);
+    /// let targets = gi.targets(size, &settings);
     /// let mut view = CameraView::new(clip_from_world, position, size);
     /// let views = GBufferViews {
     ///     depth: &depth,
@@ -106,9 +117,7 @@ impl Gi {
         targets: &TraceTargets,
     ) -> Result<(), GiError> {
         settings.validate()?;
-        if targets.resolution() == TraceResolution::Half {
-            self.prepare_half()?;
-        }
+        self.prepare_targets(targets)?;
         let cones = (settings, self.cone_values);
         let resolution = targets.resolution();
         let voxel_size_m = self.config.grid.voxel_size_m;

@@ -13,7 +13,7 @@ use crate::GiError;
 use crate::gpu::buffers::map_and_copy;
 use crate::gpu::held::Held;
 use crate::gpu::passes::{ComputePass, RenderPass};
-use crate::gpu::{Buffer, BufferHandle, Kept};
+use crate::gpu::{Buffer, BufferHandle, Kept, Texture};
 
 /// The way in which a [`Recorder`] measures times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -187,6 +187,13 @@ impl<'a> Recorder<'a> {
         let (encoder, held) = self.target.parts();
         encoder.copy_buffer_to_buffer(from.raw(), from_byte, to.raw(), to_byte, bytes);
         held.keep(from.kept().into_iter().chain(to.kept()));
+    }
+
+    /// Copies a texture of two dimensions to another of the same size and format.
+    pub fn copy_texture(&mut self, from: &Texture, to: &Texture) {
+        let (encoder, held) = self.target.parts();
+        encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
+        held.keep([from, to].map(|texture| Kept::Texture(texture.clone())));
     }
 
     /// Fills a buffer with zeros.

@@ -3,8 +3,7 @@
 import package::gpu::random::{hash, random_pair};
 import package::cones::gather::gather;
 import package::trace::gbuffer::load_surface;
-import package::trace::screen::{settings, traced_pixel, traced_size};
-import package::trace::view::view;
+import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn};
 
 @group(1) @binding(1) var irradiance_out: texture_storage_2d<rgba16float, write>;
 @group(1) @binding(2) var samples_out: texture_storage_2d<r32float, write>;
@@ -14,7 +13,8 @@ struct TracedDiffuse {
     samples: f32,
 }
 
-fn trace_diffuse(pixel: vec2u) -> TracedDiffuse {
+// `turn` is the place in the sequence of the jitter.
+fn trace_diffuse(pixel: vec2u, turn: u32) -> TracedDiffuse {
     let surface = load_surface(pixel);
     if surface.depth <= 0.0 || settings.bounces == 0u {
         return TracedDiffuse(vec4f(0.0, 0.0, 0.0, 1.0), 0.0);
@@ -25,7 +25,7 @@ fn trace_diffuse(pixel: vec2u) -> TracedDiffuse {
         surface.geometric_normal,
         settings.diffuse_cones,
         random_pair(pixel.x, hash(pixel.y)),
-        view.frame,
+        turn,
         settings.cones,
     );
     return TracedDiffuse(vec4f(gathered.irradiance, gathered.openness), f32(gathered.samples));
@@ -36,7 +36,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     if any(invocation.xy >= traced_size()) {
         return;
     }
-    let traced = trace_diffuse(traced_pixel(invocation.xy));
+    let traced = trace_diffuse(traced_pixel(invocation.xy), traced_turn());
     textureStore(irradiance_out, invocation.xy, traced.irradiance);
     textureStore(samples_out, invocation.xy, vec4f(traced.samples, 0.0, 0.0, 0.0));
 }

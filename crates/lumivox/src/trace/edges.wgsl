@@ -24,7 +24,7 @@ fn main(
     }
     let number = listed[1u + index];
     let pixel = vec2u(number % view.size.x, number / view.size.x);
-    let diffuse = trace_diffuse(pixel);
+    let diffuse = trace_diffuse(pixel, view.frame);
     textureStore(irradiance_out, pixel, diffuse.irradiance);
-    textureStore(specular_out, pixel, trace_specular(pixel, diffuse.samples));
+    textureStore(specular_out, pixel, trace_specular(pixel, view.frame, diffuse.samples));
 }

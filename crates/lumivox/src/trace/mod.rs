@@ -16,6 +16,7 @@ use glam::UVec2;
 
 use crate::GiError;
 use crate::cones::{ConeSettings, TraceResolution, TraceSettings};
+use crate::temporal::{self, Memory};
 use crate::gpu::{BindGroup, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
 
 #[cfg(test)]
@@ -26,11 +27,13 @@ pub use targets::TraceTargets;
 
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
+    ("trace::around", include_str!("around.wgsl")),
     ("trace::brdf", include_str!("brdf.wgsl")),
     ("trace::coat", include_str!("coat.wgsl")),
     ("trace::diffuse", include_str!("diffuse.wgsl")),
     ("trace::edge_count", include_str!("edge_count.wgsl")),
     ("trace::edges", include_str!("edges.wgsl")),
+    ("trace::fit", include_str!("fit.wgsl")),
     ("trace::gbuffer", include_str!("gbuffer.wgsl")),
     ("trace::screen", include_str!("screen.wgsl")),
     ("trace::specular", include_str!("specular.wgsl")),
@@ -53,6 +56,8 @@ pub(crate) struct ScreenSettings {
     pub(crate) scale: u32,
     pub(crate) specular_share: f32,
     pub(crate) bounces: u32,
+    pub(crate) remembers: u32,
+    pub(crate) padding: [u32; 3],
 }
 
 impl ScreenSettings {
@@ -70,6 +75,8 @@ impl ScreenSettings {
             // Without glossy cones every share is zero.
             specular_share: if settings.specular { settings.specular_share } else { 0.0 },
             bounces,
+            remembers: 0,
+            padding: [0; 3],
         }
     }
 }
@@ -85,8 +92,11 @@ pub(crate) struct Tracer {
     diffuse_layout: wgpu::BindGroupLayout,
     specular_layout: wgpu::BindGroupLayout,
     half: Layouts,
+    temporal: temporal::Layouts,
     /// Once something was traced at half resolution.
     kernels: OnceLock<HalfKernels>,
+    /// Once something was traced with a memory.
+    temporal_kernels: OnceLock<temporal::Kernels>,
 }
 
 /// What half resolution binds.
@@ -151,7 +161,9 @@ impl Tracer {
             diffuse_layout,
             specular_layout,
             half,
+            temporal: temporal::Layouts::new(device),
             kernels: OnceLock::new(),
+            temporal_kernels: OnceLock::new(),
         })
     }
 
@@ -176,6 +188,20 @@ impl Tracer {
         Ok(())
     }
 
+    /// Links what a memory needs, at its first use.
+    pub(crate) fn prepare_memory(
+        &self,
+        device: &Pipelines,
+        shaders: &ShaderLibrary,
+        layouts: [&wgpu::BindGroupLayout; 2],
+    ) -> Result<(), GiError> {
+        if self.temporal_kernels.get().is_none() {
+            let kernels = temporal::Kernels::new(device, shaders, &self.temporal, layouts)?;
+            let _ = self.temporal_kernels.set(kernels);
+        }
+        Ok(())
+    }
+
     pub(crate) fn run(
         &self,
         recorder: &mut Recorder,
@@ -186,21 +212,30 @@ impl Tracer {
         let device = recorder.device().clone();
         recorder.stage("trace");
         targets.with_settings(self, &device, |slot| {
-            slot.set(recorder.queue(), settings);
+            let remembers = u32::from(targets.memory.as_ref().is_some_and(Memory::remembers));
+            slot.set(recorder.queue(), &ScreenSettings { remembers, ..*settings });
             let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
             let UVec2 { x, y } = targets.traced_size();
             self.diffuse.run(recorder, &group(&slot.diffuse), [x, y, 1]);
             self.specular.run(recorder, &group(&slot.specular), [x, y, 1]);
-            if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
+            recorder.clear(&slot.counts);
+            if let (Some(memory), Some(groups)) = (&targets.memory, &slot.temporal) {
+                if let Some(kernels) = self.temporal_kernels.get() {
+                    let bound = [bound.globals, &bound.gbuffer.group];
+                    memory.blend(recorder, kernels, groups, bound);
+                }
+            } else if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
                 let UVec2 { x, y } = targets.size();
-                recorder.clear(&half.counts);
                 kernels.upsample.run(recorder, &group(&half.upsample), [x, y, 1]);
+            }
+            if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
                 kernels.count.run(recorder, &group(&half.count), [1, 1, 1]);
                 recorder.compute("trace::edges", |pass| {
                     let groups = group(&half.edges);
-                    kernels.edges.dispatch_indirect(pass, &groups, &half.counts, ARGUMENTS_OFFSET);
+                    kernels.edges.dispatch_indirect(pass, &groups, &slot.counts, ARGUMENTS_OFFSET);
                 });
             }
+            targets.keep(recorder);
         });
     }
 }

@@ -11,6 +11,11 @@ struct ScreenSettings {
     specular_share: f32,
     // 0: no indirect light at all.
     bounces: u32,
+    // Whether earlier frames' light is there to be recalled.
+    remembers: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: ScreenSettings;
@@ -23,6 +28,12 @@ fn traced_pixel(invocation: vec2u) -> vec2u {
     let turn = view.frame & 3u;
     let shift = vec2u(u32(turn == 1u || turn == 2u), u32(turn == 1u || turn == 3u));
     return min(settings.scale * invocation + shift, view.size - 1u);
+}
+
+// How often this pixel's block has traced it before: its place in the sequence of its jitter. The frame itself would not do, since
+// every fourth number of that sequence is nearly the same.
+fn traced_turn() -> u32 {
+    return select(view.frame >> 2u, view.frame, settings.scale == 1u);
 }
 
 // The size of the textures that cones are traced into.

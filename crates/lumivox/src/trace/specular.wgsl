@@ -19,7 +19,7 @@ import package::cones::cone::{cone_growth, cone_start, trace_cone, Cone};
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::cones::hemisphere::basis;
 import package::cones::model::glossy_half_vector;
-import package::trace::screen::{settings, traced_pixel, traced_size};
+import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn};
 import package::trace::view::view;
 
 @group(1) @binding(1) var diffuse_samples: texture_2d<f32>;
@@ -28,8 +28,8 @@ import package::trace::view::view;
 // Half of a hemisphere: wider cones would reach below the surface that they leave.
 const MIN_COS_HALF_ANGLE: f32 = 0.5;
 
-// `samples` are those of the pixel's diffuse cones.
-fn trace_specular(pixel: vec2u, samples: f32) -> vec4f {
+// `turn` is the place in the sequence of the jitter, `samples` are those of the pixel's diffuse cones.
+fn trace_specular(pixel: vec2u, turn: u32, samples: f32) -> vec4f {
     let nothing = vec4f(0.0, 0.0, 0.0, samples);
     let surface = load_surface(pixel);
     let material = load_specular(pixel);
@@ -50,11 +50,11 @@ fn trace_specular(pixel: vec2u, samples: f32) -> vec4f {
     let base_weight = below * dot(fresnel_schlick(material.reflectance, local_view.z), vec3f(1.0 / 3.0));
     let coat_weight = coat_fresnel(coat, local_view.z);
     // The golden ratio's sequence is independent of the half vector's.
-    let choice = fract(start.x - start.y + 1.0 + 0.618034 * f32(view.frame & 0xffffu));
+    let choice = fract(start.x - start.y + 1.0 + 0.618034 * f32(turn & 0xffffu));
     let coat_share = select(0.0, coat_weight / (coat_weight + base_weight), coat_weight > 0.0);
     let is_coat = choice < coat_share;
     let alpha = select(alpha_from_roughness(material.roughness), coat.alpha, is_coat);
-    let drawn = sample_visible_normal(local_view, alpha, sequence_pair(start, view.frame));
+    let drawn = sample_visible_normal(local_view, alpha, sequence_pair(start, turn));
     let half_vector = glossy_half_vector(drawn, settings.cones.model_values);
     let local_light = reflect(-local_view, half_vector);
     let direction = world_from_normal * local_light;
@@ -70,7 +70,7 @@ fn trace_specular(pixel: vec2u, samples: f32) -> vec4f {
     let origin = cone_start(
         surface.position_in_world, surface.geometric_normal, settings.cones);
     let growth = cone_growth(tan_half, cos_plane, settings.cones);
-    let level_offset = fract(start.x + start.y + 0.754878 * f32(view.frame & 0xffffu));
+    let level_offset = fract(start.x + start.y + 0.754878 * f32(turn & 0xffffu));
     let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset), settings.cones);
     // A mirror shows the surroundings sharply, though its cone never reads the finest cells far away.
     let outside_width = min(growth, 2.0 * tan_half * settings.cones.voxel_per_diameter);
@@ -98,6 +98,6 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         return;
     }
     let samples = textureLoad(diffuse_samples, invocation.xy, 0).r;
-    let traced = trace_specular(traced_pixel(invocation.xy), samples);
+    let traced = trace_specular(traced_pixel(invocation.xy), traced_turn(), samples);
     textureStore(specular_out, invocation.xy, traced);
 }

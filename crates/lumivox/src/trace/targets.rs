@@ -4,11 +4,12 @@ use bytemuck::Zeroable;
 use glam::UVec2;
 
 use super::{OUTPUT_FORMAT, SAMPLES_FORMAT, ScreenSettings, Tracer};
-use crate::cones::TraceResolution;
+use crate::cones::{TraceResolution, TraceSettings};
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Slot, Slots, Texture, TextureView, storage_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Recorder, Slot, Slots, Texture, TextureView, storage_buffer,
     uniform_buffer,
 };
+use crate::temporal::{self, Memory};
 
 /// The textures that cones are traced into, for one size of picture.
 #[derive(Debug)]
@@ -18,10 +19,14 @@ pub struct TraceTargets {
     /// Radiance reflected by the glossy lobe towards the camera in rgb, the BRDF included; in a the samples
     /// that the pixel cost, diffuse ones included.
     pub specular: TextureView,
+    /// The textures of the two.
+    outputs: [Texture; 2],
     size: UVec2,
     resolution: TraceResolution,
     traced: Traced,
-    half: Option<Half>,
+    listed: Listed,
+    /// The light of earlier frames, if it is kept.
+    pub(super) memory: Option<Memory>,
     slots: Slots<TraceSlot>,
     bytes: u64,
 }
@@ -35,12 +40,11 @@ struct Traced {
     samples: TextureView,
 }
 
-/// What half resolution writes besides: how many pixels are traced by themselves with the workgroups for them, and
-/// which.
+/// The pixels that are traced by themselves: how many with the workgroups for them, and which.
 #[derive(Debug)]
-struct Half {
+struct Listed {
     counts: Buffer,
-    listed: Buffer,
+    pixels: Buffer,
 }
 
 /// The settings of one recording, bound.
@@ -50,6 +54,8 @@ pub(super) struct TraceSlot {
     pub(super) diffuse: BindGroup,
     pub(super) specular: BindGroup,
     pub(super) half: Option<HalfSlot>,
+    pub(super) temporal: Option<temporal::Groups>,
+    pub(super) counts: Buffer,
 }
 
 #[derive(Debug)]
@@ -57,7 +63,6 @@ pub(super) struct HalfSlot {
     pub(super) upsample: BindGroup,
     pub(super) count: BindGroup,
     pub(super) edges: BindGroup,
-    pub(super) counts: Buffer,
 }
 
 impl Slot for TraceSlot {
@@ -75,14 +80,14 @@ impl TraceSlot {
 }
 
 impl TraceTargets {
-    pub(crate) fn new(device: &wgpu::Device, size: UVec2, resolution: TraceResolution) -> Self {
-        let scale = resolution.scale();
+    pub(crate) fn new(device: &wgpu::Device, size: UVec2, settings: &TraceSettings) -> Self {
+        let scale = settings.resolution.scale();
         let traced_size = UVec2::new(size.x.div_ceil(scale), size.y.div_ceil(scale));
         let mut bytes = 0;
         let mut texture = |label, size: UVec2, format: wgpu::TextureFormat| {
             let pixels = u64::from(size.x) * u64::from(size.y);
             bytes += pixels * u64::from(format.block_copy_size(None).unwrap_or(8));
-            let texture = Texture::new(
+            Texture::new(
                 device,
                 &wgpu::TextureDescriptor {
                     label: Some(label),
@@ -97,34 +102,58 @@ impl TraceTargets {
                     format,
                     usage: wgpu::TextureUsages::STORAGE_BINDING
                         | wgpu::TextureUsages::TEXTURE_BINDING
-                        | wgpu::TextureUsages::COPY_SRC,
+                        | wgpu::TextureUsages::COPY_SRC
+                        | wgpu::TextureUsages::COPY_DST,
                     view_formats: &[],
                 },
-            );
-            texture.view()
+            )
         };
-        let traced = Traced {
-            size: traced_size,
-            irradiance: texture("traced irradiance", traced_size, OUTPUT_FORMAT),
-            specular: texture("traced specular", traced_size, OUTPUT_FORMAT),
-            samples: texture("diffuse samples", traced_size, SAMPLES_FORMAT),
-        };
-        let (irradiance, specular) = if scale > 1 {
-            (texture("irradiance", size, OUTPUT_FORMAT), texture("specular", size, OUTPUT_FORMAT))
+        let traced = [
+            texture("traced irradiance", traced_size, OUTPUT_FORMAT),
+            texture("traced specular", traced_size, OUTPUT_FORMAT),
+        ];
+        let samples = texture("diffuse samples", traced_size, SAMPLES_FORMAT).view();
+        // Without a further step cones write the outputs themselves.
+        let outputs = if scale > 1 || settings.history {
+            [texture("irradiance", size, OUTPUT_FORMAT), texture("specular", size, OUTPUT_FORMAT)]
         } else {
-            (traced.irradiance.clone(), traced.specular.clone())
+            traced.clone()
         };
-        let half = (scale > 1).then(|| {
-            let pixels = u64::from(size.x) * u64::from(size.y);
-            // More than 33 million of them no picture has, whatever its size.
-            let most = device.limits().max_storage_buffer_binding_size / 4;
-            let counts = storage_buffer(device, "edge count", 16);
-            let listed = storage_buffer(device, "edges", 4 * (pixels + 1).min(most));
-            bytes += counts.size() + listed.size();
-            Half { counts, listed }
-        });
-        let slots = Slots::default();
-        Self { irradiance, specular, size, resolution, traced, half, slots, bytes }
+        let sizes = (size, traced_size);
+        let memory = settings.history.then(|| Memory::new(device, sizes, &mut texture));
+        let pixels = if scale > 1 { u64::from(size.x) * u64::from(size.y) } else { 0 };
+        // More than 33 million of them no picture has, whatever its size.
+        let most = device.limits().max_storage_buffer_binding_size / 4;
+        let listed = Listed {
+            counts: storage_buffer(device, "edge count", 16),
+            pixels: storage_buffer(device, "edges", 4 * (pixels + 1).min(most)),
+        };
+        bytes += listed.counts.size() + listed.pixels.size();
+        let [irradiance, specular] = traced.map(|texture| texture.view());
+        Self {
+            irradiance: outputs[0].view(),
+            specular: outputs[1].view(),
+            outputs,
+            size,
+            resolution: settings.resolution,
+            traced: Traced { size: traced_size, irradiance, specular, samples },
+            listed,
+            memory,
+            slots: Slots::default(),
+            bytes,
+        }
+    }
+
+    /// Forgets the light of earlier frames: for a cut, another scene, or another view, of which nothing is to shine through.
+    pub fn forget(&self) {
+        if let Some(memory) = &self.memory {
+            memory.forget();
+        }
+    }
+
+    /// Whether the light of earlier frames is kept.
+    pub fn has_history(&self) -> bool {
+        self.memory.is_some()
     }
 
     /// The picture's width and height in pixels.
@@ -156,10 +185,18 @@ impl TraceTargets {
         self.slots.with_free(|| self.slot(tracer, device), |slot| record(slot))
     }
 
+    /// Keeps the frame's light for the next one.
+    pub(super) fn keep(&self, recorder: &mut Recorder) {
+        if let Some(memory) = &self.memory {
+            memory.keep(recorder, self.outputs.each_ref());
+        }
+    }
+
     fn slot(&self, tracer: &Tracer, device: &wgpu::Device) -> TraceSlot {
         let Traced { irradiance, specular, samples, .. } = &self.traced;
+        let Listed { counts, pixels } = &self.listed;
         let settings = uniform_buffer(device, "screen settings", &ScreenSettings::zeroed());
-        let half = self.half.as_ref().map(|Half { counts, listed }| HalfSlot {
+        let half = (self.resolution == TraceResolution::Half).then(|| HalfSlot {
             upsample: BindGroupBuilder::new(&tracer.half.upsample)
                 .buffer(&settings)
                 .view(irradiance)
@@ -167,20 +204,26 @@ impl TraceTargets {
                 .view(&self.irradiance)
                 .view(&self.specular)
                 .buffer(counts)
-                .buffer(listed)
+                .buffer(pixels)
                 .build(device, "upsample"),
             count: BindGroupBuilder::new(&tracer.half.count)
                 .buffer(counts)
-                .buffer(listed)
+                .buffer(pixels)
                 .build(device, "edge count"),
             edges: BindGroupBuilder::new(&tracer.half.edges)
                 .buffer(&settings)
-                .buffer(listed)
+                .buffer(pixels)
                 .view(&self.irradiance)
                 .view(&self.specular)
                 .build(device, "edges"),
-            counts: counts.clone(),
         });
+        let outputs = self.outputs.each_ref();
+        let listed = pixels;
+        let traced = temporal::Traced { irradiance, specular, outputs, counts, listed };
+        let temporal = self
+            .memory
+            .as_ref()
+            .map(|memory| memory.groups(device, &tracer.temporal, &settings, &traced));
         TraceSlot {
             diffuse: BindGroupBuilder::new(&tracer.diffuse_layout)
                 .buffer(&settings)
@@ -193,6 +236,8 @@ impl TraceTargets {
                 .view(specular)
                 .build(device, "glossy cones"),
             half,
+            temporal,
+            counts: counts.clone(),
             settings,
         }
     }

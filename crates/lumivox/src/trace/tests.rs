@@ -66,7 +66,7 @@ impl Room {
     }
 
     fn targets(&self, settings: &TraceSettings) -> TraceTargets {
-        self.gi.targets(SIZE, settings.resolution)
+        self.gi.targets(SIZE, settings)
     }
 
     fn trace(&self, encoder: &mut wgpu::CommandEncoder, to: &TraceTargets, with: &TraceSettings) {

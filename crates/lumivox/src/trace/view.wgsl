@@ -5,6 +5,7 @@ struct CameraView {
     world_from_clip: mat4x4f,
     // As clip_from_world was in the frame before.
     previous_clip_from_world: mat4x4f,
+    previous_world_from_clip: mat4x4f,
     position_in_world: vec3f,
     // Counts the frames that are accumulated; it moves the jitter.
     frame: u32,

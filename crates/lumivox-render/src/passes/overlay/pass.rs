@@ -144,7 +144,7 @@ impl OverlayPass {
             self.draws = Some((records.clone(), ranges(&device, seen.scene)));
         }
         self.draw(recorder, seen, (!has_wires).then_some(background));
-        self.accumulate.record(recorder);
+        self.accumulate.record(recorder, false);
         Ok(())
     }
 

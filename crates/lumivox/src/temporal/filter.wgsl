@@ -1,0 +1,68 @@
+// One step of a filter over traced pixels: the mean over 3x3 of them, `step` apart, as far as they share the pixel's
+// surface. Steps of 1, 2, 4 and 8 one after the other are a wide filter for few look-ups: Dammertz et al. 2010, "Edge-avoiding
+// a-trous wavelet transform for fast global illumination filtering".
+
+import package::temporal::guide::guide_normal;
+
+struct FilterStep {
+    step: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+}
+
+@group(0) @binding(0) var<uniform> filter_step: FilterStep;
+@group(0) @binding(1) var guides: texture_2d<f32>;
+@group(0) @binding(2) var light: texture_2d<f32>;
+@group(0) @binding(3) var change: texture_2d<f32>;
+@group(0) @binding(4) var light_out: texture_storage_2d<rgba16float, write>;
+@group(0) @binding(5) var change_out: texture_storage_2d<rgba16float, write>;
+
+// Light differs over this many voxels.
+const REACH: f32 = 16.0;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let size = vec2i(textureDimensions(light));
+    let place = vec2i(invocation.xy);
+    if any(place >= size) {
+        return;
+    }
+    let guide = textureLoad(guides, place, 0);
+    if guide.w < 0.0 {
+        textureStore(light_out, place, vec4f(0.0));
+        textureStore(change_out, place, vec4f(0.0));
+        return;
+    }
+    let normal = guide_normal(guide);
+    var light_sum = 0.25 * textureLoad(light, place, 0);
+    var change_sum = 0.25 * textureLoad(change, place, 0);
+    var weights = 0.25;
+    for (var i = 0; i < 9; i++) {
+        let offset = vec2i(i % 3 - 1, i / 3 - 1);
+        let tap = place + i32(filter_step.step) * offset;
+        if i == 4 || any(tap < vec2i(0)) || any(tap >= size) {
+            continue;
+        }
+        let other = textureLoad(guides, tap, 0);
+        if other.w < 0.0 {
+            continue;
+        }
+        let between = other.xyz - guide.xyz;
+        let facing = max(dot(guide_normal(other), normal), 0.0);
+        let facing_2 = facing * facing;
+        let near = max(1.0 - dot(between, between) / (REACH * REACH), 0.0);
+        let kernel = select(0.125, 0.0625, offset.x != 0 && offset.y != 0);
+        let weight = kernel * max(1.0 - abs(dot(between, normal)), 0.0) * facing_2 * facing_2 * near;
+        if weight > 0.0 {
+            light_sum += weight * textureLoad(light, tap, 0);
+            change_sum += weight * textureLoad(change, tap, 0);
+            weights += weight;
+        }
+    }
+    var filtered = light_sum / weights;
+    // The fewer pixels there are, the more noise is left.
+    filtered.a /= weights;
+    textureStore(light_out, place, filtered);
+    textureStore(change_out, place, change_sum / weights);
+}

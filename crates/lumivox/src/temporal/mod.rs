@@ -1,0 +1,304 @@
+//! The memory of a moving picture: light that earlier frames gathered, carried along with the surfaces that it is on.
+//!
+//! A frame alone has the noise of a few cones a pixel. What was gathered before belongs to a surface, not to a pixel; so it
+//! is looked up where the surface was in the frame before, and the new light is blended into it. A filter over many pixels
+//! tells what has changed from what is noise, and changes are taken at once. It also fills in where nothing is known: after a
+//! cut, and where something has just come into view.
+//!
+//! | step | for each | file |
+//! | --- | --- | --- |
+//! | what is known of the surface | pixel | `recall.wgsl` |
+//! | this frame's light beside it | traced pixel | `compare.wgsl` |
+//! | a wide filter in four steps | traced pixel | `filter.wgsl` |
+//! | the blend of both: picture and memory | pixel | `resolve.wgsl`, `blend.wgsl` |
+//!
+//! Only what cones gather goes this way. Direct light never does: it has no noise, and must not lag.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::UVec2;
+
+use crate::gpu::{
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary, Texture, TextureView, uniform_buffer,
+};
+
+/// The shader modules of this folder.
+pub(crate) const MODULES: &[(&str, &str)] = &[
+    ("temporal::blend", include_str!("blend.wgsl")),
+    ("temporal::compare", include_str!("compare.wgsl")),
+    ("temporal::filter", include_str!("filter.wgsl")),
+    ("temporal::guide", include_str!("guide.wgsl")),
+    ("temporal::recall", include_str!("recall.wgsl")),
+    ("temporal::record", include_str!("record.wgsl")),
+    ("temporal::resolve", include_str!("resolve.wgsl")),
+];
+
+const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+const GUIDE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+const RECORD: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
+
+/// The distance between the pixels of each step of the filter.
+const STEPS: [u32; 4] = [1, 2, 4, 8];
+
+/// `FilterStep` of `filter.wgsl`, as far apart as uniforms may lie.
+const STEP_BYTES: u64 = 256;
+
+/// The layouts of the steps.
+#[derive(Debug)]
+pub(crate) struct Layouts {
+    recall: wgpu::BindGroupLayout,
+    compare: wgpu::BindGroupLayout,
+    filter: wgpu::BindGroupLayout,
+    resolve: wgpu::BindGroupLayout,
+    /// In place of the lights, of which blending reads none.
+    nothing: wgpu::BindGroupLayout,
+}
+
+impl Layouts {
+    pub(crate) fn new(device: &Pipelines) -> Self {
+        let d2 = wgpu::TextureViewDimension::D2;
+        let uint = wgpu::TextureSampleType::Uint;
+        Self {
+            recall: LayoutBuilder::compute()
+                .uniform()
+                .texture_2d_unfilterable()
+                .texture_2d_unfilterable()
+                .texture(d2, uint)
+                .storage_texture(d2, LIGHT)
+                .storage_texture(d2, LIGHT)
+                .build(device, "recall"),
+            compare: LayoutBuilder::compute()
+                .uniform()
+                .texture_2d_unfilterable()
+                .texture_2d_unfilterable()
+                .texture_2d_unfilterable()
+                .storage_texture(d2, GUIDE)
+                .storage_texture(d2, LIGHT)
+                .storage_texture(d2, LIGHT)
+                .build(device, "compare"),
+            filter: LayoutBuilder::compute()
+                .uniform()
+                .texture_2d_unfilterable()
+                .texture_2d_unfilterable()
+                .texture_2d_unfilterable()
+                .storage_texture(d2, LIGHT)
+                .storage_texture(d2, LIGHT)
+                .build(device, "filter"),
+            resolve: (0..7)
+                .fold(LayoutBuilder::compute().uniform(), |layout, _| {
+                    layout.texture_2d_unfilterable()
+                })
+                .storage_texture(d2, LIGHT)
+                .storage_texture(d2, LIGHT)
+                .storage_texture(d2, RECORD)
+                .storage_mut()
+                .storage_mut()
+                .build(device, "resolve"),
+            nothing: LayoutBuilder::compute().build(device, "nothing"),
+        }
+    }
+}
+
+/// The kernels of the steps.
+#[derive(Debug)]
+pub(crate) struct Kernels {
+    recall: Kernel,
+    compare: Kernel,
+    filter: Kernel,
+    resolve: Kernel,
+    nothing: BindGroup,
+}
+
+impl Kernels {
+    pub(crate) fn new(
+        device: &Pipelines,
+        shaders: &ShaderLibrary,
+        layouts: &Layouts,
+        [globals, gbuffer]: [&wgpu::BindGroupLayout; 2],
+    ) -> Result<Self, ShaderError> {
+        let kernel = |module: &str, own| {
+            let module = format!("temporal::{module}");
+            let groups = [globals, own, &layouts.nothing, gbuffer];
+            Kernel::new(device, shaders, &module, "main", &groups)
+        };
+        Ok(Self {
+            recall: kernel("recall", &layouts.recall)?,
+            compare: kernel("compare", &layouts.compare)?,
+            filter: Kernel::new(device, shaders, "temporal::filter", "main", &[&layouts.filter])?,
+            resolve: kernel("resolve", &layouts.resolve)?,
+            nothing: BindGroupBuilder::new(&layouts.nothing).build(device, "nothing"),
+        })
+    }
+}
+
+/// A frame's textures that a memory works with.
+#[derive(Debug)]
+pub(crate) struct Traced<'a> {
+    /// What the cones have written, at the traced size.
+    pub(crate) irradiance: &'a TextureView,
+    pub(crate) specular: &'a TextureView,
+    /// The outputs, at the size of the picture.
+    pub(crate) outputs: [&'a Texture; 2],
+    /// The pixels that are traced by themselves.
+    pub(crate) counts: &'a Buffer,
+    pub(crate) listed: &'a Buffer,
+}
+
+/// The light of earlier frames, for one picture.
+#[derive(Debug)]
+pub(crate) struct Memory {
+    size: UVec2,
+    traced_size: UVec2,
+    /// Irradiance and reflection as the last frame left them, and the records of their surfaces.
+    past: [Texture; 3],
+    /// The records of this frame.
+    records: Texture,
+    recalled: [Texture; 2],
+    guide: Texture,
+    light: [Texture; 3],
+    change: [Texture; 2],
+    steps: Buffer,
+    /// Whether there is anything to recall.
+    remembers: AtomicBool,
+}
+
+/// The bind groups of a memory's steps.
+#[derive(Debug)]
+pub(crate) struct Groups {
+    recall: BindGroup,
+    compare: BindGroup,
+    filters: [BindGroup; 4],
+    resolve: BindGroup,
+}
+
+impl Memory {
+    /// `make` makes a texture of the name, size and format.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        (size, traced_size): (UVec2, UVec2),
+        mut make: impl FnMut(&'static str, UVec2, wgpu::TextureFormat) -> Texture,
+    ) -> Self {
+        let steps = STEPS.map(|step| {
+            let mut words = [0_u32; STEP_BYTES as usize / 4];
+            words[0] = step;
+            words
+        });
+        Self {
+            size,
+            traced_size,
+            past: [("past irradiance", LIGHT), ("past specular", LIGHT), ("past records", RECORD)]
+                .map(|(label, format)| make(label, size, format)),
+            records: make("records", size, RECORD),
+            recalled: ["recalled irradiance", "recalled specular"]
+                .map(|label| make(label, size, LIGHT)),
+            guide: make("guide", traced_size, GUIDE),
+            light: [(); 3].map(|()| make("filtered light", traced_size, LIGHT)),
+            change: [(); 2].map(|()| make("filtered change", traced_size, LIGHT)),
+            steps: uniform_buffer(device, "filter steps", &steps),
+            remembers: AtomicBool::new(false),
+        }
+    }
+
+    /// Forgets the light of earlier frames.
+    pub(crate) fn forget(&self) {
+        self.remembers.store(false, Ordering::Relaxed);
+    }
+
+    /// Whether the next frame recalls anything.
+    pub(crate) fn remembers(&self) -> bool {
+        self.remembers.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn groups(
+        &self,
+        device: &wgpu::Device,
+        layouts: &Layouts,
+        settings: &Buffer,
+        traced: &Traced<'_>,
+    ) -> Groups {
+        let views = |textures: &[Texture]| -> Vec<TextureView> {
+            textures.iter().map(Texture::view).collect()
+        };
+        let (past, recalled) = (views(&self.past), views(&self.recalled));
+        let (light, change) = (views(&self.light), views(&self.change));
+        let (guide, records) = (self.guide.view(), self.records.view());
+        // Which texture each step reads and writes: the first step's light stays, for the blend.
+        let steps = [(0, 1), (1, 2), (2, 0), (0, 2)];
+        let filters = std::array::from_fn(|step| {
+            let (from, to) = steps[step];
+            BindGroupBuilder::new(&layouts.filter)
+                .slice(&self.steps, step as u64 * STEP_BYTES, 16)
+                .view(&guide)
+                .view(&light[from])
+                .view(&change[step % 2])
+                .view(&light[to])
+                .view(&change[1 - step % 2])
+                .build(device, "filter")
+        });
+        let outputs = traced.outputs.map(Texture::view);
+        Groups {
+            recall: BindGroupBuilder::new(&layouts.recall)
+                .buffer(settings)
+                .view(&past[0])
+                .view(&past[1])
+                .view(&past[2])
+                .view(&recalled[0])
+                .view(&recalled[1])
+                .build(device, "recall"),
+            compare: BindGroupBuilder::new(&layouts.compare)
+                .buffer(settings)
+                .view(traced.irradiance)
+                .view(&recalled[0])
+                .view(&recalled[1])
+                .view(&guide)
+                .view(&light[0])
+                .view(&change[0])
+                .build(device, "compare"),
+            filters,
+            resolve: BindGroupBuilder::new(&layouts.resolve)
+                .buffer(settings)
+                .view(traced.irradiance)
+                .view(traced.specular)
+                .view(&light[1])
+                .view(&light[2])
+                .view(&change[0])
+                .view(&recalled[0])
+                .view(&recalled[1])
+                .view(&outputs[0])
+                .view(&outputs[1])
+                .view(&records)
+                .buffer(traced.counts)
+                .buffer(traced.listed)
+                .build(device, "resolve"),
+        }
+    }
+
+    /// Blends the frame that was traced into what is known, and lists the pixels that are to be traced by themselves.
+    pub(crate) fn blend(
+        &self,
+        recorder: &mut Recorder,
+        kernels: &Kernels,
+        groups: &Groups,
+        [globals, gbuffer]: [&BindGroup; 2],
+    ) {
+        let UVec2 { x, y } = self.size;
+        let traced = [self.traced_size.x, self.traced_size.y, 1];
+        let with = |own| [globals, own, &kernels.nothing, gbuffer];
+        kernels.recall.run(recorder, &with(&groups.recall), [x, y, 1]);
+        kernels.compare.run(recorder, &with(&groups.compare), traced);
+        for filter in &groups.filters {
+            kernels.filter.run(recorder, &[filter], traced);
+        }
+        kernels.resolve.run(recorder, &with(&groups.resolve), [x, y, 1]);
+    }
+
+    /// Keeps the frame for the next one, once its outputs are complete.
+    pub(crate) fn keep(&self, recorder: &mut Recorder, outputs: [&Texture; 2]) {
+        let [irradiance, specular] = outputs;
+        for (from, to) in [irradiance, specular, &self.records].into_iter().zip(&self.past) {
+            recorder.copy_texture(from, to);
+        }
+        self.remembers.store(true, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,138 @@
+// What earlier frames know of the surface at a pixel: the light that they gathered where it was in the picture of the
+// frame before.
+//
+// The four texels around that place count as in bilinear filtering, as far as they show the same surface. A surface that
+// has not moved in the picture takes its own texel, so that nothing blurs. Where none of the four fits, as at the
+// border of a thing in a picture whose samples move within the pixels, the best of the neighbours around does.
+
+import package::temporal::record::{decode_record, Record};
+import package::trace::fit::fit;
+import package::trace::gbuffer::{load_motion, load_surface};
+import package::trace::screen::settings;
+import package::trace::surface::Surface;
+import package::trace::view::{camera_motion, view};
+
+// Irradiance in rgb, openness in a.
+@group(1) @binding(1) var past_irradiance: texture_2d<f32>;
+@group(1) @binding(2) var past_specular: texture_2d<f32>;
+@group(1) @binding(3) var past_records: texture_2d<u32>;
+@group(1) @binding(4) var irradiance_out: texture_storage_2d<rgba16float, write>;
+// In a the frames: 0 where nothing is known, negative where they were looked up between texels.
+@group(1) @binding(5) var specular_out: texture_storage_2d<rgba16float, write>;
+
+// A place this near to the middle of a texel is there, in texels: rounding of matrices.
+const SAME_TEXEL: f32 = 0.01;
+// Texels that count for less than this altogether say nothing.
+const LEAST_WEIGHT: f32 = 0.1;
+// More of the fit than this makes a neighbour the same surface.
+const FITS: f32 = 0.5;
+// A thing that has moved may have left the plane that it was in, by this many voxels.
+const MOVED_SLACK: f32 = 4.0;
+
+// The most frames in the mean of a surface that moves over the picture: each look-up between texels blurs it a little.
+const MOVING_FRAMES: f32 = 32.0;
+
+struct Recalled {
+    irradiance: vec4f,
+    specular: vec3f,
+    frames: f32,
+    weights: f32,
+    is_same_texel: bool,
+}
+
+// The place of a texel's surface when it was recorded.
+fn past_position(texel: vec2i, depth: f32) -> vec3f {
+    let uv = (vec2f(texel) + 0.5) / vec2f(view.size);
+    let ndc = vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
+    let world = view.previous_world_from_clip * vec4f(ndc, depth, 1.0);
+    return world.xyz / world.w;
+}
+
+// How well a texel shows the surface, 0 to 1.
+fn texel_fit(texel: vec2i, surface: Surface, slack: f32) -> f32 {
+    if any(texel < vec2i(0)) || any(texel >= vec2i(view.size)) {
+        return 0.0;
+    }
+    let record = decode_record(textureLoad(past_records, texel, 0).xy);
+    if record.frames <= 0.0 {
+        return 0.0;
+    }
+    let offset = past_position(texel, record.depth) - surface.position_in_world;
+    return fit(offset / slack, record.normal, surface);
+}
+
+fn add(recalled: ptr<function, Recalled>, texel: vec2i, weight: f32) {
+    let record = decode_record(textureLoad(past_records, texel, 0).xy);
+    (*recalled).irradiance += weight * textureLoad(past_irradiance, texel, 0);
+    (*recalled).specular += weight * textureLoad(past_specular, texel, 0).rgb;
+    (*recalled).frames += weight * record.frames;
+    (*recalled).weights += weight;
+}
+
+fn recall(pixel: vec2u, surface: Surface) -> Recalled {
+    var recalled = Recalled(vec4f(0.0), vec3f(0.0), 0.0, 0.0, false);
+    let motion = load_motion(pixel, surface.position_in_world);
+    let own_motion = (motion - camera_motion(pixel, surface.position_in_world)) * vec2f(view.size);
+    let slack = select(1.0, MOVED_SLACK, any(abs(own_motion) > vec2f(SAME_TEXEL)));
+    // In texels, whole numbers at their centres.
+    let exact = vec2f(pixel) - motion * vec2f(view.size);
+    let nearest = round(exact);
+    // What is far outside may not be a number that an integer holds.
+    if !(all(exact > vec2f(-2.0)) && all(exact < vec2f(view.size) + 1.0)) {
+        return recalled;
+    }
+    let is_same = all(abs(exact - nearest) < vec2f(SAME_TEXEL));
+    recalled.is_same_texel = is_same;
+    let place = select(exact, nearest, is_same);
+    let corner = vec2i(floor(place));
+    let fraction = place - floor(place);
+    for (var i = 0; i < 4; i++) {
+        let offset = vec2i(i & 1, i >> 1);
+        let share = abs(vec2f(1 - offset) - fraction);
+        let bilinear = share.x * share.y;
+        if bilinear > 1e-3 {
+            let weight = bilinear * texel_fit(corner + offset, surface, slack);
+            if weight > 1e-3 {
+                add(&recalled, corner + offset, weight);
+            }
+        }
+    }
+    if recalled.weights < LEAST_WEIGHT {
+        recalled = Recalled(vec4f(0.0), vec3f(0.0), 0.0, 0.0, is_same);
+        var best = FITS;
+        var best_texel = vec2i(0);
+        for (var i = 0; i < 9; i++) {
+            let texel = vec2i(nearest) + vec2i(i % 3 - 1, i / 3 - 1);
+            let fits = texel_fit(texel, surface, slack);
+            if fits > best {
+                best = fits;
+                best_texel = texel;
+            }
+        }
+        if best > FITS {
+            add(&recalled, best_texel, 1.0);
+        }
+    }
+    return recalled;
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let pixel = invocation.xy;
+    if any(pixel >= view.size) {
+        return;
+    }
+    let surface = load_surface(pixel);
+    var irradiance = vec4f(0.0);
+    var specular = vec4f(0.0);
+    if surface.depth > 0.0 && settings.remembers != 0u {
+        let recalled = recall(pixel, surface);
+        if recalled.weights > 0.0 {
+            irradiance = recalled.irradiance / recalled.weights;
+            specular = vec4f(recalled.specular, recalled.frames) / recalled.weights;
+            specular.a = select(-min(specular.a, MOVING_FRAMES), specular.a, recalled.is_same_texel);
+        }
+    }
+    textureStore(irradiance_out, pixel, irradiance);
+    textureStore(specular_out, pixel, specular);
+}

@@ -1,0 +1,107 @@
+// This frame's light at every pixel: what was gathered around it, blended into what is known. It is the picture's light and
+// what the next frame recalls.
+
+import package::temporal::blend::{blend, Fresh, Known};
+import package::temporal::record::{encode_record, Record};
+import package::trace::around::{traced_around, Around, FITS};
+import package::trace::gbuffer::{load_specular, load_surface};
+import package::trace::screen::{settings, traced_size};
+import package::trace::surface::Surface;
+import package::trace::view::view;
+
+@group(1) @binding(1) var traced_irradiance: texture_2d<f32>;
+@group(1) @binding(2) var traced_specular: texture_2d<f32>;
+// After one step of the filter, and after the last.
+@group(1) @binding(3) var fine: texture_2d<f32>;
+@group(1) @binding(4) var wide: texture_2d<f32>;
+@group(1) @binding(5) var change: texture_2d<f32>;
+@group(1) @binding(6) var recalled_irradiance: texture_2d<f32>;
+@group(1) @binding(7) var recalled_specular: texture_2d<f32>;
+@group(1) @binding(8) var irradiance_out: texture_storage_2d<rgba16float, write>;
+@group(1) @binding(9) var specular_out: texture_storage_2d<rgba16float, write>;
+@group(1) @binding(10) var records_out: texture_storage_2d<rg32uint, write>;
+@group(1) @binding(11) var<storage, read_write> counts: array<atomic<u32>>;
+@group(1) @binding(12) var<storage, read_write> listed: array<u32>;
+
+// The most frames in the mean of a reflection on a rough surface, seen by a camera that moves.
+const GLOSSY_FRAMES: f32 = 16.0;
+// Reflections within this many standard deviations of those around are plausible.
+const PLAUSIBLE: f32 = 1.5;
+
+// This frame's reflection blended into the one that is known, in rgb; the cone samples in a.
+fn blend_specular(pixel: vec2u, around: Around, known: vec4f, frames: f32) -> vec4f {
+    var fresh = vec4f(0.0);
+    for (var i = 0; i < 4; i++) {
+        if around.weights[i] > 0.0 {
+            fresh += around.weights[i] * textureLoad(traced_specular, around.sources[i], 0);
+        }
+    }
+    if known.a == 0.0 {
+        return fresh;
+    }
+    // What is reflected moves over a smooth surface as the camera does: the less the rougher it is.
+    let roughness = load_specular(pixel).roughness;
+    let most = select(1e4, GLOSSY_FRAMES * smoothstep(0.05, 0.4, roughness), known.a < 0.0);
+    var mean = vec3f(0.0);
+    var square = vec3f(0.0);
+    let last = vec2i(traced_size()) - 1;
+    for (var i = 0; i < 9; i++) {
+        let offset = vec2i(i % 3 - 1, i / 3 - 1);
+        let place = clamp(vec2i(around.sources[0]) + offset, vec2i(0), last);
+        let value = textureLoad(traced_specular, place, 0).rgb;
+        mean += value / 9.0;
+        square += value * value / 9.0;
+    }
+    let spread = PLAUSIBLE * sqrt(max(square - mean * mean, vec3f(0.0)));
+    let plausible = clamp(known.rgb, mean - spread, mean + spread);
+    let weight = 1.0 / (min(frames, most) + 1.0);
+    return vec4f(mix(plausible, fresh.rgb, weight), fresh.a);
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let pixel = invocation.xy;
+    if any(pixel >= view.size) {
+        return;
+    }
+    let surface = load_surface(pixel);
+    if surface.depth <= 0.0 {
+        textureStore(irradiance_out, pixel, vec4f(0.0, 0.0, 0.0, 1.0));
+        textureStore(specular_out, pixel, vec4f(0.0));
+        textureStore(records_out, pixel, vec4u(0u));
+        return;
+    }
+    let around = traced_around(pixel, surface);
+    let is_alone = around.best < FITS;
+    let frames = select(1.0, 0.0, is_alone);
+    var fresh = Fresh(vec4f(0.0), vec3f(0.0), vec3f(0.0), 0.0, frames, vec4f(0.0));
+    for (var i = 0; i < 4; i++) {
+        let weight = around.weights[i];
+        if weight > 0.0 {
+            let source = around.sources[i];
+            let filtered = textureLoad(wide, source, 0);
+            fresh.irradiance += weight * textureLoad(traced_irradiance, source, 0);
+            fresh.fine += weight * textureLoad(fine, source, 0).rgb;
+            fresh.wide += weight * filtered.rgb;
+            fresh.noise += weight * filtered.a;
+            fresh.change += weight * textureLoad(change, source, 0);
+        }
+    }
+    let recalled = textureLoad(recalled_specular, pixel, 0);
+    let known = Known(textureLoad(recalled_irradiance, pixel, 0), abs(recalled.a));
+    if is_alone && settings.bounces > 0u && known.frames <= 0.0 {
+        // In whatever order: each is traced by itself.
+        let place = 1u + atomicAdd(&counts[0], 1u);
+        if place < arrayLength(&listed) {
+            listed[place] = pixel.y * view.size.x + pixel.x;
+        }
+    }
+    let blended = blend(known, fresh);
+    let specular = blend_specular(pixel, around, recalled, blended.frames - 1.0);
+    textureStore(irradiance_out, pixel, blended.irradiance);
+    textureStore(specular_out, pixel, specular);
+    // The depth in clip space, whatever the G-buffer's own is.
+    let clip = view.clip_from_world * vec4f(surface.position_in_world, 1.0);
+    let record = Record(clip.z / clip.w, surface.shading_normal, blended.frames);
+    textureStore(records_out, pixel, vec4u(encode_record(record), 0u, 0u));
+}

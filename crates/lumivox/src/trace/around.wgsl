@@ -1,0 +1,57 @@
+// The four traced pixels around a pixel, and how much each says about it.
+
+import package::trace::fit::fit;
+import package::trace::gbuffer::load_surface;
+import package::trace::screen::{settings, traced_pixel, traced_size};
+import package::trace::surface::Surface;
+
+struct Around {
+    sources: array<vec2u, 4>,
+    // They add up to 1; zeros if none shows a surface.
+    weights: array<f32, 4>,
+    // How well the best fits.
+    best: f32,
+}
+
+// A neighbour that fits less does not count as one: a third of a voxel off the plane, or turned by 25 degrees.
+const FITS: f32 = 0.66;
+
+fn traced_around(pixel: vec2u, surface: Surface) -> Around {
+    var around = Around(array<vec2u, 4>(), array<f32, 4>(), 0.0);
+    if settings.scale == 1u {
+        around.sources[0] = pixel;
+        around.weights[0] = 1.0;
+        around.best = 1.0;
+        return around;
+    }
+    // Where this frame's traced pixels stand, in the coordinates of the small picture.
+    let shift = vec2f(traced_pixel(vec2u(0u)));
+    let place = (vec2f(pixel) - shift) / f32(settings.scale);
+    let corner = vec2i(floor(place));
+    let fraction = place - floor(place);
+    let last = vec2i(traced_size()) - 1;
+    var sum = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let offset = vec2i(i & 1, i >> 1);
+        let source = vec2u(clamp(corner + offset, vec2i(0), last));
+        let other = load_surface(traced_pixel(source));
+        if other.depth <= 0.0 {
+            continue;
+        }
+        let bilinear = abs(vec2f(1 - offset) - fraction);
+        let between = other.position_in_world - surface.position_in_world;
+        let fits = fit(between, other.shading_normal, surface);
+        // The floors keep a pixel that fits nowhere at the mean of what there is.
+        let weight = (bilinear.x * bilinear.y + 1e-3) * (fits + 1e-4);
+        around.best = max(around.best, fits);
+        around.sources[i] = source;
+        around.weights[i] = weight;
+        sum += weight;
+    }
+    if sum > 0.0 {
+        for (var i = 0; i < 4; i++) {
+            around.weights[i] /= sum;
+        }
+    }
+    return around;
+}
