@@ -1,35 +1,43 @@
 //! The choice of the clock for stages: the GPU's timestamps where they are true.
 //!
-//! A driver may take timestamps at the wrong time (lavapipe: when commands are parsed), in the wrong unit, or not at all. So
-//! they are held against the wall clock once, on work that keeps the GPU busy for long enough that the CPU's share does not
-//! matter: the light of a scene's voxels, of which all passes go out in one submission that is waited for. Their sum must be
-//! close to that time. Otherwise each pass is submitted by itself and waited for, and the wall clock is read.
+//! A driver may take timestamps at the wrong time (software drivers: when they read commands, not when they run), in the wrong
+//! unit, or not at all. So they are held against the wall clock once: the same work, the light of a scene's voxels and a frame,
+//! is timed by timestamps, and pass by pass, each submitted by itself and waited for. A wait costs some tenths of a millisecond,
+//! so only passes that are long against that are compared, and the work grows until there are some. If the two clocks disagree,
+//! the second is used for all measurements.
 
-use std::time::Instant;
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
+use glam::UVec2;
 use lumivox::gpu::Timing;
 use lumivox_render::{Gpu, RenderError, RenderSettings, Renderer};
 use lumivox_scene::Scene;
 
 use super::report::{Spread, TimingReport};
 
-/// Voxels for the comparison; the next is tried while the work is too short.
-const RESOLUTIONS: [u32; 4] = [32, 64, 128, 256];
-/// The shortest time of work that the CPU's share does not matter in, ms.
+/// Voxels and pixels of the work; the next is tried while no pass is long.
+const WORK: [(u32, UVec2); 4] = [
+    (32, UVec2::new(320, 180)),
+    (64, UVec2::new(640, 360)),
+    (128, UVec2::new(1280, 720)),
+    (256, UVec2::new(1920, 1080)),
+];
+/// A time that is long against what waiting costs, ms.
 const LONG_MS: f64 = 10.0;
-/// Shares of the wall clock within which the sum of the passes is true. Passes may overlap a little, and the time of the
-/// wall clock includes recording and waiting.
-const TRUE_SHARES: std::ops::RangeInclusive<f64> = 0.5..=1.25;
-/// The lowest share where even the largest work is short.
-const LEAST_SHARE_OF_SHORT: f64 = 0.1;
-/// Comparisons, of which the median counts.
+/// Shares of the waited time that timestamps of a long pass may have: below one by what waiting costs, above it by chance.
+const TRUE_SHARES: RangeInclusive<f64> = 0.5..=1.25;
+/// The lowest share of all passes together where even the largest work has no long pass.
+const LEAST_SHARE_OF_SHORT: f64 = 0.05;
+/// Runs of the work, of which the median counts.
 const RUNS: usize = 3;
 
-/// Work on the GPU by both clocks, ms.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The time of a pass by both clocks, ms.
+#[derive(Clone, Debug, PartialEq)]
 struct Compared {
-    passes: f64,
-    wall: f64,
+    pass: String,
+    stamped: f64,
+    waited: f64,
 }
 
 /// The way to take the times of stages on a device, and the reason.
@@ -48,64 +56,95 @@ pub fn choose(gpu: &Gpu, scene: &Scene) -> (Timing, TimingReport) {
         return waited("the device has no timestamps".to_owned());
     }
     match compare(gpu, scene) {
-        Ok(compared) => {
-            let words = format!(
-                "the passes of the same work take {:.2} ms by timestamps, {:.2} ms by the wall clock",
-                compared.passes, compared.wall
-            );
-            if is_true(compared) {
+        Ok(compared) => match judge(&compared) {
+            Ok(reason) => {
                 let method = "timestamps".to_owned();
-                (Timing::Timestamps, TimingReport { method, reason: words })
-            } else {
-                waited(format!("timestamps cannot be trusted: {words}"))
+                (Timing::Timestamps, TimingReport { method, reason })
             }
-        }
+            Err(reason) => waited(format!("timestamps cannot be trusted: {reason}")),
+        },
         Err(error) => waited(format!("timestamps could not be checked: {error}")),
     }
 }
 
-fn is_true(Compared { passes, wall }: Compared) -> bool {
-    let share = passes / wall;
-    let least = if wall < LONG_MS { LEAST_SHARE_OF_SHORT } else { *TRUE_SHARES.start() };
-    (least..=*TRUE_SHARES.end()).contains(&share)
+/// Whether timestamps are true, and why.
+fn judge(compared: &[Compared]) -> Result<String, String> {
+    let is_long = |pass: &&Compared| pass.waited >= LONG_MS;
+    let words = |name: &str, stamped: f64, waited: f64| {
+        format!("{name} takes {stamped:.2} ms by them, {waited:.2} ms by the wall clock")
+    };
+    // Not a number is outside.
+    let is_wrong = |pass: &&Compared| !TRUE_SHARES.contains(&(pass.stamped / pass.waited));
+    if let Some(pass) = compared.iter().filter(is_long).find(is_wrong) {
+        return Err(words(&pass.pass, pass.stamped, pass.waited));
+    }
+    if let Some(pass) = compared.iter().find(is_long) {
+        return Ok(words(&pass.pass, pass.stamped, pass.waited));
+    }
+    let sum = |of: fn(&Compared) -> f64| compared.iter().map(of).sum::<f64>();
+    let (stamped, waited) = (sum(|pass| pass.stamped), sum(|pass| pass.waited));
+    let words = words("all work", stamped, waited);
+    let shares = LEAST_SHARE_OF_SHORT..=*TRUE_SHARES.end();
+    if shares.contains(&(stamped / waited)) { Ok(words) } else { Err(words) }
 }
 
-/// Takes the time of work that is as long as it has to be, if the device can do it.
-fn compare(gpu: &Gpu, scene: &Scene) -> Result<Compared, RenderError> {
-    let mut last = Err(RenderError::Device { doing: "comparing clocks", reason: String::new() });
-    for resolution in RESOLUTIONS {
-        let compared = pollster::block_on(compare_at(gpu, scene, resolution));
-        match compared {
-            Ok(compared) if compared.wall < LONG_MS => last = Ok(compared),
-            Ok(compared) => return Ok(compared),
-            // Less work was possible; else there is no comparison.
-            Err(error) => return last.map_err(|_| error),
+/// Takes the times of work that is as long as it has to be, if the device can do it.
+fn compare(gpu: &Gpu, scene: &Scene) -> Result<Vec<Compared>, RenderError> {
+    let mut last = None;
+    for (resolution, size) in WORK {
+        match pollster::block_on(compare_at(gpu, scene, resolution, size)) {
+            Ok(compared) => {
+                let has_long = compared.iter().any(|pass| pass.waited >= LONG_MS);
+                last = Some(compared);
+                if has_long {
+                    break;
+                }
+            }
+            // Less work was possible, or there is no comparison.
+            Err(error) => return last.ok_or(error),
         }
     }
-    last
+    Ok(last.unwrap_or_default())
 }
 
-async fn compare_at(gpu: &Gpu, scene: &Scene, resolution: u32) -> Result<Compared, RenderError> {
-    let settings = RenderSettings {
-        size: glam::UVec2::new(64, 36),
-        resolution,
-        timing: Timing::Timestamps,
-        ..RenderSettings::default()
-    };
+async fn compare_at(
+    gpu: &Gpu,
+    scene: &Scene,
+    resolution: u32,
+    size: UVec2,
+) -> Result<Vec<Compared>, RenderError> {
+    let timing = Timing::Timestamps;
+    let settings = RenderSettings { size, resolution, timing, ..RenderSettings::default() };
     let quiet = &mut |_| ();
-    let mut renderer = Renderer::new(gpu, scene, None, settings, quiet).await?;
-    let (mut passes, mut walls) = (Vec::new(), Vec::new());
-    // The first run is not counted.
-    for _ in 0..=RUNS {
+    let mut renderer = Renderer::new(gpu, scene, None, settings.clone(), quiet).await?;
+    let stamped = times(&mut renderer, scene).await?;
+    let waited = RenderSettings { timing: Timing::SubmitAndWait, ..settings };
+    renderer.set_settings(waited, quiet).await?;
+    let waited = times(&mut renderer, scene).await?;
+    let compared = waited.into_iter().map(|(pass, waited)| {
+        let stamped = stamped.get(&pass).copied().unwrap_or(0.0);
+        Compared { pass, stamped, waited }
+    });
+    Ok(compared.collect())
+}
+
+/// The medians of the times of all passes of the work, ms.
+async fn times(
+    renderer: &mut Renderer,
+    scene: &Scene,
+) -> Result<BTreeMap<String, f64>, RenderError> {
+    let mut runs: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for run in 0..=RUNS {
         renderer.forget_times();
         renderer.forget_light();
-        let start = Instant::now();
-        renderer.set_lights(scene, quiet).await?;
-        walls.push(start.elapsed().as_secs_f64() * 1e3);
-        passes.push(renderer.times().iter().map(|time| time.duration.as_secs_f64() * 1e3).sum());
+        renderer.set_lights(scene, &mut |_| ()).await?;
+        renderer.render_frame().await?;
+        // Drivers compile in the first run.
+        for time in renderer.times().into_iter().filter(|_| run > 0) {
+            runs.entry(time.pass).or_default().push(time.duration.as_secs_f64() * 1e3);
+        }
     }
-    let median = |ms: Vec<f64>| Spread::of(ms[1..].to_vec()).median;
-    Ok(Compared { passes: median(passes), wall: median(walls) })
+    Ok(runs.into_iter().map(|(pass, ms)| (pass, Spread::of(ms).median)).collect())
 }
 
 #[cfg(test)]
@@ -113,26 +152,43 @@ mod tests {
     use super::*;
     use lumivox_render::GpuOptions;
 
-    #[test]
-    fn timestamps_are_true_if_they_agree_with_the_wall_clock() {
-        let judge = |passes, wall| is_true(Compared { passes, wall });
-        assert!(judge(95.0, 100.0) && judge(110.0, 100.0) && judge(60.0, 100.0));
-        // Of another unit, zero, or not a number.
-        assert!(!judge(3.0, 100.0) && !judge(0.0, 100.0) && !judge(2600.0, 100.0));
-        assert!(!judge(f64::NAN, 100.0));
-        // Much of a short time is the CPU's.
-        assert!(judge(1.0, 4.0) && !judge(0.1, 4.0) && !judge(8.0, 4.0));
+    fn is_true(passes: &[(f64, f64)]) -> bool {
+        let compared = passes.iter().map(|&(stamped, waited)| {
+            let pass = "a pass".to_owned();
+            Compared { pass, stamped, waited }
+        });
+        judge(&compared.collect::<Vec<_>>()).is_ok()
     }
 
-    /// Lavapipe has timestamps, which are wrong; those of a GPU have to agree.
     #[test]
-    fn a_software_drivers_timestamps_are_found_out() {
+    fn timestamps_are_true_if_long_passes_agree() {
+        assert!(
+            is_true(&[(95.0, 100.0)]) && is_true(&[(110.0, 100.0)]) && is_true(&[(60.0, 100.0)])
+        );
+        // Of another unit, zero, or not a number.
+        assert!(!is_true(&[(3.0, 100.0)]) && !is_true(&[(0.0, 100.0)]));
+        assert!(!is_true(&[(2600.0, 100.0)]) && !is_true(&[(f64::NAN, 100.0)]));
+        // Each long pass has to agree, however right the sum.
+        assert!(!is_true(&[(100.0, 20.0), (20.0, 100.0)]));
+        // Waiting makes most of what short ones take.
+        assert!(is_true(&[(95.0, 100.0), (0.01, 0.4), (0.0, 0.3)]));
+        assert!(is_true(&[(1.0, 4.0)]) && !is_true(&[(0.1, 4.0)]) && !is_true(&[(8.0, 4.0)]));
+        assert!(!is_true(&[]), "nothing was compared");
+    }
+
+    #[test]
+    fn both_clocks_time_the_same_passes() {
         let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).unwrap();
         assert!(gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY));
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();
         let compared = compare(&gpu, &scene).unwrap();
-        assert_eq!(is_true(compared), !gpu.is_software(), "{compared:?}");
-        let timing = if gpu.is_software() { Timing::SubmitAndWait } else { Timing::Timestamps };
-        assert_eq!(choose(&gpu, &scene).0, timing);
+        assert!(compared.len() > 10, "{compared:?}");
+        for pass in &compared {
+            assert!(pass.waited > 0.0 && pass.stamped >= 0.0, "{pass:?}");
+        }
+        let bounce = compared.iter().find(|pass| pass.pass == "light::bounce").unwrap();
+        assert!(bounce.waited >= LONG_MS || !gpu.is_software(), "{bounce:?}");
+        let timing = choose(&gpu, &scene).0;
+        assert_eq!(timing == Timing::SubmitAndWait, gpu.is_software());
     }
 }

@@ -20,10 +20,12 @@ const BUDGET: Duration = Duration::from_secs(6);
 const LEAST_RUNS: u32 = 3;
 /// The most changes of everything.
 const MOST_CHANGES: u32 = 16;
-/// Frames before the first that counts: drivers compile shaders, and voxels find room.
+/// Frames before the first that counts, and the time that they take at least: drivers compile shaders, voxels find room, and a
+/// GPU raises its clock.
 const WARM_UP: u32 = 3;
-/// The most of them, while voxels are late.
-const MOST_WARM_UP: u32 = 32;
+const WARM_UP_TIME: Duration = Duration::from_millis(400);
+/// The most frames that may be late before the first that counts.
+const MOST_LATE: u32 = 32;
 /// Phases of a measurement, for its progress.
 const PHASES: f64 = 5.0;
 
@@ -87,9 +89,7 @@ impl Bench<'_> {
         let mut renderer =
             block_on(Renderer::new(self.gpu, scene, Some(camera), settings.clone(), quiet))?;
         self.change(&mut renderer)?;
-        for _ in 0..WARM_UP {
-            self.frame(&mut renderer)?;
-        }
+        warm_up(&mut || self.frame(&mut renderer))?;
         self.reach(1.0);
         let change = self.walls(MOST_CHANGES, &mut || self.change(&mut renderer))?;
         self.reach(2.0);
@@ -133,10 +133,10 @@ impl Bench<'_> {
             voxels = frame.voxels;
             Ok(frame.is_late)
         };
-        for run in 0..MOST_WARM_UP {
-            if !step(&mut renderer)? && run >= WARM_UP {
-                break;
-            }
+        warm_up(&mut || step(&mut renderer).map(|_| ()))?;
+        let mut late = 0;
+        while late < MOST_LATE && step(&mut renderer)? {
+            late += 1;
         }
         self.reach(1.0);
         let mut late_frames = 0;
@@ -249,6 +249,16 @@ impl Bench<'_> {
     fn reach(&self, phase: f64) {
         self.progress.set_within("measuring", self.done, self.total, phase / PHASES);
     }
+}
+
+fn warm_up(work: &mut dyn FnMut() -> Result<(), RenderError>) -> Result<(), RenderError> {
+    let start = Instant::now();
+    let mut runs = 0;
+    while runs < WARM_UP || start.elapsed() < WARM_UP_TIME {
+        work()?;
+        runs += 1;
+    }
+    Ok(())
 }
 
 /// What a renderer tells without measuring.

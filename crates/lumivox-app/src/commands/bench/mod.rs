@@ -154,3 +154,27 @@ fn write_file(file: &Path, text: &str) -> anyhow::Result<()> {
     write_atomically(file, |out| std::io::Write::write_all(out, text.as_bytes()))
         .map_err(|e| Failure::output(format!("{}: cannot be written: {e}", file.display())).into())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a software driver measures without options has published figures, made by a release build.
+    #[test]
+    fn the_published_report_is_of_this_layout_and_of_these_cases() {
+        let published: Report = serde_json::from_str(PUBLISHED).unwrap();
+        assert_eq!((published.format, published.build.as_str()), (FORMAT, "release"));
+        assert!(!published.machine.name.is_empty() && !published.rows.is_empty());
+        let plan = plan::tests::plan("", true);
+        for case in &plan.cases {
+            for motion in Motion::ALL {
+                let id = case.id(motion);
+                let row = published.rows.iter().find(|row| row.id == id);
+                assert!(row.is_some(), "{id} is missing");
+            }
+        }
+        let measured = published.rows.iter().filter_map(|row| row.figures.as_ref());
+        assert!(measured.clone().count() > published.rows.len() / 2);
+        assert!(measured.clone().all(|figures| figures.frame.whole.median > 0.0));
+    }
+}

@@ -101,6 +101,8 @@ fn cube(edge_m: f32) -> Mesh {
 
 #[cfg(test)]
 mod tests {
+    use lumivox_scene::InstanceBounds;
+
     use super::*;
 
     #[test]
@@ -112,8 +114,7 @@ mod tests {
             let mut places = Vec::new();
             for _ in 0..60 {
                 moving.advance();
-                let instance = &moving.scene.instances[moving.block];
-                let block = moving.scene.bounds_of(instance);
+                let block = InstanceBounds::of(&moving.scene).get(moving.block);
                 assert!(bounds.contains(block.min) && bounds.contains(block.max), "{name}");
                 let light = &moving.scene.lights[0];
                 places.push((block.min.to_array(), light.position.to_array(), light.direction));

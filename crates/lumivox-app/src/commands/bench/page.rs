@@ -137,13 +137,13 @@ impl Page<'_> {
                     format!("{:.0}", f.memory_bytes as f64 / f64::from(1 << 20))
                 }),
                 ("voxelize", true, |f| {
-                    ms(f.change.as_ref().and_then(|part| part.sum_of(VOXELIZE)))
+                    figure(f.change.as_ref().and_then(|part| part.sum_of(VOXELIZE)))
                 }),
-                ("light", true, |f| ms(f.change.as_ref().and_then(|part| part.sum_of(LIGHT)))),
-                ("all new", true, |f| ms(f.change.as_ref().map(|part| part.whole.median))),
-                ("trace", true, |f| ms(f.frame.sum_of(TRACE))),
-                ("frame", true, |f| ms(Some(f.frame.whole.median))),
-                ("p95", false, |f| ms(Some(f.frame.whole.p95))),
+                ("light", true, |f| figure(f.change.as_ref().and_then(|part| part.sum_of(LIGHT)))),
+                ("all new", true, |f| figure(f.change.as_ref().map(|part| part.whole.median))),
+                ("trace", true, |f| figure(f.frame.sum_of(TRACE))),
+                ("frame", true, |f| figure(Some(f.frame.whole.median))),
+                ("p95", false, |f| figure(Some(f.frame.whole.p95))),
                 ("samples", false, samples),
                 ("GB", false, |f| {
                     f.cones.map_or(NONE.to_owned(), |cones| format!("{:.2}", cones.bytes / 1e9))
@@ -158,11 +158,11 @@ impl Page<'_> {
         let table = self.table(
             Motion::Moving,
             &[
-                ("voxelize", true, |f| ms(f.frame.sum_of(VOXELIZE))),
-                ("light", true, |f| ms(f.frame.sum_of(LIGHT))),
-                ("trace", true, |f| ms(f.frame.sum_of(TRACE))),
-                ("frame", true, |f| ms(Some(f.frame.whole.median))),
-                ("p95", false, |f| ms(Some(f.frame.whole.p95))),
+                ("voxelize", true, |f| figure(f.frame.sum_of(VOXELIZE))),
+                ("light", true, |f| figure(f.frame.sum_of(LIGHT))),
+                ("trace", true, |f| figure(f.frame.sum_of(TRACE))),
+                ("frame", true, |f| figure(Some(f.frame.whole.median))),
+                ("p95", false, |f| figure(Some(f.frame.whole.p95))),
                 ("frames", false, |f| f.frame.runs.to_string()),
                 ("late", false, |f| f.late_frames.to_string()),
             ],
@@ -200,9 +200,9 @@ impl Page<'_> {
             let mut table = Markdown::new(&heading);
             for (row, part) in measured {
                 let mut cells = vec![format!("`{}`", row.id.trim_end_matches(suffix(motion)))];
-                cells.extend(names.iter().map(|name| ms(part.sum_of(&[name]))));
-                cells.push(ms(part.sum_of(&names)));
-                cells.push(ms(Some(part.whole.median)));
+                cells.extend(names.iter().map(|name| figure(part.sum_of(&[name]))));
+                cells.push(figure(part.sum_of(&names)));
+                cells.push(figure(Some(part.whole.median)));
                 table.row(cells);
             }
             text += &format!("{}\n", table.text());
@@ -226,8 +226,8 @@ fn problem(row: &Row) -> String {
     row.problem.clone().unwrap_or_else(|| "not measured".to_owned())
 }
 
-/// Milliseconds with three digits that count.
-fn ms(value: Option<f64>) -> String {
+/// A figure, such as milliseconds, with three digits that count.
+fn figure(value: Option<f64>) -> String {
     match value {
         None => NONE.to_owned(),
         Some(value) if value >= 99.95 => format!("{value:.0}"),
@@ -239,7 +239,7 @@ fn ms(value: Option<f64>) -> String {
 fn samples(figures: &Figures) -> String {
     let Some(cones) = figures.cones else { return NONE.to_owned() };
     let about = if cones.is_counted { "" } else { "~" };
-    format!("{about}{:.1} M", cones.samples / 1e6)
+    format!("{about}{} M", figure(Some(cones.samples / 1e6)))
 }
 
 /// The estimated bytes over the time of the cones, GB/s.
@@ -308,5 +308,49 @@ impl Markdown {
             }
         }
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::published;
+    use super::*;
+
+    #[test]
+    fn published_figures_stand_beside_those_of_the_same_name() {
+        let published = published().unwrap();
+        let mut report = published.clone();
+        "a faster machine".clone_into(&mut report.machine.name);
+        for figures in report.rows.iter_mut().filter_map(|row| row.figures.as_mut()) {
+            figures.frame.whole.median = 0.123;
+        }
+        let row = report.rows.iter().find(|row| row.figures.is_some()).unwrap().clone();
+        report.rows.retain(|other| other.id == row.id);
+        let text = page(&report, Some(&published));
+        assert!(
+            text.contains("Speed on a faster machine") && text.contains(&published.machine.name)
+        );
+        let table = text.lines().skip_while(|line| !line.starts_with("| case"));
+        let lines: Vec<&str> = table.take_while(|line| line.starts_with('|')).collect();
+        let cells = |line: &str| -> Vec<String> {
+            line.split('|').map(|cell| cell.trim().to_owned()).collect()
+        };
+        let (heading, values) = (cells(lines[0]), cells(lines[2]));
+        assert_eq!(heading.len(), values.len());
+        let frame = heading.iter().position(|name| name == "frame").unwrap();
+        assert_eq!((values[frame].as_str(), heading[frame + 1].as_str()), ("0.12", "published"));
+        let theirs = published.rows.iter().find(|other| other.id == row.id).unwrap();
+        let theirs = theirs.figures.as_ref().unwrap().frame.whole.median;
+        assert_eq!(values[frame + 1], figure(Some(theirs)));
+
+        report.rows[0].id.push_str("/of another name");
+        assert!(!page(&report, Some(&published)).contains("ublished"));
+    }
+
+    #[test]
+    fn figures_have_three_digits() {
+        let texts = [0.004, 1.005, 9.996, 12.34, 99.96, 12_345.6].map(|value| figure(Some(value)));
+        assert_eq!(texts, ["0.00", "1.00", "10.0", "12.3", "100", "12346"]);
+        assert_eq!(figure(None), NONE);
     }
 }

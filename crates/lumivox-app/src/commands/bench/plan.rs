@@ -162,14 +162,10 @@ impl Plan {
                     for &preset in &presets {
                         for size in sizes(resolution) {
                             let scene_name = name_of(source);
-                            cases.push(Case {
-                                scene,
-                                scene_name,
-                                volume,
-                                resolution,
-                                preset,
-                                size,
-                            });
+                            let case = Case { scene, scene_name, volume, resolution, preset, size };
+                            if !cases.contains(&case) {
+                                cases.push(case);
+                            }
                         }
                     }
                 }
@@ -187,5 +183,52 @@ fn name_of(source: &SceneSource) -> String {
             let name = file.file_name().unwrap_or_default();
             name.to_string_lossy().into_owned()
         }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use std::collections::BTreeSet;
+
+    use clap::Parser as _;
+
+    use super::*;
+    use crate::cli::{Cli, Command};
+
+    /// The plan of a command line.
+    pub fn plan(line: &str, is_software: bool) -> Plan {
+        let words = format!("lumivox bench {line}");
+        match Cli::try_parse_from(words.split_whitespace()).unwrap().command {
+            Some(Command::Bench(args)) => Plan::new(&args, is_software),
+            _ => panic!("{line} is no bench command"),
+        }
+    }
+
+    fn ids(plan: &Plan) -> BTreeSet<String> {
+        let ids = plan.cases.iter().flat_map(|case| Motion::ALL.map(|motion| case.id(motion)));
+        let set: BTreeSet<String> = ids.collect();
+        assert_eq!(set.len(), 2 * plan.cases.len(), "names are unique");
+        set
+    }
+
+    #[test]
+    fn smaller_plans_are_parts_of_larger_ones() {
+        let full = ids(&plan("", false));
+        assert_eq!(full.len(), 64);
+        assert!(full.contains("atrium/octree/128/balanced/1920x1080/moving"), "{full:?}");
+        let (small, smallest) = (ids(&plan("--quick", false)), ids(&plan("--quick", true)));
+        assert_eq!(small, ids(&plan("", true)), "a software driver's are the quick ones");
+        assert!(small.is_subset(&full) && smallest.is_subset(&small));
+        assert_eq!((small.len(), smallest.len()), (16, 4));
+    }
+
+    #[test]
+    fn the_command_line_overrules_the_standard() {
+        let own =
+            plan("--scene builtin:glow --resolutions 32,32 --sizes 64x36 --volumes octree", true);
+        assert_eq!(own.words, "chosen on the command line");
+        let ids = ids(&own);
+        assert_eq!(ids.len(), 4, "{ids:?}");
+        assert!(ids.contains("glow/octree/32/fast/64x36/still"), "{ids:?}");
     }
 }
