@@ -72,17 +72,17 @@ pub fn run(args: &BenchArgs, host: &Host) -> anyhow::Result<()> {
     {
         let done = report.rows.len() as u32;
         progress.set("measuring", done, total);
+        // After a case that lost the device others may still be possible; if it stays lost, they tell so.
+        if gpu.is_lost()
+            && let Ok(another) = host.open_gpu(&args.gpu)
+        {
+            gpu = another;
+        }
         let bench =
             Bench { gpu: &gpu, timing, frames: args.frames, progress: &progress, done, total };
         let row = measure(&bench, &subjects[case.scene], case, motion);
         if progress.is_stopped() {
             break;
-        }
-        if row.problem.is_some() && gpu.is_lost() {
-            // The next cases may still be possible; if not, they tell that the device is lost.
-            if let Ok(another) = host.open_gpu(&args.gpu) {
-                gpu = another;
-            }
         }
         report.rows.push(row);
     }
