@@ -117,17 +117,20 @@ impl Gi {
     /// # let batch = GeometryBatch::new(positions, indices, vec![Draw::new(0, 3, 0)]);
     /// # let geometry = Geometry { batches: vec![batch], materials };
     /// gi.voxelize(&geometry, Timing::Off).await?;
-    /// // A sky of radiance 1 over a floor, whose light is found by a hundred faces a frame.
-    /// let lights = gi.bind_lights(&[], Vec3::ONE, None);
+    /// let mut lights = gi.bind_lights(&[], Vec3::ONE, None);
+    /// let settings = TraceSettings::default();
+    /// // The first frame lights a new floor as a whole. Then its sky turns brighter, and ten faces a frame find that out.
     /// let mut seen = Vec::new();
-    /// for _frame in 0..4 {
+    /// for frame in 0..12 {
+    ///     lights.update(&queue, &[], Vec3::splat(if frame == 0 { 1.0 } else { 2.0 }), None);
     ///     let mut recorder = Recorder::new(&device, &queue);
-    ///     gi.light_frame(&mut recorder, &lights, Some(100), &TraceSettings::default())?;
+    ///     gi.light_frame(&mut recorder, &lights, Some(10), &settings)?;
     ///     recorder.submit();
     ///     let (above, down) = ([Vec3::new(0.3, 0.2, 0.3)], [Vec3::NEG_Y]);
-    ///     seen.push(gi.gather(&above, &down, &lights, &GatherSettings::default()).await?[0].total().y);
+    ///     let lux = gi.gather(&above, &down, &lights, &GatherSettings::default()).await?;
+    ///     seen.push(lux[0].total().y);
     /// }
-    /// assert!(seen[3] > seen[0], "it has grown brighter: {seen:?}");
+    /// assert!(seen[1] < seen[4] && seen[4] < seen[11], "{seen:?}");
     /// # Ok::<(), lumivox::GiError>(())
     /// # }).unwrap();
     /// ```
