@@ -29,6 +29,7 @@ pub struct Machine {
 }
 
 /// Limits of a device.
+#[allow(clippy::struct_field_names, reason = "the names are wgpu's")]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limits {
     pub max_buffer_size: u64,

@@ -77,12 +77,12 @@ impl Bench<'_> {
             ..RenderSettings::default()
         };
         match motion {
-            Motion::Still => self.still(subject, settings),
+            Motion::Still => self.still(subject, &settings),
             Motion::Moving => self.moving(subject, settings),
         }
     }
 
-    fn still(&self, subject: &Subject, settings: RenderSettings) -> Result<Figures, RenderError> {
+    fn still(&self, subject: &Subject, settings: &RenderSettings) -> Result<Figures, RenderError> {
         let Subject { scene, camera } = subject;
         let quiet = &mut |_| ();
         self.reach(0.0);

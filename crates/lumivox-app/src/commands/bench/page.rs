@@ -38,6 +38,11 @@ const EXPLANATION: &str = "\
   is *GB/s*, to hold against the GPU's bandwidth: far below it, the cones wait for something else than memory.
 ";
 
+/// The heading of a column, whether published figures stand beside it, and its cells.
+type Column = (&'static str, bool, fn(&Figures) -> String);
+/// A kind of work, of which cases, and its times.
+type Work = (&'static str, Motion, fn(&Figures) -> Option<&Part>);
+
 struct Page<'a> {
     report: &'a Report,
     published: Option<&'a Report>,
@@ -56,7 +61,7 @@ impl Page<'_> {
             machine.timestamp_period_ns.map_or("none".to_owned(), |ns| format!("every {ns} ns"));
         let [vendor, device] = machine.vendor_and_device;
         let mut table = Markdown::new(&["", ""]);
-        let mut line = |name: &str, value: String| table.row(vec![name.to_owned(), value]);
+        let mut line = |name: &str, value: String| table.row(&[name.to_owned(), value]);
         line("GPU", format!("{} ({}, {vendor:04x}:{device:04x})", machine.name, machine.kind));
         line("API, driver", format!("{}, {}", machine.backend, machine.driver));
         line("system", format!("{}, {} threads", machine.system, machine.cores));
@@ -100,7 +105,7 @@ impl Page<'_> {
     }
 
     /// A table of the cases that are still or moving; figures marked as compared have the published ones beside them.
-    fn table(&self, motion: Motion, columns: &[(&str, bool, fn(&Figures) -> String)]) -> String {
+    fn table(&self, motion: Motion, columns: &[Column]) -> String {
         let mut heading = vec!["case"];
         for (name, is_compared, _) in columns {
             heading.push(name);
@@ -123,7 +128,7 @@ impl Page<'_> {
                 }
                 None => cells.push(problem(row)),
             }
-            table.row(cells);
+            table.row(&cells);
         }
         table.text()
     }
@@ -173,7 +178,7 @@ impl Page<'_> {
     /// All stages of all cases: the median of each.
     fn stages(&self) -> String {
         let mut text = "## Stages\n\n".to_owned();
-        let parts: [(&str, Motion, fn(&Figures) -> Option<&Part>); 3] = [
+        let parts: [Work; 3] = [
             ("All new", Motion::Still, |f| f.change.as_ref()),
             ("A still frame", Motion::Still, |f| Some(&f.frame)),
             ("A moving frame", Motion::Moving, |f| Some(&f.frame)),
@@ -203,7 +208,7 @@ impl Page<'_> {
                 cells.extend(names.iter().map(|name| figure(part.sum_of(&[name]))));
                 cells.push(figure(part.sum_of(&names)));
                 cells.push(figure(Some(part.whole.median)));
-                table.row(cells);
+                table.row(&cells);
             }
             text += &format!("{}\n", table.text());
         }
@@ -265,7 +270,7 @@ impl Markdown {
     }
 
     /// A row; cells that are missing at its end are empty.
-    fn row(&mut self, cells: Vec<String>) {
+    fn row(&mut self, cells: &[String]) {
         let mut cells: Vec<String> = cells.iter().map(|cell| escaped(cell)).collect();
         cells.resize(self.rows[0].len(), String::new());
         self.rows.push(cells);
