@@ -365,7 +365,7 @@ impl Gi {
         Ok(())
     }
 
-    /// Takes other values of its [`ConeModel`], from the next calls of [`Self::light`] and
+    /// Takes other values of its [`ConeModel`](crate::hooks::ConeModel), from the next calls of [`Self::light`] and
     /// [`Self::trace`] on. Another model needs another `Gi`.
     pub fn set_cone_values(&mut self, values: [f32; 4]) {
         self.cone_values = values;
