@@ -335,7 +335,7 @@ mod tests {
         assert!(
             text.contains("Speed on a faster machine") && text.contains(&published.machine.name)
         );
-        let table = text.lines().skip_while(|line| !line.starts_with("| case"));
+        let table = text.lines().skip_while(|line| !line.starts_with("| case "));
         let lines: Vec<&str> = table.take_while(|line| line.starts_with('|')).collect();
         let cells = |line: &str| -> Vec<String> {
             line.split('|').map(|cell| cell.trim().to_owned()).collect()
