@@ -12,7 +12,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use lumivox_console::Failure;
-use lumivox_render::Gpu;
 use lumivox_scene::{Staging, builtin, write_atomically};
 
 use super::staged;
