@@ -57,21 +57,21 @@ pub struct MotionArgs {
     #[arg(default_value = "64", allow_negative_numbers = true)]
     pub samples: u32,
 
-    /// Folder for the path-traced truths of steps: read if they are there, else traced and written
-    /// [default: none, always trace]
+    /// Folder for files of the path-traced truths of steps: read if they are there, else traced and
+    /// written [default: none, always trace]
     ///
     /// Their names are made from scene, pose, size and samples. Delete it after a change of the
     /// path tracer.
     #[arg(long, value_name = "FOLDER", help_heading = "Measurement")]
     pub truth: Option<PathBuf>,
 
-    /// Folder for pictures: strips of ours, truth and error, an animated picture, and charts
-    /// [default: none]
+    /// Folder for picture files: a strip (truth, ours, error) and an animated picture of each
+    /// sequence, and charts [default: none]
     #[arg(short, long, value_name = "FOLDER", help_heading = "Picture")]
     pub output: Option<PathBuf>,
 
     /// Measure all sequences (or those of --sequence) with the presets fast and balanced, and write
-    /// a page into this folder: motion.md, and its pictures in images/motion/ [default: none]
+    /// a page into this folder: a file motion.md, and its pictures in images/motion/ [default: none]
     #[arg(long, value_name = "FOLDER", help_heading = "Picture")]
     #[arg(conflicts_with_all = ["scene", "output", "json"])]
     pub doc: Option<PathBuf>,

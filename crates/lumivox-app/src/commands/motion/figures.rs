@@ -73,8 +73,11 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flicker {
     /// Without the truth's own noise: `sqrt(measured² - noise²)`, or 0 if noise explains all. Exact
-    /// for differences and noise that are normal and alike in all pixels.
+    /// for differences and noise that are normal and alike in all pixels; noise with rare bright
+    /// samples makes it too low.
     pub value: f64,
+    /// The measured value, the truth's noise included.
+    pub with_noise: f64,
     /// The flicker that the truth's noise alone would make, `sqrt(2 / pi)` times the deviation of
     /// its difference, which is 0 if both steps have one truth.
     pub noise: f64,
@@ -82,7 +85,8 @@ pub struct Flicker {
 
 impl Flicker {
     fn new(measured: f64, noise: f64) -> Self {
-        Self { value: (measured * measured - noise * noise).max(0.0).sqrt(), noise }
+        let value = (measured * measured - noise * noise).max(0.0).sqrt();
+        Self { value, with_noise: measured, noise }
     }
 }
 
@@ -280,6 +284,7 @@ mod tests {
         assert!((flicker.noise - expected).abs() < 1e-3 * expected, "{flicker:?}");
         // What is left of it: the noise of the noise.
         assert!(flicker.value < 0.2 * flicker.noise, "{flicker:?}");
+        assert!((flicker.with_noise / flicker.noise - 1.0).abs() < 0.02, "{flicker:?}");
         let on_screen = flicker_on_screen([&still, &still], known, false, -2.0);
         assert!(on_screen.value < 0.3 * on_screen.noise && on_screen.noise > 0.0, "{on_screen:?}");
     }

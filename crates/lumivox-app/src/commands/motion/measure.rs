@@ -27,8 +27,10 @@ const LATENCY_FRAMES: [u32; 5] = [1, 2, 4, 8, 16];
 const TRAIL_FRAMES: [u32; 3] = [1, 5, 20];
 /// Frames after a stop at which errors are measured.
 const STOP_FRAMES: [u32; 5] = [0, 1, 4, 16, 64];
-/// Frames after a change that count as motion.
+/// Frames after a change that count as motion in a sequence in which nothing moves.
 const SETTLING: u32 = 16;
+/// The least change of mean irradiance, as a share of the larger mean, whose arrival is measured.
+const LEAST_CHANGE: f64 = 0.1;
 /// Steps whose truth is darker than this share of the brightest one have no relative errors: a
 /// share of nearly nothing says nothing.
 const DARKEST_SHARE: f64 = 0.01;
@@ -61,6 +63,20 @@ pub struct Measured {
     pub truths: Vec<Option<Rc<Truth>>>,
     /// The steps that are shown in pictures.
     pub marked: Vec<u32>,
+}
+
+impl Measured {
+    /// The exposure of the brightest truth, in stops; `None` if none has light.
+    pub fn stops(&self) -> Option<f32> {
+        stops(&self.truths)
+    }
+}
+
+/// The exposure of the brightest of truths, in stops: one for all steps, as a camera that does not
+/// adapt has it.
+fn stops(truths: &[Option<Rc<Truth>>]) -> Option<f32> {
+    let lit = truths.iter().flatten().filter(|truth| mean(truth.picture().picture) > 0.0);
+    lit.map(|truth| truth.picture().picture.exposure_stops()).min_by(f32::total_cmp)
 }
 
 impl Task<'_> {
@@ -113,11 +129,11 @@ impl Task<'_> {
             settings: self.settings.clone(),
             in_motion: InMotion::of(&by_step),
             at_stop: self.at_stop(&phases, &by_step),
-            flicker: taken.flicker(&is_moving)?,
+            flicker: taken.flicker(&is_moving),
             latency: self.latency(&taken, &mut own)?,
             trail: self.trail(&taken, &mut own)?,
             disoccluded: taken.disoccluded(&masks, &by_step),
-            cost: StepCost::report(&costs),
+            cost: StepCost::report(&costs, &is_moving),
             by_step,
         };
         Ok(Measured { report, shown, truths, marked })
@@ -200,6 +216,9 @@ impl Task<'_> {
         for (change, [before, after]) in self.changes(taken) {
             let stills = [own.at(&taken.poses[before])?, own.at(&taken.poses[after])?];
             let [from, to] = stills.each_ref().map(|still| mean(&still.full));
+            if (to - from).abs() < LEAST_CHANGE * from.max(to) {
+                continue;
+            }
             let share = |frames: &u32| {
                 let shown = taken.shown.get(after + *frames as usize - 1)?;
                 let share = share_of_change(from, to, mean(&shown.full))?;
@@ -233,22 +252,20 @@ impl Task<'_> {
     }
 }
 
-/// Whether something moves at each step, or has changed at once less than 16 steps ago.
+/// Whether each step differs from the one before; in a sequence without phases of motion, whether it
+/// is one of the first 16 after a change.
 fn is_moving(sequence: &Sequence, phases: &[Phase], poses: &[Pose]) -> Vec<bool> {
-    let mut is_moving = vec![false; poses.len()];
-    for step in 1..poses.len() {
-        is_moving[step] = poses[step] != poses[step - 1];
+    if phases.iter().any(|phase| phase.kind == Kind::Moves) {
+        let moved = |step: usize| step > 0 && poses[step] != poses[step - 1];
+        return (0..poses.len()).map(moved).collect();
     }
-    for change in sequence.changes {
-        let first = first_of(phases, change.after);
-        for step in
-            (first..first + SETTLING).take_while(|step| *step <= last_of(phases, change.after))
-        {
-            is_moving[step as usize] = true;
-        }
-    }
-    debug_assert!(phases.iter().any(|phase| phase.kind == Kind::Holds));
-    is_moving
+    let settles = |step: u32| {
+        sequence.changes.iter().any(|change| {
+            let first = first_of(phases, change.after);
+            (first..first + SETTLING).contains(&step)
+        })
+    };
+    (0..poses.len() as u32).map(settles).collect()
 }
 
 /// Pictures of poses that have stood still.
@@ -325,10 +342,8 @@ impl Taken<'_> {
         Ok(figures)
     }
 
-    fn flicker(&self, is_moving: &[bool]) -> anyhow::Result<Option<FlickerFigures>> {
-        // A fixed exposure: that of the first truth.
-        let Some(first) = self.truths.iter().flatten().next() else { return Ok(None) };
-        let stops = first.picture().picture.exposure_stops();
+    fn flicker(&self, is_moving: &[bool]) -> Option<FlickerFigures> {
+        let stops = stops(self.truths)?;
         let mut all = Vec::new();
         for step in (1..self.steps.len()).filter(|step| is_moving[*step]) {
             let (Some(before), Some(now)) = (&self.truths[step - 1], &self.truths[step]) else {
@@ -345,7 +360,7 @@ impl Taken<'_> {
                 Some(flicker_on_screen(pictures, picture, is_same, stops)),
             ]);
         }
-        Ok(FlickerFigures::of(&all))
+        FlickerFigures::of(&all)
     }
 
     fn disoccluded(

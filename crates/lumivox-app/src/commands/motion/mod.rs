@@ -7,29 +7,35 @@
 //! | --- | --- |
 //! | `sequences.rs` | the table of sequences |
 //! | `drive.rs` | a scene driven step by step, as the window does it |
+//! | `walk.rs` | the scene of the figure that walks |
 //! | `truth.rs` | the path tracer's answers |
 //! | `seen.rs` | what becomes visible in a step |
 //! | `figures.rs` | the formulas |
 //! | `measure.rs` | one sequence from its poses to its figures |
 //! | `report.rs` | the figures, as JSON and for people |
+//! | `pictures.rs` | strips, animations and charts |
+//! | `page.rs` | docs/motion.md |
 
 mod drive;
 mod figures;
 mod measure;
+mod page;
+mod pictures;
 mod report;
 mod seen;
 mod sequences;
 mod truth;
+mod walk;
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
 use std::path::Path;
 use std::time::Instant;
 
+use lumivox::Preset;
 use lumivox_console::report::AdapterReport;
 use lumivox_console::{Failure, SceneSource};
-use lumivox_render::{Gpu, PresetChoice, RenderSettings};
-use lumivox_scene::{Camera, Scene, write_atomically};
+use lumivox_render::{Gpu, PresetChoice, RenderSettings, describe};
+use lumivox_scene::{Camera, Scene};
 use serde::Serialize;
 
 use super::light;
@@ -43,6 +49,13 @@ use measure::{Measured, Task};
 use report::SequenceReport;
 use sequences::{Home, SEQUENCES, Sequence};
 use truth::Truths;
+
+/// The page's file.
+const PAGE: &str = "motion.md";
+/// The presets on the page.
+const PRESETS: [Preset; 2] = [Preset::Fast, Preset::Balanced];
+/// The rows of strips on the page.
+const ROWS_ON_PAGE: usize = 2;
 
 /// Measures the sequences, and reports.
 ///
@@ -58,12 +71,25 @@ pub fn run(args: &MotionArgs, host: &Host) -> anyhow::Result<()> {
     progress.stop_on_interrupt(host)?;
     let mut work = Work { args, gpu: &gpu, progress: &progress, staged: BTreeMap::new() };
     let sequences = work.chosen(named)?;
+    if let Some(folder) = &args.doc {
+        write_page(&mut work, &sequences, folder)?;
+        drop(progress);
+        return host.print(&format!("{}\n", folder.join(PAGE).display()));
+    }
     let mut reports = Vec::new();
+    let preset = args.cones.preset();
     for sequence in sequences {
-        let measured = work.measure(sequence, args.cones.preset())?;
+        let measured = work.measure(sequence, preset)?;
+        if let Some(folder) = &args.output {
+            pictures::write(&measured, usize::MAX, folder)?;
+        }
         reports.push(measured.report);
     }
-    drop(work);
+    if let Some(folder) = &args.output {
+        let named: Vec<_> =
+            reports.iter().map(|report| (preset.name().to_owned(), report)).collect();
+        pictures::write_charts(&named, folder)?;
+    }
     drop(progress);
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
@@ -78,7 +104,7 @@ pub fn run(args: &MotionArgs, host: &Host) -> anyhow::Result<()> {
         Some(file) if file == Path::new("-") => host.print_json(&report),
         Some(file) => {
             let text = serde_json::to_string_pretty(&report)? + "\n";
-            write(file, &text)?;
+            pictures::write_bytes(file, text.as_bytes())?;
             host.print(&report.text())
         }
         None => host.print(&report.text()),
@@ -87,6 +113,10 @@ pub fn run(args: &MotionArgs, host: &Host) -> anyhow::Result<()> {
 
 /// Checks everything that needs no GPU.
 fn check(args: &MotionArgs) -> anyhow::Result<()> {
+    if args.doc.is_some() && args.cones.preset.is_some() {
+        let names = PRESETS.map(|preset| PresetChoice::Cones(preset).name()).join(" and ");
+        return Err(Failure::input(format!("--doc measures {names}; leave --preset out")).into());
+    }
     if let Some(scene) = &args.scene {
         crate::args::scene::check(scene)?;
     }
@@ -94,7 +124,8 @@ fn check(args: &MotionArgs) -> anyhow::Result<()> {
     if let Some(file) = args.json.as_deref().filter(|file| *file != Path::new("-")) {
         output::check_folder(file, &output::folder_of(file))?;
     }
-    for folder in [&args.truth, &args.output].into_iter().flatten() {
+    let pictures = args.doc.as_ref().map(|folder| folder.join(page::PICTURES));
+    for folder in [&args.truth, &args.output, &pictures].into_iter().flatten() {
         std::fs::create_dir_all(folder)
             .map_err(|e| Failure::output(format!("{}: cannot be made: {e}", folder.display())))?;
         output::check_folder(&folder.join("x"), folder)?;
@@ -102,10 +133,31 @@ fn check(args: &MotionArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn write(file: &Path, text: &str) -> anyhow::Result<()> {
-    write_atomically(file, |out| out.write_all(text.as_bytes())).map_err(|error| {
-        Failure::output(format!("{}: cannot be written: {error}", file.display())).into()
-    })
+/// Measures sequences with the presets of the page, and writes it with its pictures.
+fn write_page(
+    work: &mut Work<'_>,
+    sequences: &[&'static Sequence],
+    folder: &Path,
+) -> anyhow::Result<()> {
+    let folder_of_pictures = folder.join(page::PICTURES);
+    let mut cases = Vec::new();
+    for sequence in sequences {
+        for preset in PRESETS.map(PresetChoice::Cones) {
+            let measured = work.measure(sequence, preset)?;
+            let is_shown = preset == PresetChoice::default();
+            if is_shown {
+                pictures::write(&measured, ROWS_ON_PAGE, &folder_of_pictures)?;
+            }
+            cases.push(page::Case { preset: preset.name(), report: measured.report, is_shown });
+        }
+    }
+    let named: Vec<_> = cases.iter().map(|case| (case.preset.to_owned(), &case.report)).collect();
+    pictures::write_charts(&named, &folder_of_pictures)?;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let machine = format!("{}, {cores} cores", describe(&work.gpu.adapter_info));
+    let [settings, _] = work.settings(PresetChoice::default())?;
+    let text = page::page(work.args, &machine, settings.resolution, &cases);
+    pictures::write_bytes(&folder.join(PAGE), text.as_bytes())
 }
 
 /// The sequences of these names.
@@ -137,7 +189,7 @@ impl Work<'_> {
         }
         let all = || SEQUENCES.iter();
         let Some(source) = &self.args.scene else {
-            return Ok(all().filter(|sequence| sequence.builtin().is_some()).collect());
+            return Ok(all().filter(|sequence| sequence.home != Home::Animated).collect());
         };
         if let SceneSource::Builtin(name) = source {
             let made_for_it = all().filter(|sequence| sequence.builtin() == Some(name.as_str()));
@@ -150,7 +202,7 @@ impl Work<'_> {
         let home = |sequence: &&Sequence| match sequence.home {
             Home::Animated => !scene.animations().is_empty(),
             Home::Any(_) => scene.animations().is_empty() && sequence.name == "orbit",
-            Home::Only(_) => false,
+            Home::Only(_) | Home::Figure => false,
         };
         Ok(all().filter(home).collect())
     }
@@ -165,6 +217,34 @@ impl Work<'_> {
         let staged = stage(source, load, &light.sources, view, *size, self.progress)?;
         self.staged.insert(name, staged.clone());
         Ok(staged)
+    }
+
+    /// The scene of a sequence, and its camera.
+    fn scene_of(&mut self, sequence: &Sequence) -> anyhow::Result<(Scene, Camera)> {
+        if sequence.home == Home::Figure {
+            if let Some(scene) = &self.args.scene {
+                return Err(Failure::input(format!(
+                    "the sequence {} has a scene of its own; leave {scene} out",
+                    sequence.name
+                ))
+                .into());
+            }
+            let scene = walk::scene()?;
+            let camera = scene.cameras.first().cloned().unwrap_or_default();
+            return Ok((scene, camera));
+        }
+        let source = match (&self.args.scene, sequence.builtin()) {
+            (Some(source), _) => source.clone(),
+            (None, Some(name)) => SceneSource::Builtin(name.to_owned()),
+            (None, None) => {
+                return Err(Failure::input(format!(
+                    "the sequence {} is a file's own; give a SCENE with an animation",
+                    sequence.name
+                ))
+                .into());
+            }
+        };
+        self.stage(&source)
     }
 
     /// The settings of a preset with those of the command line.
@@ -188,18 +268,7 @@ impl Work<'_> {
         sequence: &'static Sequence,
         preset: PresetChoice,
     ) -> anyhow::Result<Measured> {
-        let source = match (&self.args.scene, sequence.builtin()) {
-            (Some(source), _) => source.clone(),
-            (None, Some(name)) => SceneSource::Builtin(name.to_owned()),
-            (None, None) => {
-                return Err(Failure::input(format!(
-                    "the sequence {} is a file's own; give a SCENE with an animation",
-                    sequence.name
-                ))
-                .into());
-            }
-        };
-        let (scene, camera) = self.stage(&source)?;
+        let (scene, camera) = self.scene_of(sequence)?;
         let [settings, balanced] = self.settings(preset)?;
         let task = Task {
             gpu: self.gpu,

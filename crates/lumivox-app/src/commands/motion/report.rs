@@ -22,19 +22,19 @@ pub struct SequenceReport {
     pub steps: u32,
     /// The number of steps with a truth.
     pub truths: u32,
-    /// Errors while something moves, and for 16 frames after a sudden change.
+    /// Errors while something moves; where nothing does, in the first 16 frames after a change.
     pub in_motion: InMotion,
     /// Errors when the camera stops and some frames after; empty for sequences without a stop.
     pub at_stop: Vec<AtStop>,
     /// `None` if no two consecutive steps have a truth.
     pub flicker: Option<FlickerFigures>,
-    /// For each sudden change, the share of the light that has arrived.
+    /// For each change of at least a tenth of the light, the share that has arrived.
     pub latency: Vec<Latency>,
-    /// For each sudden change, the share of the former light that is left.
+    /// For each change, the share of the former light that is left.
     pub trail: Vec<Trail>,
     /// `None` if nothing becomes visible.
     pub disoccluded: Option<Disoccluded>,
-    /// `None` with a single step.
+    /// `None` if nothing moves.
     pub cost: Option<CostFigures>,
     pub by_step: Vec<StepFigures>,
     #[serde(serialize_with = "settings::serialize")]
@@ -107,10 +107,17 @@ pub struct FlickerFigures {
     pub picture_percent: Option<Spread>,
     /// Of the picture on a screen, 0 to 1.
     pub display: Option<Spread>,
-    /// What the truth's own noise would make of each, which is taken out: medians.
-    pub noise_full_percent: Option<f64>,
-    pub noise_picture_percent: Option<f64>,
-    pub noise_display: Option<f64>,
+    /// The same with the truth's own noise, and that noise alone: medians.
+    pub with_noise: NoiseFigures,
+    pub noise: NoiseFigures,
+}
+
+/// Medians over pairs of steps, as in [`FlickerFigures`].
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct NoiseFigures {
+    pub full_percent: Option<f64>,
+    pub picture_percent: Option<f64>,
+    pub display: Option<f64>,
 }
 
 /// A sudden change.
@@ -170,9 +177,11 @@ pub struct Disoccluded {
     pub picture_of_still: Option<f64>,
 }
 
-/// What steps cost; the first, which makes everything ready, is left out.
+/// What the steps of motion cost.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct CostFigures {
+    /// The number of steps.
+    pub steps: u32,
     pub ms: CostSpread,
     pub samples_per_pixel: CostSpread,
     pub waits: CostSpread,
@@ -220,30 +229,36 @@ impl FlickerFigures {
     /// The spread over pairs of steps, each with the flicker of irradiance, of the picture, and of
     /// the picture on a screen.
     pub fn of(pairs: &[[Option<Flicker>; 3]]) -> Option<Self> {
-        let of = |which: usize, scale: f64| {
-            Spread::of(pairs.iter().filter_map(|pair| Some(scale * pair[which]?.value)))
+        let of = |which: usize, scale: f64, of: fn(Flicker) -> f64| {
+            Spread::of(pairs.iter().filter_map(|pair| Some(scale * of(pair[which]?))))
         };
-        let noise = |which: usize, scale: f64| {
-            let noises = pairs.iter().filter_map(|pair| Some(scale * pair[which]?.noise));
-            Spread::of(noises).map(|spread| spread.median)
+        let medians = |value: fn(Flicker) -> f64| {
+            let median = |which, scale| of(which, scale, value).map(|spread| spread.median);
+            NoiseFigures {
+                full_percent: median(0, 100.0),
+                picture_percent: median(1, 100.0),
+                display: median(2, 1.0),
+            }
         };
         (!pairs.is_empty()).then(|| Self {
             pairs: pairs.len() as u32,
-            full_percent: of(0, 100.0),
-            picture_percent: of(1, 100.0),
-            display: of(2, 1.0),
-            noise_full_percent: noise(0, 100.0),
-            noise_picture_percent: noise(1, 100.0),
-            noise_display: noise(2, 1.0),
+            full_percent: of(0, 100.0, |flicker| flicker.value),
+            picture_percent: of(1, 100.0, |flicker| flicker.value),
+            display: of(2, 1.0, |flicker| flicker.value),
+            with_noise: medians(|flicker| flicker.with_noise),
+            noise: medians(|flicker| flicker.noise),
         })
     }
 }
 
 impl StepCost {
-    /// What steps cost, without the first.
-    pub fn report(steps: &[Self]) -> Option<CostFigures> {
-        let spread = |of: fn(&Self) -> f64| CostSpread::of(steps.iter().skip(1).map(of));
+    /// What the steps of motion cost.
+    pub fn report(steps: &[Self], is_moving: &[bool]) -> Option<CostFigures> {
+        let moving: Vec<&Self> =
+            steps.iter().zip(is_moving).filter_map(|(step, moves)| moves.then_some(step)).collect();
+        let spread = |of: fn(&Self) -> f64| CostSpread::of(moving.iter().map(|step| of(step)));
         Some(CostFigures {
+            steps: moving.len() as u32,
             ms: spread(|step| step.ms)?,
             samples_per_pixel: spread(|step| step.samples_per_pixel)?,
             waits: spread(|step| step.waits as f64)?,
@@ -386,10 +401,11 @@ mod tests {
     }
 
     #[test]
-    fn the_first_step_is_no_cost_of_motion() {
+    fn steps_without_motion_are_no_cost_of_motion() {
         let step = |ms| StepCost { ms, ..StepCost::default() };
-        let cost = StepCost::report(&[step(1000.0), step(10.0), step(20.0)]).unwrap();
-        assert_eq!(cost.ms, CostSpread { median: 15.0, p95: 20.0, worst: 20.0 });
-        assert!(StepCost::report(&[step(1.0)]).is_none());
+        let steps = [step(1000.0), step(10.0), step(20.0)];
+        let cost = StepCost::report(&steps, &[false, true, true]).unwrap();
+        assert_eq!((cost.steps, cost.ms.median, cost.ms.worst), (2, 15.0, 20.0));
+        assert!(StepCost::report(&steps, &[false; 3]).is_none());
     }
 }

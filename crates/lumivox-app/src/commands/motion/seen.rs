@@ -35,12 +35,19 @@ impl Seen {
     /// The pixels whose surface was hidden or off screen in `before`; where nothing is seen, there
     /// is nothing that could have been.
     pub fn disoccluded_since(&self, before: &Self) -> Vec<bool> {
-        let is_new = |pick: &Option<Pick>| {
-            pick.is_some_and(|pick| {
-                self.position_in(&before.scene, pick).is_none_or(|position| !before.shows(position))
-            })
+        let is_same_camera = self.camera == before.camera;
+        let is_new = |(pixel, pick): (usize, &Option<Pick>)| {
+            let Some(pick) = *pick else { return false };
+            let Some(position) = self.position_in(&before.scene, pick) else { return true };
+            let stays = position.distance(pick.position) <= SAME_DISTANCE * pick.distance_m;
+            if is_same_camera && stays {
+                // Seen by the very same ray, also along edges.
+                let was = before.picks[pixel];
+                return was.is_none_or(|was| was.instance != pick.instance);
+            }
+            !before.shows(position)
         };
-        self.picks.iter().map(is_new).collect()
+        self.picks.iter().enumerate().map(is_new).collect()
     }
 
     /// The place of a picked point of a surface in another pose of the scene; `None` if that has no

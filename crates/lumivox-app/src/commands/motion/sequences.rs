@@ -18,6 +18,8 @@ pub enum Home {
     Any(&'static str),
     /// Files with animations.
     Animated,
+    /// The scene of the figure that walks, which is made for the sequence.
+    Figure,
 }
 
 /// What happens in a phase.
@@ -210,6 +212,17 @@ pub const SEQUENCES: &[Sequence] = &[
         pose: sun,
     },
     Sequence {
+        name: "walk",
+        about: "A skinned figure walks through a room, one step with each leg.",
+        home: Home::Figure,
+        phases: &[holds("start", 1), moves("walks", 32)],
+        stop: None,
+        changes: &[],
+        moving: &[],
+        prepare: needs_animation,
+        pose: animation,
+    },
+    Sequence {
         name: "animation",
         about: "The file's first animation runs once.",
         home: Home::Animated,
@@ -232,7 +245,7 @@ impl Sequence {
     pub fn builtin(&self) -> Option<&'static str> {
         match self.home {
             Home::Only(name) | Home::Any(name) => Some(name),
-            Home::Animated => None,
+            Home::Animated | Home::Figure => None,
         }
     }
 
