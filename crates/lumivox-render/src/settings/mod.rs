@@ -129,7 +129,7 @@ pub struct RenderSettings {
     pub view: View,
     /// Other views of surfaces that are kept of the same frames, for
     /// [`Renderer::read_beside`](crate::Renderer::read_beside); only beside [`View::Final`] and
-    /// without a look. Default: none. Each takes 52 bytes a pixel, and a hundredth of a frame.
+    /// without a look. Default: none. Each takes 52 bytes a pixel.
     pub beside: Vec<View>,
     /// The level of the cells in the views of voxels, [`View::Lod`] and [`Overlay::wire_voxels`]: 0
     /// (the default) is the finest, and each next level has cubes of twice the edge.
@@ -331,6 +331,8 @@ mod tests {
             RenderSettings { frames: 0, ..Default::default() },
             RenderSettings { shadow_resolution: 8, ..Default::default() },
             RenderSettings { exposure: Exposure::Stops(f32::NAN), ..Default::default() },
+            RenderSettings { beside: vec![View::Voxels], ..Default::default() },
+            RenderSettings { beside: vec![View::Cost], view: View::Direct, ..Default::default() },
         ];
         for settings in cases {
             assert!(matches!(error_of(&settings), RenderError::Setting { .. }), "{settings:?}");

@@ -37,6 +37,7 @@ pub fn page(args: &MotionArgs, machine: &str, resolution: u32, cases: &[Case]) -
          {width} x {height} pixels, {samples} samples a pixel for the truth of every pose, {resolution} voxels along the longest axis, on {machine}.\n\n\
          *Full* is the irradiance on visible surfaces by all light but that straight from lamps, *picture* the finished picture. \
          Bias, RMSE, p95 and FLIP are those of [quality](quality.md), in per cent of the mean of the truth of the same step, whose noise is taken out of the RMSE. \
+         A single frame has one sample a pixel: on edges its error is that of jagged edges, the larger the fewer pixels a picture has. \
          Steps whose truth has less than a hundredth of the brightest one's light have no relative errors. \
          A figure over steps is given as *median / worst*, over the steps in which something moves; in `switch`, where nothing does, over the first 16 frames after each change.\n\n"
     );
