@@ -115,9 +115,8 @@ mod tests {
     #[test]
     fn frequent_colors_are_kept() {
         let wall = Rgb([200, 101, 50]);
-        let frame = RgbImage::from_fn(128, 64, |x, y| match x < 64 {
-            true => wall,
-            false => Rgb([2 * x as u8, 4 * y as u8, (x ^ y) as u8]),
+        let frame = RgbImage::from_fn(128, 64, |x, y| {
+            if x < 64 { wall } else { Rgb([2 * x as u8, 4 * y as u8, (x ^ y) as u8]) }
         });
         let palette = palette(std::slice::from_ref(&frame));
         assert_eq!(palette.len(), MOST_COLORS);

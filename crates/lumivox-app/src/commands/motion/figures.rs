@@ -102,9 +102,9 @@ pub fn flicker(
         return None;
     }
     let rgb = |picture: &LinearPicture| picture.rgb.clone();
-    let measured = mean_change(ours.map(rgb), truth.map(|truth| rgb(truth.picture)));
+    let measured = mean_change(&ours.map(rgb), &truth.map(|truth| rgb(truth.picture)));
     let noise =
-        if is_same_truth { 0.0 } else { noise_of_change(truth.map(|t| t.variance.to_vec())) };
+        if is_same_truth { 0.0 } else { noise_of_change(truth.map(|truth| truth.variance)) };
     Some(Flicker::new(measured / mean, noise / mean))
 }
 
@@ -116,30 +116,31 @@ pub fn flicker_on_screen(
     stops: f32,
 ) -> Flicker {
     let shown = |picture: &LinearPicture| picture.to_display(stops).collect::<Vec<_>>();
-    let measured = mean_change(ours.map(shown), truth.map(|truth| shown(truth.picture)));
+    let measured = mean_change(&ours.map(shown), &truth.map(|truth| shown(truth.picture)));
     let noise = if is_same_truth {
         0.0
     } else {
-        noise_of_change(truth.map(|truth| variance_on_screen(truth, stops)))
+        let variances = truth.map(|truth| variance_on_screen(truth, stops));
+        noise_of_change(variances.each_ref().map(Vec::as_slice))
     };
     Flicker::new(measured, noise)
 }
 
 /// The mean over pixels and channels of abs(change of ours - change of the truth).
-fn mean_change(ours: [Vec<[f32; 3]>; 2], truth: [Vec<[f32; 3]>; 2]) -> f64 {
+fn mean_change(ours: &[Vec<[f32; 3]>; 2], truth: &[Vec<[f32; 3]>; 2]) -> f64 {
     let changes = |[before, now]: &[Vec<[f32; 3]>; 2]| -> Vec<f64> {
         let channels = now.as_flattened().iter().zip(before.as_flattened());
         channels.map(|(&now, &before)| f64::from(now) - f64::from(before)).collect()
     };
-    let (ours, truth) = (changes(&ours), changes(&truth));
+    let (ours, truth) = (changes(ours), changes(truth));
     let sum: f64 = ours.iter().zip(&truth).map(|(x, r)| (x - r).abs()).sum();
     sum / ours.len().max(1) as f64
 }
 
 /// The mean absolute value of the difference of two independent noises.
-fn noise_of_change(variances: [Vec<f32>; 2]) -> f64 {
+fn noise_of_change(variances: [&[f32]; 2]) -> f64 {
     let deviation = |(&a, &b): (&f32, &f32)| (f64::from(a) + f64::from(b)).sqrt();
-    let sum: f64 = variances[0].iter().zip(&variances[1]).map(deviation).sum();
+    let sum: f64 = variances[0].iter().zip(variances[1]).map(deviation).sum();
     (2.0 / std::f64::consts::PI).sqrt() * sum / variances[0].len().max(1) as f64
 }
 

@@ -379,16 +379,16 @@ impl CostFigures {
 mod tests {
     use super::*;
 
-    fn figures(rmse_percent: f64) -> Option<ErrorFigures> {
-        Some(ErrorFigures { rmse_percent, ..ErrorFigures::default() })
+    fn figures(rmse_percent: f64) -> ErrorFigures {
+        ErrorFigures { rmse_percent, ..ErrorFigures::default() }
     }
 
     #[test]
     fn only_steps_of_motion_count_and_ratios_are_those_of_marked_steps() {
         let step = |is_moving, rmse, still: Option<f64>| StepFigures {
             is_moving,
-            full: figures(rmse),
-            still_full: still.and_then(figures),
+            full: Some(figures(rmse)),
+            still_full: still.map(figures),
             ..StepFigures::default()
         };
         let steps = [step(false, 99.0, None), step(true, 10.0, Some(5.0)), step(true, 30.0, None)];

@@ -331,8 +331,8 @@ fn needs_lamp(scene: &mut Scene) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::input(format!(
-        "\"{}\" has no lamp that could move or be switched off; add one (--point), or take the \
-         sequence orbit",
+        "\"{}\" has no lamp that could move or be switched off; give another scene, or the \
+         sequence orbit (--sequence orbit)",
         scene.name
     )))
 }

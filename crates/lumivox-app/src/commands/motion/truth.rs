@@ -89,18 +89,17 @@ impl<'a> Truths<'a> {
         let file = self.folder.map(|folder| {
             folder.join(file_name(tracer.fingerprint(), self.samples, settings.seed))
         });
-        let layers = match file.as_ref().filter(|file| file.exists()) {
-            Some(file) => ReferenceLayers::read_exr(file)?,
-            None => {
-                let mut hear = |_: ReferenceProgress| progress.goes_on();
-                pollster::block_on(tracer.render(&mut hear))?;
-                check_wish(progress)?;
-                let layers = tracer.layers();
-                if let Some(file) = &file {
-                    layers.write_exr(file)?;
-                }
-                layers
+        let layers = if let Some(file) = file.as_ref().filter(|file| file.exists()) {
+            ReferenceLayers::read_exr(file)?
+        } else {
+            let mut hear = |_: ReferenceProgress| progress.goes_on();
+            pollster::block_on(tracer.render(&mut hear))?;
+            check_wish(progress)?;
+            let layers = tracer.layers();
+            if let Some(file) = &file {
+                layers.write_exr(file)?;
             }
+            layers
         };
         let truth = Rc::new(Truth::new(layers));
         self.known.push((pose.clone(), truth.clone()));

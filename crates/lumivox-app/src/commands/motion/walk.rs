@@ -30,15 +30,37 @@ const JOINTS: [(&str, Option<usize>, Vec3); 8] = [
     ("right arm", Some(1), Vec3::new(0.0, 1.18, -0.2)),
 ];
 
-/// A vertical part of the figure: the middle of its lower end, its height, its radii along x and z,
-/// and the joints that it follows below and above the height of a bend.
-const TUBES: [(Vec3, f32, [f32; 2], [usize; 2], f32); 6] = [
-    (Vec3::new(0.0, 0.70, 0.0), 0.55, [0.11, 0.17], [0, 1], 0.95),
-    (Vec3::new(0.0, 1.28, 0.0), 0.22, [0.1, 0.09], [1, 1], 1.3),
-    (Vec3::new(0.0, 0.02, 0.09), 0.72, [0.075, 0.07], [3, 2], 0.40),
-    (Vec3::new(0.0, 0.02, -0.09), 0.72, [0.075, 0.07], [5, 4], 0.40),
-    (Vec3::new(0.0, 0.68, 0.22), 0.54, [0.05, 0.05], [6, 1], 1.18),
-    (Vec3::new(0.0, 0.68, -0.22), 0.54, [0.05, 0.05], [7, 1], 1.18),
+/// A vertical part of the figure.
+struct Tube {
+    /// The middle of its lower end.
+    foot: Vec3,
+    height_m: f32,
+    /// Along x and z.
+    radii_m: [f32; 2],
+    /// The joints that it follows below and above the bend.
+    joints: [usize; 2],
+    /// The height at which it bends.
+    bend_m: f32,
+}
+
+const fn tube(
+    foot: Vec3,
+    height_m: f32,
+    radii_m: [f32; 2],
+    joints: [usize; 2],
+    bend_m: f32,
+) -> Tube {
+    Tube { foot, height_m, radii_m, joints, bend_m }
+}
+
+/// Trunk, head, legs and arms.
+const TUBES: [Tube; 6] = [
+    tube(Vec3::new(0.0, 0.70, 0.0), 0.55, [0.11, 0.17], [0, 1], 0.95),
+    tube(Vec3::new(0.0, 1.28, 0.0), 0.22, [0.1, 0.09], [1, 1], 1.3),
+    tube(Vec3::new(0.0, 0.02, 0.09), 0.72, [0.075, 0.07], [3, 2], 0.40),
+    tube(Vec3::new(0.0, 0.02, -0.09), 0.72, [0.075, 0.07], [5, 4], 0.40),
+    tube(Vec3::new(0.0, 0.68, 0.22), 0.54, [0.05, 0.05], [6, 1], 1.18),
+    tube(Vec3::new(0.0, 0.68, -0.22), 0.54, [0.05, 0.05], [7, 1], 1.18),
 ];
 /// Half the height over which a tube bends, m.
 const BEND_M: f32 = 0.06;
@@ -269,7 +291,7 @@ fn room() -> [(Surface, usize); 3] {
 /// The figure at rest.
 fn figure() -> Surface {
     let mut surface = Surface::default();
-    for (foot, height_m, [radius_x_m, radius_z_m], joints, bend_m) in TUBES {
+    for Tube { foot, height_m, radii_m: [radius_x_m, radius_z_m], joints, bend_m } in TUBES {
         let first = surface.positions.len() as u32;
         let share = |y: f32| ((y - bend_m) / (2.0 * BEND_M) + 0.5).clamp(0.0, 1.0);
         for ring in 0..=RINGS {
@@ -350,7 +372,7 @@ mod tests {
             .sum();
         let polygon = SIDES as f32 / TAU * (TAU / SIDES as f32).sin() * PI;
         let expected: f32 =
-            TUBES.iter().map(|(_, height, [a, b], ..)| polygon * a * b * height).sum();
+            TUBES.iter().map(|t| polygon * t.radii_m[0] * t.radii_m[1] * t.height_m).sum();
         assert!((volume - f64::from(expected)).abs() < 1e-4, "{volume} is not {expected}");
     }
 }
