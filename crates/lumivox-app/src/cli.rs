@@ -2,6 +2,7 @@
 //!
 //! Each option states its unit, range and default; the tests below check that.
 
+mod bench;
 mod compare;
 mod cones;
 mod explore;
@@ -24,6 +25,7 @@ use clap::{ArgAction, Args, Parser, Subcommand};
 use lumivox_console::{Failure, SceneSource};
 use lumivox_render::RenderSettings;
 
+pub use bench::BenchArgs;
 pub use compare::CompareArgs;
 pub use cones::ConeArgs;
 pub use explore::ExploreArgs;
@@ -133,6 +135,9 @@ pub enum Command {
     /// Measure memory, build time and trace time of dense and octree volumes
     #[command(after_help = volumes::EXAMPLES)]
     Volumes(Box<VolumesArgs>),
+    /// Measure the speed of standard cases, beside published figures: a report to read or to send in
+    #[command(after_help = bench::EXAMPLES)]
+    Bench(Box<BenchArgs>),
     /// Write a scene as one GLB file (glTF 2.0)
     #[command(
         after_help = "Examples:\n  lumivox convert hall.obj --unit cm -o hall.glb\n  lumivox \

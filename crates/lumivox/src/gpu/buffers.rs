@@ -103,6 +103,18 @@ pub fn upload<T: Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> Buff
 ///
 /// On the web the future completes from the browser's event loop; elsewhere it polls the device itself.
 ///
+/// ```
+/// # pollster::block_on(async {
+/// # let (device, queue) = lumivox::gpu::open_device().await?;
+/// use lumivox::gpu::{read_buffer, upload};
+///
+/// let buffer = upload(&device, "numbers", &[1_u32, 2, 3, 4]);
+/// let read: Vec<u32> = read_buffer(&device, &queue, &buffer, 4..12).await?;
+/// assert_eq!(read, [2, 3]);
+/// # Ok::<(), lumivox::GiError>(())
+/// # }).unwrap();
+/// ```
+///
 /// # Errors
 /// [`GiError::Device`] when the device is lost.
 pub async fn read_buffer<T: Pod>(

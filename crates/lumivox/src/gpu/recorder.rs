@@ -131,6 +131,21 @@ impl Recorder<'static> {
     }
 
     /// A recorder that measures times in this way; [`Timing::for_device`] chooses one for a device.
+    ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// use lumivox::gpu::{Recorder, Timing};
+    ///
+    /// let mut recorder = Recorder::with_timing(&device, &queue, Timing::SubmitAndWait);
+    /// recorder.stage("clouds");
+    /// recorder.compute("shape", |_pass| ());
+    /// recorder.compute("light", |_pass| ());
+    /// let times = recorder.finish().await?;
+    /// assert_eq!((times[1].stage, times[1].pass.as_str()), ("clouds", "light"));
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
     pub fn with_timing(device: &wgpu::Device, queue: &wgpu::Queue, timing: Timing) -> Self {
         let queries = (timing == Timing::Timestamps).then(|| {
             device.create_query_set(&wgpu::QuerySetDescriptor {
