@@ -44,6 +44,7 @@ fn a_switched_lamp_is_measured_step_by_step() {
         assert!(number(&trail[2]["percent"]).abs() < 5.0, "{trail}");
     }
     assert!(switch["disoccluded"].is_null(), "the camera is still: {}", switch["disoccluded"]);
+    assert!(switch["leak_percent"].is_null(), "the panel still glows");
     assert_eq!(switch["at_stop"], serde_json::json!([]));
     let cost = &switch["cost"];
     for name in ["ms", "samples_per_pixel", "waits", "allocated_bytes"] {
@@ -111,6 +112,7 @@ fn the_page_has_all_tables_and_pictures() {
         "## Flicker",
         "## What has just become visible",
         "## After a change",
+        "## Light where there is none",
         "## Cost",
         "| door | fast | full |",
         "| door | balanced | picture |",

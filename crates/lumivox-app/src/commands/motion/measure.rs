@@ -133,6 +133,7 @@ impl Task<'_> {
             latency: self.latency(&taken, &mut own)?,
             trail: self.trail(&taken, &mut own)?,
             disoccluded: taken.disoccluded(&masks, &by_step),
+            leak_percent: taken.leak(),
             cost: StepCost::report(&costs, &is_moving),
             by_step,
         };
@@ -311,13 +312,26 @@ struct Taken<'a> {
 }
 
 impl Taken<'_> {
+    /// The mean irradiance of the brightest truth.
+    fn brightest(&self) -> f64 {
+        self.truths.iter().flatten().map(brightness).fold(0.0, f64::max)
+    }
+
     /// Whether the truth of a step is known, and bright enough to be divided by.
     fn is_bright(&self, step: usize) -> bool {
-        let brightness = |truth: &Rc<Truth>| mean(truth.full().picture);
-        let brightest = self.truths.iter().flatten().map(brightness).fold(0.0, f64::max);
-        self.truths[step]
-            .as_ref()
-            .is_some_and(|truth| brightness(truth) > DARKEST_SHARE * brightest)
+        let least = DARKEST_SHARE * self.brightest();
+        self.truths[step].as_ref().is_some_and(|truth| brightness(truth) > least)
+    }
+
+    /// Light where there is nearly none, in percent of the brightest truth.
+    fn leak(&self) -> Option<Spread> {
+        let brightest = self.brightest();
+        let leak = |(truth, shown): (&Option<Rc<Truth>>, &Shown)| {
+            let truth = truth.as_ref().map(brightness)?;
+            let is_dark = brightest > 0.0 && truth <= DARKEST_SHARE * brightest;
+            is_dark.then(|| 100.0 * (mean(&shown.full) - truth) / brightest)
+        };
+        Spread::of(self.truths.iter().zip(self.shown).filter_map(leak))
     }
 
     fn figures(
@@ -397,6 +411,10 @@ impl Taken<'_> {
             }
         })
     }
+}
+
+fn brightness(truth: &Rc<Truth>) -> f64 {
+    mean(truth.full().picture)
 }
 
 /// The figures of a picture; `None` if the truth is black.

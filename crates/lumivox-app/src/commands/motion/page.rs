@@ -52,6 +52,7 @@ pub fn page(args: &MotionArgs, machine: &str, resolution: u32, cases: &[Case]) -
     page += &flicker(cases);
     page += &disoccluded(cases);
     page += &after_changes(cases);
+    page += &leaks(cases);
     page += &cost(cases);
     page += &pictures(cases);
     page
@@ -222,6 +223,23 @@ fn after_changes(cases: &[Case]) -> String {
         }
     }
     text + "\n"
+}
+
+fn leaks(cases: &[Case]) -> String {
+    let mut rows = String::new();
+    for Case { preset, report, .. } in cases {
+        let Some(leak) = report.leak_percent else { continue };
+        let shown = pair(Some(leak), |value| format!("{value:.2}"));
+        let _ = writeln!(rows, "| {} | {preset} | {shown} |", report.sequence);
+    }
+    if rows.is_empty() {
+        return rows;
+    }
+    format!(
+        "## Light where there is none\n\n\
+         In steps whose truth is nearly black: the mean of *full* beyond the truth's, in per cent of that of the brightest step. It came through walls, or has stayed.\n\n\
+         | sequence | preset | leak |\n| --- | --- | --: |\n{rows}\n"
+    )
 }
 
 fn cost(cases: &[Case]) -> String {

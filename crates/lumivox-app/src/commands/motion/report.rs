@@ -34,6 +34,9 @@ pub struct SequenceReport {
     pub trail: Vec<Trail>,
     /// `None` if nothing becomes visible.
     pub disoccluded: Option<Disoccluded>,
+    /// The mean irradiance of ours beyond the truth's, in percent of the brightest truth's, in steps
+    /// whose truth is nearly black: light that leaks or stays. `None` without such steps.
+    pub leak_percent: Option<Spread>,
     /// `None` if nothing moves.
     pub cost: Option<CostFigures>,
     pub by_step: Vec<StepFigures>,
@@ -346,6 +349,13 @@ impl SequenceReport {
                 .map(|left| format!("{:.1} % after {}", left.percent, left.frames))
                 .collect();
             let _ = writeln!(text, "  trail        {}: {}", trail.change.name, left.join(", "));
+        }
+        if let Some(leak) = self.leak_percent {
+            let _ = writeln!(
+                text,
+                "  leak         {:.2} %, worst {:.2} %, of the brightest step where the truth is black",
+                leak.median, leak.worst
+            );
         }
         if let Some(disoccluded) = &self.disoccluded {
             let _ = writeln!(
