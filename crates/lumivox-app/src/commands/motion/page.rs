@@ -217,7 +217,7 @@ fn after_changes(cases: &[Case]) -> String {
             let _ = write!(text, "| {} | {} | {preset} |", report.sequence, trail.change.name);
             for left in &trail.left {
                 // Not "-0.0".
-                let _ = write!(text, " {:.1} |", left.percent + 0.0);
+                let _ = write!(text, " {:.1} |", (10.0 * left.percent).round() / 10.0 + 0.0);
             }
             text += "\n";
         }

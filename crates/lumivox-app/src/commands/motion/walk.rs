@@ -158,7 +158,7 @@ impl Gltf {
             json!({ "name": "room", "mesh": 0 }),
             json!({ "name": "figure", "mesh": 1, "skin": 0 }),
             json!({
-                "name": "lamp", "translation": [0.0, 1.9, 0.0],
+                "name": "lamp", "translation": [0.0, 1.6, 0.5],
                 "extensions": { "KHR_lights_punctual": { "light": 0 } },
             }),
             json!({ "name": "front", "translation": [0.0, 1.0, 3.8], "camera": 0 }),
