@@ -13,6 +13,7 @@ mod picture;
 mod quality;
 mod reference;
 mod run;
+mod timeline;
 mod view;
 mod volumes;
 mod voxels;
@@ -35,6 +36,7 @@ pub use picture::PictureArgs;
 pub use quality::QualityArgs;
 pub use reference::ReferenceArgs;
 pub use run::{CommandsArgs, RunArgs};
+pub use timeline::TimelineArgs;
 pub use view::ViewArgs;
 pub use volumes::VolumesArgs;
 pub use voxels::VoxelsArgs;
@@ -44,7 +46,7 @@ use crate::args::number;
 use crate::args::settings::{Given, SettingArgs, VolumeGroups};
 use crate::commands::settings;
 use crate::exit;
-use crate::motion::{AnimationName, animation};
+use crate::timeline::{AnimationName, animation};
 use load::scene_source;
 
 const EXAMPLES: &str = "\
@@ -149,6 +151,9 @@ pub enum Command {
     /// them
     #[command(after_help = quality::EXAMPLES)]
     Quality(Box<QualityArgs>),
+    /// Measure errors, flicker, delay and cost while camera, light or things move, one frame a step
+    #[command(after_help = motion::EXAMPLES)]
+    Motion(Box<MotionArgs>),
     /// Run commands that show and change a scene and save pictures of it: a script, or a prompt
     #[command(after_help = run::EXAMPLES)]
     Run(Box<RunArgs>),
@@ -196,7 +201,7 @@ pub struct RenderArgs {
 
     /// Motion of the scene and the camera.
     #[command(flatten)]
-    pub motion: MotionArgs,
+    pub timeline: TimelineArgs,
 
     /// The voxels.
     #[command(flatten)]

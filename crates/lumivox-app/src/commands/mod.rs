@@ -5,6 +5,7 @@ pub mod compare;
 pub mod convert;
 pub mod info;
 pub mod light;
+pub mod motion;
 pub mod quality;
 pub mod reference;
 pub mod render;

@@ -51,7 +51,11 @@ impl Redo {
             || old.cone_model != new.cone_model
             || (old.shown_look().is_some() && new.shown_look().is_none())
             || old.voxel_bounces() != new.voxel_bounces();
-        let mean = targets || light || changed.contains(&Redoes::Frames) || old.look != new.look;
+        let mean = targets
+            || light
+            || changed.contains(&Redoes::Frames)
+            || old.look != new.look
+            || old.beside != new.beside;
         Self { volume, targets, light, mean }
     }
 }

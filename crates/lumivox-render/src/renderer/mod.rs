@@ -1,5 +1,6 @@
 //! A scene rendered to a picture, pass by pass.
 
+pub(crate) mod beside;
 mod change;
 pub(crate) mod estimate;
 mod moving;
@@ -306,6 +307,10 @@ impl Renderer {
                 let composite = &targets.composite;
                 let shown = (settings.view, has_cones, frame);
                 passes.composite.record(recorder, lights, gbuffer, composite, shown);
+                for beside in targets.beside.iter_mut().filter(|_| is_kept) {
+                    let (lit, counted) = ((&*lights, gbuffer), (has_cones, frame));
+                    beside.record(recorder, &passes.composite, lit, counted);
+                }
             }
         }
         if is_kept {
@@ -349,6 +354,8 @@ impl Renderer {
         } else if settings.view.is_of_voxels() || settings.view == View::Lod {
             targets.voxel_view.prepare(gi, settings.view)?;
         }
+        self.prepare_beside()?;
+        let Self { gpu, .. } = self;
         compile(gpu, &mut |_| {}).await
     }
 

@@ -4,6 +4,8 @@ use bytemuck::Pod;
 use wgpu::util::DeviceExt as _;
 
 use crate::GiError;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::gpu::note_wait;
 use crate::gpu::{Buffer, Recorder};
 
 /// A storage buffer of at least one element's size (WebGPU has no empty bindings); its content starts as zero.
@@ -144,7 +146,10 @@ pub(crate) async fn map_and_copy<T: Pod>(
     let (sender, receiver) = oneshot();
     staging.map_async(wgpu::MapMode::Read, .., move |result| sender.send(result));
     #[cfg(not(target_arch = "wasm32"))]
-    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| fail(e.to_string()))?;
+    {
+        note_wait();
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| fail(e.to_string()))?;
+    }
     #[cfg(target_arch = "wasm32")]
     let _ = device;
     receiver.await.map_err(|e| fail(e.to_string()))?;

@@ -13,7 +13,7 @@ use crate::GiError;
 use crate::gpu::buffers::map_and_copy;
 use crate::gpu::held::Held;
 use crate::gpu::passes::{ComputePass, RenderPass};
-use crate::gpu::{Buffer, BufferHandle, Kept};
+use crate::gpu::{Buffer, BufferHandle, Kept, note_wait};
 
 /// The way in which a [`Recorder`] measures times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -359,6 +359,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn wait(&self) {
+        note_wait();
         if let Err(error) = self.device.poll(wgpu::PollType::wait_indefinitely()) {
             tracing::warn!("a stage's time is wrong: waiting for the device failed: {error}");
         }
