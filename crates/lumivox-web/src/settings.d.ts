@@ -48,6 +48,8 @@ export interface Settings {
   cones?: "6" | "9" | "12";
   /** Cones from every pixel, or from one of each 2x2 block: full or half. Default: full. */
   trace_resolution?: "full" | "half";
+  /** Light of earlier frames, carried along with the surfaces that it is on: on or off. Default: false. */
+  temporal?: boolean;
   /** Sampled voxel's edge as a share of the cone's diameter: a number from 0.05 to 1, share. Default: 0.125. */
   voxel_per_diameter?: number;
   /** Greatest growth of the sampled voxels by metre and cosine; 0 is off: a number from 0.1 to 1, or 0, ratio. Default: 0.33333334. */

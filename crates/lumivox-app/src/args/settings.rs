@@ -358,7 +358,7 @@ mod tests {
             argument.get_help().unwrap().to_string()
         };
         assert!(help("cones").ends_with("[default: 6; preset high: 12]"), "{}", help("cones"));
-        let clearance = "a number from 0.1 to 1, or 0 (ratio) [default: 0.3333; preset fast: 0.5; \
+        let clearance = "a number from 0.1 to 1, or 0 (ratio) [default: 0.3333; presets fast and realtime: 0.5; \
                          presets high and report: 0]";
         assert!(help("clearance").ends_with(clearance), "{}", help("clearance"));
         assert!(help("frames").ends_with("[default: 16]"), "{}", help("frames"));

@@ -35,6 +35,7 @@ pub const PRESETS: &[PresetChoice] = &[
     PresetChoice::ALL[0],
     PresetChoice::ALL[1],
     PresetChoice::ALL[2],
+    PresetChoice::ALL[3],
     #[cfg(feature = "classics")]
     classics::REPORT,
     #[cfg(feature = "classics")]
@@ -46,6 +47,7 @@ pub const PRESETS_TO_MEASURE: &[PresetChoice] = &[
     PresetChoice::ALL[0],
     PresetChoice::ALL[1],
     PresetChoice::ALL[2],
+    PresetChoice::ALL[3],
     #[cfg(feature = "classics")]
     classics::REPORT,
 ];

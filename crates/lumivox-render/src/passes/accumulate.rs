@@ -34,10 +34,12 @@ pub struct AccumulatePass {
     groups: [BindGroup; 2],
     size: UVec2,
     frames: u32,
+    are_means: bool,
 }
 
 impl AccumulatePass {
-    /// Makes the pipeline and the textures; `frame` is the texture of each frame.
+    /// Makes the pipeline and the textures; `frame` is the texture of each frame, and `are_means`
+    /// says whether each is a mean of those before it.
     ///
     /// # Errors
     /// When the shader does not link.
@@ -46,7 +48,7 @@ impl AccumulatePass {
         shaders: &ShaderLibrary,
         textures: &mut ScreenTextures<'_>,
         size: UVec2,
-        frame: &TextureView,
+        (frame, are_means): (&TextureView, bool),
     ) -> Result<Self, ShaderError> {
         let layout = LayoutBuilder::compute()
             .uniform()
@@ -69,7 +71,7 @@ impl AccumulatePass {
                 .view(&views[new])
                 .build(device, "accumulate")
         });
-        Ok(Self { kernel, settings, means, groups, size, frames: 0 })
+        Ok(Self { kernel, settings, means, groups, size, frames: 0, are_means })
     }
 
     /// Frames in the mean.
@@ -82,10 +84,15 @@ impl AccumulatePass {
         self.frames = 0;
     }
 
-    /// Adds a frame; once per submission. `are_means` says whether frames are means of those before them.
-    pub fn record(&mut self, recorder: &mut Recorder, are_means: bool) {
-        let are_means = u32::from(are_means);
-        let settings = AccumulateSettings { frames: self.frames, are_means, padding: [0; 2] };
+    /// Makes the next frame number `frames` of the mean, counted from 0.
+    pub(crate) fn follow(&mut self, frames: u32) {
+        self.frames = frames;
+    }
+
+    /// Adds a frame; once per submission.
+    pub fn record(&mut self, recorder: &mut Recorder) {
+        let (frames, are_means) = (self.frames, u32::from(self.are_means));
+        let settings = AccumulateSettings { frames, are_means, padding: [0; 2] };
         recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
         let group = &self.groups[(self.frames % 2) as usize];
         self.kernel.run(recorder, &[group], [self.size.x, self.size.y, 1]);

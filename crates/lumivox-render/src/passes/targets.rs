@@ -2,7 +2,7 @@
 
 use glam::{Mat4, UVec2};
 use lumivox::gpu::ShaderLibrary;
-use lumivox::{GBuffer, Gi, TraceSettings, TraceTargets};
+use lumivox::{GBuffer, Gi, TraceResolution, TraceSettings, TraceTargets};
 
 use crate::gpu::memory::available_memory;
 use crate::gpu::textures::ScreenTextures;
@@ -13,6 +13,7 @@ use crate::passes::gbuffer::GBufferTargets;
 use crate::passes::overlay::OverlayPass;
 use crate::passes::voxel_view::VoxelViewPass;
 use crate::picture::tone_map::ToneMapPass;
+use crate::renderer::beside::BesideView;
 use crate::{Gpu, RenderError};
 
 /// Everything that depends on the picture's size.
@@ -26,15 +27,29 @@ pub(crate) struct Targets {
     pub(crate) voxel_view: VoxelViewPass,
     pub(crate) accumulate: AccumulatePass,
     pub(crate) tone_map: ToneMapPass,
+    /// Other views of the same frames; empty until the first frame that has any.
+    pub(crate) beside: Vec<BesideView>,
     /// The overlay; `None` until there is something to draw.
     pub(crate) overlay: Option<OverlayPass>,
     /// Bytes of the textures of this crate and of the cones.
     pub(crate) bytes: u64,
 }
 
-/// Bytes a pixel of everything in [`Targets`]: G-buffer 28, direct light 16, cones 20 (and at half
-/// resolution 16 + 20 / 4), picture and mean 48, illuminance 4, screen 4.
-pub(crate) const BYTES_PER_PIXEL: u64 = 120;
+/// Bytes a pixel of everything in [`Targets`] but the cones: G-buffer 28, direct light 16, picture and mean 48, illuminance 4,
+/// screen 4.
+pub(crate) const BYTES_PER_PIXEL: u64 = 100;
+
+/// Bytes a pixel for the cones: 20 a traced pixel, and if these are fewer, 16 for the picture and 4 for the list of
+/// pixels that are traced by themselves. Light of earlier frames takes 48, and 56 a traced pixel.
+pub(crate) fn trace_bytes_per_pixel(trace: &TraceSettings) -> u64 {
+    match (trace.resolution, trace.temporal) {
+        (TraceResolution::Full, false) => 20,
+        (TraceResolution::Full, true) => 20 + 16 + 48 + 56,
+        (TraceResolution::Half, false) => 20 / 4 + 20,
+        (TraceResolution::Half, true) => 20 / 4 + 20 + 48 + 56 / 4,
+    }
+}
+
 /// Additional bytes a pixel for the tint of coloured glass.
 pub(crate) const TINT_BYTES_PER_PIXEL: u64 = 4;
 
@@ -54,7 +69,9 @@ impl Targets {
         is_tinted: bool,
     ) -> Result<Self, RenderError> {
         let tint = if is_tinted { TINT_BYTES_PER_PIXEL } else { 0 };
-        let needed = u64::from(size.x) * u64::from(size.y) * (BYTES_PER_PIXEL + tint);
+        let needed = u64::from(size.x)
+            * u64::from(size.y)
+            * (BYTES_PER_PIXEL + tint + trace_bytes_per_pixel(trace));
         let too_large = || {
             let what = format!("a picture of {}x{}", size.x, size.y);
             gpu.out_of_memory(what, Some(needed), "ask for a smaller picture")
@@ -91,8 +108,8 @@ impl Targets {
         let composite =
             composite.targets(device, &mut textures, &gbuffer_textures, &direct, &traced);
         let voxel_view = VoxelViewPass::new(device, shaders, &composite);
-        let accumulate =
-            AccumulatePass::new(device, shaders, &mut textures, size, &composite.picture)?;
+        let frames = (&composite.picture, traced.is_temporal());
+        let accumulate = AccumulatePass::new(device, shaders, &mut textures, size, frames)?;
         let tone_map = ToneMapPass::new(device, shaders, &mut textures, size)?;
         let bytes = textures.bytes + traced.memory();
         Ok(Self {
@@ -104,6 +121,7 @@ impl Targets {
             voxel_view,
             accumulate,
             tone_map,
+            beside: Vec::new(),
             overlay: None,
             bytes,
         })

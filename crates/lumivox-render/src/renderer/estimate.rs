@@ -15,7 +15,7 @@ use lumivox_scene::{Instance, LightKind, Material, Scene, Shading, Texture};
 use crate::gpu::memory::available_memory;
 use crate::passes::overlay::OVERLAY_BYTES_PER_PIXEL;
 use crate::passes::shadow_maps::MAX_BYTES as MAX_SHADOW_BYTES;
-use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL};
+use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL, trace_bytes_per_pixel};
 use crate::scene::{DrawRecord, VERTEX_BYTES};
 use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 
@@ -65,6 +65,7 @@ impl MemoryEstimate {
         let has_glass = scene.materials.iter().any(|material| material.transmission.factor > 0.0);
         let tint = if has_glass { TINT_BYTES_PER_PIXEL } else { 0 };
         let overlay = if settings.overlay.is_on() { OVERLAY_BYTES_PER_PIXEL } else { 0 };
+        let cones = trace_bytes_per_pixel(&settings.trace);
         let parts = [
             ("vertices and indices", vertices as u64 * VERTEX_BYTES + indices as u64 * 4),
             ("textures", texture_bytes(scene)),
@@ -72,7 +73,7 @@ impl MemoryEstimate {
             ("shadow maps", shadow_bytes(scene, settings)),
             volume_part(&grid, settings, voxels),
             ("voxel list (about)", list_bytes(&grid, voxels, settings) + kept),
-            ("picture", pixels * (BYTES_PER_PIXEL + tint + overlay)),
+            ("picture", pixels * (BYTES_PER_PIXEL + cones + tint + overlay)),
         ];
         let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
         Ok(Self { parts, voxels, name: scene.name.clone(), voxel_remedy: voxel_remedy(settings) })
@@ -240,24 +241,30 @@ mod tests {
     use super::*;
     use crate::Renderer;
     use crate::testing::gpu;
+    use lumivox::{Preset, TraceSettings};
 
     /// Compares with the renderer's own account.
     #[test]
     fn what_was_estimated_is_what_is_allocated() {
         let gpu = gpu();
         let octree = VolumeKind::Octree(lumivox::OctreeOptions::default());
-        for (name, resolution, bounces, moving, volume) in [
+        let presets = [Preset::Balanced, Preset::Fast, Preset::Realtime];
+        for ((name, resolution, bounces, moving, volume), preset) in [
             ("spheres", 64, 8, 0, VolumeKind::Dense),
             ("two-rooms-rotated", 48, 1, 2, VolumeKind::Dense),
             ("atrium", 96, 8, 0, octree),
-        ] {
+        ]
+        .into_iter()
+        .zip(presets)
+        {
             let mut scene = lumivox_scene::builtin::scene(name).expect("a scene");
             for instance in &mut scene.instances[..moving] {
                 instance.is_static = false;
             }
             let size = glam::UVec2::new(40, 24);
+            let trace = TraceSettings::preset(preset);
             let settings =
-                RenderSettings { size, resolution, volume, bounces, ..Default::default() };
+                RenderSettings { size, resolution, volume, bounces, trace, ..Default::default() };
             let estimate = MemoryEstimate::new(&scene, &settings).expect("an estimate");
             let mut quiet = |_| {};
             let renderer = Renderer::new(&gpu, &scene, None, settings, &mut quiet);

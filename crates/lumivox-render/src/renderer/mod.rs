@@ -1,7 +1,9 @@
 //! A scene rendered to a picture, pass by pass.
 
+pub(crate) mod beside;
 mod change;
 pub(crate) mod estimate;
+mod moving;
 mod overlay;
 mod passes;
 mod photometry;
@@ -255,16 +257,29 @@ impl Renderer {
 
     async fn draw_frame(&mut self, is_kept: bool) -> Result<(), RenderError> {
         self.prepare_view().await?;
+        let mut recorder = self.recorder();
+        self.record_frame(&mut recorder, is_kept)?;
+        self.times.add(recorder.finish().await?);
+        self.gpu.check("rendering a frame")
+    }
+
+    /// Records the passes of the next frame; `is_kept` adds it to the mean.
+    fn record_frame(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        is_kept: bool,
+    ) -> Result<(), RenderError> {
         let frame = self.frame_count();
         let Self { settings, camera, scene, gi, lights, passes, targets, .. } = self;
+        let mut is_traced = false;
         let (drawn, former_camera) = (&self.drawn, &self.former_camera);
         let jitter = gbuffer::jitter(frame, settings.frames);
         let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
         let mut view = lumivox::CameraView::new(clip_from_world, position, size);
         view.frame = frame;
-        if targets.traced.has_history() {
-            // Frames that go into a memory must not repeat each other.
+        if targets.traced.is_temporal() {
+            // Frames that are blended must not repeat each other.
             view.frame = *drawn;
             let former = former_camera.as_ref().unwrap_or(camera);
             // The jitter within the pixel is no motion.
@@ -272,14 +287,12 @@ impl Renderer {
         }
         targets.gbuffer.set_camera(&self.gpu.queue, view);
 
-        let mut recorder =
-            Recorder::with_timing(&self.gpu.device, &self.gpu.queue, settings.timing);
         if settings.shown_look().is_some() {
-            self.record_look(&mut recorder, &view);
+            self.record_look(recorder, &view);
         } else if settings.view.is_of_voxels() {
             recorder.stage("voxel view");
             targets.voxel_view.record(
-                &mut recorder,
+                recorder,
                 gi,
                 lights,
                 &targets.gbuffer,
@@ -289,41 +302,45 @@ impl Renderer {
         } else {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
-            passes.gbuffer.record(&mut recorder, scene, textures, (&view, jitter));
+            passes.gbuffer.record(recorder, scene, textures, (&view, jitter));
             let gbuffer = &targets.gbuffer;
             if settings.view == View::Lod {
                 recorder.stage("picture");
                 let (what, fov) = ((settings.view, settings.voxel_level), camera.vertical_fov_rad);
-                targets.voxel_view.record(&mut recorder, gi, lights, gbuffer, what, fov)?;
+                targets.voxel_view.record(recorder, gi, lights, gbuffer, what, fov)?;
             } else {
                 if settings.view.needs_direct() {
                     recorder.stage("direct light");
-                    passes.direct.record(&mut recorder, gi, lights, gbuffer, &targets.direct);
+                    passes.direct.record(recorder, gi, lights, gbuffer, &targets.direct);
                 }
                 let has_cones = settings.view.needs_cones(settings.bounces);
                 if has_cones {
+                    is_traced = true;
                     recorder.stage("trace");
-                    gi.trace(&mut recorder, gbuffer, lights, &settings.trace, &targets.traced)?;
+                    gi.trace(recorder, gbuffer, lights, &settings.trace, &targets.traced)?;
                 }
                 recorder.stage("picture");
                 let composite = &targets.composite;
                 let shown = (settings.view, has_cones, frame);
-                passes.composite.record(&mut recorder, lights, gbuffer, composite, shown);
+                passes.composite.record(recorder, lights, gbuffer, composite, shown);
+                for beside in targets.beside.iter_mut().filter(|_| is_kept) {
+                    let (lit, counted) = ((&*lights, gbuffer), (has_cones, frame));
+                    beside.record(recorder, &passes.composite, lit, counted);
+                }
             }
         }
         if is_kept {
             recorder.stage("picture");
-            let are_means = self.targets.traced.has_history();
-            self.targets.accumulate.record(&mut recorder, are_means);
-            self.record_overlay(&mut recorder, &view)?;
+            self.targets.accumulate.record(recorder);
+            self.record_overlay(recorder, &view)?;
         }
-        self.times.add(recorder.finish().await?);
-        self.drawn = self.drawn.wrapping_add(1);
-        self.former_camera = Some(self.camera.clone());
-        if !is_kept {
+        if !(is_kept && is_traced) {
+            // What is kept is not of the frame before.
             self.targets.traced.forget();
         }
-        self.gpu.check("rendering a frame")
+        self.drawn = self.drawn.wrapping_add(1);
+        self.former_camera = Some(self.camera.clone());
+        Ok(())
     }
 
     /// Renders a picture in the look, with the depths and normals of its surfaces.
@@ -359,6 +376,8 @@ impl Renderer {
         } else if settings.view.is_of_voxels() || settings.view == View::Lod {
             targets.voxel_view.prepare(gi, settings.view)?;
         }
+        self.prepare_beside()?;
+        let Self { gpu, .. } = self;
         compile(gpu, &mut |_| {}).await
     }
 

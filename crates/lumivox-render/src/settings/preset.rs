@@ -76,7 +76,9 @@ impl PresetChoice {
     pub const fn summary(self) -> &'static str {
         match self {
             Self::Cones(Preset::Fast) => "6 cones, one pixel in four",
-            Self::Cones(Preset::Realtime) => "as fast, with the light of earlier frames: for what moves",
+            Self::Cones(Preset::Realtime) => {
+                "as fast, with the light of earlier frames: for what moves"
+            }
             Self::Cones(Preset::Balanced) => "6 cones, every pixel",
             Self::Cones(Preset::High) => {
                 "12 cones, every pixel, samples half as large: fewest leaks"

@@ -15,5 +15,6 @@ mod scale;
 mod shown;
 mod snapshots;
 mod surfaces;
+mod temporal;
 mod truth;
 mod two_rooms;

@@ -76,7 +76,7 @@ pub struct TraceSettings {
     pub resolution: TraceResolution,
     /// Whether light of earlier frames is kept and carried along with the surfaces that it is on; off by default. For
     /// moving pictures: a frame then has the noise of many.
-    pub history: bool,
+    pub temporal: bool,
 }
 
 impl Default for TraceSettings {
@@ -99,7 +99,7 @@ impl TraceSettings {
             specular_share: 0.25,
             occlusion_distance_m: f32::INFINITY,
             resolution: TraceResolution::Full,
-            history: false,
+            temporal: false,
         };
         match preset {
             Preset::Fast => Self {
@@ -108,7 +108,7 @@ impl TraceSettings {
                 resolution: TraceResolution::Half,
                 ..balanced
             },
-            Preset::Realtime => Self { history: true, ..Self::preset(Preset::Fast) },
+            Preset::Realtime => Self { temporal: true, ..Self::preset(Preset::Fast) },
             Preset::Balanced => balanced,
             Preset::High => {
                 Self { diffuse_cones: 12, voxel_per_diameter: 0.0625, clearance: 0.0, ..balanced }
@@ -158,14 +158,14 @@ impl TraceSettings {
             ..CONES
         },
         Setting {
-            name: "history",
+            name: "temporal",
             summary: "Light of earlier frames, carried along with the surfaces that it is on",
             help: "For moving pictures: a frame then has the noise of many. What changes is seen at once, and direct light \
                    never takes this way.",
-            shorthands: &[("no_history", Value::Switch(false))],
+            shorthands: &[("no_temporal", Value::Switch(false))],
             redoes: Redoes::Targets,
-            get: |s| Value::Switch(s.history),
-            set: |s, v| s.history = v.is_on(),
+            get: |s| Value::Switch(s.temporal),
+            set: |s, v| s.temporal = v.is_on(),
             ..CONES
         },
         Setting {

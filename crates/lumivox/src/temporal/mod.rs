@@ -1,4 +1,4 @@
-//! The memory of a moving picture: light that earlier frames gathered, carried along with the surfaces that it is on.
+//! The light of earlier frames, carried along with the surfaces that it is on.
 //!
 //! A frame alone has the noise of a few cones a pixel. What was gathered before belongs to a surface, not to a pixel; so it
 //! is looked up where the surface was in the frame before, and the new light is blended into it. A filter over many pixels
@@ -7,10 +7,10 @@
 //!
 //! | step | for each | file |
 //! | --- | --- | --- |
-//! | what is known of the surface | pixel | `recall.wgsl` |
+//! | light that is known of the surface | pixel | `recall.wgsl` |
 //! | this frame's light beside it | traced pixel | `compare.wgsl` |
 //! | a wide filter in four steps | traced pixel | `filter.wgsl` |
-//! | the blend of both: picture and memory | pixel | `resolve.wgsl`, `blend.wgsl` |
+//! | the blend of both, for the picture and for the next frame | pixel | `resolve.wgsl`, `blend.wgsl` |
 //!
 //! Only what cones gather goes this way. Direct light never does: it has no noise, and must not lag.
 
@@ -132,7 +132,7 @@ impl Kernels {
     }
 }
 
-/// A frame's textures that a memory works with.
+/// A frame's textures.
 #[derive(Debug)]
 pub(crate) struct Traced<'a> {
     /// What the cones have written, at the traced size.
@@ -147,11 +147,11 @@ pub(crate) struct Traced<'a> {
 
 /// The light of earlier frames, for one picture.
 #[derive(Debug)]
-pub(crate) struct Memory {
+pub(crate) struct Past {
     size: UVec2,
     traced_size: UVec2,
     /// Irradiance and reflection as the last frame left them, and the records of their surfaces.
-    past: [Texture; 3],
+    kept: [Texture; 3],
     /// The records of this frame.
     records: Texture,
     recalled: [Texture; 2],
@@ -163,7 +163,7 @@ pub(crate) struct Memory {
     remembers: AtomicBool,
 }
 
-/// The bind groups of a memory's steps.
+/// The bind groups of the steps.
 #[derive(Debug)]
 pub(crate) struct Groups {
     recall: BindGroup,
@@ -172,7 +172,7 @@ pub(crate) struct Groups {
     resolve: BindGroup,
 }
 
-impl Memory {
+impl Past {
     /// `make` makes a texture of the name, size and format.
     pub(crate) fn new(
         device: &wgpu::Device,
@@ -187,7 +187,7 @@ impl Memory {
         Self {
             size,
             traced_size,
-            past: [("past irradiance", LIGHT), ("past specular", LIGHT), ("past records", RECORD)]
+            kept: [("past irradiance", LIGHT), ("past specular", LIGHT), ("past records", RECORD)]
                 .map(|(label, format)| make(label, size, format)),
             records: make("records", size, RECORD),
             recalled: ["recalled irradiance", "recalled specular"]
@@ -220,7 +220,7 @@ impl Memory {
         let views = |textures: &[Texture]| -> Vec<TextureView> {
             textures.iter().map(Texture::view).collect()
         };
-        let (past, recalled) = (views(&self.past), views(&self.recalled));
+        let (kept, recalled) = (views(&self.kept), views(&self.recalled));
         let (light, change) = (views(&self.light), views(&self.change));
         let (guide, records) = (self.guide.view(), self.records.view());
         // Which texture each step reads and writes: the first step's light stays, for the blend.
@@ -240,9 +240,9 @@ impl Memory {
         Groups {
             recall: BindGroupBuilder::new(&layouts.recall)
                 .buffer(settings)
-                .view(&past[0])
-                .view(&past[1])
-                .view(&past[2])
+                .view(&kept[0])
+                .view(&kept[1])
+                .view(&kept[2])
                 .view(&recalled[0])
                 .view(&recalled[1])
                 .build(device, "recall"),
@@ -296,7 +296,7 @@ impl Memory {
     /// Keeps the frame for the next one, once its outputs are complete.
     pub(crate) fn keep(&self, recorder: &mut Recorder, outputs: [&Texture; 2]) {
         let [irradiance, specular] = outputs;
-        for (from, to) in [irradiance, specular, &self.records].into_iter().zip(&self.past) {
+        for (from, to) in [irradiance, specular, &self.records].into_iter().zip(&self.kept) {
             recorder.copy_texture(from, to);
         }
         self.remembers.store(true, Ordering::Relaxed);

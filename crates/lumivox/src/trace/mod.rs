@@ -16,8 +16,8 @@ use glam::UVec2;
 
 use crate::GiError;
 use crate::cones::{ConeSettings, TraceResolution, TraceSettings};
-use crate::temporal::{self, Memory};
 use crate::gpu::{BindGroup, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
+use crate::temporal::{self, Past};
 
 #[cfg(test)]
 pub(crate) use gbuffer::CameraViewUniform;
@@ -95,7 +95,7 @@ pub(crate) struct Tracer {
     temporal: temporal::Layouts,
     /// Once something was traced at half resolution.
     kernels: OnceLock<HalfKernels>,
-    /// Once something was traced with a memory.
+    /// Once something was traced with the light of earlier frames.
     temporal_kernels: OnceLock<temporal::Kernels>,
 }
 
@@ -188,8 +188,8 @@ impl Tracer {
         Ok(())
     }
 
-    /// Links what a memory needs, at its first use.
-    pub(crate) fn prepare_memory(
+    /// Links what the light of earlier frames needs, at its first use.
+    pub(crate) fn prepare_temporal(
         &self,
         device: &Pipelines,
         shaders: &ShaderLibrary,
@@ -212,17 +212,17 @@ impl Tracer {
         let device = recorder.device().clone();
         recorder.stage("trace");
         targets.with_settings(self, &device, |slot| {
-            let remembers = u32::from(targets.memory.as_ref().is_some_and(Memory::remembers));
+            let remembers = u32::from(targets.past.as_ref().is_some_and(Past::remembers));
             slot.set(recorder.queue(), &ScreenSettings { remembers, ..*settings });
             let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
             let UVec2 { x, y } = targets.traced_size();
             self.diffuse.run(recorder, &group(&slot.diffuse), [x, y, 1]);
             self.specular.run(recorder, &group(&slot.specular), [x, y, 1]);
             recorder.clear(&slot.counts);
-            if let (Some(memory), Some(groups)) = (&targets.memory, &slot.temporal) {
+            if let (Some(past), Some(groups)) = (&targets.past, &slot.temporal) {
                 if let Some(kernels) = self.temporal_kernels.get() {
                     let bound = [bound.globals, &bound.gbuffer.group];
-                    memory.blend(recorder, kernels, groups, bound);
+                    past.blend(recorder, kernels, groups, bound);
                 }
             } else if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
                 let UVec2 { x, y } = targets.size();

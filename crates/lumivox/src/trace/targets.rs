@@ -6,10 +6,10 @@ use glam::UVec2;
 use super::{OUTPUT_FORMAT, SAMPLES_FORMAT, ScreenSettings, Tracer};
 use crate::cones::{TraceResolution, TraceSettings};
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Recorder, Slot, Slots, Texture, TextureView, storage_buffer,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Recorder, Slot, Slots, Texture, TextureView,
+    storage_buffer, uniform_buffer,
 };
-use crate::temporal::{self, Memory};
+use crate::temporal::{self, Past};
 
 /// The textures that cones are traced into, for one size of picture.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ pub struct TraceTargets {
     traced: Traced,
     listed: Listed,
     /// The light of earlier frames, if it is kept.
-    pub(super) memory: Option<Memory>,
+    pub(super) past: Option<Past>,
     slots: Slots<TraceSlot>,
     bytes: u64,
 }
@@ -114,13 +114,13 @@ impl TraceTargets {
         ];
         let samples = texture("diffuse samples", traced_size, SAMPLES_FORMAT).view();
         // Without a further step cones write the outputs themselves.
-        let outputs = if scale > 1 || settings.history {
+        let outputs = if scale > 1 || settings.temporal {
             [texture("irradiance", size, OUTPUT_FORMAT), texture("specular", size, OUTPUT_FORMAT)]
         } else {
             traced.clone()
         };
         let sizes = (size, traced_size);
-        let memory = settings.history.then(|| Memory::new(device, sizes, &mut texture));
+        let past = settings.temporal.then(|| Past::new(device, sizes, &mut texture));
         let pixels = if scale > 1 { u64::from(size.x) * u64::from(size.y) } else { 0 };
         // More than 33 million of them no picture has, whatever its size.
         let most = device.limits().max_storage_buffer_binding_size / 4;
@@ -138,7 +138,7 @@ impl TraceTargets {
             resolution: settings.resolution,
             traced: Traced { size: traced_size, irradiance, specular, samples },
             listed,
-            memory,
+            past,
             slots: Slots::default(),
             bytes,
         }
@@ -146,14 +146,14 @@ impl TraceTargets {
 
     /// Forgets the light of earlier frames: for a cut, another scene, or another view, of which nothing is to shine through.
     pub fn forget(&self) {
-        if let Some(memory) = &self.memory {
-            memory.forget();
+        if let Some(past) = &self.past {
+            past.forget();
         }
     }
 
     /// Whether the light of earlier frames is kept.
-    pub fn has_history(&self) -> bool {
-        self.memory.is_some()
+    pub fn is_temporal(&self) -> bool {
+        self.past.is_some()
     }
 
     /// The picture's width and height in pixels.
@@ -187,8 +187,8 @@ impl TraceTargets {
 
     /// Keeps the frame's light for the next one.
     pub(super) fn keep(&self, recorder: &mut Recorder) {
-        if let Some(memory) = &self.memory {
-            memory.keep(recorder, self.outputs.each_ref());
+        if let Some(past) = &self.past {
+            past.keep(recorder, self.outputs.each_ref());
         }
     }
 
@@ -221,9 +221,9 @@ impl TraceTargets {
         let listed = pixels;
         let traced = temporal::Traced { irradiance, specular, outputs, counts, listed };
         let temporal = self
-            .memory
+            .past
             .as_ref()
-            .map(|memory| memory.groups(device, &tracer.temporal, &settings, &traced));
+            .map(|past| past.groups(device, &tracer.temporal, &settings, &traced));
         TraceSlot {
             diffuse: BindGroupBuilder::new(&tracer.diffuse_layout)
                 .buffer(&settings)

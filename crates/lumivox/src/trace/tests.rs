@@ -261,6 +261,32 @@ fn steady_frames_make_no_new_slots() {
     assert_eq!(targets.slot_count(), 2);
 }
 
+/// A frame after a cut is that of new targets, and one without a cut is not.
+#[test]
+fn what_is_forgotten_does_not_shine_through() {
+    let room = Room::new();
+    for resolution in [TraceResolution::Full, TraceResolution::Half] {
+        let settings = TraceSettings { resolution, ..TraceSettings::preset(Preset::Realtime) };
+        let fresh = room.alone(&settings);
+        let targets = room.targets(&settings);
+        assert!(targets.is_temporal());
+        let mut pictures = Vec::new();
+        for forgets in [false, false, true] {
+            if forgets {
+                targets.forget();
+            }
+            let mut encoder = room.encoder();
+            room.trace(&mut encoder, &targets, &settings);
+            let picture = copied(&room.device, &mut encoder, &targets);
+            room.queue.submit([encoder.finish()]);
+            pictures.push(picture.read(&room.device, &room.queue));
+        }
+        assert!(pictures[0] == fresh, "the first frame at {resolution:?}");
+        assert!(pictures[1] != fresh, "nothing is recalled at {resolution:?}");
+        assert!(pictures[2] == fresh, "the frame after a cut at {resolution:?}");
+    }
+}
+
 #[test]
 fn a_packed_gbuffer_gives_the_bits_of_the_textures() {
     let (textures, packed) = (Room::new(), Room::packed());

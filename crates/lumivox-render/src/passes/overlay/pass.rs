@@ -73,7 +73,8 @@ impl OverlayPass {
         let mut textures = ScreenTextures::new(device, size);
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT;
         let frame = textures.create("overlay", FRAME_FORMAT, usage).view();
-        let accumulate = AccumulatePass::new(device, shaders, &mut textures, size, &frame)?;
+        let accumulate =
+            AccumulatePass::new(device, shaders, &mut textures, size, (&frame, false))?;
         let blend_layout = ToneMapPass::layout().texture_2d_unfilterable().build(device, "blend");
         let blend = Kernel::new(
             device,
@@ -144,7 +145,7 @@ impl OverlayPass {
             self.draws = Some((records.clone(), ranges(&device, seen.scene)));
         }
         self.draw(recorder, seen, (!has_wires).then_some(background));
-        self.accumulate.record(recorder, false);
+        self.accumulate.record(recorder);
         Ok(())
     }
 

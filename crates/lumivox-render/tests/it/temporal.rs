@@ -1,0 +1,130 @@
+//! The light of earlier frames: what a moving camera gains by it, and that it neither lags nor stays.
+
+use glam::{Quat, UVec2, Vec3};
+use lumivox::{Preset, TraceSettings};
+use lumivox_render::{Picture, RenderSettings, Renderer, View};
+use lumivox_scene::{Camera, Scene};
+
+use crate::common::{builtin, gpu, renderer};
+
+fn settings(preset: Preset) -> RenderSettings {
+    RenderSettings {
+        size: UVec2::new(120, 68),
+        resolution: 64,
+        // No more than one of them is rendered at once.
+        frames: 1,
+        shadow_resolution: 128,
+        view: View::Diffuse,
+        trace: TraceSettings::preset(preset),
+        ..RenderSettings::default()
+    }
+}
+
+/// A camera that goes around the scene, 1/6 degree a step.
+fn orbit(scene: &Scene, step: u32) -> Camera {
+    let mut camera = scene.cameras[0].clone();
+    let centre = camera.position + 3.0 * camera.forward;
+    let turn = Quat::from_axis_angle(Vec3::Y, (step as f32 / 6.0).to_radians());
+    camera.position = centre + turn * (camera.position - centre);
+    camera.forward = turn * camera.forward;
+    camera
+}
+
+fn frame(renderer: &mut Renderer) -> Picture {
+    pollster::block_on(async {
+        renderer.render_frame().await?;
+        renderer.finish().await
+    })
+    .expect("a frame")
+}
+
+/// A picture of a camera that stands still, after so many frames.
+fn still(preset: Preset, scene: &Scene, camera: &Camera, frames: u32) -> Picture {
+    let mut renderer = renderer(&gpu(), scene, settings(preset));
+    renderer.set_camera(camera.clone());
+    (0..frames).map(|_| frame(&mut renderer)).last().expect("at least one")
+}
+
+/// The surfaces' pixels of both, channel by channel.
+fn pairs<'a>(a: &'a Picture, b: &'a Picture) -> impl Iterator<Item = (f64, f64)> + 'a {
+    let surfaces = a.hdr.iter().zip(&b.hdr).filter(|(a, b)| a[3] > 0.99 && b[3] > 0.99);
+    surfaces.flat_map(|(a, b)| (0..3).map(|channel| (f64::from(a[channel]), f64::from(b[channel]))))
+}
+
+/// The root mean square of the difference over the mean of the second.
+fn rmse(a: &Picture, b: &Picture) -> f64 {
+    let (squares, sum, count) = pairs(a, b)
+        .fold((0.0, 0.0, 0.0), |(squares, sum, count), (a, b)| {
+            (squares + (a - b).powi(2), sum + b, count + 1.0)
+        });
+    f64::sqrt(squares / count) / (sum / count)
+}
+
+fn mean(picture: &Picture) -> f64 {
+    let (sum, count) = pairs(picture, picture).fold((0.0, 0.0), |(s, n), (a, _)| (s + a, n + 1.0));
+    sum / count
+}
+
+#[test]
+fn a_moving_camera_keeps_what_was_gathered() {
+    let scene = builtin("cornell");
+    let last = orbit(&scene, 12);
+    let truth = still(Preset::Balanced, &scene, &last, 48);
+    let single = rmse(&still(Preset::Fast, &scene, &last, 1), &truth);
+
+    let mut moving = renderer(&gpu(), &scene, settings(Preset::Realtime));
+    let run = |moving: &mut Renderer| -> Vec<Picture> {
+        let steps = 0..=12;
+        steps
+            .map(|step| {
+                moving.set_camera(orbit(&scene, step));
+                frame(moving)
+            })
+            .collect()
+    };
+    let pictures = run(&mut moving);
+    // Already the first frame, of which nothing is known, then what is recalled.
+    let first = rmse(&pictures[0], &still(Preset::Balanced, &scene, &orbit(&scene, 0), 48));
+    assert!(first < 0.5 * single, "{first} in the first frame, without a filter {single}");
+    let error = rmse(&pictures[12], &truth);
+    assert!(error < 0.85 * first, "{error} in motion, {first} in the first frame");
+    let bias = mean(&pictures[12]) / mean(&truth) - 1.0;
+    assert!(bias.abs() < 0.03, "{bias}");
+
+    // To the bit.
+    let mut again = renderer(&gpu(), &scene, settings(Preset::Realtime));
+    assert!(run(&mut again) == pictures, "two runs differ");
+}
+
+#[test]
+fn a_switched_lamp_is_seen_at_once() {
+    let lit = builtin("cornell");
+    let mut dark = lit.clone();
+    // A hundredth, since nothing is measured where nothing is.
+    for light in &mut dark.lights {
+        light.color *= 0.01;
+    }
+    let camera = orbit(&lit, 0);
+    let [all, rest] = [&lit, &dark].map(|scene| mean(&still(Preset::Fast, scene, &camera, 32)));
+    let mut renderer = renderer(&gpu(), &lit, settings(Preset::Realtime));
+    (0..8).for_each(|_| drop(frame(&mut renderer)));
+    // The shares of the whole change that are missing after each frame.
+    let mut missing = |scene: &Scene, to: f64| {
+        pollster::block_on(renderer.set_lights(scene, &mut |_| {})).expect("the same scene");
+        [(); 4].map(|()| (mean(&frame(&mut renderer)) - to) / (all - rest))
+    };
+    for (scene, to) in [(&dark, rest), (&lit, all)] {
+        let missing = missing(scene, to);
+        assert!(missing[0].abs() < 0.05 && missing[3].abs() < 0.01, "{missing:?}");
+    }
+}
+
+#[test]
+fn a_still_picture_comes_to_that_without_earlier_frames() {
+    let scene = builtin("cornell");
+    let camera = orbit(&scene, 0);
+    let expected = still(Preset::Fast, &scene, &camera, 96);
+    let [few, many] = [8, 96].map(|frames| still(Preset::Realtime, &scene, &camera, frames));
+    let errors = [rmse(&few, &expected), rmse(&many, &expected)];
+    assert!(errors[1] < 0.05 && errors[1] < 0.7 * errors[0], "{errors:?}");
+}
