@@ -2,6 +2,7 @@
 //!
 //! Each option states its unit, range and default; the tests below check that.
 
+mod bench;
 mod compare;
 mod cones;
 mod explore;
@@ -12,6 +13,7 @@ mod picture;
 mod quality;
 mod reference;
 mod run;
+mod timeline;
 mod view;
 mod volumes;
 mod voxels;
@@ -23,6 +25,7 @@ use clap::{ArgAction, Args, Parser, Subcommand};
 use lumivox_console::{Failure, SceneSource};
 use lumivox_render::RenderSettings;
 
+pub use bench::BenchArgs;
 pub use compare::CompareArgs;
 pub use cones::ConeArgs;
 pub use explore::ExploreArgs;
@@ -33,6 +36,7 @@ pub use picture::PictureArgs;
 pub use quality::QualityArgs;
 pub use reference::ReferenceArgs;
 pub use run::{CommandsArgs, RunArgs};
+pub use timeline::TimelineArgs;
 pub use view::ViewArgs;
 pub use volumes::VolumesArgs;
 pub use voxels::VoxelsArgs;
@@ -42,7 +46,7 @@ use crate::args::number;
 use crate::args::settings::{Given, SettingArgs, VolumeGroups};
 use crate::commands::settings;
 use crate::exit;
-use crate::motion::{AnimationName, animation};
+use crate::timeline::{AnimationName, animation};
 use load::scene_source;
 
 const EXAMPLES: &str = "\
@@ -131,6 +135,9 @@ pub enum Command {
     /// Measure memory, build time and trace time of dense and octree volumes
     #[command(after_help = volumes::EXAMPLES)]
     Volumes(Box<VolumesArgs>),
+    /// Measure the speed of standard cases, beside published figures: a report to read or to send in
+    #[command(after_help = bench::EXAMPLES)]
+    Bench(Box<BenchArgs>),
     /// Write a scene as one GLB file (glTF 2.0)
     #[command(
         after_help = "Examples:\n  lumivox convert hall.obj --unit cm -o hall.glb\n  lumivox \
@@ -144,6 +151,9 @@ pub enum Command {
     /// them
     #[command(after_help = quality::EXAMPLES)]
     Quality(Box<QualityArgs>),
+    /// Measure errors, flicker, delay and cost while camera, light or things move, one frame a step
+    #[command(after_help = motion::EXAMPLES)]
+    Motion(Box<MotionArgs>),
     /// Run commands that show and change a scene and save pictures of it: a script, or a prompt
     #[command(after_help = run::EXAMPLES)]
     Run(Box<RunArgs>),
@@ -191,7 +201,7 @@ pub struct RenderArgs {
 
     /// Motion of the scene and the camera.
     #[command(flatten)]
-    pub motion: MotionArgs,
+    pub timeline: TimelineArgs,
 
     /// The voxels.
     #[command(flatten)]

@@ -38,7 +38,6 @@ mod exit;
 mod host;
 mod lock;
 mod log;
-mod motion;
 mod opening;
 mod progress;
 #[cfg(feature = "prompt")]
@@ -48,6 +47,7 @@ mod prompt;
 mod prompt;
 mod quality;
 mod sequence;
+mod timeline;
 #[cfg(feature = "window")]
 mod window;
 
@@ -81,9 +81,11 @@ pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
         Some(Command::View(args)) => commands::view::run(args, host),
         Some(Command::Reference(args)) => commands::reference::run(args, host),
         Some(Command::Quality(args)) => commands::quality::run(args, host),
+        Some(Command::Motion(args)) => commands::motion::run(args, host),
         Some(Command::Info(args)) => commands::info::run(args, host),
         Some(Command::Volumes(args)) => commands::volumes::run(args, host),
         Some(Command::Voxels(args)) => commands::voxels::run(args, host),
+        Some(Command::Bench(args)) => commands::bench::run(args, host),
         Some(Command::Convert(args)) => commands::convert::run(args, host),
         Some(Command::Compare(args)) => commands::compare::run(args, host),
         Some(Command::Run(args)) => commands::run::run(args, host),

@@ -111,20 +111,41 @@ impl Draw {
 /// fit into one storage binding (`Limits::max_storage_buffer_binding_size`): split larger ones into batches. One buffer
 /// may hold several of them, as interleaved vertices and slabs of meshes do.
 ///
-/// ```no_run
-/// # fn mesh() -> (wgpu::Buffer, wgpu::Buffer) { unimplemented!() }
+/// ```
+/// # pollster::block_on(async {
+/// # let (device, queue) = lumivox::gpu::open_device().await?;
+/// # use glam::Vec3;
+/// # use lumivox::gpu::{Timing, upload};
+/// # use lumivox::{Geometry, Gi, GiConfig, Grid, SurfaceMaterial, wgpu};
+/// # let mut slab = vec![0.0_f32; 1024 + 3 * 8];
+/// # for (corner, place) in [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]].into_iter().enumerate() {
+/// #     slab[1024 + 8 * corner] = place[0];
+/// #     slab[1024 + 8 * corner + 2] = place[1];
+/// # }
+/// # let vertices = upload(&device, "vertices", &slab);
+/// # let mut numbers = vec![0_u16; 256 + 4];
+/// # numbers[256..259].copy_from_slice(&[0, 1, 2]);
+/// # let indices = upload(&device, "indices", &numbers);
+/// # let (vertices, indices) = ((*vertices).clone(), (*indices).clone());
 /// use lumivox::{Draw, GeometryBatch, Indices, VertexAttributes, VertexPositions};
 ///
 /// // A mesh in a slab: position, normal and texture coordinates a vertex, 16-bit indices.
-/// let (vertices, indices) = mesh();
 /// let mut attributes = VertexAttributes::new(vertices.clone(), 32);
 /// attributes.offset = 4096;
 /// attributes.texcoords[0] = Some(24);
 /// let positions = VertexPositions { buffer: vertices, stride: 32, offset: 4096 };
 /// let format = wgpu::IndexFormat::Uint16;
 /// let indices = Indices { buffer: indices, format, offset: 512 };
-/// let mut batch = GeometryBatch::new(positions, indices, vec![Draw::new(0, 36, 0)]);
+/// let mut batch = GeometryBatch::new(positions, indices, vec![Draw::new(0, 3, 0)]);
 /// batch.attributes = Some(attributes);
+///
+/// let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+/// let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+/// let materials = vec![SurfaceMaterial::default()];
+/// let geometry = Geometry { batches: vec![batch], materials };
+/// assert!(gi.voxelize(&geometry, Timing::Off).await?.stats.voxels > 0);
+/// # Ok::<(), lumivox::GiError>(())
+/// # }).unwrap();
 /// ```
 #[derive(Clone, Debug)]
 #[non_exhaustive]

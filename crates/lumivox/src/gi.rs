@@ -1,68 +1,24 @@
 //! The library's face: global illumination in four calls that may wait, and in `gi/frames.rs` two that never do.
 
+mod config;
 mod frames;
 mod points;
 mod screen;
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
-use crate::cones::{ConeModel, TraceSettings};
+use crate::cones::TraceSettings;
 use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
-use crate::light::{Injection, Injector, Light, Lighting, Lights, ShadowSource, lights_layout};
-use crate::mounted::Mounted;
+use crate::light::{Injector, Light, Lighting, Lights, ShadowSource, lights_layout};
 use crate::points::PointGatherer;
 use crate::trace::{Tracer, gbuffer_layout};
 use crate::volume::changes::{ChangedCells, Changes};
-use crate::volume::{Directionality, Followed, OctreeStats, Volume, VolumeKind};
-use crate::voxelize::{Taken, Voxelization, VoxelizeStats, VoxelizedScene, Voxelizer};
+use crate::volume::{Followed, OctreeStats, Volume};
+use crate::voxelize::{Taken, VoxelizeStats, VoxelizedScene, Voxelizer};
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
-
-/// What a [`Gi`] is made for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GiConfig {
-    /// Where the voxels are.
-    pub grid: Grid,
-    /// Six lobes (the default) or one value a voxel.
-    pub directionality: Directionality,
-    /// Where cells are stored.
-    pub volume: VolumeKind,
-    /// The most bytes that the volume may take; `None` (the default): as much as the device gives. While an octree grows,
-    /// what it was is there besides.
-    pub memory_budget: Option<u64>,
-    /// How triangles become voxels; `None` (the default): every voxel that they touch, by the exact walk.
-    pub voxelizer: Option<Arc<dyn Voxelization>>,
-    /// How the light of lamps and suns comes into the voxels; `None` (the default): each face asks each light.
-    pub injection: Option<Arc<dyn Injection>>,
-    /// Where cones start and point, and what their samples show; `None` (the default): the physics.
-    pub cones: Option<Arc<dyn ConeModel>>,
-    /// The caller's G-buffer as it is: a module that takes the place of `package::trace::gbuffer`, with its functions
-    /// `load_surface`, `load_specular` and `load_motion`, and bindings from 1 on of group 3. `None` (the default): the
-    /// textures of [`GBufferViews`](crate::GBufferViews). docs/recipes.md has an example.
-    pub gbuffer: Option<Mounted>,
-    /// The caller's shadow maps as they are: a module that takes the place of `package::light::shadow_map`, with its
-    /// function `shadow_map_visibility`, and bindings from 8 on of group 2. [`Shadow::Map`](crate::Shadow) then names
-    /// whatever the module takes `first_layer` for. `None` (the default): [`ShadowMaps`](crate::ShadowMaps).
-    pub shadow_maps: Option<Mounted>,
-}
-
-impl GiConfig {
-    /// Everything at its default, over a grid.
-    pub fn new(grid: Grid) -> Self {
-        Self {
-            grid,
-            directionality: Directionality::default(),
-            volume: VolumeKind::default(),
-            memory_budget: None,
-            voxelizer: None,
-            injection: None,
-            cones: None,
-            gbuffer: None,
-            shadow_maps: None,
-        }
-    }
-}
+pub use config::GiConfig;
 
 /// What a voxelization found.
 #[derive(Clone, Debug)]
@@ -219,6 +175,30 @@ impl Gi {
     /// Every buffer is sized from counts that are read back, so nothing is lost to a full buffer; the future
     /// waits for the GPU, without blocking in browsers. The light is not there before [`Self::light`].
     ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::Vec3;
+    /// # use lumivox::gpu::{Timing, upload};
+    /// # use lumivox::{Draw, Geometry, GeometryBatch, Gi, GiConfig, GiError, Grid, SurfaceMaterial};
+    /// # let corners = [[0.1_f32, 0.1, 0.1], [0.1, 0.1, 0.9], [0.9, 0.1, 0.1]];
+    /// # let positions = upload(&device, "positions", &corners);
+    /// # let indices = upload(&device, "indices", &[0_u32, 1, 2]);
+    /// # let materials = vec![SurfaceMaterial::default()];
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// let draws = vec![Draw::new(0, 3, 0)];
+    /// let batch = GeometryBatch::new((*positions).clone(), (*indices).clone(), draws);
+    /// let geometry = Geometry { batches: vec![batch], materials };
+    /// let voxelized = gi.voxelize(&geometry, Timing::for_device(&device)).await?;
+    /// assert!(voxelized.stats.voxels > 0 && !voxelized.times.is_empty());
+    ///
+    /// let nothing = gi.voxelize(&Geometry::default(), Timing::Off).await;
+    /// assert!(matches!(nothing, Err(GiError::NothingToVoxelize { .. })));
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
+    ///
     /// # Errors
     /// [`GiError::NothingToVoxelize`] without a usable triangle, [`GiError::Limit`] when the voxels do not
     /// fit the device, [`GiError::Budget`] when they need more than they may. After an error the earlier
@@ -238,6 +218,36 @@ impl Gi {
     /// The vertices, indices and textures of static draws must be what they were at the last call of either. If
     /// anything else of them is not, such as a transform, a material or the buffers themselves, everything is
     /// voxelized; [`VoxelizeStats::static_reused`] tells.
+    ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::{Mat4, Vec3};
+    /// # use lumivox::gpu::{Timing, upload};
+    /// # use lumivox::{Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, SurfaceMaterial};
+    /// # let corners = [[0.1_f32, 0.1, 0.1], [0.1, 0.1, 0.9], [0.9, 0.1, 0.1]];
+    /// # let positions = upload(&device, "positions", &corners);
+    /// # let indices = upload(&device, "indices", &[0_u32, 1, 2]);
+    /// # let materials = vec![SurfaceMaterial::default()];
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// // A floor that stays, and a copy of it above that is going to move.
+    /// let floor = Draw { is_static: true, ..Draw::new(0, 3, 0) };
+    /// let lifted = |by: f32| {
+    ///     let world_from_local = Mat4::from_translation(by * Vec3::Y);
+    ///     Draw { world_from_local, ..Draw::new(0, 3, 0) }
+    /// };
+    /// let (positions, indices) = ((*positions).clone(), (*indices).clone());
+    /// let batch = GeometryBatch::new(positions, indices, vec![floor, lifted(0.3)]);
+    /// let mut geometry = Geometry { batches: vec![batch], materials };
+    /// gi.voxelize(&geometry, Timing::Off).await?;
+    ///
+    /// geometry.batches[0].draws[1] = lifted(0.5);
+    /// let moved = gi.voxelize_dynamic(&geometry, Timing::Off).await?;
+    /// assert!(moved.stats.static_reused);
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
     ///
     /// # Errors
     /// As [`Self::voxelize`].
@@ -328,6 +338,27 @@ impl Gi {
     /// the environment, which arrives by gathers), each more adds one. Work grows in proportion. The gathers
     /// of the voxels use the diffuse cones of `settings`.
     ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::Vec3;
+    /// # use lumivox::gpu::{Recorder, Timing};
+    /// # use lumivox::{Gi, GiConfig, GiError, Grid, TraceSettings};
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// # let lights = gi.bind_lights(&[], Vec3::ONE, None);
+    /// let mut recorder = Recorder::new(&device, &queue);
+    /// gi.light(&mut recorder, &lights, 4, &TraceSettings::default())?;
+    /// recorder.submit();
+    ///
+    /// let mut recorder = Recorder::new(&device, &queue);
+    /// let settings = TraceSettings { diffuse_cones: 7, ..TraceSettings::default() };
+    /// let refused = gi.light(&mut recorder, &lights, 4, &settings);
+    /// assert!(matches!(refused, Err(GiError::Setting { .. })));
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
+    ///
     /// # Errors
     /// [`GiError::Setting`] when a setting is out of range.
     pub fn light(
@@ -346,7 +377,7 @@ impl Gi {
         Ok(())
     }
 
-    /// Takes other values of its [`ConeModel`], from the next calls of [`Self::light`] and
+    /// Takes other values of its [`ConeModel`](crate::hooks::ConeModel), from the next calls of [`Self::light`] and
     /// [`Self::trace`] on. Another model needs another `Gi`.
     pub fn set_cone_values(&mut self, values: [f32; 4]) {
         self.cone_values = values;
@@ -368,6 +399,29 @@ impl Gi {
 
     /// The shader modules, with `package::volume` standing for this object's volume: link your own shaders
     /// against them to sample the volume yourself.
+    ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::Vec3;
+    /// # use lumivox::{Gi, GiConfig, Grid};
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// let mut shaders = gi.shaders().clone();
+    /// shaders.add(
+    ///     "engine::fog",
+    ///     "import package::volume::is_clear;
+    ///      @group(1) @binding(0) var<storage, read_write> clear: u32;
+    ///      @compute @workgroup_size(1)
+    ///      fn main() {
+    ///          clear = u32(is_clear(vec3f(8.0), 0u));
+    ///      }",
+    /// );
+    /// let wgsl = shaders.link("engine::fog")?;
+    /// assert!(wgsl.contains("is_clear"));
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
     pub fn shaders(&self) -> &ShaderLibrary {
         &self.shaders
     }

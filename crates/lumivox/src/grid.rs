@@ -39,6 +39,18 @@ impl Grid {
     /// methods depend on where walls fall, so tests and measurements try several. The other axes get as many
     /// voxels as they need, rounded up so that every level halves exactly.
     ///
+    /// ```
+    /// use glam::Vec3;
+    /// use lumivox::Grid;
+    ///
+    /// let grid = Grid::fit(Vec3::ZERO, Vec3::new(4.0, 2.0, 2.0), 64, Vec3::ZERO)?;
+    /// assert_eq!(grid.dimensions.x, 64);
+    /// assert!((grid.voxel_size_m - 4.0 / 61.0).abs() < 1e-3);
+    /// assert!(grid.max_in_world().cmpge(Vec3::new(4.0, 2.0, 2.0)).all());
+    /// assert!(Grid::fit(Vec3::ZERO, Vec3::ONE, 63, Vec3::ZERO).is_err());
+    /// # Ok::<(), lumivox::GiError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`GiError::Setting`] when the resolution is out of range or not a multiple of 8, or the bounds are
     /// empty or not finite.

@@ -1,59 +1,115 @@
-//! Options for motion, and for the pictures taken of it.
+//! The arguments of `motion`.
 
 use std::path::PathBuf;
 
 use clap::Args;
+use glam::UVec2;
+use lumivox_console::{LoadArgs, SceneSource};
 
-use crate::args::number;
-use crate::motion::{self, AnimationName, TimeChoice};
+use super::load::scene_source;
+use super::{ConeArgs, GpuArgs, LightArgs, ViewArgs};
+use crate::args::settings::{SettingArgs, VolumeGroups};
+use crate::args::{number, size};
 
-/// Motion of the scene and the camera. With it, a rendering can be a sequence of pictures.
+/// Examples for the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  lumivox motion builtin:cornell --sequence orbit,switch --truth target/truth
+  lumivox motion builtin:two-rooms --preset fast -o motion --json figures.json
+  lumivox motion robot.glb
+  lumivox motion --doc docs --truth target/truth
+";
+
+/// The arguments of `motion`.
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Sequence")]
 pub struct MotionArgs {
-    /// One time in seconds, or a sequence from START to just before END [default: the whole motion
-    /// if the output is a sequence; else the scene as its file shows it]
+    /// The scene: a glTF, OBJ, PLY, STL or VXCT file, or builtin:NAME [default: for each sequence
+    /// the built-in scene that it was made for]
     ///
-    /// Times are from -10000 to 10000. END itself is left out, so that a motion that ends as it
-    /// began can loop. START.. ends with the animation or the camera's path; an orbit without
-    /// either takes 4 seconds.
-    #[arg(long, value_name = "SECONDS|START..END", value_parser = motion::time)]
-    #[arg(allow_hyphen_values = true)]
-    pub time: Option<TimeChoice>,
+    /// Without --sequence, a built-in scene is measured in the sequences made for it, a file in
+    /// that of its own animation, or else in `orbit`.
+    #[arg(value_name = "SCENE", value_parser = scene_source())]
+    pub scene: Option<SceneSource>,
 
-    /// Pictures per second, a number from 0.001 to 1000
-    #[arg(long, value_name = "NUMBER", value_parser = number::number(0.001..=1000.0))]
-    #[arg(default_value = "24", allow_negative_numbers = true)]
-    pub fps: f32,
-
-    /// The animation to show: its name or number, all at once, or none [default: the first]
+    /// Names of the sequences, separated by commas [default: those of the scene; all without a
+    /// scene]
     ///
-    /// Numbers count from 0; `lumivox info SCENE` lists them. An animation starts at 0 s; before
-    /// its first key and after its last the scene does not move.
-    #[arg(long, value_name = "NAME|NUMBER|all|none", value_parser = motion::animation)]
-    pub animation: Option<AnimationName>,
+    /// orbit (the camera, about any scene), dolly (the camera, through the doorway of two-rooms),
+    /// lamp (a lamp moves), switch (lamps go off and on), block (a block of cornell slides and
+    /// turns), door (that of two-rooms closes and opens), sun (crosses the sky of atrium), walk (a
+    /// skinned figure), animation (a file's own).
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = "Measurement")]
+    pub sequence: Vec<String>,
 
-    /// Orbit the camera about the centre of the scene by this many degrees, -36000 to 36000
-    /// [default: none]
+    /// Number of steps of each phase in which something moves, 1 to 10000 [default: 8 to 90, as the
+    /// sequence has them]
     ///
-    /// 360 is one full orbit, counter-clockwise seen from above; it starts at the camera of
-    /// --camera.
-    #[arg(long, value_name = "DEGREES", value_parser = number::number(-36_000.0..=36_000.0))]
-    #[arg(allow_hyphen_values = true, conflicts_with = "camera_path")]
-    pub orbit: Option<f32>,
+    /// One frame is rendered for each step. Phases in which nothing moves keep their number.
+    #[arg(long, value_name = "STEPS", value_parser = number::whole(1..=10_000))]
+    #[arg(allow_negative_numbers = true, help_heading = "Measurement")]
+    pub steps: Option<u32>,
 
-    /// Move the camera along the key frames of a JSON file [default: none]
+    /// Samples of each pixel of the truth, a number from 32 to 16777216
     ///
-    /// A list of at least two keys in order of time, each with `time_s` in seconds, `position` and
-    /// `target` in metres (or `camera`, a camera's name or number) and optionally `fov_deg`, the
-    /// vertical field of view. Between them the camera moves smoothly.
-    #[arg(long, value_name = "FILE", conflicts_with = "camera")]
-    pub camera_path: Option<PathBuf>,
+    /// Noise falls with their square root. It is taken out of RMSE and flicker.
+    #[arg(long, visible_alias = "spp", value_name = "SAMPLES")]
+    #[arg(value_parser = number::whole(32..=1 << 24), help_heading = "Measurement")]
+    #[arg(default_value = "64", allow_negative_numbers = true)]
+    pub samples: u32,
 
-    /// Render all pictures of a sequence again [default: off, existing ones stay]
+    /// Folder for files of the path-traced truths of steps: read if they are there, else traced and
+    /// written [default: none, always trace]
     ///
-    /// Needed if a setting has changed since the others were rendered. The pictures that the index
-    /// lists are removed first.
-    #[arg(long)]
-    pub restart: bool,
+    /// Their names are made from scene, pose, size and samples. Delete it after a change of the
+    /// path tracer.
+    #[arg(long, value_name = "FOLDER", help_heading = "Measurement")]
+    pub truth: Option<PathBuf>,
+
+    /// Folder for picture files: a strip (truth, ours, error) and an animated picture of each
+    /// sequence, and charts [default: none]
+    #[arg(short, long, value_name = "FOLDER", help_heading = "Picture")]
+    pub output: Option<PathBuf>,
+
+    /// Measure all sequences (or those of --sequence) with the presets fast and balanced, and write
+    /// a page into this folder: a file motion.md, and its pictures in images/motion/ [default: none]
+    #[arg(long, value_name = "FOLDER", help_heading = "Picture")]
+    #[arg(conflicts_with_all = ["scene", "output", "json"])]
+    pub doc: Option<PathBuf>,
+
+    /// Width and height in pixels, each from 1 to 16384
+    ///
+    /// The truth is traced at every step of pictures of up to 9216 pixels (128x72), and only at
+    /// marked steps of larger ones.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size, help_heading = "Picture")]
+    #[arg(default_value = "96x54", allow_hyphen_values = true)]
+    pub size: UVec2,
+
+    /// The camera before anything moves.
+    #[command(flatten)]
+    pub view: ViewArgs,
+
+    /// How the scene's file is read.
+    #[command(flatten)]
+    pub load: LoadArgs,
+
+    /// The voxels.
+    #[command(flatten)]
+    pub voxels: SettingArgs<VolumeGroups>,
+
+    /// Light, and how it is found.
+    #[command(flatten)]
+    pub light: LightArgs,
+
+    /// The cones.
+    #[command(flatten)]
+    pub cones: ConeArgs,
+
+    /// The GPU.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
+
+    /// Write the figures of all sequences as JSON to a file, or to stdout instead of text with `-`
+    /// [default: text]
+    #[arg(long, value_name = "FILE|-", help_heading = "Messages")]
+    pub json: Option<PathBuf>,
 }

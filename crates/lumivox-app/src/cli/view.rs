@@ -4,7 +4,7 @@ use clap::Args;
 
 use crate::args::camera::{self, CameraChoice};
 use crate::args::number;
-use crate::motion::{AnimationName, animation};
+use crate::timeline::{AnimationName, animation};
 
 /// The camera and the time of a still picture.
 #[derive(Args, Debug)]

@@ -8,8 +8,8 @@ use crate::args::output;
 use crate::args::scene;
 use crate::cli::ConvertArgs;
 use crate::host::Host;
-use crate::motion::choose;
 use crate::progress::ProgressDisplay;
+use crate::timeline::choose;
 
 /// Reads a scene, poses it if asked to, and writes it.
 ///

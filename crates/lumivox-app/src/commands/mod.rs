@@ -1,9 +1,11 @@
 //! The commands of the program, one module each.
 
+pub mod bench;
 pub mod compare;
 pub mod convert;
 pub mod info;
 pub mod light;
+pub mod motion;
 pub mod quality;
 pub mod reference;
 pub mod render;

@@ -10,8 +10,8 @@ use lumivox_scene::{Camera, Scene, Sight, SightOptions, Staging};
 use super::light;
 use crate::args::camera::resolve_with;
 use crate::cli::ViewArgs;
-use crate::motion::choose;
 use crate::progress::ProgressDisplay;
+use crate::timeline::choose;
 
 /// Loads, poses and lights a scene, and finds its camera.
 ///

@@ -1,14 +1,18 @@
-//! The quality of pictures: reports of comparisons, strips of pictures, and charts of error against
-//! cost.
+//! The quality of pictures: reports of comparisons, strips of pictures, animated pictures, and charts
+//! of errors.
 
 mod canvas;
 mod chart;
+mod film;
 mod measure;
 mod memory_chart;
+mod step_chart;
 mod strip;
 
 pub use canvas::{Align, Canvas};
 pub use chart::{Point, error_against_cost};
+pub use film::film;
 pub use measure::{Leak, Measured, Subject, Truth, check_wish, reference};
 pub use memory_chart::{MemoryPoint, memory_against_resolution};
+pub use step_chart::{StepPanel, error_by_step};
 pub use strip::{Row, strip};

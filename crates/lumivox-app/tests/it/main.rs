@@ -8,11 +8,13 @@
 
 mod animations;
 mod bad_input;
+mod bench;
 mod cli;
 mod common;
 mod compare;
 mod console;
 mod hostile;
+mod motion;
 mod process;
 mod reference;
 mod scene_files;

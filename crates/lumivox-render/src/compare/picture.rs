@@ -35,12 +35,14 @@ impl LinearPicture {
     /// The sRGB codes that a screen shows with this exposure in stops and the curve
     /// [`ToneMap::Neutral`].
     pub fn to_screen(&self, stops: f32) -> Vec<[u8; 3]> {
+        let code = |rgb: [f32; 3]| rgb.map(|channel| (255.0 * channel).round() as u8);
+        self.to_display(stops).map(code).collect()
+    }
+
+    /// The same as display values from 0 to 1, without rounding to codes.
+    pub fn to_display(&self, stops: f32) -> impl Iterator<Item = [f32; 3]> + '_ {
         let scale = stops.exp2();
-        let shown = |&rgb: &[f32; 3]| {
-            let code = ToneMap::Neutral.encode(Vec3::from_array(rgb) * scale) * 255.0;
-            code.to_array().map(|channel| channel.round() as u8)
-        };
-        self.rgb.iter().map(shown).collect()
+        self.rgb.iter().map(move |&rgb| ToneMap::Neutral.encode(Vec3::from(rgb) * scale).to_array())
     }
 
     /// The luminances (ITU-R BT.709-6, section 3.2).

@@ -174,6 +174,8 @@ impl Gpu {
     /// [`RenderError::Device`] when the device is lost.
     pub fn wait(&self, doing: &'static str) -> Result<(), RenderError> {
         #[cfg(not(target_arch = "wasm32"))]
+        lumivox::gpu::note_wait();
+        #[cfg(not(target_arch = "wasm32"))]
         self.device
             .poll(wgpu::PollType::wait_indefinitely())
             .map_err(|error| RenderError::Device { doing, reason: error.to_string() })?;

@@ -80,6 +80,11 @@ impl AccumulatePass {
         self.frames = 0;
     }
 
+    /// Makes the next frame number `frames` of the mean, counted from 0.
+    pub(crate) fn follow(&mut self, frames: u32) {
+        self.frames = frames;
+    }
+
     /// Adds a frame; once per submission.
     pub fn record(&mut self, recorder: &mut Recorder) {
         let settings = AccumulateSettings { frames: self.frames, padding: [0; 3] };

@@ -13,6 +13,7 @@ use crate::passes::gbuffer::GBufferTargets;
 use crate::passes::overlay::OverlayPass;
 use crate::passes::voxel_view::VoxelViewPass;
 use crate::picture::tone_map::ToneMapPass;
+use crate::renderer::beside::BesideView;
 use crate::{Gpu, RenderError};
 
 /// Everything that depends on the picture's size.
@@ -26,6 +27,8 @@ pub(crate) struct Targets {
     pub(crate) voxel_view: VoxelViewPass,
     pub(crate) accumulate: AccumulatePass,
     pub(crate) tone_map: ToneMapPass,
+    /// Other views of the same frames; empty until the first frame that has any.
+    pub(crate) beside: Vec<BesideView>,
     /// The overlay; `None` until there is something to draw.
     pub(crate) overlay: Option<OverlayPass>,
     /// Bytes of the textures of this crate and of the cones.
@@ -104,6 +107,7 @@ impl Targets {
             voxel_view,
             accumulate,
             tone_map,
+            beside: Vec::new(),
             overlay: None,
             bytes,
         })

@@ -51,7 +51,11 @@ impl Redo {
             || old.cone_model != new.cone_model
             || (old.shown_look().is_some() && new.shown_look().is_none())
             || old.voxel_bounces() != new.voxel_bounces();
-        let mean = targets || light || changed.contains(&Redoes::Frames) || old.look != new.look;
+        let mean = targets
+            || light
+            || changed.contains(&Redoes::Frames)
+            || old.look != new.look
+            || old.beside != new.beside;
         Self { volume, targets, light, mean }
     }
 }
@@ -345,7 +349,7 @@ impl Renderer {
     }
 
     /// Uploads moved geometry and lights.
-    fn take_pose(&mut self, scene: &Scene) -> Result<(), RenderError> {
+    pub(super) fn take_pose(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.scene.repose(&self.gpu, scene)?;
         self.passes.set_scene(&self.gpu, &self.scene)?;
         if let Some(look) = &mut self.look {
@@ -355,7 +359,7 @@ impl Renderer {
     }
 
     /// Takes the present places of the scene's parts, and its lights.
-    fn take_places(&mut self, scene: &Scene) -> Result<(), RenderError> {
+    pub(super) fn take_places(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.shown_bounds = self.scene.bounds_of(scene);
         self.scene_bounds = scene.grid_bounds.unwrap_or(self.shown_bounds);
         self.scene.bounds = self.grid_bounds.union(self.shown_bounds);
@@ -424,7 +428,7 @@ impl Renderer {
     }
 
     /// Renders the shadow maps and binds the lights.
-    fn bind_lights(&mut self, recorder: &mut Recorder) {
+    pub(super) fn bind_lights(&mut self, recorder: &mut Recorder) {
         (self.lights, self.shadow_bytes) = bind_lights(
             &self.gpu,
             recorder,
@@ -436,7 +440,7 @@ impl Renderer {
         );
     }
 
-    fn recorder(&self) -> Recorder<'static> {
+    pub(super) fn recorder(&self) -> Recorder<'static> {
         Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing)
     }
 }

@@ -1,7 +1,9 @@
 //! A scene rendered to a picture, pass by pass.
 
+pub(crate) mod beside;
 mod change;
 pub(crate) mod estimate;
+mod moving;
 mod overlay;
 mod passes;
 mod photometry;
@@ -249,6 +251,18 @@ impl Renderer {
 
     async fn draw_frame(&mut self, is_kept: bool) -> Result<(), RenderError> {
         self.prepare_view().await?;
+        let mut recorder = self.recorder();
+        self.record_frame(&mut recorder, is_kept)?;
+        self.times.add(recorder.finish().await?);
+        self.gpu.check("rendering a frame")
+    }
+
+    /// Records the passes of the next frame; `is_kept` adds it to the mean.
+    fn record_frame(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        is_kept: bool,
+    ) -> Result<(), RenderError> {
         let frame = self.frame_count();
         let Self { settings, camera, scene, gi, lights, passes, targets, .. } = self;
         let jitter = gbuffer::jitter(frame, settings.frames);
@@ -258,14 +272,12 @@ impl Renderer {
         view.frame = frame;
         targets.gbuffer.set_camera(&self.gpu.queue, view);
 
-        let mut recorder =
-            Recorder::with_timing(&self.gpu.device, &self.gpu.queue, settings.timing);
         if settings.shown_look().is_some() {
-            self.record_look(&mut recorder, &view);
+            self.record_look(recorder, &view);
         } else if settings.view.is_of_voxels() {
             recorder.stage("voxel view");
             targets.voxel_view.record(
-                &mut recorder,
+                recorder,
                 gi,
                 lights,
                 &targets.gbuffer,
@@ -275,35 +287,38 @@ impl Renderer {
         } else {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
-            passes.gbuffer.record(&mut recorder, scene, textures, (&view, jitter));
+            passes.gbuffer.record(recorder, scene, textures, (&view, jitter));
             let gbuffer = &targets.gbuffer;
             if settings.view == View::Lod {
                 recorder.stage("picture");
                 let (what, fov) = ((settings.view, settings.voxel_level), camera.vertical_fov_rad);
-                targets.voxel_view.record(&mut recorder, gi, lights, gbuffer, what, fov)?;
+                targets.voxel_view.record(recorder, gi, lights, gbuffer, what, fov)?;
             } else {
                 if settings.view.needs_direct() {
                     recorder.stage("direct light");
-                    passes.direct.record(&mut recorder, gi, lights, gbuffer, &targets.direct);
+                    passes.direct.record(recorder, gi, lights, gbuffer, &targets.direct);
                 }
                 let has_cones = settings.view.needs_cones(settings.bounces);
                 if has_cones {
                     recorder.stage("trace");
-                    gi.trace(&mut recorder, gbuffer, lights, &settings.trace, &targets.traced)?;
+                    gi.trace(recorder, gbuffer, lights, &settings.trace, &targets.traced)?;
                 }
                 recorder.stage("picture");
                 let composite = &targets.composite;
                 let shown = (settings.view, has_cones, frame);
-                passes.composite.record(&mut recorder, lights, gbuffer, composite, shown);
+                passes.composite.record(recorder, lights, gbuffer, composite, shown);
+                for beside in targets.beside.iter_mut().filter(|_| is_kept) {
+                    let (lit, counted) = ((&*lights, gbuffer), (has_cones, frame));
+                    beside.record(recorder, &passes.composite, lit, counted);
+                }
             }
         }
         if is_kept {
             recorder.stage("picture");
-            self.targets.accumulate.record(&mut recorder);
-            self.record_overlay(&mut recorder, &view)?;
+            self.targets.accumulate.record(recorder);
+            self.record_overlay(recorder, &view)?;
         }
-        self.times.add(recorder.finish().await?);
-        self.gpu.check("rendering a frame")
+        Ok(())
     }
 
     /// Renders a picture in the look, with the depths and normals of its surfaces.
@@ -339,6 +354,8 @@ impl Renderer {
         } else if settings.view.is_of_voxels() || settings.view == View::Lod {
             targets.voxel_view.prepare(gi, settings.view)?;
         }
+        self.prepare_beside()?;
+        let Self { gpu, .. } = self;
         compile(gpu, &mut |_| {}).await
     }
 

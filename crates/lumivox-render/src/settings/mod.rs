@@ -15,6 +15,7 @@ use lumivox_scene::Bounds;
 
 use crate::look::{Look, LookChoice};
 use crate::passes::overlay::LineRecord;
+use crate::renderer::beside;
 use crate::{Overlay, RenderError};
 
 use parameters::{Choices as _, PARAMETERS};
@@ -126,6 +127,10 @@ pub struct RenderSettings {
     pub frames: u32,
     /// What the picture shows.
     pub view: View,
+    /// Other views of surfaces that are kept of the same frames, for
+    /// [`Renderer::read_beside`](crate::Renderer::read_beside); only beside [`View::Final`] and
+    /// without a look. Default: none. Each takes 52 bytes a pixel.
+    pub beside: Vec<View>,
     /// The level of the cells in the views of voxels, [`View::Lod`] and [`Overlay::wire_voxels`]: 0
     /// (the default) is the finest, and each next level has cubes of twice the edge.
     pub voxel_level: u32,
@@ -163,6 +168,7 @@ impl Default for RenderSettings {
             bounces: 8,
             frames: 16,
             view: View::default(),
+            beside: Vec::new(),
             voxel_level: 0,
             overlay: Overlay::default(),
             exposure: Exposure::default(),
@@ -247,6 +253,7 @@ impl RenderSettings {
                         .to_owned(),
             });
         }
+        beside::validate(self)?;
         validate_lines(self.overlay.lines.len(), limits)
     }
 }
@@ -324,6 +331,8 @@ mod tests {
             RenderSettings { frames: 0, ..Default::default() },
             RenderSettings { shadow_resolution: 8, ..Default::default() },
             RenderSettings { exposure: Exposure::Stops(f32::NAN), ..Default::default() },
+            RenderSettings { beside: vec![View::Voxels], ..Default::default() },
+            RenderSettings { beside: vec![View::Cost], view: View::Direct, ..Default::default() },
         ];
         for settings in cases {
             assert!(matches!(error_of(&settings), RenderError::Setting { .. }), "{settings:?}");

@@ -244,3 +244,41 @@ fn nothing_in_the_grid_is_a_picture_where_it_may_be() {
     let refused = Renderer::new(&gpu, &scene, None, settings(), ignore);
     assert!(pollster::block_on(refused).is_err(), "nothing says where the grid is");
 }
+
+/// Views beside the picture have the same frames as renderers that show nothing else, also after a
+/// change, and the picture does not notice them.
+#[test]
+fn views_beside_the_picture_are_those_of_renderers_of_their_own() {
+    let gpu = gpu();
+    let scene = builtin("cornell");
+    let views = [View::Diffuse, View::Cost];
+    let mut alone = renderer(&gpu, &scene, settings());
+    let with = RenderSettings { beside: views.to_vec(), ..settings() };
+    let mut together = renderer(&gpu, &scene, with.clone());
+    let mut single =
+        views.map(|view| renderer(&gpu, &scene, RenderSettings { view, ..settings() }));
+    let beside = |together: &Renderer, view| {
+        pollster::block_on(together.read_beside(view)).expect("a device")
+    };
+    assert_eq!(beside(&together, View::Diffuse), None, "there is no frame yet");
+    for x in [0.0, 0.3] {
+        let camera = lumivox_scene::Camera {
+            position: scene.cameras[0].position + Vec3::X * x,
+            ..scene.cameras[0].clone()
+        };
+        alone.set_camera(camera.clone());
+        together.set_camera(camera.clone());
+        assert_eq!(picture(&mut alone).hdr, picture(&mut together).hdr);
+        for (view, single) in views.iter().zip(&mut single) {
+            single.set_camera(camera.clone());
+            assert_eq!(beside(&together, *view).as_ref(), Some(&picture(single).hdr), "{view:?}");
+        }
+    }
+    assert_eq!(beside(&together, View::Normal), None, "it was not asked for");
+    // Other textures: they are made again.
+    set(&mut together, &RenderSettings { size: UVec2::new(16, 16), ..with });
+    let _ = picture(&mut together);
+    assert_eq!(beside(&together, View::Diffuse).map(|pixels| pixels.len()), Some(256));
+    set(&mut together, &settings());
+    assert_eq!(together.memory(), alone.memory());
+}

@@ -173,3 +173,47 @@ fn another_scene_is_refused() {
     assert!(matches!(error, RenderError::Setting { .. }), "{error}");
     assert!(error.to_string().contains("materials"), "{error}");
 }
+
+/// Frames that wait for nothing find the voxels and the shadows of a fresh renderer at once, and its light in some frames.
+#[test]
+fn moved_frames_come_to_the_picture_of_a_fresh_renderer() {
+    let gpu = gpu();
+    let mut rest = builtin("cornell");
+    let block = rest.instances.len() - 1;
+    rest.instances[block].is_static = false;
+    let mut moved = rest.clone();
+    let up = Mat4::from_translation(Vec3::new(0.1, 0.2, -0.1));
+    moved.instances[block].world_from_local = up * moved.instances[block].world_from_local;
+    for light in &mut moved.lights {
+        light.position.x += 0.2;
+    }
+    let settings = RenderSettings { frames: 1, bounces: 16, ..settings(&[&rest, &moved]) };
+    let mut fresh = renderer(&gpu, &moved, settings.clone());
+    let expected = picture(&mut fresh);
+    let mut travelling = renderer(&gpu, &rest, RenderSettings { bounces: 1, ..settings });
+    let mut frames = Vec::new();
+    for _ in 0..16 {
+        let voxels =
+            pollster::block_on(travelling.render_moved(&moved, &[block])).expect("it fits");
+        gpu.wait("testing").expect("the device works");
+        frames.push((voxels, picture(&mut travelling)));
+    }
+    let mean = |picture: &lumivox_render::Picture| {
+        let sum: f64 = picture.hdr.iter().map(|pixel| f64::from(pixel[1])).sum();
+        sum / picture.hdr.len() as f64
+    };
+    let late = frames.iter().filter(|(voxels, _)| voxels.is_late).count();
+    let (last, seen) = frames.last().expect("there are frames");
+    assert!(late < 8 && !last.is_late, "{late} frames were late");
+    assert_eq!(last.voxels, fresh.voxel_stats().voxels);
+    let error = |picture| (mean(picture) / mean(&expected) - 1.0).abs();
+    assert!(error(seen) < 0.01, "{} is off by {}", mean(seen), error(seen));
+    assert!(error(&frames[0].1) > error(seen), "light comes bounce by bounce");
+    for renderer in [&mut travelling, &mut fresh] {
+        renderer.set_view(lumivox_render::View::Direct, 0).expect("it has this view");
+    }
+    assert!(
+        picture(&mut travelling) == picture(&mut fresh),
+        "the block and its shadows are in place"
+    );
+}

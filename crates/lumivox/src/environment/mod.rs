@@ -156,6 +156,27 @@ impl EnvironmentMap {
     /// The work is done on the CPU, and takes a few seconds of one core for 4096 x 2048 texels;
     /// larger panoramas are first reduced to that size.
     ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::Vec3;
+    /// # use lumivox::{EnvironmentLight, EnvironmentMap, Gi, GiConfig, Grid, Panorama};
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// // A grey sky with a sun.
+    /// let mut rgb = vec![[0.5_f32; 3]; 64 * 32];
+    /// rgb[64 * 8 + 20] = [5000.0; 3];
+    /// let panorama = Panorama { width: 64, height: 32, rgb: &rgb };
+    /// let map = EnvironmentMap::new(&device, &queue, panorama)?;
+    /// let (radiance, rotation_rad) = (Vec3::ONE, 0.3);
+    /// let suns = map.lights(radiance, rotation_rad);
+    /// assert_eq!(suns.len(), 1);
+    /// let environment = EnvironmentLight { radiance, map: Some(&map), rotation_rad };
+    /// let lights = gi.bind_lights(&suns, environment, None);
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
+    ///
     /// # Errors
     /// [`GiError::Setting`] when the panorama has no texels, or their number does not match its
     /// size.

@@ -24,6 +24,44 @@ impl Gi {
     /// Transforms are set for what is recorded here, vertices are read when it runs: submit the encoders in the order in
     /// which they were recorded.
     ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::{Mat4, Vec3};
+    /// # use lumivox::gpu::{Recorder, upload};
+    /// # use lumivox::{
+    /// #     Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, SurfaceMaterial, TraceSettings,
+    /// # };
+    /// # let corners = [[0.1_f32, 0.1, 0.1], [0.1, 0.1, 0.9], [0.9, 0.1, 0.1]];
+    /// # let positions = upload(&device, "positions", &corners);
+    /// # let indices = upload(&device, "indices", &[0_u32, 1, 2]);
+    /// # let materials = vec![SurfaceMaterial::default()];
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// # let lights = gi.bind_lights(&[], Vec3::ONE, None);
+    /// # let (positions, indices) = ((*positions).clone(), (*indices).clone());
+    /// # let batch = GeometryBatch::new(positions, indices, vec![Draw::new(0, 3, 0)]);
+    /// let mut geometry = Geometry { batches: vec![batch], materials };
+    /// let settings = TraceSettings::default();
+    /// let mut late = 0;
+    /// for frame in 0..16 {
+    ///     let height = 0.02 * frame as f32;
+    ///     geometry.batches[0].draws[0].world_from_local = Mat4::from_translation(height * Vec3::Y);
+    ///     let mut encoder = device.create_command_encoder(&Default::default());
+    ///     let mut recorder = Recorder::on(&device, &queue, &mut encoder);
+    ///     let voxels = gi.voxelize_frame(&mut recorder, &geometry)?;
+    ///     gi.light_frame(&mut recorder, &lights, None, &settings)?;
+    ///     // The G-buffer, `Gi::trace` and the engine's shading go here.
+    ///     drop(recorder);
+    ///     queue.submit([encoder.finish()]);
+    /// #   let _ = device.poll(lumivox::wgpu::PollType::wait_indefinitely());
+    ///     late += u32::from(voxels.is_late);
+    /// }
+    /// assert!(late < 8, "in the first frames there is no room yet");
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
+    ///
     /// # Errors
     /// [`GiError::Geometry`] when draws and buffers contradict each other, [`GiError::Limit`] when the room that is needed
     /// does not fit the device, [`GiError::Budget`] when an octree needs more than it may take. What is shown stays what it was.
@@ -61,6 +99,44 @@ impl Gi {
     ///
     /// `faces_per_frame` is the most faces that gather in a frame; `None`: all. With fewer than there are they take
     /// turns, in the same order in every run.
+    ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use lumivox::gpu::Timing;
+    /// # use lumivox::GatherSettings;
+    /// # use glam::Vec3;
+    /// # use lumivox::gpu::{Recorder, upload};
+    /// # use lumivox::{
+    /// #     Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, SurfaceMaterial, TraceSettings,
+    /// # };
+    /// # let corners = [[0.1_f32, 0.1, 0.1], [0.1, 0.1, 0.9], [0.9, 0.1, 0.1]];
+    /// # let positions = upload(&device, "positions", &corners);
+    /// # let indices = upload(&device, "indices", &[0_u32, 1, 2]);
+    /// # let materials = vec![SurfaceMaterial::default()];
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// # let (positions, indices) = ((*positions).clone(), (*indices).clone());
+    /// # let batch = GeometryBatch::new(positions, indices, vec![Draw::new(0, 3, 0)]);
+    /// # let geometry = Geometry { batches: vec![batch], materials };
+    /// gi.voxelize(&geometry, Timing::Off).await?;
+    /// let mut lights = gi.bind_lights(&[], Vec3::ONE, None);
+    /// let settings = TraceSettings::default();
+    /// // The first frame lights a new floor as a whole. Then its sky turns brighter, and ten faces a frame find that out.
+    /// let mut seen = Vec::new();
+    /// for frame in 0..12 {
+    ///     lights.update(&queue, &[], Vec3::splat(if frame == 0 { 1.0 } else { 2.0 }), None);
+    ///     let mut recorder = Recorder::new(&device, &queue);
+    ///     gi.light_frame(&mut recorder, &lights, Some(10), &settings)?;
+    ///     recorder.submit();
+    ///     let (above, down) = ([Vec3::new(0.3, 0.2, 0.3)], [Vec3::NEG_Y]);
+    ///     let lux = gi.gather(&above, &down, &lights, &GatherSettings::default()).await?;
+    ///     seen.push(lux[0].total().y);
+    /// }
+    /// assert!(seen[1] < seen[4] && seen[4] < seen[11], "{seen:?}");
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
     ///
     /// # Errors
     /// [`GiError::Setting`] when a setting is out of range.

@@ -12,6 +12,20 @@ use crate::trace::{Bound, CameraView, GBuffer, GBufferViews, ScreenSettings, Tra
 
 impl Gi {
     /// Textures for [`Self::trace`] to write to.
+    ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::{UVec2, Vec3};
+    /// # use lumivox::{Gi, GiConfig, Grid, TraceResolution};
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// let targets = gi.targets(UVec2::new(640, 360), TraceResolution::Half);
+    /// assert_eq!(targets.size(), UVec2::new(640, 360));
+    /// assert!(targets.memory() > 0);
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
     pub fn targets(&self, size: UVec2, resolution: TraceResolution) -> TraceTargets {
         if resolution == TraceResolution::Half {
             // Early, so that it is compiled with all else; tracing tells what is wrong.
@@ -32,6 +46,66 @@ impl Gi {
 
     /// Binds what [`crate::GiConfig::gbuffer`]'s module reads, in the order of its bindings, for [`Self::trace`]. wgpu reports
     /// resources that do not fit the bindings.
+    ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::{Mat4, UVec2, Vec3};
+    /// # use lumivox::gpu::Recorder;
+    /// # use lumivox::hooks::Mounted;
+    /// # use lumivox::{CameraView, Gi, GiConfig, Grid, TraceSettings, wgpu};
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let size = UVec2::new(8, 8);
+    /// # let depth = device.create_texture(&wgpu::TextureDescriptor {
+    /// #     label: None,
+    /// #     size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
+    /// #     mip_level_count: 1,
+    /// #     sample_count: 1,
+    /// #     dimension: wgpu::TextureDimension::D2,
+    /// #     format: wgpu::TextureFormat::Depth32Float,
+    /// #     usage: wgpu::TextureUsages::TEXTURE_BINDING,
+    /// #     view_formats: &[],
+    /// # });
+    /// # let depth = depth.create_view(&Default::default());
+    /// // An engine of floors: all that it draws is a depth.
+    /// let module = "
+    ///     import package::trace::surface::{Specular, Surface};
+    ///     import package::trace::view::{camera_motion, position_from_depth};
+    ///
+    ///     @group(3) @binding(1) var depth_texture: texture_depth_2d;
+    ///
+    ///     fn load_surface(pixel: vec2u) -> Surface {
+    ///         let depth = textureLoad(depth_texture, pixel, 0);
+    ///         let up = vec3f(0.0, 1.0, 0.0);
+    ///         return Surface(position_from_depth(pixel, max(depth, 1e-7)), depth, up, up);
+    ///     }
+    ///
+    ///     fn load_specular(pixel: vec2u) -> Specular {
+    ///         return Specular(vec3f(0.04), 1.0, 0.0, 0.0);
+    ///     }
+    ///
+    ///     fn load_motion(pixel: vec2u, position_in_world: vec3f) -> vec2f {
+    ///         return camera_motion(pixel, position_in_world);
+    ///     }";
+    /// let texture = wgpu::BindingType::Texture {
+    ///     sample_type: wgpu::TextureSampleType::Depth,
+    ///     view_dimension: wgpu::TextureViewDimension::D2,
+    ///     multisampled: false,
+    /// };
+    /// let gbuffer = Some(Mounted::new(module, [texture]));
+    /// let gi = Gi::new(&device, &queue, GiConfig { gbuffer, ..GiConfig::new(grid) })?;
+    /// let view = CameraView::new(Mat4::IDENTITY, Vec3::ZERO, size);
+    /// let gbuffer = gi.bind_own_gbuffer(&[depth.into()], view);
+    ///
+    /// let lights = gi.bind_lights(&[], Vec3::ONE, None);
+    /// let settings = TraceSettings::default();
+    /// let targets = gi.targets(size, settings.resolution);
+    /// let mut recorder = Recorder::new(&device, &queue);
+    /// gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
+    /// recorder.submit();
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
     pub fn bind_own_gbuffer(&self, resources: &[Resource], view: CameraView) -> GBuffer {
         GBuffer::own(&self.device, &self.gbuffer_layout, resources, view)
     }

@@ -4,6 +4,8 @@ use bytemuck::Pod;
 use wgpu::util::DeviceExt as _;
 
 use crate::GiError;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::gpu::note_wait;
 use crate::gpu::{Buffer, Recorder};
 
 /// A storage buffer of at least one element's size (WebGPU has no empty bindings); its content starts as zero.
@@ -101,6 +103,18 @@ pub fn upload<T: Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> Buff
 ///
 /// On the web the future completes from the browser's event loop; elsewhere it polls the device itself.
 ///
+/// ```
+/// # pollster::block_on(async {
+/// # let (device, queue) = lumivox::gpu::open_device().await?;
+/// use lumivox::gpu::{read_buffer, upload};
+///
+/// let buffer = upload(&device, "numbers", &[1_u32, 2, 3, 4]);
+/// let read: Vec<u32> = read_buffer(&device, &queue, &buffer, 4..12).await?;
+/// assert_eq!(read, [2, 3]);
+/// # Ok::<(), lumivox::GiError>(())
+/// # }).unwrap();
+/// ```
+///
 /// # Errors
 /// [`GiError::Device`] when the device is lost.
 pub async fn read_buffer<T: Pod>(
@@ -132,7 +146,10 @@ pub(crate) async fn map_and_copy<T: Pod>(
     let (sender, receiver) = oneshot();
     staging.map_async(wgpu::MapMode::Read, .., move |result| sender.send(result));
     #[cfg(not(target_arch = "wasm32"))]
-    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| fail(e.to_string()))?;
+    {
+        note_wait();
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| fail(e.to_string()))?;
+    }
     #[cfg(target_arch = "wasm32")]
     let _ = device;
     receiver.await.map_err(|e| fail(e.to_string()))?;

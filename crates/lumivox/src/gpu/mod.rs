@@ -31,7 +31,7 @@ pub use pipelines::Pipelines;
 pub use recorder::{Recorder, StageTime, Timing};
 pub use resources::{
     BindGroup, Buffer, BufferHandle, Kept, LiveResources, MadeResources, Texture, TextureView,
-    ViewHandle,
+    ViewHandle, note_wait, waits,
 };
 pub use scan::{BoundScan, Scan};
 pub(crate) use scan::{SCAN_ITEMS, SCAN_WORKGROUP_SIZE};

@@ -13,7 +13,7 @@ use crate::GiError;
 use crate::gpu::buffers::map_and_copy;
 use crate::gpu::held::Held;
 use crate::gpu::passes::{ComputePass, RenderPass};
-use crate::gpu::{Buffer, BufferHandle, Kept};
+use crate::gpu::{Buffer, BufferHandle, Kept, note_wait};
 
 /// The way in which a [`Recorder`] measures times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -131,6 +131,21 @@ impl Recorder<'static> {
     }
 
     /// A recorder that measures times in this way; [`Timing::for_device`] chooses one for a device.
+    ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// use lumivox::gpu::{Recorder, Timing};
+    ///
+    /// let mut recorder = Recorder::with_timing(&device, &queue, Timing::SubmitAndWait);
+    /// recorder.stage("clouds");
+    /// recorder.compute("shape", |_pass| ());
+    /// recorder.compute("light", |_pass| ());
+    /// let times = recorder.finish().await?;
+    /// assert_eq!((times[1].stage, times[1].pass.as_str()), ("clouds", "light"));
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
     pub fn with_timing(device: &wgpu::Device, queue: &wgpu::Queue, timing: Timing) -> Self {
         let queries = (timing == Timing::Timestamps).then(|| {
             device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -344,6 +359,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn wait(&self) {
+        note_wait();
         if let Err(error) = self.device.poll(wgpu::PollType::wait_indefinitely()) {
             tracing::warn!("a stage's time is wrong: waiting for the device failed: {error}");
         }

@@ -69,11 +69,14 @@ pub struct MadeResources {
     pub textures: u64,
     /// Bind groups.
     pub bind_groups: u64,
+    /// Bytes of the buffers and of the textures' texels.
+    pub bytes: u64,
 }
 
 static BUFFERS_MADE: AtomicU64 = AtomicU64::new(0);
 static TEXTURES_MADE: AtomicU64 = AtomicU64::new(0);
 static BIND_GROUPS_MADE: AtomicU64 = AtomicU64::new(0);
+static BYTES_MADE: AtomicU64 = AtomicU64::new(0);
 
 impl MadeResources {
     /// The numbers of now.
@@ -82,8 +85,40 @@ impl MadeResources {
             buffers: BUFFERS_MADE.load(Ordering::Relaxed),
             textures: TEXTURES_MADE.load(Ordering::Relaxed),
             bind_groups: BIND_GROUPS_MADE.load(Ordering::Relaxed),
+            bytes: BYTES_MADE.load(Ordering::Relaxed),
         }
     }
+}
+
+/// The number of times that this process has blocked until a device had done all its work, on all
+/// devices, by this library or noted with [`note_wait`]. It only grows.
+pub fn waits() -> u64 {
+    WAITS.load(Ordering::Relaxed)
+}
+
+/// Counts one blocking wait for a device in [`waits`].
+pub fn note_wait() {
+    WAITS.fetch_add(1, Ordering::Relaxed);
+}
+
+static WAITS: AtomicU64 = AtomicU64::new(0);
+
+/// The bytes of a texture's texels at all levels, without the driver's padding.
+fn texel_bytes(texture: &wgpu::Texture) -> u64 {
+    let format = texture.format();
+    let (block_width, block_height) = format.block_dimensions();
+    let block_bytes = format.block_copy_size(None).unwrap_or(4);
+    let level_bytes = |level: u32| {
+        let edge = |texels: u32| u64::from((texels >> level).max(1));
+        let layers = match texture.dimension() {
+            wgpu::TextureDimension::D3 => edge(texture.depth_or_array_layers()),
+            _ => u64::from(texture.depth_or_array_layers()),
+        };
+        let columns = edge(texture.width()).div_ceil(block_width.into());
+        let rows = edge(texture.height()).div_ceil(block_height.into());
+        columns * rows * layers * u64::from(block_bytes) * u64::from(texture.sample_count())
+    };
+    (0..texture.mip_level_count()).map(level_bytes).sum()
 }
 
 static BUFFERS: AtomicU64 = AtomicU64::new(0);
@@ -113,6 +148,7 @@ impl Buffer {
         BUFFERS.fetch_add(1, Ordering::Relaxed);
         BUFFERS_MADE.fetch_add(1, Ordering::Relaxed);
         BUFFER_BYTES.fetch_add(buffer.size(), Ordering::Relaxed);
+        BYTES_MADE.fetch_add(buffer.size(), Ordering::Relaxed);
         Self(Arc::new(OwnBuffer(buffer)))
     }
 }
@@ -144,6 +180,7 @@ impl Texture {
     pub fn own(texture: wgpu::Texture) -> Self {
         TEXTURES.fetch_add(1, Ordering::Relaxed);
         TEXTURES_MADE.fetch_add(1, Ordering::Relaxed);
+        BYTES_MADE.fetch_add(texel_bytes(&texture), Ordering::Relaxed);
         Self(Arc::new(OwnTexture(texture)))
     }
 
@@ -311,6 +348,32 @@ mod tests {
         }
         recorder.submit();
         assert_eq!(read::<u32>(&device, &queue, &sum, 4), [6; 4]);
+    }
+
+    #[test]
+    fn the_bytes_of_textures_are_those_of_all_levels() {
+        let (device, _) = device();
+        let made = |size, mip_level_count, dimension| {
+            texel_bytes(&device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size,
+                mip_level_count,
+                sample_count: 1,
+                dimension,
+                format: wgpu::TextureFormat::Rgba16Float,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            }))
+        };
+        let size = |width, height, depth_or_array_layers| wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers,
+        };
+        let (d2, d3) = (wgpu::TextureDimension::D2, wgpu::TextureDimension::D3);
+        assert_eq!(made(size(8, 4, 1), 1, d2), 8 * 32);
+        assert_eq!(made(size(8, 4, 3), 3, d2), 8 * 3 * (32 + 8 + 2));
+        assert_eq!(made(size(8, 4, 4), 3, d3), 8 * (128 + 16 + 2));
     }
 
     #[test]

@@ -20,9 +20,9 @@ use crate::args::output;
 use crate::args::scene;
 use crate::cli::RenderArgs;
 use crate::host::Host;
-use crate::motion::{PathFile, PictureTimes, Schedule, ScheduleOptions, TimeChoice};
 use crate::progress::ProgressDisplay;
 use crate::sequence::FrameFiles;
+use crate::timeline::{PathFile, PictureTimes, Schedule, ScheduleOptions, TimeChoice};
 use clock::Clock;
 
 /// Everything that is needed before the first picture.
@@ -52,7 +52,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
         output::check(&args.output)?;
     }
     let mut settings = args.settings()?;
-    let path = args.motion.camera_path.as_deref().map(PathFile::read).transpose()?;
+    let path = args.timeline.camera_path.as_deref().map(PathFile::read).transpose()?;
     scene::check(&args.scene.scene)?;
     light::check(&args.light.sources)?;
 
@@ -66,10 +66,10 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
     let mut scene = args.scene.load(&progress)?;
     light::add(&mut scene, &args.light.sources, &progress)?;
     let asked = ScheduleOptions {
-        time: args.motion.time,
-        fps: f64::from(args.motion.fps),
-        animation: args.motion.animation.as_ref(),
-        orbit_deg: args.motion.orbit,
+        time: args.timeline.time,
+        fps: f64::from(args.timeline.fps),
+        animation: args.timeline.animation.as_ref(),
+        orbit_deg: args.timeline.orbit,
         path: path.as_ref(),
         camera: args.picture.camera.as_ref(),
         is_sequence,
@@ -128,10 +128,10 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
 
 /// Whether options other than the output make it a sequence.
 fn asks_for_sequence(args: &RenderArgs) -> bool {
-    let motion = &args.motion;
-    match motion.time {
+    let timeline = &args.timeline;
+    match timeline.time {
         Some(TimeChoice::Range(..)) => true,
         Some(TimeChoice::At(_)) => false,
-        None => motion.orbit.is_some() || motion.camera_path.is_some(),
+        None => timeline.orbit.is_some() || timeline.camera_path.is_some(),
     }
 }

@@ -14,10 +14,10 @@ use super::report::{CameraReport, NoteReport, RendererReport};
 use super::{RenderJob, light};
 use crate::cli::RenderArgs;
 use crate::commands::settings;
-use crate::motion::{Moments, PathFile, PictureTimes};
 use crate::progress::ProgressDisplay;
 use crate::progress::words;
 use crate::sequence::{Frame, FrameFiles, Index, Start};
+use crate::timeline::{Moments, PathFile, PictureTimes};
 
 /// The number of pictures that determine the common exposure.
 const METERED: u64 = 5;
@@ -35,7 +35,7 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
     files.make_folder()?;
     let _lock = files.lock()?;
     let settings = settings_of(&stage, &moments, path);
-    let start = Index::new(moments.count, settings).start(&files, stage.args.motion.restart)?;
+    let start = Index::new(moments.count, settings).start(&files, stage.args.timeline.restart)?;
     let Start { mut index, missing } = start;
     if !missing.is_empty() {
         let tell = |done, total| stage.progress.set("looking at the motion", done, total);
@@ -229,7 +229,7 @@ fn settings_of(
         "animation": animation_name(&stage.scene, stage.schedule.animation),
         "camera": args.picture.camera.as_ref().map(ToString::to_string),
         "camera_path": path.map(|path| &path.keys),
-        "orbit": args.motion.orbit,
+        "orbit": args.timeline.orbit,
     });
     if let Value::Object(more) = more {
         settings.extend(more);

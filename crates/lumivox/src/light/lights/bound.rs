@@ -16,6 +16,44 @@ use crate::gpu::{
 use crate::mounted::{Mounted, Resource};
 
 /// Where the shadows of lights with [`Shadow::Map`] come from. `None` and `Some(&maps)` turn into it.
+///
+/// ```
+/// # pollster::block_on(async {
+/// # let (device, queue) = lumivox::gpu::open_device().await?;
+/// # use glam::Vec3;
+/// # use lumivox::hooks::Mounted;
+/// # use lumivox::{Gi, GiConfig, Grid, Light, LightSource, Shadow, ShadowSource, wgpu};
+/// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+/// // Shadows of an engine's own: whatever lies below a height is in the shade.
+/// let module = "
+///     import package::light::lights::Light;
+///
+///     @group(2) @binding(8) var<storage, read> height: f32;
+///
+///     fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) -> f32 {
+///         return f32(position_in_world.y > height);
+///     }";
+/// let buffer = wgpu::BindingType::Buffer {
+///     ty: wgpu::BufferBindingType::Storage { read_only: true },
+///     has_dynamic_offset: false,
+///     min_binding_size: None,
+/// };
+/// let shadow_maps = Some(Mounted::new(module, [buffer]));
+/// let gi = Gi::new(&device, &queue, GiConfig { shadow_maps, ..GiConfig::new(grid) })?;
+///
+/// let source = LightSource::Directional {
+///     direction: Vec3::NEG_Y,
+///     irradiance: Vec3::ONE,
+///     angular_radius_rad: 0.0,
+/// };
+/// let sun = Light { source, shadow: Shadow::Map { first_layer: 0 } };
+/// let height = lumivox::gpu::upload(&device, "height", &[0.5_f32]);
+/// let own = [(*height).clone().into()];
+/// let lights = gi.bind_lights(&[sun], Vec3::ZERO, ShadowSource::Own(&own));
+/// assert_eq!(lights.count, 1);
+/// # Ok::<(), lumivox::GiError>(())
+/// # }).unwrap();
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub enum ShadowSource<'a> {
     /// There are no shadow maps.

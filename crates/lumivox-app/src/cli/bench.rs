@@ -1,0 +1,86 @@
+//! The arguments of `bench`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use glam::UVec2;
+use lumivox_console::{LoadArgs, SceneSource};
+use lumivox_render::PresetChoice;
+
+use super::GpuArgs;
+use super::load::scene_source;
+use crate::args::{choices, number, size};
+use crate::commands::bench::StoreChoice;
+
+/// Examples for the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  lumivox bench
+  lumivox bench -o bench.md --json bench.json
+  lumivox bench --quick
+  lumivox bench --scene hall.glb --resolutions 256 --sizes 1920x1080 --presets high
+";
+
+/// The arguments of `bench`.
+#[derive(Args, Debug)]
+pub struct BenchArgs {
+    /// File for the report in Markdown, .md [default: none, the report goes to stdout]
+    ///
+    /// A file of that name is replaced once the new one is complete, never half.
+    #[arg(short, long, value_name = "FILE", help_heading = "Report")]
+    pub output: Option<PathBuf>,
+
+    /// File for the report in JSON, .json, with every stage; - writes it to stdout, instead of the
+    /// report in Markdown [default: none]
+    #[arg(long, value_name = "FILE|-", help_heading = "Report")]
+    pub json: Option<PathBuf>,
+
+    /// Measure only the small part of the standard cases: 64 voxels, 640x360; of these on a software
+    /// driver only the Cornell box with preset fast [default: off]
+    ///
+    /// A software driver measures the small part even without this option, unless other options say
+    /// what to measure.
+    #[arg(long, help_heading = "Measurement")]
+    pub quick: bool,
+
+    /// Measure this scene: a file, or builtin:NAME; may be given several times [default: builtin:cornell
+    /// and builtin:atrium]
+    #[arg(long = "scene", value_name = "SCENE", value_parser = scene_source())]
+    #[arg(help_heading = "Measurement")]
+    pub scenes: Vec<SceneSource>,
+
+    /// How scene files are read.
+    #[command(flatten)]
+    pub load: LoadArgs,
+
+    /// Kinds of volumes, separated by commas [default: dense,octree]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = StoreChoice::parser())]
+    #[arg(help_heading = "Measurement")]
+    pub volumes: Vec<StoreChoice>,
+
+    /// Voxels along the scene's longest axis, separated by commas: multiples of 8 from 16 to 1024
+    /// [default: 64,128,256; 64 on a software driver]
+    #[arg(long, value_name = "VOXELS", value_delimiter = ',', value_parser = number::resolution)]
+    #[arg(allow_hyphen_values = true, help_heading = "Measurement")]
+    pub resolutions: Vec<u32>,
+
+    /// Presets, separated by commas [default: fast,balanced]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = choices::physical_preset())]
+    #[arg(help_heading = "Measurement")]
+    pub presets: Vec<PresetChoice>,
+
+    /// Widths and heights of the pictures in pixels, separated by commas, each from 1 to 32768 (or to
+    /// the GPU's own limit) [default: 640x360, and 1920x1080 at 128 voxels; 640x360 on a software driver]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_delimiter = ',', value_parser = size::size)]
+    #[arg(allow_hyphen_values = true, help_heading = "Measurement")]
+    pub sizes: Vec<UVec2>,
+
+    /// The most frames of each measurement, 3 to 10000; those of slow devices end after some seconds
+    #[arg(long, value_name = "FRAMES", value_parser = number::whole(3..=10_000))]
+    #[arg(default_value = "64", allow_negative_numbers = true, help_heading = "Measurement")]
+    pub frames: u32,
+
+    /// The GPU.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
+}

@@ -1,0 +1,194 @@
+//! The choice of the clock for stages: the GPU's timestamps where they are true.
+//!
+//! A driver may take timestamps at the wrong time (software drivers: when they read commands, not when they run), in the wrong
+//! unit, or not at all. So they are held against the wall clock once: the same work, the light of a scene's voxels and a frame,
+//! is timed by timestamps, and pass by pass, each submitted by itself and waited for. A wait costs some tenths of a millisecond,
+//! so only passes that are long against that are compared, and the work grows until there are some. If the two clocks disagree,
+//! the second is used for all measurements.
+
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+
+use glam::UVec2;
+use lumivox::gpu::Timing;
+use lumivox_render::{Gpu, RenderError, RenderSettings, Renderer};
+use lumivox_scene::Scene;
+
+use super::report::{Spread, TimingReport};
+
+/// Voxels and pixels of the work; the next is tried while no pass is long.
+const WORK: [(u32, UVec2); 4] = [
+    (32, UVec2::new(320, 180)),
+    (64, UVec2::new(640, 360)),
+    (128, UVec2::new(1280, 720)),
+    (256, UVec2::new(1920, 1080)),
+];
+/// A time that is long against what waiting costs, ms.
+const LONG_MS: f64 = 10.0;
+/// Shares of the waited time that timestamps of a long pass may have: below one by what waiting costs, above it by chance.
+const TRUE_SHARES: RangeInclusive<f64> = 0.5..=1.25;
+/// The lowest share of all passes together where even the largest work has no long pass.
+const LEAST_SHARE_OF_SHORT: f64 = 0.05;
+/// Runs of the work, of which the median counts.
+const RUNS: usize = 3;
+
+/// The time of a pass by both clocks, ms.
+#[derive(Clone, Debug, PartialEq)]
+struct Compared {
+    pass: String,
+    stamped: f64,
+    waited: f64,
+}
+
+/// The way to take the times of stages on a device, and the reason.
+pub fn choose(gpu: &Gpu, scene: &Scene) -> (Timing, TimingReport) {
+    let waited = |reason: String| {
+        let method = "waited submits".to_owned();
+        (Timing::SubmitAndWait, TimingReport { method, reason })
+    };
+    if gpu.is_software() {
+        return waited(
+            "a software driver takes timestamps when it reads commands, not when they run"
+                .to_owned(),
+        );
+    }
+    if !gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+        return waited("the device has no timestamps".to_owned());
+    }
+    match compare(gpu, scene) {
+        Ok(compared) => match judge(&compared) {
+            Ok(reason) => {
+                let method = "timestamps".to_owned();
+                (Timing::Timestamps, TimingReport { method, reason })
+            }
+            Err(reason) => waited(format!("timestamps cannot be trusted: {reason}")),
+        },
+        Err(error) => waited(format!("timestamps could not be checked: {error}")),
+    }
+}
+
+/// Whether timestamps are true, and why.
+fn judge(compared: &[Compared]) -> Result<String, String> {
+    let is_long = |pass: &&Compared| pass.waited >= LONG_MS;
+    let words = |name: &str, stamped: f64, waited: f64| {
+        format!("{name} takes {stamped:.2} ms by them, {waited:.2} ms by the wall clock")
+    };
+    // Not a number is outside.
+    let is_wrong = |pass: &&Compared| !TRUE_SHARES.contains(&(pass.stamped / pass.waited));
+    if let Some(pass) = compared.iter().filter(is_long).find(is_wrong) {
+        return Err(words(&pass.pass, pass.stamped, pass.waited));
+    }
+    if let Some(pass) = compared.iter().find(is_long) {
+        return Ok(words(&pass.pass, pass.stamped, pass.waited));
+    }
+    let sum = |of: fn(&Compared) -> f64| compared.iter().map(of).sum::<f64>();
+    let (stamped, waited) = (sum(|pass| pass.stamped), sum(|pass| pass.waited));
+    let words = words("all work", stamped, waited);
+    let shares = LEAST_SHARE_OF_SHORT..=*TRUE_SHARES.end();
+    if shares.contains(&(stamped / waited)) { Ok(words) } else { Err(words) }
+}
+
+/// Takes the times of work that is as long as it has to be, if the device can do it.
+fn compare(gpu: &Gpu, scene: &Scene) -> Result<Vec<Compared>, RenderError> {
+    let mut last = None;
+    for (resolution, size) in WORK {
+        match pollster::block_on(compare_at(gpu, scene, resolution, size)) {
+            Ok(compared) => {
+                let has_long = compared.iter().any(|pass| pass.waited >= LONG_MS);
+                last = Some(compared);
+                if has_long {
+                    break;
+                }
+            }
+            // Less work was possible, or there is no comparison.
+            Err(error) => return last.ok_or(error),
+        }
+    }
+    Ok(last.unwrap_or_default())
+}
+
+async fn compare_at(
+    gpu: &Gpu,
+    scene: &Scene,
+    resolution: u32,
+    size: UVec2,
+) -> Result<Vec<Compared>, RenderError> {
+    let timing = Timing::Timestamps;
+    let settings = RenderSettings { size, resolution, timing, ..RenderSettings::default() };
+    let quiet = &mut |_| ();
+    let mut renderer = Renderer::new(gpu, scene, None, settings.clone(), quiet).await?;
+    let stamped = times(&mut renderer, scene).await?;
+    let waited = RenderSettings { timing: Timing::SubmitAndWait, ..settings };
+    renderer.set_settings(waited, quiet).await?;
+    let waited = times(&mut renderer, scene).await?;
+    let compared = waited.into_iter().map(|(pass, waited)| {
+        let stamped = stamped.get(&pass).copied().unwrap_or(0.0);
+        Compared { pass, stamped, waited }
+    });
+    Ok(compared.collect())
+}
+
+/// The medians of the times of all passes of the work, ms.
+async fn times(
+    renderer: &mut Renderer,
+    scene: &Scene,
+) -> Result<BTreeMap<String, f64>, RenderError> {
+    let mut runs: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for run in 0..=RUNS {
+        renderer.forget_times();
+        renderer.forget_light();
+        renderer.set_lights(scene, &mut |_| ()).await?;
+        renderer.render_frame().await?;
+        // Drivers compile in the first run.
+        for time in renderer.times().into_iter().filter(|_| run > 0) {
+            runs.entry(time.pass).or_default().push(time.duration.as_secs_f64() * 1e3);
+        }
+    }
+    Ok(runs.into_iter().map(|(pass, ms)| (pass, Spread::of(ms).median)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lumivox_render::GpuOptions;
+
+    fn is_true(passes: &[(f64, f64)]) -> bool {
+        let compared = passes.iter().map(|&(stamped, waited)| {
+            let pass = "a pass".to_owned();
+            Compared { pass, stamped, waited }
+        });
+        judge(&compared.collect::<Vec<_>>()).is_ok()
+    }
+
+    #[test]
+    fn timestamps_are_true_if_long_passes_agree() {
+        assert!(
+            is_true(&[(95.0, 100.0)]) && is_true(&[(110.0, 100.0)]) && is_true(&[(60.0, 100.0)])
+        );
+        // Of another unit, zero, or not a number.
+        assert!(!is_true(&[(3.0, 100.0)]) && !is_true(&[(0.0, 100.0)]));
+        assert!(!is_true(&[(2600.0, 100.0)]) && !is_true(&[(f64::NAN, 100.0)]));
+        // Each long pass has to agree, however right the sum.
+        assert!(!is_true(&[(100.0, 20.0), (20.0, 100.0)]));
+        // Waiting makes most of what short ones take.
+        assert!(is_true(&[(95.0, 100.0), (0.01, 0.4), (0.0, 0.3)]));
+        assert!(is_true(&[(1.0, 4.0)]) && !is_true(&[(0.1, 4.0)]) && !is_true(&[(8.0, 4.0)]));
+        assert!(!is_true(&[]), "nothing was compared");
+    }
+
+    #[test]
+    fn both_clocks_time_the_same_passes() {
+        let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).unwrap();
+        assert!(gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY));
+        let scene = lumivox_scene::builtin::scene("cornell").unwrap();
+        let compared = compare(&gpu, &scene).unwrap();
+        assert!(compared.len() > 10, "{compared:?}");
+        for pass in &compared {
+            assert!(pass.waited > 0.0 && pass.stamped >= 0.0, "{pass:?}");
+        }
+        let bounce = compared.iter().find(|pass| pass.pass == "light::bounce").unwrap();
+        assert!(bounce.waited >= LONG_MS || !gpu.is_software(), "{bounce:?}");
+        let timing = choose(&gpu, &scene).0;
+        assert_eq!(timing == Timing::SubmitAndWait, gpu.is_software());
+    }
+}

@@ -1,0 +1,186 @@
+//! The report: its figures, as they are stored.
+
+use serde::{Deserialize, Serialize};
+
+use super::machine::Machine;
+use super::plan::{Case, Motion};
+
+/// The version of this layout.
+pub const FORMAT: u32 = 1;
+
+/// A report.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// The version of the layout: [`FORMAT`].
+    pub format: u32,
+    /// The version of Lumivox.
+    pub version: String,
+    /// `release`, or `debug` without optimization.
+    pub build: String,
+    /// The machine.
+    pub machine: Machine,
+    /// The choice of cases, in words.
+    pub cases: String,
+    /// The most frames of a measurement.
+    pub frames: u32,
+    /// How the times of stages were taken.
+    pub timing: TimingReport,
+    /// The cases, each still and moving.
+    pub rows: Vec<Row>,
+}
+
+/// How the times of stages were taken.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TimingReport {
+    /// `timestamps` or `waited submits`.
+    pub method: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// One case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Its name, the same in all reports.
+    pub id: String,
+    pub scene: String,
+    pub volume: String,
+    /// Voxels along the scene's longest axis.
+    pub resolution: u32,
+    pub preset: String,
+    /// Width and height of the picture, pixels.
+    pub size: [u32; 2],
+    pub motion: Motion,
+    /// Why there are no figures; `None` if there are.
+    pub problem: Option<String>,
+    pub figures: Option<Figures>,
+}
+
+impl Row {
+    /// The row of a case.
+    pub fn new(case: &Case, motion: Motion, measured: Result<Figures, String>) -> Self {
+        let (figures, problem) = match measured {
+            Ok(figures) => (Some(figures), None),
+            Err(problem) => (None, Some(problem)),
+        };
+        Self {
+            id: case.id(motion),
+            scene: case.scene_name.clone(),
+            volume: case.volume.name().to_owned(),
+            resolution: case.resolution,
+            preset: case.preset.name().to_owned(),
+            size: case.size.to_array(),
+            motion,
+            problem,
+            figures,
+        }
+    }
+}
+
+/// What was measured of a case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Figures {
+    pub triangles: u64,
+    pub voxels: u64,
+    /// GPU memory of everything.
+    pub memory_bytes: u64,
+    /// The volume's share of it.
+    pub volume_bytes: u64,
+    /// Everything voxelized and lit again, with all bounces; of still cases alone.
+    pub change: Option<Part>,
+    /// A frame.
+    pub frame: Part,
+    /// Frames whose voxels were those of an earlier one.
+    pub late_frames: u32,
+    /// The work of the cones on screen; of still cases alone.
+    pub cones: Option<Cones>,
+}
+
+/// Times of one kind of work.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// How often it was done for `whole`.
+    pub runs: u32,
+    /// From the first call to the end of all work on the GPU, by the clock.
+    pub whole: Spread,
+    /// The stages on the GPU, in order.
+    pub stages: Vec<Stage>,
+}
+
+impl Part {
+    /// The sum of the medians of some stages, ms; `None` if none of them ran.
+    pub fn sum_of(&self, stages: &[&str]) -> Option<f64> {
+        let ran = self.stages.iter().filter(|stage| stages.contains(&stage.stage.as_str()));
+        let ms: Vec<f64> = ran.map(|stage| stage.ms.median).collect();
+        (!ms.is_empty()).then(|| ms.iter().sum())
+    }
+}
+
+/// The time of a stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stage {
+    pub stage: String,
+    pub ms: Spread,
+}
+
+/// Milliseconds over several runs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    pub median: f64,
+    /// The least that 95 % of the runs do not exceed.
+    pub p95: f64,
+}
+
+impl Spread {
+    /// The spread of some times; they must not be empty.
+    pub fn of(mut ms: Vec<f64>) -> Self {
+        ms.sort_unstable_by(f64::total_cmp);
+        let rank = |share: f64| ms[((ms.len() as f64 * share).ceil() as usize).max(1) - 1];
+        Self { median: rank(0.5), p95: rank(0.95) }
+    }
+}
+
+/// The work of a frame's cones.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cones {
+    /// Samples of the volume in a frame.
+    pub samples: f64,
+    /// Whether they were counted in a frame, pixel by pixel. With one pixel in four traced they are estimated: those of the
+    /// picture's pixels, divided by four; pixels at edges, which are traced by themselves, then count too little.
+    pub is_counted: bool,
+    /// The most bytes that a sample reads: `look_ups` x 8 texels x 8 bytes.
+    pub bytes_per_sample: u32,
+    /// An estimate: samples x bytes a sample, as if every sample met surface and no cache helped.
+    pub bytes: f64,
+}
+
+impl Cones {
+    /// Texels of a trilinear look-up, of four half floats each.
+    const LOOK_UP_BYTES: u32 = 8 * 8;
+
+    /// The work of so many samples, of which each takes so many look-ups.
+    pub fn new(samples: f64, is_counted: bool, look_ups: u32) -> Self {
+        let bytes_per_sample = look_ups * Self::LOOK_UP_BYTES;
+        let bytes = samples * f64::from(bytes_per_sample);
+        Self { samples, is_counted, bytes_per_sample, bytes }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spread_is_of_ranks() {
+        assert_eq!(Spread::of(vec![3.0, 1.0, 2.0]), Spread { median: 2.0, p95: 3.0 });
+        assert_eq!(Spread::of(vec![7.0]), Spread { median: 7.0, p95: 7.0 });
+        let hundred = (1..=100).rev().map(f64::from).collect();
+        assert_eq!(Spread::of(hundred), Spread { median: 50.0, p95: 95.0 });
+    }
+
+    #[test]
+    fn a_sample_of_six_lobes_reads_three_look_ups_of_eight_texels() {
+        let cones = Cones::new(1000.0, true, 3);
+        assert_eq!((cones.bytes_per_sample, cones.bytes), (192, 192_000.0));
+    }
+}

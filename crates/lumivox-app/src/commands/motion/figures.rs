@@ -1,0 +1,352 @@
+//! The figures of moving pictures, from pictures alone.
+//!
+//! Pictures are linear RGB; `x` is ours and `r` the truth, `d` a difference from one step to the
+//! next.
+//!
+//! | figure | is |
+//! | --- | --- |
+//! | flicker | mean of abs(d x - d r) over pixels and channels, over the mean of r |
+//! | flicker on a screen | the same of display values, 0 to 1, not divided |
+//! | latency | share of a change of mean irradiance that is there |
+//! | trail | least-squares share of the former picture in the present one |
+
+use lumivox_render::compare::{ErrorFigures, LinearPicture};
+use serde::Serialize;
+
+use glam::UVec2;
+
+/// The truth at one step: a picture, and for each pixel the variance of its mean over samples,
+/// averaged over the channels.
+#[derive(Clone, Copy, Debug)]
+pub struct Known<'a> {
+    pub picture: &'a LinearPicture,
+    pub variance: &'a [f32],
+}
+
+/// The middle and the worst of values over steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Spread {
+    /// The median: of an even number the mean of the middle two.
+    pub median: f64,
+    /// The one with the largest absolute value, with its sign.
+    pub worst: f64,
+}
+
+/// Middle, high end and worst of what steps cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct CostSpread {
+    /// The median: of an even number the mean of the middle two.
+    pub median: f64,
+    /// The smallest that at least 95 % of the steps do not exceed.
+    pub p95: f64,
+    /// The largest.
+    pub worst: f64,
+}
+
+impl Spread {
+    /// The spread of values; `None` without any.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let values: Vec<f64> = values.into_iter().collect();
+        let worst = values.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        Some(Self { median: median(values)?, worst })
+    }
+}
+
+impl CostSpread {
+    /// The spread of values; `None` without any.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut values: Vec<f64> = values.into_iter().collect();
+        values.sort_by(f64::total_cmp);
+        let p95 = *values.get((values.len() * 95).div_ceil(100).checked_sub(1)?)?;
+        Some(Self { median: median(values.clone())?, p95, worst: *values.last()? })
+    }
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let upper = *values.get(values.len() / 2)?;
+    let lower = values[(values.len() - 1) / 2];
+    Some(0.5 * (lower + upper))
+}
+
+/// The flicker from one step to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Flicker {
+    /// Without the truth's own noise: `sqrt(measured² - noise²)`, or 0 if noise explains all. Exact
+    /// for differences and noise that are normal and alike in all pixels; noise with rare bright
+    /// samples makes it too low.
+    pub value: f64,
+    /// The measured value, the truth's noise included.
+    pub with_noise: f64,
+    /// The flicker that the truth's noise alone would make, `sqrt(2 / pi)` times the deviation of
+    /// its difference, which is 0 if both steps have one truth.
+    pub noise: f64,
+}
+
+impl Flicker {
+    fn new(measured: f64, noise: f64) -> Self {
+        let value = (measured * measured - noise * noise).max(0.0).sqrt();
+        Self { value, with_noise: measured, noise }
+    }
+}
+
+/// The flicker of linear light, as a share of the truth's mean over both steps; `None` if that is
+/// black. `is_same_truth` says that nothing has changed between the steps.
+pub fn flicker(
+    ours: [&LinearPicture; 2],
+    truth: [Known<'_>; 2],
+    is_same_truth: bool,
+) -> Option<Flicker> {
+    let mean = 0.5 * (mean(truth[0].picture) + mean(truth[1].picture));
+    if mean <= 0.0 {
+        return None;
+    }
+    let rgb = |picture: &LinearPicture| picture.rgb.clone();
+    let measured = mean_change(&ours.map(rgb), &truth.map(|truth| rgb(truth.picture)));
+    let noise =
+        if is_same_truth { 0.0 } else { noise_of_change(truth.map(|truth| truth.variance)) };
+    Some(Flicker::new(measured / mean, noise / mean))
+}
+
+/// The flicker of display values, 0 to 1, at an exposure in stops that stays.
+pub fn flicker_on_screen(
+    ours: [&LinearPicture; 2],
+    truth: [Known<'_>; 2],
+    is_same_truth: bool,
+    stops: f32,
+) -> Flicker {
+    let shown = |picture: &LinearPicture| picture.to_display(stops).collect::<Vec<_>>();
+    let measured = mean_change(&ours.map(shown), &truth.map(|truth| shown(truth.picture)));
+    let noise = if is_same_truth {
+        0.0
+    } else {
+        let variances = truth.map(|truth| variance_on_screen(truth, stops));
+        noise_of_change(variances.each_ref().map(Vec::as_slice))
+    };
+    Flicker::new(measured, noise)
+}
+
+/// The mean over pixels and channels of abs(change of ours - change of the truth).
+fn mean_change(ours: &[Vec<[f32; 3]>; 2], truth: &[Vec<[f32; 3]>; 2]) -> f64 {
+    let changes = |[before, now]: &[Vec<[f32; 3]>; 2]| -> Vec<f64> {
+        let channels = now.as_flattened().iter().zip(before.as_flattened());
+        channels.map(|(&now, &before)| f64::from(now) - f64::from(before)).collect()
+    };
+    let (ours, truth) = (changes(ours), changes(truth));
+    let sum: f64 = ours.iter().zip(&truth).map(|(x, r)| (x - r).abs()).sum();
+    sum / ours.len().max(1) as f64
+}
+
+/// The mean absolute value of the difference of two independent noises.
+fn noise_of_change(variances: [&[f32]; 2]) -> f64 {
+    let deviation = |(&a, &b): (&f32, &f32)| (f64::from(a) + f64::from(b)).sqrt();
+    let sum: f64 = variances[0].iter().zip(variances[1]).map(deviation).sum();
+    (2.0 / std::f64::consts::PI).sqrt() * sum / variances[0].len().max(1) as f64
+}
+
+/// The variance of display values: through half the difference between those of a pixel one
+/// deviation brighter and one darker.
+fn variance_on_screen(truth: Known<'_>, stops: f32) -> Vec<f32> {
+    let shifted = |sign: f32| {
+        let pixels = truth.picture.rgb.iter().zip(truth.variance);
+        let rgb = pixels.map(|(rgb, variance)| rgb.map(|value| value + sign * variance.sqrt()));
+        LinearPicture { size: truth.picture.size, rgb: rgb.collect() }
+    };
+    let (darker, brighter) = (shifted(-1.0), shifted(1.0));
+    let both = darker.to_display(stops).zip(brighter.to_display(stops));
+    both.map(|(a, b)| {
+        let squares = (0..3).map(|channel| (0.5 * (b[channel] - a[channel])).powi(2));
+        squares.sum::<f32>() / 3.0
+    })
+    .collect()
+}
+
+/// The mean over pixels and channels.
+pub fn mean(picture: &LinearPicture) -> f64 {
+    let sum: f64 = picture.rgb.as_flattened().iter().copied().map(f64::from).sum();
+    sum / (3 * picture.rgb.len().max(1)) as f64
+}
+
+/// The share of the change from `before` to `after` that a value has made; `None` if nothing
+/// changes.
+pub fn share_of_change(before: f64, after: f64, now: f64) -> Option<f64> {
+    let change = after - before;
+    (change.abs() > f64::EPSILON * before.abs().max(after.abs())).then(|| (now - before) / change)
+}
+
+/// What is left of the picture before a change: with `s` the difference of the pictures before and
+/// after, once both have stood still, the `t` for which `after + t s` is closest to the present
+/// picture. `None` if both are equal.
+///
+/// Noise has no mean, so it hardly moves `t`; light that is missing or added elsewhere does not,
+/// unless it is distributed like `s`.
+pub fn trail(now: &LinearPicture, before: &LinearPicture, after: &LinearPicture) -> Option<f64> {
+    let (mut along, mut square) = (0.0, 0.0);
+    let channels = now.rgb.as_flattened().iter();
+    let stills = before.rgb.as_flattened().iter().zip(after.rgb.as_flattened());
+    for (&now, (&before, &after)) in channels.zip(stills) {
+        let pattern = f64::from(before) - f64::from(after);
+        along += (f64::from(now) - f64::from(after)) * pattern;
+        square += pattern * pattern;
+    }
+    (square > 0.0).then(|| along / square)
+}
+
+/// The errors of some pixels, pooled over steps. FLIP is left out: they have no neighbours.
+#[derive(Clone, Debug, Default)]
+pub struct Pool {
+    reference: Vec<[f32; 3]>,
+    variance: Vec<f32>,
+    ours: Vec<[f32; 3]>,
+}
+
+impl Pool {
+    /// Adds the pixels of a step that `mask` has.
+    pub fn add(&mut self, mask: &[bool], truth: Known<'_>, ours: &LinearPicture) {
+        for pixel in (0..mask.len()).filter(|&pixel| mask[pixel]) {
+            self.reference.push(truth.picture.rgb[pixel]);
+            self.variance.push(truth.variance[pixel]);
+            self.ours.push(ours.rgb[pixel]);
+        }
+    }
+
+    /// The figures of all pixels; `None` if there are none or the truth is black in them.
+    pub fn figures(&self) -> Option<ErrorFigures> {
+        let size = UVec2::new(self.reference.len() as u32, 1);
+        let row = |rgb: &[[f32; 3]]| LinearPicture { size, rgb: rgb.to_vec() };
+        let figures =
+            ErrorFigures::new(&row(&self.reference), Some(&self.variance), &row(&self.ours));
+        figures.ok().map(|figures| ErrorFigures { flip: None, ..figures })
+    }
+
+    /// The number of pixels.
+    pub fn len(&self) -> usize {
+        self.ours.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(values: &[f32]) -> LinearPicture {
+        let rgb = values.iter().map(|&value| [value; 3]).collect();
+        LinearPicture { size: UVec2::new(values.len() as u32, 1), rgb }
+    }
+
+    fn close(a: f64, b: f64) {
+        assert!((a - b).abs() < 1e-6, "{a} is not {b}");
+    }
+
+    /// The truth brightens by 1 and 0, ours by 1 and 2 (and by -2 in the second case): only what
+    /// differs flickers.
+    #[test]
+    fn only_change_that_the_truth_lacks_flickers() {
+        let truth = [picture(&[1.0, 3.0]), picture(&[2.0, 3.0])];
+        let none = [0.0; 2];
+        let known = [0, 1].map(|i| Known { picture: &truth[i], variance: &none });
+        let mean = 0.5 * (2.0 + 2.5);
+        for (now, expected) in [([5.0, 8.0], 1.0), ([5.0, 4.0], 1.0), ([5.0, 6.0], 0.0)] {
+            let ours = [picture(&[4.0, 6.0]), picture(&now)];
+            let flicker = flicker([&ours[0], &ours[1]], known, false).unwrap();
+            close(flicker.value, expected / mean);
+            close(flicker.noise, 0.0);
+        }
+        let black = [picture(&[0.0]), picture(&[0.0])];
+        let known = [0, 1].map(|i| Known { picture: &black[i], variance: &none[..1] });
+        assert_eq!(flicker([&black[0], &black[1]], known, false), None);
+    }
+
+    /// A still, exact picture beside a noisy truth flickers by the truth's noise alone.
+    #[test]
+    fn the_noise_of_the_truth_is_no_flicker() {
+        let (count, deviation) = (20_000_u32, 0.1_f32);
+        // Twelve uniform numbers less six are nearly normal (Irwin and Hall 1927).
+        let mut state = 1_u64;
+        let mut normal = || {
+            let sum: f32 = (0..12)
+                .map(|_| {
+                    state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                    (state >> 40) as f32 / (1_u64 << 24) as f32
+                })
+                .sum();
+            sum - 6.0
+        };
+        let mut noisy = || {
+            let rgb = (0..count).map(|_| [0; 3].map(|_: i32| 1.0 + deviation * normal())).collect();
+            LinearPicture { size: UVec2::new(count, 1), rgb }
+        };
+        let truth = [noisy(), noisy()];
+        let variance = vec![deviation * deviation; count as usize];
+        let known = [0, 1].map(|i| Known { picture: &truth[i], variance: &variance });
+        let still = picture(&vec![1.0; count as usize]);
+        let flicker = flicker([&still, &still], known, false).unwrap();
+        let expected = (2.0 / std::f64::consts::PI).sqrt() * f64::from(deviation) * 2_f64.sqrt();
+        assert!((flicker.noise - expected).abs() < 1e-3 * expected, "{flicker:?}");
+        // What is left of it: the noise of the noise.
+        assert!(flicker.value < 0.2 * flicker.noise, "{flicker:?}");
+        assert!((flicker.with_noise / flicker.noise - 1.0).abs() < 0.02, "{flicker:?}");
+        let on_screen = flicker_on_screen([&still, &still], known, false, -2.0);
+        assert!(on_screen.value < 0.3 * on_screen.noise && on_screen.noise > 0.0, "{on_screen:?}");
+    }
+
+    #[test]
+    fn display_values_clip() {
+        let truth = picture(&[1.0]);
+        let known = [Known { picture: &truth, variance: &[0.0] }; 2];
+        let ours = [picture(&[1e6]), picture(&[2e6])];
+        let flicker = flicker_on_screen([&ours[0], &ours[1]], known, true, 0.0);
+        assert!(flicker.value < 1e-3, "{flicker:?}");
+        let ours = [picture(&[0.0]), picture(&[1e6])];
+        let flicker = flicker_on_screen([&ours[0], &ours[1]], known, true, 0.0);
+        assert!(flicker.value > 0.9, "{flicker:?}");
+    }
+
+    #[test]
+    fn latency_is_the_share_of_the_change() {
+        assert_eq!(share_of_change(10.0, 2.0, 4.0), Some(0.75));
+        assert_eq!(share_of_change(0.0, 4.0, 5.0), Some(1.25), "an overshoot");
+        assert_eq!(share_of_change(3.0, 3.0, 4.0), None);
+    }
+
+    /// An exponential memory of one half leaves half of the old picture, then a quarter; even light
+    /// that is added everywhere is none of it where the pattern has no mean.
+    #[test]
+    fn the_trail_is_what_is_left_of_the_old_picture() {
+        let before = picture(&[5.0, 1.0, 3.0]);
+        let after = picture(&[1.0, 5.0, 3.0]);
+        let mixed = |left: f32| {
+            let rgb = before.rgb.iter().zip(&after.rgb);
+            let values: Vec<f32> =
+                rgb.map(|(b, a)| left * b[0] + (1.0 - left) * a[0] + 0.5).collect();
+            picture(&values)
+        };
+        for left in [1.0, 0.5, 0.25, 0.0] {
+            close(trail(&mixed(left), &before, &after).unwrap(), left.into());
+        }
+        assert_eq!(trail(&after, &after, &after), None);
+    }
+
+    #[test]
+    fn spreads_have_the_median_and_the_worst() {
+        let spread = Spread::of([1.0, -9.0, 2.0, 3.0]).unwrap();
+        assert_eq!(spread, Spread { median: 1.5, worst: -9.0 });
+        assert_eq!(Spread::of([]), None);
+        let cost = CostSpread::of((1..=40).rev().map(f64::from)).unwrap();
+        assert_eq!(cost, CostSpread { median: 20.5, p95: 38.0, worst: 40.0 });
+        assert_eq!(CostSpread::of([]), None);
+    }
+
+    #[test]
+    fn pooled_pixels_have_their_own_mean() {
+        let (truth, ours) = (picture(&[1.0, 100.0, 3.0]), picture(&[2.0, 0.0, 4.0]));
+        let mut pool = Pool::default();
+        let known = Known { picture: &truth, variance: &[0.0; 3] };
+        assert!(pool.figures().is_none());
+        pool.add(&[true, false, true], known, &ours);
+        let figures = pool.figures().unwrap();
+        assert_eq!(pool.len(), 2);
+        close(figures.bias_percent, 50.0);
+        close(figures.rmse_percent, 50.0);
+    }
+}

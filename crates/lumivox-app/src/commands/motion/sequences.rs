@@ -1,0 +1,582 @@
+//! The sequences: what moves, in which scene, at which step.
+//!
+//! A sequence is data: phases in which something moves or nothing does, and the pose at any moment
+//! of a phase. All poses follow from the number of the step alone.
+
+use std::f32::consts::{FRAC_PI_2, PI};
+
+use glam::{Mat4, Quat, Vec3};
+use lumivox_console::Failure;
+use lumivox_scene::{Camera, Instance, Light, LightKind, Mesh, Scene};
+
+/// The scene that a sequence is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Home {
+    /// The built-in scene of this name; the sequence moves things that only it has.
+    Only(&'static str),
+    /// Any scene; this built-in one if no other is asked for.
+    Any(&'static str),
+    /// Files with animations.
+    Animated,
+    /// The scene of the figure that walks, which is made for the sequence.
+    Figure,
+}
+
+/// What happens in a phase.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Something moves in every step; the last step shows the end of the motion.
+    Moves,
+    /// Nothing moves; its pose may differ from the end of the phase before, at once.
+    Holds,
+}
+
+/// A part of a sequence.
+#[derive(Clone, Copy, Debug)]
+pub struct Phase {
+    pub name: &'static str,
+    pub kind: Kind,
+    pub steps: u32,
+}
+
+/// A change whose delay is measured: from the last step of one phase to what the first step of
+/// another shows when it has stood still.
+#[derive(Clone, Copy, Debug)]
+pub struct Change {
+    pub name: &'static str,
+    /// The phase whose last step is the picture before.
+    pub before: usize,
+    /// The phase, a hold, whose first step is the first frame after.
+    pub after: usize,
+}
+
+/// A moment of a sequence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Its number, from 0.
+    pub index: u32,
+    /// Its phase.
+    pub phase: usize,
+    /// The share of the phase's motion that is done, above 0 to 1.
+    pub share: f32,
+}
+
+/// A scene before anything moves.
+#[derive(Clone, Debug)]
+pub struct Start {
+    pub scene: Scene,
+    pub camera: Camera,
+    /// The length of the scene's first animation, s.
+    pub duration_s: f32,
+}
+
+/// Everything that may move, at one step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    pub camera: Camera,
+    pub lights: Vec<Light>,
+    /// Objects by name, and their places in the world.
+    pub places: Vec<(&'static str, Mat4)>,
+    /// The time of the first animation, s; `None` without one.
+    pub time_s: Option<f32>,
+}
+
+impl Pose {
+    fn of(start: &Start) -> Self {
+        Self {
+            camera: start.camera.clone(),
+            lights: start.scene.lights.clone(),
+            places: Vec::new(),
+            time_s: None,
+        }
+    }
+}
+
+/// A sequence of steps, of which each is one frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Sequence {
+    pub name: &'static str,
+    /// A sentence about what moves.
+    pub about: &'static str,
+    pub home: Home,
+    pub phases: &'static [Phase],
+    /// The phase of motion after which the camera stops, for the errors at the stop.
+    pub stop: Option<usize>,
+    pub changes: &'static [Change],
+    /// Names of objects that move.
+    pub moving: &'static [&'static str],
+    prepare: fn(&mut Scene) -> Result<(), Failure>,
+    pose: fn(&Start, &Step) -> Pose,
+}
+
+const fn moves(name: &'static str, steps: u32) -> Phase {
+    Phase { name, kind: Kind::Moves, steps }
+}
+
+const fn holds(name: &'static str, steps: u32) -> Phase {
+    Phase { name, kind: Kind::Holds, steps }
+}
+
+/// The steps of a hold after a change: enough for all numbers of frames of latency and trails.
+const AFTER: u32 = 24;
+
+/// All sequences.
+pub const SEQUENCES: &[Sequence] = &[
+    Sequence {
+        name: "orbit",
+        about: "The camera orbits the still scene by 15 degrees, and stops.",
+        home: Home::Any("cornell"),
+        phases: &[holds("start", 1), moves("orbit", 90), holds("stopped", 64)],
+        stop: Some(1),
+        changes: &[],
+        moving: &[],
+        prepare: |_| Ok(()),
+        pose: orbit,
+    },
+    Sequence {
+        name: "dolly",
+        about: "The camera moves from the dark room through the doorway into the lit one.",
+        home: Home::Only("two-rooms"),
+        phases: &[holds("start", 1), moves("dolly", 32)],
+        stop: None,
+        changes: &[],
+        moving: &[],
+        prepare: |_| Ok(()),
+        pose: dolly,
+    },
+    Sequence {
+        name: "lamp",
+        about: "The lamp moves to a corner, and is back at once.",
+        home: Home::Any("cornell"),
+        phases: &[holds("start", 1), moves("away", 16), holds("back", AFTER)],
+        stop: None,
+        changes: &[Change { name: "back", before: 1, after: 2 }],
+        moving: &[],
+        prepare: needs_lamp,
+        pose: lamp,
+    },
+    Sequence {
+        name: "switch",
+        about: "All lamps are switched off, and on again.",
+        home: Home::Any("cornell"),
+        phases: &[holds("on", 2), holds("off", AFTER), holds("on again", AFTER)],
+        stop: None,
+        changes: &[
+            Change { name: "off", before: 0, after: 1 },
+            Change { name: "on", before: 1, after: 2 },
+        ],
+        moving: &[],
+        prepare: needs_lamp,
+        pose: switch,
+    },
+    Sequence {
+        name: "block",
+        about: "The short block slides and turns, and is back at once.",
+        home: Home::Only("cornell"),
+        phases: &[holds("start", 1), moves("slides", 16), holds("back", AFTER)],
+        stop: None,
+        changes: &[Change { name: "back", before: 1, after: 2 }],
+        moving: &[BLOCK],
+        prepare: |_| Ok(()),
+        pose: block,
+    },
+    Sequence {
+        name: "door",
+        about: "The door between the rooms closes, and opens again; seen from the dark room.",
+        home: Home::Only("two-rooms"),
+        phases: &[
+            holds("open", 2),
+            moves("closes", 8),
+            holds("closed", AFTER),
+            moves("opens", 8),
+            holds("open again", AFTER),
+        ],
+        stop: None,
+        changes: &[
+            Change { name: "closed", before: 0, after: 2 },
+            Change { name: "opened", before: 2, after: 4 },
+        ],
+        moving: &[DOOR],
+        prepare: add_door,
+        pose: door,
+    },
+    Sequence {
+        name: "sun",
+        about: "The sun crosses the opening in the roof.",
+        home: Home::Only("atrium"),
+        phases: &[holds("start", 1), moves("crosses", 16)],
+        stop: None,
+        changes: &[],
+        moving: &[],
+        prepare: |_| Ok(()),
+        pose: sun,
+    },
+    Sequence {
+        name: "walk",
+        about: "A skinned figure walks through a room, one step with each leg.",
+        home: Home::Figure,
+        phases: &[holds("start", 1), moves("walks", 16)],
+        stop: None,
+        changes: &[],
+        moving: &[],
+        prepare: needs_animation,
+        pose: animation,
+    },
+    Sequence {
+        name: "animation",
+        about: "The file's first animation runs once.",
+        home: Home::Animated,
+        phases: &[holds("start", 1), moves("plays", 32)],
+        stop: None,
+        changes: &[],
+        moving: &[],
+        prepare: needs_animation,
+        pose: animation,
+    },
+];
+
+impl Sequence {
+    /// The sequence of a name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        SEQUENCES.iter().find(|sequence| sequence.name == name)
+    }
+
+    /// The name of the built-in scene that is used if no other is asked for.
+    pub fn builtin(&self) -> Option<&'static str> {
+        match self.home {
+            Home::Only(name) | Home::Any(name) => Some(name),
+            Home::Animated | Home::Figure => None,
+        }
+    }
+
+    /// The phases, those of motion with another number of steps if one is given.
+    pub fn phases(&self, moving_steps: Option<u32>) -> Vec<Phase> {
+        let phase = |phase: &Phase| match (phase.kind, moving_steps) {
+            (Kind::Moves, Some(steps)) => Phase { steps, ..*phase },
+            _ => *phase,
+        };
+        self.phases.iter().map(phase).collect()
+    }
+
+    /// Makes a scene ready for the sequence.
+    ///
+    /// # Errors
+    /// A [`Failure`] of input when the scene lacks what moves.
+    pub fn prepare(&self, scene: &mut Scene) -> Result<(), Failure> {
+        if let Home::Only(name) = self.home
+            && scene.name != name
+        {
+            return Err(Failure::input(format!(
+                "the sequence {} moves things of builtin:{name}, not of \"{}\"; leave the scene out, or give {}",
+                self.name,
+                scene.name,
+                any_scene()
+            )));
+        }
+        (self.prepare)(scene)
+    }
+
+    /// The pose at a step.
+    pub fn pose(&self, start: &Start, step: &Step) -> Pose {
+        (self.pose)(start, step)
+    }
+}
+
+/// The names of the sequences for any scene, in words.
+fn any_scene() -> String {
+    let names = SEQUENCES.iter().filter(|sequence| matches!(sequence.home, Home::Any(_)));
+    let names: Vec<&str> = names.map(|sequence| sequence.name).collect();
+    format!("a sequence for any scene (--sequence {})", names.join(","))
+}
+
+/// The steps of phases, in order.
+pub fn steps(phases: &[Phase]) -> Vec<Step> {
+    let mut steps = Vec::new();
+    for (phase, Phase { steps: count, .. }) in phases.iter().enumerate() {
+        for i in 0..*count {
+            let share = (i + 1) as f32 / *count as f32;
+            steps.push(Step { index: steps.len() as u32, phase, share });
+        }
+    }
+    steps
+}
+
+/// The number of the first step of a phase.
+pub fn first_of(phases: &[Phase], phase: usize) -> u32 {
+    phases[..phase].iter().map(|phase| phase.steps).sum()
+}
+
+/// The number of the last step of a phase.
+pub fn last_of(phases: &[Phase], phase: usize) -> u32 {
+    first_of(phases, phase) + phases[phase].steps - 1
+}
+
+/// The steps that are shown, and measured where not all are: of motion the middle and the end, of
+/// holds the first step and the last.
+pub fn marked(phases: &[Phase]) -> Vec<u32> {
+    let mut marked = Vec::new();
+    for (index, phase) in phases.iter().enumerate() {
+        let (first, last) = (first_of(phases, index), last_of(phases, index));
+        marked.push(if phase.kind == Kind::Moves { first + (last - first) / 2 } else { first });
+        marked.push(last);
+    }
+    marked.dedup();
+    marked
+}
+
+fn needs_lamp(scene: &mut Scene) -> Result<(), Failure> {
+    let has_lamp =
+        scene.lights.iter().any(|light| !matches!(light.kind, LightKind::Directional { .. }));
+    if has_lamp {
+        return Ok(());
+    }
+    Err(Failure::input(format!(
+        "\"{}\" has no lamp that could move or be switched off; give another scene, or the \
+         sequence orbit (--sequence orbit)",
+        scene.name
+    )))
+}
+
+fn needs_animation(scene: &mut Scene) -> Result<(), Failure> {
+    if scene.animations().is_empty() {
+        return Err(Failure::input(format!(
+            "nothing moves in the scene \"{}\": it has no animation; give {}",
+            scene.name,
+            any_scene()
+        )));
+    }
+    Ok(())
+}
+
+/// 0 before the phase, its share within it, and 1 after it.
+fn progress(step: &Step, phase: usize) -> f32 {
+    match step.phase {
+        now if now < phase => 0.0,
+        now if now == phase => step.share,
+        _ => 1.0,
+    }
+}
+
+fn orbit(start: &Start, step: &Step) -> Pose {
+    const ANGLE_RAD: f32 = 15.0 / 180.0 * PI;
+    let turn = Quat::from_rotation_y(ANGLE_RAD * progress(step, 1));
+    let pivot = start.scene.bounds().center();
+    let camera = &start.camera;
+    Pose {
+        camera: Camera {
+            position: pivot + turn * (camera.position - pivot),
+            forward: turn * camera.forward,
+            up: turn * camera.up,
+            ..camera.clone()
+        },
+        ..Pose::of(start)
+    }
+}
+
+fn dolly(start: &Start, step: &Step) -> Pose {
+    let (from, to) = (Vec3::new(1.6, 1.25, 0.3), Vec3::new(-0.9, 1.2, 0.6));
+    let position = from.lerp(to, progress(step, 1));
+    let target = Vec3::new(-2.0, 0.9, 0.4);
+    let camera = Camera::look_at(position, target, start.camera.vertical_fov_rad);
+    Pose { camera, ..Pose::of(start) }
+}
+
+fn lamp(start: &Start, step: &Step) -> Pose {
+    let mut pose = Pose::of(start);
+    let share = if step.phase == 1 { step.share } else { 0.0 };
+    let size = start.scene.bounds().size();
+    let way = Vec3::new(0.3, -0.25, 0.2) * size * share;
+    let lamp =
+        pose.lights.iter_mut().find(|light| !matches!(light.kind, LightKind::Directional { .. }));
+    if let Some(lamp) = lamp {
+        lamp.position += way;
+    }
+    pose
+}
+
+fn switch(start: &Start, step: &Step) -> Pose {
+    let mut pose = Pose::of(start);
+    if step.phase == 1 {
+        pose.lights.retain(|light| matches!(light.kind, LightKind::Directional { .. }));
+    }
+    pose
+}
+
+/// The block that moves.
+const BLOCK: &str = "short block";
+
+fn block(start: &Start, step: &Step) -> Pose {
+    let share = if step.phase == 1 { step.share } else { 0.0 };
+    let instance = start.scene.instances.iter().find(|instance| instance.name == BLOCK);
+    let rest = instance.map_or(Mat4::IDENTITY, |instance| instance.world_from_local);
+    let way = Vec3::new(-0.75, 0.0, 0.12) * share;
+    let place = Mat4::from_translation(way) * rest * Mat4::from_rotation_y(FRAC_PI_2 * share);
+    Pose { places: vec![(BLOCK, place)], ..Pose::of(start) }
+}
+
+/// The door that moves.
+const DOOR: &str = "door";
+/// Half the thickness of the wall that it hangs on, as in the built-in scene.
+const WALL_HALF_M: f32 = 0.0025;
+/// The axis of its hinges, along y.
+const HINGE: Vec3 = Vec3::new(-WALL_HALF_M, 0.0, 0.13);
+
+/// Hangs a door of 4 cm before the doorway, on the lit side, 2 cm larger than it on each side.
+fn add_door(scene: &mut Scene) -> Result<(), Failure> {
+    let missing = || Failure::input("the built-in scene has no wall to hang a door on".to_owned());
+    let wall = scene.instances.iter().find(|instance| instance.name == "dividing wall");
+    let material = wall.ok_or_else(missing)?.material;
+    scene.meshes.push(cuboid(Vec3::new(-0.04, 0.0, 0.0), Vec3::new(0.0, 1.62, 0.84)));
+    scene.instances.push(Instance {
+        name: DOOR.to_owned(),
+        mesh: scene.meshes.len() - 1,
+        material,
+        world_from_local: Mat4::from_translation(HINGE),
+        is_static: false,
+        ..Instance::default()
+    });
+    Ok(())
+}
+
+fn door(start: &Start, step: &Step) -> Pose {
+    let open = 1.0 - progress(step, 1) + progress(step, 3);
+    // Into the lit room.
+    let place = Mat4::from_translation(HINGE) * Mat4::from_rotation_y(-FRAC_PI_2 * open);
+    Pose { places: vec![(DOOR, place)], ..Pose::of(start) }
+}
+
+fn sun(start: &Start, step: &Step) -> Pose {
+    const HALF_ARC_RAD: f32 = 35.0 / 180.0 * PI;
+    let mut pose = Pose::of(start);
+    let angle_rad = HALF_ARC_RAD * (2.0 * progress(step, 1) - 1.0);
+    for light in &mut pose.lights {
+        if matches!(light.kind, LightKind::Directional { .. }) {
+            let noon = Vec3::new(0.0, light.direction.y, light.direction.z).normalize();
+            light.direction = Quat::from_rotation_z(angle_rad) * noon;
+        }
+    }
+    pose
+}
+
+fn animation(start: &Start, step: &Step) -> Pose {
+    Pose { time_s: Some(start.duration_s * progress(step, 1)), ..Pose::of(start) }
+}
+
+/// An axis-aligned box, its faces outwards.
+fn cuboid(min: Vec3, max: Vec3) -> Mesh {
+    let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
+    let mut mesh = Mesh { name: "cuboid".to_owned(), ..Mesh::default() };
+    for (axis, u, v) in
+        [(Vec3::X, Vec3::Y, Vec3::Z), (Vec3::Y, Vec3::Z, Vec3::X), (Vec3::Z, Vec3::X, Vec3::Y)]
+    {
+        for normal in [axis, -axis] {
+            // u x v is the axis, so that corners are counter-clockwise seen from outside.
+            let u = if normal == axis { u } else { -u };
+            let first = mesh.positions.len() as u32;
+            for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                mesh.positions.push(middle + half * (normal + a * u + b * v));
+                mesh.normals.push(normal);
+                mesh.uvs.push(glam::Vec2::new(a, b) * 0.5 + 0.5);
+                mesh.tangents.push(u.extend(1.0));
+            }
+            mesh.indices.extend([0, 1, 2, 0, 2, 3].map(|corner| first + corner));
+        }
+    }
+    mesh
+}
+
+#[cfg(test)]
+mod tests {
+    use lumivox_scene::builtin;
+
+    use super::*;
+
+    fn started(sequence: &Sequence) -> Option<Start> {
+        let mut scene = builtin::scene(sequence.builtin()?).unwrap();
+        sequence.prepare(&mut scene).unwrap();
+        scene.validate().unwrap();
+        let camera = scene.cameras[0].clone();
+        Some(Start { scene, camera, duration_s: 0.0 })
+    }
+
+    #[test]
+    fn every_sequence_moves_in_its_moving_phases_and_rests_in_the_others() {
+        for sequence in SEQUENCES {
+            let Some(start) = started(sequence) else { continue };
+            let phases = sequence.phases(None);
+            let steps = steps(&phases);
+            assert!(steps.iter().enumerate().all(|(i, step)| step.index as usize == i));
+            for pair in steps.windows(2) {
+                let [before, now] = [0, 1].map(|i| sequence.pose(&start, &pair[i]));
+                let phase = phases[pair[1].phase];
+                let is_first = pair[0].phase != pair[1].phase;
+                let name = (sequence.name, phase.name, pair[1].index);
+                match phase.kind {
+                    Kind::Moves => assert_ne!(before, now, "{name:?}"),
+                    Kind::Holds if !is_first => assert_eq!(before, now, "{name:?}"),
+                    Kind::Holds => {}
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn changes_change_something_and_leave_time_to_settle() {
+        for sequence in SEQUENCES {
+            let Some(start) = started(sequence) else { continue };
+            let phases = sequence.phases(Some(3));
+            let steps = steps(&phases);
+            for change in sequence.changes {
+                let before = steps[last_of(&phases, change.before) as usize];
+                let after = steps[first_of(&phases, change.after) as usize];
+                assert_ne!(sequence.pose(&start, &before), sequence.pose(&start, &after));
+                assert!(phases[change.after].steps >= 20, "{} {}", sequence.name, change.name);
+                assert_eq!(phases[change.after].kind, Kind::Holds);
+            }
+        }
+    }
+
+    #[test]
+    fn marks_are_middles_and_ends_of_motion_and_both_ends_of_holds() {
+        let phases = [holds("a", 1), moves("b", 4), holds("c", 3)];
+        assert_eq!(marked(&phases), [0, 2, 4, 5, 7]);
+        assert_eq!([first_of(&phases, 2), last_of(&phases, 2)], [5, 7]);
+        let shares: Vec<f32> = steps(&phases)[1..5].iter().map(|step| step.share).collect();
+        assert_eq!(shares, [0.25, 0.5, 0.75, 1.0]);
+    }
+
+    #[test]
+    fn a_closed_door_covers_the_doorway_and_an_open_one_leaves_it_free() {
+        let sequence = Sequence::named("door").unwrap();
+        let start = started(sequence).unwrap();
+        let picker_at = |index: u32| {
+            let phases = sequence.phases(None);
+            let pose = sequence.pose(&start, &steps(&phases)[index as usize]);
+            let mut scene = start.scene.clone();
+            let (name, place) = pose.places[0];
+            let door = scene.instances.iter_mut().find(|instance| instance.name == name).unwrap();
+            door.world_from_local = place;
+            lumivox_scene::Picker::new(&scene)
+        };
+        let phases = sequence.phases(None);
+        let (open, closed) = (picker_at(0), picker_at(first_of(&phases, 2)));
+        for (y, z) in [(0.8, 0.5), (0.01, 0.16), (1.59, 0.94)] {
+            let hit = |picker: &lumivox_scene::Picker| {
+                picker.pick(Vec3::new(1.0, y, z), Vec3::NEG_X).unwrap().position.x
+            };
+            assert!(hit(&closed) > -0.05, "{}", hit(&closed));
+            assert!(hit(&open) < -1.9, "{}", hit(&open));
+        }
+    }
+
+    #[test]
+    fn scenes_without_what_moves_are_refused() {
+        let mut furnace = builtin::scene("furnace").unwrap();
+        for (name, words) in
+            [("switch", "no lamp"), ("block", "builtin:cornell"), ("animation", "no animation")]
+        {
+            let error = Sequence::named(name).unwrap().prepare(&mut furnace).unwrap_err();
+            assert!(error.to_string().contains(words), "{error}");
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Other views of the frames of the picture, from the same G-buffer and the same cones, each with a
+//! mean of its own. Measurements read them beside the picture that a viewer sees.
+
+use lumivox::gpu::Recorder;
+use lumivox::{GBuffer, Lights};
+
+use super::Renderer;
+use crate::gpu::readback::read_texture;
+use crate::gpu::textures::ScreenTextures;
+use crate::passes::accumulate::AccumulatePass;
+use crate::passes::composite::{CompositePass, CompositeTargets};
+use crate::{RenderError, RenderSettings, View};
+
+/// One other view.
+#[derive(Debug)]
+pub(crate) struct BesideView {
+    view: View,
+    composite: CompositeTargets,
+    accumulate: AccumulatePass,
+    /// Bytes of its textures.
+    bytes: u64,
+}
+
+impl BesideView {
+    /// Adds the view of a frame, which has been traced, as number `frame` of its mean.
+    pub(super) fn record(
+        &mut self,
+        recorder: &mut Recorder,
+        pass: &CompositePass,
+        (lights, gbuffer): (&Lights, &GBuffer),
+        (has_cones, frame): (bool, u32),
+    ) {
+        pass.record(recorder, lights, gbuffer, &self.composite, (self.view, has_cones, frame));
+        self.accumulate.follow(frame);
+        self.accumulate.record(recorder);
+    }
+}
+
+/// Checks that views can be shown beside that of the settings: both are views of surfaces, by the
+/// physics.
+///
+/// # Errors
+/// [`RenderError::Setting`] for the first one that cannot.
+pub(crate) fn validate(settings: &RenderSettings) -> Result<(), RenderError> {
+    if settings.beside.is_empty() {
+        return Ok(());
+    }
+    let is_of_surfaces = |view: &View| !view.is_of_voxels() && *view != View::Lod;
+    let refused = settings.beside.iter().find(|view| !is_of_surfaces(view));
+    let refused = match refused {
+        Some(view) => Some(view.name()),
+        None if settings.look.is_some() => Some(settings.look_name()),
+        None if settings.view != View::Final => Some(settings.view.name()),
+        None => None,
+    };
+    refused.map_or(Ok(()), |name| {
+        Err(RenderError::Setting {
+            name: "beside",
+            value: name.to_owned(),
+            expected: "views of surfaces beside the final picture, without a look".to_owned(),
+        })
+    })
+}
+
+impl Renderer {
+    /// Makes the views beside the picture that the settings ask for and that are not there yet.
+    pub(super) fn prepare_beside(&mut self) -> Result<(), RenderError> {
+        let Self { gpu, settings, passes, targets, .. } = self;
+        if targets.beside.iter().map(|beside| beside.view).eq(settings.beside.iter().copied()) {
+            return Ok(());
+        }
+        let device = &gpu.pipelines;
+        targets.bytes -= targets.beside.drain(..).map(|beside| beside.bytes).sum::<u64>();
+        for &view in &settings.beside {
+            let mut textures = ScreenTextures::new(device, settings.size);
+            let composite = passes.composite.targets(
+                device,
+                &mut textures,
+                &targets.gbuffer_textures,
+                &targets.direct,
+                &targets.traced,
+            );
+            let picture = &composite.picture;
+            let accumulate = AccumulatePass::new(
+                device,
+                &passes.shaders,
+                &mut textures,
+                settings.size,
+                picture,
+            )?;
+            let bytes = textures.bytes;
+            targets.beside.push(BesideView { view, composite, accumulate, bytes });
+            targets.bytes += bytes;
+        }
+        Ok(())
+    }
+
+    /// The mean over the frames so far of one of the views of [`RenderSettings::beside`], row by
+    /// row from the top: light in cd/m², other quantities as their views have them. `None` if the
+    /// settings do not ask for the view, or before the first frame.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn read_beside(&self, view: View) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
+        let beside = self.targets.beside.iter().find(|beside| beside.view == view);
+        let Some(beside) = beside.filter(|_| self.frame_count() > 0) else { return Ok(None) };
+        let mut pixels: Vec<[f32; 4]> = read_texture(&self.gpu, beside.accumulate.mean()).await?;
+        if view.is_light() {
+            let unit = self.scene.radiance_unit;
+            for pixel in &mut pixels {
+                *pixel = [pixel[0] * unit, pixel[1] * unit, pixel[2] * unit, pixel[3]];
+            }
+        }
+        self.gpu.check("reading a view beside the picture")?;
+        Ok(Some(pixels))
+    }
+}

@@ -1,0 +1,55 @@
+//! The configuration of a [`Gi`](super::Gi).
+
+use std::sync::Arc;
+
+use crate::Grid;
+use crate::cones::ConeModel;
+use crate::light::Injection;
+use crate::mounted::Mounted;
+use crate::volume::{Directionality, VolumeKind};
+use crate::voxelize::Voxelization;
+
+/// What a [`Gi`](super::Gi) is made for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GiConfig {
+    /// Where the voxels are.
+    pub grid: Grid,
+    /// Six lobes (the default) or one value a voxel.
+    pub directionality: Directionality,
+    /// Where cells are stored.
+    pub volume: VolumeKind,
+    /// The most bytes that the volume may take; `None` (the default): as much as the device gives. While an octree grows,
+    /// what it was is there besides.
+    pub memory_budget: Option<u64>,
+    /// How triangles become voxels; `None` (the default): every voxel that they touch, by the exact walk.
+    pub voxelizer: Option<Arc<dyn Voxelization>>,
+    /// How the light of lamps and suns comes into the voxels; `None` (the default): each face asks each light.
+    pub injection: Option<Arc<dyn Injection>>,
+    /// Where cones start and point, and what their samples show; `None` (the default): the physics.
+    pub cones: Option<Arc<dyn ConeModel>>,
+    /// The caller's G-buffer as it is: a module that takes the place of `package::trace::gbuffer`, with its functions
+    /// `load_surface`, `load_specular` and `load_motion`, and bindings from 1 on of group 3. `None` (the default): the
+    /// textures of [`GBufferViews`](crate::GBufferViews). docs/recipes.md has an example.
+    pub gbuffer: Option<Mounted>,
+    /// The caller's shadow maps as they are: a module that takes the place of `package::light::shadow_map`, with its
+    /// function `shadow_map_visibility`, and bindings from 8 on of group 2. [`Shadow::Map`](crate::Shadow) then names
+    /// whatever the module takes `first_layer` for. `None` (the default): [`ShadowMaps`](crate::ShadowMaps).
+    pub shadow_maps: Option<Mounted>,
+}
+
+impl GiConfig {
+    /// Everything at its default, over a grid.
+    pub fn new(grid: Grid) -> Self {
+        Self {
+            grid,
+            directionality: Directionality::default(),
+            volume: VolumeKind::default(),
+            memory_budget: None,
+            voxelizer: None,
+            injection: None,
+            cones: None,
+            gbuffer: None,
+            shadow_maps: None,
+        }
+    }
+}
