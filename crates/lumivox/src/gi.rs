@@ -13,8 +13,8 @@ use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTim
 use crate::light::{Injector, Light, Lighting, Lights, ShadowSource, lights_layout};
 use crate::points::PointGatherer;
 use crate::trace::{Tracer, gbuffer_layout};
-use crate::volume::changes::Changes;
-use crate::volume::{OctreeStats, Volume};
+use crate::volume::changes::{ChangedCells, Changes};
+use crate::volume::{Followed, OctreeStats, Volume};
 use crate::voxelize::{Taken, VoxelizeStats, VoxelizedScene, Voxelizer};
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
@@ -265,23 +265,35 @@ impl Gi {
         // Its state is too large for the futures of those who wait.
         let voxelizing = Box::pin(voxelizer.voxelize_into(&mut recorder, scene, geometry, follow));
         let stats = voxelizing.await?;
-        if let Some(list) = scene.list() {
-            volume.prepare(&mut recorder, list).await?;
+        self.follow_taken(&mut recorder)?;
+        let has_moving = self.scene.has_moving();
+        if let Some((volume, followed, _)) = self.followed() {
+            Box::pin(volume.settle(&mut recorder, followed, has_moving)).await?;
         }
-        self.follow_taken(&mut recorder);
         Ok(Voxelized { stats, times: recorder.finish().await? })
     }
 
     /// After the list was taken: light and volume follow it.
-    fn follow_taken(&mut self, recorder: &mut Recorder<'_>) {
-        let Self { device, scene, volume, changes, lighting, .. } = self;
-        lighting.inherit(recorder);
-        changes.wrong(recorder);
-        let Some(list) = scene.list() else { return };
-        if let Some((cells, shown)) = changes.cells().zip(lighting.shown()) {
-            volume.follow(recorder, (list, shown.now), cells, scene.changed());
+    fn follow_taken(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
+        self.lighting.inherit(recorder);
+        self.volume.join_missed(recorder, self.scene.changed());
+        self.changes.wrong(recorder, self.volume.clears_cells());
+        if let Some(list) = self.scene.list() {
+            self.lighting.take(&self.device, list);
         }
-        lighting.take(device, list);
+        match self.followed() {
+            Some((volume, followed, wrong)) => volume.follow(recorder, followed, wrong),
+            None => Ok(()),
+        }
+    }
+
+    /// The volume, the list that it follows, and the cells of another surface than before.
+    fn followed(&mut self) -> Option<(&mut Volume, Followed<'_>, &ChangedCells)> {
+        let Self { scene, volume, changes, lighting, .. } = self;
+        let (voxels, bits) = (scene.list()?, scene.changed());
+        let ([changed, wrong], shown) = changes.cells().zip(lighting.shown())?;
+        let followed = Followed { voxels, radiance: shown.now, changed, bits };
+        Some((volume, followed, wrong))
     }
 
     /// Binds lights for [`Self::light`] and [`Self::trace`]. `environment` is what lies outside the grid: a
@@ -454,7 +466,7 @@ impl Gi {
         self.lighting.injector()
     }
 
-    /// Group 0: the grid and the volume. Ask again after each voxelization: an octree has another one then.
+    /// Group 0: the grid and the volume. Ask again after each voxelization: an octree has another one when it has grown.
     pub fn globals(&self) -> &BindGroup {
         self.volume.globals()
     }
@@ -474,8 +486,7 @@ impl Gi {
         &self.gbuffer_layout
     }
 
-    /// Bytes on the GPU, by what they hold; what only a voxelization itself needs is in its statistics, but for what an
-    /// octree needs while it is built.
+    /// Bytes on the GPU, by what they hold; what only a voxelization itself needs is in its statistics.
     pub fn memory(&self) -> Vec<(&'static str, u64)> {
         let mut memory = self.volume.memory();
         memory.extend(self.changes.memory());

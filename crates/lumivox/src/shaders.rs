@@ -36,6 +36,7 @@ pub fn library() -> ShaderLibrary {
         library.add(path, *source);
     }
     crate::voxelize::add_constants(&mut library);
+    crate::volume::add_constants(&mut library);
     library
         .constant_u32("SCAN_WORKGROUP_SIZE", crate::gpu::SCAN_WORKGROUP_SIZE)
         .constant_u32("SCAN_ITEMS", crate::gpu::SCAN_ITEMS)

@@ -7,8 +7,8 @@ mod common;
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{MadeResources, Recorder, Timing, storage_buffer};
 use lumivox::{
-    Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, Shadow, SurfaceMaterial,
-    TraceSettings,
+    Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, OctreeOptions, Shadow,
+    SurfaceMaterial, TraceSettings, VolumeKind,
 };
 
 /// A quad over x and z, facing up.
@@ -23,9 +23,16 @@ fn lamp(position: Vec3) -> Light {
 /// 300 frames: a lamp and a plate move; each is recorded into an encoder of the caller's, and none is waited for.
 #[test]
 fn a_steady_frame_makes_nothing() {
+    for volume in [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())] {
+        check_steady(volume);
+    }
+}
+
+fn check_steady(volume: VolumeKind) {
     let (device, queue) = common::device();
     let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO).expect("it fits");
-    let mut gi = Gi::with_pipelines(&device, &queue, GiConfig::new(grid)).expect("a device");
+    let config = GiConfig { volume, ..GiConfig::new(grid) };
+    let mut gi = Gi::with_pipelines(&device, &queue, config).expect("a device");
     let positions = storage_buffer(&device, "positions", size_of_val(&CORNERS) as u64);
     queue.write_buffer(&positions, 0, bytemuck::cast_slice(&CORNERS));
     let order = [0_u32, 1, 2, 0, 2, 3];
@@ -58,7 +65,7 @@ fn a_steady_frame_makes_nothing() {
             made = MadeResources::now();
         }
     }
-    assert_eq!(MadeResources::now(), made, "300 frames have made something");
+    assert_eq!(MadeResources::now(), made, "300 frames of {volume:?} have made something");
     device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
     assert!(gi.voxels().is_some_and(|list| list.voxel_count() > 100));
 }

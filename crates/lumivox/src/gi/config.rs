@@ -18,8 +18,8 @@ pub struct GiConfig {
     pub directionality: Directionality,
     /// Where cells are stored.
     pub volume: VolumeKind,
-    /// The most bytes that the volume may take; `None` (the default): as much as the device gives. While an octree takes
-    /// a new list, the last one's is there besides.
+    /// The most bytes that the volume may take; `None` (the default): as much as the device gives. While an octree grows,
+    /// what it was is there besides.
     pub memory_budget: Option<u64>,
     /// How triangles become voxels; `None` (the default): every voxel that they touch, by the exact walk.
     pub voxelizer: Option<Arc<dyn Voxelization>>,

@@ -4,7 +4,6 @@ use super::{Gi, follow};
 use crate::cones::TraceSettings;
 use crate::gpu::Recorder;
 use crate::light::Lights;
-use crate::volume::VolumeKind;
 use crate::voxelize::{FrameVoxels, Taken};
 use crate::{Geometry, GiError};
 
@@ -14,7 +13,13 @@ impl Gi {
     ///
     /// The result has the same bits as that of [`Self::voxelize_dynamic`]. If there is no room for all that has moved into
     /// the grid, the voxels stay what they were: how much room is needed is known a few frames later, and then there is. New static
-    /// draws take a few frames, too. [`FrameVoxels::is_late`] tells. Once everything has room, no buffer and no bind group is made.
+    /// draws take a few frames, too. An octree has room of its own: where it lacks, the octree shows the voxels that it showed last,
+    /// with their light, until there is. [`FrameVoxels::is_late`] tells of both; call this again until it is false, even if nothing
+    /// moves any more. Once everything has room, no buffer and no bind group is made.
+    ///
+    /// The places of an octree's bricks, which decide the last bits of what cones see, depend on the lists that it has followed. The
+    /// same calls lead to the same places as long as there is room; which lists a late octree leaves out depends on how fast the GPU
+    /// is.
     ///
     /// Transforms are set for what is recorded here, vertices are read when it runs: submit the encoders in the order in
     /// which they were recorded.
@@ -59,33 +64,31 @@ impl Gi {
     ///
     /// # Errors
     /// [`GiError::Geometry`] when draws and buffers contradict each other, [`GiError::Limit`] when the room that is needed
-    /// does not fit the device, [`GiError::Setting`] with an octree, which only calls that wait can rebuild. The voxels stay
-    /// what they were.
+    /// does not fit the device, [`GiError::Budget`] when an octree needs more than it may take. What is shown stays what it was.
     pub fn voxelize_frame(
         &mut self,
         recorder: &mut Recorder<'_>,
         geometry: &Geometry,
     ) -> Result<FrameVoxels, GiError> {
-        if matches!(self.config.volume, VolumeKind::Octree(_)) {
-            return Err(GiError::Setting {
-                name: "volume",
-                value: "octree".to_owned(),
-                expected: "dense: an octree is only rebuilt by calls that wait for the GPU \
-                           (voxelize_dynamic)"
-                    .to_owned(),
-            });
-        }
         self.changes.begin(recorder);
+        self.volume.hear(recorder)?;
         let Self { device, voxelizer, scene, volume, changes, lighting, .. } = self;
         let mut is_taken = false;
         let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
             is_taken = true;
             follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
         };
-        let frame = voxelizer.record(recorder, scene, geometry, follow)?;
-        if is_taken {
-            self.follow_taken(recorder);
+        let mut frame = voxelizer.record(recorder, scene, geometry, follow)?;
+        if !is_taken && self.volume.is_late() {
+            // The list stays, but the volume does not show it yet.
+            self.lighting.disturb();
+            is_taken = true;
         }
+        if is_taken {
+            self.follow_taken(recorder)?;
+            self.volume.tell(recorder);
+        }
+        frame.is_late |= self.volume.is_late();
         Ok(frame)
     }
 

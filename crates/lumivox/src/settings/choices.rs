@@ -53,11 +53,11 @@ impl Choices for OctreeBuilder {
 }
 
 impl Choices for Duplication {
-    const VALUES: &'static [Self] = &[Self::Ranks, Self::Pointers, Self::Search];
+    const VALUES: &'static [Self] = &[Self::Table, Self::Pointers, Self::Search];
     const CHOICES: &'static [Choice] = &[
-        Choice::new("ranks", "by ranks in the voxel list"),
-        Choice::new("pointers", "by pointers from node to node, 20 bytes a node"),
-        Choice::new("search", "by a search from the root for each texel"),
+        Choice::new("table", "by a search from the table of nodes on"),
+        Choice::new("pointers", "by pointers from node to node, 12 bytes a node"),
+        Choice::new("search", "by a search from the root for each"),
     ];
 }
 

@@ -21,10 +21,11 @@ use changes::ChangedCells;
 use dense::DenseVolume;
 #[cfg(test)]
 pub(crate) use dense::{Level, MaskLevels, read_levels};
+pub(crate) use octree::Followed;
 use octree::OctreeVolume;
 pub use octree::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
 #[cfg(test)]
-pub(crate) use octree::{LockPass, TreeUniform, read_nodes};
+pub(crate) use octree::{LockPass, OldAtlas, TreeUniform, Verdict as TreeVerdict, read_nodes};
 
 /// Modules that volumes share.
 const SHARED: &[(&str, &str)] = &[
@@ -74,6 +75,11 @@ pub fn dense_volume_bytes(grid: &Grid, directionality: Directionality) -> u64 {
 /// The shader modules of all volumes, except for those that [`mount`] adds.
 pub(crate) fn modules() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
     SHARED.iter().chain(changes::MODULES).chain(dense::MODULES).chain(octree::MODULES)
+}
+
+/// Defines the constants that Rust and the shaders of volumes share.
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
+    octree::add_constants(library);
 }
 
 /// Makes a kind of volume `package::volume` and `package::volume::cells`.
@@ -146,18 +152,22 @@ impl Volume {
         }
     }
 
-    /// Makes room for what the voxel list has become. Dense volumes always have room.
+    /// Takes what the GPU has told of recorded calls of [`Self::follow`], and makes the room that lacked.
     ///
     /// # Errors
     /// [`GiError::Limit`] and [`GiError::Budget`] when an octree does not fit.
-    pub(crate) async fn prepare(
-        &mut self,
-        recorder: &mut Recorder<'_>,
-        voxels: &VoxelList,
-    ) -> Result<(), GiError> {
+    pub(crate) fn hear(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
         match self {
             Self::Dense(_) => Ok(()),
-            Self::Octree(octree) => octree.prepare(recorder, voxels).await,
+            Self::Octree(octree) => octree.hear(recorder),
+        }
+    }
+
+    /// Whether it shows an earlier list, for lack of room, as far as the GPU has told. Dense volumes always have room.
+    pub(crate) fn is_late(&self) -> bool {
+        match self {
+            Self::Dense(_) => false,
+            Self::Octree(octree) => octree.is_late(),
         }
     }
 
@@ -171,22 +181,65 @@ impl Volume {
     ) {
         match self {
             Self::Dense(dense) => dense.bind(device, light, cells),
-            Self::Octree(_) => {}
+            Self::Octree(octree) => octree.unbind(),
         }
     }
 
-    /// Follows the voxel list: forgets cells of another surface than before, of which there is a list and a bit for each.
-    /// The radiance is not there before [`Self::update`].
+    /// Whether it needs a list of the cells of another surface to follow; an octree has nodes of its own to list.
+    pub(crate) fn clears_cells(&self) -> bool {
+        matches!(self, Self::Dense(_))
+    }
+
+    /// Before the cells of another surface are found by their bits: adds those that it has missed.
+    pub(crate) fn join_missed(&mut self, recorder: &mut Recorder<'_>, bits: &Buffer) {
+        match self {
+            Self::Dense(_) => {}
+            Self::Octree(octree) => octree.join_missed(recorder, bits),
+        }
+    }
+
+    /// Follows the voxel list: forgets cells of another surface than before. There is a bit for each, and a list if
+    /// [`Self::clears_cells`]. The radiance is not there before [`Self::update`]. If an octree has no room, it shows what it showed; after
+    /// [`Self::tell`], [`Self::hear`] makes room, and after [`Self::settle`] it has followed.
+    ///
+    /// # Errors
+    /// As [`Self::hear`].
     pub(crate) fn follow(
         &mut self,
         recorder: &mut Recorder<'_>,
-        light: (&VoxelList, &Buffer),
-        [changed, wrong]: [&ChangedCells; 2],
-        bits: &Buffer,
-    ) {
+        followed: Followed<'_>,
+        wrong: &ChangedCells,
+    ) -> Result<(), GiError> {
         match self {
-            Self::Dense(dense) => dense.follow(recorder, wrong),
-            Self::Octree(octree) => octree.rebuild(recorder, light, changed, bits),
+            Self::Dense(dense) => {
+                dense.follow(recorder, wrong);
+                Ok(())
+            }
+            Self::Octree(octree) => octree.follow(recorder, followed),
+        }
+    }
+
+    /// Reads whether there was room, to be heard of later.
+    pub(crate) fn tell(&mut self, recorder: &mut Recorder<'_>) {
+        match self {
+            Self::Dense(_) => {}
+            Self::Octree(octree) => octree.tell(recorder),
+        }
+    }
+
+    /// Waits until a list is followed, and makes the room that lacks: with some to spare if the list will change in parts.
+    ///
+    /// # Errors
+    /// As [`Self::hear`]; then it shows what it showed.
+    pub(crate) async fn settle(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        followed: Followed<'_>,
+        has_moving: bool,
+    ) -> Result<(), GiError> {
+        match self {
+            Self::Dense(_) => Ok(()),
+            Self::Octree(octree) => octree.settle(recorder, followed, has_moving).await,
         }
     }
 
@@ -198,8 +251,7 @@ impl Volume {
         }
     }
 
-    /// Group 0: the grid and the volume, for sampling. A new one after each [`Self::rebuild`] of an
-    /// octree.
+    /// Group 0: the grid and the volume, for sampling. Another one after an octree got more room.
     pub(crate) fn globals(&self) -> &BindGroup {
         match self {
             Self::Dense(dense) => dense.globals(),

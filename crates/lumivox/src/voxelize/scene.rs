@@ -116,6 +116,11 @@ impl VoxelizedScene {
         self.list.as_ref()
     }
 
+    /// Whether anything ever moved.
+    pub(crate) fn has_moving(&self) -> bool {
+        self.moving.is_some()
+    }
+
     /// A bit per cell, laid out as the list's occupancy: cells of another surface than before. Who follows the list
     /// clears them.
     pub(crate) fn changed(&self) -> &Buffer {

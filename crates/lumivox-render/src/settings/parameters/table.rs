@@ -196,7 +196,7 @@ pub(super) const VOLUME: &[Row] = &[
     },
     Row {
         name: "octree_duplication",
-        summary: "How bricks find their neighbours' texels; selects an octree",
+        summary: "How cells find the bricks that hold them as neighbours; selects an octree",
         kind: Kind::Choice(Duplication::CHOICES),
         get: |s| Value::Choice(octree(s).duplication.choice()),
         set: |s, v| set_octree(s, |octree| octree.duplication.choose(v)),

@@ -145,14 +145,15 @@ impl Changes {
         });
     }
 
-    /// After a voxelization: the cells of another surface, those that are gone included.
-    pub(crate) fn wrong(&mut self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
+    /// After a voxelization: finds the cells of another surface, those that are gone included, and lists them if asked for.
+    pub(crate) fn wrong(&mut self, recorder: &mut Recorder<'_>, lists_them: bool) {
         recorder.stage("changes");
         self.is_list_new = true;
-        let bound = self.bound.as_ref()?;
+        let Some(bound) = &self.bound else { return };
         self.pyramid.run(recorder, &self.globals, &self.levels);
-        self.lister.list(recorder, &self.globals, &bound.wrong);
-        Some(&bound.wrong)
+        if lists_them {
+            self.lister.list(recorder, &self.globals, &bound.wrong);
+        }
     }
 
     /// Before surfaces are needed, whatever their light: the cells that lack those of the current

@@ -5,11 +5,14 @@ import package::gpu::dispatch::linear_index;
 import package::volume::octree::locks::WANTED;
 import package::volume::octree::sites::Site;
 import package::volume::octree::tree::{node_word, tree, NODE_CHILDREN, NONE};
+import package::volume::octree::verdict::Verdict;
 
-@group(1) @binding(0) var<storage, read> children: array<u32>;
-@group(1) @binding(1) var<storage, read> locks: array<u32>;
-@group(1) @binding(2) var<storage, read_write> sites: array<Site>;
-@group(1) @binding(3) var<storage, read_write> octree_out: array<u32>;
+@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(1) var<storage, read> children: array<u32>;
+@group(1) @binding(2) var<storage, read> locks: array<u32>;
+@group(1) @binding(3) var<storage, read> locked_sites: array<Site>;
+@group(1) @binding(4) var<storage, read_write> octree_out: array<u32>;
+@group(1) @binding(5) var<storage, read_write> sites: array<Site>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
@@ -17,14 +20,16 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let slot = linear_index(invocation, workgroups);
-    if slot >= tree.slots {
+    if verdict.no_room != 0u || slot >= 8u * verdict.groups {
         return;
     }
+    var site = locked_sites[slot];
+    if children[slot] == NONE && (locks[slot] & WANTED) == 0u {
+        site.level = 0u;
+    }
     if slot == 0u {
-        sites[0] = Site(0u, tree.root_level);
+        site = Site(0u, tree.root_level);
     }
     octree_out[node_word(slot) + NODE_CHILDREN] = children[slot];
-    if children[slot] == NONE && (locks[slot] & WANTED) == 0u {
-        sites[slot].level = 0u;
-    }
+    sites[slot] = site;
 }

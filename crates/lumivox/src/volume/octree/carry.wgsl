@@ -1,41 +1,46 @@
-// Values that are still right, from the octree of the list before: those of cells in which nothing has changed.
+// The values of renewed nodes' own cells: those of cells in which nothing has changed go where the node has its bricks now,
+// those of the others are forgotten. A thread a cell.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::volume::octree::tree::tree;
-import package::volume::level_range::{node_range, nodes};
-import package::voxels::lookup::bits_below;
+import package::volume::octree::renewals::Renewal;
+import package::volume::octree::tree::{all_parts, tree};
+import package::volume::octree::values::value_place;
+import package::volume::octree::verdict::Verdict;
 
+@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(1) var<storage, read> renewals: array<Renewal>;
 // A bit per cell, laid out as the occupancy: cells of another surface, here or below.
 @group(1) @binding(2) var<storage, read> changed: array<u32>;
-@group(1) @binding(3) var<storage, read> value_starts: array<u32>;
-@group(1) @binding(4) var<storage, read_write> values: array<vec2u>;
-@group(1) @binding(5) var<storage, read> old_occupancy: array<u32>;
-@group(1) @binding(6) var<storage, read> old_ranks: array<u32>;
-@group(1) @binding(7) var<storage, read> old_starts: array<u32>;
-@group(1) @binding(8) var<storage, read> old_values: array<vec2u>;
+@group(1) @binding(3) var<storage, read_write> values: array<vec2u>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let index = linear_index(invocation, workgroups);
-    if index >= node_range.count {
+    let thread = linear_index(invocation, workgroups);
+    if verdict.no_room != 0u || thread / 8u >= verdict.renewals {
         return;
     }
-    let cell = node_range.first + index;
-    let code = nodes[cell].morton;
-    let word = tree.levels[node_range.level].z + code / 32u;
-    let bit = 1u << (code % 32u);
-    if (changed[word] & bit) != 0u || (old_occupancy[word] & bit) == 0u {
+    let renewal = renewals[thread / 8u];
+    let octant = thread % 8u;
+    let code = 8u * renewal.morton + octant;
+    let word = changed[tree.levels[renewal.level - 1u].z + code / 32u];
+    let is_changed = ((word >> (code % 32u)) & 1u) != 0u;
+    let parts = all_parts(renewal.masks.x);
+    let stays = parts == renewal.old_parts;
+    if stays && !is_changed {
         return;
     }
-    // The same surface has the same parts.
-    let old_cell = old_ranks[word] + bits_below(old_occupancy[word], code % 32u);
-    let first = value_starts[cell];
-    let count = value_starts[cell + 1u] - first;
-    for (var i = 0u; i < count; i++) {
-        values[first + i] = old_values[old_starts[old_cell] + i];
+    var left = parts;
+    while left != 0u {
+        let part = countTrailingZeros(left);
+        left &= left - 1u;
+        var value = vec2u(0u);
+        if !is_changed && ((renewal.old_parts >> part) & 1u) != 0u {
+            value = values[value_place(renewal.old_first_brick, renewal.old_parts, part, octant)];
+        }
+        values[value_place(renewal.first_brick, parts, part, octant)] = value;
     }
 }

@@ -1,33 +1,39 @@
-// Fills bricks, with neighbours found by pointers to the next nodes along +x, +y and +z.
+// Fills bricks, with the nodes that hold a cell found by pointers to the nodes before, along x, y and z.
 //
-// The next node across an edge or a corner is found by two or three of them: where it holds a cell of the brick, the
-// nodes on the way hold that cell as their neighbour's, so that they exist.
+// The node across an edge or a corner is found by two or three of them: the nodes on the way hold the cell as well, so that
+// they exist.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
-import package::volume::octree::contents::own_cell;
-import package::volume::octree::fill::{fill_texel, task_of, texel_offset};
-import package::volume::octree::tree::{octant_of, NONE};
+import package::gpu::dispatch::linear_index;
+import package::volume::octree::fill::{fill_node, task_of};
+import package::volume::octree::holders::has_holder;
+import package::volume::octree::search::find_node;
+import package::volume::octree::tree::corner_of;
 
 // Three a node.
-@group(1) @binding(1) var<storage, read> next_nodes: array<u32>;
+@group(1) @binding(7) var<storage, read> nodes_before: array<u32>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let task = task_of(invocation, workgroups);
-    if !task.exists {
-        return;
+    let task = task_of(linear_index(invocation, workgroups));
+    let own_cell = task.cell >> vec3u(1u);
+    var own = 0u;
+    if task.exists {
+        own = find_node(own_cell, task.level);
     }
-    let slot = task.slot;
-    let offset = texel_offset(task.texel);
-    var owner = slot;
-    for (var axis = 0u; axis < 3u; axis++) {
-        if offset[axis] == 2u && owner != NONE {
-            owner = next_nodes[3u * owner + axis];
+    for (var i = 0u; i < 8u; i++) {
+        if task.exists && has_holder(task.cell, i) {
+            let back = corner_of(i);
+            var node = own;
+            for (var axis = 0u; axis < 3u; axis++) {
+                if back[axis] != 0u {
+                    node = nodes_before[3u * node + axis];
+                }
+            }
+            fill_node(task, node, own_cell - back);
         }
     }
-    let cell = own_cell(owner, octant_of(offset));
-    fill_texel(slot, task.texel, owner != NONE && cell.x != 0u, cell.y);
 }

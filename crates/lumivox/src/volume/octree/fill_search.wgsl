@@ -1,29 +1,22 @@
-// Fills bricks, with neighbours found by a search from the root for each texel.
+// Fills bricks, with the nodes that hold a cell found by a search from the root for each.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
-import package::volume::octree::contents::own_cell;
-import package::volume::octree::fill::{fill_texel, sites, task_of, texel_offset};
+import package::gpu::dispatch::linear_index;
+import package::volume::octree::fill::{fill_node, task_of};
+import package::volume::octree::holders::has_holder;
 import package::volume::octree::search::find_node_from_root;
-import package::volume::octree::tree::{octant_of, tree, NONE};
-import package::voxels::morton::morton_decode;
+import package::volume::octree::tree::corner_of;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let task = task_of(invocation, workgroups);
-    if !task.exists {
-        return;
+    let task = task_of(linear_index(invocation, workgroups));
+    for (var i = 0u; i < 8u; i++) {
+        if task.exists && has_holder(task.cell, i) {
+            let node_cell = (task.cell >> vec3u(1u)) - corner_of(i);
+            fill_node(task, find_node_from_root(node_cell, task.level), node_cell);
+        }
     }
-    let slot = task.slot;
-    let offset = texel_offset(task.texel);
-    let level = sites[slot].level;
-    let owner_cell = morton_decode(sites[slot].morton) + offset / 2u;
-    var owner = NONE;
-    if all(owner_cell < vec3u(1u << (tree.root_level - level))) {
-        owner = find_node_from_root(owner_cell, level);
-    }
-    let cell = own_cell(owner, octant_of(offset));
-    fill_texel(slot, task.texel, owner != NONE && cell.x != 0u, cell.y);
 }

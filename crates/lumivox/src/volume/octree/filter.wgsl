@@ -6,52 +6,27 @@
 import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
 import package::volume::octree::tree::tree;
-import package::volume::octree::values::{load_value, nodes, store_value};
+import package::volume::octree::values::{load_value, nodes, owner_at, store_value, Owner};
+import package::volume::octree::verdict::Verdict;
 import package::volume::changes::cells::{changed_cell, level_words};
 import package::volume::changes::list::NOTHING;
 import package::volume::column::{filter_column, AxisParts};
 import package::volume::parts::{part_of, stored_parts, NEGATIVE, POSITIVE, TILT};
 import package::voxels::lookup::bits_below;
 
+@group(1) @binding(5) var<uniform> verdict: Verdict;
 @group(1) @binding(6) var<storage, read> occupancy: array<u32>;
 @group(1) @binding(7) var<storage, read> ranks: array<u32>;
 
-// The children of a cell: the first one's place in the list, and a bit for each that there is.
-struct Children {
-    first: u32,
-    bits: u32,
-}
-
-// A child with the parts that it has; none if it is empty.
-struct Child {
-    cell: u32,
-    parts: u32,
-}
-
-fn children_of(morton: u32, level: u32) -> Children {
-    let code = morton * 8u;
-    let word = tree.levels[level - 1u].z + code / 32u;
-    let bits = occupancy[word];
-    return Children(ranks[word] + bits_below(bits, code % 32u), (bits >> (code % 32u)) & 0xffu);
-}
-
-fn child_at(children: Children, octant: u32) -> Child {
-    if ((children.bits >> octant) & 1u) == 0u {
-        return Child(0u, 0u);
-    }
-    let cell = children.first + bits_below(children.bits, octant);
-    return Child(cell, stored_parts(nodes[cell].lobes));
-}
-
-fn load(child: Child, axis: u32) -> AxisParts {
+fn load(children: Owner, octant: u32, axis: u32) -> AxisParts {
     return AxisParts(
-        load_value(child.cell, child.parts, part_of(axis, POSITIVE)),
-        load_value(child.cell, child.parts, part_of(axis, NEGATIVE)),
-        load_value(child.cell, child.parts, part_of(axis, TILT)),
+        load_value(children, octant, part_of(axis, POSITIVE)),
+        load_value(children, octant, part_of(axis, NEGATIVE)),
+        load_value(children, octant, part_of(axis, TILT)),
     );
 }
 
-fn filter_lobes(cell: u32, lobes: u32, children: Children) {
+fn filter_lobes(owner: Owner, octant: u32, lobes: u32, children: Owner) {
     let parts = stored_parts(lobes);
     for (var axis = 0u; axis < 3u; axis++) {
         if ((lobes >> (2u * axis)) & 3u) == 0u {
@@ -59,41 +34,41 @@ fn filter_lobes(cell: u32, lobes: u32, children: Children) {
         }
         var sum = AxisParts(vec4f(0.0), vec4f(0.0), vec4f(0.0));
         for (var i = 0u; i < 4u; i++) {
-            let octant = ((i & 1u) << ((axis + 1u) % 3u)) | ((i >> 1u) << ((axis + 2u) % 3u));
-            let low = load(child_at(children, octant), axis);
-            let high = load(child_at(children, octant | (1u << axis)), axis);
-            let column = filter_column(low, high);
+            let low = ((i & 1u) << ((axis + 1u) % 3u)) | ((i >> 1u) << ((axis + 2u) % 3u));
+            let column =
+                filter_column(load(children, low, axis), load(children, low | (1u << axis), axis));
             sum.positive += column.positive;
             sum.negative += column.negative;
             sum.tilt += column.tilt;
         }
         if ((parts >> part_of(axis, POSITIVE)) & 1u) != 0u {
-            store_value(cell, parts, part_of(axis, POSITIVE), 0.25 * sum.positive);
+            store_value(owner, octant, part_of(axis, POSITIVE), 0.25 * sum.positive);
         }
         if ((parts >> part_of(axis, NEGATIVE)) & 1u) != 0u {
-            store_value(cell, parts, part_of(axis, NEGATIVE), 0.25 * sum.negative);
+            store_value(owner, octant, part_of(axis, NEGATIVE), 0.25 * sum.negative);
         }
         if ((parts >> part_of(axis, TILT)) & 1u) != 0u {
-            store_value(cell, parts, part_of(axis, TILT), 0.25 * sum.tilt);
+            store_value(owner, octant, part_of(axis, TILT), 0.25 * sum.tilt);
         }
     }
 }
 
-fn filter_mean(cell: u32, children: Children) {
+fn filter_mean(owner: Owner, octant: u32, children: Owner) {
     var sum = vec4f(0.0);
-    for (var octant = 0u; octant < 8u; octant++) {
-        let child = child_at(children, octant);
-        sum += load_value(child.cell, child.parts, 0u);
+    for (var child = 0u; child < 8u; child++) {
+        sum += load_value(children, child, 0u);
     }
-    store_value(cell, 1u, 0u, 0.125 * sum);
+    store_value(owner, octant, 0u, 0.125 * sum);
 }
 
+// The children of a cell are the own cells of the node that the cell is.
 fn filter_cell(cell: u32, morton: u32) {
-    let children = children_of(morton, level_words.level);
+    let children = owner_at(morton, level_words.level);
+    let owner = owner_at(morton / 8u, level_words.level + 1u);
     if ISOTROPIC != 0u {
-        filter_mean(cell, children);
+        filter_mean(owner, morton % 8u, children);
     } else {
-        filter_lobes(cell, nodes[cell].lobes, children);
+        filter_lobes(owner, morton % 8u, nodes[cell].lobes, children);
     }
 }
 
@@ -103,7 +78,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let changed = changed_cell(linear_index(invocation, workgroups));
-    if changed.node != NOTHING {
+    if changed.node != NOTHING && verdict.no_room == 0u {
         filter_cell(changed.node, changed.morton);
     }
 }
@@ -115,7 +90,7 @@ fn every_cell(
 ) {
     let code = linear_index(invocation, workgroups);
     let edge_bits = tree.root_level - level_words.level;
-    if code >= 1u << (3u * edge_bits) {
+    if code >= 1u << (3u * edge_bits) || verdict.no_room != 0u {
         return;
     }
     let word = tree.levels[level_words.level].z + code / 32u;

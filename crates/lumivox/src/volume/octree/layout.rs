@@ -23,6 +23,8 @@ pub(crate) struct TreeUniform {
     pub(crate) slots: u32,
     pub(crate) inverse_size: [f32; 3],
     pub(crate) row_bits: u32,
+    pub(crate) bricks: u32,
+    pub(crate) padding: [u32; 3],
     pub(crate) levels: [[u32; 4]; MAX_NODE_LEVELS],
 }
 
@@ -46,7 +48,8 @@ impl TreeLayout {
         for level in 1..=root_level {
             let words = &mut levels[level as usize];
             words[0] = (level_first_word(grid, level) - before) as u32;
-            if level >= table_level {
+            // Above the coarsest cells nodes lead the way; nobody searches for them.
+            if level >= table_level && level <= grid.levels {
                 words[1] = table_words;
                 table_words += (edge >> level).pow(3);
             }
@@ -78,6 +81,7 @@ impl TreeLayout {
         u64::from(self.table_words) + slots * u64::from(NODE_WORDS)
     }
 
+    /// The uniform of an octree with so much room.
     pub fn uniform(&self, slots: u32, bricks: u32) -> TreeUniform {
         let atlas = AtlasSize::of(bricks);
         TreeUniform {
@@ -87,6 +91,8 @@ impl TreeLayout {
             slots,
             inverse_size: atlas.texels().as_vec3().recip().to_array(),
             row_bits: atlas.row_bits,
+            bricks,
+            padding: [0; 3],
             levels: self.levels,
         }
     }

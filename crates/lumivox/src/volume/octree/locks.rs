@@ -2,16 +2,15 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::tree::Tree;
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Indirect, Kernel, LayoutBuilder, Pipelines, Recorder, Run,
-    ShaderLibrary, read_buffer, storage_buffer, uniform_buffer,
+    BindGroup, BindGroupBuilder, BoundIndirect, Buffer, Indirect, Kernel, LayoutBuilder, Pipelines,
+    Recorder, Run, ShaderLibrary, storage_buffer, uniform_buffer,
 };
 use crate::gpu::{Memory, Remedy};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
-/// `MAX_CELL_LEVELS` of `locks.wgsl`.
-const MAX_CELL_LEVELS: usize = 12;
 /// `DEFERRED` of `locks.wgsl`, and the counter before it, which is zero.
 const DEFERRED: u32 = 2;
 
@@ -20,19 +19,7 @@ const DEFERRED: u32 = 2;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct LockPass {
     pub(crate) pass_number: u32,
-    pub(crate) item_count: u32,
-    pub(crate) capacity: u32,
-    pub(crate) padding: u32,
-    pub(crate) level_starts: [[u32; 4]; MAX_CELL_LEVELS],
-}
-
-/// How it went.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LocksDone {
-    /// Passes until nothing was deferred.
-    pub passes: u32,
-    /// Threads deferred in all of them.
-    pub deferred: u64,
+    pub(crate) padding: [u32; 3],
 }
 
 #[derive(Debug)]
@@ -42,6 +29,50 @@ pub(super) struct LockBuilder {
     pass: Kernel,
     adopt: Kernel,
     indirect: Indirect,
+}
+
+/// What it needs for a list.
+#[derive(Debug)]
+pub(super) struct BoundLocks {
+    children: Buffer,
+    locks: Buffer,
+    sites: Buffer,
+    /// The groups made, zero, and the threads that each pass has deferred.
+    pub counters: Buffer,
+    deferred: [Buffer; 2],
+    items: u64,
+    passes: Vec<BindGroup>,
+    /// The arguments of all passes but the first.
+    arguments: Vec<BoundIndirect>,
+    adopt: BindGroup,
+}
+
+impl BoundLocks {
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        let own = [&self.children, &self.locks, &self.sites, &self.counters];
+        own.into_iter().chain(&self.deferred).map(|buffer| buffer.size()).sum()
+    }
+}
+
+/// How it went, from the words of [`BoundLocks::counters`]: the passes until nothing was deferred, and the threads that were.
+///
+/// # Errors
+/// [`GiError::Device`] if it did not end with the nodes that ranks have counted, which would be a defect.
+pub(super) fn count_passes(counters: &[u32], groups: u32) -> Result<(u32, u64), GiError> {
+    let deferred = &counters[DEFERRED as usize..];
+    let left = deferred.last().copied().unwrap_or(0);
+    if counters[0] + 1 != groups || left > 0 {
+        return Err(GiError::Device {
+            doing: "building the octree with locks",
+            reason: format!(
+                "it made {} groups of nodes of {groups}, and {left} threads were left over",
+                counters[0] + 1
+            ),
+        });
+    }
+    let passes = deferred.iter().take_while(|count| **count > 0).count() as u32 + 1;
+    Ok((passes, deferred.iter().map(|count| u64::from(*count)).sum()))
 }
 
 impl LockBuilder {
@@ -59,8 +90,11 @@ impl LockBuilder {
             .storage_mut()
             .storage()
             .storage_mut()
+            .storage()
             .build(device, "volume::octree::locks");
         let adopt_layout = LayoutBuilder::compute()
+            .uniform()
+            .storage()
             .storage()
             .storage()
             .storage_mut()
@@ -77,93 +111,92 @@ impl LockBuilder {
         })
     }
 
-    /// Builds the nodes into `octree` and `sites`, which have room for `groups` groups.
+    /// Binds a list and an octree.
     ///
     /// # Errors
-    /// [`GiError::Limit`] when its lists do not fit; [`GiError::Device`] if it does not end with the nodes that ranks
-    /// have counted, which would be a defect.
-    pub async fn build(
+    /// [`GiError::Limit`] when its lists do not fit.
+    pub fn bind(
         &self,
-        recorder: &mut Recorder<'_>,
-        memory: &mut Memory<'_>,
-        globals: &BindGroup,
+        device: &wgpu::Device,
         grid: &Grid,
         voxels: &VoxelList,
-        (groups, octree, sites): (u32, &Buffer, &Buffer),
-    ) -> Result<LocksDone, GiError> {
-        let device = memory.device().clone();
-        let queue = recorder.queue().clone();
+        (tree, verdict): (&Tree, &Buffer),
+    ) -> Result<BoundLocks, GiError> {
         let remedy = Remedy::Surface(grid.dimensions.max_element());
-        let cells = voxels.level_starts[grid.levels as usize];
-        let items = u64::from(cells) * 8;
-        let slots = u64::from(groups) * 8;
+        let mut memory = Memory::new(device);
+        let slots = tree.room.slots;
+        let items = voxels.node_capacity() * 8;
         let children = memory.buffer("octree: children", slots, 4, remedy)?;
         let locks = memory.buffer("octree: locks", slots, 4, remedy)?;
-        let lists = [
+        let sites = memory.buffer("octree: locked sites", slots, 8, remedy)?;
+        let deferred = [
             memory.buffer("octree: deferred threads", items, 4, remedy)?,
             memory.buffer("octree: deferred threads", items, 4, remedy)?,
         ];
         // A thread is deferred once a level at most; the last pass shows that none is left.
         let passes = grid.morton_edge(0).ilog2() + 2;
-        let counters =
-            storage_buffer(&device, "octree: counters", u64::from(DEFERRED + passes) * 4);
-        let no_overflow = storage_buffer(&device, "no overflow", 4);
-        let mut level_starts = [[u32::MAX; 4]; MAX_CELL_LEVELS];
-        for (start, place) in voxels.level_starts.iter().zip(&mut level_starts) {
-            place[0] = *start;
-        }
-        for pass_number in 0..passes {
-            let params = LockPass {
-                pass_number,
-                item_count: items as u32,
-                capacity: groups,
-                padding: 0,
-                level_starts,
-            };
-            let uniform = uniform_buffer(&device, "lock pass", &params);
-            let group = BindGroupBuilder::new(&self.pass_layout)
-                .buffer(&uniform)
-                .buffer(&voxels.nodes)
-                .buffer(&children)
-                .buffer(&locks)
-                .buffer(sites)
-                .buffer(&counters)
-                .buffer(&lists[(pass_number % 2) as usize])
-                .buffer(&lists[((pass_number + 1) % 2) as usize])
-                .build(&device, "volume::octree::locks");
-            if pass_number == 0 {
-                self.pass.run_linear(recorder, &[globals, &group], items);
-                continue;
-            }
-            let run = Run { first: DEFERRED - 1, end: DEFERRED + pass_number - 1 };
-            let bound = self.indirect.bind(&device, &counters, &[run], &no_overflow);
-            self.indirect.run(recorder, &bound);
-            recorder.compute("volume::octree::locks::main", |pass| {
-                self.pass.dispatch_indirect(pass, &[globals, &group], &bound.arguments, 0);
-            });
-        }
-        let group = BindGroupBuilder::new(&self.adopt_layout)
+        let counters = storage_buffer(device, "octree: counters", u64::from(DEFERRED + passes) * 4);
+        let no_overflow = storage_buffer(device, "no overflow", 4);
+        let groups = (0..passes)
+            .map(|pass_number| {
+                let params = LockPass { pass_number, padding: [0; 3] };
+                let uniform = uniform_buffer(device, "lock pass", &params);
+                BindGroupBuilder::new(&self.pass_layout)
+                    .buffer(&uniform)
+                    .buffer(&voxels.nodes)
+                    .buffer(&children)
+                    .buffer(&locks)
+                    .buffer(&sites)
+                    .buffer(&counters)
+                    .buffer(&deferred[(pass_number % 2) as usize])
+                    .buffer(&deferred[((pass_number + 1) % 2) as usize])
+                    .buffer(&voxels.counts)
+                    .build(device, "volume::octree::locks")
+            })
+            .collect();
+        let arguments = (1..passes)
+            .map(|pass_number| {
+                let run = Run { first: DEFERRED - 1, end: DEFERRED + pass_number - 1 };
+                self.indirect.bind(device, &counters, &[run], &no_overflow)
+            })
+            .collect();
+        let adopt = BindGroupBuilder::new(&self.adopt_layout)
+            .buffer(verdict)
             .buffer(&children)
             .buffer(&locks)
-            .buffer(sites)
-            .buffer(octree)
-            .build(&device, "volume::octree::adopt");
-        self.adopt.run_linear(recorder, &[globals, &group], slots);
-        recorder.flush();
-        let bytes = u64::from(DEFERRED + passes) * 4;
-        let counted: Vec<u32> = read_buffer(&device, &queue, &counters, 0..bytes).await?;
-        let deferred = &counted[DEFERRED as usize..];
-        let left = deferred.last().copied().unwrap_or(0);
-        if counted[0] + 1 != groups || left > 0 {
-            return Err(GiError::Device {
-                doing: "building the octree with locks",
-                reason: format!(
-                    "it made {} groups of nodes of {groups}, and {left} threads were left over",
-                    counted[0] + 1
-                ),
+            .buffer(&sites)
+            .buffer(&tree.octree)
+            .buffer(&tree.sites)
+            .build(device, "volume::octree::adopt");
+        Ok(BoundLocks {
+            children,
+            locks,
+            sites,
+            counters,
+            deferred,
+            items,
+            passes: groups,
+            arguments,
+            adopt,
+        })
+    }
+
+    /// Builds the nodes, if there is room for them.
+    pub fn build(&self, recorder: &mut Recorder<'_>, globals: &BindGroup, bound: &BoundLocks) {
+        for buffer in [&bound.children, &bound.locks, &bound.sites, &bound.counters] {
+            recorder.clear(buffer);
+        }
+        for (pass_number, group) in bound.passes.iter().enumerate() {
+            let Some(arguments) = pass_number.checked_sub(1).map(|i| &bound.arguments[i]) else {
+                self.pass.run_linear(recorder, &[globals, group], bound.items);
+                continue;
+            };
+            self.indirect.run(recorder, arguments);
+            recorder.compute("volume::octree::locks::main", |pass| {
+                self.pass.dispatch_indirect(pass, &[globals, group], &arguments.arguments, 0);
             });
         }
-        let passes = deferred.iter().take_while(|count| **count > 0).count() as u32 + 1;
-        Ok(LocksDone { passes, deferred: deferred.iter().map(|count| u64::from(*count)).sum() })
+        let slots = bound.children.size() / 4;
+        self.adopt.run_linear(recorder, &[globals, &bound.adopt], slots);
     }
 }

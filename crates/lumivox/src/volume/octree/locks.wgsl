@@ -7,26 +7,21 @@
 // back, and a node whose lock is taken has its children at the end of the pass. So every pass brings a deferred thread
 // down by a level at least, and as many passes as there are levels are enough.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{COUNT_BLOCK_WORDS, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
+import package::grid::grid;
 import package::volume::octree::holders::has_holder;
 import package::volume::octree::sites::Site;
 import package::volume::octree::tree::{corner_of, octant_of, tree, NONE};
 import package::voxels::list::Node;
 import package::voxels::morton::{morton_decode, morton_encode};
 
-// Levels of cells, at most.
-const MAX_CELL_LEVELS: u32 = 12u;
-
 struct LockPass {
     // 0 for the first: there the items are all pairs of a cell and one of the eight nodes that may hold it.
     pass_number: u32,
-    item_count: u32,
-    // Groups that there is room for.
-    capacity: u32,
-    padding: u32,
-    // Where the cells of each level start in the list, in x.
-    level_starts: array<vec4u, MAX_CELL_LEVELS>,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 @group(1) @binding(0) var<uniform> lock_pass: LockPass;
@@ -39,6 +34,8 @@ struct LockPass {
 @group(1) @binding(5) var<storage, read_write> counters: array<atomic<u32>>;
 @group(1) @binding(6) var<storage, read> items: array<u32>;
 @group(1) @binding(7) var<storage, read_write> deferred: array<u32>;
+// How much there is in the list (voxels/counts.wgsl).
+@group(1) @binding(8) var<storage, read> list_counts: array<u32>;
 
 const GROUPS: u32 = 0u;
 const DEFERRED: u32 = 2u;
@@ -55,7 +52,7 @@ struct Target {
 fn target_of(item: u32) -> Target {
     let index = item / 8u;
     var level = 0u;
-    while index >= lock_pass.level_starts[level + 1u].x {
+    while level + 1u < grid.levels && index >= list_counts[(level + 2u) * COUNT_BLOCK_WORDS + 1u] {
         level++;
     }
     let cell = morton_decode(nodes[index].morton);
@@ -68,7 +65,8 @@ fn target_of(item: u32) -> Target {
 // The children of a node that had none. Only one thread gets here for a node.
 fn split(node: u32, node_cell: vec3u, level: u32) -> u32 {
     let group = 1u + atomicAdd(&counters[GROUPS], 1u);
-    if group >= lock_pass.capacity {
+    // What does not have room is not taken (verdict.wgsl).
+    if 8u * group >= tree.slots {
         return NONE;
     }
     for (var octant = 0u; octant < 8u; octant++) {
@@ -111,7 +109,7 @@ fn main(
 ) {
     let index = linear_index(invocation, workgroups);
     var item = index;
-    var count = lock_pass.item_count;
+    var count = 8u * list_counts[2];
     if lock_pass.pass_number > 0u {
         count = atomicLoad(&counters[DEFERRED + lock_pass.pass_number - 1u]);
         if index < count {

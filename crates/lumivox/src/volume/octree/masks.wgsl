@@ -1,39 +1,35 @@
-// The masks of the nodes: which parts the look-ups into their bricks can meet.
+// The masks of renewed nodes, which tell the parts that the look-ups into their bricks can meet; and how many runs of bricks of
+// each length are needed and given back.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::grid::grid;
 import package::volume::octree::cell_ranks::{cell_rank, NO_CELL};
-import package::volume::octree::sites::Site;
-import package::volume::octree::tree::{corner_of, node_word, tree, with_all_parts, NODE_MASKS};
-import package::volume::parts::stored_parts;
+import package::volume::octree::renewals::{needed_bricks, returned_bricks, Renewal};
+import package::volume::octree::search::{find_node, node_parts, octree};
+import package::volume::octree::tree::{corner_of, node_word, tree, with_all_parts, NODE_FIRST_BRICK};
+import package::volume::parts::{stored_parts, PARTS};
 import package::voxels::list::Node;
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(2) var<storage, read> nodes: array<Node>;
-@group(1) @binding(3) var<storage, read> sites: array<Site>;
-@group(1) @binding(4) var<storage, read_write> octree_out: array<u32>;
+// A bit per node below the root, of those that there are.
+@group(1) @binding(3) var<storage, read> node_bits: array<u32>;
+@group(1) @binding(4) var<storage, read> renewed_ranks: array<u32>;
+@group(1) @binding(5) var<storage, read_write> renewals: array<Renewal>;
+// For each kind of run, the runs of each workgroup; one more word: the total. Kinds are the lengths 1 to 9 of runs that are
+// needed, then those of runs that are given back.
+@group(1) @binding(6) var<storage, read_write> run_starts: array<u32>;
 
-@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
-fn main(
-    @builtin(global_invocation_id) invocation: vec3u,
-    @builtin(num_workgroups) workgroups: vec3u,
-) {
-    let slot = linear_index(invocation, workgroups);
-    if slot >= tree.slots {
-        return;
-    }
-    let site = sites[slot];
-    // Above the coarsest cells nodes lead the way and have no bricks.
-    if site.level == 0u || site.level > grid.levels {
-        return;
-    }
-    let first_cell = 2u * morton_decode(site.morton);
-    var masks = array<u32, 4>(0u, 0u, 0u, 0u);
+const RUN_KINDS: u32 = 18u;
+
+var<workgroup> runs: array<atomic<u32>, RUN_KINDS>;
+
+fn masks_of(node_cell: vec3u, level: u32) -> vec4u {
+    var masks = vec4u(0u);
     var everything = 0u;
     for (var i = 0u; i < 27u; i++) {
         let offset = vec3u(i % 3u, (i / 3u) % 3u, i / 9u);
-        let rank = cell_rank(first_cell + offset, site.level - 1u);
+        let rank = cell_rank(2u * node_cell + offset, level - 1u);
         if rank == NO_CELL {
             continue;
         }
@@ -41,15 +37,49 @@ fn main(
         everything |= parts;
         // The look-ups that read this cell: those that start at it, or one before.
         for (var lookup = 0u; lookup < 8u; lookup++) {
-            let from_start = offset - corner_of(lookup);
-            if all(from_start <= vec3u(1u)) {
+            if all(offset - corner_of(lookup) <= vec3u(1u)) {
                 masks[lookup / 2u] |= parts << (16u * (lookup % 2u));
             }
         }
     }
-    let word = node_word(slot) + NODE_MASKS;
-    octree_out[word] = with_all_parts(masks[0], everything);
-    octree_out[word + 1u] = masks[1];
-    octree_out[word + 2u] = masks[2];
-    octree_out[word + 3u] = masks[3];
+    masks.x = with_all_parts(masks.x, everything);
+    return masks;
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = linear_index(invocation, workgroups);
+    let count = min(renewed_ranks[arrayLength(&renewed_ranks) - 1u], arrayLength(&renewals));
+    if index < count {
+        var renewal = renewals[index];
+        let node_cell = morton_decode(renewal.morton);
+        let word = node_bits[tree.levels[renewal.level].x + renewal.morton / 32u];
+        renewal.is_there = (word >> (renewal.morton % 32u)) & 1u;
+        renewal.masks = vec4u(0u);
+        if renewal.is_there != 0u {
+            renewal.masks = masks_of(node_cell, renewal.level);
+        }
+        let old = find_node(node_cell, renewal.level);
+        renewal.old_parts = node_parts(old);
+        renewal.old_first_brick = octree[node_word(old) + NODE_FIRST_BRICK];
+        renewals[index] = renewal;
+        let needed = needed_bricks(renewal);
+        if needed > 0u {
+            atomicAdd(&runs[needed - 1u], 1u);
+        }
+        let returned = returned_bricks(renewal);
+        if returned > 0u {
+            atomicAdd(&runs[PARTS + returned - 1u], 1u);
+        }
+    }
+    workgroupBarrier();
+    let blocks = (arrayLength(&run_starts) - 1u) / RUN_KINDS;
+    let block = index / LINEAR_WORKGROUP_SIZE;
+    if local < RUN_KINDS && block < blocks {
+        run_starts[local * blocks + block] = atomicLoad(&runs[local]);
+    }
 }

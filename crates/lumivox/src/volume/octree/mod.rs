@@ -7,32 +7,42 @@
 //!
 //! | step | once per | files |
 //! | --- | --- | --- |
-//! | which nodes there are | voxel list | `occupy.wgsl`, `holders.wgsl` |
-//! | their groups: by ranks, or by locks | voxel list | `groups.wgsl`, `build_ranked.wgsl`; `locks.wgsl`, `adopt.wgsl` |
-//! | table, masks, numbers of bricks | voxel list | `table.wgsl`, `masks.wgsl`, `bricks.wgsl` |
-//! | values that are still right, from the list before | voxel list | `carry.wgsl` |
+//! | which nodes there are, and which hold cells that have changed | voxel list | `mark.wgsl`, `renewals.wgsl` |
+//! | masks of the latter, and whether all has room | voxel list | `masks.wgsl`, `verdict.wgsl` |
+//! | places of their bricks | voxel list | `places.wgsl` |
+//! | groups of nodes: by ranks, or by locks | voxel list | `groups.wgsl`, `build_ranked.wgsl`; `locks.wgsl`, `adopt.wgsl` |
+//! | bricks and masks of all nodes, and the table | voxel list | `inherit.wgsl` |
+//! | values that are still right, and bricks that are new | voxel list | `carry.wgsl`, `refill.wgsl` |
 //! | values of the cells, filtered level by level | light, where it has changed | `store.wgsl`, `filter.wgsl` |
 //! | bricks, with the neighbours' layer | light, where it has changed | `fill*.wgsl` |
 //! | look-ups | cone sample | `cells.wgsl`, `search.wgsl` |
 //!
-//! Everything is allocated from counts that the GPU has made, once they are known.
+//! The octree is changed in place. Nodes are numbered anew with each list, but a node whose parts are what they were keeps its
+//! bricks where they are, and only cells that have changed are written. Everything has room for more than there is; without room the
+//! octree shows what it showed, and makes up for it once there is (`missed.wgsl`).
 
 mod content;
+mod follow;
 mod layout;
 mod locks;
 #[cfg(test)]
 mod tests;
-mod topology;
+mod tree;
 
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Pipelines, Recorder, ShaderLibrary, storage_buffer,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, LateReads, Pipelines, Recorder, ShaderLibrary, read_buffer,
 };
 use crate::volume::changes::ChangedCells;
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
-use content::{Content, ContentKernels};
+use content::{BoundContent, ContentKernels};
+#[cfg(test)]
+pub(crate) use follow::TreeVerdict as Verdict;
+use follow::{
+    BoundFollow, BoundMissed, FollowKernels, NO_ROOM_FOR_BRICKS, NO_ROOM_FOR_PLACES,
+    NO_ROOM_FOR_RENEWALS, State, TreeVerdict,
+};
 use layout::TreeLayout;
 #[cfg(test)]
 pub(crate) use layout::TreeUniform;
@@ -40,36 +50,48 @@ pub(crate) use layout::TreeUniform;
 pub(crate) use locks::LockPass;
 #[cfg(test)]
 pub(crate) use tests::read_nodes;
-use topology::{Topology, TopologyKernels};
+#[cfg(test)]
+pub(crate) use tree::OldAtlas;
+use tree::{Resettler, Room, Scratch, Tree};
 
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("volume::octree::adopt", include_str!("adopt.wgsl")),
-    ("volume::octree::bricks", include_str!("bricks.wgsl")),
     ("volume::octree::build_ranked", include_str!("build_ranked.wgsl")),
     ("volume::octree::carry", include_str!("carry.wgsl")),
     ("volume::octree::cell_ranks", include_str!("cell_ranks.wgsl")),
-    ("volume::octree::contents", include_str!("contents.wgsl")),
-    ("volume::octree::count_values", include_str!("count_values.wgsl")),
     ("volume::octree::fill", include_str!("fill.wgsl")),
     ("volume::octree::fill_pointers", include_str!("fill_pointers.wgsl")),
-    ("volume::octree::fill_ranked", include_str!("fill_ranked.wgsl")),
     ("volume::octree::fill_search", include_str!("fill_search.wgsl")),
+    ("volume::octree::fill_table", include_str!("fill_table.wgsl")),
     ("volume::octree::filter", include_str!("filter.wgsl")),
     ("volume::octree::groups", include_str!("groups.wgsl")),
     ("volume::octree::holders", include_str!("holders.wgsl")),
+    ("volume::octree::inherit", include_str!("inherit.wgsl")),
     ("volume::octree::locks", include_str!("locks.wgsl")),
+    ("volume::octree::mark", include_str!("mark.wgsl")),
     ("volume::octree::masks", include_str!("masks.wgsl")),
-    ("volume::octree::neighbors", include_str!("neighbors.wgsl")),
-    ("volume::octree::occupy", include_str!("occupy.wgsl")),
-    ("volume::octree::ranked", include_str!("ranked.wgsl")),
+    ("volume::octree::missed", include_str!("missed.wgsl")),
+    ("volume::octree::places", include_str!("places.wgsl")),
+    ("volume::octree::pointers", include_str!("pointers.wgsl")),
+    ("volume::octree::refill", include_str!("refill.wgsl")),
+    ("volume::octree::renewals", include_str!("renewals.wgsl")),
+    ("volume::octree::resettle", include_str!("resettle.wgsl")),
     ("volume::octree::search", include_str!("search.wgsl")),
     ("volume::octree::sites", include_str!("sites.wgsl")),
     ("volume::octree::store", include_str!("store.wgsl")),
-    ("volume::octree::table", include_str!("table.wgsl")),
     ("volume::octree::tree", include_str!("tree.wgsl")),
     ("volume::octree::values", include_str!("values.wgsl")),
+    ("volume::octree::verdict", include_str!("verdict.wgsl")),
 ];
+
+/// Defines the constants that Rust and the shaders of this folder share.
+pub(super) fn add_constants(library: &mut ShaderLibrary) {
+    library
+        .constant_u32("NO_ROOM_FOR_PLACES", NO_ROOM_FOR_PLACES)
+        .constant_u32("NO_ROOM_FOR_RENEWALS", NO_ROOM_FOR_RENEWALS)
+        .constant_u32("NO_ROOM_FOR_BRICKS", NO_ROOM_FOR_BRICKS);
+}
 
 /// By which power of the resolution the memory grows: as surfaces do.
 const GROWTH: f64 = 2.0;
@@ -82,7 +104,7 @@ pub(crate) const CELLS: &str = include_str!("cells.wgsl");
 pub struct OctreeOptions {
     /// How nodes come into being.
     pub builder: OctreeBuilder,
-    /// How a brick's texels find the cells of the neighbours.
+    /// How a cell finds the bricks of its neighbours that hold it.
     pub duplication: Duplication,
     /// Over which cells the coarser levels are filtered.
     pub mipmapping: Mipmapping,
@@ -99,15 +121,15 @@ pub enum OctreeBuilder {
     Locks,
 }
 
-/// How the texels of a brick that belong to its neighbours are found. All give the same texels.
+/// How a cell finds the nodes before it, whose bricks hold it as their neighbour's. All give the same texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Duplication {
-    /// By the ranks of the voxel list: no pointers are needed.
+    /// By a search from the table of nodes on, as cones do.
     #[default]
-    Ranks,
-    /// By pointers to the next nodes along x, y and z, which take 20 bytes a node.
+    Table,
+    /// By pointers to the nodes before along x, y and z, which take 12 bytes a node.
     Pointers,
-    /// By a search from the root for each texel.
+    /// By a search from the root for each.
     Search,
 }
 
@@ -121,15 +143,14 @@ pub enum Mipmapping {
     Every,
 }
 
-/// What an octree is made of.
+/// What an octree is made of, as far as the GPU has told: exactly after [`crate::Gi::voxelize`], a few frames late after
+/// [`crate::Gi::voxelize_frame`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OctreeStats {
     /// Groups of eight places for nodes, the root's included.
     pub groups: u32,
     /// Bricks of 3x3x3 texels.
     pub bricks: u32,
-    /// Values of cells that the bricks are filled from.
-    pub values: u32,
     /// Passes that the builder with locks took, the last of which deferred nothing; 0 with ranks.
     pub lock_passes: u32,
     /// Threads that it deferred in all passes together.
@@ -140,36 +161,42 @@ pub struct OctreeStats {
 #[derive(Debug)]
 pub(crate) struct OctreeVolume {
     grid: Grid,
+    layout: TreeLayout,
     memory_budget: Option<u64>,
     globals_layout: wgpu::BindGroupLayout,
     globals: BindGroup,
     grid_uniform: Buffer,
     sampler: wgpu::Sampler,
-    topology_kernels: TopologyKernels,
+    follow_kernels: FollowKernels,
     content_kernels: ContentKernels,
-    built: Option<Built>,
-    /// Of a list that is still to be taken.
-    prepared: Option<Built>,
+    resettler: Resettler,
+    /// Group 0 of kernels that need none of the tree's numbers.
+    missed_globals: BindGroup,
+    state: State,
+    tree: Tree,
+    scratch: Option<Scratch>,
+    /// Made again when the list or the room is another one.
+    following: Option<BoundFollow>,
+    content: Option<BoundContent>,
+    missed: Option<BoundMissed>,
+    /// The verdicts of recordings.
+    late: Option<LateReads>,
+    /// The last verdict that was heard of is that there is no room, or none was heard yet.
+    lacks_room: bool,
+    stats: Option<OctreeStats>,
 }
 
-/// What an octree is built from.
+/// A list that the octree follows.
 #[derive(Clone, Copy, Debug)]
-struct Input<'a> {
-    grid: &'a Grid,
-    /// `Grid` of `grid.wgsl`.
-    grid_uniform: &'a Buffer,
-    voxels: &'a VoxelList,
-    /// The most bytes that it may take.
-    memory_budget: Option<u64>,
-}
-
-/// What belongs to the current voxel list.
-#[derive(Debug)]
-struct Built {
-    topology: Topology,
-    content: Content,
-    /// Occupancy and ranks of the list that it was built from.
-    cells: [Buffer; 2],
+pub(crate) struct Followed<'a> {
+    /// The list.
+    pub voxels: &'a VoxelList,
+    /// The light that its faces send out.
+    pub radiance: &'a Buffer,
+    /// The list of cells that updates will come with.
+    pub changed: &'a ChangedCells,
+    /// A bit per cell, laid out as the occupancy: cells of another surface, those that are gone included.
+    pub bits: &'a Buffer,
 }
 
 impl OctreeVolume {
@@ -183,92 +210,209 @@ impl OctreeVolume {
         let grid_uniform = grid.uniform(device);
         let globals_layout = super::globals_layout(device);
         let sampler = super::sampler(device);
-        // Before there are voxels: a table without nodes.
         let layout = TreeLayout::new(grid);
         shaders.constant_u32("OCTREE_STEPS", layout.steps());
-        let tree = uniform_buffer(device, "octree", &layout.uniform(1, 1));
-        let octree = storage_buffer(device, "octree", layout.words(8) * 4);
-        let atlas = content::atlas(device, glam::UVec3::splat(3));
-        let globals = BindGroupBuilder::new(&globals_layout)
+        let follow_kernels = FollowKernels::new(device, shaders, options)?;
+        let has_pointers = follow_kernels.has_pointers();
+        // Whether it fits is asked when there are voxels.
+        let tree = Tree::new(device, (grid, &layout), Room::NONE, has_pointers, None)?;
+        let globals = bind_globals(device, &globals_layout, &grid_uniform, &tree, &sampler);
+        let missed_globals = BindGroupBuilder::new(follow_kernels.tree_layout())
             .buffer(&grid_uniform)
-            .buffer(&tree)
-            .buffer(&octree)
-            .view(&atlas)
-            .sampler(&sampler)
-            .build(device, "globals");
+            .buffer(&tree.uniform)
+            .build(device, "volume::octree::tree");
         Ok(Self {
             grid: *grid,
+            layout,
             memory_budget,
-            globals_layout,
             globals,
+            state: State::new(device, grid),
+            content_kernels: ContentKernels::new(device, shaders, grid, options)?,
+            resettler: Resettler::new(device, shaders, follow_kernels.tree_layout())?,
+            follow_kernels,
+            missed_globals,
+            globals_layout,
             grid_uniform,
             sampler,
-            topology_kernels: TopologyKernels::new(device, shaders, options.builder)?,
-            content_kernels: ContentKernels::new(device, shaders, grid, options)?,
-            built: None,
-            prepared: None,
+            tree,
+            scratch: None,
+            following: None,
+            content: None,
+            missed: None,
+            late: None,
+            lacks_room: true,
+            stats: None,
         })
     }
 
-    /// Builds the nodes of a new list and allocates their bricks. Submits what was recorded before.
-    pub(super) async fn prepare(
+    /// Lets the next list, or one with other room, be bound.
+    pub(super) fn unbind(&mut self) {
+        (self.following, self.content) = (None, None);
+    }
+
+    /// Before the cells of another surface are found by their bits: what the octree has missed is among them.
+    pub(super) fn join_missed(&mut self, recorder: &mut Recorder<'_>, bits: &Buffer) {
+        let kernels = &self.follow_kernels;
+        let bound = self.missed.get_or_insert_with(|| {
+            kernels.bind_missed(recorder.device(), &self.grid, &self.state, bits)
+        });
+        kernels.join_missed(recorder, &self.missed_globals, bound);
+    }
+
+    /// Follows a list, if there is room: what of the content is still right stays.
+    pub(super) fn follow(
         &mut self,
         recorder: &mut Recorder<'_>,
-        voxels: &VoxelList,
+        followed: Followed<'_>,
     ) -> Result<(), GiError> {
         recorder.stage("volume");
-        let input = Input {
-            grid: &self.grid,
-            grid_uniform: &self.grid_uniform,
-            voxels,
-            memory_budget: self.memory_budget,
-        };
-        let (mut topology, order) = self.topology_kernels.build(recorder, &input).await?;
-        let content = self.content_kernels.build(recorder, &input, (&mut topology, order)).await?;
-        let device = recorder.device();
-        let cells = [&voxels.occupancy, &voxels.ranks]
-            .map(|buffer| storage_buffer(device, "cells of the octree", buffer.size()));
-        self.prepared = Some(Built { topology, content, cells });
+        let Followed { voxels, radiance, changed, bits } = followed;
+        let device = recorder.device().clone();
+        let (kernels, verdict) = (&self.follow_kernels, &self.state.verdict);
+        if self.scratch.is_none() {
+            self.scratch = Some(Scratch::new(&device, &self.grid, &self.tree)?);
+            self.following = None;
+        }
+        let Some(scratch) = &self.scratch else { return Ok(()) };
+        if self.following.is_none() {
+            let grid = (&self.grid, &self.grid_uniform, &self.layout);
+            let octree = (&self.tree, scratch, &self.state);
+            self.following = Some(kernels.bind(&device, grid, (voxels, bits), octree)?);
+        }
+        if self.content.is_none() {
+            let nodes = (&self.tree.uniform, &self.tree.octree);
+            let globals = kernels.bind_search(&device, &self.grid_uniform, nodes);
+            self.content = Some(self.content_kernels.bind(
+                &device,
+                (&self.grid, globals),
+                (voxels, radiance),
+                changed,
+                (&self.tree, verdict),
+            ));
+        }
+        let Some(following) = &self.following else { return Ok(()) };
+        kernels.run(recorder, following, verdict);
+        self.note_missed(recorder);
         Ok(())
     }
 
-    /// Takes the list that was prepared for, and the light that its faces will send out: carries over the values that are
-    /// still right, by the bits of cells of another surface. `changed` is the list of cells that updates will come with.
-    pub(super) fn rebuild(
+    fn note_missed(&self, recorder: &mut Recorder<'_>) {
+        if let Some(missed) = &self.missed {
+            self.follow_kernels.note_missed(recorder, &self.missed_globals, missed);
+        }
+    }
+
+    /// After a list was followed without waiting: reads the verdict, to be heard of later.
+    pub(super) fn tell(&mut self, recorder: &mut Recorder<'_>) {
+        if self.following.is_none() {
+            return;
+        }
+        let sources = verdict_sources(&self.state, self.following.as_ref());
+        let bytes = sources.iter().map(|source| source.2).sum();
+        let late = self.late.get_or_insert_with(|| LateReads::new(recorder.device(), bytes));
+        late.record(recorder, &sources);
+    }
+
+    /// Takes what the GPU has told of earlier recordings, and makes the room that lacked.
+    pub(super) fn hear(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
+        let device = recorder.device().clone();
+        let Some(words) = self.late.as_mut().and_then(|late| late.latest(&device)) else {
+            return Ok(());
+        };
+        let verdict = self.know(&words)?;
+        self.lacks_room = verdict.no_room != 0;
+        self.make_room(recorder, verdict, with_spare)
+    }
+
+    /// Whether what is shown is of an earlier list, as far as the GPU has told.
+    pub(super) fn is_late(&self) -> bool {
+        self.lacks_room && self.following.is_some()
+    }
+
+    /// Waits until a list that was followed is taken, and makes room where it lacks. Room to spare is left if
+    /// the list will change in parts.
+    pub(super) async fn settle(
         &mut self,
         recorder: &mut Recorder<'_>,
-        light: (&VoxelList, &Buffer),
-        changed: &ChangedCells,
-        bits: &Buffer,
-    ) {
-        let Some(mut built) = self.prepared.take() else {
-            return;
+        followed: Followed<'_>,
+        has_moving: bool,
+    ) -> Result<(), GiError> {
+        // What was recorded before is superseded.
+        (self.late, self.lacks_room) = (None, true);
+        let (device, queue) = (recorder.device().clone(), recorder.queue().clone());
+        loop {
+            recorder.flush();
+            let mut words: Vec<u32> = Vec::new();
+            for (buffer, first, bytes) in verdict_sources(&self.state, self.following.as_ref()) {
+                let bytes = first..first + bytes;
+                words.extend(read_buffer::<u32>(&device, &queue, buffer, bytes).await?);
+            }
+            let verdict = self.know(&words)?;
+            if verdict.no_room == 0 {
+                break;
+            }
+            self.make_room(recorder, verdict, if has_moving { with_spare } else { |count| count })?;
+            self.follow(recorder, followed)?;
+        }
+        self.lacks_room = false;
+        if !has_moving {
+            // Nobody will follow in parts.
+            (self.scratch, self.following) = (None, None);
+        }
+        Ok(())
+    }
+
+    /// Takes what the GPU has told.
+    fn know(&mut self, words: &[u32]) -> Result<TreeVerdict, GiError> {
+        let (verdict, counters) = words.split_at(size_of::<TreeVerdict>() / 4);
+        let verdict: TreeVerdict = bytemuck::pod_read_unaligned(bytemuck::cast_slice(verdict));
+        if verdict.no_room == 0 {
+            let (lock_passes, deferred) = match counters {
+                [] => (0, 0),
+                counters => locks::count_passes(counters, verdict.groups)?,
+            };
+            let (groups, bricks) = (verdict.groups, verdict.bricks);
+            self.stats = Some(OctreeStats { groups, bricks, lock_passes, deferred });
+        }
+        Ok(verdict)
+    }
+
+    /// Makes the room that a verdict asks for, and some more. What is shown stays.
+    fn make_room(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        verdict: TreeVerdict,
+        spare: fn(u64) -> u64,
+    ) -> Result<(), GiError> {
+        let mut room = self.tree.room;
+        let grown = |bit: u32, room: u64, needed: u32| {
+            let lacks = verdict.no_room & bit != 0 && room < needed.into();
+            if lacks { spare(needed.into()) } else { room }
         };
-        recorder.stage("volume");
+        room.slots = 8 * grown(NO_ROOM_FOR_PLACES, room.slots / 8, verdict.groups);
+        room.renewals = grown(NO_ROOM_FOR_RENEWALS, room.renewals, verdict.renewals);
+        room.bricks = grown(NO_ROOM_FOR_BRICKS, room.bricks, verdict.brick_places);
+        if room == self.tree.room {
+            return Ok(());
+        }
         let device = recorder.device().clone();
-        let Built { topology, content, .. } = &mut built;
-        self.content_kernels.bind(&device, &self.grid, light, (changed, bits), topology, content);
-        if let Some(earlier) = &self.built {
-            let old = (earlier.cells.each_ref(), &earlier.content);
-            self.content_kernels.carry(recorder, &self.grid, light.0, old, content, bits);
-        }
-        for (from, to) in [&light.0.occupancy, &light.0.ranks].into_iter().zip(&built.cells) {
-            recorder.copy((from, 0), (to, 0), from.size());
-        }
-        let Built { topology, content, .. } = &built;
-        self.globals = BindGroupBuilder::new(&self.globals_layout)
-            .buffer(&self.grid_uniform)
-            .buffer(&topology.tree)
-            .buffer(&topology.octree)
-            .view(&content.atlas)
-            .sampler(&self.sampler)
-            .build(&device, "globals");
-        self.built = Some(built);
+        let grid = (&self.grid, &self.layout);
+        let has_pointers = self.follow_kernels.has_pointers();
+        let tree = Tree::new(&device, grid, room, has_pointers, self.memory_budget)?;
+        let scratch = Scratch::new(&device, &self.grid, &tree)?;
+        recorder.stage("volume");
+        self.resettler.copy(recorder, &self.grid_uniform, (&self.tree, &tree));
+        let (layout, grid_uniform) = (&self.globals_layout, &self.grid_uniform);
+        self.globals = bind_globals(&device, layout, grid_uniform, &tree, &self.sampler);
+        (self.tree, self.scratch) = (tree, Some(scratch));
+        self.unbind();
+        Ok(())
     }
 
     pub(super) fn update(&mut self, recorder: &mut Recorder, changed: &ChangedCells) {
-        if let Some(built) = &mut self.built {
-            self.content_kernels.update(recorder, &mut built.content, changed);
+        if let Some(content) = &self.content {
+            self.content_kernels.update(recorder, content, changed);
+            self.note_missed(recorder);
         }
     }
 
@@ -281,25 +425,66 @@ impl OctreeVolume {
     }
 
     pub(super) fn memory(&self) -> Vec<(&'static str, u64)> {
-        let Some(Built { topology, content, cells }) = &self.built else {
-            return Vec::new();
-        };
+        let Self { tree, scratch, following, .. } = self;
+        let scratch = scratch.as_ref().map_or(0, Scratch::bytes);
+        let following = following.as_ref().map_or(0, BoundFollow::bytes);
+        let pointers = tree.nodes_before.as_ref().map_or(0, |pointers| pointers.size());
         vec![
-            ("volume: bricks", content.atlas_bytes),
-            ("volume: values of cells", content.value_bytes()),
-            ("volume: nodes and their table", topology.octree.size()),
-            ("volume: places of nodes", topology.sites.size()),
-            ("volume: neighbours of nodes", content.neighbor_bytes()),
-            ("volume: cells of the octree", cells.iter().map(|buffer| buffer.size()).sum()),
+            ("volume: bricks", tree.atlas_bytes()),
+            ("volume: places of free bricks", tree.free_runs.size()),
+            ("volume: values of cells", tree.values.size()),
+            ("volume: nodes and their table", tree.octree.size()),
+            ("volume: places of nodes", tree.sites.size()),
+            ("volume: neighbours of nodes", pointers),
+            ("volume: following changes", scratch + following + self.state.bytes()),
         ]
     }
 
     pub(super) fn stats(&self) -> Option<OctreeStats> {
-        self.built.as_ref().map(|built| built.topology.stats)
+        self.stats
+    }
+
+    /// Whether there was no room for the last list that was followed.
+    #[cfg(test)]
+    pub(crate) fn lacks_room_now(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> bool {
+        crate::testing::read::<TreeVerdict>(device, queue, &self.state.verdict, 1)[0].no_room != 0
     }
 
     #[cfg(test)]
-    fn built(&self) -> &Built {
-        self.built.as_ref().expect("it was built")
+    fn tree(&self) -> (&Tree, &TreeLayout) {
+        (&self.tree, &self.layout)
     }
+}
+
+/// Room for a number that grows: a quarter to spare, and some, so that little things need no more when they turn.
+fn with_spare(count: u64) -> u64 {
+    count + count / 4 + 256
+}
+
+/// Group 0 of everything that samples the volume.
+fn bind_globals(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    grid_uniform: &Buffer,
+    tree: &Tree,
+    sampler: &wgpu::Sampler,
+) -> BindGroup {
+    BindGroupBuilder::new(layout)
+        .buffer(grid_uniform)
+        .buffer(&tree.uniform)
+        .buffer(&tree.octree)
+        .view(&tree.atlas)
+        .sampler(sampler)
+        .build(device, "globals")
+}
+
+/// What is read back of a recording: the verdict, and the counters of the builder with locks.
+fn verdict_sources<'a>(
+    state: &'a State,
+    following: Option<&'a BoundFollow>,
+) -> Vec<(&'a Buffer, u64, u64)> {
+    let locks = following.and_then(|following| following.locks.as_ref());
+    let counters = locks.map(|locks| (&locks.counters, 0, locks.counters.size()));
+    let verdict = (&state.verdict, 0, size_of::<TreeVerdict>() as u64);
+    [verdict].into_iter().chain(counters).collect()
 }

@@ -2,17 +2,19 @@
 
 import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
-import package::volume::octree::values::{nodes, store_value};
+import package::volume::octree::values::{nodes, owner_at, store_value, Owner};
+import package::volume::octree::verdict::Verdict;
 import package::volume::changes::cells::changed_cell;
 import package::volume::changes::list::NOTHING;
 import package::volume::parts::{part_of, stored_parts, POSITIVE, TILT};
 import package::voxels::list::Face;
 
+@group(1) @binding(5) var<uniform> verdict: Verdict;
 @group(1) @binding(6) var<storage, read> first_faces: array<u32>;
 @group(1) @binding(7) var<storage, read> faces: array<Face>;
 @group(1) @binding(8) var<storage, read> radiance: array<vec4f>;
 
-fn store_lobes(voxel: u32, lobes: u32) {
+fn store_lobes(voxel: u32, lobes: u32, owner: Owner, octant: u32) {
     let parts = stored_parts(lobes);
     var face = first_faces[voxel];
     for (var axis = 0u; axis < 3u; axis++) {
@@ -27,24 +29,24 @@ fn store_lobes(voxel: u32, lobes: u32) {
             let across = vec2f(area[(axis + 1u) % 3u], area[(axis + 2u) % 3u]);
             tilt = select(vec4f(tilt.xy, across), vec4f(across, tilt.zw), side == 0u);
             let value = vec4f(radiance[face].rgb * opacity, opacity);
-            store_value(voxel, parts, part_of(axis, POSITIVE + side), value);
+            store_value(owner, octant, part_of(axis, POSITIVE + side), value);
             face++;
         }
         if ((parts >> part_of(axis, TILT)) & 1u) != 0u {
-            store_value(voxel, parts, part_of(axis, TILT), tilt);
+            store_value(owner, octant, part_of(axis, TILT), tilt);
         }
     }
 }
 
 // The opacity is the surface's area in the voxel, the radiance the mean over it.
-fn store_mean(voxel: u32, lobes: u32) {
+fn store_mean(voxel: u32, lobes: u32, owner: Owner, octant: u32) {
     let first = first_faces[voxel];
     var sum = vec4f(0.0);
     for (var i = 0u; i < countOneBits(lobes & 0x3fu); i++) {
         let area = length(faces[first + i].vector_area);
         sum += vec4f(radiance[first + i].rgb * area, area);
     }
-    store_value(voxel, 1u, 0u, sum / max(sum.a, 1.0));
+    store_value(owner, octant, 0u, sum / max(sum.a, 1.0));
 }
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
@@ -53,12 +55,14 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = changed_cell(linear_index(invocation, workgroups)).node;
-    if voxel == NOTHING {
+    if voxel == NOTHING || verdict.no_room != 0u {
         return;
     }
+    let node = nodes[voxel];
+    let owner = owner_at(node.morton / 8u, 1u);
     if ISOTROPIC != 0u {
-        store_mean(voxel, nodes[voxel].lobes);
+        store_mean(voxel, node.lobes, owner, node.morton % 8u);
     } else {
-        store_lobes(voxel, nodes[voxel].lobes);
+        store_lobes(voxel, node.lobes, owner, node.morton % 8u);
     }
 }

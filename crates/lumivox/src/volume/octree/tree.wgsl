@@ -18,12 +18,17 @@ struct Tree {
     table_level: u32,
     // Words of the table, which comes before the nodes in the buffer.
     table_words: u32,
-    // Places for nodes, in groups of eight; places without a node have no site.
+    // Room for nodes, in groups of eight; places without a node have no site.
     slots: u32,
     // One over the size of the atlas in texels.
     inverse_size: vec3f,
     // The atlas has 2^row_bits bricks along x, and as many along y.
     row_bits: u32,
+    // Room for bricks.
+    bricks: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
     // For each level, x: the first word of its node bits; y: its nodes' first entry in the table; z: the first word of
     // its cells' occupancy bits.
     levels: array<vec4u, MAX_NODE_LEVELS>,
@@ -72,12 +77,13 @@ fn table_entry(node_cell: vec3u, level: u32) -> u32 {
     return tree.levels[level].y + (node_cell.z * edge + node_cell.y) * edge + node_cell.x;
 }
 
+// The texel at which a brick starts in an atlas of 2^row_bits bricks along x and y.
+fn brick_place(brick: u32, row_bits: u32) -> vec3u {
+    let row_mask = (1u << row_bits) - 1u;
+    return 3u * vec3u(brick & row_mask, (brick >> row_bits) & row_mask, brick >> (2u * row_bits));
+}
+
 // The texel of the atlas at which a brick starts.
 fn brick_origin(brick: u32) -> vec3u {
-    let row_mask = (1u << tree.row_bits) - 1u;
-    return 3u * vec3u(
-        brick & row_mask,
-        (brick >> tree.row_bits) & row_mask,
-        brick >> (2u * tree.row_bits),
-    );
+    return brick_place(brick, tree.row_bits);
 }

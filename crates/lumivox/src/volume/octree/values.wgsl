@@ -1,16 +1,17 @@
-// The values of the cells, one after another in the order of the voxel list: what bricks are filled from.
+// The values of the cells: what bricks are filled from.
 //
-// A cell has a value of four half floats for each of its parts (parts.wgsl), in the order of parts. The children of a
-// node follow one another in the list, so that filtering reads side by side; and since bricks are copies alone, no
-// texture is read and written at once.
+// A value is four half floats. Beside each brick of a node stand eight values, of the node's own cells, zero where a cell
+// does not have the brick's part: so values stay where they are as long as the bricks do, and the children of a cell, which are the own
+// cells of one node, stand side by side. Bricks are copies alone, so that no texture is read and written at once.
 
+import package::volume::octree::search::{find_node, node_parts, octree};
+import package::volume::octree::tree::{node_word, NODE_FIRST_BRICK};
 import package::voxels::list::Node;
+import package::voxels::morton::morton_decode;
 
 // Bindings 0 to 2 are those of the changed cells (volume/changes/cells.wgsl).
 @group(1) @binding(3) var<storage, read> nodes: array<Node>;
-// Of each cell of the list, the first value; one more than there are cells: the total.
-@group(1) @binding(4) var<storage, read> value_starts: array<u32>;
-@group(1) @binding(5) var<storage, read_write> values: array<vec2u>;
+@group(1) @binding(4) var<storage, read_write> values: array<vec2u>;
 
 fn pack_value(value: vec4f) -> vec2u {
     return vec2u(pack2x16float(value.xy), pack2x16float(value.zw));
@@ -20,15 +21,32 @@ fn unpack_value(packed: vec2u) -> vec4f {
     return vec4f(unpack2x16float(packed.x), unpack2x16float(packed.y));
 }
 
-// A part of a cell of the list that has the parts `parts`; zero if it lacks this one.
-fn load_value(cell: u32, parts: u32, part: u32) -> vec4f {
-    if ((parts >> part) & 1u) == 0u {
-        return vec4f(0.0);
-    }
-    return unpack_value(values[value_starts[cell] + countOneBits(parts & ((1u << part) - 1u))]);
+// The place of a part that a node has, of its `octant`-th own cell.
+fn value_place(first_brick: u32, parts: u32, part: u32, octant: u32) -> u32 {
+    return 8u * (first_brick + countOneBits(parts & ((1u << part) - 1u))) + octant;
 }
 
-fn store_value(cell: u32, parts: u32, part: u32, value: vec4f) {
-    let place = value_starts[cell] + countOneBits(parts & ((1u << part) - 1u));
-    values[place] = pack_value(value);
+// A node as far as its values are concerned.
+struct Owner {
+    parts: u32,
+    first_brick: u32,
+}
+
+// The node of a level at a Morton code of that level.
+fn owner_at(morton: u32, level: u32) -> Owner {
+    let node = find_node(morton_decode(morton), level);
+    return Owner(node_parts(node), octree[node_word(node) + NODE_FIRST_BRICK]);
+}
+
+// A part of a node's own cell; zero if the node lacks it.
+fn load_value(owner: Owner, octant: u32, part: u32) -> vec4f {
+    if ((owner.parts >> part) & 1u) == 0u {
+        return vec4f(0.0);
+    }
+    return unpack_value(values[value_place(owner.first_brick, owner.parts, part, octant)]);
+}
+
+// The node must have the part.
+fn store_value(owner: Owner, octant: u32, part: u32, value: vec4f) {
+    values[value_place(owner.first_brick, owner.parts, part, octant)] = pack_value(value);
 }

@@ -8,8 +8,10 @@ use half::f16;
 use crate::Gi;
 use crate::testing::{morton_decode, read, read_level};
 use crate::volume::Volume;
+use crate::volume::octree::TreeUniform;
 use crate::volume::octree::layout::AtlasSize;
-use crate::volume::octree::{Built, TreeUniform};
+use crate::volume::octree::layout::TreeLayout;
+use crate::volume::octree::tree::Tree;
 
 /// The level and the coordinates of a node.
 pub(crate) type NodeAt = (u32, [u32; 3]);
@@ -25,9 +27,9 @@ pub(crate) struct ReadNode {
     pub bricks: BTreeMap<u32, Brick>,
 }
 
-fn built(gi: &Gi) -> &Built {
+fn tree(gi: &Gi) -> (&Tree, &TreeLayout) {
     match gi.volume() {
-        Volume::Octree(octree) => octree.built(),
+        Volume::Octree(octree) => octree.tree(),
         Volume::Dense(_) => panic!("it is an octree"),
     }
 }
@@ -38,15 +40,12 @@ pub(crate) fn read_nodes(
     queue: &wgpu::Queue,
     gi: &Gi,
 ) -> BTreeMap<NodeAt, ReadNode> {
-    let built = built(gi);
-    let topology = &built.topology;
-    let words: Vec<u32> =
-        read(device, queue, &topology.octree, (topology.octree.size() / 4) as usize);
-    let sites: Vec<[u32; 2]> = read(device, queue, &topology.sites, topology.slots as usize);
-    let tree: TreeUniform = topology.layout.uniform(topology.slots, topology.stats.bricks);
-    let texture = built.content.atlas.texture();
-    let texels: Vec<[u16; 4]> = read_level(device, queue, texture, 0);
-    let size = AtlasSize::of(topology.stats.bricks);
+    let (tree, layout) = tree(gi);
+    let words: Vec<u32> = read(device, queue, &tree.octree, (tree.octree.size() / 4) as usize);
+    let sites: Vec<[u32; 2]> = read(device, queue, &tree.sites, tree.room.slots as usize);
+    let texels: Vec<[u16; 4]> = read_level(device, queue, tree.atlas.texture(), 0);
+    let size = AtlasSize::of(tree.room.bricks as u32);
+    let tree: TreeUniform = layout.uniform(tree.room.slots as u32, tree.room.bricks as u32);
     let brick = |number: u32| -> Brick {
         let row = (1 << size.row_bits) - 1;
         let origin = 3 * UVec3::new(
@@ -64,7 +63,7 @@ pub(crate) fn read_nodes(
 
     let mut nodes = BTreeMap::new();
     let mut open = vec![(0_u32, (tree.root_level, UVec3::ZERO))];
-    let mut seen = 0;
+    let (mut seen, mut groups) = (0, 1);
     while let Some((slot, (level, cell))) = open.pop() {
         let [morton, site_level] = sites[slot as usize];
         assert_eq!((site_level, morton_decode(morton)), (level, cell), "the site of node {slot}");
@@ -81,6 +80,7 @@ pub(crate) fn read_nodes(
         if children == 0 {
             continue;
         }
+        groups = groups.max(children as usize + 1);
         for octant in 0..8 {
             let child = 8 * children + octant;
             if sites[child as usize][1] != 0 {
@@ -89,7 +89,7 @@ pub(crate) fn read_nodes(
             }
         }
     }
-    let sited = sites.iter().filter(|[_, level]| *level > 0).count();
+    let sited = sites[..8 * groups].iter().filter(|[_, level]| *level > 0).count();
     assert_eq!(seen, sited, "every node is reached from the root");
     nodes
 }

@@ -1,0 +1,72 @@
+//! Frames with an octree, which has room of its own.
+
+use super::*;
+
+/// The voxels have room and the octree has none: it shows what it showed, whatever light comes, and makes up for all that it has
+/// missed.
+#[test]
+fn an_octree_without_room_shows_what_it_showed() {
+    let volume = VolumeKind::Octree(OctreeOptions::default());
+    let mut stage = Stage::with(volume, Vec3::new(1.0, 0.7, 0.9), 64);
+    // A box and a plate in the air that grow and turn.
+    let geometry = room_with_a_box().build(&stage.device);
+    let sized = |size: f32, turn: f32| {
+        let place = at(0.5, 0.35, 0.45) * Mat4::from_rotation_y(turn);
+        moved(&geometry, place * Mat4::from_scale(Vec3::splat(size)))
+    };
+    stage.catch_up(&sized(0.5, 0.0));
+    let lamp = |stage: &Stage, x| stage.lamp(Vec3::new(x, 0.4, 0.7), Vec3::ONE);
+    let lights = lamp(&stage, 0.2);
+    stage.light(&lights, 2);
+    let nodes = |stage: &Stage| read_nodes(&stage.device, &stage.queue, &stage.gi);
+    let mut late = 0;
+    for step in 1..20 {
+        let before = nodes(&stage);
+        let grown = sized(0.5 + 0.2 * step as f32, 0.3 * step as f32);
+        stage.voxelize(&grown);
+        let voxels = stage.gi.voxels().expect("a list").voxel_count();
+        let lights = lamp(&stage, 0.2 + 0.02 * step as f32);
+        stage.light(&lights, 2);
+        if stage.lacks_room() {
+            late += 1;
+            assert!(nodes(&stage) == before, "step {step} ({voxels} voxels) has changed something");
+        }
+    }
+    assert!(late > 0, "there was room all the time");
+    let last = sized(4.3, 5.7);
+    stage.catch_up(&last);
+    stage.assert_fresh(&last, "in the end");
+}
+
+/// Moves for which there is room leave the same bits whether somebody waits for them or not, what cones see included.
+#[test]
+fn an_octree_is_the_same_whether_somebody_waits_or_not() {
+    let volume = VolumeKind::Octree(OctreeOptions::default());
+    let run = |waits: bool| {
+        let mut stage = Stage::with(volume, Vec3::new(1.0, 0.7, 0.9), 32);
+        let geometry = room_with_a_box().build(&stage.device);
+        let start = moved(&geometry, at(0.3, 0.4, 0.6));
+        pollster::block_on(stage.gi.voxelize(&start, Timing::Off)).expect("there are voxels");
+        let mut seen = Vec::new();
+        for frame in 0..6 {
+            let time = frame as f32 * 0.04;
+            let geometry = moved(&geometry, at(0.3 + time, 0.4 - 0.5 * time, 0.6));
+            if waits {
+                let work = stage.gi.voxelize_dynamic(&geometry, Timing::Off);
+                pollster::block_on(work).expect("there are voxels");
+            } else {
+                stage.voxelize(&geometry);
+            }
+            let lights = stage.lamp(Vec3::new(0.2 + time, 0.4, 0.7), Vec3::ONE);
+            stage.light(&lights, 3);
+            if !waits {
+                // Hears of the last one.
+                assert!(!stage.voxelize(&geometry).is_late, "frame {frame} had no room");
+                stage.light(&lights, 3);
+            }
+            seen.push((stage.lit(), read_nodes(&stage.device, &stage.queue, &stage.gi)));
+        }
+        seen
+    };
+    assert!(run(true) == run(false));
+}

@@ -1,0 +1,56 @@
+// Sets the bit of each node that holds a marked cell in its bricks (holders.wgsl): of occupied cells, those are the nodes
+// that there are; of changed cells, those that are renewed.
+//
+// The eight cells in a node are a byte of the cells' bits. A thread has a word of them.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::grid::grid;
+import package::volume::octree::tree::{corner_of, tree};
+import package::voxels::morton::{morton_decode, morton_encode};
+
+// A bit per cell, laid out as the occupancy.
+@group(1) @binding(0) var<storage, read> cell_bits: array<u32>;
+// A bit per node below the root, level 1 first, each level in Morton order.
+@group(1) @binding(1) var<storage, read_write> node_bits: array<atomic<u32>>;
+
+// The cells, of a node's eight, that the node back by a corner holds as its neighbours': the first of two along each axis
+// of the corner.
+fn held_from(back: vec3u) -> u32 {
+    return select(0xffu, 0x55u, back.x != 0u)
+        & select(0xffu, 0x33u, back.y != 0u)
+        & select(0xffu, 0x0fu, back.z != 0u);
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let word = linear_index(invocation, workgroups);
+    if word >= arrayLength(&cell_bits) || cell_bits[word] == 0u {
+        return;
+    }
+    var level = 0u;
+    while level + 1u < grid.levels && word >= tree.levels[level + 1u].z {
+        level++;
+    }
+    let first_word = tree.levels[level + 1u].x;
+    for (var byte = 0u; byte < 4u; byte++) {
+        let cells = (cell_bits[word] >> (8u * byte)) & 0xffu;
+        if cells == 0u {
+            continue;
+        }
+        let own = morton_decode(4u * (word - tree.levels[level].z) + byte);
+        for (var i = 0u; i < 8u; i++) {
+            let back = corner_of(i);
+            if (cells & held_from(back)) != 0u && all(back <= own) {
+                let code = morton_encode(own - back);
+                let bit = 1u << (code % 32u);
+                if (atomicLoad(&node_bits[first_word + code / 32u]) & bit) == 0u {
+                    atomicOr(&node_bits[first_word + code / 32u], bit);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,35 @@
+// The voxels whose changes the octree has missed while it had no room, so that it makes up for them once it has.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::volume::octree::verdict::Verdict;
+
+@group(1) @binding(0) var<uniform> verdict: Verdict;
+// A bit per voxel.
+@group(1) @binding(1) var<storage, read_write> missed: array<u32>;
+// A bit per cell of all levels, the voxels first.
+@group(1) @binding(2) var<storage, read_write> changed: array<u32>;
+
+// Before a list is followed: what was missed has changed.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn join(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let word = linear_index(invocation, workgroups);
+    if word < arrayLength(&missed) {
+        changed[word] |= missed[word];
+    }
+}
+
+// After a verdict, and after an update.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn note(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let word = linear_index(invocation, workgroups);
+    if word < arrayLength(&missed) {
+        missed[word] = select(0u, missed[word] | changed[word], verdict.no_room != 0u);
+    }
+}

@@ -1,0 +1,76 @@
+// The nodes that are renewed, because a cell of theirs has changed: those that have gone included.
+//
+// `count` leaves the bit count of each word, a prefix sum turns the counts into ranks, and `list` puts each node into its place.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::volume::octree::tree::{all_parts, tree};
+
+struct Renewal {
+    // The node's coordinates, interleaved.
+    morton: u32,
+    level: u32,
+    // 0: it has gone.
+    is_there: u32,
+    // Its parts so far; none if it is new.
+    old_parts: u32,
+    // As in the node (tree.wgsl).
+    masks: vec4u,
+    // The first of its bricks: so far, and from now on.
+    old_first_brick: u32,
+    first_brick: u32,
+    padding_0: u32,
+    padding_1: u32,
+}
+
+// How many bricks it needs that it does not have: all, or none.
+fn needed_bricks(renewal: Renewal) -> u32 {
+    let parts = all_parts(renewal.masks.x);
+    return select(countOneBits(parts), 0u, parts == renewal.old_parts);
+}
+
+// How many bricks it gives back: all, or none.
+fn returned_bricks(renewal: Renewal) -> u32 {
+    return select(countOneBits(renewal.old_parts), 0u, all_parts(renewal.masks.x) == renewal.old_parts);
+}
+
+// A bit per node below the root.
+@group(1) @binding(0) var<storage, read> renewed: array<u32>;
+// One word more: the total.
+@group(1) @binding(1) var<storage, read_write> renewed_ranks: array<u32>;
+@group(1) @binding(2) var<storage, read_write> renewals: array<Renewal>;
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn count(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let word = linear_index(invocation, workgroups);
+    if word + 1u < arrayLength(&renewed_ranks) {
+        renewed_ranks[word] = countOneBits(renewed[word]);
+    }
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn list(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let word = linear_index(invocation, workgroups);
+    if word >= tree.levels[tree.root_level].x || renewed[word] == 0u {
+        return;
+    }
+    var level = 1u;
+    while word >= tree.levels[level + 1u].x {
+        level++;
+    }
+    let first_code = 32u * (word - tree.levels[level].x);
+    var place = renewed_ranks[word];
+    var bits = renewed[word];
+    while bits != 0u && place < arrayLength(&renewals) {
+        renewals[place].morton = first_code + countTrailingZeros(bits);
+        renewals[place].level = level;
+        bits &= bits - 1u;
+        place++;
+    }
+}

@@ -1,0 +1,95 @@
+// Whether the octree has room for the new list's nodes and bricks; if so, where free bricks are from now on. One thread.
+//
+// Without room nothing of the octree is written: it shows what it showed, until there is more room.
+
+import package::constants::{LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS, NO_ROOM_FOR_BRICKS, NO_ROOM_FOR_PLACES, NO_ROOM_FOR_RENEWALS};
+import package::volume::octree::masks::RUN_KINDS;
+import package::volume::octree::renewals::Renewal;
+import package::volume::octree::tree::tree;
+import package::volume::parts::PARTS;
+
+// Numbers by the length of a run, 1 to 9; the first one is not used.
+struct Verdict {
+    // Bits NO_ROOM_FOR_*; zero: the octree takes the list.
+    no_room: u32,
+    // Groups of nodes that are needed, the root's included.
+    groups: u32,
+    renewals: u32,
+    // Places for bricks that are needed, those of free runs included.
+    brick_places: u32,
+    // Bricks in use.
+    bricks: u32,
+    // The first place that no brick was ever in, before this list.
+    first_place: u32,
+    padding_0: u32,
+    padding_1: u32,
+    // Workgroups of dispatches over places of nodes, over renewals, and over eight and 27 times as many.
+    node_groups: vec3u,
+    padding_2: u32,
+    renewal_groups: vec3u,
+    padding_3: u32,
+    cell_groups: vec3u,
+    padding_4: u32,
+    texel_groups: vec3u,
+    padding_5: u32,
+    // Runs that are free before this list, and that it needs.
+    free: array<vec4u, 3>,
+    needed: array<vec4u, 3>,
+}
+
+// The places of bricks between lists.
+struct Places {
+    // The first one that no brick was ever in.
+    first_place: u32,
+    // Runs that are free, by length.
+    free: array<u32, 10>,
+}
+
+@group(1) @binding(0) var<storage, read> group_ranks: array<u32>;
+@group(1) @binding(1) var<storage, read> renewed_ranks: array<u32>;
+@group(1) @binding(2) var<storage, read> renewals: array<Renewal>;
+@group(1) @binding(3) var<storage, read> run_starts: array<u32>;
+@group(1) @binding(4) var<storage, read_write> places: Places;
+@group(1) @binding(5) var<storage, read_write> verdict: Verdict;
+
+fn groups_of(threads: u32) -> vec3u {
+    let needed = (threads + LINEAR_WORKGROUP_SIZE - 1u) / LINEAR_WORKGROUP_SIZE;
+    let rows = (needed + MAX_WORKGROUPS - 1u) / MAX_WORKGROUPS;
+    return vec3u((needed + max(rows, 1u) - 1u) / max(rows, 1u), rows, select(0u, 1u, needed > 0u));
+}
+
+@compute @workgroup_size(1)
+fn main() {
+    var now: Verdict;
+    now.groups = 1u + group_ranks[tree.levels[tree.root_level].x];
+    now.renewals = renewed_ranks[arrayLength(&renewed_ranks) - 1u];
+    now.no_room |= select(0u, NO_ROOM_FOR_PLACES, 8u * now.groups > tree.slots);
+    now.no_room |= select(0u, NO_ROOM_FOR_RENEWALS, now.renewals > arrayLength(&renewals));
+    now.first_place = places.first_place;
+    now.brick_places = places.first_place;
+    let blocks = (arrayLength(&run_starts) - 1u) / RUN_KINDS;
+    var free = places.free;
+    var idle = 0u;
+    for (var length = 1u; length <= PARTS; length++) {
+        let kind = length - 1u;
+        let needed = run_starts[(kind + 1u) * blocks] - run_starts[kind * blocks];
+        let returned = run_starts[(kind + PARTS + 1u) * blocks] - run_starts[(kind + PARTS) * blocks];
+        now.free[length / 4u][length % 4u] = free[length];
+        now.needed[length / 4u][length % 4u] = needed;
+        // What is given back is free for the next list: until then its values are still read.
+        now.brick_places += length * (needed - min(needed, free[length]));
+        free[length] += returned - min(needed, free[length]);
+        idle += length * free[length];
+    }
+    now.bricks = now.brick_places - idle;
+    now.no_room |= select(0u, NO_ROOM_FOR_BRICKS, now.brick_places > tree.bricks);
+    if now.no_room == 0u {
+        places.first_place = now.brick_places;
+        places.free = free;
+        now.node_groups = groups_of(8u * now.groups);
+        now.renewal_groups = groups_of(now.renewals);
+        now.cell_groups = groups_of(8u * now.renewals);
+        now.texel_groups = groups_of(27u * now.renewals);
+    }
+    verdict = now;
+}
