@@ -37,7 +37,7 @@ const WRONG: &[(&str, &[&str])] = &[
     ("volume octre", &["dense or octree", "did you mean \"octree\"?"]),
     ("lod 9", &["level is a whole number from 0 to", "got 9"]),
     ("exposure bright", &["auto-each (stops)"]),
-    ("preset fine", &["fast, balanced, high, report or vxct"]),
+    ("preset fine", &["fast, realtime, balanced, high, report or vxct"]),
     ("reset bouncs", &["\"bounces\"?"]),
     ("da 0.5", &["is a setting of the look vxct", "`preset vxct`"]),
     ("sf 2", &["is a setting of the look vxct"]),

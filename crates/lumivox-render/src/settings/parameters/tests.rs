@@ -164,8 +164,16 @@ fn every_field_has_a_row() {
         .collect();
     // The caller's: the picture's size, the box of the grid, hooks and the look, whose rows are where they are, lines that
     // it draws, and whether it takes times.
-    let of_caller =
-        ["grid_bounds", "voxelizer", "injection", "look", "cone_model", "beside", "lines", "timing"];
+    let of_caller = [
+        "grid_bounds",
+        "voxelizer",
+        "injection",
+        "look",
+        "cone_model",
+        "beside",
+        "lines",
+        "timing",
+    ];
     assert_eq!((names, numbers), (of_caller.to_vec(), vec!["640,", "360,"]));
 }
 
