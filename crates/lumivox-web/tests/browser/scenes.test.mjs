@@ -71,7 +71,7 @@ test("both volumes and the presets agree with the native picture", async (t) => 
             await agrees("builtin:cornell", ["--volume", volume], volume);
         });
     }
-    for (const preset of ["vxct", "report"]) {
+    for (const preset of ["realtime", "vxct", "report"]) {
         await t.test(preset, async () => {
             await app.call("setPreset", preset);
             await app.pictureWith(QUICK);
