@@ -264,7 +264,7 @@ mod tests {
             let size = glam::UVec2::new(40, 24);
             let trace = TraceSettings::preset(preset);
             let settings =
-                RenderSettings { size, resolution, volume, bounces, trace, ..Default::default() };
+                RenderSettings { size, resolution, volume, trace, bounces, ..Default::default() };
             let estimate = MemoryEstimate::new(&scene, &settings).expect("an estimate");
             let mut quiet = |_| {};
             let renderer = Renderer::new(&gpu, &scene, None, settings, &mut quiet);

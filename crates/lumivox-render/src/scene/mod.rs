@@ -15,10 +15,9 @@ use std::mem::offset_of;
 
 use bytemuck::Zeroable as _;
 use glam::Vec3;
-use lumivox::gpu::{Buffer, ShaderLibrary};
+use lumivox::gpu::{Buffer, ShaderLibrary, filled_buffer};
 use lumivox::{Draw, Geometry, GeometryBatch, VertexAttributes};
 use lumivox_scene::{Bounds, InstanceBounds, Scene};
-use wgpu::util::DeviceExt as _;
 
 pub(crate) use draws::DrawRecord;
 pub use draws::SceneDraw;
@@ -387,9 +386,7 @@ impl VertexBuffers {
         let buffer = |label, contents: &[u8], usage| {
             // A scene without visible triangles still needs buffers to bind.
             let contents = if contents.is_empty() { &[0; 16] } else { contents };
-            let label = Some(label);
-            let descriptor = wgpu::util::BufferInitDescriptor { label, contents, usage };
-            Buffer::own(device.create_buffer_init(&descriptor))
+            filled_buffer(device, label, contents, usage)
         };
         let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
         let storage = wgpu::BufferUsages::STORAGE;

@@ -1,7 +1,6 @@
 //! Buffers: creating, filling, and reading back (without blocking in browsers).
 
 use bytemuck::Pod;
-use wgpu::util::DeviceExt as _;
 
 use crate::GiError;
 #[cfg(not(target_arch = "wasm32"))]
@@ -78,11 +77,30 @@ impl Staged {
 
 /// A uniform buffer with the given content, which `Queue::write_buffer` can change.
 pub fn uniform_buffer<T: Pod>(device: &wgpu::Device, label: &str, content: &T) -> Buffer {
-    Buffer::own(device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+    let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+    filled_buffer(device, label, bytemuck::bytes_of(content), usage)
+}
+
+/// A buffer with the given content, which must not be empty. On a device that is lost it has none, as nothing has there; wgpu's own
+/// `create_buffer_init` panics then.
+pub fn filled_buffer(
+    device: &wgpu::Device,
+    label: &str,
+    content: &[u8],
+    usage: wgpu::BufferUsages,
+) -> Buffer {
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        contents: bytemuck::bytes_of(content),
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-    }))
+        size: (content.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT),
+        usage,
+        mapped_at_creation: true,
+    });
+    if let Ok(mut mapped) = buffer.get_mapped_range_mut(..) {
+        mapped.slice(..content.len()).copy_from_slice(content);
+        drop(mapped);
+        buffer.unmap();
+    }
+    Buffer::own(buffer)
 }
 
 /// A storage buffer with the given content; an empty slice makes a buffer of 16 zero bytes.
@@ -90,13 +108,9 @@ pub fn upload<T: Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> Buff
     if content.is_empty() {
         return storage_buffer(device, label, 16);
     }
-    Buffer::own(device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some(label),
-        contents: bytemuck::cast_slice(content),
-        usage: wgpu::BufferUsages::STORAGE
-            | wgpu::BufferUsages::COPY_SRC
-            | wgpu::BufferUsages::COPY_DST,
-    }))
+    let usage =
+        wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+    filled_buffer(device, label, bytemuck::cast_slice(content), usage)
 }
 
 /// The content of `buffer` (which needs `COPY_SRC`) as values of `T`, once all work submitted so far is done.

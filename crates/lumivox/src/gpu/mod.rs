@@ -19,7 +19,9 @@ mod slots;
 
 pub use bindings::{BindGroupBuilder, LayoutBuilder};
 pub(crate) use buffers::{Staged, counted_buffer};
-pub use buffers::{read_buffer, storage_buffer, submitted_work_done, uniform_buffer, upload};
+pub use buffers::{
+    filled_buffer, read_buffer, storage_buffer, submitted_work_done, uniform_buffer, upload,
+};
 pub(crate) use indirect::{BoundIndirect, Indirect, Run};
 pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
