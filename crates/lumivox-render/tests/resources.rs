@@ -105,7 +105,7 @@ fn nothing_outlives_its_owner_and_changes_leave_nothing_behind() {
         let buffers = fresh.buffers..=fresh.buffers + 1;
         assert!(buffers.contains(&now.buffers), "after {name} {now:?}, a new one has {fresh:?}");
         let spare = now.buffer_bytes.abs_diff(fresh.buffer_bytes);
-        assert!(spare <= 64, "after {name} {now:?}, a new one has {fresh:?}");
+        assert!(spare <= 80, "after {name} {now:?}, a new one has {fresh:?}");
     }
     let once = LiveResources::now();
 
