@@ -28,8 +28,8 @@ export interface Settings {
   volume?: "dense" | "octree";
   /** How an octree's nodes are made; selects an octree: ranks or locks. Default: ranks. */
   octree_builder?: "ranks" | "locks";
-  /** How bricks find their neighbours' texels; selects an octree: ranks, pointers or search. Default: ranks. */
-  octree_duplication?: "ranks" | "pointers" | "search";
+  /** How cells find the bricks that hold them as neighbours; selects an octree: table, pointers or search. Default: table. */
+  octree_duplication?: "table" | "pointers" | "search";
   /** The cells over which coarser levels are filtered; selects an octree: occupied or every. Default: occupied. */
   octree_mipmaps?: "occupied" | "every";
   /** The most memory of the volume: a number from 0 to 1048576, or unlimited, MiB. Default: unlimited. */
