@@ -165,7 +165,7 @@ mod tests {
         assert!(
             is_true(&[(95.0, 100.0)]) && is_true(&[(110.0, 100.0)]) && is_true(&[(60.0, 100.0)])
         );
-        // Of another unit, zero, or not a number.
+        // Timestamps of another unit, zero, or not a number.
         assert!(!is_true(&[(3.0, 100.0)]) && !is_true(&[(0.0, 100.0)]));
         assert!(!is_true(&[(2600.0, 100.0)]) && !is_true(&[(f64::NAN, 100.0)]));
         // Each long pass has to agree, however right the sum.

@@ -261,7 +261,7 @@ fn warm_up(work: &mut dyn FnMut() -> Result<(), RenderError>) -> Result<(), Rend
     Ok(())
 }
 
-/// What a renderer tells without measuring.
+/// The counts and sizes that a renderer tells without measuring.
 fn figures(scene: &Scene, renderer: &Renderer, frame: Part) -> Figures {
     let memory = renderer.memory();
     let volume = memory.iter().filter(|part| part.name.starts_with("volume"));

@@ -158,7 +158,7 @@ fn write_file(file: &Path, text: &str) -> anyhow::Result<()> {
 mod tests {
     use super::*;
 
-    /// What a software driver measures without options has published figures; they say of which build.
+    /// The cases that a software driver measures without options have published figures, which say of which build.
     #[test]
     fn the_published_report_is_of_this_layout_and_of_these_cases() {
         let published: Report = serde_json::from_str(PUBLISHED).unwrap();

@@ -77,7 +77,7 @@ impl Row {
     }
 }
 
-/// What was measured of a case.
+/// The figures that were measured of a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     pub triangles: u64,

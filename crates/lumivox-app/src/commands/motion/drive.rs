@@ -15,7 +15,7 @@ use super::sequences::{Pose, Sequence, Start};
 /// More frames than any sequence rests: a picture is never complete.
 pub const FRAMES: u32 = 1024;
 
-/// What a viewer sees at one step.
+/// The pictures that a viewer sees at one step.
 #[derive(Clone, Debug)]
 pub struct Shown {
     /// The picture, in cd/m².
@@ -24,7 +24,7 @@ pub struct Shown {
     pub full: LinearPicture,
 }
 
-/// What a step costs.
+/// The cost of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct StepCost {
     /// Wall-clock time of the changes and the frame, with the wait at its end, ms.
@@ -144,7 +144,7 @@ impl Drive {
         })
     }
 
-    /// What is on screen after the last step.
+    /// The pictures on screen after the last step.
     ///
     /// # Errors
     /// When the device fails.

@@ -174,7 +174,7 @@ pub fn share_of_change(before: f64, after: f64, now: f64) -> Option<f64> {
     (change.abs() > f64::EPSILON * before.abs().max(after.abs())).then(|| (now - before) / change)
 }
 
-/// What is left of the picture before a change: with `s` the difference of the pictures before and
+/// The trail, which is left of the picture before a change: with `s` the difference of the pictures before and
 /// after, once both have stood still, the `t` for which `after + t s` is closest to the present
 /// picture. `None` if both are equal.
 ///
@@ -283,7 +283,7 @@ mod tests {
         let flicker = flicker([&still, &still], known, false).unwrap();
         let expected = (2.0 / std::f64::consts::PI).sqrt() * f64::from(deviation) * 2_f64.sqrt();
         assert!((flicker.noise - expected).abs() < 1e-3 * expected, "{flicker:?}");
-        // What is left of it: the noise of the noise.
+        // The rest is the noise of the noise.
         assert!(flicker.value < 0.2 * flicker.noise, "{flicker:?}");
         assert!((flicker.with_noise / flicker.noise - 1.0).abs() < 0.02, "{flicker:?}");
         let on_screen = flicker_on_screen([&still, &still], known, false, -2.0);
