@@ -1,9 +1,12 @@
 //! The mean over frames.
 //!
 //! After n frames the mean m moves by (x - m) / (n + 1), in full floats: each frame has the same
-//! weight, and nothing grows with their number. Frames that are means themselves, of all frames before them, get weights that grow
-//! as they get better: m moves by 2 (x - m) / (n + 2). Two textures take turns, since WebGPU's core cannot
+//! weight, and nothing grows with their number. Two textures take turns, since WebGPU's core cannot
 //! both read and write storage textures of this format.
+//!
+//! Frames that are means themselves, blended with the light of all frames before them, get weights
+//! that grow as they get better: m moves by 2 (x - m) / (n + 2). When something moves, their mean
+//! does not start again: it follows the surfaces (`follow.wgsl`), and counts for a few frames.
 
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
@@ -11,35 +14,51 @@ use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
     ShaderLibrary, Texture, TextureView, uniform_buffer,
 };
+use lumivox::{GBuffer, Gi};
 
 use crate::gpu::textures::ScreenTextures;
 use crate::passes::composite::PICTURE_FORMAT;
+
+/// The most frames that a moving picture's mean counts for: what is looked up between texels blurs
+/// a little each time.
+const MOVING_FRAMES: u32 = 8;
 
 /// `AccumulateSettings` of `accumulate.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct AccumulateSettings {
-    pub(crate) frames: u32,
-    pub(crate) are_means: u32,
-    padding: [u32; 2],
+    pub(crate) weight: f32,
+    padding: [u32; 3],
 }
 
 /// Averages frames.
 #[derive(Debug)]
 pub struct AccumulatePass {
     kernel: Kernel,
+    follow: Option<Follow>,
     settings: Buffer,
     means: [Texture; 2],
     /// Group `i` writes mean `i`.
     groups: [BindGroup; 2],
+    /// The mean that was written last.
+    newest: usize,
     size: UVec2,
     frames: u32,
-    are_means: bool,
+}
+
+/// What frames need that are blended with those before them.
+#[derive(Debug)]
+struct Follow {
+    kernel: Kernel,
+    /// In place of groups that it does not use.
+    nothing: BindGroup,
+    /// The frames that the mean counts for beyond those of the present picture.
+    past: u32,
 }
 
 impl AccumulatePass {
-    /// Makes the pipeline and the textures; `frame` is the texture of each frame, and `are_means`
-    /// says whether each is a mean of those before it.
+    /// Makes the pipeline and the textures; `frame` is the texture of each frame. Frames that are
+    /// blended with those before them have the volume of their G-buffer.
     ///
     /// # Errors
     /// When the shader does not link.
@@ -48,7 +67,7 @@ impl AccumulatePass {
         shaders: &ShaderLibrary,
         textures: &mut ScreenTextures<'_>,
         size: UVec2,
-        (frame, are_means): (&TextureView, bool),
+        (frame, blended): (&TextureView, Option<&Gi>),
     ) -> Result<Self, ShaderError> {
         let layout = LayoutBuilder::compute()
             .uniform()
@@ -58,6 +77,7 @@ impl AccumulatePass {
             .build(device, "accumulate");
         let kernel =
             Kernel::new(device, shaders, "render::passes::accumulate", "main", &[&layout])?;
+        let follow = blended.map(|gi| Follow::new(device, shaders, &layout, gi)).transpose()?;
         let settings = uniform_buffer(device, "accumulate", &AccumulateSettings::zeroed());
         let means = [(); 2].map(|()| {
             textures.create("mean", PICTURE_FORMAT, wgpu::TextureUsages::STORAGE_BINDING)
@@ -71,7 +91,7 @@ impl AccumulatePass {
                 .view(&views[new])
                 .build(device, "accumulate")
         });
-        Ok(Self { kernel, settings, means, groups, size, frames: 0, are_means })
+        Ok(Self { kernel, follow, settings, means, groups, newest: 0, size, frames: 0 })
     }
 
     /// Frames in the mean.
@@ -79,29 +99,73 @@ impl AccumulatePass {
         self.frames
     }
 
-    /// Starts again: the next frame replaces the mean.
+    /// Starts again: the next frame replaces the mean, or follows it if frames are blended.
     pub fn reset(&mut self) {
+        if let Some(follow) = &mut self.follow {
+            follow.past = (follow.past + self.frames).min(MOVING_FRAMES);
+        }
         self.frames = 0;
     }
 
+    /// Starts again from nothing.
+    pub(crate) fn forget(&mut self) {
+        self.frames = 0;
+        if let Some(follow) = &mut self.follow {
+            follow.past = 0;
+        }
+    }
+
     /// Makes the next frame number `frames` of the mean, counted from 0.
-    pub(crate) fn follow(&mut self, frames: u32) {
+    pub(crate) fn number(&mut self, frames: u32) {
+        if frames == 0 {
+            self.reset();
+        }
         self.frames = frames;
     }
 
-    /// Adds a frame; once per submission.
-    pub fn record(&mut self, recorder: &mut Recorder) {
-        let (frames, are_means) = (self.frames, u32::from(self.are_means));
-        let settings = AccumulateSettings { frames, are_means, padding: [0; 2] };
+    /// Adds a frame of a G-buffer; once per submission.
+    pub(crate) fn record(&mut self, recorder: &mut Recorder, gbuffer: Option<&GBuffer>) {
+        let settings = AccumulateSettings { weight: self.weight(), padding: [0; 3] };
         recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
-        let group = &self.groups[(self.frames % 2) as usize];
-        self.kernel.run(recorder, &[group], [self.size.x, self.size.y, 1]);
+        self.newest = 1 - self.newest;
+        let group = &self.groups[self.newest];
+        let size = [self.size.x, self.size.y, 1];
+        match (&self.follow, gbuffer) {
+            (Some(Follow { kernel, nothing, past: 1.. }), Some(gbuffer)) if self.frames == 0 => {
+                kernel.run(recorder, &[group, nothing, nothing, &gbuffer.group], size);
+            }
+            _ => self.kernel.run(recorder, &[group], size),
+        }
         self.frames += 1;
+    }
+
+    /// The weight of the next frame.
+    fn weight(&self) -> f32 {
+        let frames = self.frames as f32;
+        match &self.follow {
+            Some(follow) if self.frames == 0 => 1.0 / (follow.past as f32 + 1.0),
+            Some(follow) => 2.0 / (frames + follow.past as f32 + 2.0),
+            None => 1.0 / (frames + 1.0),
+        }
     }
 
     /// The mean of the frames so far; undefined before the first.
     pub fn mean(&self) -> &Texture {
-        let newest = self.frames.saturating_sub(1) % 2;
-        &self.means[newest as usize]
+        &self.means[self.newest]
+    }
+}
+
+impl Follow {
+    fn new(
+        device: &Pipelines,
+        shaders: &ShaderLibrary,
+        layout: &wgpu::BindGroupLayout,
+        gi: &Gi,
+    ) -> Result<Self, ShaderError> {
+        let nothing = LayoutBuilder::compute().build(device, "nothing");
+        let groups = [layout, &nothing, &nothing, gi.gbuffer_layout()];
+        let kernel = Kernel::new(device, shaders, "render::passes::follow", "main", &groups)?;
+        let nothing = BindGroupBuilder::new(&nothing).build(device, "nothing");
+        Ok(Self { kernel, nothing, past: 0 })
     }
 }

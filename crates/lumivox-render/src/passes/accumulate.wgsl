@@ -1,12 +1,11 @@
-// The mean of all frames so far. It does not use the grid: its own bindings are in group 0.
+// A frame into the mean of those before, of the same pixel. It does not use the grid: its own bindings are in group 0.
 
 struct AccumulateSettings {
-    // Frames in the mean so far.
-    frames: u32,
-    // Whether each frame is a mean of those before it.
-    are_means: u32,
+    // Of the frame in the new mean; 1: nothing of the old one is left.
+    weight: f32,
     padding_0: u32,
     padding_1: u32,
+    padding_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> accumulate_settings: AccumulateSettings;
@@ -21,13 +20,11 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         return;
     }
     let value = textureLoad(frame, pixel, 0);
-    if accumulate_settings.frames == 0u {
+    if accumulate_settings.weight >= 1.0 {
         textureStore(new_mean, pixel, value);
         return;
     }
     let old = textureLoad(old_mean, pixel, 0);
-    let frames = f32(accumulate_settings.frames);
-    let weight = select(1.0 / (frames + 1.0), 2.0 / (frames + 2.0), accumulate_settings.are_means != 0u);
-    let mean = old + (value - old) * weight;
+    let mean = old + (value - old) * accumulate_settings.weight;
     textureStore(new_mean, pixel, mean);
 }

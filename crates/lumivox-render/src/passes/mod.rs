@@ -35,6 +35,7 @@ pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
         .add("render::passes::accumulate", include_str!("accumulate.wgsl"))
         .add("render::passes::composite", include_str!("composite.wgsl"))
         .add("render::passes::direct", include_str!("direct.wgsl"))
+        .add("render::passes::follow", include_str!("follow.wgsl"))
         .add("render::passes::gbuffer", include_str!("gbuffer.wgsl"))
         .add("render::passes::screen_door", include_str!("screen_door.wgsl"))
         .add("render::passes::shadow_maps", include_str!("shadow_maps.wgsl"));

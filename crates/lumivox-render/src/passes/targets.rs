@@ -89,6 +89,15 @@ impl Targets {
         targets
     }
 
+    /// Forgets what was drawn before: the next frame is the first one of a picture.
+    pub(crate) fn forget(&mut self) {
+        self.traced.forget();
+        self.accumulate.forget();
+        for beside in &mut self.beside {
+            beside.forget();
+        }
+    }
+
     fn create(
         gpu: &Gpu,
         shaders: &ShaderLibrary,
@@ -108,7 +117,7 @@ impl Targets {
         let composite =
             composite.targets(device, &mut textures, &gbuffer_textures, &direct, &traced);
         let voxel_view = VoxelViewPass::new(device, shaders, &composite);
-        let frames = (&composite.picture, traced.is_temporal());
+        let frames = (&composite.picture, traced.is_temporal().then_some(gi));
         let accumulate = AccumulatePass::new(device, shaders, &mut textures, size, frames)?;
         let tone_map = ToneMapPass::new(device, shaders, &mut textures, size)?;
         let bytes = textures.bytes + traced.memory();

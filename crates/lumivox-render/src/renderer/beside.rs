@@ -31,8 +31,13 @@ impl BesideView {
         (has_cones, frame): (bool, u32),
     ) {
         pass.record(recorder, lights, gbuffer, &self.composite, (self.view, has_cones, frame));
-        self.accumulate.follow(frame);
-        self.accumulate.record(recorder);
+        self.accumulate.number(frame);
+        self.accumulate.record(recorder, Some(gbuffer));
+    }
+
+    /// Forgets the frames so far.
+    pub(crate) fn forget(&mut self) {
+        self.accumulate.forget();
     }
 }
 
@@ -65,7 +70,7 @@ pub(crate) fn validate(settings: &RenderSettings) -> Result<(), RenderError> {
 impl Renderer {
     /// Makes the views beside the picture that the settings ask for and that are not there yet.
     pub(super) fn prepare_beside(&mut self) -> Result<(), RenderError> {
-        let Self { gpu, settings, passes, targets, .. } = self;
+        let Self { gpu, settings, gi, passes, targets, .. } = self;
         if targets.beside.iter().map(|beside| beside.view).eq(settings.beside.iter().copied()) {
             return Ok(());
         }
@@ -86,7 +91,7 @@ impl Renderer {
                 &passes.shaders,
                 &mut textures,
                 settings.size,
-                (picture, targets.traced.is_temporal()),
+                (picture, targets.traced.is_temporal().then_some(gi)),
             )?;
             let bytes = textures.bytes;
             targets.beside.push(BesideView { view, composite, accumulate, bytes });

@@ -120,7 +120,7 @@ impl Renderer {
             self.relight(progress).await?;
         }
         if redo.mean {
-            self.targets.accumulate.reset();
+            self.targets.accumulate.forget();
         }
         self.gpu.check("taking other settings")
     }
@@ -300,7 +300,7 @@ impl Renderer {
         if self.settings.shown_look().is_none() && !was_lit {
             self.light_voxels()?;
         }
-        self.targets.accumulate.reset();
+        self.targets.accumulate.forget();
         Ok(())
     }
 
@@ -319,7 +319,7 @@ impl Renderer {
         if self.settings.shown_look().is_none() && was.look.is_some() {
             self.light_voxels()?;
         }
-        self.targets.accumulate.reset();
+        self.targets.accumulate.forget();
         Ok(())
     }
 

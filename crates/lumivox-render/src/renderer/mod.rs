@@ -273,14 +273,14 @@ impl Renderer {
         let Self { settings, camera, scene, gi, lights, passes, targets, .. } = self;
         let mut is_traced = false;
         let (drawn, former_camera) = (&self.drawn, &self.former_camera);
-        let jitter = gbuffer::jitter(frame, settings.frames);
+        // Frames that are blended must not repeat each other.
+        let turn = if targets.traced.is_temporal() { *drawn } else { frame };
+        let jitter = gbuffer::jitter(turn, settings.frames);
         let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
         let mut view = lumivox::CameraView::new(clip_from_world, position, size);
-        view.frame = frame;
+        view.frame = turn;
         if targets.traced.is_temporal() {
-            // Frames that are blended must not repeat each other.
-            view.frame = *drawn;
             let former = former_camera.as_ref().unwrap_or(camera);
             // The jitter within the pixel is no motion.
             view.previous_clip_from_world = gbuffer::clip_from_world(former, size, jitter);
@@ -331,12 +331,16 @@ impl Renderer {
         }
         if is_kept {
             recorder.stage("picture");
-            self.targets.accumulate.record(recorder);
+            let Targets { accumulate, gbuffer, .. } = &mut self.targets;
+            accumulate.record(recorder, Some(gbuffer));
             self.record_overlay(recorder, &view)?;
         }
+        // What is not of the frame before cannot be followed.
         if !(is_kept && is_traced) {
-            // What is kept is not of the frame before.
             self.targets.traced.forget();
+        }
+        if !is_kept && frame == 0 {
+            self.targets.forget();
         }
         self.drawn = self.drawn.wrapping_add(1);
         self.former_camera = Some(self.camera.clone());

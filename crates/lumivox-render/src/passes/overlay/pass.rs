@@ -74,7 +74,7 @@ impl OverlayPass {
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT;
         let frame = textures.create("overlay", FRAME_FORMAT, usage).view();
         let accumulate =
-            AccumulatePass::new(device, shaders, &mut textures, size, (&frame, false))?;
+            AccumulatePass::new(device, shaders, &mut textures, size, (&frame, None))?;
         let blend_layout = ToneMapPass::layout().texture_2d_unfilterable().build(device, "blend");
         let blend = Kernel::new(
             device,
@@ -145,7 +145,7 @@ impl OverlayPass {
             self.draws = Some((records.clone(), ranges(&device, seen.scene)));
         }
         self.draw(recorder, seen, (!has_wires).then_some(background));
-        self.accumulate.record(recorder);
+        self.accumulate.record(recorder, None);
         Ok(())
     }
 

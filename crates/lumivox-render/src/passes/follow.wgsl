@@ -1,0 +1,87 @@
+// A frame into the mean of those before, while the picture moves: the mean is looked up where the pixel's surface was.
+//
+// Each frame samples another place within the pixel, so the mean smooths edges. What was there before counts only within
+// the range of the frame's own 3x3 pixels around (Karis 2014, "High-quality temporal supersampling"): edges have that range, but
+// within a surface it is narrow, and light and shadow follow at once.
+
+import package::render::passes::accumulate::{accumulate_settings, frame, new_mean, old_mean};
+import package::trace::gbuffer::{load_motion, load_surface};
+import package::trace::view::view;
+
+// A place this near to the middle of a texel is there, in texels: rounding of matrices.
+const SAME_TEXEL: f32 = 0.01;
+
+// Where the pixel was in the frame before, in texels with whole numbers at their centres: with the nearest of the surfaces
+// around, so that the edge of a thing moves as the thing does.
+fn former_place(pixel: vec2u) -> vec2f {
+    var nearest = pixel;
+    var nearest_depth = -1.0;
+    for (var i = 0; i < 9; i++) {
+        let place = around(pixel, i);
+        let depth = load_surface(place).depth;
+        if depth > nearest_depth {
+            nearest_depth = depth;
+            nearest = place;
+        }
+    }
+    let motion = load_motion(nearest, load_surface(nearest).position_in_world);
+    return vec2f(pixel) - motion * vec2f(view.size);
+}
+
+fn around(pixel: vec2u, i: i32) -> vec2u {
+    let place = vec2i(pixel) + vec2i(i % 3 - 1, i / 3 - 1);
+    return vec2u(clamp(place, vec2i(0), vec2i(view.size) - 1));
+}
+
+// Weights of the four texels around a place, `t` beyond the second: Catmull and Rom 1974, which keeps what it looks up
+// over and over sharp.
+fn cubic(t: f32) -> vec4f {
+    return vec4f(
+        t * (-0.5 + t * (1.0 - 0.5 * t)),
+        1.0 + t * t * (-2.5 + 1.5 * t),
+        t * (0.5 + t * (2.0 - 1.5 * t)),
+        t * t * (-0.5 + 0.5 * t),
+    );
+}
+
+fn look_up(place: vec2f) -> vec4f {
+    let nearest = round(place);
+    if all(abs(place - nearest) < vec2f(SAME_TEXEL)) {
+        return textureLoad(old_mean, vec2u(nearest), 0);
+    }
+    let corner = floor(place);
+    let columns = cubic(place.x - corner.x);
+    let rows = cubic(place.y - corner.y);
+    var sum = vec4f(0.0);
+    for (var i = 0; i < 16; i++) {
+        let texel = vec2i(corner) + vec2i(i % 4 - 1, i / 4 - 1);
+        let inside = clamp(texel, vec2i(0), vec2i(view.size) - 1);
+        sum += columns[i % 4] * rows[i / 4] * textureLoad(old_mean, inside, 0);
+    }
+    return sum;
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let pixel = invocation.xy;
+    if any(pixel >= view.size) {
+        return;
+    }
+    let value = textureLoad(frame, pixel, 0);
+    let place = former_place(pixel);
+    // Also false for what is not a number.
+    let was_on_screen = all(place > vec2f(-0.5)) && all(place < vec2f(view.size) - 0.5);
+    if !was_on_screen {
+        textureStore(new_mean, pixel, value);
+        return;
+    }
+    var least = value;
+    var most = value;
+    for (var i = 0; i < 9; i++) {
+        let other = textureLoad(frame, around(pixel, i), 0);
+        least = min(least, other);
+        most = max(most, other);
+    }
+    let old = clamp(look_up(place), least, most);
+    textureStore(new_mean, pixel, old + (value - old) * accumulate_settings.weight);
+}
