@@ -17,7 +17,7 @@ use super::prepare::{
 use super::{RenderProgress, Renderer, validate, validate_level};
 use crate::look::{LookChoice, LookScene};
 use crate::parameters::{PARAMETERS, Redoes};
-use crate::scene::{Lighting, radiance_unit_within};
+use crate::scene::{Lighting, radiance_unit_within, suits};
 use crate::{Exposure, RenderError, RenderSettings, View};
 
 /// The work that a change of settings requires, the most costly first.
@@ -120,7 +120,7 @@ impl Renderer {
             self.relight(progress).await?;
         }
         if redo.mean {
-            self.targets.accumulate.forget();
+            self.targets.forget();
         }
         self.gpu.check("taking other settings")
     }
@@ -159,11 +159,7 @@ impl Renderer {
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
         progress(RenderProgress { stage: "upload", done: 0, total: 1 });
-        if self.scene.move_instances(&self.gpu, scene, moved) {
-            self.take_places(scene)?;
-        } else {
-            self.take_pose(scene)?;
-        }
+        self.take_moved(scene, moved)?;
         self.show_pose(progress).await
     }
 
@@ -172,6 +168,18 @@ impl Renderer {
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
         progress(RenderProgress { stage: "upload", done: 1, total: 1 });
+        if self.settings.follows() {
+            self.follow_surfaces();
+            return Ok(());
+        }
+        self.make_pose(progress).await
+    }
+
+    /// Voxelizes and lights the present pose at once.
+    async fn make_pose(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<(), RenderError> {
         compile(&self.gpu, progress).await?;
         self.voxelize(progress).await?;
         self.relight(progress).await?;
@@ -226,7 +234,8 @@ impl Renderer {
         self.look_scene = LookScene::of(scene);
         // The layout of materials may be another one, too.
         self.look = None;
-        self.set_scene(scene, progress).await
+        self.take_pose(scene)?;
+        self.make_pose(progress).await
     }
 
     /// Shows the same scene under other lights or other surroundings; the mean starts again.
@@ -240,11 +249,21 @@ impl Renderer {
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
         let lighting = Lighting::of(scene);
-        let unit = radiance_unit_within(self.grid_bounds, scene, &lighting);
-        if unit.to_bits() != self.scene.radiance_unit.to_bits() {
+        let (unit, bounds) = (self.scene.radiance_unit, self.grid_bounds);
+        let is_suited = if self.settings.follows() {
+            // A lamp that is switched off comes back.
+            suits(unit, bounds, scene, &lighting)
+        } else {
+            radiance_unit_within(bounds, scene, &lighting).to_bits() == unit.to_bits()
+        };
+        if !is_suited {
             return self.set_materials(scene, progress).await;
         }
         self.take_lighting(scene)?;
+        if self.settings.follows() {
+            self.follow_lights();
+            return Ok(());
+        }
         self.relight(progress).await?;
         self.targets.accumulate.reset();
         Ok(())
@@ -346,6 +365,15 @@ impl Renderer {
     /// Changes the exposure of pictures from now on; the frames so far stay.
     pub fn set_exposure(&mut self, exposure: Exposure) {
         self.settings.exposure = exposure;
+    }
+
+    /// Uploads the places of the instances of these numbers, and lights.
+    pub(super) fn take_moved(&mut self, scene: &Scene, moved: &[usize]) -> Result<(), RenderError> {
+        if self.scene.move_instances(&self.gpu, scene, moved) {
+            self.take_places(scene)
+        } else {
+            self.take_pose(scene)
+        }
     }
 
     /// Uploads moved geometry and lights.

@@ -13,7 +13,7 @@ mod screen;
 use std::ops::ControlFlow;
 
 use lumivox::gpu::{Recorder, StageTime, Timing};
-use lumivox::{EnvironmentMap, Gi, Grid, Lights, VoxelizeStats};
+use lumivox::{EnvironmentMap, FrameVoxels, Gi, Grid, Lights, VoxelizeStats};
 use lumivox_scene::{Bounds, Camera, Scene};
 
 use crate::gpu::memory::MemoryUse;
@@ -23,6 +23,7 @@ use crate::passes::gbuffer;
 use crate::passes::targets::Targets;
 use crate::scene::{GpuScene, Lighting, radiance_unit_within};
 use crate::{Gpu, Picture, RenderError, RenderSettings, View};
+use moving::Following;
 use passes::Passes;
 pub use photometry::Photometry;
 pub use prepare::global_illumination;
@@ -59,6 +60,7 @@ pub struct Renderer {
     lights: Lights,
     voxels: VoxelizeStats,
     voxels_are_stale: bool,
+    following: Following,
     passes: Passes,
     targets: Targets,
     /// The parts of the scene for looks.
@@ -175,6 +177,7 @@ impl Renderer {
             lights,
             voxels: voxelized.stats,
             voxels_are_stale: false,
+            following: Following::default(),
             passes,
             targets,
             look_scene,
@@ -244,7 +247,7 @@ impl Renderer {
     /// # Errors
     /// When the device fails.
     pub async fn render_frame(&mut self) -> Result<(), RenderError> {
-        self.draw_frame(true).await
+        self.draw_frame(true).await.map(|_| ())
     }
 
     /// Renders the next frame only for its time: the mean stays as it is.
@@ -252,15 +255,18 @@ impl Renderer {
     /// # Errors
     /// When the device fails.
     pub async fn rehearse_frame(&mut self) -> Result<(), RenderError> {
-        self.draw_frame(false).await
+        self.draw_frame(false).await.map(|_| ())
     }
 
-    async fn draw_frame(&mut self, is_kept: bool) -> Result<(), RenderError> {
+    /// The voxels are returned if they had to follow something.
+    async fn draw_frame(&mut self, is_kept: bool) -> Result<Option<FrameVoxels>, RenderError> {
         self.prepare_view().await?;
         let mut recorder = self.recorder();
+        let voxels = self.follow(&mut recorder)?;
         self.record_frame(&mut recorder, is_kept)?;
         self.times.add(recorder.finish().await?);
-        self.gpu.check("rendering a frame")
+        self.gpu.check("rendering a frame")?;
+        Ok(voxels)
     }
 
     /// Records the passes of the next frame; `is_kept` adds it to the mean.

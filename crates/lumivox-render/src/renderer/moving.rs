@@ -1,14 +1,34 @@
-//! Frames in which something moves, without waiting for the GPU in between.
+//! Voxels and light that follow what moves, frame by frame, without waiting for the GPU in between.
 
 use lumivox::FrameVoxels;
+use lumivox::gpu::Recorder;
 use lumivox_scene::Scene;
 
 use super::{RenderError, Renderer};
+use crate::RenderSettings;
+
+/// With as many bounces as these or more, light may have them all: what is left out of fewer would be missed.
+const MANY_BOUNCES: u32 = 8;
+
+/// Frames after a change until less than a hundredth of it is still to come, at one bounce a frame.
+const SETTLING_FRAMES: u32 = 8;
+
+/// What the next frames have to follow.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Following {
+    /// Surfaces have moved.
+    pub(super) surfaces: bool,
+    /// Lights have moved, or what casts their shadows.
+    pub(super) lights: bool,
+    /// Frames until the light has settled, but for little.
+    settling: u32,
+}
 
 impl Renderer {
     /// Moves the instances of these numbers to their places in `scene`, takes its lights, and renders one frame: all in one
     /// submission, as an engine does ([`Gi::voxelize_frame`](lumivox::Gi::voxelize_frame) and
-    /// [`Gi::light_frame`](lumivox::Gi::light_frame), with all faces). The picture is this frame alone.
+    /// [`Gi::light_frame`](lumivox::Gi::light_frame), with all faces). The picture is this frame alone, or follows from those
+    /// before it if [`TraceSettings::temporal`](lumivox::TraceSettings::temporal) says so.
     ///
     /// Light travels one bounce of [`RenderSettings::bounces`](crate::RenderSettings::bounces) a frame, whatever their
     /// number, and voxels may be a few frames late, which the result tells. Where [`Self::move_instances`] would upload the
@@ -21,27 +41,65 @@ impl Renderer {
         scene: &Scene,
         moved: &[usize],
     ) -> Result<FrameVoxels, RenderError> {
-        if self.scene.move_instances(&self.gpu, scene, moved) {
-            self.take_places(scene)?;
-        } else {
-            self.take_pose(scene)?;
-        }
-        self.prepare_view().await?;
+        self.take_moved(scene, moved)?;
+        self.follow_surfaces();
+        let voxels = self.draw_frame(true).await?;
+        voxels.ok_or(RenderError::Device {
+            doing: "following what has moved",
+            reason: "nothing was recorded".to_owned(),
+        })
+    }
+
+    /// Lets the next frame follow surfaces, and their shadows.
+    pub(super) fn follow_surfaces(&mut self) {
+        self.following.surfaces = true;
+        self.follow_lights();
+    }
+
+    /// Lets the next frame follow the lights.
+    pub(super) fn follow_lights(&mut self) {
+        self.following.lights = true;
         self.targets.accumulate.reset();
-        let mut recorder = self.recorder();
-        let voxels = self.gi.voxelize_frame(&mut recorder, &self.scene.geometry)?;
-        self.voxels_are_stale = voxels.is_late;
-        self.bind_lights(&mut recorder);
-        if let Some(look) = &mut self.look {
-            look.relight();
+    }
+
+    /// Records what the frame has to follow, before its passes.
+    pub(super) fn follow(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+    ) -> Result<Option<FrameVoxels>, RenderError> {
+        let mut voxels = None;
+        if self.following.surfaces {
+            let frame = self.gi.voxelize_frame(recorder, &self.scene.geometry)?;
+            self.voxels_are_stale = frame.is_late;
+            self.following.surfaces = frame.is_late;
+            voxels = Some(frame);
         }
-        if self.settings.shown_look().is_none() {
+        let has_changed = self.following.lights || voxels.is_some();
+        if std::mem::take(&mut self.following.lights) {
+            self.bind_lights(recorder);
+            if let Some(look) = &mut self.look {
+                look.relight();
+            }
+        }
+        if (has_changed || self.settings.follows()) && self.settings.shown_look().is_none() {
             recorder.stage("light");
-            self.gi.light_frame(&mut recorder, &self.lights, None, &self.settings.trace)?;
+            self.gi.light_frame(recorder, &self.lights, None, &self.settings.trace)?;
         }
-        self.record_frame(&mut recorder, true)?;
-        self.times.add(recorder.finish().await?);
-        self.gpu.check("rendering a moved frame")?;
+        if self.settings.follows() {
+            if self.following.settling > 0 {
+                // Light that is still on its way does not belong into the mean.
+                self.targets.accumulate.reset();
+            }
+            let left = self.following.settling.saturating_sub(1);
+            self.following.settling = if has_changed { SETTLING_FRAMES } else { left };
+        }
         Ok(voxels)
+    }
+}
+
+impl RenderSettings {
+    /// Whether voxels and light follow changes frame by frame, instead of being made anew at once.
+    pub(crate) fn follows(&self) -> bool {
+        self.trace.temporal && self.voxel_bounces() >= MANY_BOUNCES && self.shown_look().is_none()
     }
 }

@@ -34,7 +34,7 @@ pub(crate) use mips::{Alpha, Encoding, Level, mip_chain};
 pub(crate) use reference_white::reference_white;
 pub(crate) use sheen::{EDGE as SHEEN_EDGE, table as sheen_table};
 pub use units::radiance_unit;
-pub(crate) use units::radiance_unit_within;
+pub(crate) use units::{radiance_unit_within, suits};
 
 use crate::gpu::memory::MemoryUse;
 use crate::{Gpu, RenderError};

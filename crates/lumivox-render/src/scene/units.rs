@@ -32,6 +32,22 @@ pub fn radiance_unit(scene: &Scene, lighting: &Lighting) -> f32 {
 
 /// The same for a scene that moves within `bounds`: all its poses share one unit.
 pub(crate) fn radiance_unit_within(bounds: Bounds, scene: &Scene, lighting: &Lighting) -> f32 {
+    // Limited so that the unit and its inverse are normal floats.
+    let unit = |brightest: f32| (brightest / BRIGHTEST).log2().ceil().clamp(-100.0, 100.0).exp2();
+    brightest(bounds, scene, lighting).map_or(1.0, unit)
+}
+
+/// Whether a unit still does for a scene whose lights have changed: with an eighth of the headroom
+/// left, and with precision for what is a thousandth as bright. Darkness suits every unit.
+pub(crate) fn suits(unit: f32, bounds: Bounds, scene: &Scene, lighting: &Lighting) -> bool {
+    brightest(bounds, scene, lighting).is_none_or(|brightest| {
+        let stored = brightest / unit;
+        (BRIGHTEST / 2048.0..=8.0 * BRIGHTEST).contains(&stored)
+    })
+}
+
+/// The largest radiance that is expected, in cd/m²; `None` in darkness.
+fn brightest(bounds: Bounds, scene: &Scene, lighting: &Lighting) -> Option<f32> {
     let nearest_m = bounds.radius_m() * NEAREST;
     let lights = lighting.lights.iter().map(|light| {
         let color = light.color.max_element();
@@ -49,11 +65,7 @@ pub(crate) fn radiance_unit_within(bounds: Bounds, scene: &Scene, lighting: &Lig
         .chain([surroundings(&lighting.environment)])
         .filter(|radiance| radiance.is_finite())
         .fold(0.0, f32::max);
-    if brightest <= 0.0 {
-        return 1.0;
-    }
-    // Limited so that the unit and its inverse are normal floats.
-    (brightest / BRIGHTEST).log2().ceil().clamp(-100.0, 100.0).exp2()
+    (brightest > 0.0).then_some(brightest)
 }
 
 /// The most that a white surface reflects of the surroundings: irradiance / pi is at most four
@@ -81,6 +93,18 @@ mod tests {
             assert_eq!(unit.log2().fract(), 0.0);
         }
         assert_eq!(unit_of(0.0), 1.0);
+    }
+
+    #[test]
+    fn a_unit_suits_light_that_neither_overflows_nor_vanishes() {
+        let suits = |radiance: f32| {
+            let environment =
+                Environment { radiance: Vec3::splat(radiance), ..Environment::default() };
+            let lighting = Lighting { lights: Vec::new(), environment };
+            super::suits(1.0, Scene::default().bounds(), &Scene::default(), &lighting)
+        };
+        assert!(suits(BRIGHTEST) && suits(8.0 * BRIGHTEST) && suits(1.0) && suits(0.0));
+        assert!(!suits(9.0 * BRIGHTEST) && !suits(0.4));
     }
 
     #[test]

@@ -73,8 +73,7 @@ impl OverlayPass {
         let mut textures = ScreenTextures::new(device, size);
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT;
         let frame = textures.create("overlay", FRAME_FORMAT, usage).view();
-        let accumulate =
-            AccumulatePass::new(device, shaders, &mut textures, size, (&frame, None))?;
+        let accumulate = AccumulatePass::new(device, shaders, &mut textures, size, (&frame, None))?;
         let blend_layout = ToneMapPass::layout().texture_2d_unfilterable().build(device, "blend");
         let blend = Kernel::new(
             device,
