@@ -91,6 +91,8 @@ pub struct Gi {
     white: EnvironmentMap,
     /// Gathers of the last call of `light`, the one on screen included.
     bounces: u32,
+    /// Another number for each change of what the volume holds.
+    content: u64,
     /// Those of the cone model; nothing reads them without one.
     cone_values: [f32; 4],
     /// Once something was gathered at points.
@@ -165,6 +167,7 @@ impl Gi {
             gbuffer_layout,
             white: EnvironmentMap::white(device, queue),
             bounces: 0,
+            content: 0,
             cone_values,
             points: OnceLock::new(),
         })
@@ -265,6 +268,7 @@ impl Gi {
         // Its state is too large for the futures of those who wait.
         let voxelizing = Box::pin(voxelizer.voxelize_into(&mut recorder, scene, geometry, follow));
         let stats = voxelizing.await?;
+        self.content += 1;
         self.follow_taken(&mut recorder)?;
         let has_moving = self.scene.has_moving();
         if let Some((volume, followed, _)) = self.followed() {
@@ -374,6 +378,7 @@ impl Gi {
         let volume = (&mut self.volume, &mut self.changes);
         let cones = (settings, self.cone_values);
         self.lighting.solve(recorder, volume, lights, gathers, cones);
+        self.content += 1;
         Ok(())
     }
 
@@ -381,6 +386,7 @@ impl Gi {
     /// [`Self::trace`] on. Another model needs another `Gi`.
     pub fn set_cone_values(&mut self, values: [f32; 4]) {
         self.cone_values = values;
+        self.content += 1;
     }
 
     /// Lets the next call of [`Self::light`] store and filter all voxels, even those whose light is what the

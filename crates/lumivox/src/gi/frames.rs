@@ -85,6 +85,7 @@ impl Gi {
             is_taken = true;
         }
         if is_taken {
+            self.content += 1;
             self.follow_taken(recorder)?;
             self.volume.tell(recorder);
         }
@@ -151,7 +152,9 @@ impl Gi {
         self.bounces = u32::MAX;
         let volume = (&mut self.volume, &mut self.changes);
         let cones = (settings, self.cone_values);
-        self.lighting.step(recorder, volume, lights, faces_per_frame, cones);
+        if self.lighting.step(recorder, volume, lights, faces_per_frame, cones) {
+            self.content += 1;
+        }
         Ok(())
     }
 }

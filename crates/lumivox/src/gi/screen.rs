@@ -40,7 +40,7 @@ impl Gi {
             self.prepare_half()?;
         }
         if targets.is_temporal() {
-            let layouts = [self.volume.globals_layout(), &self.gbuffer_layout];
+            let layouts = [self.volume.globals_layout(), &self.lights_layout, &self.gbuffer_layout];
             self.tracer.prepare_temporal(&self.device, &self.shaders, layouts)?;
         }
         Ok(())
@@ -197,7 +197,8 @@ impl Gi {
         let resolution = targets.resolution();
         let voxel_size_m = self.config.grid.voxel_size_m;
         let screen = ScreenSettings::new(cones, resolution, voxel_size_m, self.bounces);
-        let bound = Bound { globals: self.volume.globals(), lights: &lights.group, gbuffer };
+        let (globals, content) = (self.volume.globals(), [self.content, lights.version]);
+        let bound = Bound { globals, lights: &lights.group, gbuffer, content };
         self.tracer.run(recorder, &bound, targets, &screen);
         Ok(())
     }

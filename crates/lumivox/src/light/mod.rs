@@ -199,7 +199,7 @@ impl Lighting {
     }
 
     /// From what the last call of either has left: direct light, and one gather of as many faces as there may be at a time,
-    /// stored and filtered where it differs. Once all has settled nothing is recorded.
+    /// stored and filtered where it differs. Once all has settled nothing is recorded, and `false` returned.
     pub(crate) fn step(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -207,11 +207,12 @@ impl Lighting {
         lights: &Lights,
         budget: Option<u32>,
         cones: (&TraceSettings, [f32; 4]),
-    ) {
-        let Some(faces) = &self.faces else { return };
-        let Some(turn) = self.turns.next(lights, cones, faces.capacity(), budget) else { return };
+    ) -> bool {
+        let Some(faces) = &self.faces else { return false };
+        let turn = self.turns.next(lights, cones, faces.capacity(), budget);
+        let Some(turn) = turn else { return false };
         set_bounce(&mut self.settings, recorder, cones, (turn.faces, turn.number));
-        let Some(faces) = &self.faces else { return };
+        let Some(faces) = &self.faces else { return false };
         if turn.is_direct_new {
             self.direct(recorder, (volume, changes), lights, faces);
             self.kernels.show(recorder, &self.grid, faces);
@@ -230,6 +231,7 @@ impl Lighting {
                 volume.update(recorder, changed);
             }
         }
+        true
     }
 
     /// Direct light and emission of the faces.

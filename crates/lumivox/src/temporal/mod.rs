@@ -7,31 +7,37 @@
 //!
 //! | step | for each | file |
 //! | --- | --- | --- |
+//! | how the light has changed where it was | probe | `trace_probes.wgsl`, `drift.wgsl` |
 //! | light that is known of the surface | pixel | `recall.wgsl` |
 //! | this frame's light beside it | traced pixel | `compare.wgsl` |
 //! | a wide filter in four steps | traced pixel | `filter.wgsl` |
 //! | the blend of both, for the picture and for the next frame | pixel | `resolve.wgsl`, `blend.wgsl` |
+//! | some traced pixels, for the next frame | probe | `take_probes.wgsl` |
 //!
 //! Only what cones gather goes this way. Direct light never does: it has no noise, and must not lag.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use glam::UVec2;
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
-    ShaderLibrary, Texture, TextureView, uniform_buffer,
+    ShaderLibrary, Texture, TextureView, storage_buffer, uniform_buffer,
 };
 
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("temporal::blend", include_str!("blend.wgsl")),
     ("temporal::compare", include_str!("compare.wgsl")),
+    ("temporal::drift", include_str!("drift.wgsl")),
     ("temporal::filter", include_str!("filter.wgsl")),
     ("temporal::guide", include_str!("guide.wgsl")),
+    ("temporal::probe", include_str!("probe.wgsl")),
     ("temporal::recall", include_str!("recall.wgsl")),
     ("temporal::record", include_str!("record.wgsl")),
     ("temporal::resolve", include_str!("resolve.wgsl")),
+    ("temporal::take_probes", include_str!("take_probes.wgsl")),
+    ("temporal::trace_probes", include_str!("trace_probes.wgsl")),
 ];
 
 const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -44,9 +50,16 @@ const STEPS: [u32; 4] = [1, 2, 4, 8];
 /// `FilterStep` of `filter.wgsl`, as far apart as uniforms may lie.
 const STEP_BYTES: u64 = 256;
 
+/// `SPACING` of `probe.wgsl`, and the bytes of a `Probe`.
+const PROBE_SPACING: u32 = 3;
+pub(crate) const PROBE_BYTES: u64 = 80;
+
 /// The layouts of the steps.
 #[derive(Debug)]
 pub(crate) struct Layouts {
+    trace_probes: wgpu::BindGroupLayout,
+    drift: wgpu::BindGroupLayout,
+    take_probes: wgpu::BindGroupLayout,
     recall: wgpu::BindGroupLayout,
     compare: wgpu::BindGroupLayout,
     filter: wgpu::BindGroupLayout,
@@ -67,7 +80,25 @@ impl Layouts {
                 .texture(d2, uint)
                 .storage_texture(d2, LIGHT)
                 .storage_texture(d2, LIGHT)
+                .texture_2d_unfilterable()
+                .texture_2d_unfilterable()
+                .texture_2d_unfilterable()
                 .build(device, "recall"),
+            trace_probes: LayoutBuilder::compute()
+                .uniform()
+                .storage_mut()
+                .build(device, "trace probes"),
+            drift: LayoutBuilder::compute()
+                .texture_2d_unfilterable()
+                .storage()
+                .storage_texture(d2, LIGHT)
+                .storage_texture(d2, LIGHT)
+                .build(device, "drift"),
+            take_probes: LayoutBuilder::compute()
+                .uniform()
+                .texture_2d_unfilterable()
+                .storage_mut()
+                .build(device, "take probes"),
             compare: LayoutBuilder::compute()
                 .uniform()
                 .texture_2d_unfilterable()
@@ -103,6 +134,9 @@ impl Layouts {
 /// The kernels of the steps.
 #[derive(Debug)]
 pub(crate) struct Kernels {
+    trace_probes: Kernel,
+    drift: Kernel,
+    take_probes: Kernel,
     recall: Kernel,
     compare: Kernel,
     filter: Kernel,
@@ -115,14 +149,19 @@ impl Kernels {
         device: &Pipelines,
         shaders: &ShaderLibrary,
         layouts: &Layouts,
-        [globals, gbuffer]: [&wgpu::BindGroupLayout; 2],
+        [globals, lights, gbuffer]: [&wgpu::BindGroupLayout; 3],
     ) -> Result<Self, ShaderError> {
         let kernel = |module: &str, own| {
             let module = format!("temporal::{module}");
             let groups = [globals, own, &layouts.nothing, gbuffer];
             Kernel::new(device, shaders, &module, "main", &groups)
         };
+        let probes = [globals, &layouts.trace_probes, lights];
+        let drift = [globals, &layouts.drift];
         Ok(Self {
+            trace_probes: Kernel::new(device, shaders, "temporal::trace_probes", "main", &probes)?,
+            drift: Kernel::new(device, shaders, "temporal::drift", "main", &drift)?,
+            take_probes: kernel("take_probes", &layouts.take_probes)?,
             recall: kernel("recall", &layouts.recall)?,
             compare: kernel("compare", &layouts.compare)?,
             filter: Kernel::new(device, shaders, "temporal::filter", "main", &[&layouts.filter])?,
@@ -159,13 +198,19 @@ pub(crate) struct Past {
     light: [Texture; 3],
     change: [Texture; 2],
     steps: Buffer,
-    /// Whether there is anything to recall.
-    remembers: AtomicBool,
+    probes: Buffer,
+    /// What the probes were, and what they are.
+    drift: [Texture; 2],
+    /// What cones saw in the last frame; `None` if there is nothing to recall.
+    seen: Mutex<Option<[u64; 2]>>,
 }
 
 /// The bind groups of the steps.
 #[derive(Debug)]
 pub(crate) struct Groups {
+    trace_probes: BindGroup,
+    drift: BindGroup,
+    take_probes: BindGroup,
     recall: BindGroup,
     compare: BindGroup,
     filters: [BindGroup; 4],
@@ -184,6 +229,8 @@ impl Past {
             words[0] = step;
             words
         });
+        let probes = traced_size.map(|pixels| pixels.div_ceil(PROBE_SPACING));
+        let probes = u64::from(probes.x) * u64::from(probes.y);
         Self {
             size,
             traced_size,
@@ -196,18 +243,25 @@ impl Past {
             light: [(); 3].map(|()| make("filtered light", traced_size, LIGHT)),
             change: [(); 2].map(|()| make("filtered change", traced_size, LIGHT)),
             steps: uniform_buffer(device, "filter steps", &steps),
-            remembers: AtomicBool::new(false),
+            probes: storage_buffer(device, "probes", probes * PROBE_BYTES),
+            drift: ["probes were", "probes are"].map(|label| make(label, traced_size, LIGHT)),
+            seen: Mutex::new(None),
         }
     }
 
     /// Forgets the light of earlier frames.
     pub(crate) fn forget(&self) {
-        self.remembers.store(false, Ordering::Relaxed);
+        self.see(None);
     }
 
-    /// Whether the next frame recalls anything.
-    pub(crate) fn remembers(&self) -> bool {
-        self.remembers.load(Ordering::Relaxed)
+    /// Whether the next frame recalls anything, and whether cones see something else than in the last one.
+    pub(crate) fn known(&self, content: [u64; 2]) -> [bool; 2] {
+        let seen = *self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        [seen.is_some(), seen.is_some_and(|seen| seen != content)]
+    }
+
+    fn see(&self, content: Option<[u64; 2]>) {
+        *self.seen.lock().unwrap_or_else(PoisonError::into_inner) = content;
     }
 
     pub(crate) fn groups(
@@ -223,6 +277,7 @@ impl Past {
         let (kept, recalled) = (views(&self.kept), views(&self.recalled));
         let (light, change) = (views(&self.light), views(&self.change));
         let (guide, records) = (self.guide.view(), self.records.view());
+        let drift = views(&self.drift);
         // Which texture each step reads and writes: the first step's light stays, for the blend.
         let steps = [(0, 1), (1, 2), (2, 0), (0, 2)];
         let filters = std::array::from_fn(|step| {
@@ -245,7 +300,25 @@ impl Past {
                 .view(&kept[2])
                 .view(&recalled[0])
                 .view(&recalled[1])
+                .view(&guide)
+                .view(&drift[0])
+                .view(&drift[1])
                 .build(device, "recall"),
+            trace_probes: BindGroupBuilder::new(&layouts.trace_probes)
+                .buffer(settings)
+                .buffer(&self.probes)
+                .build(device, "trace probes"),
+            drift: BindGroupBuilder::new(&layouts.drift)
+                .view(&guide)
+                .buffer(&self.probes)
+                .view(&drift[0])
+                .view(&drift[1])
+                .build(device, "drift"),
+            take_probes: BindGroupBuilder::new(&layouts.take_probes)
+                .buffer(settings)
+                .view(traced.irradiance)
+                .buffer(&self.probes)
+                .build(device, "take probes"),
             compare: BindGroupBuilder::new(&layouts.compare)
                 .buffer(settings)
                 .view(traced.irradiance)
@@ -280,10 +353,17 @@ impl Past {
         recorder: &mut Recorder,
         kernels: &Kernels,
         groups: &Groups,
-        [globals, gbuffer]: [&BindGroup; 2],
+        ([globals, lights, gbuffer], has_changed): ([&BindGroup; 3], bool),
     ) {
         let UVec2 { x, y } = self.size;
         let traced = [self.traced_size.x, self.traced_size.y, 1];
+        let probes = self.traced_size.map(|pixels| pixels.div_ceil(PROBE_SPACING));
+        if has_changed {
+            let count = u64::from(probes.x) * u64::from(probes.y);
+            let again = [globals, &groups.trace_probes, lights];
+            kernels.trace_probes.run_linear(recorder, &again, count);
+            kernels.drift.run(recorder, &[globals, &groups.drift], traced);
+        }
         let with = |own| [globals, own, &kernels.nothing, gbuffer];
         kernels.recall.run(recorder, &with(&groups.recall), [x, y, 1]);
         kernels.compare.run(recorder, &with(&groups.compare), traced);
@@ -291,14 +371,15 @@ impl Past {
             kernels.filter.run(recorder, &[filter], traced);
         }
         kernels.resolve.run(recorder, &with(&groups.resolve), [x, y, 1]);
+        kernels.take_probes.run(recorder, &with(&groups.take_probes), [probes.x, probes.y, 1]);
     }
 
     /// Keeps the frame for the next one, once its outputs are complete.
-    pub(crate) fn keep(&self, recorder: &mut Recorder, outputs: [&Texture; 2]) {
+    pub(crate) fn keep(&self, recorder: &mut Recorder, outputs: [&Texture; 2], content: [u64; 2]) {
         let [irradiance, specular] = outputs;
         for (from, to) in [irradiance, specular, &self.records].into_iter().zip(&self.kept) {
             recorder.copy_texture(from, to);
         }
-        self.remembers.store(true, Ordering::Relaxed);
+        self.see(Some(content));
     }
 }

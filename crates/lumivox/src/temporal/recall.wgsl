@@ -5,6 +5,8 @@
 // has not moved in the picture takes its own texel, so that nothing blurs. Where none of the four fits, as at the
 // border of a thing in a picture whose samples move within the pixels, the best of the neighbours around does.
 
+import package::grid::world_from_grid;
+import package::temporal::guide::guide_normal;
 import package::temporal::record::{decode_record, Record};
 import package::trace::fit::fit;
 import package::trace::gbuffer::{load_motion, load_surface};
@@ -19,6 +21,10 @@ import package::trace::view::{camera_motion, view};
 @group(1) @binding(4) var irradiance_out: texture_storage_2d<rgba16float, write>;
 // In a the frames: 0 where nothing is known, negative where they were looked up between texels.
 @group(1) @binding(5) var specular_out: texture_storage_2d<rgba16float, write>;
+// The last frame's traced pixels: their surfaces, what probes near them gathered, and what these gather now.
+@group(1) @binding(6) var past_guides: texture_2d<f32>;
+@group(1) @binding(7) var probes_were: texture_2d<f32>;
+@group(1) @binding(8) var probes_are: texture_2d<f32>;
 
 // A place this near to the middle of a texel is there, in texels: rounding of matrices.
 const SAME_TEXEL: f32 = 0.01;
@@ -31,6 +37,9 @@ const MOVED_SLACK: f32 = 4.0;
 
 // The most frames in the mean of a surface that moves over the picture: each look-up between texels blurs it a little.
 const MOVING_FRAMES: f32 = 32.0;
+
+// Light up to this many times as bright keeps its detail; what is beyond is added evenly.
+const MOST_BRIGHTER: f32 = 4.0;
 
 struct Recalled {
     irradiance: vec4f,
@@ -67,6 +76,33 @@ fn add(recalled: ptr<function, Recalled>, texel: vec2i, weight: f32) {
     (*recalled).specular += weight * textureLoad(past_specular, texel, 0).rgb;
     (*recalled).frames += weight * record.frames;
     (*recalled).weights += weight;
+}
+
+// Light that is known of a place of the last frame, with what has changed since.
+fn drift(light: vec3f, place: vec2f, surface: Surface, slack: f32) -> vec3f {
+    let small = place / f32(settings.scale);
+    let last = vec2i(textureDimensions(past_guides)) - 1;
+    var was = vec3f(0.0);
+    var now = vec3f(0.0);
+    var weights = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let texel = clamp(vec2i(floor(small)) + vec2i(i & 1, i >> 1), vec2i(0), last);
+        let guide = textureLoad(past_guides, texel, 0);
+        if guide.w < 0.0 {
+            continue;
+        }
+        let offset = world_from_grid(guide.xyz) - surface.position_in_world;
+        let were = textureLoad(probes_were, texel, 0);
+        let weight = were.a * fit(offset / slack, guide_normal(guide), surface);
+        was += weight * were.rgb;
+        now += weight * textureLoad(probes_are, texel, 0).rgb;
+        weights += weight;
+    }
+    if weights < LEAST_WEIGHT {
+        return light;
+    }
+    let scale = clamp(now / max(was, vec3f(1e-6)), vec3f(0.0), vec3f(MOST_BRIGHTER));
+    return scale * light + max(now - MOST_BRIGHTER * was, vec3f(0.0)) / weights;
 }
 
 fn recall(pixel: vec2u, surface: Surface) -> Recalled {
@@ -112,6 +148,11 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
         if best > FITS {
             add(&recalled, best_texel, 1.0);
         }
+    }
+    if recalled.weights > 0.0 && settings.has_changed != 0u {
+        let light = recalled.irradiance.rgb / recalled.weights;
+        let drifted = recalled.weights * drift(light, exact, surface, slack);
+        recalled.irradiance = vec4f(drifted, recalled.irradiance.a);
     }
     return recalled;
 }

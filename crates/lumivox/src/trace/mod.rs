@@ -17,7 +17,7 @@ use glam::UVec2;
 use crate::GiError;
 use crate::cones::{ConeSettings, TraceResolution, TraceSettings};
 use crate::gpu::{BindGroup, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
-use crate::temporal::{self, Past};
+use crate::temporal;
 
 #[cfg(test)]
 pub(crate) use gbuffer::CameraViewUniform;
@@ -57,7 +57,8 @@ pub(crate) struct ScreenSettings {
     pub(crate) specular_share: f32,
     pub(crate) bounces: u32,
     pub(crate) remembers: u32,
-    pub(crate) padding: [u32; 3],
+    pub(crate) has_changed: u32,
+    pub(crate) padding: [u32; 2],
 }
 
 impl ScreenSettings {
@@ -76,7 +77,8 @@ impl ScreenSettings {
             specular_share: if settings.specular { settings.specular_share } else { 0.0 },
             bounces,
             remembers: 0,
-            padding: [0; 3],
+            has_changed: 0,
+            padding: [0; 2],
         }
     }
 }
@@ -193,7 +195,7 @@ impl Tracer {
         &self,
         device: &Pipelines,
         shaders: &ShaderLibrary,
-        layouts: [&wgpu::BindGroupLayout; 2],
+        layouts: [&wgpu::BindGroupLayout; 3],
     ) -> Result<(), GiError> {
         if self.temporal_kernels.get().is_none() {
             let kernels = temporal::Kernels::new(device, shaders, &self.temporal, layouts)?;
@@ -212,8 +214,9 @@ impl Tracer {
         let device = recorder.device().clone();
         recorder.stage("trace");
         targets.with_settings(self, &device, |slot| {
-            let remembers = u32::from(targets.past.as_ref().is_some_and(Past::remembers));
-            slot.set(recorder.queue(), &ScreenSettings { remembers, ..*settings });
+            let known = targets.past.as_ref().map(|past| past.known(bound.content));
+            let [remembers, has_changed] = known.unwrap_or_default().map(u32::from);
+            slot.set(recorder.queue(), &ScreenSettings { remembers, has_changed, ..*settings });
             let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
             let UVec2 { x, y } = targets.traced_size();
             self.diffuse.run(recorder, &group(&slot.diffuse), [x, y, 1]);
@@ -221,8 +224,8 @@ impl Tracer {
             recorder.clear(&slot.counts);
             if let (Some(past), Some(groups)) = (&targets.past, &slot.temporal) {
                 if let Some(kernels) = self.temporal_kernels.get() {
-                    let bound = [bound.globals, &bound.gbuffer.group];
-                    past.blend(recorder, kernels, groups, bound);
+                    let groups_of = [bound.globals, bound.lights, &bound.gbuffer.group];
+                    past.blend(recorder, kernels, groups, (groups_of, has_changed != 0));
                 }
             } else if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
                 let UVec2 { x, y } = targets.size();
@@ -235,7 +238,7 @@ impl Tracer {
                     kernels.edges.dispatch_indirect(pass, &groups, &slot.counts, ARGUMENTS_OFFSET);
                 });
             }
-            targets.keep(recorder);
+            targets.keep(recorder, bound.content);
         });
     }
 }
@@ -245,4 +248,6 @@ pub(crate) struct Bound<'a> {
     pub(crate) globals: &'a BindGroup,
     pub(crate) lights: &'a BindGroup,
     pub(crate) gbuffer: &'a GBuffer,
+    /// Another number for each change of what cones see.
+    pub(crate) content: [u64; 2],
 }

@@ -13,9 +13,10 @@ struct ScreenSettings {
     bounces: u32,
     // Whether earlier frames' light is there to be recalled.
     remembers: u32,
+    // Whether light or surfaces have changed since.
+    has_changed: u32,
     padding_0: u32,
     padding_1: u32,
-    padding_2: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: ScreenSettings;

@@ -186,9 +186,9 @@ impl TraceTargets {
     }
 
     /// Keeps the frame's light for the next one.
-    pub(super) fn keep(&self, recorder: &mut Recorder) {
+    pub(super) fn keep(&self, recorder: &mut Recorder, content: [u64; 2]) {
         if let Some(past) = &self.past {
-            past.keep(recorder, self.outputs.each_ref());
+            past.keep(recorder, self.outputs.each_ref(), content);
         }
     }
 

@@ -1,0 +1,37 @@
+// Traces the cones of the last frame's probes again, through the light of this frame. Nothing is drawn anew, so that what
+// differs is change, without noise of its own: Schied et al. 2018, "Gradient estimation for real-time adaptive temporal
+// filtering", section 3.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::cones::gather::gather;
+import package::gpu::dispatch::linear_index;
+import package::gpu::random::{hash, random_pair};
+import package::temporal::probe::{Probe, NO_PROBE};
+import package::trace::screen::settings;
+
+@group(1) @binding(1) var<storage, read_write> probes: array<Probe>;
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let index = linear_index(invocation, workgroups);
+    if index >= arrayLength(&probes) {
+        return;
+    }
+    let probe = probes[index];
+    if probe.pixel == NO_PROBE {
+        return;
+    }
+    let gathered = gather(
+        probe.position_in_world,
+        probe.shading_normal,
+        probe.geometric_normal,
+        settings.diffuse_cones,
+        random_pair(probe.pixel & 0xffffu, hash(probe.pixel >> 16u)),
+        probe.turn,
+        settings.cones,
+    );
+    probes[index].now = gathered.irradiance;
+}
