@@ -61,7 +61,7 @@ pub trait OctreeBuilder: Debug + wgpu::WasmNotSendSync {
     fn build(&self, recorder: &mut Recorder<'_>, globals: &BindGroup);
 
     /// Words that [`Self::build`] writes for the CPU, to be given to [`Self::check`] once they have arrived. It is the
-    /// same buffer as long as the builder lives. Default: none.
+    /// same buffer as long as the builder lives, and can be copied from ([`crate::gpu::storage_buffer`]). Default: none.
     fn counters(&self) -> Option<&Buffer> {
         None
     }

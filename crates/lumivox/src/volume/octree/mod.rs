@@ -150,7 +150,7 @@ pub(crate) struct OctreeVolume {
     grid_uniform: Buffer,
     sampler: wgpu::Sampler,
     follow_kernels: FollowKernels,
-    /// The caller's.
+    /// The caller's way to build nodes, if it has one.
     builder: Option<Box<dyn OctreeBuilder>>,
     content_kernels: ContentKernels,
     resettler: Resettler,
