@@ -1,6 +1,7 @@
 //! Renderers of the literature, standing on Lumivox's public hooks ([`lumivox::hooks`]): here to be compared with it,
 //! and as examples of what the hooks can do. Lumivox knows nothing of this crate.
 
+pub mod locks;
 pub mod photons;
 pub mod raster;
 pub mod report;

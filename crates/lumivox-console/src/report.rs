@@ -1,7 +1,9 @@
 //! The output of commands: tables for people, structures for JSON.
 
+use std::collections::BTreeMap;
+
 use lumivox::gpu::StageTime;
-use lumivox::{Grid, OctreeStats};
+use lumivox::{Gi, Grid};
 use lumivox_render::{MemoryUse, describe};
 use lumivox_scene::Scene;
 use serde::Serialize;
@@ -176,36 +178,39 @@ pub struct OctreeReport {
     pub groups: u32,
     /// Bricks of 3x3x3 texels.
     pub bricks: u32,
-    /// Passes of the builder with locks; 0 for the builder with ranks.
-    pub lock_passes: u32,
-    /// Threads that it deferred, over all passes.
-    pub deferred: u64,
-}
-
-impl From<OctreeStats> for OctreeReport {
-    fn from(stats: OctreeStats) -> Self {
-        let OctreeStats { groups, bricks, lock_passes, deferred, .. } = stats;
-        Self { nodes: 8 * u64::from(groups), groups, bricks, lock_passes, deferred }
-    }
+    /// How the nodes were built: `ranks`, or the name of another builder.
+    pub builder: &'static str,
+    /// What that builder has counted, by its names.
+    #[serde(flatten)]
+    pub counts: BTreeMap<&'static str, u64>,
 }
 
 impl OctreeReport {
+    /// The report on the octree, if there is one with voxels.
+    pub fn new(gi: &Gi) -> Option<Self> {
+        let stats = gi.octree_stats()?;
+        let builder = gi.config().octree_builder.as_ref();
+        Some(Self {
+            nodes: 8 * u64::from(stats.groups),
+            groups: stats.groups,
+            bricks: stats.bricks,
+            builder: builder.map_or("ranks", |builder| builder.name()),
+            counts: stats.counts.into_iter().collect(),
+        })
+    }
+
     /// A summary in one line.
     pub fn line(&self) -> String {
-        let built = if self.lock_passes == 0 {
-            "by ranks".to_owned()
-        } else {
-            format!(
-                "by locks in {}, {} deferred",
-                counted(self.lock_passes as usize, "pass", "passes"),
-                counted(self.deferred as usize, "thread", "threads")
-            )
-        };
+        let named = |(name, n): (&&str, &u64)| format!("{} {}", name.replace('_', " "), count(*n));
+        let counts: Vec<String> = self.counts.iter().map(named).collect();
+        let counts =
+            if counts.is_empty() { String::new() } else { format!(" ({})", counts.join(", ")) };
         format!(
-            "octree   {} in {}, {}; built {built}",
+            "octree   {} in {}, {}; built by {}{counts}",
             counted(self.nodes as usize, "node", "nodes"),
             counted(self.groups as usize, "group", "groups"),
-            counted(self.bricks as usize, "brick", "bricks")
+            counted(self.bricks as usize, "brick", "bricks"),
+            self.builder
         )
     }
 }

@@ -31,6 +31,7 @@ fn nothing_outlives_the_classics() {
     let variants = [
         with("voxelizer", "conservative"),
         with("injection", "photons"),
+        with("octree_builder", "locks"),
         with("level_gain", "2"),
         physical.clone(),
     ];

@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 use common::{builtin, gpu, picture, renderer};
 use glam::{UVec2, Vec3};
 use lumivox::gpu::{LiveResources, Timing};
-use lumivox::{Directionality, OctreeBuilder, OctreeOptions, VolumeKind};
+use lumivox::{Directionality, OctreeOptions, VolumeKind};
 use lumivox_render::reference::{PathTracer, ReferenceSettings};
 use lumivox_render::{
     Gpu, Overlay, RenderSettings, Renderer, ShadowMethod, View, Wireframe, Wires,
@@ -32,7 +32,7 @@ fn small() -> RenderSettings {
 
 /// Settings that make other things, by what they change.
 fn variants() -> Vec<(&'static str, RenderSettings)> {
-    let octree = |builder| VolumeKind::Octree(OctreeOptions { builder, ..Default::default() });
+    let octree = VolumeKind::Octree(OctreeOptions::default());
     let overlay = Overlay {
         wireframe: Wireframe::Over,
         wire_voxels: Wires::Over,
@@ -45,8 +45,7 @@ fn variants() -> Vec<(&'static str, RenderSettings)> {
         ("a larger picture", RenderSettings { size: UVec2::new(64, 40), ..small() }),
         ("cones at half resolution", RenderSettings { trace, ..small() }),
         ("more voxels", RenderSettings { resolution: 32, ..small() }),
-        ("an octree", RenderSettings { volume: octree(OctreeBuilder::Ranks), ..small() }),
-        ("an octree by locks", RenderSettings { volume: octree(OctreeBuilder::Locks), ..small() }),
+        ("an octree", RenderSettings { volume: octree, ..small() }),
         (
             "isotropic voxels",
             RenderSettings { directionality: Directionality::Isotropic, ..small() },

@@ -6,12 +6,12 @@ mod octree;
 use glam::{Mat4, Vec3};
 
 use crate::gpu::{Pipelines, Recorder, Timing};
-use crate::testing::{SceneBuilder, busy_room, device, lambert, read};
+use crate::testing::{SceneBuilder, busy_room, device, lambert, moved, read, room_with_a_box};
 use crate::volume::{Volume, read_levels, read_nodes};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{
     Duplication, FrameVoxels, Geometry, Gi, GiConfig, Grid, Light, LightSource, Lights,
-    OctreeBuilder, OctreeOptions, Shadow, SurfaceMaterial, TraceSettings, VolumeKind,
+    OctreeOptions, Shadow, SurfaceMaterial, TraceSettings, VolumeKind,
 };
 
 /// A device with a scene in a grid.
@@ -165,35 +165,9 @@ fn at(x: f32, y: f32, z: f32) -> Mat4 {
     Mat4::from_translation(Vec3::new(x, y, z))
 }
 
-/// The busy room, static, with a small box and a plate that move.
-fn room_with_a_box() -> SceneBuilder {
-    let half = Vec3::splat(0.06);
-    busy_room().fixed().room(-half, half, &lambert(0.6, 0.7)).quad(
-        Vec3::ZERO,
-        Vec3::new(0.2, 0.03, 0.0),
-        Vec3::new(0.0, 0.05, 0.2),
-        lambert(0.3, 0.0),
-    )
-}
-
-/// Moves the dynamic draws.
-fn moved(geometry: &Geometry, place: Mat4) -> Geometry {
-    let mut geometry = geometry.clone();
-    for draw in &mut geometry.batches[0].draws {
-        if !draw.is_static {
-            draw.world_from_local = place;
-        }
-    }
-    geometry
-}
-
-/// Both volumes, and the octree with its other ways to be built and filled.
+/// Both volumes, and the octree with another way to be filled.
 fn volumes() -> [VolumeKind; 3] {
-    let others = OctreeOptions {
-        builder: OctreeBuilder::Locks,
-        duplication: Duplication::Pointers,
-        ..OctreeOptions::default()
-    };
+    let others = OctreeOptions { duplication: Duplication::Pointers, ..OctreeOptions::default() };
     [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default()), VolumeKind::Octree(others)]
 }
 

@@ -142,6 +142,7 @@ impl Gi {
             &mut shaders,
             &config.grid,
             (config.volume, config.directionality),
+            config.octree_builder.as_deref(),
             config.memory_budget,
         )?;
         let voxelizer = Voxelizer::with(device, &shaders, config.voxelizer.as_deref())?;

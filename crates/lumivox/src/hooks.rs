@@ -8,6 +8,7 @@
 pub use crate::cones::ConeModel;
 pub use crate::light::{FaceLight, Injection, InjectionParts, Injector, MappedLight};
 pub use crate::mounted::{Mounted, Resource};
+pub use crate::volume::{OctreeBuilder, OctreeBuilding, OctreeParts, TreeToBuild};
 pub use crate::voxelize::{
     Detail, Voxelization, VoxelizationShares, Walk, WalkRun, WalkStep, Walker,
 };

@@ -6,7 +6,7 @@ use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord}
 use crate::points::{GatheredPoint, PointSettings};
 use crate::trace::{CameraViewUniform, ScreenSettings};
 use crate::volume::changes::{LevelWords, ListParams};
-use crate::volume::{LockPass, MaskLevels, OldAtlas, TreeUniform, TreeVerdict};
+use crate::volume::{MaskLevels, OldAtlas, TreeUniform, TreeVerdict};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{Directionality, OctreeOptions, VolumeKind, shaders};
 
@@ -25,7 +25,6 @@ fn structs_lie_in_memory_alike() {
     library.check_struct::<TreeUniform>("volume::octree::tree", "Tree").unwrap();
     library.check_struct::<TreeVerdict>("volume::octree::verdict", "Verdict").unwrap();
     library.check_struct::<OldAtlas>("volume::octree::resettle", "OldAtlas").unwrap();
-    library.check_struct::<LockPass>("volume::octree::locks", "LockPass").unwrap();
     library.check_struct::<crate::grid::GridUniform>("grid", "Grid").unwrap();
     library.check_struct::<LightRecord>("light::lights", "Light").unwrap();
     library.check_struct::<LightGlobals>("light::lights", "LightGlobals").unwrap();

@@ -56,7 +56,7 @@ pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps, Sha
 pub use points::{GatherPoints, GatherSettings, GatheredPoint, Irradiance};
 pub use trace::{CameraView, GBuffer, GBufferViews, TraceTargets};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
-pub use volume::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
+pub use volume::{Duplication, Mipmapping, OctreeOptions, OctreeStats};
 // The engine's wgpu must be this one.
 pub use wgpu;
 

@@ -2,6 +2,8 @@
 
 #[path = "../tests/it/common/mod.rs"]
 mod common;
+#[path = "testing/nodes.rs"]
+pub(crate) mod nodes;
 
 use bytemuck::Pod;
 use glam::{Mat4, Vec3};
@@ -121,6 +123,28 @@ pub(crate) fn busy_room() -> SceneBuilder {
             Vec3::new(0.3, 0.1, -0.1),
             SurfaceMaterial { double_sided: true, ..tinted(0.8, 0.1, 0.1, Vec3::ZERO) },
         )
+}
+
+/// The busy room, static, with a small box and a plate that move.
+pub(crate) fn room_with_a_box() -> SceneBuilder {
+    let half = Vec3::splat(0.06);
+    busy_room().fixed().room(-half, half, &lambert(0.6, 0.7)).quad(
+        Vec3::ZERO,
+        Vec3::new(0.2, 0.03, 0.0),
+        Vec3::new(0.0, 0.05, 0.2),
+        lambert(0.3, 0.0),
+    )
+}
+
+/// Moves the dynamic draws.
+pub(crate) fn moved(geometry: &Geometry, place: Mat4) -> Geometry {
+    let mut geometry = geometry.clone();
+    for draw in &mut geometry.batches[0].draws {
+        if !draw.is_static {
+            draw.world_from_local = place;
+        }
+    }
+    geometry
 }
 
 /// The first `count` elements of a buffer.

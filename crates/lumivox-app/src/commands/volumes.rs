@@ -3,11 +3,11 @@
 use glam::Vec3;
 use lumivox::gpu::{StageTime, Timing};
 use lumivox::{
-    Directionality, Duplication, Grid, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats,
-    VolumeKind, dense_volume_bytes,
+    Directionality, Duplication, Grid, Mipmapping, OctreeOptions, VolumeKind, dense_volume_bytes,
 };
 use lumivox_console::report::{AdapterReport, SceneCounts, Table, bytes, count};
 use lumivox_console::{Failure, shown};
+use lumivox_explorer::parameters::{Value, find_parameter};
 use lumivox_render::{Gpu, RenderSettings, Renderer};
 use lumivox_scene::{Scene, Staging, write_atomically};
 use serde::Serialize;
@@ -65,16 +65,21 @@ pub fn run(args: &VolumesArgs, host: &Host) -> anyhow::Result<()> {
 struct Variant {
     name: &'static str,
     volume: VolumeKind,
+    /// The value of the setting `octree_builder`, where it is not the default.
+    builder: Option<&'static str>,
 }
 
 fn variants(with_alternatives: bool) -> Vec<Variant> {
-    let octree = |name, options| Variant { name, volume: VolumeKind::Octree(options) };
+    let octree =
+        |name, options| Variant { name, volume: VolumeKind::Octree(options), builder: None };
     let usual = OctreeOptions::default();
-    let mut variants =
-        vec![Variant { name: "dense", volume: VolumeKind::Dense }, octree("octree", usual)];
+    let mut variants = vec![
+        Variant { name: "dense", volume: VolumeKind::Dense, builder: None },
+        octree("octree", usual),
+    ];
     if with_alternatives {
         variants.extend([
-            octree("locks", OctreeOptions { builder: OctreeBuilder::Locks, ..usual }),
+            Variant { builder: Some("locks"), ..octree("locks", usual) },
             octree(
                 "neighbours by pointers",
                 OctreeOptions { duplication: Duplication::Pointers, ..usual },
@@ -115,7 +120,7 @@ struct Row {
     groups: Option<u32>,
     bricks: Option<u32>,
     /// Passes of the builder with locks, and the threads deferred in all of them.
-    lock_passes: Option<u32>,
+    lock_passes: Option<u64>,
     deferred: Option<u64>,
     /// Why it was not measured.
     problem: Option<String>,
@@ -151,7 +156,7 @@ impl Row {
             deferred: None,
             problem: None,
         };
-        let settings = RenderSettings {
+        let mut settings = RenderSettings {
             size: args.size,
             resolution,
             directionality,
@@ -161,6 +166,11 @@ impl Row {
             timing: Timing::for_device(&gpu.device),
             ..RenderSettings::default()
         };
+        if let Some(builder) = variant.builder {
+            let row = find_parameter("octree_builder");
+            let row = row.unwrap_or_else(|| unreachable!("this program has the classics"));
+            row.set(&mut settings, Value::Choice(builder))?;
+        }
         match pollster::block_on(timed(gpu, scene, settings, !args.no_trace)) {
             Ok(renderer) => Ok(row.of(&renderer)),
             Err(error) if is_limit(&error) => Ok(Self { problem: Some(error.to_string()), ..row }),
@@ -178,8 +188,10 @@ impl Row {
         let memory = renderer.gi().memory();
         let volume = memory.iter().filter(|(name, _)| name.starts_with("volume"));
         let stats = renderer.gi().octree_stats();
-        let of_stats = |get: fn(&OctreeStats) -> u32| stats.as_ref().map(get);
-        let has_locks = of_stats(|stats| stats.lock_passes).is_some_and(|passes| passes > 0);
+        let counted = |name: &str| {
+            let counts = &stats.as_ref()?.counts;
+            counts.iter().find(|(other, _)| *other == name).map(|(_, count)| *count)
+        };
         Self {
             voxels: Some(renderer.voxel_stats().voxels),
             bytes: Some(volume.map(|(_, bytes)| bytes).sum()),
@@ -188,10 +200,10 @@ impl Row {
             filter_ms: sum(&|time| time.stage == "filter" && time.pass.contains("filter")),
             fill_ms: sum(&|time| time.stage == "filter" && time.pass.contains("fill")),
             trace_ms: sum(&|time| time.stage == "trace"),
-            bricks: of_stats(|stats| stats.bricks),
-            groups: of_stats(|stats| stats.groups),
-            lock_passes: of_stats(|stats| stats.lock_passes).filter(|_| has_locks),
-            deferred: stats.map(|stats| stats.deferred).filter(|_| has_locks),
+            bricks: stats.as_ref().map(|stats| stats.bricks),
+            groups: stats.as_ref().map(|stats| stats.groups),
+            lock_passes: counted("lock_passes"),
+            deferred: counted("deferred"),
             ..self
         }
     }

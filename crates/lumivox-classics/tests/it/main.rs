@@ -1,5 +1,6 @@
 //! The classics against closed forms, definitions and Lumivox's own ways.
 
+mod locks;
 mod photons;
 mod report;
 #[allow(dead_code)] // Lumivox's own tests use the rest, here and below.

@@ -279,8 +279,8 @@ async fn stats(console: &mut Console) -> anyhow::Result<Reply> {
         ),
         format!("GPU      {}", lumivox_render::describe(&explorer.gpu().adapter_info)),
     ];
-    if let Some(stats) = renderer.gi().octree_stats() {
-        lines.insert(2, OctreeReport::from(stats).line());
+    if let Some(report) = OctreeReport::new(renderer.gi()) {
+        lines.insert(2, report.line());
     }
     Ok(Reply::say(lines.join("\n")))
 }

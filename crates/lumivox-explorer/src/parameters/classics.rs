@@ -4,8 +4,9 @@
 
 use std::sync::Arc;
 
-use lumivox::hooks::{Injection, Voxelization};
+use lumivox::hooks::{Injection, OctreeBuilding, Voxelization};
 use lumivox::{Directionality, OctreeOptions, VolumeKind};
+use lumivox_classics::locks::{self, locks};
 use lumivox_classics::photons::{self, photons};
 use lumivox_classics::raster::Raster;
 use lumivox_classics::report::ReportCones;
@@ -36,6 +37,7 @@ pub(super) const REPORT: PresetChoice = PresetChoice::Added(&AddedPreset {
 /// the table or, if it has it, their group.
 pub(super) fn rows() -> Vec<(Parameter, Option<&'static str>)> {
     let mut rows = vec![
+        (Parameter::own(Group::Volume, OCTREE_BUILDER), Some("octree_duplication")),
         (Parameter::own(Group::Volume, VOXELIZER), None),
         (Parameter::own(Group::Light, INJECTION), Some("bounces")),
     ];
@@ -43,6 +45,32 @@ pub(super) fn rows() -> Vec<(Parameter, Option<&'static str>)> {
     rows.push((Parameter::own(lumivox_vxct::GROUP, LOOK), None));
     rows.extend(lumivox_vxct::parameters().map(|row| (row, None)));
     rows
+}
+
+/// The ways to an octree's nodes.
+const OCTREE_BUILDER: Row = Row {
+    name: "octree_builder",
+    summary: "How an octree's nodes are made; selects an octree",
+    kind: Kind::Choice(&[
+        Choice::new(RANKS, "numbered by ranks in bit masks"),
+        Choice::new(locks::NAME, "threads descend together and split nodes under locks"),
+    ]),
+    needs: Some(("volume", "octree")),
+    redoes: Redoes::Voxels,
+    get: |s| Value::Choice(s.octree_builder.as_ref().map_or(RANKS, |builder| builder.name())),
+    set: |s, v| {
+        s.octree_builder = octree_builder(v.name());
+        if s.volume == VolumeKind::Dense {
+            s.volume = VolumeKind::Octree(OctreeOptions::default());
+        }
+    },
+    ..Row::ROW
+};
+
+const RANKS: &str = "ranks";
+
+fn octree_builder(name: &str) -> Option<Arc<dyn OctreeBuilding>> {
+    (name == locks::NAME).then(locks)
 }
 
 /// The ways from triangles to voxels.

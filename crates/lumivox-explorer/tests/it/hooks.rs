@@ -48,6 +48,8 @@ fn settings_may_change_in_any_order() {
         ("clear_of_walls", "off"),
         ("width_attenuation", "1"),
         ("voxelizer", "exact"),
+        ("volume", "dense"),
+        ("octree_builder", "locks"),
     ] {
         take(&mut asked, name, value);
         set(&mut changing, &asked);
@@ -82,6 +84,42 @@ fn cones_out_of_range_are_refused_by_their_names() {
     assert!(matches!(error, RenderError::Setting { name: "level_gain", .. }), "{error}");
 }
 
+/// Whoever builds an octree's nodes, pictures have the same bits, in every run; only the builder with locks has counts.
+#[test]
+fn locks_give_the_bits_of_ranks() {
+    let gpu = gpu();
+    let of = |builder: &str| {
+        let mut settings = RenderSettings { frames: 3, shadow_resolution: 512, ..small() };
+        take(&mut settings, "octree_builder", builder);
+        let mut renderer = renderer(&gpu, &builtin("cornell"), settings);
+        let bits = picture(&mut renderer).hdr.into_iter().map(|pixel| pixel.map(f32::to_bits));
+        let counts = renderer.gi().octree_stats().expect("an octree").counts;
+        (bits.collect::<Vec<_>>(), counts.into_iter().map(|(name, _)| name).collect::<Vec<_>>())
+    };
+    let (ranks, none) = of("ranks");
+    assert_eq!(none, [""; 0]);
+    for _ in 0..2 {
+        let (locks, counts) = of("locks");
+        assert!(locks == ranks, "the picture differs");
+        assert_eq!(counts, ["lock_passes", "deferred"]);
+    }
+}
+
+/// A dense volume has no nodes: whoever chooses it, by name or by a preset, no longer has a builder for them.
+#[test]
+fn the_builder_goes_with_the_octree() {
+    let mut settings = small();
+    take(&mut settings, "octree_builder", "locks");
+    assert!(matches!(settings.volume, lumivox::VolumeKind::Octree(_)));
+    assert!(settings.octree_builder.is_some());
+    let report = settings.with_preset(find_preset("report").expect("a preset"), None);
+    assert!(report.octree_builder.is_none(), "the preset's octree is built by ranks");
+    take(&mut settings, "volume", "dense");
+    assert!(settings.octree_builder.is_none());
+    take(&mut settings, "volume", "octree");
+    assert!(settings.octree_builder.is_none());
+}
+
 /// With all that belongs to the report's look.
 #[test]
 fn photons_repeat_to_the_bit() {
@@ -111,9 +149,12 @@ fn a_second_round_asks_for_nothing_new() {
     let gpu = own_gpu();
     let mut renderer = renderer(&gpu, &builtin("cornell"), small());
     let mut go_round = || {
-        for (name, value) in
-            [("voxelizer", "conservative"), ("injection", "photons"), ("level_gain", "2")]
-        {
+        for (name, value) in [
+            ("voxelizer", "conservative"),
+            ("injection", "photons"),
+            ("octree_builder", "locks"),
+            ("level_gain", "2"),
+        ] {
             let mut settings = small();
             take(&mut settings, name, value);
             set(&mut renderer, &settings);

@@ -43,6 +43,7 @@ impl Redo {
         let model = |settings: &RenderSettings| settings.cone_model.as_ref().map(|m| m.name());
         let are_same_hooks = old.voxelizer == new.voxelizer
             && old.injection == new.injection
+            && old.octree_builder == new.octree_builder
             && model(old) == model(new);
         let volume = !is_same_grid || !are_same_hooks || changed.contains(&Redoes::Voxels);
         let targets = volume || changed.contains(&Redoes::Targets) || old.size != new.size;

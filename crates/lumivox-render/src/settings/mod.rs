@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
-use lumivox::hooks::{ConeModel, Injection, Voxelization};
+use lumivox::hooks::{ConeModel, Injection, OctreeBuilding, Voxelization};
 use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind};
 use lumivox_scene::Bounds;
 
@@ -106,6 +106,8 @@ pub struct RenderSettings {
     pub directionality: Directionality,
     /// The store of the cells. Default: dense.
     pub volume: VolumeKind,
+    /// How an octree's nodes come into being. Default: `None`, by ranks. A dense volume has none.
+    pub octree_builder: Option<Arc<dyn OctreeBuilding>>,
     /// The most bytes of the volume. Default: `None`, the device's limit.
     pub volume_memory: Option<u64>,
     /// How triangles become voxels. Default: `None`, exactly.
@@ -159,6 +161,7 @@ impl Default for RenderSettings {
             grid_bounds: None,
             directionality: Directionality::default(),
             volume: VolumeKind::default(),
+            octree_builder: None,
             volume_memory: None,
             voxelizer: None,
             injection: None,
@@ -187,6 +190,7 @@ impl RenderSettings {
             grid,
             directionality: self.directionality,
             volume: self.volume,
+            octree_builder: self.octree_builder.clone(),
             memory_budget: self.volume_memory,
             voxelizer: self.voxelizer.clone(),
             injection: self.injection.clone(),

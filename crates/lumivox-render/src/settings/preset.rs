@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use lumivox::hooks::{ConeModel, Injection};
+use lumivox::hooks::{ConeModel, Injection, OctreeBuilding};
 use lumivox::{Directionality, Preset, TraceSettings, VolumeKind};
 use lumivox_scene::Scene;
 
@@ -111,6 +111,8 @@ pub struct Companions {
     pub directionality: Directionality,
     /// The store of the cells.
     pub volume: VolumeKind,
+    /// How an octree's nodes come into being.
+    pub octree_builder: Option<Arc<dyn OctreeBuilding>>,
     /// How light comes into the voxels.
     pub injection: Option<Arc<dyn Injection>>,
     /// Where the cones start and point, and what their samples show.
@@ -129,6 +131,7 @@ impl Companions {
         let RenderSettings {
             directionality,
             volume,
+            octree_builder,
             injection,
             cone_model,
             bounces,
@@ -136,8 +139,16 @@ impl Companions {
             tone_map,
             ..
         } = RenderSettings::default();
-        let usual =
-            Self { directionality, volume, injection, cone_model, bounces, exposure, tone_map };
+        let usual = Self {
+            directionality,
+            volume,
+            octree_builder,
+            injection,
+            cone_model,
+            bounces,
+            exposure,
+            tone_map,
+        };
         match preset {
             PresetChoice::Cones(_) => usual,
             PresetChoice::Added(preset) => (preset.companions)(usual),
@@ -164,6 +175,7 @@ impl RenderSettings {
             trace: preset.trace(),
             directionality: companions.directionality,
             volume: companions.volume,
+            octree_builder: companions.octree_builder,
             injection: companions.injection,
             cone_model: companions.cone_model,
             bounces: companions.bounces,

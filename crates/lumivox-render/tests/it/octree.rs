@@ -2,7 +2,7 @@
 //! bits alone.
 
 use glam::{UVec2, Vec3};
-use lumivox::{Directionality, Duplication, Mipmapping, OctreeBuilder, OctreeOptions, VolumeKind};
+use lumivox::{Directionality, Duplication, Mipmapping, OctreeOptions, VolumeKind};
 use lumivox_render::{Gpu, Picture, RenderError, RenderSettings, Renderer, ShadowMethod, View};
 use lumivox_scene::{Bounds, Camera, Instance, Material, Scene};
 
@@ -91,7 +91,6 @@ fn every_octree_gives_the_same_bits_in_every_run() {
     let first = bits(usual);
     assert!(first == bits(usual), "two runs differ");
     for options in [
-        OctreeOptions { builder: OctreeBuilder::Locks, ..usual },
         OctreeOptions { duplication: Duplication::Pointers, ..usual },
         OctreeOptions { duplication: Duplication::Search, ..usual },
         OctreeOptions { mipmapping: Mipmapping::Every, ..usual },

@@ -6,7 +6,7 @@ use crate::Grid;
 use crate::cones::ConeModel;
 use crate::light::Injection;
 use crate::mounted::Mounted;
-use crate::volume::{Directionality, VolumeKind};
+use crate::volume::{Directionality, OctreeBuilding, VolumeKind};
 use crate::voxelize::Voxelization;
 
 /// What a [`Gi`](super::Gi) is made for.
@@ -18,6 +18,9 @@ pub struct GiConfig {
     pub directionality: Directionality,
     /// Where cells are stored.
     pub volume: VolumeKind,
+    /// How an octree's nodes come into being; `None` (the default): numbered by ranks in bit masks, in the same order in
+    /// every run. A dense volume has no nodes.
+    pub octree_builder: Option<Arc<dyn OctreeBuilding>>,
     /// The most bytes that the volume may take; `None` (the default): as much as the device gives. While an octree grows,
     /// what it was is there besides.
     pub memory_budget: Option<u64>,
@@ -44,6 +47,7 @@ impl GiConfig {
             grid,
             directionality: Directionality::default(),
             volume: VolumeKind::default(),
+            octree_builder: None,
             memory_budget: None,
             voxelizer: None,
             injection: None,

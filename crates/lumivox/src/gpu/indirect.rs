@@ -8,19 +8,20 @@ use crate::gpu::{
 };
 use crate::gpu::{storage_buffer, upload};
 
-/// `Run` of `indirect.wgsl`: the bounds of a run, as places in the prefix sum of the items.
+/// A run of work items, whose number is only known on the GPU: its bounds, as places in the prefix sum of the items
+/// (`Run` of `indirect.wgsl`).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct Run {
+pub struct Run {
     /// Where its items start.
     pub first: u32,
     /// Where the items after it start.
     pub end: u32,
 }
 
-/// The kernel that computes the arguments.
+/// The kernel that computes arguments of indirect dispatches ([`Kernel::dispatch_indirect`]) from the lengths of runs.
 #[derive(Debug)]
-pub(crate) struct Indirect {
+pub struct Indirect {
     layout: wgpu::BindGroupLayout,
     kernel: Kernel,
 }
@@ -29,7 +30,10 @@ impl Indirect {
     /// Bytes of the arguments of one dispatch.
     pub const STRIDE: u64 = 12;
 
-    /// Compiles the kernel.
+    /// Links the kernel.
+    ///
+    /// # Errors
+    /// As [`Kernel::new`].
     pub fn new(device: &Pipelines, shaders: &ShaderLibrary) -> Result<Self, ShaderError> {
         let layout = LayoutBuilder::compute()
             .storage()
@@ -73,7 +77,7 @@ impl Indirect {
 
 /// Runs of items with the arguments of their dispatches.
 #[derive(Debug)]
-pub(crate) struct BoundIndirect {
+pub struct BoundIndirect {
     group: BindGroup,
     runs: u64,
     /// [`Indirect::STRIDE`] bytes a run.

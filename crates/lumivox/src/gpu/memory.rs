@@ -5,14 +5,14 @@ use crate::gpu::{Buffer, storage_buffer};
 
 /// Makes storage buffers that fit the device, and accounts for their memory.
 #[derive(Debug)]
-pub(crate) struct Memory<'a> {
+pub struct Memory<'a> {
     device: &'a wgpu::Device,
     bytes: Vec<(String, u64)>,
 }
 
 /// The remedy if a buffer does not fit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Remedy {
+pub enum Remedy {
     /// A lower resolution: the buffer grows with its cube. The present resolution is given.
     Volume(u32),
     /// A lower resolution: the buffer grows with the surface, that is, with its square. The present

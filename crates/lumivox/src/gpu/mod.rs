@@ -22,11 +22,11 @@ pub(crate) use buffers::{Staged, counted_buffer};
 pub use buffers::{
     filled_buffer, read_buffer, storage_buffer, submitted_work_done, uniform_buffer, upload,
 };
-pub(crate) use indirect::{BoundIndirect, Indirect, Run};
+pub use indirect::{BoundIndirect, Indirect, Run};
 pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
 pub(crate) use late::LateReads;
-pub(crate) use memory::{Memory, Remedy};
+pub use memory::{Memory, Remedy};
 pub use open::open_device;
 pub use passes::{ComputePass, RenderPass};
 pub use pipelines::Pipelines;

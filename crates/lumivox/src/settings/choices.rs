@@ -1,7 +1,7 @@
 //! Names of the values of the library's types.
 
 use super::{Choice, Value};
-use crate::{Directionality, Duplication, Mipmapping, OctreeBuilder, TraceResolution};
+use crate::{Directionality, Duplication, Mipmapping, TraceResolution};
 
 /// A type with a few values, each with a name and a line of help.
 pub trait Choices: Copy + PartialEq + 'static {
@@ -41,14 +41,6 @@ impl Choices for TraceResolution {
     const CHOICES: &'static [Choice] = &[
         Choice::new("full", "cones from every pixel"),
         Choice::new("half", "cones from one pixel of each 2x2 block"),
-    ];
-}
-
-impl Choices for OctreeBuilder {
-    const VALUES: &'static [Self] = &[Self::Ranks, Self::Locks];
-    const CHOICES: &'static [Choice] = &[
-        Choice::new("ranks", "numbered by ranks in bit masks"),
-        Choice::new("locks", "threads descend together and split nodes under locks"),
     ];
 }
 

@@ -23,9 +23,12 @@ use dense::DenseVolume;
 pub(crate) use dense::{Level, MaskLevels, read_levels};
 pub(crate) use octree::Followed;
 use octree::OctreeVolume;
-pub use octree::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
+pub use octree::{
+    Duplication, Mipmapping, OctreeBuilder, OctreeBuilding, OctreeOptions, OctreeParts,
+    OctreeStats, TreeToBuild,
+};
 #[cfg(test)]
-pub(crate) use octree::{LockPass, OldAtlas, TreeUniform, Verdict as TreeVerdict, read_nodes};
+pub(crate) use octree::{OldAtlas, TreeUniform, Verdict as TreeVerdict, read_nodes};
 
 /// Modules that volumes share.
 const SHARED: &[(&str, &str)] = &[
@@ -133,12 +136,14 @@ pub(crate) enum Volume {
 
 impl Volume {
     /// Makes an empty volume over a grid, and mounts its shaders. It refuses to take more than
-    /// `budget` bytes: a dense volume at once, an octree once there are voxels.
+    /// `budget` bytes: a dense volume at once, an octree once there are voxels. An octree's nodes are built as the caller
+    /// wants, or by ranks.
     pub(crate) fn new(
         device: &Pipelines,
         shaders: &mut ShaderLibrary,
         grid: &Grid,
         (kind, directionality): (VolumeKind, Directionality),
+        building: Option<&dyn OctreeBuilding>,
         budget: Option<u64>,
     ) -> Result<Self, GiError> {
         mount(shaders, kind, directionality);
@@ -146,7 +151,7 @@ impl Volume {
             VolumeKind::Dense => DenseVolume::new(device, shaders, grid, directionality, budget)
                 .map(|dense| Self::Dense(Box::new(dense))),
             VolumeKind::Octree(options) => {
-                OctreeVolume::new(device, shaders, grid, options, budget)
+                OctreeVolume::new(device, shaders, grid, (options, building), budget)
                     .map(|octree| Self::Octree(Box::new(octree)))
             }
         }

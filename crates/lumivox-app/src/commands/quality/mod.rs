@@ -173,6 +173,7 @@ impl QualityRun<'_> {
         let settings = RenderSettings {
             directionality: companions.directionality,
             volume: companions.volume,
+            octree_builder: companions.octree_builder,
             injection: companions.injection,
             bounces: companions.bounces,
             size: self.args.size,

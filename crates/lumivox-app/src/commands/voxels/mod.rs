@@ -167,7 +167,7 @@ impl Report {
             voxels: stats.voxels,
             faces: stats.faces,
             levels: (0..grid.levels).map(level).collect(),
-            octree: gi.octree_stats().map(OctreeReport::from),
+            octree: OctreeReport::new(gi),
             memory_bytes: total_bytes(&memory),
             memory,
             voxelization_memory: temporary

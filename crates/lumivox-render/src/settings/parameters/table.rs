@@ -1,8 +1,8 @@
 //! The rows of the table, except those of the cones.
 
 use lumivox::{
-    Directionality, Duplication, MAX_RESOLUTION, MIN_RESOLUTION, Mipmapping, OctreeBuilder,
-    OctreeOptions, VolumeKind,
+    Directionality, Duplication, MAX_RESOLUTION, MIN_RESOLUTION, Mipmapping, OctreeOptions,
+    VolumeKind,
 };
 
 use super::{Choice, Choices as _, Kind, Redoes, Setting, Value};
@@ -182,17 +182,12 @@ pub(super) const VOLUME: &[Row] = &[
             s.volume = match v {
                 Value::Choice("octree") => VolumeKind::Octree(octree(s)),
                 _ => VolumeKind::Dense,
+            };
+            if s.volume == VolumeKind::Dense {
+                s.octree_builder = None;
             }
         },
         ..Row::ROW
-    },
-    Row {
-        name: "octree_builder",
-        summary: "How an octree's nodes are made; selects an octree",
-        kind: Kind::Choice(OctreeBuilder::CHOICES),
-        get: |s| Value::Choice(octree(s).builder.choice()),
-        set: |s, v| set_octree(s, |octree| octree.builder.choose(v)),
-        ..OF_OCTREE
     },
     Row {
         name: "octree_duplication",

@@ -166,6 +166,7 @@ fn every_field_has_a_row() {
     // it draws, and whether it takes times.
     let of_caller = [
         "grid_bounds",
+        "octree_builder",
         "voxelizer",
         "injection",
         "look",

@@ -4,34 +4,12 @@
 use glam::{Mat4, Vec3};
 
 use crate::gpu::{Pipelines, Recorder, Timing};
-use crate::testing::{SceneBuilder, busy_room, device, lambert, read};
+use crate::testing::{device, moved, read, room_with_a_box};
 use crate::volume::{read_levels, read_nodes};
 use crate::{
     Directionality, Duplication, Geometry, Gi, GiConfig, Grid, Light, LightSource, Mipmapping,
-    OctreeBuilder, OctreeOptions, Shadow, TraceSettings, VolumeKind,
+    OctreeOptions, Shadow, TraceSettings, VolumeKind,
 };
-
-/// The busy room, static, with a small box and a plate that move.
-fn scene() -> SceneBuilder {
-    let half = Vec3::splat(0.06);
-    busy_room().fixed().room(-half, half, &lambert(0.6, 0.7)).quad(
-        Vec3::ZERO,
-        Vec3::new(0.2, 0.03, 0.0),
-        Vec3::new(0.0, 0.05, 0.2),
-        lambert(0.3, 0.0),
-    )
-}
-
-/// Moves the dynamic draws.
-fn moved(geometry: &Geometry, place: Mat4) -> Geometry {
-    let mut geometry = geometry.clone();
-    for draw in &mut geometry.batches[0].draws {
-        if !draw.is_static {
-            draw.world_from_local = place;
-        }
-    }
-    geometry
-}
 
 struct Stage {
     device: Pipelines,
@@ -45,7 +23,7 @@ impl Stage {
         let (device, queue) = device();
         let size = Vec3::new(1.0, 0.7, 0.9);
         let grid = Grid::fit(Vec3::ZERO, size, 32, Vec3::ZERO).expect("it fits");
-        let geometry = scene().build(&device);
+        let geometry = room_with_a_box().build(&device);
         let config = GiConfig { directionality, volume, ..GiConfig::new(grid) };
         Self { device, queue, config, geometry }
     }
@@ -190,7 +168,6 @@ fn moves_leave_the_bits_of_a_fresh_octree() {
     check_moves(VolumeKind::Octree(usual), Directionality::SixLobes, Shadow::Cone);
     check_moves(VolumeKind::Octree(usual), Directionality::Isotropic, Shadow::None);
     for options in [
-        OctreeOptions { builder: OctreeBuilder::Locks, ..usual },
         OctreeOptions { duplication: Duplication::Pointers, ..usual },
         OctreeOptions { mipmapping: Mipmapping::Every, ..usual },
     ] {

@@ -6,7 +6,6 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::layout::TreeLayout;
-use super::locks::{BoundLocks, LockBuilder};
 use super::tree::{Scratch, Tree};
 use super::{Duplication, OctreeBuilder, OctreeOptions};
 use crate::GiError;
@@ -99,7 +98,6 @@ pub(super) struct FollowKernels {
     refill: Kernel,
     join_missed: Kernel,
     note_missed: Kernel,
-    locks: Option<LockBuilder>,
     has_pointers: bool,
 }
 
@@ -154,7 +152,6 @@ pub(super) struct BoundFollow {
     verdict: BindGroup,
     places: BindGroup,
     build: BindGroup,
-    pub locks: Option<BoundLocks>,
     inherit: BindGroup,
     pointers: Option<BindGroup>,
     carry: BindGroup,
@@ -165,8 +162,7 @@ impl BoundFollow {
     /// Bytes on the GPU.
     pub fn bytes(&self) -> u64 {
         let bits = [&self.node_bits, &self.group_ranks, &self.renewed, &self.renewed_ranks];
-        let locks = self.locks.as_ref().map_or(0, BoundLocks::bytes);
-        bits.into_iter().map(|buffer| buffer.size()).sum::<u64>() + locks
+        bits.into_iter().map(|buffer| buffer.size()).sum()
     }
 }
 
@@ -215,10 +211,6 @@ impl FollowKernels {
             Kernel::new(device, shaders, &module, entry, &[globals, layout])
         };
         let Layouts { tree, search, .. } = &layouts;
-        let locks = match options.builder {
-            OctreeBuilder::Ranks => None,
-            OctreeBuilder::Locks => Some(LockBuilder::new(device, shaders, tree)?),
-        };
         Ok(Self {
             scan: Scan::new(device, shaders)?,
             pyramid: Pyramid::new(device, shaders, tree)?,
@@ -238,7 +230,6 @@ impl FollowKernels {
             refill: kernel("refill", "main", search, &layouts.refill)?,
             join_missed: kernel("missed", "join", tree, &layouts.missed)?,
             note_missed: kernel("missed", "note", tree, &layouts.missed)?,
-            locks,
             has_pointers: options.duplication == Duplication::Pointers,
             layouts,
         })
@@ -300,16 +291,13 @@ impl FollowKernels {
     }
 
     /// Binds a list, an octree and the bits of changed cells.
-    ///
-    /// # Errors
-    /// [`GiError::Limit`] when the lists of the builder with locks do not fit.
     pub fn bind(
         &self,
         device: &wgpu::Device,
         (grid, grid_uniform, layout): (&Grid, &Buffer, &TreeLayout),
         (voxels, changed): (&VoxelList, &Buffer),
         (tree, scratch, state): (&Tree, &Scratch, &State),
-    ) -> Result<BoundFollow, GiError> {
+    ) -> BoundFollow {
         let words = u64::from(layout.bit_words());
         // The root has a word as well, so that the pyramid may end in it.
         let bits = |label| storage_buffer(device, label, (words + 1) * 4);
@@ -390,10 +378,8 @@ impl FollowKernels {
             .buffer(&tree.values)
             .view(&tree.atlas)
             .build(device, "volume::octree::refill");
-        let locks = self.locks.as_ref();
-        let locks = locks.map(|locks| locks.bind(device, grid, voxels, (tree, verdict)));
         let old = (&tree.uniform, &scratch.old_octree);
-        Ok(BoundFollow {
+        BoundFollow {
             words,
             old: [&tree.octree, &scratch.old_octree].map(Buffer::clone),
             run_starts: scratch.run_starts.clone(),
@@ -413,7 +399,6 @@ impl FollowKernels {
             verdict: verdict_group,
             places,
             build,
-            locks: locks.transpose()?,
             inherit,
             pointers,
             carry,
@@ -422,11 +407,17 @@ impl FollowKernels {
             group_ranks,
             renewed,
             renewed_ranks,
-        })
+        }
     }
 
-    /// Follows the list, if there is room.
-    pub fn run(&self, recorder: &mut Recorder<'_>, bound: &BoundFollow, verdict: &Buffer) {
+    /// Follows the list, if there is room. Without a builder of the caller's, nodes are built by ranks.
+    pub fn run(
+        &self,
+        recorder: &mut Recorder<'_>,
+        bound: &BoundFollow,
+        verdict: &Buffer,
+        builder: Option<&dyn OctreeBuilder>,
+    ) {
         let [octree, old_octree] = &bound.old;
         recorder.copy((octree, 0), (old_octree, 0), octree.size());
         for buffer in [&bound.node_bits, &bound.renewed, &bound.run_starts] {
@@ -465,8 +456,8 @@ impl FollowKernels {
                 kernel.dispatch_indirect(pass, &groups, verdict, of_renewals);
             }
         });
-        match self.locks.as_ref().zip(bound.locks.as_ref()) {
-            Some((locks, bound_locks)) => locks.build(recorder, &bound.tree, bound_locks),
+        match builder {
+            Some(builder) => builder.build(recorder, &bound.tree),
             None => {
                 self.build.run_linear(recorder, &[&bound.tree, &bound.build], bound.words.max(1));
             }

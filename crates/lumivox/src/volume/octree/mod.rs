@@ -10,7 +10,7 @@
 //! | which nodes there are, and which hold cells that have changed | voxel list | `mark.wgsl`, `renewals.wgsl` |
 //! | masks of the latter, and whether all has room | voxel list | `masks.wgsl`, `verdict.wgsl` |
 //! | places of their bricks | voxel list | `places.wgsl` |
-//! | groups of nodes: by ranks, or by locks | voxel list | `groups.wgsl`, `build_ranked.wgsl`; `locks.wgsl`, `adopt.wgsl` |
+//! | groups of nodes, by ranks or by the caller's builder (`hook.rs`) | voxel list | `groups.wgsl`, `build_ranked.wgsl` |
 //! | bricks and masks of all nodes, and the table | voxel list | `inherit.wgsl` |
 //! | values that are still right, and bricks that are new | voxel list | `carry.wgsl`, `refill.wgsl` |
 //! | values of the cells, filtered level by level | light, where it has changed | `store.wgsl`, `filter.wgsl` |
@@ -23,8 +23,8 @@
 
 mod content;
 mod follow;
+mod hook;
 mod layout;
-mod locks;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -43,11 +43,10 @@ use follow::{
     BoundFollow, BoundMissed, FollowKernels, NO_ROOM_FOR_BRICKS, NO_ROOM_FOR_PLACES,
     NO_ROOM_FOR_RENEWALS, State, TreeVerdict,
 };
+pub use hook::{OctreeBuilder, OctreeBuilding, OctreeParts, TreeToBuild};
 use layout::TreeLayout;
 #[cfg(test)]
 pub(crate) use layout::TreeUniform;
-#[cfg(test)]
-pub(crate) use locks::LockPass;
 #[cfg(test)]
 pub(crate) use tests::read_nodes;
 #[cfg(test)]
@@ -56,7 +55,6 @@ use tree::{Resettler, Room, Scratch, Tree};
 
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("volume::octree::adopt", include_str!("adopt.wgsl")),
     ("volume::octree::build_ranked", include_str!("build_ranked.wgsl")),
     ("volume::octree::carry", include_str!("carry.wgsl")),
     ("volume::octree::cell_ranks", include_str!("cell_ranks.wgsl")),
@@ -68,7 +66,6 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("volume::octree::groups", include_str!("groups.wgsl")),
     ("volume::octree::holders", include_str!("holders.wgsl")),
     ("volume::octree::inherit", include_str!("inherit.wgsl")),
-    ("volume::octree::locks", include_str!("locks.wgsl")),
     ("volume::octree::mark", include_str!("mark.wgsl")),
     ("volume::octree::masks", include_str!("masks.wgsl")),
     ("volume::octree::missed", include_str!("missed.wgsl")),
@@ -102,23 +99,10 @@ pub(crate) const CELLS: &str = include_str!("cells.wgsl");
 /// How an octree is made: the defaults, and what others did, to compare. All give the same light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct OctreeOptions {
-    /// How nodes come into being.
-    pub builder: OctreeBuilder,
     /// How a cell finds the bricks of its neighbours that hold it.
     pub duplication: Duplication,
     /// Over which cells the coarser levels are filtered.
     pub mipmapping: Mipmapping,
-}
-
-/// How the nodes of an octree come into being. Both builders make the same nodes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum OctreeBuilder {
-    /// Numbered by ranks in bit masks: no locks, and the same order in every run.
-    #[default]
-    Ranks,
-    /// By threads that descend together and split nodes under locks; who fails to take one comes again in the next
-    /// pass (Crassin and Green 2012). Nodes lie in another order in every run, bricks do not.
-    Locks,
 }
 
 /// How a cell finds the nodes before it, whose bricks hold it as their neighbour's. All give the same texels.
@@ -145,16 +129,14 @@ pub enum Mipmapping {
 
 /// What an octree is made of, as far as the GPU has told: exactly after [`crate::Gi::voxelize`], a few frames late after
 /// [`crate::Gi::voxelize_frame`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct OctreeStats {
     /// Groups of eight places for nodes, the root's included.
     pub groups: u32,
     /// Bricks of 3x3x3 texels.
     pub bricks: u32,
-    /// Passes that the builder with locks took, the last of which deferred nothing; 0 with ranks.
-    pub lock_passes: u32,
-    /// Threads that it deferred in all passes together.
-    pub deferred: u64,
+    /// What the caller's builder has counted, by its names ([`OctreeBuilder::check`]); empty with Lumivox's own.
+    pub counts: Vec<(&'static str, u64)>,
 }
 
 /// The octree volume.
@@ -168,6 +150,8 @@ pub(crate) struct OctreeVolume {
     grid_uniform: Buffer,
     sampler: wgpu::Sampler,
     follow_kernels: FollowKernels,
+    /// The caller's way to build nodes, if it has one.
+    builder: Option<Box<dyn OctreeBuilder>>,
     content_kernels: ContentKernels,
     resettler: Resettler,
     /// Group 0 of kernels that need none of the tree's numbers.
@@ -204,7 +188,7 @@ impl OctreeVolume {
         device: &Pipelines,
         shaders: &mut ShaderLibrary,
         grid: &Grid,
-        options: OctreeOptions,
+        (options, building): (OctreeOptions, Option<&dyn OctreeBuilding>),
         memory_budget: Option<u64>,
     ) -> Result<Self, GiError> {
         let grid_uniform = grid.uniform(device);
@@ -213,6 +197,9 @@ impl OctreeVolume {
         let layout = TreeLayout::new(grid);
         shaders.constant_u32("OCTREE_STEPS", layout.steps());
         let follow_kernels = FollowKernels::new(device, shaders, options)?;
+        let globals = follow_kernels.tree_layout();
+        let parts = OctreeParts { device, shaders, grid, globals };
+        let builder = building.map(|building| building.make(&parts)).transpose()?;
         let has_pointers = follow_kernels.has_pointers();
         // Whether it fits is asked when there are voxels.
         let tree = Tree::new(device, (grid, &layout), Room::NONE, has_pointers, None)?;
@@ -230,6 +217,7 @@ impl OctreeVolume {
             content_kernels: ContentKernels::new(device, shaders, grid, options)?,
             resettler: Resettler::new(device, shaders, follow_kernels.tree_layout())?,
             follow_kernels,
+            builder,
             missed_globals,
             globals_layout,
             grid_uniform,
@@ -247,7 +235,15 @@ impl OctreeVolume {
 
     /// Lets the next list, or one with other room, be bound.
     pub(super) fn unbind(&mut self) {
-        (self.following, self.content) = (None, None);
+        self.content = None;
+        self.stop_following();
+    }
+
+    fn stop_following(&mut self) {
+        self.following = None;
+        if let Some(builder) = &mut self.builder {
+            builder.release();
+        }
     }
 
     /// Before the cells of another surface are found by their bits: what the octree has missed is among them.
@@ -277,7 +273,13 @@ impl OctreeVolume {
         if self.following.is_none() {
             let grid = (&self.grid, &self.grid_uniform, &self.layout);
             let octree = (&self.tree, scratch, &self.state);
-            self.following = Some(kernels.bind(&device, grid, (voxels, bits), octree)?);
+            if let Some(builder) = &mut self.builder {
+                let (places, octree, sites) =
+                    (self.tree.room.slots, &self.tree.octree, &self.tree.sites);
+                let tree = TreeToBuild { voxels, places, verdict, octree, sites };
+                builder.bind(&device, &tree)?;
+            }
+            self.following = Some(kernels.bind(&device, grid, (voxels, bits), octree));
         }
         if self.content.is_none() {
             let nodes = (&self.tree.uniform, &self.tree.octree);
@@ -291,7 +293,7 @@ impl OctreeVolume {
             ));
         }
         let Some(following) = &self.following else { return Ok(()) };
-        kernels.run(recorder, following, verdict);
+        kernels.run(recorder, following, verdict, self.builder.as_deref());
         self.note_missed(recorder);
         Ok(())
     }
@@ -307,7 +309,7 @@ impl OctreeVolume {
         if self.following.is_none() {
             return;
         }
-        let sources = verdict_sources(&self.state, self.following.as_ref());
+        let sources = verdict_sources(&self.state, self.builder.as_deref());
         let bytes = sources.iter().map(|source| source.2).sum();
         let late = self.late.get_or_insert_with(|| LateReads::new(recorder.device(), bytes));
         late.record(recorder, &sources);
@@ -343,7 +345,7 @@ impl OctreeVolume {
         loop {
             recorder.flush();
             let mut words: Vec<u32> = Vec::new();
-            for (buffer, first, bytes) in verdict_sources(&self.state, self.following.as_ref()) {
+            for (buffer, first, bytes) in verdict_sources(&self.state, self.builder.as_deref()) {
                 let bytes = first..first + bytes;
                 words.extend(read_buffer::<u32>(&device, &queue, buffer, bytes).await?);
             }
@@ -357,7 +359,8 @@ impl OctreeVolume {
         self.lacks_room = false;
         if !has_moving {
             // Nobody will follow in parts.
-            (self.scratch, self.following) = (None, None);
+            self.scratch = None;
+            self.stop_following();
         }
         Ok(())
     }
@@ -367,12 +370,12 @@ impl OctreeVolume {
         let (verdict, counters) = words.split_at(size_of::<TreeVerdict>() / 4);
         let verdict: TreeVerdict = bytemuck::pod_read_unaligned(bytemuck::cast_slice(verdict));
         if verdict.no_room == 0 {
-            let (lock_passes, deferred) = match counters {
-                [] => (0, 0),
-                counters => locks::count_passes(counters, verdict.groups)?,
-            };
             let (groups, bricks) = (verdict.groups, verdict.bricks);
-            self.stats = Some(OctreeStats { groups, bricks, lock_passes, deferred });
+            let counts = match &self.builder {
+                Some(builder) => builder.check(counters, groups)?,
+                None => Vec::new(),
+            };
+            self.stats = Some(OctreeStats { groups, bricks, counts });
         }
         Ok(verdict)
     }
@@ -429,7 +432,7 @@ impl OctreeVolume {
         let scratch = scratch.as_ref().map_or(0, Scratch::bytes);
         let following = following.as_ref().map_or(0, BoundFollow::bytes);
         let pointers = tree.nodes_before.as_ref().map_or(0, |pointers| pointers.size());
-        vec![
+        let mut memory = vec![
             ("volume: bricks", tree.atlas_bytes()),
             ("volume: places of free bricks", tree.free_runs.size()),
             ("volume: values of cells", tree.values.size()),
@@ -437,11 +440,13 @@ impl OctreeVolume {
             ("volume: places of nodes", tree.sites.size()),
             ("volume: neighbours of nodes", pointers),
             ("volume: following changes", scratch + following + self.state.bytes()),
-        ]
+        ];
+        memory.extend(self.builder.iter().flat_map(|builder| builder.memory()));
+        memory
     }
 
     pub(super) fn stats(&self) -> Option<OctreeStats> {
-        self.stats
+        self.stats.clone()
     }
 
     /// Whether there was no room for the last list that was followed.
@@ -478,13 +483,13 @@ fn bind_globals(
         .build(device, "globals")
 }
 
-/// What is read back of a recording: the verdict, and the counters of the builder with locks.
+/// What is read back of a recording: the verdict, and what the caller's builder has counted.
 fn verdict_sources<'a>(
     state: &'a State,
-    following: Option<&'a BoundFollow>,
+    builder: Option<&'a dyn OctreeBuilder>,
 ) -> Vec<(&'a Buffer, u64, u64)> {
-    let locks = following.and_then(|following| following.locks.as_ref());
-    let counters = locks.map(|locks| (&locks.counters, 0, locks.counters.size()));
+    let counters = builder.and_then(|builder| builder.counters());
+    let counters = counters.map(|counters| (counters, 0, counters.size()));
     let verdict = (&state.verdict, 0, size_of::<TreeVerdict>() as u64);
     [verdict].into_iter().chain(counters).collect()
 }

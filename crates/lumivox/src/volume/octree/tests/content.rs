@@ -4,7 +4,7 @@ use glam::UVec3;
 
 use super::read::{read_nodes, texel};
 use super::*;
-use crate::testing::read;
+use crate::testing::{busy_room, read};
 use crate::volume::octree::{Duplication, Mipmapping};
 use crate::volume::{Level, read_levels};
 
@@ -95,7 +95,7 @@ fn every_way_to_duplicate_and_to_filter_gives_the_same_bits() {
     let geometry = turned_room(&gpu.0);
     for directionality in DIRECTIONALITIES {
         let nodes = |duplication, mipmapping| {
-            let options = OctreeOptions { duplication, mipmapping, ..OctreeOptions::default() };
+            let options = OctreeOptions { duplication, mipmapping };
             let config = config(octree(options), directionality);
             let mut gi = voxelize(&gpu, config, &geometry).expect("it fits");
             light(&gpu, &mut gi, 1);

@@ -6,15 +6,13 @@ use glam::UVec3;
 use half::f16;
 
 use crate::Gi;
-use crate::testing::{morton_decode, read, read_level};
+use crate::testing::nodes::{NODE_WORDS, NodeAt, walk_nodes};
+use crate::testing::{read, read_level};
 use crate::volume::Volume;
 use crate::volume::octree::TreeUniform;
 use crate::volume::octree::layout::AtlasSize;
 use crate::volume::octree::layout::TreeLayout;
 use crate::volume::octree::tree::Tree;
-
-/// The level and the coordinates of a node.
-pub(crate) type NodeAt = (u32, [u32; 3]);
 
 /// One of its bricks: 27 texels, x fastest.
 pub(crate) type Brick = [[u16; 4]; 27];
@@ -34,7 +32,7 @@ fn tree(gi: &Gi) -> (&Tree, &TreeLayout) {
     }
 }
 
-/// All nodes, found by going down from the root; panics if a node is where it does not belong.
+/// All nodes; panics if a node is where it does not belong.
 pub(crate) fn read_nodes(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -61,37 +59,18 @@ pub(crate) fn read_nodes(
         })
     };
 
-    let mut nodes = BTreeMap::new();
-    let mut open = vec![(0_u32, (tree.root_level, UVec3::ZERO))];
-    let (mut seen, mut groups) = (0, 1);
-    while let Some((slot, (level, cell))) = open.pop() {
-        let [morton, site_level] = sites[slot as usize];
-        assert_eq!((site_level, morton_decode(morton)), (level, cell), "the site of node {slot}");
-        seen += 1;
-        let word = (tree.table_words + slot * 6) as usize;
+    let node = |place: u32| {
+        let word = (tree.table_words + place * NODE_WORDS) as usize;
         let mask = |i: usize| (words[word + 2 + i / 2] >> (16 * (i % 2))) & 0x1ff;
         let masks: [u32; 8] = std::array::from_fn(mask);
         let all = masks.iter().fold(0, |all, mask| all | mask);
         let first_brick = words[word + 1];
         let parts = (0..9).filter(|part| all & (1 << part) != 0);
         let bricks = parts.enumerate().map(|(i, part)| (part, brick(first_brick + i as u32)));
-        nodes.insert((level, cell.to_array()), ReadNode { masks, bricks: bricks.collect() });
-        let children = words[word];
-        if children == 0 {
-            continue;
-        }
-        groups = groups.max(children as usize + 1);
-        for octant in 0..8 {
-            let child = 8 * children + octant;
-            if sites[child as usize][1] != 0 {
-                let corner = UVec3::new(octant & 1, (octant >> 1) & 1, octant >> 2);
-                open.push((child, (level - 1, 2 * cell + corner)));
-            }
-        }
-    }
-    let sited = sites[..8 * groups].iter().filter(|[_, level]| *level > 0).count();
-    assert_eq!(seen, sited, "every node is reached from the root");
-    nodes
+        ReadNode { masks, bricks: bricks.collect() }
+    };
+    let places = walk_nodes((&words, tree.table_words), &sites, tree.root_level);
+    places.into_iter().map(|(at, place)| (at, node(place))).collect()
 }
 
 /// A texel in full floats.

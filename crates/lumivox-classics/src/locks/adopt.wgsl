@@ -1,8 +1,8 @@
-// Takes over the nodes that locks.wgsl has built: those that somebody wanted, and those that lead to them.
+// Takes over the nodes that descend.wgsl has built: those that somebody wanted, and those that lead to them.
 
+import package::classics::locks::descend::WANTED;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::volume::octree::locks::WANTED;
 import package::volume::octree::sites::Site;
 import package::volume::octree::tree::{node_word, tree, NODE_CHILDREN, NONE};
 import package::volume::octree::verdict::Verdict;

@@ -1,0 +1,170 @@
+//! Nodes by locks against their definition and against those by ranks: the same nodes, masks and bricks.
+
+mod moves;
+mod read;
+mod watched;
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use glam::Vec3;
+use lumivox::gpu::{Pipelines, Recorder, Timing};
+use lumivox::{Geometry, Gi, GiConfig, GiError, Grid, OctreeOptions, TraceSettings, VolumeKind};
+use lumivox_classics::locks::locks;
+
+use crate::testing::nodes::{
+    crowded_voxel, expected_nodes, full_grid, odd_grid, speck, turned_room,
+};
+use crate::testing::{device, read};
+use read::read_bricks;
+use watched::Watched;
+
+fn by_ranks(grid: Grid) -> GiConfig {
+    GiConfig { volume: VolumeKind::Octree(OctreeOptions::default()), ..GiConfig::new(grid) }
+}
+
+fn by_locks(grid: Grid) -> GiConfig {
+    GiConfig { octree_builder: Some(locks()), ..by_ranks(grid) }
+}
+
+fn lit((device, queue): &(Pipelines, wgpu::Queue), config: GiConfig, geometry: &Geometry) -> Gi {
+    let mut gi = Gi::with_pipelines(device, queue, config).expect("a device");
+    pollster::block_on(gi.voxelize(geometry, Timing::Off)).expect("there are voxels");
+    let lights = gi.bind_lights(&[], Vec3::splat(0.2), None);
+    let mut recorder = Recorder::new(device, queue);
+    gi.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
+    recorder.submit();
+    gi
+}
+
+/// What the builder has counted, by its name for it.
+fn count_of(gi: &Gi, name: &str) -> u64 {
+    let counts = gi.octree_stats().expect("an octree").counts;
+    let found = counts.iter().find(|(other, _)| *other == name);
+    found.unwrap_or_else(|| panic!("no {name} in {counts:?}")).1
+}
+
+/// The radiance that the faces send out, in bits.
+fn radiance((device, queue): &(Pipelines, wgpu::Queue), gi: &Gi) -> Vec<[u32; 4]> {
+    let faces = gi.voxels().expect("there are voxels").face_count as usize;
+    read(device, queue, gi.face_radiance().expect("it is lit"), faces)
+}
+
+/// Locks make the nodes of the definition, and with them the masks and, bit for bit, the bricks that ranks lead to.
+fn assert_built_alike(gpu: &(Pipelines, wgpu::Queue), grid: Grid, geometry: &Geometry) -> Gi {
+    let ranked = lit(gpu, by_ranks(grid), geometry);
+    let watched = Watched::new(locks());
+    let config = GiConfig { octree_builder: Some(watched.clone()), ..by_ranks(grid) };
+    let locked = lit(gpu, config, geometry);
+    let nodes: BTreeSet<_> = watched.nodes(gpu, &grid).into_keys().collect();
+    assert_eq!(nodes, expected_nodes(&gpu.0, &gpu.1, &locked));
+    let bricks = read_bricks(gpu, &locked);
+    let with_bricks = nodes.iter().filter(|(level, _)| *level <= grid.levels);
+    assert!(bricks.keys().eq(with_bricks), "searches find other nodes");
+    assert!(bricks == read_bricks(gpu, &ranked), "masks or bricks differ");
+    let passes = count_of(&locked, "lock_passes");
+    assert!((1..=u64::from(grid.morton_edge(0).ilog2()) + 2).contains(&passes), "{passes} passes");
+    let groups = |gi: &Gi| gi.octree_stats().expect("an octree").groups;
+    assert_eq!(groups(&locked), groups(&ranked));
+    locked
+}
+
+#[test]
+fn a_turned_room_in_a_grid_that_is_no_cube() {
+    let gpu = device();
+    let geometry = turned_room(&gpu.0);
+    assert_built_alike(&gpu, odd_grid(), &geometry);
+}
+
+#[test]
+fn one_triangle() {
+    let gpu = device();
+    let (grid, geometry) = speck(&gpu.0);
+    assert_built_alike(&gpu, grid, &geometry);
+}
+
+#[test]
+fn all_triangles_in_one_voxel() {
+    let gpu = device();
+    let (grid, geometry) = crowded_voxel(&gpu.0);
+    assert_built_alike(&gpu, grid, &geometry);
+}
+
+#[test]
+fn a_full_grid() {
+    let gpu = device();
+    let (grid, geometry) = full_grid(&gpu.0);
+    let locked = assert_built_alike(&gpu, grid, &geometry);
+    let voxels = locked.voxels().expect("there are voxels");
+    assert_eq!(u64::from(voxels.voxel_count()), grid.voxel_count());
+    // Threads that run in step want the same lock.
+    let (passes, deferred) = (count_of(&locked, "lock_passes"), count_of(&locked, "deferred"));
+    assert!(deferred > 0 && passes > 1, "nobody had to wait: {passes} passes, {deferred} deferred");
+}
+
+#[test]
+fn the_same_bits_in_every_run() {
+    let gpu = device();
+    let geometry = turned_room(&gpu.0);
+    let of = |config| radiance(&gpu, &lit(&gpu, config, &geometry));
+    let first = of(by_locks(odd_grid()));
+    assert!(first == of(by_locks(odd_grid())), "two runs differ");
+    assert!(first == of(by_ranks(odd_grid())), "the builders differ");
+    assert!(first.iter().any(|texel| texel[0] != 0), "there is no light");
+}
+
+/// Whoever waits for the voxels hears at once that nodes are missing, whoever does not a frame later.
+#[test]
+fn missing_nodes_are_an_error() {
+    let gpu = device();
+    let (device, queue) = &gpu;
+    let geometry = turned_room(device);
+    let config = || {
+        let blamed: Arc<Watched> = Watched::blamed(locks(), 1);
+        GiConfig { octree_builder: Some(blamed), ..by_ranks(odd_grid()) }
+    };
+    let assert_told = |error: GiError| {
+        assert!(matches!(error, GiError::Device { .. }), "{error}");
+        assert!(error.to_string().contains("groups of nodes"), "{error}");
+    };
+    let mut gi = Gi::with_pipelines(device, queue, config()).expect("a device");
+    let waited = pollster::block_on(gi.voxelize(&geometry, Timing::Off));
+    assert_told(waited.expect_err("a group is missing"));
+
+    let mut gi = Gi::with_pipelines(device, queue, config()).expect("a device");
+    let frames = (0..16).find_map(|_| {
+        let mut recorder = Recorder::new(device, queue);
+        let frame = gi.voxelize_frame(&mut recorder, &geometry);
+        recorder.submit();
+        device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
+        frame.err()
+    });
+    assert_told(frames.expect("a group is missing"));
+}
+
+/// What it keeps while the octree may change is in the account, and goes once nothing moves.
+#[test]
+fn its_memory_is_counted() {
+    let gpu = device();
+    let (device, queue) = &gpu;
+    let geometry = |is_static: bool| {
+        let mut geometry = turned_room(device);
+        geometry.batches[0].draws.iter_mut().for_each(|draw| draw.is_static = is_static);
+        geometry
+    };
+    let bytes = |is_static: bool| {
+        let mut gi = Gi::with_pipelines(device, queue, by_locks(odd_grid())).expect("a device");
+        let geometry = geometry(is_static);
+        let voxelized = gi.voxelize(&geometry, Timing::Off);
+        pollster::block_on(voxelized).expect("there are voxels");
+        let memory = gi.memory();
+        let own = memory.iter().find(|(name, _)| *name == "volume: locks of nodes");
+        let nodes = 8 * u64::from(gi.octree_stats().expect("an octree").groups);
+        (own.expect("it is in the account").1, nodes)
+    };
+    let (moving, nodes) = bytes(false);
+    // Children, a lock and a site for each place, and two lists of threads.
+    assert!(moving > 16 * nodes, "{moving} bytes for {nodes} nodes");
+    // The counters alone: twelve words at most.
+    assert!(bytes(true).0 <= 48, "{} bytes stay", bytes(true).0);
+}

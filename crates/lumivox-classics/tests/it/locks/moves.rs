@@ -1,0 +1,148 @@
+//! Octrees that follow what moves, by locks and by ranks through the same moves.
+//!
+//! Lumivox's own tests hold an octree by ranks against a new one after each move. One by locks that equals it to the bit
+//! needs no other proof.
+
+use glam::{Mat4, Vec3};
+use lumivox::gpu::{Pipelines, Recorder, Timing};
+use lumivox::{
+    Duplication, Geometry, Gi, GiConfig, Grid, Light, LightSource, OctreeOptions, Shadow,
+    TraceSettings, VolumeKind,
+};
+
+use super::read::read_bricks;
+use super::{by_locks, by_ranks, radiance};
+use crate::testing::{device, moved, room_with_a_box};
+
+/// Two octrees, by ranks and by locks.
+struct Pair {
+    gpu: (Pipelines, wgpu::Queue),
+    gis: [Gi; 2],
+}
+
+impl Pair {
+    fn new(options: OctreeOptions) -> Self {
+        let gpu = device();
+        let size = Vec3::new(1.0, 0.7, 0.9);
+        let grid = Grid::fit(Vec3::ZERO, size, 32, Vec3::ZERO).expect("it fits");
+        let gis = [by_ranks(grid), by_locks(grid)].map(|config| {
+            let config = GiConfig { volume: VolumeKind::Octree(options), ..config };
+            Gi::with_pipelines(&gpu.0, &gpu.1, config).expect("a device")
+        });
+        Self { gpu, gis }
+    }
+
+    /// Waits for the list.
+    fn voxelize(&mut self, geometry: &Geometry) {
+        for gi in &mut self.gis {
+            let work = gi.voxelize_dynamic(geometry, Timing::Off);
+            pollster::block_on(work).expect("there are voxels");
+        }
+    }
+
+    /// Records the list until it is known to have had room.
+    fn record(&mut self, geometry: &Geometry) {
+        let (device, queue) = &self.gpu;
+        for gi in &mut self.gis {
+            // Who was in time is known with the next one.
+            let mut in_time = 0;
+            for _ in 0..16 {
+                let mut recorder = Recorder::new(device, queue);
+                let frame = gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
+                recorder.submit();
+                device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
+                in_time = if frame.is_late { 0 } else { in_time + 1 };
+                if in_time == 2 {
+                    break;
+                }
+            }
+            assert_eq!(in_time, 2, "it never has room");
+        }
+    }
+
+    /// Lights both and compares all that they hold.
+    fn assert_alike(&mut self, bounces: u32, shadow: Shadow, what: &str) {
+        let (device, queue) = &self.gpu;
+        let source = LightSource::Point {
+            position: Vec3::new(0.2, 0.4, 0.7),
+            intensity: Vec3::new(1.0, 2.0, 3.0),
+            radius_m: 0.02,
+            range_m: None,
+        };
+        for gi in &mut self.gis {
+            let lights = gi.bind_lights(&[Light { source, shadow }], Vec3::ZERO, None);
+            let mut recorder = Recorder::new(device, queue);
+            gi.light(&mut recorder, &lights, bounces, &TraceSettings::default()).expect("valid");
+            recorder.submit();
+        }
+        let [ranked, locked] = &self.gis;
+        let light = radiance(&self.gpu, ranked);
+        assert!(light.iter().any(|face| face[0] != 0), "{what}: there is no light");
+        assert!(light == radiance(&self.gpu, locked), "{what}: the faces' light differs");
+        let nodes = |gi: &Gi| read_bricks(&self.gpu, gi);
+        assert!(nodes(ranked) == nodes(locked), "{what}: nodes, masks or bricks differ");
+    }
+}
+
+fn at(x: f32, y: f32, z: f32) -> Mat4 {
+    Mat4::from_translation(Vec3::new(x, y, z))
+}
+
+/// In the air, a little on, into a wall, onto the plate, half outside, far outside (gone), and back. Cones see the same,
+/// as bricks have the same places.
+#[test]
+fn moves_that_are_waited_for_leave_the_bits_of_ranks() {
+    let mut pair = Pair::new(OctreeOptions::default());
+    let geometry = room_with_a_box().build(&pair.gpu.0);
+    let places = [
+        at(0.3, 0.4, 0.6),
+        at(0.32, 0.41, 0.6),
+        at(0.0, 0.4, 0.6),
+        at(0.4, 0.3, 0.3),
+        at(1.0, 0.7, 0.9),
+        at(50.0, 0.0, 0.0),
+        at(0.3, 0.4, 0.6),
+    ];
+    for (step, place) in places.into_iter().enumerate() {
+        pair.voxelize(&moved(&geometry, place));
+        let (bounces, shadow) = if step % 2 == 0 { (1, Shadow::None) } else { (2, Shadow::Cone) };
+        pair.assert_alike(bounces, shadow, &format!("step {step}"));
+    }
+}
+
+/// From nothing, through walls, out of the grid and back; without what moves, without what stays, with nothing at all.
+/// Without cones: which lists a late octree leaves out, and with it the places of bricks, is nobody's promise.
+#[test]
+fn moves_within_frames_leave_the_bits_of_ranks() {
+    let options = OctreeOptions { duplication: Duplication::Pointers, ..Default::default() };
+    let mut pair = Pair::new(options);
+    let geometry = room_with_a_box().build(&pair.gpu.0);
+    let only = |is_static: bool| {
+        let mut geometry = geometry.clone();
+        geometry.batches[0].draws.retain(|draw| draw.is_static == is_static);
+        moved(&geometry, at(0.5, 0.3, 0.4))
+    };
+    let mut nothing = geometry.clone();
+    nothing.batches[0].draws.clear();
+    for (what, geometry) in [
+        ("in the air", moved(&geometry, at(0.3, 0.4, 0.6))),
+        ("a little on", moved(&geometry, at(0.32, 0.41, 0.6))),
+        ("in a wall", moved(&geometry, at(0.0, 0.4, 0.6))),
+        ("outside", moved(&geometry, at(50.0, 0.0, 0.0))),
+        ("not a number", moved(&geometry, Mat4::from_translation(Vec3::NAN))),
+        ("back", moved(&geometry, at(0.3, 0.4, 0.6))),
+        ("only the room", only(true)),
+        ("only the box", only(false)),
+        ("both", geometry.clone()),
+        ("nothing", nothing),
+        ("after nothing", moved(&geometry, at(0.5, 0.3, 0.4))),
+    ] {
+        pair.record(&geometry);
+        if what == "nothing" {
+            let voxels = pair.gis.each_ref().map(|gi| gi.voxels().expect("a list").voxel_count());
+            assert_eq!(voxels, [0, 0]);
+            continue;
+        }
+        pair.assert_alike(1, Shadow::None, what);
+    }
+}
