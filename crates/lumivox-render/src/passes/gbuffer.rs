@@ -35,6 +35,7 @@ use wgpu::util::DeviceExt as _;
 
 use crate::Gpu;
 use crate::gpu::textures::ScreenTextures;
+use crate::passes::motion::MOTION_FORMAT;
 use crate::passes::raster::{self, RasterPipeline};
 use crate::scene::{Attributes, GpuMaterial, GpuScene, SceneDraw};
 
@@ -101,14 +102,21 @@ pub struct GBufferTargets {
     emission: TextureView,
     /// The tint of the light of each pixel; one white texel if nothing is tinted.
     pub(crate) tint: TextureView,
+    /// The motion of what moves by itself, where light of earlier frames is carried along.
+    pub(crate) motion: Option<TextureView>,
 }
 
 impl GBufferTargets {
-    /// `is_tinted` says whether the scene has coloured glass.
-    pub(crate) fn new(gpu: &Gpu, textures: &mut ScreenTextures<'_>, is_tinted: bool) -> Self {
+    /// `is_tinted` says whether the scene has coloured glass, `has_motion` whether motion is wanted.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        textures: &mut ScreenTextures<'_>,
+        [is_tinted, has_motion]: [bool; 2],
+    ) -> Self {
         let tint = if is_tinted { textures.target("tint", TINT_FORMAT) } else { white(gpu) };
         Self {
             tint,
+            motion: has_motion.then(|| textures.target("motion", MOTION_FORMAT)),
             depth: textures.target("depth", raster::DEPTH_FORMAT),
             normals: textures.target("normals", FORMATS[0]),
             diffuse: textures.target("diffuse albedo", FORMATS[1]),
@@ -125,7 +133,7 @@ impl GBufferTargets {
             diffuse: &self.diffuse,
             specular: &self.specular,
             emission: &self.emission,
-            motion: None,
+            motion: self.motion.as_deref(),
         }
     }
 }
@@ -187,7 +195,7 @@ impl GBufferPass {
                 vertex_buffers: &raster::streams(variant.attributes),
                 groups: &[layout, &scene.material_layout],
                 cull_mode: (!variant.is_double_sided).then_some(wgpu::Face::Back),
-                writes_depth: !is_tint,
+                depth: if is_tint { raster::Depth::InFront } else { raster::Depth::Hides },
             }
             .create(pipelines)
         };

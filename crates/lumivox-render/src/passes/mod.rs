@@ -19,6 +19,7 @@ pub(crate) mod accumulate;
 pub(crate) mod composite;
 pub(crate) mod direct;
 pub(crate) mod gbuffer;
+pub(crate) mod motion;
 pub(crate) mod overlay;
 pub(crate) mod raster;
 pub(crate) mod shadow_maps;
@@ -37,6 +38,7 @@ pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
         .add("render::passes::direct", include_str!("direct.wgsl"))
         .add("render::passes::follow", include_str!("follow.wgsl"))
         .add("render::passes::gbuffer", include_str!("gbuffer.wgsl"))
+        .add("render::passes::motion", include_str!("motion.wgsl"))
         .add("render::passes::screen_door", include_str!("screen_door.wgsl"))
         .add("render::passes::shadow_maps", include_str!("shadow_maps.wgsl"));
     overlay::add_shaders(library);

@@ -10,7 +10,12 @@ use crate::scene::{AllAttributes, Attributes, SceneDraw, Shading, VertexBuffers}
 /// The format of depths.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
+/// The vertex buffers of what has moved: positions, and former positions.
+pub(crate) const MOVED_POSITIONS: [Option<wgpu::VertexBufferLayout<'static>>; 2] =
+    [Some(stream::<[f32; 3]>(&POSITION)), Some(stream::<[f32; 3]>(&FORMER_POSITION))];
+
 const POSITION: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
+const FORMER_POSITION: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![1 => Float32x3];
 const TEXCOORD: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![1 => Float32x2];
 const SHADING: [wgpu::VertexAttribute; 2] =
     wgpu::vertex_attr_array![2 => Float32x3, 3 => Float32x4];
@@ -49,8 +54,18 @@ pub(crate) struct RasterPipeline<'a> {
     pub(crate) vertex_buffers: &'a [Option<wgpu::VertexBufferLayout<'static>>],
     pub(crate) groups: &'a [&'a wgpu::BindGroupLayout],
     pub(crate) cull_mode: Option<wgpu::Face>,
-    /// Whether the triangles hide what is behind them.
-    pub(crate) writes_depth: bool,
+    pub(crate) depth: Depth,
+}
+
+/// What triangles have to do with the depth buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Depth {
+    /// They hide what is behind them.
+    Hides,
+    /// They are drawn where nothing is in front, and hide nothing.
+    InFront,
+    /// They are drawn where they are what is visible.
+    OfVisible,
 }
 
 impl RasterPipeline<'_> {
@@ -70,8 +85,11 @@ impl RasterPipeline<'_> {
             },
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: DEPTH_FORMAT,
-                depth_write_enabled: Some(self.writes_depth),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
+                depth_write_enabled: Some(self.depth == Depth::Hides),
+                depth_compare: Some(match self.depth {
+                    Depth::Hides | Depth::InFront => wgpu::CompareFunction::Greater,
+                    Depth::OfVisible => wgpu::CompareFunction::Equal,
+                }),
                 stencil: wgpu::StencilState::default(),
                 bias: wgpu::DepthBiasState::default(),
             }),

@@ -105,7 +105,7 @@ impl Variant {
             vertex_buffers: &streams[..if attributes.is_some() { 2 } else { 1 }],
             groups,
             cull_mode: None,
-            writes_depth: true,
+            depth: raster::Depth::Hides,
         }
         .create(pipelines)
     }

@@ -40,13 +40,14 @@ pub(crate) struct Targets {
 pub(crate) const BYTES_PER_PIXEL: u64 = 100;
 
 /// Bytes a pixel for the cones: 20 a traced pixel, and if these are fewer, 16 for the picture and 4 for the list of
-/// pixels that are traced by themselves. Light of earlier frames takes 48, and 56 a traced pixel.
+/// pixels that are traced by themselves. Light of earlier frames takes 52, motion included, and 81 a traced pixel, its share of a
+/// probe included.
 pub(crate) fn trace_bytes_per_pixel(trace: &TraceSettings) -> u64 {
     match (trace.resolution, trace.temporal) {
         (TraceResolution::Full, false) => 20,
-        (TraceResolution::Full, true) => 20 + 16 + 48 + 56,
+        (TraceResolution::Full, true) => 20 + 16 + 52 + 81,
         (TraceResolution::Half, false) => 20 / 4 + 20,
-        (TraceResolution::Half, true) => 20 / 4 + 20 + 48 + 56 / 4,
+        (TraceResolution::Half, true) => 20 / 4 + 20 + 52 + 84 / 4,
     }
 }
 
@@ -109,7 +110,8 @@ impl Targets {
     ) -> Result<Self, RenderError> {
         let device = &gpu.pipelines;
         let mut textures = ScreenTextures::new(device, size);
-        let gbuffer_textures = GBufferTargets::new(gpu, &mut textures, is_tinted);
+        let wanted = [is_tinted, trace.temporal];
+        let gbuffer_textures = GBufferTargets::new(gpu, &mut textures, wanted);
         let view = lumivox::CameraView::new(Mat4::IDENTITY, glam::Vec3::ZERO, size);
         let gbuffer = gi.bind_gbuffer(gbuffer_textures.views(), view);
         let direct = direct.targets(device, &mut textures);

@@ -309,6 +309,9 @@ impl Renderer {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
             passes.gbuffer.record(recorder, scene, textures, (&view, jitter));
+            if let Some(motion) = &textures.motion {
+                passes.motion.record(recorder, scene, [motion, &textures.depth], &view);
+            }
             let gbuffer = &targets.gbuffer;
             if settings.view == View::Lod {
                 recorder.stage("picture");
@@ -348,6 +351,7 @@ impl Renderer {
         if !is_kept && frame == 0 {
             self.targets.forget();
         }
+        self.scene.motion.settle(self.targets.gbuffer_textures.motion.is_some());
         self.drawn = self.drawn.wrapping_add(1);
         self.former_camera = Some(self.camera.clone());
         Ok(())

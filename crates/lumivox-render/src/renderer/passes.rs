@@ -6,6 +6,7 @@ use lumivox::gpu::ShaderLibrary;
 use crate::passes::composite::CompositePass;
 use crate::passes::direct::DirectPass;
 use crate::passes::gbuffer::GBufferPass;
+use crate::passes::motion::MotionPass;
 use crate::passes::shadow_maps::ShadowMapPass;
 use crate::passes::targets::Targets;
 use crate::scene::GpuScene;
@@ -20,6 +21,7 @@ pub(super) struct Passes {
     pub(super) shadows: Option<ShadowMapPass>,
     pub(super) direct: DirectPass,
     pub(super) composite: CompositePass,
+    pub(super) motion: MotionPass,
 }
 
 impl Passes {
@@ -37,6 +39,7 @@ impl Passes {
             shadows: None,
             direct: DirectPass::new(device, &shaders, gi)?,
             composite: CompositePass::new(device, &shaders, gi)?,
+            motion: MotionPass::new(device, &shaders)?,
             shaders,
         };
         passes.set_shadows(gpu, scene, settings.shadows)?;

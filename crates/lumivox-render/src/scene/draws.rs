@@ -35,6 +35,8 @@ pub struct SceneDraw {
     pub base_vertex: i32,
     /// Its material in [`GpuScene::materials`](super::GpuScene::materials).
     pub material: usize,
+    /// Its place.
+    pub world_from_local: Mat4,
     /// Its bounds in the world.
     pub bounds: Bounds,
     /// Whether it is in the voxels.
@@ -43,6 +45,14 @@ pub struct SceneDraw {
     pub is_mirrored: bool,
     /// The index of its transform in `draw_records`, by which shaders know it.
     pub record: u32,
+}
+
+impl SceneDraw {
+    /// Whether another draw has the same triangles, in whatever place.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        let triangles = |draw: &Self| (draw.batch, draw.indices.clone(), draw.base_vertex);
+        triangles(self) == triangles(other) && self.record == other.record
+    }
 }
 
 /// The parts of an instance.

@@ -6,6 +6,7 @@ mod lights;
 mod material_record;
 mod materials;
 mod mips;
+mod motion;
 mod reference_white;
 mod sheen;
 mod textures;
@@ -41,6 +42,7 @@ use crate::{Gpu, RenderError};
 use draws::{InstanceKind, InstanceParts, number_records};
 use geometry::{BatchKind, BatchLimits, pack};
 use materials::{MaterialUpload, VertexColors};
+use motion::Motion;
 
 /// Adds the shaders that read a scene: materials, their layers and textures, and points of surfaces.
 pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
@@ -95,6 +97,8 @@ pub struct GpuScene {
     pub materials: Vec<GpuMaterial>,
     /// The layout of their bind groups.
     pub material_layout: wgpu::BindGroupLayout,
+    /// What has moved since the last frame.
+    pub(crate) motion: Motion,
     pub(crate) memory: Vec<MemoryUse>,
 }
 
@@ -153,6 +157,7 @@ impl GpuScene {
             draw_records: placed.draw_records,
             materials,
             material_layout,
+            motion: Motion::default(),
             memory: vec![vertices, MemoryUse::new("textures", texture_bytes), instances],
         })
     }
@@ -172,12 +177,14 @@ impl GpuScene {
             });
         }
         self.geometry.batches.clear();
-        self.draws.clear();
+        let draws = std::mem::take(&mut self.draws);
         let earlier = std::mem::take(&mut self.batches);
+        let positions = self.motion.keep(&earlier);
         let placed = Placed::new(gpu, scene, &self.materials, earlier)?;
         self.geometry.batches = placed.geometry;
         self.batches = placed.batches;
         self.draws = placed.draws;
+        self.motion.compare((&draws, &positions), (&self.draws, &self.batches));
         (self.runs, self.order) = (placed.runs, placed.order);
         (self.parts, self.boxes) = (placed.parts, placed.boxes);
         self.draw_records = placed.draw_records;
@@ -208,6 +215,8 @@ impl GpuScene {
             self.boxes.follow(scene, number);
             let record = DrawRecord::new(instance.world_from_local);
             for draw in &mut self.draws[parts.draws.clone()] {
+                self.motion.leave(draw.record, draw.world_from_local);
+                draw.world_from_local = instance.world_from_local;
                 draw.bounds = self.boxes.get(number);
                 let offset = u64::from(draw.record) * size_of::<DrawRecord>() as u64;
                 gpu.queue.write_buffer(&self.draw_records, offset, bytemuck::bytes_of(&record));
@@ -288,6 +297,7 @@ impl Placed {
                     indices: piece.first_index..piece.first_index + piece.index_count,
                     base_vertex: piece.base_vertex as i32,
                     material: instance.material,
+                    world_from_local: instance.world_from_local,
                     bounds: boxes.get(number),
                     is_voxelized: instance.is_voxelized,
                     is_mirrored: instance.world_from_local.determinant() < 0.0,

@@ -13,6 +13,9 @@ import package::temporal::probe::{probes_size, Probe, NO_PROBE, SPACING};
 @group(1) @binding(2) var was_out: texture_storage_2d<rgba16float, write>;
 @group(1) @binding(3) var now_out: texture_storage_2d<rgba16float, write>;
 
+// Changes of light as a whole differ over this many voxels: over more than the light itself does.
+const REACH: f32 = 48.0;
+
 // Probes in each direction.
 const RADIUS: i32 = 2;
 
@@ -37,7 +40,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
                     continue;
                 }
                 let between = grid_from_world(probe.position_in_world) - guide.xyz;
-                let weight = share(between, normal, probe.shading_normal);
+                let weight = share(between, normal, probe.shading_normal, REACH);
                 was += weight * probe.was;
                 now += weight * probe.now;
                 weights += weight;

@@ -21,11 +21,12 @@ struct FilterStep {
 // Light differs over this many voxels.
 const REACH: f32 = 16.0;
 
-// How far a place shares the light of another: `between` is its offset in voxels, the normals are those of the two.
-fn share(between: vec3f, normal: vec3f, other: vec3f) -> f32 {
+// How far a place shares the light of another: `between` is its offset in voxels, the normals are those of the two, and
+// nothing is shared over more than `reach` voxels.
+fn share(between: vec3f, normal: vec3f, other: vec3f, reach: f32) -> f32 {
     let facing = max(dot(other, normal), 0.0);
     let facing_2 = facing * facing;
-    let near = max(1.0 - dot(between, between) / (REACH * REACH), 0.0);
+    let near = max(1.0 - dot(between, between) / (reach * reach), 0.0);
     return max(1.0 - abs(dot(between, normal)), 0.0) * facing_2 * facing_2 * near;
 }
 
@@ -57,7 +58,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
             continue;
         }
         let kernel = select(0.125, 0.0625, offset.x != 0 && offset.y != 0);
-        let weight = kernel * share(other.xyz - guide.xyz, normal, guide_normal(other));
+        let weight = kernel * share(other.xyz - guide.xyz, normal, guide_normal(other), REACH);
         if weight > 0.0 {
             light_sum += weight * textureLoad(light, tap, 0);
             change_sum += weight * textureLoad(change, tap, 0);

@@ -38,6 +38,9 @@ const MOVED_SLACK: f32 = 4.0;
 // The most frames in the mean of a surface that moves over the picture: each look-up between texels blurs it a little.
 const MOVING_FRAMES: f32 = 32.0;
 
+// The most frames of light of which nobody knows how it has changed.
+const UNKNOWN_FRAMES: f32 = 4.0;
+
 // Light up to this many times as bright keeps its detail; what is beyond is added evenly.
 const MOST_BRIGHTER: f32 = 4.0;
 
@@ -78,8 +81,14 @@ fn add(recalled: ptr<function, Recalled>, texel: vec2i, weight: f32) {
     (*recalled).weights += weight;
 }
 
+struct Drifted {
+    light: vec3f,
+    // Whether a probe told.
+    is_known: bool,
+}
+
 // Light that is known of a place of the last frame, with what has changed since.
-fn drift(light: vec3f, place: vec2f, surface: Surface, slack: f32) -> vec3f {
+fn drift(light: vec3f, place: vec2f, surface: Surface, slack: f32) -> Drifted {
     let small = place / f32(settings.scale);
     let last = vec2i(textureDimensions(past_guides)) - 1;
     var was = vec3f(0.0);
@@ -99,10 +108,10 @@ fn drift(light: vec3f, place: vec2f, surface: Surface, slack: f32) -> vec3f {
         weights += weight;
     }
     if weights < LEAST_WEIGHT {
-        return light;
+        return Drifted(light, false);
     }
     let scale = clamp(now / max(was, vec3f(1e-6)), vec3f(0.0), vec3f(MOST_BRIGHTER));
-    return scale * light + max(now - MOST_BRIGHTER * was, vec3f(0.0)) / weights;
+    return Drifted(scale * light + max(now - MOST_BRIGHTER * was, vec3f(0.0)) / weights, true);
 }
 
 fn recall(pixel: vec2u, surface: Surface) -> Recalled {
@@ -151,8 +160,11 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
     }
     if recalled.weights > 0.0 && settings.has_changed != 0u {
         let light = recalled.irradiance.rgb / recalled.weights;
-        let drifted = recalled.weights * drift(light, exact, surface, slack);
-        recalled.irradiance = vec4f(drifted, recalled.irradiance.a);
+        let drifted = drift(light, exact, surface, slack);
+        recalled.irradiance = vec4f(recalled.weights * drifted.light, recalled.irradiance.a);
+        if !drifted.is_known {
+            recalled.frames = min(recalled.frames, UNKNOWN_FRAMES * recalled.weights);
+        }
     }
     return recalled;
 }

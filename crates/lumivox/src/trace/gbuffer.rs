@@ -60,6 +60,10 @@ pub(crate) struct CameraViewUniform {
     padding: u32,
 }
 
+/// In [`GBufferViews::motion`], the x of a surface that stands still in the world: it moves over the picture only as the camera
+/// does. A pass that draws what moves clears its target to this.
+pub const AS_THE_CAMERA: f32 = 1024.0;
+
 /// Views of the G-buffer's textures, all of the picture's size.
 #[derive(Clone, Copy, Debug)]
 pub struct GBufferViews<'a> {
@@ -75,8 +79,9 @@ pub struct GBufferViews<'a> {
     /// Emitted radiance, and in a the coat's perceptual roughness (`Rgba16Float`).
     pub emission: &'a wgpu::TextureView,
     /// In xy where a pixel's surface is in the picture minus where it was in the frame before, in shares of the
-    /// picture, x to the right, y down (`Rg16Float`). `None`: nothing moves but the camera
-    /// ([`CameraView::previous_clip_from_world`]). Nothing reads it yet but `package::trace::gbuffer::load_motion`.
+    /// picture, x to the right, y down (`Rg16Float`); [`AS_THE_CAMERA`] where nothing moves by itself. `None`: nothing moves but
+    /// the camera ([`CameraView::previous_clip_from_world`]). It is read where light of earlier frames is carried along
+    /// ([`TraceSettings::temporal`](crate::TraceSettings::temporal)).
     pub motion: Option<&'a wgpu::TextureView>,
 }
 

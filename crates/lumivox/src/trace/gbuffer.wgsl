@@ -16,8 +16,10 @@ import package::trace::view::{camera_motion, position_from_depth, view};
 @group(3) @binding(4) var gbuffer_specular: texture_2d<f32>;
 // Emitted radiance in rgb; the coat's perceptual roughness in a.
 @group(3) @binding(5) var gbuffer_emission: texture_2d<f32>;
-// Motion in xy, if view.has_motion says so.
+// Motion in xy, if view.has_motion says so; AS_THE_CAMERA where nothing moves by itself.
 @group(3) @binding(6) var gbuffer_motion: texture_2d<f32>;
+
+const AS_THE_CAMERA: f32 = 1024.0;
 
 // Where the pixel's surface is, and how it is turned.
 fn load_surface(pixel: vec2u) -> Surface {
@@ -46,7 +48,10 @@ fn load_specular(pixel: vec2u) -> Specular {
 // the right, y down.
 fn load_motion(pixel: vec2u, position_in_world: vec3f) -> vec2f {
     if view.has_motion != 0u {
-        return textureLoad(gbuffer_motion, pixel, 0).xy;
+        let motion = textureLoad(gbuffer_motion, pixel, 0).xy;
+        if motion.x < 0.5 * AS_THE_CAMERA {
+            return motion;
+        }
     }
     return camera_motion(pixel, position_in_world);
 }

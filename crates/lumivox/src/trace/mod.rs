@@ -22,7 +22,7 @@ use crate::temporal;
 #[cfg(test)]
 pub(crate) use gbuffer::CameraViewUniform;
 pub(crate) use gbuffer::gbuffer_layout;
-pub use gbuffer::{CameraView, GBuffer, GBufferViews};
+pub use gbuffer::{AS_THE_CAMERA, CameraView, GBuffer, GBufferViews};
 pub use targets::TraceTargets;
 
 /// The shader modules of this folder.
