@@ -28,7 +28,8 @@ const MOVING_FRAMES: u32 = 8;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct AccumulateSettings {
     pub(crate) weight: f32,
-    padding: [u32; 3],
+    pub(crate) is_relit: u32,
+    padding: [u32; 2],
 }
 
 /// Averages frames.
@@ -123,15 +124,19 @@ impl AccumulatePass {
         self.frames = frames;
     }
 
-    /// Adds a frame of a G-buffer; once per submission.
-    pub(crate) fn record(&mut self, recorder: &mut Recorder, gbuffer: Option<&GBuffer>) {
-        let settings = AccumulateSettings { weight: self.weight(), padding: [0; 3] };
+    /// Adds a frame; once per submission. Frames that are blended have their G-buffer, and whether their
+    /// light is on its way from a change.
+    pub(crate) fn record(&mut self, recorder: &mut Recorder, of: Option<(&GBuffer, bool)>) {
+        let is_relit = u32::from(of.is_some_and(|(_, is_relit)| is_relit));
+        let settings = AccumulateSettings { weight: self.weight(), is_relit, padding: [0; 2] };
         recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
         self.newest = 1 - self.newest;
         let group = &self.groups[self.newest];
         let size = [self.size.x, self.size.y, 1];
-        match (&self.follow, gbuffer) {
-            (Some(Follow { kernel, nothing, past: 1.. }), Some(gbuffer)) if self.frames == 0 => {
+        match (&self.follow, of) {
+            (Some(Follow { kernel, nothing, past: 1.. }), Some((gbuffer, _)))
+                if self.frames == 0 =>
+            {
                 kernel.run(recorder, &[group, nothing, nothing, &gbuffer.group], size);
             }
             _ => self.kernel.run(recorder, &[group], size),

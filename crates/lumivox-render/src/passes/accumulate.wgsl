@@ -3,9 +3,10 @@
 struct AccumulateSettings {
     // Of the frame in the new mean; 1: nothing of the old one is left.
     weight: f32,
+    // Whether the light is on its way from a change.
+    is_relit: u32,
     padding_0: u32,
     padding_1: u32,
-    padding_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> accumulate_settings: AccumulateSettings;

@@ -11,6 +11,9 @@ import package::trace::view::view;
 // A place this near to the middle of a texel is there, in texels: rounding of matrices.
 const SAME_TEXEL: f32 = 0.01;
 
+// Light that is this many times as bright from one frame to the next, or as dark, has been switched.
+const SWITCHED: f32 = 1.5;
+
 // Where the pixel was in the frame before, in texels with whole numbers at their centres: with the nearest of the surfaces
 // around, so that the edge of a thing moves as the thing does.
 fn former_place(pixel: vec2u) -> vec2f {
@@ -77,11 +80,20 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
     var least = value;
     var most = value;
+    var now = vec3f(0.0);
+    var before = vec3f(0.0);
+    let former = vec2u(clamp(round(place), vec2f(0.0), vec2f(view.size) - 1.0));
     for (var i = 0; i < 9; i++) {
         let other = textureLoad(frame, around(pixel, i), 0);
         least = min(least, other);
         most = max(most, other);
+        now += other.rgb;
+        before += textureLoad(old_mean, around(former, i), 0).rgb;
     }
-    let old = clamp(look_up(place), least, most);
+    // A lamp that is switched changes all that is around.
+    let change = dot(now, vec3f(1.0)) / max(dot(before, vec3f(1.0)), 1e-20);
+    let is_switched = accumulate_settings.is_relit != 0u && (change > SWITCHED || change * SWITCHED < 1.0);
+    let scale = select(1.0, change, is_switched);
+    let old = clamp(vec4f(scale, scale, scale, 1.0) * look_up(place), least, most);
     textureStore(new_mean, pixel, old + (value - old) * accumulate_settings.weight);
 }

@@ -28,11 +28,11 @@ impl BesideView {
         recorder: &mut Recorder,
         pass: &CompositePass,
         (lights, gbuffer): (&Lights, &GBuffer),
-        (has_cones, frame): (bool, u32),
+        (has_cones, is_relit, frame): (bool, bool, u32),
     ) {
         pass.record(recorder, lights, gbuffer, &self.composite, (self.view, has_cones, frame));
         self.accumulate.number(frame);
-        self.accumulate.record(recorder, Some(gbuffer));
+        self.accumulate.record(recorder, Some((gbuffer, is_relit)));
     }
 
     /// Forgets the frames so far.

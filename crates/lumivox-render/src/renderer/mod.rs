@@ -276,6 +276,7 @@ impl Renderer {
         is_kept: bool,
     ) -> Result<(), RenderError> {
         let frame = self.frame_count();
+        let is_relit = self.following.is_settling();
         let Self { settings, camera, scene, gi, lights, passes, targets, .. } = self;
         let mut is_traced = false;
         let (drawn, former_camera) = (&self.drawn, &self.former_camera);
@@ -333,7 +334,7 @@ impl Renderer {
                 let shown = (settings.view, has_cones, frame);
                 passes.composite.record(recorder, lights, gbuffer, composite, shown);
                 for beside in targets.beside.iter_mut().filter(|_| is_kept) {
-                    let (lit, counted) = ((&*lights, gbuffer), (has_cones, frame));
+                    let (lit, counted) = ((&*lights, gbuffer), (has_cones, is_relit, frame));
                     beside.record(recorder, &passes.composite, lit, counted);
                 }
             }
@@ -341,7 +342,7 @@ impl Renderer {
         if is_kept {
             recorder.stage("picture");
             let Targets { accumulate, gbuffer, .. } = &mut self.targets;
-            accumulate.record(recorder, Some(gbuffer));
+            accumulate.record(recorder, Some((gbuffer, is_relit)));
             self.record_overlay(recorder, &view)?;
         }
         // What is not of the frame before cannot be followed.

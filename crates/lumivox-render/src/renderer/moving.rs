@@ -24,6 +24,13 @@ pub(super) struct Following {
     settling: u32,
 }
 
+impl Following {
+    /// Whether the light is on its way from a change.
+    pub(super) fn is_settling(self) -> bool {
+        self.settling > 0
+    }
+}
+
 impl Renderer {
     /// Moves the instances of these numbers to their places in `scene`, takes its lights, and renders one frame: all in one
     /// submission, as an engine does ([`Gi::voxelize_frame`](lumivox::Gi::voxelize_frame) and
