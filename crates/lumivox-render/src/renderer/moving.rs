@@ -7,7 +7,8 @@ use lumivox_scene::Scene;
 use super::{RenderError, Renderer};
 use crate::RenderSettings;
 
-/// With as many bounces as these or more, light may have them all: what is left out of fewer would be missed.
+/// Light that follows has all bounces. Settings that ask for fewer than this many want to see just these: they are
+/// gathered from darkness at each change.
 const MANY_BOUNCES: u32 = 8;
 
 /// Frames after a change until less than a hundredth of it is still to come, at one bounce a frame.

@@ -1,6 +1,6 @@
 //! The light of earlier frames: what a moving camera gains by it, and that it neither lags nor stays.
 
-use glam::{Quat, UVec2, Vec3};
+use glam::{Mat4, Quat, UVec2, Vec3};
 use lumivox::{Preset, TraceSettings};
 use lumivox_render::{Picture, RenderSettings, Renderer, View};
 use lumivox_scene::{Camera, Scene};
@@ -111,11 +111,12 @@ fn a_switched_lamp_is_seen_at_once() {
     // The shares of the whole change that are missing after each frame.
     let mut missing = |scene: &Scene, to: f64| {
         pollster::block_on(renderer.set_lights(scene, &mut |_| {})).expect("the same scene");
-        [(); 4].map(|()| (mean(&frame(&mut renderer)) - to) / (all - rest))
+        [(); 12].map(|()| (mean(&frame(&mut renderer)) - to).abs() / (all - rest))
     };
+    // In the voxels light travels a bounce a frame.
     for (scene, to) in [(&dark, rest), (&lit, all)] {
         let missing = missing(scene, to);
-        assert!(missing[0].abs() < 0.05 && missing[3].abs() < 0.01, "{missing:?}");
+        assert!(missing[0] < 0.4 && missing[3] < 0.15 && missing[11] < 0.04, "{missing:?}");
     }
 }
 
@@ -127,4 +128,69 @@ fn a_still_picture_comes_to_that_without_earlier_frames() {
     let [few, many] = [8, 96].map(|frames| still(Preset::Realtime, &scene, &camera, frames));
     let errors = [rmse(&few, &expected), rmse(&many, &expected)];
     assert!(errors[1] < 0.05 && errors[1] < 0.7 * errors[0], "{errors:?}");
+}
+
+/// Of a block that slides, light goes with it: what it shows differs less from a still picture than
+/// what a first frame does, to which nothing is known.
+#[test]
+fn what_moves_takes_its_light_along() {
+    let mut scene = builtin("cornell");
+    let block = scene.instances.len() - 1;
+    scene.instances[block].is_static = false;
+    let pose = |step: u32| {
+        let mut scene = scene.clone();
+        let slide = Mat4::from_translation(Vec3::new(0.01 * step as f32, 0.0, 0.0));
+        let instance = &mut scene.instances[block];
+        instance.world_from_local = slide * instance.world_from_local;
+        scene
+    };
+    let (last, camera) = (pose(12), scene.cameras[0].clone());
+    let truth = still(Preset::Balanced, &last, &camera, 48);
+    let first = rmse(&still(Preset::Realtime, &last, &camera, 1), &truth);
+    let mut moving = renderer(&gpu(), &scene, settings(Preset::Realtime));
+    let mut pictures = (0..=12).map(|step| {
+        let moved = pose(step);
+        pollster::block_on(moving.move_instances(&moved, &[block], &mut |_| {})).expect("it fits");
+        frame(&mut moving)
+    });
+    let error = rmse(&pictures.by_ref().last().expect("at least one"), &truth);
+    assert!(error < 0.9 * first, "{error} in motion, {first} in a first frame");
+}
+
+/// Edges of a moving picture are smoother than those of a single frame, and where nothing shines any
+/// more nothing is left.
+#[test]
+fn edges_are_smooth_in_motion() {
+    let scene = builtin("cornell");
+    let realtime = |camera: Camera| {
+        let settings =
+            RenderSettings { frames: 64, view: View::Final, ..settings(Preset::Realtime) };
+        let mut renderer = renderer(&gpu(), &scene, settings);
+        renderer.set_camera(camera);
+        renderer
+    };
+    let last = orbit(&scene, 12);
+    let settings = RenderSettings { frames: 64, view: View::Final, ..settings(Preset::Balanced) };
+    let mut still = renderer(&gpu(), &scene, settings);
+    still.set_camera(last.clone());
+    let truth = (0..64).map(|_| frame(&mut still)).last().expect("at least one");
+    let single = rmse(&frame(&mut realtime(last.clone())), &truth);
+    let mut moving = realtime(orbit(&scene, 0));
+    let picture = (0..=12).map(|step| {
+        moving.set_camera(orbit(&scene, step));
+        frame(&mut moving)
+    });
+    let error = rmse(&picture.last().expect("at least one"), &truth);
+    assert!(error < 0.6 * single, "{error} in motion, {single} of a single frame");
+
+    // A look at another part is a cut: nothing of the former view is seen.
+    moving.set_view(View::Normal, 0).expect("a view of surfaces");
+    let seen = frame(&mut moving);
+    let mut fresh = realtime(last);
+    (0..12).for_each(|_| drop(frame(&mut fresh)));
+    fresh.set_view(View::Normal, 0).expect("a view of surfaces");
+    let expected = frame(&mut fresh);
+    let far = |a: &[f32; 4], b: &[f32; 4]| (0..3).any(|i| (a[i] - b[i]).abs() > 0.05);
+    let differ = seen.hdr.iter().zip(&expected.hdr).filter(|(a, b)| far(a, b)).count();
+    assert!(differ * 10 < seen.hdr.len(), "{differ} pixels of another view");
 }

@@ -3,6 +3,7 @@
 import package::temporal::guide::{pack_guide, NO_SURFACE};
 import package::trace::gbuffer::load_surface;
 import package::trace::screen::{settings, traced_pixel, traced_size};
+import package::voxelize::reproducible::is_finite;
 
 @group(1) @binding(1) var traced: texture_2d<f32>;
 @group(1) @binding(2) var recalled_irradiance: texture_2d<f32>;
@@ -24,9 +25,11 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     var guide = NO_SURFACE;
     var light = vec4f(0.0);
     var change = vec4f(0.0);
-    if surface.depth > 0.0 {
+    let gathered = textureLoad(traced, place, 0).rgb;
+    // What is not a number must not reach the pixels around.
+    if surface.depth > 0.0 && is_finite(gathered) {
         guide = pack_guide(surface);
-        light = vec4f(textureLoad(traced, place, 0).rgb, 0.0);
+        light = vec4f(gathered, 0.0);
         if textureLoad(recalled_specular, pixel, 0).a != 0.0 {
             let known = textureLoad(recalled_irradiance, pixel, 0).rgb;
             change = vec4f(light.rgb - known, 1.0);

@@ -5,9 +5,11 @@ import package::temporal::blend::{blend, Fresh, Known};
 import package::temporal::record::{encode_record, Record};
 import package::trace::around::{traced_around, Around, FITS};
 import package::trace::gbuffer::{load_specular, load_surface};
-import package::trace::screen::{settings, traced_size};
-import package::trace::surface::Surface;
+import package::trace::fit::fit;
+import package::trace::screen::{settings, traced_pixel, traced_size};
+import package::trace::surface::{Specular, Surface};
 import package::trace::view::view;
+import package::voxelize::reproducible::is_finite;
 
 @group(1) @binding(1) var traced_irradiance: texture_2d<f32>;
 @group(1) @binding(2) var traced_specular: texture_2d<f32>;
@@ -28,19 +30,62 @@ const GLOSSY_FRAMES: f32 = 16.0;
 // Reflections within this many standard deviations of those around are plausible.
 const PLAUSIBLE: f32 = 1.5;
 
+// With more frames than this, what a pixel reflects itself is taken, unfiltered.
+const FILTERED_REFLECTIONS: f32 = 8.0;
+// Traced pixels in each direction over which reflections on a rough surface are filtered.
+const REFLECTION_RADIUS: i32 = 2;
+
+// This frame's reflections around a pixel, as far as they are on the same surface and the lobes overlap: the rougher it is, the
+// more.
+fn filtered_reflection(centre: vec2u, surface: Surface, material: Specular) -> vec4f {
+    let alpha = max(material.roughness * material.roughness, 1e-3);
+    let last = vec2i(traced_size()) - 1;
+    var sum = vec3f(0.0);
+    var weights = 0.0;
+    for (var y = -REFLECTION_RADIUS; y <= REFLECTION_RADIUS; y++) {
+        for (var x = -REFLECTION_RADIUS; x <= REFLECTION_RADIUS; x++) {
+            let place = clamp(vec2i(centre) + vec2i(x, y), vec2i(0), last);
+            let pixel = traced_pixel(vec2u(place));
+            let other = load_surface(pixel);
+            if other.depth <= 0.0 {
+                continue;
+            }
+            let its = load_specular(pixel);
+            let offset = other.position_in_world - surface.position_in_world;
+            let bend = 1.0 - dot(other.shading_normal, surface.shading_normal);
+            let unlike = dot(abs(its.reflectance - material.reflectance), vec3f(1.0))
+                + abs(its.roughness - material.roughness);
+            let spread = f32(x * x + y * y) / (4.0 * alpha + 0.1);
+            let weight = fit(offset, other.geometric_normal, surface)
+                * exp(-4.0 * bend / (alpha * alpha) - 10.0 * unlike - spread);
+            sum += weight * textureLoad(traced_specular, place, 0).rgb;
+            weights += weight;
+        }
+    }
+    return vec4f(sum, weights);
+}
+
 // This frame's reflection blended into the one that is known, in rgb; the cone samples in a.
-fn blend_specular(pixel: vec2u, around: Around, known: vec4f, frames: f32) -> vec4f {
+fn blend_specular(pixel: vec2u, surface: Surface, around: Around, known: vec4f, frames: f32) -> vec4f {
     var fresh = vec4f(0.0);
     for (var i = 0; i < 4; i++) {
         if around.weights[i] > 0.0 {
             fresh += around.weights[i] * textureLoad(traced_specular, around.sources[i], 0);
         }
     }
+    let material = load_specular(pixel);
+    let roughness = material.roughness;
+    if frames < FILTERED_REFLECTIONS && any(material.reflectance > vec3f(0.0)) {
+        let filtered = filtered_reflection(around.sources[0], surface, material);
+        let share = 1.0 - max(frames, 0.0) / FILTERED_REFLECTIONS;
+        if filtered.a > 1e-3 {
+            fresh = vec4f(mix(fresh.rgb, filtered.rgb / filtered.a, share), fresh.a);
+        }
+    }
     if known.a == 0.0 {
         return fresh;
     }
     // What is reflected moves over a smooth surface as the camera does: the less the rougher it is.
-    let roughness = load_specular(pixel).roughness;
     let most = select(1e4, GLOSSY_FRAMES * smoothstep(0.05, 0.4, roughness), known.a < 0.0);
     var mean = vec3f(0.0);
     var square = vec3f(0.0);
@@ -79,8 +124,13 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         let weight = around.weights[i];
         if weight > 0.0 {
             let source = around.sources[i];
+            let gathered = textureLoad(traced_irradiance, source, 0);
+            if !is_finite(gathered.rgb) {
+                fresh.frames = 0.0;
+                continue;
+            }
             let filtered = textureLoad(wide, source, 0);
-            fresh.irradiance += weight * textureLoad(traced_irradiance, source, 0);
+            fresh.irradiance += weight * gathered;
             fresh.fine += weight * textureLoad(fine, source, 0).rgb;
             fresh.wide += weight * filtered.rgb;
             fresh.noise += weight * filtered.a;
@@ -96,8 +146,13 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
             listed[place] = pixel.y * view.size.x + pixel.x;
         }
     }
-    let blended = blend(known, fresh);
-    let specular = blend_specular(pixel, around, recalled, blended.frames - 1.0);
+    var blended = blend(known, fresh);
+    var specular = blend_specular(pixel, surface, around, recalled, blended.frames - 1.0);
+    if !is_finite(blended.irradiance.rgb) || !is_finite(specular.rgb) {
+        // Nothing of it is remembered.
+        blended = Known(vec4f(0.0, 0.0, 0.0, 1.0), 0.0);
+        specular = vec4f(0.0);
+    }
     textureStore(irradiance_out, pixel, blended.irradiance);
     textureStore(specular_out, pixel, specular);
     // The depth in clip space, whatever the G-buffer's own is.

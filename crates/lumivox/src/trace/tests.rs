@@ -4,7 +4,7 @@ pub(crate) mod room;
 
 use glam::{Mat4, UVec2, Vec2, Vec3};
 
-use super::{CameraView, GBuffer, GBufferViews, TraceTargets};
+use super::{AS_THE_CAMERA, CameraView, GBuffer, GBufferViews, TraceTargets};
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Timing, storage_buffer,
 };
@@ -287,6 +287,27 @@ fn what_is_forgotten_does_not_shine_through() {
     }
 }
 
+/// As when an engine hands over a camera that is not a number for one frame.
+#[test]
+fn what_is_not_a_number_is_not_remembered() {
+    let room = Room::new();
+    let settings = TraceSettings::preset(Preset::Realtime);
+    let targets = room.targets(&settings);
+    let view = room::view(SIZE);
+    let broken = CameraView { clip_from_world: Mat4::from_cols_array(&[f32::NAN; 16]), ..view };
+    let frames = [view, broken, view].map(|view| {
+        room.gbuffer.set_camera(&room.queue, view);
+        let mut encoder = room.encoder();
+        room.trace(&mut encoder, &targets, &settings);
+        let picture = copied(&room.device, &mut encoder, &targets);
+        room.queue.submit([encoder.finish()]);
+        picture.read(&room.device, &room.queue)
+    });
+    let is_infinite = |half: &[u8]| u16::from_le_bytes([half[0], half[1]]) & 0x7c00 == 0x7c00;
+    let infinite = |frame: &[u8]| frame.chunks_exact(2).filter(|half| is_infinite(half)).count();
+    assert_eq!(infinite(&frames[2]), 0, "half floats of {}", frames[2].len() / 2);
+}
+
 #[test]
 fn a_packed_gbuffer_gives_the_bits_of_the_textures() {
     let (textures, packed) = (Room::new(), Room::packed());
@@ -372,8 +393,11 @@ fn motion_is_where_the_surface_is_minus_where_it_was() {
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    let content: Vec<[f32; 2]> =
-        (0..SIZE.element_product()).map(|i| [i as f32, -(i as f32)]).collect();
+    let motion_at = |i: u32| i as f32 / SIZE.element_product() as f32;
+    let mut content: Vec<[f32; 2]> =
+        (0..SIZE.element_product()).map(|i| [motion_at(i), -motion_at(i)]).collect();
+    // One that stands still in the world, as the camera does.
+    content[7] = [AS_THE_CAMERA, 0.0];
     let layout = wgpu::TexelCopyBufferLayout {
         offset: 0,
         bytes_per_row: Some(8 * SIZE.x),
@@ -385,5 +409,7 @@ fn motion_is_where_the_surface_is_minus_where_it_was() {
     let views = (view, Some(&motion));
     let gbuffer = gbuffer_of_views(&room.device, &room.queue, &room.gi, views);
     let read = motion_of(&room, &gbuffer);
+    assert!(read[7].length() < 1e-4, "{}", read[7]);
+    content[7] = read[7].to_array();
     assert!(read.iter().zip(&content).all(|(read, written)| *read == Vec2::from(*written)));
 }

@@ -53,7 +53,7 @@ use truth::Truths;
 /// The page's file.
 const PAGE: &str = "motion.md";
 /// The presets on the page.
-const PRESETS: [Preset; 2] = [Preset::Fast, Preset::Balanced];
+const PRESETS: [Preset; 3] = [Preset::Fast, Preset::Realtime, Preset::Balanced];
 /// The rows of strips on the page.
 const ROWS_ON_PAGE: usize = 2;
 
