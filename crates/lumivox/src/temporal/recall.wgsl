@@ -38,7 +38,10 @@ const MOVED_SLACK: f32 = 4.0;
 // The most frames in the mean of a surface that moves over the picture: each look-up between texels blurs it a little.
 const MOVING_FRAMES: f32 = 32.0;
 
-// The most frames of light of which nobody knows how it has changed.
+// Light that has become twice as bright counts for as many frames: the part that is new is known less well.
+const FRAMES_OF_CHANGE: f32 = 4.0;
+
+// The same of light of which no probe tells how it has changed.
 const UNKNOWN_FRAMES: f32 = 4.0;
 
 // Light up to this many times as bright keeps its detail; what is beyond is added evenly.
@@ -83,8 +86,8 @@ fn add(recalled: ptr<function, Recalled>, texel: vec2i, weight: f32) {
 
 struct Drifted {
     light: vec3f,
-    // Whether a probe told.
-    is_known: bool,
+    // The frames that it may count for.
+    most_frames: f32,
 }
 
 // Light that is known of a place of the last frame, with what has changed since.
@@ -108,10 +111,12 @@ fn drift(light: vec3f, place: vec2f, surface: Surface, slack: f32) -> Drifted {
         weights += weight;
     }
     if weights < LEAST_WEIGHT {
-        return Drifted(light, false);
+        return Drifted(light, UNKNOWN_FRAMES);
     }
     let scale = clamp(now / max(was, vec3f(1e-6)), vec3f(0.0), vec3f(MOST_BRIGHTER));
-    return Drifted(scale * light + max(now - MOST_BRIGHTER * was, vec3f(0.0)) / weights, true);
+    let drifted = scale * light + max(now - MOST_BRIGHTER * was, vec3f(0.0)) / weights;
+    let change = dot(abs(now - was), vec3f(1.0)) / max(dot(was, vec3f(1.0)), 1e-6);
+    return Drifted(drifted, FRAMES_OF_CHANGE / max(change * change, 1e-6));
 }
 
 fn recall(pixel: vec2u, surface: Surface) -> Recalled {
@@ -162,9 +167,9 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
         let light = recalled.irradiance.rgb / recalled.weights;
         let drifted = drift(light, exact, surface, slack);
         recalled.irradiance = vec4f(recalled.weights * drifted.light, recalled.irradiance.a);
-        if !drifted.is_known {
-            recalled.frames = min(recalled.frames, UNKNOWN_FRAMES * recalled.weights);
-        }
+        // Variances add up.
+        let most = drifted.most_frames * recalled.weights;
+        recalled.frames = recalled.frames * most / (recalled.frames + most);
     }
     return recalled;
 }
