@@ -8,6 +8,7 @@ mod screen;
 use std::sync::OnceLock;
 
 use crate::cones::TraceSettings;
+use crate::emitters::Emitters;
 use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{Injector, Light, Lighting, Lights, ShadowSource, lights_layout};
@@ -84,6 +85,7 @@ pub struct Gi {
     volume: Volume,
     changes: Changes,
     lighting: Box<Lighting>,
+    emitters: Box<Emitters>,
     tracer: Tracer,
     lights_layout: wgpu::BindGroupLayout,
     gbuffer_layout: wgpu::BindGroupLayout,
@@ -135,14 +137,17 @@ impl Gi {
             }
         }
         let cone_values = config.cones.as_ref().map_or([0.0; 4], |model| model.values());
-        let volume = Volume::new(
+        let mut volume = Volume::new(
             device,
             &mut shaders,
             &config.grid,
             (config.volume, config.directionality),
             config.memory_budget,
+            &crate::emitters::empty_list(device),
         )?;
         let voxelizer = Voxelizer::with(device, &shaders, config.voxelizer.as_deref())?;
+        let emitters = Emitters::new(device, queue, &shaders, &voxelizer, &config.grid)?;
+        volume.bind_emitters(device, emitters.list());
         let scene = voxelizer.scene(device, queue, &config.grid);
         let changes = Changes::new(device, &shaders, &config.grid, scene.changed())?;
         let lights_layout = lights_layout(device, config.shadow_maps.as_ref());
@@ -160,6 +165,7 @@ impl Gi {
             volume,
             changes,
             lighting: Box::new(lighting),
+            emitters: Box::new(emitters),
             tracer,
             lights_layout,
             gbuffer_layout,
@@ -209,6 +215,7 @@ impl Gi {
         timing: Timing,
     ) -> Result<Voxelized, GiError> {
         self.scene.forget_static();
+        self.emitters.forget();
         self.voxelize_dynamic(geometry, timing).await
     }
 
@@ -258,6 +265,7 @@ impl Gi {
     ) -> Result<Voxelized, GiError> {
         let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
         self.changes.begin(&mut recorder);
+        self.lighting.expect_emission(self.draws_emitters() && Emitters::are_in(geometry));
         let Self { device, voxelizer, scene, volume, changes, lighting, .. } = self;
         let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
             follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
@@ -265,12 +273,31 @@ impl Gi {
         // Its state is too large for the futures of those who wait.
         let voxelizing = Box::pin(voxelizer.voxelize_into(&mut recorder, scene, geometry, follow));
         let stats = voxelizing.await?;
+        self.list_emitters(&mut recorder, geometry)?;
         self.follow_taken(&mut recorder)?;
         let has_moving = self.scene.has_moving();
         if let Some((volume, followed, _)) = self.followed() {
             Box::pin(volume.settle(&mut recorder, followed, has_moving)).await?;
         }
+        self.emitters.note_late(&mut recorder, self.volume.late_word());
         Ok(Voxelized { stats, times: recorder.finish().await? })
+    }
+
+    /// Whether gathers draw emitters. A caller's own cones find them in the volume, as they find all else.
+    fn draws_emitters(&self) -> bool {
+        self.config.cones.is_none()
+    }
+
+    /// Lists what shines of a geometry.
+    fn list_emitters(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        geometry: &Geometry,
+    ) -> Result<(), GiError> {
+        if self.draws_emitters() && self.emitters.record(recorder, geometry)? {
+            self.volume.bind_emitters(&self.device, self.emitters.list());
+        }
+        Ok(())
     }
 
     /// After the list was taken: light and volume follow it.
@@ -491,6 +518,7 @@ impl Gi {
         let mut memory = self.volume.memory();
         memory.extend(self.changes.memory());
         memory.extend(self.lighting.memory());
+        memory.push(("light: emitters", self.emitters.bytes()));
         if let Some(voxels) = self.scene.list() {
             memory.extend(voxels.memory());
         }
@@ -512,7 +540,7 @@ fn follow(
         return;
     }
     let Some(shown) = lighting.shown() else { return };
-    changes.bind(device, taken.replaced, taken.list, shown);
+    changes.bind(device, taken.replaced, taken.list, (shown, lighting.has_emission()));
     if let Some(cells) = changes.cells() {
         volume.bind(device, (taken.list, shown.now), cells);
     }

@@ -2,6 +2,7 @@
 
 use super::{Gi, follow};
 use crate::cones::TraceSettings;
+use crate::emitters::Emitters;
 use crate::gpu::Recorder;
 use crate::light::Lights;
 use crate::voxelize::{FrameVoxels, Taken};
@@ -72,6 +73,7 @@ impl Gi {
     ) -> Result<FrameVoxels, GiError> {
         self.changes.begin(recorder);
         self.volume.hear(recorder)?;
+        self.lighting.expect_emission(self.draws_emitters() && Emitters::are_in(geometry));
         let Self { device, voxelizer, scene, volume, changes, lighting, .. } = self;
         let mut is_taken = false;
         let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
@@ -84,9 +86,11 @@ impl Gi {
             self.lighting.disturb();
             is_taken = true;
         }
+        self.list_emitters(recorder, geometry)?;
         if is_taken {
             self.follow_taken(recorder)?;
             self.volume.tell(recorder);
+            self.emitters.note_late(recorder, self.volume.late_word());
         }
         frame.is_late |= self.volume.is_late();
         Ok(frame)

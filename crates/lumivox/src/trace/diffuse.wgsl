@@ -2,6 +2,7 @@
 
 import package::gpu::random::{hash, random_pair};
 import package::cones::gather::gather;
+import package::emitters::gather::gather_emitters;
 import package::trace::gbuffer::load_surface;
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn};
 
@@ -28,7 +29,18 @@ fn trace_diffuse(pixel: vec2u, turn: u32) -> TracedDiffuse {
         turn,
         settings.cones,
     );
-    return TracedDiffuse(vec4f(gathered.irradiance, gathered.openness), f32(gathered.samples));
+    let lit = gather_emitters(
+        surface.position_in_world,
+        surface.shading_normal,
+        surface.geometric_normal,
+        random_pair(pixel.x ^ 0x9e3779b9u, hash(pixel.y)),
+        turn,
+        settings.cones,
+    );
+    return TracedDiffuse(
+        vec4f(gathered.irradiance + lit.irradiance, gathered.openness),
+        f32(gathered.samples + lit.samples),
+    );
 }
 
 @compute @workgroup_size(8, 8)

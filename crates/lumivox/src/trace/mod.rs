@@ -216,7 +216,13 @@ impl Tracer {
             slot.set(recorder.queue(), &ScreenSettings { remembers, ..*settings });
             let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
             let UVec2 { x, y } = targets.traced_size();
+            if settings.bounces > 0 {
+                (bound.hide_emission)(recorder, true);
+            }
             self.diffuse.run(recorder, &group(&slot.diffuse), [x, y, 1]);
+            if settings.bounces > 0 {
+                (bound.hide_emission)(recorder, false);
+            }
             self.specular.run(recorder, &group(&slot.specular), [x, y, 1]);
             recorder.clear(&slot.counts);
             if let (Some(past), Some(groups)) = (&targets.past, &slot.temporal) {
@@ -245,4 +251,6 @@ pub(crate) struct Bound<'a> {
     pub(crate) globals: &'a BindGroup,
     pub(crate) lights: &'a BindGroup,
     pub(crate) gbuffer: &'a GBuffer,
+    /// Lets the volume show reflected light alone, or all light again.
+    pub(crate) hide_emission: &'a dyn Fn(&mut Recorder<'_>, bool),
 }

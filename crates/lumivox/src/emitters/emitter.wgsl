@@ -1,0 +1,31 @@
+// Triangles that shine by themselves, as lights.
+
+struct Emitter {
+    // A corner and the edges from there, in the grid's coordinates; counter-clockwise seen from the front.
+    corner: vec3f,
+    // The power of all emitters up to this one, in a unit of no matter.
+    power_so_far: f32,
+    along_ab: vec3f,
+    // 1: it shines to the back as well.
+    is_double_sided: u32,
+    along_ac: vec3f,
+    padding_0: u32,
+    // The same all over.
+    radiance: vec3f,
+    padding_1: u32,
+}
+
+struct EmitterList {
+    count: u32,
+    // Not zero: the volume could not take the list of voxels that these emitters belong to, and shows the
+    // emission of an earlier one to all cones.
+    is_late: u32,
+    power: f32,
+    padding: u32,
+    emitters: array<Emitter>,
+}
+
+// ITU-R BT.709-6, section 3.2.
+fn luminance(radiance: vec3f) -> f32 {
+    return dot(radiance, vec3f(0.2126, 0.7152, 0.0722));
+}

@@ -1,0 +1,93 @@
+// Irradiance at a place, straight from emitters.
+//
+// Of several candidates one is kept, in proportion to what it would bring if nothing stood in its way (resampled
+// importance sampling: Talbot et al. 2005, "Importance resampling for global illumination"), and a ray through the
+// volume tells whether something does. The mean over frames is exact but for the voxels in the ray's way.
+
+import package::cones::cone::{cone_start, trace_cone, Cone, ConeSettings};
+import package::emitters::draw::{draw_emitter_point, emitters, EmitterPoint};
+import package::emitters::emitter::luminance;
+import package::gpu::random::sequence_pair;
+import package::grid::grid_from_world;
+
+const CANDIDATES: u32 = 8u;
+
+// Walls are felt for a voxel and a half from where they are (cones::start): the half of a voxel in which the emitter
+// may be anywhere, and the reach of the filter. So far in front of itself an emitter does not hide itself, nor does
+// what it hangs on.
+const CLEARANCE: f32 = 1.5;
+
+struct FromEmitters {
+    irradiance: vec3f,
+    samples: u32,
+}
+
+// A ray reads the finest cells alone: what the emitter's size makes soft, the mean over its points does.
+fn ray_settings(settings: ConeSettings) -> ConeSettings {
+    var ray = settings;
+    ray.step_per_voxel = 1.0;
+    ray.occlusion_distance = 3e38;
+    return ray;
+}
+
+// The cosine at which light arrives, with light from below the surface folded up as cones are (cones::gather).
+fn folded_cosine(direction: vec3f, shading_normal: vec3f, geometric_normal: vec3f) -> f32 {
+    let above = dot(direction, geometric_normal);
+    if above <= 0.0 {
+        return 0.0;
+    }
+    let mirrored = direction - 2.0 * above * geometric_normal;
+    return max(dot(direction, shading_normal), 0.0) + max(dot(mirrored, shading_normal), 0.0);
+}
+
+// `start` in [0, 1)^2 is the place's own one in the sequence, `turn` counts through it.
+fn gather_emitters(
+    position_in_world: vec3f,
+    shading_normal: vec3f,
+    geometric_normal: vec3f,
+    start: vec2f,
+    turn: u32,
+    settings: ConeSettings,
+) -> FromEmitters {
+    var result = FromEmitters(vec3f(0.0), 0u);
+    if emitters.count == 0u || emitters.is_late != 0u || emitters.power <= 0.0 {
+        return result;
+    }
+    let place = grid_from_world(position_in_world);
+    let first = sequence_pair(start, turn);
+    // The sequence of the golden ratio is independent of the other two.
+    var lot = fract(start.x - start.y + 1.0 + 0.618034 * f32(turn & 0xffffu));
+    var sum = 0.0;
+    var kept: EmitterPoint;
+    for (var i = 0u; i < CANDIDATES; i++) {
+        let random = fract(first + f32(i) * vec2f(1.0 / f32(CANDIDATES), 0.618034));
+        let point = draw_emitter_point(place, random);
+        let cosine = folded_cosine(point.direction, shading_normal, geometric_normal);
+        let weight = luminance(point.radiance) * cosine * point.solid_angle;
+        if weight > 0.0 {
+            sum += weight;
+            let chance = weight / sum;
+            if lot < chance {
+                kept = point;
+                lot /= chance;
+            } else {
+                lot = (lot - chance) / (1.0 - chance);
+            }
+        }
+    }
+    if sum <= 0.0 {
+        return result;
+    }
+    let origin = cone_start(position_in_world, geometric_normal, settings);
+    let to_point = kept.position - origin;
+    let distance = length(to_point);
+    let direction = to_point / max(distance, 1e-6);
+    let reach = distance - CLEARANCE / max(abs(dot(direction, kept.normal)), 1e-3);
+    let ray = Cone(origin, direction, 0.0, reach, 0.0);
+    let traced = trace_cone(ray, ray_settings(settings));
+    // It may be below zero, which makes up for what other rays leak (cones::cone).
+    let seen = sum / f32(CANDIDATES) * traced.transmittance;
+    result.irradiance = kept.radiance * (seen / luminance(kept.radiance));
+    result.samples = traced.samples;
+    return result;
+}

@@ -1,0 +1,79 @@
+// The emitters of a run of triangles: a thread for each.
+//
+// A triangle with a texture is cut into pieces of equal area, edge^2 of them, each with the texture's mean over it:
+// whoever draws an emitter need not read textures, of which there may be any number.
+
+import package::constants::{DOUBLE_SIDED, LINEAR_WORKGROUP_SIZE};
+import package::emitters::emitter::{luminance, Emitter, EmitterList};
+import package::gpu::dispatch::linear_index;
+import package::voxelize::items::run;
+import package::voxelize::surface::{surface_of, triangle_map, PIERCED};
+import package::voxelize::triangles::{draws, load_triangle, SMALLEST_COVERAGE};
+
+struct RunEmitters {
+    first_emitter: u32,
+    // Pieces along the edge of a triangle.
+    edge: u32,
+    // The largest emission of all materials.
+    emission_scale: f32,
+    padding: u32,
+}
+
+@group(2) @binding(0) var<uniform> params: RunEmitters;
+@group(2) @binding(1) var<storage, read_write> list: EmitterList;
+
+// A corner of the pieces, which stand in rows between a and the edge from b to c: barycentric coordinates.
+fn lattice(row: u32, place: u32) -> vec2f {
+    return vec2f(f32(row - place), f32(place)) / f32(params.edge);
+}
+
+// The corners of a piece. Row r has 2r + 1 of them, upright ones and inverted ones by turns.
+fn corners_of(piece: u32) -> array<vec2f, 3> {
+    var row = u32(sqrt(f32(piece)));
+    // Should the root be rounded across an integer.
+    row = row + select(0u, 1u, (row + 1u) * (row + 1u) <= piece) - select(0u, 1u, row * row > piece);
+    let place = (piece - row * row) / 2u;
+    let is_inverted = ((piece - row * row) & 1u) != 0u;
+    let first = lattice(row, place);
+    let across = lattice(row + 1u, place + 1u);
+    if is_inverted {
+        return array(first, across, lattice(row, place + 1u));
+    }
+    return array(first, lattice(row + 1u, place), across);
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let index = linear_index(invocation, workgroups);
+    let pieces = params.edge * params.edge;
+    if index >= (run.end_triangle - run.first_triangle) * pieces {
+        return;
+    }
+    let triangle =
+        load_triangle(run.first_triangle + index / pieces, run.first_draw, run.end_draw);
+    let ab = triangle.b - triangle.a;
+    let ac = triangle.c - triangle.a;
+    let corners = corners_of(index % pieces);
+    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    let map = triangle_map(triangle.vertices, triangle.draw, 2.0 * f32(pieces));
+    let surface = surface_of(triangle.draw, map, middle, PIERCED);
+
+    let to_b = corners[1] - corners[0];
+    let to_c = corners[2] - corners[0];
+    var emitter: Emitter;
+    emitter.corner = triangle.a + corners[0].x * ab + corners[0].y * ac;
+    emitter.along_ab = to_b.x * ab + to_b.y * ac;
+    emitter.along_ac = to_c.x * ab + to_c.y * ac;
+    emitter.is_double_sided = u32((draws[triangle.draw].flags & DOUBLE_SIDED) != 0u);
+    if surface.coverage >= SMALLEST_COVERAGE {
+        emitter.radiance = surface.emission * surface.coverage * params.emission_scale;
+    }
+    let area = 0.5 * length(cross(emitter.along_ab, emitter.along_ac));
+    let power = luminance(emitter.radiance) * area * f32(1u + emitter.is_double_sided);
+    // What is not finite shines no more than it is voxelized.
+    emitter.power_so_far = select(0.0, power, power > 0.0 && power < 1e30);
+    list.emitters[params.first_emitter + index] = emitter;
+}
