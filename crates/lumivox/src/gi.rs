@@ -279,7 +279,6 @@ impl Gi {
         if let Some((volume, followed, _)) = self.followed() {
             Box::pin(volume.settle(&mut recorder, followed, has_moving)).await?;
         }
-        self.emitters.note_late(&mut recorder, self.volume.late_word());
         Ok(Voxelized { stats, times: recorder.finish().await? })
     }
 
@@ -303,6 +302,7 @@ impl Gi {
     /// After the list was taken: light and volume follow it.
     fn follow_taken(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
         self.lighting.inherit(recorder);
+        self.emitters.rest(recorder);
         self.volume.join_missed(recorder, self.scene.changed());
         self.changes.wrong(recorder, self.volume.clears_cells());
         if let Some(list) = self.scene.list() {
@@ -400,7 +400,7 @@ impl Gi {
         let gathers = bounces.saturating_sub(1);
         let volume = (&mut self.volume, &mut self.changes);
         let cones = (settings, self.cone_values);
-        self.lighting.solve(recorder, volume, lights, gathers, cones);
+        self.lighting.solve(recorder, volume, (lights, &self.emitters), gathers, cones);
         Ok(())
     }
 
@@ -476,6 +476,11 @@ impl Gi {
     /// What the octree is made of; `None` for other volumes, and before there are voxels.
     pub fn octree_stats(&self) -> Option<OctreeStats> {
         self.volume.octree_stats()
+    }
+
+    #[cfg(test)]
+    pub(crate) fn emitters(&self) -> &Emitters {
+        &self.emitters
     }
 
     #[cfg(test)]

@@ -17,9 +17,9 @@ struct Emitter {
 
 struct EmitterList {
     count: u32,
-    // Not zero: the volume could not take the list of voxels that these emitters belong to, and shows the
-    // emission of an earlier one to all cones.
-    is_late: u32,
+    // Not zero: the volume shows emission to all cones, so nothing is drawn. That is so from a change of the voxels to
+    // the light after it, and while the volume has no room for the change.
+    is_shown: u32,
     power: f32,
     padding: u32,
     emitters: array<Emitter>,

@@ -50,7 +50,7 @@ fn gather_emitters(
     settings: ConeSettings,
 ) -> FromEmitters {
     var result = FromEmitters(vec3f(0.0), 0u);
-    if emitters.count == 0u || emitters.is_late != 0u || emitters.power <= 0.0 {
+    if emitters.count == 0u || emitters.is_shown != 0u || emitters.power <= 0.0 {
         return result;
     }
     let place = grid_from_world(position_in_world);

@@ -23,7 +23,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Memory, Pipelines, Recorder,
-    Remedy, ShaderLibrary, Staged, storage_buffer,
+    Remedy, ShaderLibrary, Staged, storage_buffer, upload,
 };
 use crate::voxelize::Voxelizer;
 use crate::voxelize::batch::{Fallbacks, run_group, textures_of, triangles_group};
@@ -53,9 +53,12 @@ pub(crate) struct EmitterRecord {
     padding_1: u32,
 }
 
-/// Bytes before the first emitter, and where in them it is said that the volume is late.
+/// Bytes before the first emitter, and where in them it is said that the volume shows emission.
 const HEADER_BYTES: u64 = 16;
-const LATE_BYTE: u64 = 4;
+const SHOWN_BYTE: u64 = 4;
+
+/// The most triangles that are listed (64 MiB). Where more of them shine, cones find them as they find all else.
+const MOST_TRIANGLES: u64 = 1 << 20;
 
 /// `RunEmitters` of `list.wgsl`.
 #[repr(C)]
@@ -99,6 +102,8 @@ pub(crate) struct Emitters {
     fallbacks: Fallbacks,
     list: Buffer,
     counts: Staged,
+    /// The words 1 and 0.
+    words: [Buffer; 2],
     add_up: BindGroup,
     batches: Vec<BoundBatch>,
     /// Nothing is known of what stands in buffers of static draws.
@@ -186,6 +191,7 @@ impl Emitters {
             fallbacks: Fallbacks::new(device, queue),
             list,
             counts,
+            words: [1_u32, 0].map(|word| upload(device, "a word", &[word])),
             batches: Vec::new(),
             is_forgotten: true,
             has_moving: false,
@@ -198,13 +204,18 @@ impl Emitters {
         &self.list
     }
 
-    /// Whether anything of a geometry shines.
+    /// Whether a geometry has emitters, and not more of them than are listed.
     pub(crate) fn are_in(geometry: &Geometry) -> bool {
-        let mut draws = geometry.batches.iter().flat_map(|batch| &batch.draws);
-        draws.any(|draw| {
+        if !geometry.materials.iter().any(emits) {
+            return false;
+        }
+        let draws = geometry.batches.iter().flat_map(|batch| &batch.draws);
+        let shining = draws.filter(|draw| {
             let material = geometry.materials.get(draw.material as usize);
-            draw.index_count > 0 && material.is_some_and(emits)
-        })
+            material.is_some_and(emits)
+        });
+        let triangles: u64 = shining.map(|draw| u64::from(draw.index_count / 3)).sum();
+        (1..=MOST_TRIANGLES).contains(&triangles)
     }
 
     /// Lets the next list be made anew, whatever is known of static draws.
@@ -228,7 +239,11 @@ impl Emitters {
         geometry: &Geometry,
     ) -> Result<bool, GiError> {
         let device = recorder.device().clone();
-        let input = ShareInput::of_emitters(geometry, &self.grid, &device.limits())?;
+        let input = if Self::are_in(geometry) {
+            ShareInput::of_emitters(geometry, &self.grid, &device.limits())?
+        } else {
+            ShareInput::default()
+        };
         let scale = emission_scale(geometry);
         let is_moving = |batch: &GeometryBatch| {
             let mut draws = batch.draws.iter();
@@ -270,11 +285,16 @@ impl Emitters {
         Ok(has_grown)
     }
 
-    /// Notes whether the volume is late, as a word that is not zero says.
-    pub(crate) fn note_late(&self, recorder: &mut Recorder<'_>, late: Option<&Buffer>) {
-        if let Some(late) = late {
-            recorder.copy((late, 0), (&self.list, LATE_BYTE), 4);
-        }
+    /// Lets nothing be drawn, since the volume shows emission.
+    pub(crate) fn rest(&self, recorder: &mut Recorder<'_>) {
+        recorder.copy((&self.words[0], 0), (&self.list, SHOWN_BYTE), 4);
+    }
+
+    /// Lets emitters be drawn, since the volume will not show emission: unless it has no room for its change, as a word that is
+    /// not zero tells.
+    pub(crate) fn wake(&self, recorder: &mut Recorder<'_>, late_word: Option<&Buffer>) {
+        let word = late_word.unwrap_or(&self.words[1]);
+        recorder.copy((word, 0), (&self.list, SHOWN_BYTE), 4);
     }
 
     /// Binds what shines, and makes room for it; whether in another buffer is returned.

@@ -90,7 +90,6 @@ impl Gi {
         if is_taken {
             self.follow_taken(recorder)?;
             self.volume.tell(recorder);
-            self.emitters.note_late(recorder, self.volume.late_word());
         }
         frame.is_late |= self.volume.is_late();
         Ok(frame)
@@ -155,6 +154,7 @@ impl Gi {
         self.bounces = u32::MAX;
         let volume = (&mut self.volume, &mut self.changes);
         let cones = (settings, self.cone_values);
+        let lights = (lights, &*self.emitters);
         self.lighting.step(recorder, volume, lights, faces_per_frame, cones);
         Ok(())
     }

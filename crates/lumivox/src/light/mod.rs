@@ -19,6 +19,7 @@ mod turns;
 use bytemuck::{Pod, Zeroable};
 
 use crate::cones::{ConeSettings, TraceSettings};
+use crate::emitters::Emitters;
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
     Staged,
@@ -216,11 +217,14 @@ impl Lighting {
         &mut self,
         recorder: &mut Recorder<'_>,
         (volume, changes): (&mut Volume, &mut Changes),
-        lights: &Lights,
+        (lights, emitters): (&Lights, &Emitters),
         gathers: u32,
         cones: (&TraceSettings, [f32; 4]),
     ) {
         let Some(faces) = &self.faces else { return };
+        if faces.has_emission() {
+            emitters.wake(recorder, volume.late_word());
+        }
         let has_emission = faces.has_emission();
         set_bounce(&mut self.settings, recorder, cones, (u32::MAX, 0), has_emission);
         recorder.clear(faces.irradiance());
@@ -256,13 +260,16 @@ impl Lighting {
         &mut self,
         recorder: &mut Recorder<'_>,
         (volume, changes): (&mut Volume, &mut Changes),
-        lights: &Lights,
+        (lights, emitters): (&Lights, &Emitters),
         budget: Option<u32>,
         cones: (&TraceSettings, [f32; 4]),
     ) {
         let Some(faces) = &self.faces else { return };
         let Some(turn) = self.turns.next(lights, cones, faces.capacity(), budget) else { return };
         let has_emission = faces.has_emission();
+        if has_emission {
+            emitters.wake(recorder, volume.late_word());
+        }
         set_bounce(&mut self.settings, recorder, cones, (turn.faces, turn.number), has_emission);
         let Some(faces) = &self.faces else { return };
         if turn.is_direct_new {
