@@ -3,7 +3,7 @@
 struct Emitter {
     // A corner and the edges from there, in the grid's coordinates; counter-clockwise seen from the front.
     corner: vec3f,
-    // The power of all emitters up to this one, in a unit of no matter.
+    // The power of all emitters up to this one: strength times area.
     power_so_far: f32,
     along_ab: vec3f,
     // 1: it shines to the back as well.
@@ -25,7 +25,8 @@ struct EmitterList {
     emitters: array<Emitter>,
 }
 
-// ITU-R BT.709-6, section 3.2.
-fn luminance(radiance: vec3f) -> f32 {
-    return dot(radiance, vec3f(0.2126, 0.7152, 0.0722));
+// What counts where one of several is drawn: all channels alike. With luminance the rare blue ones would bring thirteen
+// times their share, and that is noise.
+fn strength(radiance: vec3f) -> f32 {
+    return dot(radiance, vec3f(1.0 / 3.0));
 }

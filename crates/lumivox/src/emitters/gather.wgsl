@@ -6,7 +6,7 @@
 
 import package::cones::cone::{cone_start, trace_cone, Cone, ConeSettings};
 import package::emitters::draw::{draw_emitter_point, emitters, EmitterPoint};
-import package::emitters::emitter::luminance;
+import package::emitters::emitter::strength;
 import package::gpu::random::sequence_pair;
 import package::grid::grid_from_world;
 
@@ -63,7 +63,7 @@ fn gather_emitters(
         let random = fract(first + f32(i) * vec2f(1.0 / f32(CANDIDATES), 0.618034));
         let point = draw_emitter_point(place, random);
         let cosine = folded_cosine(point.direction, shading_normal, geometric_normal);
-        let weight = luminance(point.radiance) * cosine * point.solid_angle;
+        let weight = strength(point.radiance) * cosine * point.solid_angle;
         if weight > 0.0 {
             sum += weight;
             let chance = weight / sum;
@@ -87,7 +87,7 @@ fn gather_emitters(
     let traced = trace_cone(ray, ray_settings(settings));
     // It may be below zero, which makes up for what other rays leak (cones::cone).
     let seen = sum / f32(CANDIDATES) * traced.transmittance;
-    result.irradiance = kept.radiance * (seen / luminance(kept.radiance));
+    result.irradiance = kept.radiance * (seen / strength(kept.radiance));
     result.samples = traced.samples;
     return result;
 }

@@ -4,7 +4,7 @@
 // whoever draws an emitter need not read textures, of which there may be any number.
 
 import package::constants::{DOUBLE_SIDED, LINEAR_WORKGROUP_SIZE};
-import package::emitters::emitter::{luminance, Emitter, EmitterList};
+import package::emitters::emitter::{strength, Emitter, EmitterList};
 import package::gpu::dispatch::linear_index;
 import package::voxelize::items::run;
 import package::voxelize::surface::{surface_of, triangle_map, PIERCED};
@@ -72,7 +72,7 @@ fn main(
         emitter.radiance = surface.emission * surface.coverage * params.emission_scale;
     }
     let area = 0.5 * length(cross(emitter.along_ab, emitter.along_ac));
-    let power = luminance(emitter.radiance) * area * f32(1u + emitter.is_double_sided);
+    let power = strength(emitter.radiance) * area * f32(1u + emitter.is_double_sided);
     // What is not finite shines no more than it is voxelized.
     emitter.power_so_far = select(0.0, power, power > 0.0 && power < 1e30);
     list.emitters[params.first_emitter + index] = emitter;

@@ -7,7 +7,7 @@
 //! The list is made of the triangles themselves, so that a lamp's light does not depend on the voxels that it falls
 //! in: of each the corners in the grid's coordinates and its radiance, 64 bytes (`emitter.wgsl`). Textured triangles are
 //! cut into pieces of one radiance each. A running sum of powers, added up in a fixed order, makes it a distribution to
-//! draw from: power is area times luminance.
+//! draw from: power is area times the mean of the channels.
 //!
 //! | file | does | once per |
 //! | --- | --- | --- |

@@ -112,7 +112,7 @@ struct Layouts {
 struct HalfKernels {
     upsample: Kernel,
     count: Kernel,
-    edges: Kernel,
+    edges: [Kernel; 2],
 }
 
 impl Tracer {
@@ -150,6 +150,7 @@ impl Tracer {
                 .storage()
                 .storage_texture(d2, OUTPUT_FORMAT)
                 .storage_texture(d2, OUTPUT_FORMAT)
+                .texture_2d_unfilterable()
                 .build(device, "edges"),
         };
         let kernel = |module, layout| {
@@ -177,13 +178,14 @@ impl Tracer {
         if self.kernels.get().is_some() {
             return Ok(());
         }
-        let kernel = |module, layout| {
-            Kernel::new(device, shaders, module, "main", &[globals, layout, lights, gbuffer])
+        let kernel = |module, entry, layout| {
+            Kernel::new(device, shaders, module, entry, &[globals, layout, lights, gbuffer])
         };
+        let edges = |entry| kernel("trace::edges", entry, &self.half.edges);
         let _ = self.kernels.set(HalfKernels {
-            upsample: kernel("trace::upsample", &self.half.upsample)?,
-            count: kernel("trace::edge_count", &self.half.count)?,
-            edges: kernel("trace::edges", &self.half.edges)?,
+            upsample: kernel("trace::upsample", "main", &self.half.upsample)?,
+            count: kernel("trace::edge_count", "main", &self.half.count)?,
+            edges: [edges("diffuse")?, edges("specular")?],
         });
         Ok(())
     }
@@ -216,13 +218,15 @@ impl Tracer {
             slot.set(recorder.queue(), &ScreenSettings { remembers, ..*settings });
             let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
             let UVec2 { x, y } = targets.traced_size();
-            if settings.bounces > 0 {
-                (bound.hide_emission)(recorder, true);
-            }
+            // What draws emitters must not find them as well.
+            let hide_emission = |recorder: &mut Recorder<'_>, hides| {
+                if settings.bounces > 0 {
+                    (bound.hide_emission)(recorder, hides);
+                }
+            };
+            hide_emission(recorder, true);
             self.diffuse.run(recorder, &group(&slot.diffuse), [x, y, 1]);
-            if settings.bounces > 0 {
-                (bound.hide_emission)(recorder, false);
-            }
+            hide_emission(recorder, false);
             self.specular.run(recorder, &group(&slot.specular), [x, y, 1]);
             recorder.clear(&slot.counts);
             if let (Some(past), Some(groups)) = (&targets.past, &slot.temporal) {
@@ -236,10 +240,17 @@ impl Tracer {
             }
             if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
                 kernels.count.run(recorder, &group(&half.count), [1, 1, 1]);
-                recorder.compute("trace::edges", |pass| {
-                    let groups = group(&half.edges);
-                    kernels.edges.dispatch_indirect(pass, &groups, &slot.counts, ARGUMENTS_OFFSET);
-                });
+                let groups = group(&half.edges);
+                let trace_edges = |recorder: &mut Recorder<'_>, kernel: &Kernel| {
+                    recorder.compute("trace::edges", |pass| {
+                        kernel.dispatch_indirect(pass, &groups, &slot.counts, ARGUMENTS_OFFSET);
+                    });
+                };
+                let [diffuse, specular] = &kernels.edges;
+                trace_edges(recorder, specular);
+                hide_emission(recorder, true);
+                trace_edges(recorder, diffuse);
+                hide_emission(recorder, false);
             }
             targets.keep(recorder);
         });
