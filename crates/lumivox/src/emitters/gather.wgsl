@@ -5,7 +5,7 @@
 // volume tells whether something does. The mean over frames is exact but for the voxels in the ray's way.
 
 import package::cones::cone::{cone_start, trace_cone, Cone, ConeSettings};
-import package::emitters::draw::{draw_emitter_point, emitters, EmitterPoint};
+import package::emitters::draw::{draw_emitter_point, emitters};
 import package::emitters::emitter::strength;
 import package::gpu::random::sequence_pair;
 import package::grid::grid_from_world;
@@ -40,6 +40,15 @@ fn folded_cosine(direction: vec3f, shading_normal: vec3f, geometric_normal: vec3
     return max(dot(direction, shading_normal), 0.0) + max(dot(mirrored, shading_normal), 0.0);
 }
 
+// The numbers of a candidate: each is in a part of the first number's range, all at the same place of their parts.
+fn candidate(numbers: vec2f, index: u32) -> vec2f {
+    let parts = f32(CANDIDATES);
+    return vec2f(
+        (f32(index) + fract(numbers.x * parts)) / parts,
+        fract(numbers.y + 0.618034 * f32(index)),
+    );
+}
+
 // `start` in [0, 1)^2 is the place's own one in the sequence, `turn` counts through it.
 fn gather_emitters(
     position_in_world: vec3f,
@@ -50,34 +59,30 @@ fn gather_emitters(
     settings: ConeSettings,
 ) -> FromEmitters {
     var result = FromEmitters(vec3f(0.0), 0u);
-    if emitters.count == 0u || emitters.is_shown != 0u || emitters.power <= 0.0 {
+    if emitters.count == 0u || emitters.power <= 0.0 {
         return result;
     }
     let place = grid_from_world(position_in_world);
-    let first = sequence_pair(start, turn);
-    // The sequence of the golden ratio is independent of the other two.
-    var lot = fract(start.x - start.y + 1.0 + 0.618034 * f32(turn & 0xffffu));
+    let numbers = sequence_pair(start, turn);
+    var sums: array<f32, CANDIDATES>;
     var sum = 0.0;
-    var kept: EmitterPoint;
     for (var i = 0u; i < CANDIDATES; i++) {
-        let random = fract(first + f32(i) * vec2f(1.0 / f32(CANDIDATES), 0.618034));
-        let point = draw_emitter_point(place, random);
+        let point = draw_emitter_point(place, candidate(numbers, i));
         let cosine = folded_cosine(point.direction, shading_normal, geometric_normal);
-        let weight = strength(point.radiance) * cosine * point.solid_angle;
-        if weight > 0.0 {
-            sum += weight;
-            let chance = weight / sum;
-            if lot < chance {
-                kept = point;
-                lot /= chance;
-            } else {
-                lot = (lot - chance) / (1.0 - chance);
-            }
-        }
+        sum += strength(point.radiance) * cosine * point.solid_angle;
+        sums[i] = sum;
     }
     if sum <= 0.0 {
         return result;
     }
+    // Where all weigh the same, the one that the first number is in. The turn, other digits of the start, makes the lot
+    // independent of where in their parts the candidates lie.
+    let lot = fract(numbers.x + fract(start.y * 4096.0)) * sum;
+    var index = 0u;
+    for (var i = 0u; i + 1u < CANDIDATES; i++) {
+        index += u32(sums[i] <= lot);
+    }
+    let kept = draw_emitter_point(place, candidate(numbers, index));
     let origin = cone_start(position_in_world, geometric_normal, settings);
     let to_point = kept.position - origin;
     let distance = length(to_point);

@@ -19,7 +19,6 @@ mod turns;
 use bytemuck::{Pod, Zeroable};
 
 use crate::cones::{ConeSettings, TraceSettings};
-use crate::emitters::Emitters;
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
     Staged,
@@ -136,7 +135,6 @@ impl Lighting {
     /// buffers than before is returned.
     pub(crate) fn follow(&mut self, recorder: &mut Recorder<'_>, taken: Taken<'_>) -> bool {
         self.turns.disturb();
-        self.is_lit = false;
         if self.faces.as_ref().is_some_and(|faces| faces.is_of(&taken, self.has_emission)) {
             if let Some(faces) = &self.faces {
                 self.kernels.follow(recorder, &self.grid, faces);
@@ -187,6 +185,24 @@ impl Lighting {
         volume.update(recorder, shining);
     }
 
+    /// Before reflected light or the list changes: takes the emission off that is on top of the light.
+    pub(crate) fn conceal(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        (volume, changes): (&Volume, &Changes),
+    ) {
+        let is_lit = std::mem::take(&mut self.is_lit);
+        // An octree is not bound just after it got the room that it lacked; then it holds no emission, for want of room.
+        if !is_lit || !volume.is_bound() {
+            return;
+        }
+        let Some((faces, shining)) = self.faces.as_ref().zip(changes.listed()) else { return };
+        recorder.stage("filter");
+        faces.hide_emission(recorder, true);
+        volume.update(recorder, shining);
+        faces.hold(recorder);
+    }
+
     /// Once there is all reflected light: emission on top.
     fn emit(&mut self, recorder: &mut Recorder<'_>, (volume, changes): (&Volume, &Changes)) {
         let Some(faces) = self.faces.as_ref().filter(|faces| faces.has_emission()) else { return };
@@ -217,18 +233,18 @@ impl Lighting {
         &mut self,
         recorder: &mut Recorder<'_>,
         (volume, changes): (&mut Volume, &mut Changes),
-        (lights, emitters): (&Lights, &Emitters),
+        lights: &Lights,
         gathers: u32,
         cones: (&TraceSettings, [f32; 4]),
     ) {
         let Some(faces) = &self.faces else { return };
-        if faces.has_emission() {
-            emitters.wake(recorder, volume.late_word());
-        }
         let has_emission = faces.has_emission();
         set_bounce(&mut self.settings, recorder, cones, (u32::MAX, 0), has_emission);
         recorder.clear(faces.irradiance());
         self.turns.solved(lights, gathers);
+        if gathers == 0 {
+            self.conceal(recorder, (volume, changes));
+        }
         let Some(faces) = &self.faces else { return };
         self.direct(recorder, (volume, changes), lights, faces);
         self.kernels.reflect(recorder, &self.grid, faces);
@@ -260,23 +276,18 @@ impl Lighting {
         &mut self,
         recorder: &mut Recorder<'_>,
         (volume, changes): (&mut Volume, &mut Changes),
-        (lights, emitters): (&Lights, &Emitters),
+        lights: &Lights,
         budget: Option<u32>,
         cones: (&TraceSettings, [f32; 4]),
     ) {
         let Some(faces) = &self.faces else { return };
         let Some(turn) = self.turns.next(lights, cones, faces.capacity(), budget) else { return };
         let has_emission = faces.has_emission();
-        if has_emission {
-            emitters.wake(recorder, volume.late_word());
-        }
         set_bounce(&mut self.settings, recorder, cones, (turn.faces, turn.number), has_emission);
+        self.conceal(recorder, (volume, changes));
         let Some(faces) = &self.faces else { return };
         if turn.is_direct_new {
             self.direct(recorder, (volume, changes), lights, faces);
-        }
-        // The volume shows emission between two calls.
-        if turn.is_direct_new || has_emission {
             self.kernels.reflect(recorder, &self.grid, faces);
             recorder.stage("filter");
             if let Some(changed) = changes.find(recorder) {
