@@ -302,6 +302,7 @@ impl Gi {
     /// After the list was taken: light and volume follow it.
     fn follow_taken(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
         self.lighting.inherit(recorder);
+        self.emitters.rest(recorder);
         self.volume.join_missed(recorder, self.scene.changed());
         self.changes.wrong(recorder, self.volume.clears_cells());
         if let Some(list) = self.scene.list() {
@@ -399,7 +400,7 @@ impl Gi {
         let gathers = bounces.saturating_sub(1);
         let volume = (&mut self.volume, &mut self.changes);
         let cones = (settings, self.cone_values);
-        self.lighting.solve(recorder, volume, lights, gathers, cones);
+        self.lighting.solve(recorder, volume, (lights, &self.emitters), gathers, cones);
         Ok(())
     }
 
@@ -540,7 +541,6 @@ fn follow(
     taken: Taken<'_>,
     (lighting, changes, volume): (&mut Lighting, &mut Changes, &mut Volume),
 ) {
-    lighting.conceal(recorder, (volume, changes));
     if !lighting.follow(recorder, taken) {
         return;
     }

@@ -11,7 +11,7 @@ import package::emitters::emitter::{Emitter, EmitterList};
 struct EmitterPoint {
     // In the grid's coordinates.
     position: vec3f,
-    // Of the emitter; unit length.
+    // Of the emitter, on the side of the place; unit length.
     normal: vec3f,
     // From the place to the point; unit length.
     direction: vec3f,
@@ -78,11 +78,13 @@ fn draw_emitter_point(place: vec3f, random: vec2f) -> EmitterPoint {
     let corner = emitter.corner - place;
     let outward = cross(emitter.along_ab, emitter.along_ac);
     let twice_area = length(outward);
-    let normal = outward / twice_area;
-    var point = EmitterPoint(vec3f(0.0), normal, vec3f(0.0), emitter.radiance, 0.0);
+    let front = outward / twice_area;
     // How far in front of the emitter the place is.
-    let height = -dot(corner, normal);
-    if power <= 0.0 || (height <= 0.0 && emitter.is_double_sided == 0u) || abs(height) < 1e-4 {
+    let ahead = -dot(corner, front);
+    let normal = select(front, -front, ahead < 0.0);
+    let height = abs(ahead);
+    var point = EmitterPoint(vec3f(0.0), normal, vec3f(0.0), emitter.radiance, 0.0);
+    if power <= 0.0 || (ahead <= 0.0 && emitter.is_double_sided == 0u) || height < 1e-4 {
         return point;
     }
     let a = normalize(corner);

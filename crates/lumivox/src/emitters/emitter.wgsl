@@ -17,9 +17,11 @@ struct Emitter {
 
 struct EmitterList {
     count: u32,
+    // Not zero: the volume shows emission to all cones, so nothing is drawn. That is so from a change of the voxels to
+    // the light after it, and while the volume has no room for the change.
+    is_shown: u32,
     power: f32,
-    padding_0: u32,
-    padding_1: u32,
+    padding: u32,
     emitters: array<Emitter>,
 }
 

@@ -5,6 +5,7 @@
 // volume tells whether something does. The mean over frames is exact but for the voxels in the ray's way.
 
 import package::cones::cone::{cone_start, trace_cone, Cone, ConeSettings};
+import package::cones::start::clear_of_walls;
 import package::emitters::draw::{draw_emitter_point, emitters};
 import package::emitters::emitter::strength;
 import package::gpu::random::sequence_pair;
@@ -13,8 +14,8 @@ import package::grid::grid_from_world;
 const CANDIDATES: u32 = 8u;
 
 // Walls are felt for a voxel and a half from where they are (cones::start): the half of a voxel in which the emitter
-// may be anywhere, and the reach of the filter. So far in front of itself an emitter does not hide itself, nor does
-// what it hangs on.
+// may be anywhere, and the reach of the filter. So far in front of it rays end, where it does not hide itself, nor does
+// what it hangs on; and clear of walls beside it, as they start.
 const CLEARANCE: f32 = 1.5;
 
 struct FromEmitters {
@@ -59,7 +60,7 @@ fn gather_emitters(
     settings: ConeSettings,
 ) -> FromEmitters {
     var result = FromEmitters(vec3f(0.0), 0u);
-    if emitters.count == 0u || emitters.power <= 0.0 {
+    if emitters.count == 0u || emitters.is_shown != 0u || emitters.power <= 0.0 {
         return result;
     }
     let place = grid_from_world(position_in_world);
@@ -84,11 +85,10 @@ fn gather_emitters(
     }
     let kept = draw_emitter_point(place, candidate(numbers, index));
     let origin = cone_start(position_in_world, geometric_normal, settings);
-    let to_point = kept.position - origin;
-    let distance = length(to_point);
-    let direction = to_point / max(distance, 1e-6);
-    let reach = distance - CLEARANCE / max(abs(dot(direction, kept.normal)), 1e-3);
-    let ray = Cone(origin, direction, 0.0, reach, 0.0);
+    let end = clear_of_walls(kept.position + CLEARANCE * kept.normal, kept.normal);
+    let to_end = end - origin;
+    let distance = length(to_end);
+    let ray = Cone(origin, to_end / max(distance, 1e-6), 0.0, distance, 0.0);
     let traced = trace_cone(ray, ray_settings(settings));
     // It may be below zero, which makes up for what other rays leak (cones::cone).
     let seen = sum / f32(CANDIDATES) * traced.transmittance;

@@ -23,7 +23,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Memory, Pipelines, Recorder,
-    Remedy, ShaderLibrary, Staged, storage_buffer,
+    Remedy, ShaderLibrary, Staged, storage_buffer, upload,
 };
 use crate::voxelize::Voxelizer;
 use crate::voxelize::batch::{Fallbacks, run_group, textures_of, triangles_group};
@@ -53,8 +53,9 @@ pub(crate) struct EmitterRecord {
     padding_1: u32,
 }
 
-/// Bytes before the first emitter.
+/// Bytes before the first emitter, and where in them it is said that the volume shows emission.
 const HEADER_BYTES: u64 = 16;
+const SHOWN_BYTE: u64 = 4;
 
 /// The most triangles that are listed (64 MiB). Where more of them shine, cones find them as they find all else.
 const MOST_TRIANGLES: u64 = 1 << 20;
@@ -101,6 +102,8 @@ pub(crate) struct Emitters {
     fallbacks: Fallbacks,
     list: Buffer,
     counts: Staged,
+    /// The words 1 and 0.
+    words: [Buffer; 2],
     add_up: BindGroup,
     batches: Vec<BoundBatch>,
     /// Nothing is known of what stands in buffers of static draws.
@@ -188,6 +191,7 @@ impl Emitters {
             fallbacks: Fallbacks::new(device, queue),
             list,
             counts,
+            words: [1_u32, 0].map(|word| upload(device, "a word", &[word])),
             batches: Vec::new(),
             is_forgotten: true,
             has_moving: false,
@@ -279,6 +283,18 @@ impl Emitters {
         self.counts.set(recorder, bytemuck::bytes_of(&EmitterCount { count, padding: [0; 3] }));
         self.add_up_kernel.run(recorder, &[&self.add_up], [1, 1, 1]);
         Ok(has_grown)
+    }
+
+    /// Lets nothing be drawn, since the volume shows emission.
+    pub(crate) fn rest(&self, recorder: &mut Recorder<'_>) {
+        recorder.copy((&self.words[0], 0), (&self.list, SHOWN_BYTE), 4);
+    }
+
+    /// Lets emitters be drawn, since the volume will not show emission: unless it has no room for its change, as a word that is
+    /// not zero tells.
+    pub(crate) fn wake(&self, recorder: &mut Recorder<'_>, late_word: Option<&Buffer>) {
+        let word = late_word.unwrap_or(&self.words[1]);
+        recorder.copy((word, 0), (&self.list, SHOWN_BYTE), 4);
     }
 
     /// Binds what shines, and makes room for it; whether in another buffer is returned.

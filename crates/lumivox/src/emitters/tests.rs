@@ -277,7 +277,7 @@ fn pieces_make_up_the_whole() {
     lab.take(&geometry);
     let pieces = lab.emitters();
     assert_eq!(pieces.len(), 2 * 32 * 32);
-    let [_, u, v] = lamp(0.9).map(|vector| 32.0 * vector);
+    let [_, u, v] = lamp(0.9).map(|vector| vector / lab.gi.grid().voxel_size_m);
     let (whole, mut area) = (u.cross(v), Vec3::ZERO);
     let mut middles = std::collections::BTreeSet::new();
     for piece in &pieces {

@@ -154,6 +154,7 @@ impl Gi {
         self.bounces = u32::MAX;
         let volume = (&mut self.volume, &mut self.changes);
         let cones = (settings, self.cone_values);
+        let lights = (lights, &*self.emitters);
         self.lighting.step(recorder, volume, lights, faces_per_frame, cones);
         Ok(())
     }

@@ -19,6 +19,7 @@ mod turns;
 use bytemuck::{Pod, Zeroable};
 
 use crate::cones::{ConeSettings, TraceSettings};
+use crate::emitters::Emitters;
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
     Staged,
@@ -135,6 +136,7 @@ impl Lighting {
     /// buffers than before is returned.
     pub(crate) fn follow(&mut self, recorder: &mut Recorder<'_>, taken: Taken<'_>) -> bool {
         self.turns.disturb();
+        self.is_lit = false;
         if self.faces.as_ref().is_some_and(|faces| faces.is_of(&taken, self.has_emission)) {
             if let Some(faces) = &self.faces {
                 self.kernels.follow(recorder, &self.grid, faces);
@@ -185,22 +187,24 @@ impl Lighting {
         volume.update(recorder, shining);
     }
 
-    /// Before reflected light or the list changes: takes the emission off that is on top of the light.
-    pub(crate) fn conceal(
+    /// Before reflected light changes: takes the emission off that is on top of it. Whether it did is returned; where not, the
+    /// volume holds emission of a list before, which is found as other changes are.
+    fn conceal(
         &mut self,
         recorder: &mut Recorder<'_>,
         (volume, changes): (&Volume, &Changes),
-    ) {
-        let is_lit = std::mem::take(&mut self.is_lit);
-        // An octree is not bound just after it got the room that it lacked; then it holds no emission, for want of room.
-        if !is_lit || !volume.is_bound() {
-            return;
+    ) -> bool {
+        if !std::mem::take(&mut self.is_lit) {
+            return false;
         }
-        let Some((faces, shining)) = self.faces.as_ref().zip(changes.listed()) else { return };
+        let Some((faces, shining)) = self.faces.as_ref().zip(changes.listed()) else {
+            return false;
+        };
         recorder.stage("filter");
         faces.hide_emission(recorder, true);
         volume.update(recorder, shining);
         faces.hold(recorder);
+        true
     }
 
     /// Once there is all reflected light: emission on top.
@@ -233,12 +237,15 @@ impl Lighting {
         &mut self,
         recorder: &mut Recorder<'_>,
         (volume, changes): (&mut Volume, &mut Changes),
-        lights: &Lights,
+        (lights, emitters): (&Lights, &Emitters),
         gathers: u32,
         cones: (&TraceSettings, [f32; 4]),
     ) {
         let Some(faces) = &self.faces else { return };
         let has_emission = faces.has_emission();
+        if has_emission {
+            emitters.wake(recorder, volume.late_word());
+        }
         set_bounce(&mut self.settings, recorder, cones, (u32::MAX, 0), has_emission);
         recorder.clear(faces.irradiance());
         self.turns.solved(lights, gathers);
@@ -276,18 +283,23 @@ impl Lighting {
         &mut self,
         recorder: &mut Recorder<'_>,
         (volume, changes): (&mut Volume, &mut Changes),
-        lights: &Lights,
+        (lights, emitters): (&Lights, &Emitters),
         budget: Option<u32>,
         cones: (&TraceSettings, [f32; 4]),
     ) {
         let Some(faces) = &self.faces else { return };
         let Some(turn) = self.turns.next(lights, cones, faces.capacity(), budget) else { return };
         let has_emission = faces.has_emission();
+        if has_emission {
+            emitters.wake(recorder, volume.late_word());
+        }
         set_bounce(&mut self.settings, recorder, cones, (turn.faces, turn.number), has_emission);
-        self.conceal(recorder, (volume, changes));
+        let is_concealed = self.conceal(recorder, (volume, changes));
         let Some(faces) = &self.faces else { return };
         if turn.is_direct_new {
             self.direct(recorder, (volume, changes), lights, faces);
+        }
+        if turn.is_direct_new || (has_emission && !is_concealed) {
             self.kernels.reflect(recorder, &self.grid, faces);
             recorder.stage("filter");
             if let Some(changed) = changes.find(recorder) {

@@ -164,11 +164,11 @@ impl Volume {
         }
     }
 
-    /// Whether it is bound to a list, so that [`Self::update`] writes to it.
-    pub(crate) fn is_bound(&self) -> bool {
+    /// A word that is not zero while it shows an earlier list, once it follows one; `None`: it never does.
+    pub(crate) fn late_word(&self) -> Option<&Buffer> {
         match self {
-            Self::Dense(dense) => dense.is_bound(),
-            Self::Octree(octree) => octree.is_bound(),
+            Self::Dense(_) => None,
+            Self::Octree(octree) => Some(octree.late_word()),
         }
     }
 

@@ -124,11 +124,6 @@ impl Build {
             .collect();
     }
 
-    /// Whether there is a list.
-    pub(super) fn is_bound(&self) -> bool {
-        self.store_group.is_some()
-    }
-
     /// Writes zeros over the cells of all levels whose content is wrong.
     pub(super) fn clear(
         &self,

@@ -150,10 +150,6 @@ impl DenseVolume {
         self.masks.bind(device, light.0);
     }
 
-    pub(super) fn is_bound(&self) -> bool {
-        self.build.is_bound()
-    }
-
     /// Follows the list, whose cells of another surface are `wrong`.
     pub(super) fn follow(&self, recorder: &mut Recorder<'_>, wrong: &ChangedCells) {
         recorder.stage("volume");

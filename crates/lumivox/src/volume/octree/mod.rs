@@ -255,8 +255,9 @@ impl OctreeVolume {
         self.globals = bind_globals(device, &self.globals_layout, &self.tree, around);
     }
 
-    pub(super) fn is_bound(&self) -> bool {
-        self.content.is_some()
+    /// The verdict, which starts with what there was no room for.
+    pub(super) fn late_word(&self) -> &Buffer {
+        &self.state.verdict
     }
 
     /// Lets the next list, or one with other room, be bound.
