@@ -498,7 +498,8 @@ impl Gi {
         self.lighting.injector()
     }
 
-    /// Group 0: the grid and the volume. Ask again after each voxelization: an octree has another one when it has grown.
+    /// Group 0: the grid, the volume and the emitters. Ask again after each voxelization: there is another one when an octree or
+    /// the list of emitters has grown.
     pub fn globals(&self) -> &BindGroup {
         self.volume.globals()
     }

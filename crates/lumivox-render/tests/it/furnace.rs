@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec3, Mat4, UVec2, Vec3};
+use glam::{DVec3, Mat4, UVec2, Vec3, Vec4};
 use lumivox::{Preset, TraceSettings};
 use lumivox_render::{RenderSettings, View};
-use lumivox_scene::{Camera, Material, Scene};
+use lumivox_scene::{Camera, Material, MetallicRoughness, Scene, Shading};
 
 use crate::common::{builtin, gpu, mean_luminance, picture, renderer, zoo};
 
@@ -154,6 +154,35 @@ fn a_panel_just_below_a_ceiling_keeps_its_light() {
 fn a_panel_just_below_a_ceiling_keeps_its_light_in_fine_voxels() {
     assert_ceiling_takes_no_light(128);
     assert_ceiling_takes_no_light(256);
+}
+
+/// A mirror below the panel shows it, as bright as it is, and a diffuse floor in its place gets no light twice: glossy cones find
+/// emission, diffuse ones leave it to those who draw it.
+#[test]
+fn a_mirror_shows_the_panel() {
+    let mut scene = builtin("panel");
+    let mut mirror = Material::diffuse("mirror", Vec3::ONE);
+    mirror.shading = Shading::MetallicRoughness(MetallicRoughness {
+        base_color: Vec4::ONE,
+        metallic: 1.0,
+        roughness: 0.0,
+        ..MetallicRoughness::default()
+    });
+    scene.materials[0] = mirror;
+    let settings = RenderSettings {
+        size: UVec2::splat(32),
+        resolution: 64,
+        bounces: 2,
+        frames: 8,
+        ..RenderSettings::default()
+    };
+    let mut renderer = renderer(&gpu(), &scene, settings);
+    // From above it looks through the panel, which faces down, at the panel's own reflection.
+    renderer.set_camera(Camera::look_at(Vec3::Y * 6.0, Vec3::ZERO, 0.2));
+    let mean = mean_luminance(&picture(&mut renderer));
+    println!("the panel in a mirror: {mean:.3} of 1 cd/m²");
+    // Cells of the panel alone are seen: what cones lose of them is rounding.
+    assert!((0.97..1.02).contains(&mean), "the panel in a mirror: {mean} of 1 cd/m²");
 }
 
 /// The closed form, at a point where it is known otherwise: right below the centre of a square of twice the

@@ -1,6 +1,6 @@
 // The emitters of a run of triangles: a thread for each.
 //
-// A triangle with a texture is cut into pieces of equal area, edge^2 of them, each with the texture's mean over it:
+// A triangle with a texture is quartered again and again into pieces of equal area, each with the texture's mean over it:
 // whoever draws an emitter need not read textures, of which there may be any number.
 
 import package::constants::{DOUBLE_SIDED, LINEAR_WORKGROUP_SIZE};
@@ -12,8 +12,8 @@ import package::voxelize::triangles::{draws, load_triangle, SMALLEST_COVERAGE};
 
 struct RunEmitters {
     first_emitter: u32,
-    // Pieces along the edge of a triangle.
-    edge: u32,
+    // How often a triangle is quartered.
+    levels: u32,
     // The largest emission of all materials.
     emission_scale: f32,
     padding: u32,
@@ -22,24 +22,38 @@ struct RunEmitters {
 @group(2) @binding(0) var<uniform> params: RunEmitters;
 @group(2) @binding(1) var<storage, read_write> list: EmitterList;
 
-// A corner of the pieces, which stand in rows between a and the edge from b to c: barycentric coordinates.
-fn lattice(row: u32, place: u32) -> vec2f {
-    return vec2f(f32(row - place), f32(place)) / f32(params.edge);
-}
-
-// The corners of a piece. Row r has 2r + 1 of them, upright ones and inverted ones by turns.
+// The corners of a piece: barycentric coordinates. Each two bits of its number choose a quarter of what is left, so that
+// pieces with numbers near each other lie near each other, and a number that is spread well makes places that are.
 fn corners_of(piece: u32) -> array<vec2f, 3> {
-    var row = u32(sqrt(f32(piece)));
-    // Should the root be rounded across an integer.
-    row = row + select(0u, 1u, (row + 1u) * (row + 1u) <= piece) - select(0u, 1u, row * row > piece);
-    let place = (piece - row * row) / 2u;
-    let is_inverted = ((piece - row * row) & 1u) != 0u;
-    let first = lattice(row, place);
-    let across = lattice(row + 1u, place + 1u);
-    if is_inverted {
-        return array(first, across, lattice(row, place + 1u));
+    var a = vec2f(0.0);
+    var b = vec2f(1.0, 0.0);
+    var c = vec2f(0.0, 1.0);
+    for (var level = params.levels; level > 0u; level--) {
+        let quarter = extractBits(piece, 2u * (level - 1u), 2u);
+        let ab = 0.5 * (a + b);
+        let bc = 0.5 * (b + c);
+        let ca = 0.5 * (c + a);
+        switch quarter {
+            case 0u: {
+                b = ab;
+                c = ca;
+            }
+            case 1u: {
+                a = ab;
+                c = bc;
+            }
+            case 2u: {
+                a = ca;
+                b = bc;
+            }
+            default: {
+                a = ab;
+                b = bc;
+                c = ca;
+            }
+        }
     }
-    return array(first, lattice(row + 1u, place), across);
+    return array(a, b, c);
 }
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
@@ -48,7 +62,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let index = linear_index(invocation, workgroups);
-    let pieces = params.edge * params.edge;
+    let pieces = 1u << (2u * params.levels);
     if index >= (run.end_triangle - run.first_triangle) * pieces {
         return;
     }

@@ -65,7 +65,7 @@ const MOST_TRIANGLES: u64 = 1 << 20;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct RunEmitters {
     first_emitter: u32,
-    edge: u32,
+    levels: u32,
     emission_scale: f32,
     padding: u32,
 }
@@ -82,11 +82,11 @@ pub(crate) struct EmitterCount {
 /// of them, 10 000 triangles have one each.
 const MOST_PIECES: u32 = 2048;
 
-/// Pieces along the edge of a run's triangles.
-fn edge_of(group: &DrawGroup, material: &SurfaceMaterial) -> u32 {
+/// How often a run's triangles are quartered.
+fn levels_of(group: &DrawGroup, material: &SurfaceMaterial) -> u32 {
     let is_even = textures_of(material).iter().all(Option::is_none);
-    let triangles = group.triangles.end - group.triangles.start;
-    if is_even { 1 } else { (MOST_PIECES / triangles).isqrt().clamp(1, 32) }
+    let pieces = MOST_PIECES / (group.triangles.end - group.triangles.start);
+    if is_even { 0 } else { pieces.checked_ilog(4).unwrap_or(0) }
 }
 
 /// The kernels, and the list.
@@ -131,14 +131,14 @@ struct BoundRun {
     textures: [Option<SurfaceTexture>; 3],
     run: BindGroup,
     first_emitter: u32,
-    edge: u32,
+    levels: u32,
     params: Staged,
     own: BindGroup,
 }
 
 impl BoundRun {
     fn count(&self) -> u32 {
-        (self.group.triangles.end - self.group.triangles.start) * self.edge * self.edge
+        (self.group.triangles.end - self.group.triangles.start) << (2 * self.levels)
     }
 
     fn is_of(&self, group: &DrawGroup, materials: &[SurfaceMaterial]) -> bool {
@@ -272,8 +272,9 @@ impl Emitters {
             batch.draws.set(recorder, draws);
             batch.known = draws.to_vec();
             for run in &mut batch.runs {
-                let (first_emitter, edge) = (run.first_emitter, run.edge);
-                let params = RunEmitters { first_emitter, edge, emission_scale: scale, padding: 0 };
+                let (first_emitter, levels) = (run.first_emitter, run.levels);
+                let params =
+                    RunEmitters { first_emitter, levels, emission_scale: scale, padding: 0 };
                 run.params.set(recorder, bytemuck::bytes_of(&params));
                 let groups = [&self.globals, &batch.triangles, &run.own, &run.run];
                 self.list_kernel.run_linear(recorder, &groups, u64::from(run.count()));
@@ -305,15 +306,15 @@ impl Emitters {
         geometry: &Geometry,
     ) -> Result<bool, GiError> {
         let device = recorder.device();
-        let edges = |prepared: &PreparedBatch| -> Vec<u32> {
+        let levels = |prepared: &PreparedBatch| -> Vec<u32> {
             let of =
-                |group: &DrawGroup| edge_of(group, &geometry.materials[group.material as usize]);
+                |group: &DrawGroup| levels_of(group, &geometry.materials[group.material as usize]);
             prepared.groups.iter().map(of).collect()
         };
         let pieces = |prepared: &PreparedBatch| -> u64 {
-            let groups = prepared.groups.iter().zip(edges(prepared));
-            let of = |(group, edge): (&DrawGroup, u32)| {
-                u64::from(group.triangles.end - group.triangles.start) * u64::from(edge * edge)
+            let groups = prepared.groups.iter().zip(levels(prepared));
+            let of = |(group, levels): (&DrawGroup, u32)| {
+                u64::from(group.triangles.end - group.triangles.start) << (2 * levels)
             };
             groups.map(of).sum()
         };
@@ -332,7 +333,7 @@ impl Emitters {
             let draws = Staged::new(device, "draws of emitters", bytes as u64);
             let [_, triangles, run_layout] = &self.layouts;
             let mut runs = Vec::new();
-            for (group, edge) in prepared.groups.iter().zip(edges(prepared)) {
+            for (group, levels) in prepared.groups.iter().zip(levels(prepared)) {
                 let textures = textures_of(&geometry.materials[group.material as usize]);
                 let params =
                     Staged::new(device, "run of emitters", size_of::<RunEmitters>() as u64);
@@ -345,7 +346,7 @@ impl Emitters {
                     group: group.clone(),
                     textures: textures.map(Option::<&SurfaceTexture>::cloned),
                     first_emitter,
-                    edge,
+                    levels,
                     params,
                     own,
                 };
