@@ -209,8 +209,13 @@ fn ten_thousand_emitters_add_up() {
         .sum::<Vec3>()
         / gathered.len() as f32;
     println!("ten thousand emitters: {sum} of {expected}");
-    // Of 5000 draws of one colour of three, the noise is 1 %.
-    assert!((sum / expected - Vec3::ONE).abs().max_element() < 0.03, "{sum} of {expected}");
+    // One colour is kept of each eight draws, so that colours have more noise than their sum.
+    let ratio = sum / expected;
+    assert!(
+        (sum.element_sum() / expected.element_sum() - 1.0).abs() < 0.015,
+        "{sum} of {expected}"
+    );
+    assert!((ratio - Vec3::ONE).abs().max_element() < 0.06, "{sum} of {expected}");
 }
 
 /// A lamp of a texture that is red on one half, and dark on the other.
