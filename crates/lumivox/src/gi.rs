@@ -8,6 +8,7 @@ mod screen;
 use std::sync::OnceLock;
 
 use crate::cones::TraceSettings;
+use crate::emitters::Emitters;
 use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{Injector, Light, Lighting, Lights, ShadowSource, lights_layout};
@@ -84,6 +85,7 @@ pub struct Gi {
     volume: Volume,
     changes: Changes,
     lighting: Box<Lighting>,
+    emitters: Box<Emitters>,
     tracer: Tracer,
     lights_layout: wgpu::BindGroupLayout,
     gbuffer_layout: wgpu::BindGroupLayout,
@@ -137,15 +139,18 @@ impl Gi {
             }
         }
         let cone_values = config.cones.as_ref().map_or([0.0; 4], |model| model.values());
-        let volume = Volume::new(
+        let mut volume = Volume::new(
             device,
             &mut shaders,
             &config.grid,
             (config.volume, config.directionality),
             config.octree_builder.as_deref(),
             config.memory_budget,
+            &crate::emitters::empty_list(device),
         )?;
         let voxelizer = Voxelizer::with(device, &shaders, config.voxelizer.as_deref())?;
+        let emitters = Emitters::new(device, queue, &shaders, &voxelizer, &config.grid)?;
+        volume.bind_emitters(device, emitters.list());
         let scene = voxelizer.scene(device, queue, &config.grid);
         let changes = Changes::new(device, &shaders, &config.grid, scene.changed())?;
         let lights_layout = lights_layout(device, config.shadow_maps.as_ref());
@@ -163,6 +168,7 @@ impl Gi {
             volume,
             changes,
             lighting: Box::new(lighting),
+            emitters: Box::new(emitters),
             tracer,
             lights_layout,
             gbuffer_layout,
@@ -213,6 +219,7 @@ impl Gi {
         timing: Timing,
     ) -> Result<Voxelized, GiError> {
         self.scene.forget_static();
+        self.emitters.forget();
         self.voxelize_dynamic(geometry, timing).await
     }
 
@@ -262,6 +269,7 @@ impl Gi {
     ) -> Result<Voxelized, GiError> {
         let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
         self.changes.begin(&mut recorder);
+        self.lighting.expect_emission(self.draws_emitters() && Emitters::are_in(geometry));
         let Self { device, voxelizer, scene, volume, changes, lighting, .. } = self;
         let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
             follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
@@ -270,6 +278,7 @@ impl Gi {
         let voxelizing = Box::pin(voxelizer.voxelize_into(&mut recorder, scene, geometry, follow));
         let stats = voxelizing.await?;
         self.content += 1;
+        self.list_emitters(&mut recorder, geometry)?;
         self.follow_taken(&mut recorder)?;
         let has_moving = self.scene.has_moving();
         if let Some((volume, followed, _)) = self.followed() {
@@ -278,9 +287,27 @@ impl Gi {
         Ok(Voxelized { stats, times: recorder.finish().await? })
     }
 
+    /// Whether gathers draw emitters. A caller's own cones find them in the volume, as they find all else.
+    fn draws_emitters(&self) -> bool {
+        self.config.cones.is_none()
+    }
+
+    /// Lists what shines of a geometry.
+    fn list_emitters(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        geometry: &Geometry,
+    ) -> Result<(), GiError> {
+        if self.draws_emitters() && self.emitters.record(recorder, geometry)? {
+            self.volume.bind_emitters(&self.device, self.emitters.list());
+        }
+        Ok(())
+    }
+
     /// After the list was taken: light and volume follow it.
     fn follow_taken(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
         self.lighting.inherit(recorder);
+        self.emitters.rest(recorder);
         self.volume.join_missed(recorder, self.scene.changed());
         self.changes.wrong(recorder, self.volume.clears_cells());
         if let Some(list) = self.scene.list() {
@@ -378,7 +405,7 @@ impl Gi {
         let gathers = bounces.saturating_sub(1);
         let volume = (&mut self.volume, &mut self.changes);
         let cones = (settings, self.cone_values);
-        self.lighting.solve(recorder, volume, lights, gathers, cones);
+        self.lighting.solve(recorder, volume, (lights, &self.emitters), gathers, cones);
         self.content += 1;
         Ok(())
     }
@@ -459,6 +486,11 @@ impl Gi {
     }
 
     #[cfg(test)]
+    pub(crate) fn emitters(&self) -> &Emitters {
+        &self.emitters
+    }
+
+    #[cfg(test)]
     pub(crate) fn volume(&self) -> &Volume {
         &self.volume
     }
@@ -473,7 +505,8 @@ impl Gi {
         self.lighting.injector()
     }
 
-    /// Group 0: the grid and the volume. Ask again after each voxelization: an octree has another one when it has grown.
+    /// Group 0: the grid, the volume and the emitters. Ask again after each voxelization: there is another one when an octree or
+    /// the list of emitters has grown.
     pub fn globals(&self) -> &BindGroup {
         self.volume.globals()
     }
@@ -498,6 +531,7 @@ impl Gi {
         let mut memory = self.volume.memory();
         memory.extend(self.changes.memory());
         memory.extend(self.lighting.memory());
+        memory.push(("light: emitters", self.emitters.bytes()));
         if let Some(voxels) = self.scene.list() {
             memory.extend(voxels.memory());
         }
@@ -519,7 +553,7 @@ fn follow(
         return;
     }
     let Some(shown) = lighting.shown() else { return };
-    changes.bind(device, taken.replaced, taken.list, shown);
+    changes.bind(device, taken.replaced, taken.list, (shown, lighting.has_emission()));
     if let Some(cells) = changes.cells() {
         volume.bind(device, (taken.list, shown.now), cells);
     }

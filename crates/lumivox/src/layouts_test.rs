@@ -1,6 +1,7 @@
 //! Every struct that Rust and WGSL share lies in memory alike, and every shader is valid, without a GPU.
 
 use crate::cones::ConeSettings;
+use crate::emitters::{EmitterCount, EmitterRecord, RunEmitters};
 use crate::gpu::ShaderLibrary;
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
 use crate::points::{GatheredPoint, PointSettings};
@@ -29,7 +30,10 @@ fn structs_lie_in_memory_alike() {
     library.check_struct::<LightRecord>("light::lights", "Light").unwrap();
     library.check_struct::<LightGlobals>("light::lights", "LightGlobals").unwrap();
     library.check_struct::<ShadowLayerRecord>("light::shadow_map", "ShadowLayer").unwrap();
-    library.check_struct::<BounceSettings>("light::bounce", "BounceSettings").unwrap();
+    library.check_struct::<BounceSettings>("light::turn", "BounceSettings").unwrap();
+    library.check_struct::<EmitterRecord>("emitters::emitter", "Emitter").unwrap();
+    library.check_struct::<RunEmitters>("emitters::list", "RunEmitters").unwrap();
+    library.check_struct::<EmitterCount>("emitters::add_up", "EmitterCount").unwrap();
     library.check_struct::<ConeSettings>("cones::cone", "ConeSettings").unwrap();
     library.check_struct::<PointSettings>("points::gather", "PointSettings").unwrap();
     library.check_struct::<GatheredPoint>("points::gather", "GatheredPoint").unwrap();

@@ -13,6 +13,7 @@
 //! and a G-buffer of its own.
 
 mod cones;
+mod emitters;
 mod environment;
 mod error;
 #[cfg(test)]

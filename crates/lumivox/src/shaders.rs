@@ -25,6 +25,7 @@ pub fn library() -> ShaderLibrary {
     let mut library = ShaderLibrary::new(MODULES);
     let stages = [
         crate::cones::MODULES,
+        crate::emitters::MODULES,
         crate::environment::MODULES,
         crate::light::MODULES,
         crate::points::MODULES,

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec3, Mat4, UVec2, Vec3};
+use glam::{DVec3, Mat4, UVec2, Vec3, Vec4};
 use lumivox::{Preset, TraceSettings};
 use lumivox_render::{RenderSettings, View};
-use lumivox_scene::{Camera, Material, Scene};
+use lumivox_scene::{Camera, Material, MetallicRoughness, Scene, Shading};
 
 use crate::common::{builtin, gpu, mean_luminance, picture, renderer, zoo};
 
@@ -25,11 +25,11 @@ fn the_white_furnace_glows_with_two() {
     let values = || picture.hdr.iter().map(|pixel| f64::from(pixel[0]));
     let (low, high) = (values().fold(f64::MAX, f64::min), values().fold(0.0, f64::max));
     println!("furnace: mean {mean:.4}, from {low:.4} to {high:.4}, of 2 cd/m²");
-    // llvmpipe: 1.964, from 1.78 to 1.98. A gather keeps 98 % of the light (oblique walls are sampled unevenly,
-    // and near corners cones start inside the neighbour's voxels): 1 / (1 - 0.98 / 2) = 1.96. Above 2 there
-    // would be light from nowhere; the 1 % is for the cones' noise.
+    // llvmpipe: 1.988, from 1.76 to 2.12. Cones keep 98 % of the light (oblique walls are sampled unevenly, and near
+    // corners cones start inside the neighbour's voxels), the emitters' own light all. Above 2 there would be light from
+    // nowhere; the 1 % is for noise, of which a pixel has more: the walls all around are drawn by eight points a frame.
     assert!((1.94..2.02).contains(&mean), "the furnace glows with {mean}, not 2");
-    assert!(low > 1.6 && high < 2.1, "the furnace glows unevenly: from {low} to {high}");
+    assert!(low > 1.6 && high < 2.25, "the furnace glows unevenly: from {low} to {high}");
 }
 
 /// The part of a view from a differential area that a rectangle fills which is parallel to it, `height`
@@ -115,11 +115,11 @@ fn panel_error(scene: &Scene, resolution: u32, preset: Preset) -> (f64, f64) {
 
 #[test]
 fn the_panel_lights_the_floor_by_its_form_factor() {
-    // llvmpipe: biases of -0.6 and +0.5 %, errors of 13.8 and 8.7 %. The error is the noise of six cones in 16
-    // frames, and at half resolution a quarter of the cones. The bounds leave it a third more.
-    for (preset, most_rmse) in [(Preset::Fast, 0.20), (Preset::Balanced, 0.12)] {
+    // llvmpipe: biases below 0.1 %, errors of 0.9 and 0.8 % from 16 frames of drawn points. Six cones that find the panel had 8.7 %,
+    // and 13.8 % at half resolution.
+    for (preset, most_rmse) in [(Preset::Fast, 0.02), (Preset::Balanced, 0.02)] {
         let (bias, rmse) = panel_error(&builtin("panel"), 128, preset);
-        assert!(bias.abs() < 0.03, "{preset:?}: bias {bias}");
+        assert!(bias.abs() < 0.01, "{preset:?}: bias {bias}");
         assert!(rmse < most_rmse, "{preset:?}: relative RMSE {rmse}");
     }
 }
@@ -154,6 +154,35 @@ fn a_panel_just_below_a_ceiling_keeps_its_light() {
 fn a_panel_just_below_a_ceiling_keeps_its_light_in_fine_voxels() {
     assert_ceiling_takes_no_light(128);
     assert_ceiling_takes_no_light(256);
+}
+
+/// A mirror below the panel shows it, as bright as it is, and a diffuse floor in its place gets no light twice: glossy cones find
+/// emission, diffuse ones leave it to those who draw it.
+#[test]
+fn a_mirror_shows_the_panel() {
+    let mut scene = builtin("panel");
+    let mut mirror = Material::diffuse("mirror", Vec3::ONE);
+    mirror.shading = Shading::MetallicRoughness(MetallicRoughness {
+        base_color: Vec4::ONE,
+        metallic: 1.0,
+        roughness: 0.0,
+        ..MetallicRoughness::default()
+    });
+    scene.materials[0] = mirror;
+    let settings = RenderSettings {
+        size: UVec2::splat(32),
+        resolution: 64,
+        bounces: 2,
+        frames: 8,
+        ..RenderSettings::default()
+    };
+    let mut renderer = renderer(&gpu(), &scene, settings);
+    // From above it looks through the panel, which faces down, at the panel's own reflection.
+    renderer.set_camera(Camera::look_at(Vec3::Y * 6.0, Vec3::ZERO, 0.2));
+    let mean = mean_luminance(&picture(&mut renderer));
+    println!("the panel in a mirror: {mean:.3} of 1 cd/m²");
+    // Cells of the panel alone are seen: what cones lose of them is rounding.
+    assert!((0.97..1.02).contains(&mean), "the panel in a mirror: {mean} of 1 cd/m²");
 }
 
 /// The closed form, at a point where it is known otherwise: right below the centre of a square of twice the

@@ -2,6 +2,7 @@
 
 use super::{Gi, follow};
 use crate::cones::TraceSettings;
+use crate::emitters::Emitters;
 use crate::gpu::Recorder;
 use crate::light::Lights;
 use crate::voxelize::{FrameVoxels, Taken};
@@ -72,6 +73,7 @@ impl Gi {
     ) -> Result<FrameVoxels, GiError> {
         self.changes.begin(recorder);
         self.volume.hear(recorder)?;
+        self.lighting.expect_emission(self.draws_emitters() && Emitters::are_in(geometry));
         let Self { device, voxelizer, scene, volume, changes, lighting, .. } = self;
         let mut is_taken = false;
         let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
@@ -84,6 +86,7 @@ impl Gi {
             self.lighting.disturb();
             is_taken = true;
         }
+        self.list_emitters(recorder, geometry)?;
         if is_taken {
             self.content += 1;
             self.follow_taken(recorder)?;
@@ -152,6 +155,7 @@ impl Gi {
         self.bounces = u32::MAX;
         let volume = (&mut self.volume, &mut self.changes);
         let cones = (settings, self.cone_values);
+        let lights = (lights, &*self.emitters);
         if self.lighting.step(recorder, volume, lights, faces_per_frame, cones) {
             self.content += 1;
         }

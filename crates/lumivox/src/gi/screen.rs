@@ -197,9 +197,19 @@ impl Gi {
         let resolution = targets.resolution();
         let voxel_size_m = self.config.grid.voxel_size_m;
         let screen = ScreenSettings::new(cones, resolution, voxel_size_m, self.bounces);
-        let (globals, content) = (self.volume.globals(), [self.content, lights.version]);
-        let bound = Bound { globals, lights: &lights.group, gbuffer, content };
+        let bound = Bound {
+            globals: self.volume.globals(),
+            lights: &lights.group,
+            gbuffer,
+            hide_emission: &|recorder, hides| self.hide_emission(recorder, hides),
+            content: [self.content, lights.version],
+        };
         self.tracer.run(recorder, &bound, targets, &screen);
         Ok(())
+    }
+
+    /// Lets the volume show reflected light alone, or all light again, to what is recorded next.
+    pub(super) fn hide_emission(&self, recorder: &mut Recorder<'_>, hides: bool) {
+        self.lighting.hide_emission(recorder, (&self.volume, &self.changes), hides);
     }
 }

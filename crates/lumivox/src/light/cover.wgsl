@@ -53,12 +53,15 @@ fn coverage_of(face: u32, axis: u32) -> f32 {
     return abs(faces[face].vector_area[axis]);
 }
 
-@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
-fn main(
-    @builtin(global_invocation_id) invocation: vec3u,
-    @builtin(num_workgroups) workgroups: vec3u,
-) {
-    let index = linear_index(invocation, workgroups);
+// What a face sends out, with its emission or without.
+fn sent_out(face: u32, has_emission: bool) -> vec4f {
+    if has_emission {
+        return radiance[face];
+    }
+    return vec4f(max(radiance[face].rgb - faces[face].emission, vec3f(0.0)), radiance[face].a);
+}
+
+fn show(index: u32, has_emission: bool) {
     if index >= counts.faces {
         return;
     }
@@ -67,7 +70,7 @@ fn main(
     var cell = vec3i(morton_decode(own.cell));
     cell[axis] += i32(lobe_sign(own.lobe));
     let front = face_in(cell, own.lobe);
-    var result = radiance[index];
+    var result = sent_out(index, has_emission);
     let covered = coverage_of(index, axis);
     var hiding = coverage_of(front, axis);
     if hiding + covered > 1.0 {
@@ -77,7 +80,24 @@ fn main(
             hiding = min(hiding, coverage_of(face_in(beside, own.lobe), axis));
         }
         let hidden = clamp((hiding + covered - 1.0) / covered, 0.0, 1.0);
-        result = mix(result, radiance[front], hidden);
+        result = mix(result, sent_out(front, has_emission), hidden);
     }
     shown[index] = result;
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    show(linear_index(invocation, workgroups), true);
+}
+
+// For cones of those who draw emitters.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn without_emission(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    show(linear_index(invocation, workgroups), false);
 }

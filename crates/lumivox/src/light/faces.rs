@@ -19,10 +19,11 @@ pub(super) struct LightKernels {
     follow_layout: wgpu::BindGroupLayout,
     settle_layout: wgpu::BindGroupLayout,
     inherit_layout: wgpu::BindGroupLayout,
-    bounce: Kernel,
-    fresh: Kernel,
+    bounce: [Kernel; 2],
+    shine: [Kernel; 2],
     reflect: Kernel,
     cover: Kernel,
+    cover_without_emission: Kernel,
     follow: Kernel,
     settle: Kernel,
     inherit: Kernel,
@@ -41,23 +42,28 @@ impl LightKernels {
             let layout = (0..read).fold(layout, |layout, _| layout.storage());
             (0..written).fold(layout, |layout, _| layout.storage_mut()).build(device, label)
         };
-        let bounce_layout = layout(2, 1, 1, "bounce");
+        let bounce_layout = layout(2, 1, 2, "bounce");
         let reflect_layout = layout(1, 3, 1, "reflect");
         let cover_layout = layout(1, 6, 1, "cover");
         let follow_layout = layout(1, 6, 2, "follow");
         let settle_layout = layout(2, 2, 2, "settle");
         let inherit_layout = layout(0, 6, 1, "inherit");
         let kernel = |module, layout| Kernel::new(device, shaders, module, "main", &[grid, layout]);
-        let bounce = |entry| {
+        // For the faces whose turn it is, and for those that have never gathered.
+        let gather = |module| {
             let groups = [globals, &bounce_layout, lights];
-            Kernel::new(device, shaders, "light::bounce", entry, &groups)
+            let kernel = |entry| Kernel::new(device, shaders, module, entry, &groups);
+            Ok::<_, ShaderError>([kernel("main")?, kernel("fresh")?])
         };
+        let cover =
+            |entry| Kernel::new(device, shaders, "light::cover", entry, &[grid, &cover_layout]);
         Ok(Self {
             direct_layout: layout(1, 1, 1, "direct light"),
-            bounce: bounce("main")?,
-            fresh: bounce("fresh")?,
+            bounce: gather("light::bounce")?,
+            shine: gather("light::shine")?,
             reflect: kernel("light::reflect", &reflect_layout)?,
-            cover: kernel("light::cover", &cover_layout)?,
+            cover: cover("main")?,
+            cover_without_emission: cover("without_emission")?,
             follow: kernel("light::follow", &follow_layout)?,
             settle: kernel("light::settle", &settle_layout)?,
             inherit: kernel("light::inherit", &inherit_layout)?,
@@ -89,18 +95,34 @@ impl LightKernels {
         faces: &Faces,
         count: u64,
     ) {
-        let groups = [globals, &faces.bounce, lights];
-        recorder.compute("light::bounce", |pass| {
-            self.bounce.dispatch_linear(pass, &groups, count.min(faces.capacity));
-            if count < faces.capacity {
-                self.fresh.dispatch_linear(pass, &groups, faces.moving_capacity);
-            }
-        });
+        run_turn(recorder, "light::bounce", &self.bounce, [globals, lights], faces, count);
     }
 
-    /// Computes the radiance that faces send out, and the part of it that the volume shows.
-    pub fn show(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
+    /// Computes what so many faces, whose turn it is, and those that never have gathered, get straight from emitters, if there
+    /// are any.
+    pub fn shine(
+        &self,
+        recorder: &mut Recorder<'_>,
+        groups: [&BindGroup; 2],
+        faces: &Faces,
+        count: u64,
+    ) {
+        if faces.has_emission {
+            run_turn(recorder, "light::shine", &self.shine, groups, faces, count);
+        }
+    }
+
+    /// Computes the radiance that faces send out, and the part of it that the volume shows: all, or where there is emission
+    /// what is reflected.
+    pub fn reflect(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
         faces.run(recorder, "light::reflect", &self.reflect, &[grid, &faces.reflect]);
+        let cover = if faces.has_emission { &self.cover_without_emission } else { &self.cover };
+        faces.run(recorder, "light::cover", cover, &[grid, &faces.cover]);
+    }
+
+    /// Computes what the volume shows with emission, and keeps what it shows without.
+    pub fn emit(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
+        recorder.copy((&faces.shown, 0), (&faces.reflected, 0), faces.shown.size());
         faces.run(recorder, "light::cover", &self.cover, &[grid, &faces.cover]);
     }
 
@@ -119,6 +141,24 @@ impl LightKernels {
             self.inherit.run_linear(recorder, &[grid, &group], faces.capacity);
         }
     }
+}
+
+/// Runs kernels for so many faces, whose turn it is, and for those that have never gathered.
+fn run_turn(
+    recorder: &mut Recorder<'_>,
+    label: &str,
+    [in_turn, fresh]: &[Kernel; 2],
+    [globals, lights]: [&BindGroup; 2],
+    faces: &Faces,
+    count: u64,
+) {
+    let groups = [globals, &faces.bounce, lights];
+    recorder.compute(label, |pass| {
+        in_turn.dispatch_linear(pass, &groups, count.min(faces.capacity));
+        if count < faces.capacity {
+            fresh.dispatch_linear(pass, &groups, faces.moving_capacity);
+        }
+    });
 }
 
 /// The faces of a voxel list, with room for their light.
@@ -140,6 +180,12 @@ pub(super) struct Faces {
     shown: Buffer,
     /// Radiance that the volume holds.
     held: Buffer,
+    /// Whether there are emitters. If not, the next two have room for nothing.
+    has_emission: bool,
+    /// Irradiance straight from emitters (`array<vec4f>`).
+    from_emitters: Buffer,
+    /// Radiance that the volume shows without emission.
+    reflected: Buffer,
     direct_group: BindGroup,
     bounce: BindGroup,
     reflect: BindGroup,
@@ -156,11 +202,11 @@ impl Faces {
         recorder: &mut Recorder<'_>,
         kernels: &LightKernels,
         settings: &Buffer,
-        Taken { list, replaced, moving }: Taken<'_>,
+        (Taken { list, replaced, moving }, has_emission): (Taken<'_>, bool),
         earlier: Option<Self>,
     ) -> Self {
         let device = recorder.device().clone();
-        let faces = Self::bound(&device, kernels, settings, (list, moving));
+        let faces = Self::bound(&device, kernels, settings, (list, moving), has_emission);
         let Some(earlier) = earlier else { return faces };
         let Some(old) = replaced else {
             // The same list with other room.
@@ -188,6 +234,7 @@ impl Faces {
         kernels: &LightKernels,
         settings: &Buffer,
         (list, moving): (&VoxelList, Moving<'_>),
+        has_emission: bool,
     ) -> Self {
         let buffer = |label| storage_buffer(device, label, list.face_capacity() * 16);
         let direct = buffer("direct radiance");
@@ -195,6 +242,14 @@ impl Faces {
         let radiance = buffer("radiance");
         let shown = buffer("shown radiance");
         let held = buffer("held radiance");
+        let [from_emitters, reflected] =
+            ["irradiance from emitters", "reflected radiance"].map(|label| {
+                storage_buffer(
+                    device,
+                    label,
+                    if has_emission { list.face_capacity() * 16 } else { 0 },
+                )
+            });
         let moving_count = moving.faces.size() / size_of::<crate::voxels::FaceRecord>() as u64;
         let [moving_irradiance, moving_held] = ["moving irradiance", "moving held radiance"]
             .map(|label| storage_buffer(device, label, moving_count * 16));
@@ -208,6 +263,7 @@ impl Faces {
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
             .buffer(&list.faces)
             .buffer(&irradiance)
+            .buffer(&from_emitters)
             .build(device, "bounce");
         let reflect = BindGroupBuilder::new(&kernels.reflect_layout)
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
@@ -256,6 +312,9 @@ impl Faces {
             radiance,
             shown,
             held,
+            has_emission,
+            from_emitters,
+            reflected,
             direct_group,
             bounce,
             reflect,
@@ -266,9 +325,21 @@ impl Faces {
         }
     }
 
-    /// Whether it is bound to all that a list is taken from.
-    pub fn is_of(&self, taken: &Taken<'_>) -> bool {
+    /// Whether it is bound to all that a list is taken from, and has room for the light of emitters if there are any.
+    pub fn is_of(&self, taken: &Taken<'_>, has_emission: bool) -> bool {
         self.list.each_ref() == [&taken.list.faces, taken.moving.faces]
+            && self.has_emission == has_emission
+    }
+
+    /// Whether there are emitters.
+    pub fn has_emission(&self) -> bool {
+        self.has_emission
+    }
+
+    /// Lets the volume show reflected light alone, and all light again, with its next update.
+    pub fn hide_emission(&self, recorder: &mut Recorder<'_>, hides: bool) {
+        let from = if hides { &self.reflected } else { &self.held };
+        recorder.copy((from, 0), (&self.shown, 0), self.shown.size());
     }
 
     /// Whether light comes from a list that was replaced.
@@ -337,6 +408,8 @@ impl Faces {
             ("light: radiance of the faces", self.radiance.size()),
             ("light: shown radiance of the faces", self.shown.size()),
             ("light: held radiance of the faces", self.held.size()),
+            ("light: irradiance of the faces from emitters", self.from_emitters.size()),
+            ("light: reflected radiance of the faces", self.reflected.size()),
         ]
     }
 }

@@ -48,7 +48,7 @@ pub struct InjectionParts<'a> {
     pub shaders: &'a ShaderLibrary,
     /// Where the voxels are.
     pub grid: &'a Grid,
-    /// The layout of bind group 0: the grid and the volume ([`crate::Gi::globals_layout`]).
+    /// The layout of bind group 0: the grid, the volume and the emitters ([`crate::Gi::globals_layout`]).
     pub globals: &'a wgpu::BindGroupLayout,
     /// The layout of bind group 2: lights and shadow maps ([`crate::Gi::lights_layout`]).
     pub lights: &'a wgpu::BindGroupLayout,

@@ -2,7 +2,8 @@
 //!
 //! Everything here runs over the faces of the voxel list alone. A face sends out `Le + reflectance / pi * E`;
 //! `E` is the irradiance from the analytic lights (`direct.wgsl`) and what cones gather from
-//! the volume (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives through gathers.
+//! the volume (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives through gathers: cones see the
+//! latter, emitters are drawn (`shine.wgsl`). In the meantime the volume shows reflected light alone, and between calls all light.
 //! A caller's own [`Injection`] takes the place of the direct evaluation.
 //!
 //! The irradiance that faces have gathered is kept. A still picture starts from darkness and gathers once for each bounce
@@ -19,6 +20,7 @@ mod turns;
 use bytemuck::{Pod, Zeroable};
 
 use crate::cones::{ConeSettings, TraceSettings};
+use crate::emitters::Emitters;
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
     Staged,
@@ -51,6 +53,8 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("light::visibility", include_str!("visibility.wgsl")),
     ("light::direct", include_str!("direct.wgsl")),
     ("light::bounce", include_str!("bounce.wgsl")),
+    ("light::shine", include_str!("shine.wgsl")),
+    ("light::turn", include_str!("turn.wgsl")),
     ("light::reflect", include_str!("reflect.wgsl")),
     ("light::cover", include_str!("cover.wgsl")),
     ("light::follow", include_str!("follow.wgsl")),
@@ -58,7 +62,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("light::inherit", include_str!("inherit.wgsl")),
 ];
 
-/// `BounceSettings` of `bounce.wgsl`.
+/// `BounceSettings` of `turn.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct BounceSettings {
@@ -66,7 +70,7 @@ pub(crate) struct BounceSettings {
     pub(crate) cone_count: u32,
     pub(crate) faces_at_a_time: u32,
     pub(crate) turn: u32,
-    pub(crate) padding: u32,
+    pub(crate) has_emitters: u32,
 }
 
 /// Lights the faces of a voxel list.
@@ -79,6 +83,10 @@ pub(crate) struct Lighting {
     settings: Staged,
     faces: Option<Faces>,
     turns: Turns,
+    /// Whether there are emitters.
+    has_emission: bool,
+    /// Whether the faces have light that the volume can show with emission and without.
+    is_lit: bool,
 }
 
 /// How the light of lamps comes in.
@@ -120,6 +128,8 @@ impl Lighting {
             settings: Staged::new(device, "bounce settings", bytes),
             faces: None,
             turns: Turns::default(),
+            has_emission: false,
+            is_lit: false,
         })
     }
 
@@ -127,13 +137,15 @@ impl Lighting {
     /// buffers than before is returned.
     pub(crate) fn follow(&mut self, recorder: &mut Recorder<'_>, taken: Taken<'_>) -> bool {
         self.turns.disturb();
-        if self.faces.as_ref().is_some_and(|faces| faces.is_of(&taken)) {
+        self.is_lit = false;
+        if self.faces.as_ref().is_some_and(|faces| faces.is_of(&taken, self.has_emission)) {
             if let Some(faces) = &self.faces {
                 self.kernels.follow(recorder, &self.grid, faces);
             }
             return false;
         }
         let earlier = self.faces.take();
+        let taken = (taken, self.has_emission);
         let faces = Faces::new(recorder, &self.kernels, self.settings.buffer(), taken, earlier);
         self.kernels.follow(recorder, &self.grid, &faces);
         if faces.is_inheriting() {
@@ -149,6 +161,61 @@ impl Lighting {
         if let Some(faces) = &mut self.faces {
             self.kernels.inherit(recorder, &self.grid, faces);
         }
+    }
+
+    /// From the next list on: whether there are emitters.
+    pub(crate) fn expect_emission(&mut self, has_emission: bool) {
+        self.has_emission = has_emission;
+    }
+
+    /// Whether there are emitters.
+    pub(crate) fn has_emission(&self) -> bool {
+        self.has_emission
+    }
+
+    /// Lets the volume show reflected light alone to what is recorded next, or all light again.
+    pub(crate) fn hide_emission(
+        &self,
+        recorder: &mut Recorder<'_>,
+        (volume, changes): (&Volume, &Changes),
+        hides: bool,
+    ) {
+        if !self.is_lit {
+            return;
+        }
+        let Some((faces, shining)) = self.faces.as_ref().zip(changes.listed()) else { return };
+        faces.hide_emission(recorder, hides);
+        volume.update(recorder, shining);
+    }
+
+    /// Before reflected light changes: takes the emission off that is on top of it. Whether it did is returned; where not, the
+    /// volume holds emission of a list before, which is found as other changes are.
+    fn conceal(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        (volume, changes): (&Volume, &Changes),
+    ) -> bool {
+        if !std::mem::take(&mut self.is_lit) {
+            return false;
+        }
+        let Some((faces, shining)) = self.faces.as_ref().zip(changes.listed()) else {
+            return false;
+        };
+        recorder.stage("filter");
+        faces.hide_emission(recorder, true);
+        volume.update(recorder, shining);
+        faces.hold(recorder);
+        true
+    }
+
+    /// Once there is all reflected light: emission on top.
+    fn emit(&mut self, recorder: &mut Recorder<'_>, (volume, changes): (&Volume, &Changes)) {
+        let Some(faces) = self.faces.as_ref().filter(|faces| faces.has_emission()) else { return };
+        self.kernels.emit(recorder, &self.grid, faces);
+        recorder.stage("filter");
+        let Some(shining) = changes.find_shining(recorder) else { return };
+        volume.update(recorder, shining);
+        self.is_lit = true;
     }
 
     /// Tells the caller's way for the direct light of a list.
@@ -171,31 +238,44 @@ impl Lighting {
         &mut self,
         recorder: &mut Recorder<'_>,
         (volume, changes): (&mut Volume, &mut Changes),
-        lights: &Lights,
+        (lights, emitters): (&Lights, &Emitters),
         gathers: u32,
         cones: (&TraceSettings, [f32; 4]),
     ) {
         let Some(faces) = &self.faces else { return };
-        set_bounce(&mut self.settings, recorder, cones, (u32::MAX, 0));
+        let has_emission = faces.has_emission();
+        if has_emission {
+            emitters.wake(recorder, volume.late_word());
+        }
+        set_bounce(&mut self.settings, recorder, cones, (u32::MAX, 0), has_emission);
         recorder.clear(faces.irradiance());
         self.turns.solved(lights, gathers);
+        if gathers == 0 {
+            self.conceal(recorder, (volume, changes));
+        }
         let Some(faces) = &self.faces else { return };
         self.direct(recorder, (volume, changes), lights, faces);
-        self.kernels.show(recorder, &self.grid, faces);
+        self.kernels.reflect(recorder, &self.grid, faces);
         recorder.stage("filter");
         let changed = if gathers == 0 { changes.find(recorder) } else { changes.all(recorder) };
         let Some(changed) = changed else { return };
         volume.update(recorder, changed);
+        let groups = [volume.globals(), &lights.group];
+        if gathers > 0 {
+            recorder.stage("bounce");
+            self.kernels.shine(recorder, groups, faces, u64::MAX);
+        }
         for _ in 0..gathers {
             recorder.stage("bounce");
-            self.kernels.gather(recorder, [volume.globals(), &lights.group], faces, u64::MAX);
-            self.kernels.show(recorder, &self.grid, faces);
+            self.kernels.gather(recorder, groups, faces, u64::MAX);
+            self.kernels.reflect(recorder, &self.grid, faces);
             recorder.stage("filter");
             volume.update(recorder, changed);
         }
         if gathers > 0 {
             faces.hold(recorder);
         }
+        self.emit(recorder, (volume, changes));
     }
 
     /// From what the last call of either has left: direct light, and one gather of as many faces as there may be at a time,
@@ -204,18 +284,25 @@ impl Lighting {
         &mut self,
         recorder: &mut Recorder<'_>,
         (volume, changes): (&mut Volume, &mut Changes),
-        lights: &Lights,
+        (lights, emitters): (&Lights, &Emitters),
         budget: Option<u32>,
         cones: (&TraceSettings, [f32; 4]),
     ) -> bool {
         let Some(faces) = &self.faces else { return false };
         let turn = self.turns.next(lights, cones, faces.capacity(), budget);
         let Some(turn) = turn else { return false };
-        set_bounce(&mut self.settings, recorder, cones, (turn.faces, turn.number));
+        let has_emission = faces.has_emission();
+        if has_emission {
+            emitters.wake(recorder, volume.late_word());
+        }
+        set_bounce(&mut self.settings, recorder, cones, (turn.faces, turn.number), has_emission);
+        let is_concealed = self.conceal(recorder, (volume, changes));
         let Some(faces) = &self.faces else { return false };
         if turn.is_direct_new {
             self.direct(recorder, (volume, changes), lights, faces);
-            self.kernels.show(recorder, &self.grid, faces);
+        }
+        if turn.is_direct_new || (has_emission && !is_concealed) {
+            self.kernels.reflect(recorder, &self.grid, faces);
             recorder.stage("filter");
             if let Some(changed) = changes.find(recorder) {
                 volume.update(recorder, changed);
@@ -224,13 +311,15 @@ impl Lighting {
         if turn.faces > 0 {
             recorder.stage("bounce");
             let groups = [volume.globals(), &lights.group];
+            self.kernels.shine(recorder, groups, faces, turn.faces.into());
             self.kernels.gather(recorder, groups, faces, turn.faces.into());
-            self.kernels.show(recorder, &self.grid, faces);
+            self.kernels.reflect(recorder, &self.grid, faces);
             recorder.stage("filter");
             if let Some(changed) = changes.find(recorder) {
                 volume.update(recorder, changed);
             }
         }
+        self.emit(recorder, (volume, changes));
         true
     }
 
@@ -294,6 +383,7 @@ fn set_bounce(
     recorder: &mut Recorder<'_>,
     (settings, model_values): (&TraceSettings, [f32; 4]),
     (faces_at_a_time, turn): (u32, u32),
+    has_emission: bool,
 ) {
     let settings = BounceSettings {
         // Occlusion is not read, so its distance needs no unit.
@@ -301,7 +391,7 @@ fn set_bounce(
         cone_count: settings.diffuse_cones,
         faces_at_a_time,
         turn,
-        padding: 0,
+        has_emitters: u32::from(has_emission),
     };
     buffer.set(recorder, bytemuck::bytes_of(&settings));
 }

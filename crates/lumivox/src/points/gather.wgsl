@@ -3,6 +3,7 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::cones::cone::ConeSettings;
 import package::cones::gather::gather;
+import package::emitters::gather::gather_emitters;
 import package::gpu::dispatch::linear_index;
 import package::gpu::random::{hash, random_pair};
 import package::light::lights::{incident_light, light_globals, lights};
@@ -70,9 +71,11 @@ fn main(
     for (var i = 0u; i < settings.frames; i++) {
         let once = gather(
             position, normal, normal, settings.cone_count, start, sum.frames, settings.cones);
+        let lit = gather_emitters(
+            position, normal, normal, start.yx, sum.frames, settings.cones);
         sum.frames += 1u;
         let share = 1.0 / f32(sum.frames);
-        sum.indirect = mix(sum.indirect, once.irradiance, share);
+        sum.indirect = mix(sum.indirect, once.irradiance + lit.irradiance, share);
         sum.openness = mix(sum.openness, once.openness, share);
     }
     if settings.has_direct != 0u {

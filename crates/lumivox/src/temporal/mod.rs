@@ -347,23 +347,38 @@ impl Past {
         }
     }
 
-    /// Blends the frame that was traced into what is known, and lists the pixels that are to be traced by themselves.
+    /// Traces the last frame's probes again, through the light of this frame.
+    pub(crate) fn probe(
+        &self,
+        recorder: &mut Recorder,
+        kernels: &Kernels,
+        groups: &Groups,
+        [globals, lights]: [&BindGroup; 2],
+    ) {
+        let UVec2 { x, y } = self.probes();
+        let again = [globals, &groups.trace_probes, lights];
+        kernels.trace_probes.run_linear(recorder, &again, u64::from(x) * u64::from(y));
+        let traced = [self.traced_size.x, self.traced_size.y, 1];
+        kernels.drift.run(recorder, &[globals, &groups.drift], traced);
+    }
+
+    /// The size of the table of probes.
+    fn probes(&self) -> UVec2 {
+        self.traced_size.map(|pixels| pixels.div_ceil(PROBE_SPACING))
+    }
+
+    /// Blends the frame that was traced into what is known, lists the pixels that are to be traced by themselves, and takes
+    /// probes for the next frame.
     pub(crate) fn blend(
         &self,
         recorder: &mut Recorder,
         kernels: &Kernels,
         groups: &Groups,
-        ([globals, lights, gbuffer], has_changed): ([&BindGroup; 3], bool),
+        [globals, gbuffer]: [&BindGroup; 2],
     ) {
         let UVec2 { x, y } = self.size;
         let traced = [self.traced_size.x, self.traced_size.y, 1];
-        let probes = self.traced_size.map(|pixels| pixels.div_ceil(PROBE_SPACING));
-        if has_changed {
-            let count = u64::from(probes.x) * u64::from(probes.y);
-            let again = [globals, &groups.trace_probes, lights];
-            kernels.trace_probes.run_linear(recorder, &again, count);
-            kernels.drift.run(recorder, &[globals, &groups.drift], traced);
-        }
+        let probes = self.probes();
         let with = |own| [globals, own, &kernels.nothing, gbuffer];
         kernels.recall.run(recorder, &with(&groups.recall), [x, y, 1]);
         kernels.compare.run(recorder, &with(&groups.compare), traced);

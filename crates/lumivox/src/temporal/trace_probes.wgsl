@@ -3,11 +3,9 @@
 // filtering", section 3.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
-import package::cones::gather::gather;
 import package::gpu::dispatch::linear_index;
-import package::gpu::random::{hash, random_pair};
 import package::temporal::probe::{Probe, NO_PROBE};
-import package::trace::screen::settings;
+import package::trace::diffuse::gather_at;
 
 @group(1) @binding(1) var<storage, read_write> probes: array<Probe>;
 
@@ -24,14 +22,12 @@ fn main(
     if probe.pixel == NO_PROBE {
         return;
     }
-    let gathered = gather(
+    let gathered = gather_at(
         probe.position_in_world,
         probe.shading_normal,
         probe.geometric_normal,
-        settings.diffuse_cones,
-        random_pair(probe.pixel & 0xffffu, hash(probe.pixel >> 16u)),
+        vec2u(probe.pixel & 0xffffu, probe.pixel >> 16u),
         probe.turn,
-        settings.cones,
     );
-    probes[index].now = gathered.irradiance;
+    probes[index].now = gathered.irradiance.rgb;
 }

@@ -2,6 +2,7 @@
 
 import package::gpu::random::{hash, random_pair};
 import package::cones::gather::gather;
+import package::emitters::gather::gather_emitters;
 import package::trace::gbuffer::load_surface;
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn};
 
@@ -13,22 +14,50 @@ struct TracedDiffuse {
     samples: f32,
 }
 
-// `turn` is the place in the sequence of the jitter.
+// What a surface gathers at a pixel; `turn` is the place in the sequence of the jitter.
+fn gather_at(
+    position_in_world: vec3f,
+    shading_normal: vec3f,
+    geometric_normal: vec3f,
+    pixel: vec2u,
+    turn: u32,
+) -> TracedDiffuse {
+    let start = random_pair(pixel.x, hash(pixel.y));
+    let gathered = gather(
+        position_in_world,
+        shading_normal,
+        geometric_normal,
+        settings.diffuse_cones,
+        start,
+        turn,
+        settings.cones,
+    );
+    let lit = gather_emitters(
+        position_in_world,
+        shading_normal,
+        geometric_normal,
+        random_pair(pixel.x ^ 0x9e3779b9u, hash(pixel.y)),
+        turn,
+        settings.cones,
+    );
+    return TracedDiffuse(
+        vec4f(gathered.irradiance + lit.irradiance, gathered.openness),
+        f32(gathered.samples + lit.samples),
+    );
+}
+
 fn trace_diffuse(pixel: vec2u, turn: u32) -> TracedDiffuse {
     let surface = load_surface(pixel);
     if surface.depth <= 0.0 || settings.bounces == 0u {
         return TracedDiffuse(vec4f(0.0, 0.0, 0.0, 1.0), 0.0);
     }
-    let gathered = gather(
+    return gather_at(
         surface.position_in_world,
         surface.shading_normal,
         surface.geometric_normal,
-        settings.diffuse_cones,
-        random_pair(pixel.x, hash(pixel.y)),
+        pixel,
         turn,
-        settings.cones,
     );
-    return TracedDiffuse(vec4f(gathered.irradiance, gathered.openness), f32(gathered.samples));
 }
 
 @compute @workgroup_size(8, 8)

@@ -6,25 +6,49 @@
 import package::gpu::dispatch::linear_index;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::trace::diffuse::trace_diffuse;
+import package::trace::screen::settings;
 import package::trace::specular::trace_specular;
 import package::trace::view::view;
 
 @group(1) @binding(1) var<storage, read> listed: array<u32>;
 @group(1) @binding(2) var irradiance_out: texture_storage_2d<rgba16float, write>;
 @group(1) @binding(3) var specular_out: texture_storage_2d<rgba16float, write>;
+@group(1) @binding(4) var diffuse_samples: texture_2d<f32>;
+
+struct Edge {
+    is_there: bool,
+    pixel: vec2u,
+}
+
+fn edge_of(index: u32) -> Edge {
+    if index >= listed[0] {
+        return Edge(false, vec2u(0u));
+    }
+    let number = listed[1u + index];
+    return Edge(true, vec2u(number % view.size.x, number / view.size.x));
+}
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
-fn main(
+fn diffuse(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let index = linear_index(invocation, workgroups);
-    if index >= listed[0] {
-        return;
+    let edge = edge_of(linear_index(invocation, workgroups));
+    if edge.is_there {
+        let traced = trace_diffuse(edge.pixel, view.frame);
+        textureStore(irradiance_out, edge.pixel, traced.irradiance);
     }
-    let number = listed[1u + index];
-    let pixel = vec2u(number % view.size.x, number / view.size.x);
-    let diffuse = trace_diffuse(pixel, view.frame);
-    textureStore(irradiance_out, pixel, diffuse.irradiance);
-    textureStore(specular_out, pixel, trace_specular(pixel, view.frame, diffuse.samples));
+}
+
+// Diffuse samples are counted as those of the pixel that was traced of the same block.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn specular(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let edge = edge_of(linear_index(invocation, workgroups));
+    if edge.is_there {
+        let samples = textureLoad(diffuse_samples, edge.pixel / settings.scale, 0).r;
+        textureStore(specular_out, edge.pixel, trace_specular(edge.pixel, view.frame, samples));
+    }
 }

@@ -114,7 +114,7 @@ struct Layouts {
 struct HalfKernels {
     upsample: Kernel,
     count: Kernel,
-    edges: Kernel,
+    edges: [Kernel; 2],
 }
 
 impl Tracer {
@@ -152,6 +152,7 @@ impl Tracer {
                 .storage()
                 .storage_texture(d2, OUTPUT_FORMAT)
                 .storage_texture(d2, OUTPUT_FORMAT)
+                .texture_2d_unfilterable()
                 .build(device, "edges"),
         };
         let kernel = |module, layout| {
@@ -179,13 +180,14 @@ impl Tracer {
         if self.kernels.get().is_some() {
             return Ok(());
         }
-        let kernel = |module, layout| {
-            Kernel::new(device, shaders, module, "main", &[globals, layout, lights, gbuffer])
+        let kernel = |module, entry, layout| {
+            Kernel::new(device, shaders, module, entry, &[globals, layout, lights, gbuffer])
         };
+        let edges = |entry| kernel("trace::edges", entry, &self.half.edges);
         let _ = self.kernels.set(HalfKernels {
-            upsample: kernel("trace::upsample", &self.half.upsample)?,
-            count: kernel("trace::edge_count", &self.half.count)?,
-            edges: kernel("trace::edges", &self.half.edges)?,
+            upsample: kernel("trace::upsample", "main", &self.half.upsample)?,
+            count: kernel("trace::edge_count", "main", &self.half.count)?,
+            edges: [edges("diffuse")?, edges("specular")?],
         });
         Ok(())
     }
@@ -219,24 +221,41 @@ impl Tracer {
             slot.set(recorder.queue(), &ScreenSettings { remembers, has_changed, ..*settings });
             let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
             let UVec2 { x, y } = targets.traced_size();
+            // What draws emitters must not find them as well.
+            let hide_emission = |recorder: &mut Recorder<'_>, hides| {
+                if settings.bounces > 0 {
+                    (bound.hide_emission)(recorder, hides);
+                }
+            };
+            hide_emission(recorder, true);
             self.diffuse.run(recorder, &group(&slot.diffuse), [x, y, 1]);
+            let temporal = targets.past.as_ref().zip(slot.temporal.as_ref());
+            let temporal = temporal.zip(self.temporal_kernels.get());
+            if let Some(((past, groups), kernels)) = temporal.filter(|_| has_changed != 0) {
+                past.probe(recorder, kernels, groups, [bound.globals, bound.lights]);
+            }
+            hide_emission(recorder, false);
             self.specular.run(recorder, &group(&slot.specular), [x, y, 1]);
             recorder.clear(&slot.counts);
-            if let (Some(past), Some(groups)) = (&targets.past, &slot.temporal) {
-                if let Some(kernels) = self.temporal_kernels.get() {
-                    let groups_of = [bound.globals, bound.lights, &bound.gbuffer.group];
-                    past.blend(recorder, kernels, groups, (groups_of, has_changed != 0));
-                }
+            if let Some(((past, groups), kernels)) = temporal {
+                past.blend(recorder, kernels, groups, [bound.globals, &bound.gbuffer.group]);
             } else if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
                 let UVec2 { x, y } = targets.size();
                 kernels.upsample.run(recorder, &group(&half.upsample), [x, y, 1]);
             }
             if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
                 kernels.count.run(recorder, &group(&half.count), [1, 1, 1]);
-                recorder.compute("trace::edges", |pass| {
-                    let groups = group(&half.edges);
-                    kernels.edges.dispatch_indirect(pass, &groups, &slot.counts, ARGUMENTS_OFFSET);
-                });
+                let groups = group(&half.edges);
+                let trace_edges = |recorder: &mut Recorder<'_>, kernel: &Kernel| {
+                    recorder.compute("trace::edges", |pass| {
+                        kernel.dispatch_indirect(pass, &groups, &slot.counts, ARGUMENTS_OFFSET);
+                    });
+                };
+                let [diffuse, specular] = &kernels.edges;
+                trace_edges(recorder, specular);
+                hide_emission(recorder, true);
+                trace_edges(recorder, diffuse);
+                hide_emission(recorder, false);
             }
             targets.keep(recorder, bound.content);
         });
@@ -248,6 +267,8 @@ pub(crate) struct Bound<'a> {
     pub(crate) globals: &'a BindGroup,
     pub(crate) lights: &'a BindGroup,
     pub(crate) gbuffer: &'a GBuffer,
+    /// Lets the volume show reflected light alone, or all light again.
+    pub(crate) hide_emission: &'a dyn Fn(&mut Recorder<'_>, bool),
     /// Another number for each change of what cones see.
     pub(crate) content: [u64; 2],
 }

@@ -215,6 +215,7 @@ impl TraceTargets {
                 .buffer(pixels)
                 .view(&self.irradiance)
                 .view(&self.specular)
+                .view(samples)
                 .build(device, "edges"),
         });
         let outputs = self.outputs.each_ref();

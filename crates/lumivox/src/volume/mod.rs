@@ -104,7 +104,7 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
 }
 
 /// Group 0 of everything that samples a volume: the grid, the volume's numbers, its masks or nodes,
-/// its one texture, and how that is filtered.
+/// its one texture, how that is filtered, and the emitters (`crate::emitters`).
 fn globals_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     LayoutBuilder::compute()
         .uniform()
@@ -112,6 +112,7 @@ fn globals_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
         .storage()
         .texture_3d()
         .sampler()
+        .storage()
         .build(device, "globals")
 }
 
@@ -145,15 +146,34 @@ impl Volume {
         (kind, directionality): (VolumeKind, Directionality),
         building: Option<&dyn OctreeBuilding>,
         budget: Option<u64>,
+        emitters: &Buffer,
     ) -> Result<Self, GiError> {
         mount(shaders, kind, directionality);
         match kind {
-            VolumeKind::Dense => DenseVolume::new(device, shaders, grid, directionality, budget)
-                .map(|dense| Self::Dense(Box::new(dense))),
+            VolumeKind::Dense => {
+                DenseVolume::new(device, shaders, grid, (directionality, budget), emitters)
+                    .map(|dense| Self::Dense(Box::new(dense)))
+            }
             VolumeKind::Octree(options) => {
-                OctreeVolume::new(device, shaders, grid, (options, building), budget)
+                OctreeVolume::new(device, shaders, grid, (options, building, budget), emitters)
                     .map(|octree| Self::Octree(Box::new(octree)))
             }
+        }
+    }
+
+    /// Binds another list of emitters.
+    pub(crate) fn bind_emitters(&mut self, device: &wgpu::Device, emitters: &Buffer) {
+        match self {
+            Self::Dense(dense) => dense.bind_emitters(device, emitters),
+            Self::Octree(octree) => octree.bind_emitters(device, emitters),
+        }
+    }
+
+    /// A word that is not zero while it shows an earlier list, once it follows one; `None`: it never does.
+    pub(crate) fn late_word(&self) -> Option<&Buffer> {
+        match self {
+            Self::Dense(_) => None,
+            Self::Octree(octree) => Some(octree.late_word()),
         }
     }
 
@@ -249,7 +269,7 @@ impl Volume {
     }
 
     /// Stores the radiance of the faces and filters it into the pyramid, where it has changed.
-    pub(crate) fn update(&mut self, recorder: &mut Recorder, changed: &ChangedCells) {
+    pub(crate) fn update(&self, recorder: &mut Recorder<'_>, changed: &ChangedCells) {
         match self {
             Self::Dense(dense) => dense.update(recorder, changed),
             Self::Octree(octree) => octree.update(recorder, changed),

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::hook::{Detail, WalkRun};
 use super::input::{DrawGroup, DrawRecord, PreparedBatch};
-use super::kernels::{Kernels, Layouts};
+use super::kernels::Kernels;
 use crate::gpu::{
     BindGroup, BindGroupBuilder, BoundIndirect, BoundScan, Buffer, ComputePass, Indirect, Kernel,
     Recorder, Run, Staged, Texture, TextureView, storage_buffer, uniform_buffer,
@@ -42,13 +42,14 @@ pub(super) struct ItemRun {
 
 /// Stand-ins for what a material or batch does not have.
 #[derive(Debug)]
-pub(super) struct Fallbacks {
+pub(crate) struct Fallbacks {
     white: TextureView,
     sampler: wgpu::Sampler,
     attributes: Buffer,
 }
 
 impl Fallbacks {
+    /// Makes them.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let size = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
         let texture = Texture::new(
@@ -126,15 +127,7 @@ impl SplitBatch {
         let device = memory.device();
         let layouts = &kernels.layouts;
         let draws = Staged::new(device, "draws", size_of_val(prepared.draws.as_slice()) as u64);
-        let triangles = BindGroupBuilder::new(&layouts.triangles).buffer(&batch.positions.buffer);
-        let triangles = match &batch.attributes {
-            Some(attributes) => triangles.buffer(&attributes.buffer),
-            None => triangles.buffer(&fallbacks.attributes),
-        };
-        let triangles = triangles
-            .buffer(&batch.indices.buffer)
-            .buffer(draws.buffer())
-            .build(device, "voxelize::triangles");
+        let triangles = triangles_group(device, &layouts.triangles, fallbacks, batch, &draws);
 
         let count = u64::from(prepared.triangle_count);
         let item_starts = memory.buffer("item starts", count + 1, 4, Remedy::Batch)?;
@@ -159,7 +152,7 @@ impl SplitBatch {
         let dispatch = |group: &DrawGroup| {
             let textures = textures_of(&materials[group.material as usize]);
             GroupDispatch {
-                run: run_group(device, layouts, fallbacks, group, &textures),
+                run: run_group(device, &layouts.run, fallbacks, group, &textures),
                 group: group.clone(),
                 textures: textures.map(Option::<&SurfaceTexture>::cloned),
             }
@@ -246,14 +239,35 @@ impl SplitBatch {
     }
 }
 
-fn textures_of(material: &SurfaceMaterial) -> [Option<&SurfaceTexture>; 3] {
+/// The textures that a material has.
+pub(crate) fn textures_of(material: &SurfaceMaterial) -> [Option<&SurfaceTexture>; 3] {
     [&material.reflectance_texture, &material.emission_texture, &material.transmission_texture]
         .map(Option::as_ref)
 }
 
-fn run_group(
+/// A batch's triangles, bound for all kernels that load them; `draws` are its draws.
+pub(crate) fn triangles_group(
     device: &wgpu::Device,
-    layouts: &Layouts,
+    layout: &wgpu::BindGroupLayout,
+    fallbacks: &Fallbacks,
+    batch: &GeometryBatch,
+    draws: &Staged,
+) -> BindGroup {
+    let triangles = BindGroupBuilder::new(layout).buffer(&batch.positions.buffer);
+    let triangles = match &batch.attributes {
+        Some(attributes) => triangles.buffer(&attributes.buffer),
+        None => triangles.buffer(&fallbacks.attributes),
+    };
+    triangles
+        .buffer(&batch.indices.buffer)
+        .buffer(draws.buffer())
+        .build(device, "voxelize::triangles")
+}
+
+/// A run of triangles with its textures, bound for all kernels that sample them.
+pub(crate) fn run_group(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
     fallbacks: &Fallbacks,
     group: &DrawGroup,
     textures: &[Option<&SurfaceTexture>; 3],
@@ -267,7 +281,7 @@ fn run_group(
     let run = uniform_buffer(device, "run of items", &run);
     textures
         .iter()
-        .fold(BindGroupBuilder::new(&layouts.run).buffer(&run), |builder, texture| match texture {
+        .fold(BindGroupBuilder::new(layout).buffer(&run), |builder, texture| match texture {
             Some(texture) => builder.view(&texture.view).sampler(&texture.sampler),
             None => builder.view(&fallbacks.white).sampler(&fallbacks.sampler),
         })

@@ -173,9 +173,31 @@ impl<'a> ShareInput<'a> {
         grid: &Grid,
         limits: &wgpu::Limits,
     ) -> Result<Self, GiError> {
+        Self::of_draws(geometry, |draw| draw.is_static == is_static, grid, limits)
+    }
+
+    /// The share of the draws that emit light, static or not.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(crate) fn of_emitters(
+        geometry: &'a Geometry,
+        grid: &Grid,
+        limits: &wgpu::Limits,
+    ) -> Result<Self, GiError> {
+        let emits = |draw: &Draw| emits(&geometry.materials[draw.material as usize]);
+        Self::of_draws(geometry, emits, grid, limits)
+    }
+
+    fn of_draws(
+        geometry: &'a Geometry,
+        is_wanted: impl Fn(&Draw) -> bool,
+        grid: &Grid,
+        limits: &wgpu::Limits,
+    ) -> Result<Self, GiError> {
         let mut batches = Vec::new();
         for (index, batch) in geometry.batches.iter().enumerate() {
-            if let Some(prepared) = prepare_batch(geometry, index, is_static, grid, limits)? {
+            if let Some(prepared) = prepare_batch(geometry, index, &is_wanted, grid, limits)? {
                 batches.push((batch, prepared));
             }
         }
@@ -203,11 +225,16 @@ pub(crate) fn emission_scale(geometry: &Geometry) -> f32 {
     geometry.materials.iter().map(|material| material.emission.max_element()).fold(0.0, f32::max)
 }
 
+/// Whether a surface emits light.
+pub(crate) fn emits(material: &SurfaceMaterial) -> bool {
+    material.emission.max_element() > 0.0
+}
+
 /// Checks a batch and puts the draws of a share in order; `None` if they have no triangles.
 fn prepare_batch(
     geometry: &Geometry,
     index: usize,
-    is_static: bool,
+    is_wanted: &impl Fn(&Draw) -> bool,
     grid: &Grid,
     limits: &wgpu::Limits,
 ) -> Result<Option<PreparedBatch>, GiError> {
@@ -222,7 +249,7 @@ fn prepare_batch(
     }
 
     let mut order: Vec<&Draw> = batch.draws.iter().collect();
-    order.retain(|draw| draw.is_static == is_static && draw.index_count > 0);
+    order.retain(|draw| draw.index_count > 0 && is_wanted(draw));
     let triangles: u64 = order.iter().map(|draw| u64::from(draw.index_count / 3)).sum();
     // The items' starts take a word per triangle, and one more.
     let available = limits.max_storage_buffer_binding_size / 4 - 1;

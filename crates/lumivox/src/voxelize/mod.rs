@@ -30,10 +30,10 @@
 //! large as cannot overflow, and shares are rounded at random (by a hash of triangle and voxel), so that a
 //! million shares below the unit still add up.
 
-mod batch;
+pub(crate) mod batch;
 mod frames;
 mod hook;
-mod input;
+pub(crate) mod input;
 mod kernels;
 #[cfg(test)]
 mod layouts_test;
@@ -187,5 +187,12 @@ impl Voxelizer {
         let walker = voxelization.map(|own| own.make(&shares)).transpose()?;
         let method = voxelization.map_or("exact", Voxelization::name);
         Ok(Self { method, kernels, walker })
+    }
+
+    /// The layouts of the groups that kernels over triangles have besides their own: the grid, the triangles, and a
+    /// run of them with its textures.
+    pub(crate) fn triangle_layouts(&self) -> [&wgpu::BindGroupLayout; 3] {
+        let kernels::Layouts { grid, triangles, run, .. } = &self.kernels.layouts;
+        [grid, triangles, run]
     }
 }

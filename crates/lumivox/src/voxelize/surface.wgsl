@@ -26,8 +26,8 @@ struct TexcoordMap {
     at_a: vec2f,
     along_ab: vec2f,
     along_ac: vec2f,
-    // Area in texture space over area in voxels, as a power of 4: the mip level of a texture of one texel
-    // whose texel is as large as a voxel's side.
+    // Area in texture space of a sample, as a power of 4: the mip level of a texture of one texel whose texel is as
+    // large as the sample.
     level: f32,
 }
 
@@ -55,12 +55,11 @@ fn texcoord_at(vertex: u32, draw: u32, place: TexturePlace) -> vec2f {
     return vec2f(dot(place.u_row, own), dot(place.v_row, own));
 }
 
-fn texcoord_map(walk: ptr<function, Walk>, place: TexturePlace) -> TexcoordMap {
-    let draw = (*walk).draw;
-    let a = texcoord_at((*walk).vertices.x, draw, place);
-    let ab = texcoord_at((*walk).vertices.y, draw, place) - a;
-    let ac = texcoord_at((*walk).vertices.z, draw, place) - a;
-    let density = abs(ab.x * ac.y - ab.y * ac.x) / length((*walk).normal);
+fn texcoord_map(vertices: vec3u, draw: u32, place: TexturePlace, footprints: f32) -> TexcoordMap {
+    let a = texcoord_at(vertices.x, draw, place);
+    let ab = texcoord_at(vertices.y, draw, place) - a;
+    let ac = texcoord_at(vertices.z, draw, place) - a;
+    let density = abs(ab.x * ac.y - ab.y * ac.x) / footprints;
     return TexcoordMap(a, ab, ac, 0.5 * log2(clamp(density, 1e-30, 1e30)));
 }
 
@@ -72,22 +71,28 @@ fn color_at(vertex: u32, draw: u32) -> vec4f {
     return vec4f(unpack2x16unorm(attributes[word]), unpack2x16unorm(attributes[word + 1u]));
 }
 
-fn surface_map(walk: ptr<function, Walk>) -> SurfaceMap {
-    let draw = (*walk).draw;
-    let color = color_at((*walk).vertices.x, draw);
+// Over a triangle of which a sample stands for one of `footprints` halves: twice the triangle's area in areas of a
+// sample.
+fn triangle_map(vertices: vec3u, draw: u32, footprints: f32) -> SurfaceMap {
+    let color = color_at(vertices.x, draw);
     return SurfaceMap(
-        texcoord_map(walk, draws[draw].reflectance_place),
-        texcoord_map(walk, draws[draw].emission_place),
-        texcoord_map(walk, draws[draw].transmission_place),
+        texcoord_map(vertices, draw, draws[draw].reflectance_place, footprints),
+        texcoord_map(vertices, draw, draws[draw].emission_place, footprints),
+        texcoord_map(vertices, draw, draws[draw].transmission_place, footprints),
         color,
-        color_at((*walk).vertices.y, draw) - color,
-        color_at((*walk).vertices.z, draw) - color,
+        color_at(vertices.y, draw) - color,
+        color_at(vertices.z, draw) - color,
     );
+}
+
+// For samples as large as a voxel's side.
+fn surface_map(walk: ptr<function, Walk>) -> SurfaceMap {
+    return triangle_map((*walk).vertices, (*walk).draw, length((*walk).normal));
 }
 
 fn sample_at(image: texture_2d<f32>, image_sampler: sampler, map: TexcoordMap, at: vec2f) -> vec4f {
     let size = vec2f(textureDimensions(image));
-    // A texel as large as the voxel: finer ones would alias, and shift colours.
+    // A texel as large as the sample: finer ones would alias, and shift colours.
     let mip = max(map.level + 0.5 * log2(size.x * size.y), 0.0);
     let texcoord = map.at_a + at.x * map.along_ab + at.y * map.along_ac;
     return textureSampleLevel(image, image_sampler, texcoord, mip);
@@ -95,19 +100,22 @@ fn sample_at(image: texture_2d<f32>, image_sampler: sampler, map: TexcoordMap, a
 
 // The surface at a point of the triangle, in the walk's coordinates. `detail` is UNIFORM, VARIED or PIERCED.
 fn surface_at(walk: ptr<function, Walk>, map: SurfaceMap, point: vec3f, detail: u32) -> Surface {
-    let draw = (*walk).draw;
-    var reflectance = draws[draw].reflectance;
-    var emission = draws[draw].emission;
-    var coverage = 1.0;
     // Barycentric coordinates, seen along the dominant axis.
     let p = point.xy - (*walk).a.xy;
     let ab = (*walk).b.xy - (*walk).a.xy;
     let ac = (*walk).c.xy - (*walk).a.xy;
     let of_b = clamp((p.x * ac.y - p.y * ac.x) / (*walk).normal.z, 0.0, 1.0);
     let of_c = clamp((ab.x * p.y - ab.y * p.x) / (*walk).normal.z, 0.0, 1.0);
-    let at = vec2f(of_b, of_c);
+    return surface_of((*walk).draw, map, vec2f(of_b, of_c), detail);
+}
+
+// The same at barycentric coordinates: the weights of b and c.
+fn surface_of(draw: u32, map: SurfaceMap, at: vec2f, detail: u32) -> Surface {
+    var reflectance = draws[draw].reflectance;
+    var emission = draws[draw].emission;
+    var coverage = 1.0;
     if detail != UNIFORM {
-        let color = map.color_at_a + of_b * map.color_along_ab + of_c * map.color_along_ac;
+        let color = map.color_at_a + at.x * map.color_along_ab + at.y * map.color_along_ac;
         reflectance *= color
             * sample_at(reflectance_texture, reflectance_sampler, map.reflectance, at);
         emission *= sample_at(emission_texture, emission_sampler, map.emission, at).rgb;

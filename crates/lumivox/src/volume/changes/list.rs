@@ -46,6 +46,7 @@ pub(crate) struct ChangedCells {
     /// `array<ChangedCell>` of `list.wgsl`.
     pub(crate) cells: Buffer,
     words: u64,
+    params: Buffer,
     group: BindGroup,
     scan: BoundScan,
     /// The arguments of a dispatch over each level's cells.
@@ -120,14 +121,8 @@ impl Lister {
         let cells = storage_buffer(device, "changed cells", count * 8);
         let params = ListParams { only_occupied: u32::from(only_occupied) };
         let params = uniform_buffer(device, "list parameters", &params);
-        let group = BindGroupBuilder::new(&self.layout)
-            .buffer(&params)
-            .buffer(&voxels.occupancy)
-            .buffer(&voxels.ranks)
-            .buffer(bits)
-            .buffer(&ranks)
-            .buffer(&cells)
-            .build(device, "changed cells");
+        let listed = [&params, &ranks, &cells];
+        let group = self.group(device, (bits, voxels), listed);
         let first_word = |level: u32| level_first_word(grid, level) as u32;
         let levels: Vec<Run> = (0..grid.levels)
             .map(|level| Run { first: first_word(level), end: first_word(level + 1) })
@@ -138,8 +133,35 @@ impl Lister {
             ranks,
             cells,
             words,
+            params,
             group,
         }
+    }
+
+    /// Binds other bits, whose cells are listed in the same place.
+    pub(super) fn other_bits(
+        &self,
+        device: &wgpu::Device,
+        bits: (&Buffer, &VoxelList),
+        cells: &ChangedCells,
+    ) -> BindGroup {
+        self.group(device, bits, [&cells.params, &cells.ranks, &cells.cells])
+    }
+
+    fn group(
+        &self,
+        device: &wgpu::Device,
+        (bits, voxels): (&Buffer, &VoxelList),
+        [params, ranks, cells]: [&Buffer; 3],
+    ) -> BindGroup {
+        BindGroupBuilder::new(&self.layout)
+            .buffer(params)
+            .buffer(&voxels.occupancy)
+            .buffer(&voxels.ranks)
+            .buffer(bits)
+            .buffer(ranks)
+            .buffer(cells)
+            .build(device, "changed cells")
     }
 
     /// Lists the changed cells.
@@ -149,7 +171,18 @@ impl Lister {
         globals: &BindGroup,
         cells: &ChangedCells,
     ) {
-        let groups = [globals, &cells.group];
+        self.list_bits(recorder, globals, cells, &cells.group);
+    }
+
+    /// Lists the cells of the bits of a group.
+    pub(super) fn list_bits(
+        &self,
+        recorder: &mut Recorder<'_>,
+        globals: &BindGroup,
+        cells: &ChangedCells,
+        group: &BindGroup,
+    ) {
+        let groups = [globals, group];
         self.count.run_linear(recorder, &groups, cells.words);
         self.scan.run_bound(recorder, &cells.scan);
         self.list.run_linear(recorder, &groups, cells.words);

@@ -17,6 +17,7 @@ mod tests;
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    storage_buffer,
 };
 use crate::voxels::{
     BoundPyramid, LIST_COUNT_BYTES, Pyramid, VoxelList, level_arguments, level_block,
@@ -51,6 +52,17 @@ struct Bound {
     changed: ChangedCells,
     /// All cells of another surface, those that are gone included.
     wrong: ChangedCells,
+    /// Where there is emission.
+    shining: Option<Shining>,
+}
+
+/// What finds the cells that look otherwise with the emission of their faces than without.
+#[derive(Debug)]
+struct Shining {
+    bits: Buffer,
+    levels: BoundPyramid,
+    relit: BindGroup,
+    list: BindGroup,
 }
 
 /// Finds the cells that have changed.
@@ -120,28 +132,41 @@ impl Changes {
         device: &wgpu::Device,
         old: Option<&VoxelList>,
         voxels: &VoxelList,
-        shown: Shown<'_>,
+        (shown, has_emission): (Shown<'_>, bool),
     ) {
-        let relit = BindGroupBuilder::new(&self.relit_layout)
-            .slice(&voxels.counts, level_block(0), LIST_COUNT_BYTES)
-            .buffer(&voxels.nodes)
-            .buffer(&voxels.first_faces)
-            .buffer(shown.now)
-            .buffer(shown.held)
-            .buffer(&self.bits)
-            .build(device, "relit voxels");
+        let relit = |bits: &Buffer| {
+            BindGroupBuilder::new(&self.relit_layout)
+                .slice(&voxels.counts, level_block(0), LIST_COUNT_BYTES)
+                .buffer(&voxels.nodes)
+                .buffer(&voxels.first_faces)
+                .buffer(shown.now)
+                .buffer(shown.held)
+                .buffer(bits)
+                .build(device, "relit voxels")
+        };
         let nodes = voxels.node_capacity();
         let gone = old.map_or(nodes, VoxelList::node_capacity);
         let cells = |count, only_occupied| {
             let bits = (&self.bits, voxels);
             self.lister.cells(device, &self.grid, bits, count, only_occupied)
         };
+        let changed = cells(nodes, true);
+        let shining = has_emission.then(|| {
+            let bits = storage_buffer(device, "shining cells", self.bits.size());
+            Shining {
+                levels: self.pyramid.bind(device, &self.grid, &bits),
+                relit: relit(&bits),
+                list: self.lister.other_bits(device, (&bits, voxels), &changed),
+                bits,
+            }
+        });
         self.bound = Some(Bound {
             occupancy: voxels.occupancy.clone(),
             counts: voxels.counts.clone(),
-            relit,
-            changed: cells(nodes, true),
+            relit: relit(&self.bits),
+            changed,
             wrong: cells(nodes + gone, false),
+            shining,
         });
     }
 
@@ -185,6 +210,26 @@ impl Changes {
         self.stored(recorder)
     }
 
+    /// Before emission is stored on top of all other light: the cells that it is seen in. They stay listed until other cells are
+    /// asked for ([`Self::listed`]). Afterwards what is held is what is shown.
+    pub(crate) fn find_shining(&self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
+        let bound = self.bound.as_ref()?;
+        let shining = bound.shining.as_ref()?;
+        recorder.clear(&shining.bits);
+        recorder.compute("volume::changes::relit", |pass| {
+            let groups = [&self.globals, &shining.relit];
+            self.relit.dispatch_indirect(pass, &groups, &bound.counts, level_arguments(0));
+        });
+        self.pyramid.run(recorder, &self.globals, &shining.levels);
+        self.lister.list_bits(recorder, &self.globals, &bound.changed, &shining.list);
+        Some(&bound.changed)
+    }
+
+    /// The cells that were listed last.
+    pub(crate) fn listed(&self) -> Option<&ChangedCells> {
+        self.bound.as_ref().map(|bound| &bound.changed)
+    }
+
     fn stored(&mut self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
         (self.is_list_new, self.is_forgotten, self.is_stored) = (false, false, true);
         self.list(recorder)
@@ -216,6 +261,8 @@ impl Changes {
     /// Bytes on the GPU, by use.
     pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
         let cells = self.cells().into_iter().flatten().map(ChangedCells::bytes).sum::<u64>();
-        vec![("voxels: changed cells", self.bits.size() + cells)]
+        let shining = self.bound.as_ref().and_then(|bound| bound.shining.as_ref());
+        let shining = shining.map_or(0, |shining| shining.bits.size());
+        vec![("voxels: changed cells", self.bits.size() + shining + cells)]
     }
 }

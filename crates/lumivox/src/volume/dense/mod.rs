@@ -60,6 +60,9 @@ impl Directionality {
 pub(crate) struct DenseVolume {
     globals: BindGroup,
     globals_layout: wgpu::BindGroupLayout,
+    grid_uniform: Buffer,
+    all_levels: TextureView,
+    sampler: wgpu::Sampler,
     /// Group 0 with only the grid, for the kernels that write the volume.
     grid: BindGroup,
     levels: Vec<TextureView>,
@@ -73,8 +76,8 @@ impl DenseVolume {
         device: &Pipelines,
         shaders: &ShaderLibrary,
         grid: &Grid,
-        directionality: Directionality,
-        memory_budget: Option<u64>,
+        (directionality, memory_budget): (Directionality, Option<u64>),
+        emitters: &Buffer,
     ) -> Result<Self, GiError> {
         let size = grid.dimensions * directionality.slabs();
         check_limits(device, grid, size)?;
@@ -115,22 +118,25 @@ impl DenseVolume {
         let globals_layout = super::globals_layout(device);
         let sampler = super::sampler(device);
         let all_levels = texture.view();
-        let globals = BindGroupBuilder::new(&globals_layout)
-            .buffer(&grid_uniform)
-            .buffer(masks.levels_uniform())
-            .buffer(masks.entries())
-            .view(&all_levels)
-            .sampler(&sampler)
-            .build(device, "globals");
+        let sampled = (&grid_uniform, &masks, &all_levels, &sampler);
         Ok(Self {
-            globals,
+            globals: bind_globals(device, &globals_layout, sampled, emitters),
             globals_layout,
+            all_levels,
+            sampler,
             grid: BindGroupBuilder::new(&grid_layout).buffer(&grid_uniform).build(device, "grid"),
+            grid_uniform,
             levels,
             texture_bytes: texture_bytes(grid, directionality),
             masks,
             build: Build::new(device, shaders, directionality, grid, &grid_layout)?,
         })
+    }
+
+    /// Binds another list of emitters.
+    pub(super) fn bind_emitters(&mut self, device: &wgpu::Device, emitters: &Buffer) {
+        let sampled = (&self.grid_uniform, &self.masks, &self.all_levels, &self.sampler);
+        self.globals = bind_globals(device, &self.globals_layout, sampled, emitters);
     }
 
     /// Binds another list, or one with other room.
@@ -175,6 +181,23 @@ impl DenseVolume {
     pub(crate) fn texture(&self) -> &wgpu::Texture {
         self.levels[0].texture()
     }
+}
+
+/// Group 0 of everything that samples the volume.
+fn bind_globals(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    (grid, masks, texture, sampler): (&Buffer, &Masks, &TextureView, &wgpu::Sampler),
+    emitters: &Buffer,
+) -> BindGroup {
+    BindGroupBuilder::new(layout)
+        .buffer(grid)
+        .buffer(masks.levels_uniform())
+        .buffer(masks.entries())
+        .view(texture)
+        .sampler(sampler)
+        .buffer(emitters)
+        .build(device, "globals")
 }
 
 /// Bytes of the texture with its levels.

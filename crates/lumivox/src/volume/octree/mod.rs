@@ -149,6 +149,7 @@ pub(crate) struct OctreeVolume {
     globals: BindGroup,
     grid_uniform: Buffer,
     sampler: wgpu::Sampler,
+    emitters: Buffer,
     follow_kernels: FollowKernels,
     /// The caller's way to build nodes, if it has one.
     builder: Option<Box<dyn OctreeBuilder>>,
@@ -188,8 +189,12 @@ impl OctreeVolume {
         device: &Pipelines,
         shaders: &mut ShaderLibrary,
         grid: &Grid,
-        (options, building): (OctreeOptions, Option<&dyn OctreeBuilding>),
-        memory_budget: Option<u64>,
+        (options, building, memory_budget): (
+            OctreeOptions,
+            Option<&dyn OctreeBuilding>,
+            Option<u64>,
+        ),
+        emitters: &Buffer,
     ) -> Result<Self, GiError> {
         let grid_uniform = grid.uniform(device);
         let globals_layout = super::globals_layout(device);
@@ -203,7 +208,8 @@ impl OctreeVolume {
         let has_pointers = follow_kernels.has_pointers();
         // Whether it fits is asked when there are voxels.
         let tree = Tree::new(device, (grid, &layout), Room::NONE, has_pointers, None)?;
-        let globals = bind_globals(device, &globals_layout, &grid_uniform, &tree, &sampler);
+        let around = (&grid_uniform, &sampler, emitters);
+        let globals = bind_globals(device, &globals_layout, &tree, around);
         let missed_globals = BindGroupBuilder::new(follow_kernels.tree_layout())
             .buffer(&grid_uniform)
             .buffer(&tree.uniform)
@@ -222,6 +228,7 @@ impl OctreeVolume {
             globals_layout,
             grid_uniform,
             sampler,
+            emitters: emitters.clone(),
             tree,
             scratch: None,
             following: None,
@@ -231,6 +238,18 @@ impl OctreeVolume {
             lacks_room: true,
             stats: None,
         })
+    }
+
+    /// Binds another list of emitters.
+    pub(super) fn bind_emitters(&mut self, device: &wgpu::Device, emitters: &Buffer) {
+        self.emitters = emitters.clone();
+        let around = (&self.grid_uniform, &self.sampler, emitters);
+        self.globals = bind_globals(device, &self.globals_layout, &self.tree, around);
+    }
+
+    /// The verdict, which starts with what there was no room for.
+    pub(super) fn late_word(&self) -> &Buffer {
+        &self.state.verdict
     }
 
     /// Lets the next list, or one with other room, be bound.
@@ -405,14 +424,14 @@ impl OctreeVolume {
         let scratch = Scratch::new(&device, &self.grid, &tree)?;
         recorder.stage("volume");
         self.resettler.copy(recorder, &self.grid_uniform, (&self.tree, &tree));
-        let (layout, grid_uniform) = (&self.globals_layout, &self.grid_uniform);
-        self.globals = bind_globals(&device, layout, grid_uniform, &tree, &self.sampler);
+        let around = (&self.grid_uniform, &self.sampler, &self.emitters);
+        self.globals = bind_globals(&device, &self.globals_layout, &tree, around);
         (self.tree, self.scratch) = (tree, Some(scratch));
         self.unbind();
         Ok(())
     }
 
-    pub(super) fn update(&mut self, recorder: &mut Recorder, changed: &ChangedCells) {
+    pub(super) fn update(&self, recorder: &mut Recorder, changed: &ChangedCells) {
         if let Some(content) = &self.content {
             self.content_kernels.update(recorder, content, changed);
             self.note_missed(recorder);
@@ -470,9 +489,8 @@ fn with_spare(count: u64) -> u64 {
 fn bind_globals(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
-    grid_uniform: &Buffer,
     tree: &Tree,
-    sampler: &wgpu::Sampler,
+    (grid_uniform, sampler, emitters): (&Buffer, &wgpu::Sampler, &Buffer),
 ) -> BindGroup {
     BindGroupBuilder::new(layout)
         .buffer(grid_uniform)
@@ -480,6 +498,7 @@ fn bind_globals(
         .buffer(&tree.octree)
         .view(&tree.atlas)
         .sampler(sampler)
+        .buffer(emitters)
         .build(device, "globals")
 }
 

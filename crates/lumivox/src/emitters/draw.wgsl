@@ -1,0 +1,113 @@
+// A point of an emitter, drawn for a place that it may light.
+//
+// An emitter is drawn in proportion to its power, and a point on it evenly over the solid angle that it has there
+// (Arvo 1995, "Stratified sampling of spherical triangles"), so that emitters nearby do no harm. Of a small one the
+// points are drawn evenly over its area: there is no difference then, and no digits are lost.
+
+import package::emitters::emitter::{Emitter, EmitterList};
+
+@group(0) @binding(5) var<storage, read> emitters: EmitterList;
+
+struct EmitterPoint {
+    // In the grid's coordinates.
+    position: vec3f,
+    // Of the emitter, on the side of the place; unit length.
+    normal: vec3f,
+    // From the place to the point; unit length.
+    direction: vec3f,
+    radiance: vec3f,
+    // One over the density of the direction, sr; 0: nothing shines on the place.
+    solid_angle: f32,
+}
+
+// Smaller solid angles, sr, than this are sampled by area.
+const SMALL_SOLID_ANGLE: f32 = 0.01;
+
+// The first emitter with which the power of all so far is more than `power`.
+fn find_emitter(power: f32) -> u32 {
+    var low = 0u;
+    var high = emitters.count - 1u;
+    while low < high {
+        let middle = (low + high) / 2u;
+        if emitters.emitters[middle].power_so_far > power {
+            high = middle;
+        } else {
+            low = middle + 1u;
+        }
+    }
+    return low;
+}
+
+// The part of a unit vector at a right angle to another one, as a unit vector.
+fn away_from(vector: vec3f, base: vec3f) -> vec3f {
+    let part = vector - dot(vector, base) * base;
+    return part / max(length(part), 1e-12);
+}
+
+// A direction in the spherical triangle of three unit vectors; `volume` is their triple product.
+fn direction_in(a: vec3f, b: vec3f, c: vec3f, volume: f32, solid_angle: f32, random: vec2f) -> vec3f {
+    // The angle at a, between the planes of the sides.
+    let of_a = vec2f(dot(cross(a, b), cross(a, c)), volume);
+    let turn = of_a / max(length(of_a), 1e-12);
+    let angle = atan2(turn.y, turn.x);
+    let part = random.x * solid_angle - angle;
+    let s = sin(part);
+    let t = cos(part);
+    let u = t - turn.x;
+    let v = s + turn.y * dot(a, b);
+    let q = ((v * t - u * s) * turn.x - v) / ((v * s + u * t) * turn.y);
+    let cosine = clamp(q, -1.0, 1.0);
+    let corner = cosine * a + sqrt(1.0 - cosine * cosine) * away_from(c, a);
+    let z = 1.0 - random.y * (1.0 - dot(corner, b));
+    return z * b + sqrt(max(1.0 - z * z, 0.0)) * away_from(corner, b);
+}
+
+// `random` is in [0, 1)^2. There must be power.
+fn draw_emitter_point(place: vec3f, random: vec2f) -> EmitterPoint {
+    let drawn = random.x * emitters.power;
+    let index = find_emitter(drawn);
+    let emitter = emitters.emitters[index];
+    var before = 0.0;
+    if index > 0u {
+        before = emitters.emitters[index - 1u].power_so_far;
+    }
+    let power = emitter.power_so_far - before;
+    // What is left of the first number once it has chosen.
+    let on = vec2f(saturate((drawn - before) / power), random.y);
+
+    let corner = emitter.corner - place;
+    let outward = cross(emitter.along_ab, emitter.along_ac);
+    let twice_area = length(outward);
+    let front = outward / twice_area;
+    // How far in front of the emitter the place is.
+    let ahead = -dot(corner, front);
+    let normal = select(front, -front, ahead < 0.0);
+    let height = abs(ahead);
+    var point = EmitterPoint(vec3f(0.0), normal, vec3f(0.0), emitter.radiance, 0.0);
+    if power <= 0.0 || (ahead <= 0.0 && emitter.is_double_sided == 0u) || height < 1e-4 {
+        return point;
+    }
+    let a = normalize(corner);
+    let b = normalize(corner + emitter.along_ab);
+    let c = normalize(corner + emitter.along_ac);
+    // Van Oosterom and Strackee 1983, "The solid angle of a plane triangle".
+    let volume = abs(dot(a, cross(b, c)));
+    let solid_angle = 2.0 * atan2(volume, 1.0 + dot(a, b) + dot(b, c) + dot(c, a));
+    let share = power / emitters.power;
+    if solid_angle > SMALL_SOLID_ANGLE {
+        let direction = direction_in(a, b, c, volume, solid_angle, on);
+        let distance = -height / dot(direction, normal);
+        point.direction = direction;
+        point.position = place + distance * direction;
+        point.solid_angle = solid_angle / share;
+    } else {
+        let root = sqrt(on.x);
+        let local = corner + root * (1.0 - on.y) * emitter.along_ab + root * on.y * emitter.along_ac;
+        let squared = dot(local, local);
+        point.direction = local * inverseSqrt(squared);
+        point.position = place + local;
+        point.solid_angle =
+            0.5 * twice_area * abs(dot(point.direction, normal)) / (squared * share);
+    }
+    return point;
+}

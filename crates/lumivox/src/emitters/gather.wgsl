@@ -1,0 +1,107 @@
+// Irradiance at a place, straight from emitters.
+//
+// Of several candidates one is kept, in proportion to what it would bring if nothing stood in its way (resampled
+// importance sampling: Talbot et al. 2005, "Importance resampling for global illumination"), and a ray through the
+// volume tells whether something does. The mean over frames is exact but for the voxels in the ray's way.
+
+import package::cones::cone::{cone_start, trace_cone, Cone, ConeSettings};
+import package::cones::start::clear_of_walls;
+import package::emitters::draw::{draw_emitter_point, emitters};
+import package::emitters::emitter::strength;
+import package::grid::grid_from_world;
+
+const CANDIDATES: u32 = 8u;
+
+// By which the two numbers of a place go on from turn to turn. Eight times the first one says where in their parts candidates
+// lie: among all numbers, 0.46803 has the least discrepancy of its first 4 to 128 multiples and of those of its eightfold.
+// (The sequence of cones has 0.7549, whose eightfold, 6.039, goes on by a 25th.) The second one is theirs.
+const STEPS: vec2f = vec2f(0.46803, 0.7548776662);
+
+// Walls are felt for a voxel and a half from where they are (cones::start): the half of a voxel in which the emitter
+// may be anywhere, and the reach of the filter. So far in front of itself an emitter does not hide itself, nor does
+// what it hangs on.
+const CLEARANCE: f32 = 1.5;
+
+struct FromEmitters {
+    irradiance: vec3f,
+    samples: u32,
+}
+
+// A ray reads the finest cells alone: what the emitter's size makes soft, the mean over its points does.
+fn ray_settings(settings: ConeSettings) -> ConeSettings {
+    var ray = settings;
+    ray.step_per_voxel = 1.0;
+    ray.occlusion_distance = 3e38;
+    return ray;
+}
+
+// The cosine at which light arrives, with light from below the surface folded up as cones are (cones::gather).
+fn folded_cosine(direction: vec3f, shading_normal: vec3f, geometric_normal: vec3f) -> f32 {
+    let above = dot(direction, geometric_normal);
+    if above <= 0.0 {
+        return 0.0;
+    }
+    let mirrored = direction - 2.0 * above * geometric_normal;
+    return max(dot(direction, shading_normal), 0.0) + max(dot(mirrored, shading_normal), 0.0);
+}
+
+// The numbers of a candidate: each is in a part of the first number's range, all at the same place of their parts.
+fn candidate(numbers: vec2f, index: u32) -> vec2f {
+    let parts = f32(CANDIDATES);
+    return vec2f(
+        (f32(index) + fract(numbers.x * parts)) / parts,
+        fract(numbers.y + 0.618034 * f32(index)),
+    );
+}
+
+// `start` in [0, 1)^2 is the place's own one in the sequence, `turn` counts through it.
+fn gather_emitters(
+    position_in_world: vec3f,
+    shading_normal: vec3f,
+    geometric_normal: vec3f,
+    start: vec2f,
+    turn: u32,
+    settings: ConeSettings,
+) -> FromEmitters {
+    var result = FromEmitters(vec3f(0.0), 0u);
+    if emitters.count == 0u || emitters.is_shown != 0u || emitters.power <= 0.0 {
+        return result;
+    }
+    let place = grid_from_world(position_in_world);
+    let numbers = fract(start + fract(STEPS * f32(turn & 0xffffu)));
+    var sums: array<f32, CANDIDATES>;
+    var sum = 0.0;
+    for (var i = 0u; i < CANDIDATES; i++) {
+        let point = draw_emitter_point(place, candidate(numbers, i));
+        let cosine = folded_cosine(point.direction, shading_normal, geometric_normal);
+        sum += strength(point.radiance) * cosine * point.solid_angle;
+        sums[i] = sum;
+    }
+    if sum <= 0.0 {
+        return result;
+    }
+    // Where all weigh the same, the one that the first number is in. The turn, other digits of the start, makes the lot
+    // independent of where in their parts the candidates lie.
+    let lot = fract(numbers.x + fract(start.x * 4096.0)) * sum;
+    var index = 0u;
+    for (var i = 0u; i + 1u < CANDIDATES; i++) {
+        index += u32(sums[i] <= lot);
+    }
+    let kept = draw_emitter_point(place, candidate(numbers, index));
+    let origin = cone_start(position_in_world, geometric_normal, settings);
+    // Clear of walls beside the emitter, as it is of those beside the start.
+    let ahead = kept.position + CLEARANCE * kept.normal;
+    let moved = clear_of_walls(ahead, kept.normal) - ahead;
+    let aside = moved - dot(moved, kept.normal) * kept.normal;
+    let to_point = kept.position + aside - origin;
+    let distance = length(to_point);
+    let direction = to_point / max(distance, 1e-6);
+    let reach = distance - CLEARANCE / max(abs(dot(direction, kept.normal)), 1e-3);
+    let ray = Cone(origin, direction, 0.0, reach, 0.0);
+    let traced = trace_cone(ray, ray_settings(settings));
+    // It may be below zero, which makes up for what other rays leak (cones::cone).
+    let seen = sum / f32(CANDIDATES) * traced.transmittance;
+    result.irradiance = kept.radiance * (seen / strength(kept.radiance));
+    result.samples = traced.samples;
+    return result;
+}

@@ -1,0 +1,383 @@
+//! Surfaces that shine by themselves, as lights: their triangles in one list, from which gathers draw.
+//!
+//! Cones find a small lamp by chance, in one frame of many. So whoever gathers diffuse light draws points on lamps instead,
+//! and his cones leave emission out: the volume shows reflected light alone to them ([`crate::light`]). Glossy cones
+//! find emission in the volume, since a mirror shows a lamp in one direction alone.
+//!
+//! The list is made of the triangles themselves, so that a lamp's light does not depend on the voxels that it falls
+//! in: of each the corners in the grid's coordinates and its radiance, 64 bytes (`emitter.wgsl`). Textured triangles are
+//! cut into pieces of one radiance each. A running sum of powers, added up in a fixed order, makes it a distribution to
+//! draw from: power is area times the mean of the channels.
+//!
+//! | file | does | once per |
+//! | --- | --- | --- |
+//! | `list.wgsl` | the emitters of a run of triangles | change of triangles |
+//! | `add_up.wgsl` | their running sum | change of triangles |
+//! | `draw.wgsl` | a point on an emitter | candidate |
+//! | `gather.wgsl` | the best of some points, and a ray to it | gather |
+
+#[cfg(test)]
+mod tests;
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::gpu::{
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Memory, Pipelines, Recorder,
+    Remedy, ShaderLibrary, Staged, storage_buffer, upload,
+};
+use crate::voxelize::Voxelizer;
+use crate::voxelize::batch::{Fallbacks, run_group, textures_of, triangles_group};
+use crate::voxelize::input::{DrawGroup, PreparedBatch, ShareInput, emission_scale, emits};
+use crate::{Geometry, GeometryBatch, GiError, Grid, SurfaceMaterial, SurfaceTexture};
+
+/// The shader modules of this folder.
+pub(crate) const MODULES: &[(&str, &str)] = &[
+    ("emitters::add_up", include_str!("add_up.wgsl")),
+    ("emitters::draw", include_str!("draw.wgsl")),
+    ("emitters::emitter", include_str!("emitter.wgsl")),
+    ("emitters::gather", include_str!("gather.wgsl")),
+    ("emitters::list", include_str!("list.wgsl")),
+];
+
+/// `Emitter` of `emitter.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct EmitterRecord {
+    pub(crate) corner: [f32; 3],
+    pub(crate) power_so_far: f32,
+    pub(crate) along_ab: [f32; 3],
+    pub(crate) is_double_sided: u32,
+    pub(crate) along_ac: [f32; 3],
+    padding_0: u32,
+    pub(crate) radiance: [f32; 3],
+    padding_1: u32,
+}
+
+/// Bytes before the first emitter, and where in them it is said that the volume shows emission.
+const HEADER_BYTES: u64 = 16;
+const SHOWN_BYTE: u64 = 4;
+
+/// The most triangles that are listed (64 MiB). Where more of them shine, cones find them as they find all else.
+const MOST_TRIANGLES: u64 = 1 << 20;
+
+/// `RunEmitters` of `list.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct RunEmitters {
+    first_emitter: u32,
+    levels: u32,
+    emission_scale: f32,
+    padding: u32,
+}
+
+/// `EmitterCount` of `add_up.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct EmitterCount {
+    count: u32,
+    padding: [u32; 3],
+}
+
+/// Pieces that the textured triangles of a run are cut into, all together, at most: a screen of two triangles has 32 x 32
+/// of them, 10 000 triangles have one each.
+const MOST_PIECES: u32 = 2048;
+
+/// How often a run's triangles are quartered.
+fn levels_of(group: &DrawGroup, material: &SurfaceMaterial) -> u32 {
+    let is_even = textures_of(material).iter().all(Option::is_none);
+    let pieces = MOST_PIECES / (group.triangles.end - group.triangles.start);
+    if is_even { 0 } else { pieces.checked_ilog(4).unwrap_or(0) }
+}
+
+/// The kernels, and the list.
+#[derive(Debug)]
+pub(crate) struct Emitters {
+    layouts: [wgpu::BindGroupLayout; 3],
+    list_layout: wgpu::BindGroupLayout,
+    add_up_layout: wgpu::BindGroupLayout,
+    list_kernel: Kernel,
+    add_up_kernel: Kernel,
+    grid: Grid,
+    globals: BindGroup,
+    fallbacks: Fallbacks,
+    list: Buffer,
+    counts: Staged,
+    /// The words 1 and 0.
+    words: [Buffer; 2],
+    add_up: BindGroup,
+    batches: Vec<BoundBatch>,
+    /// Nothing is known of what stands in buffers of static draws.
+    is_forgotten: bool,
+    /// Whether there were dynamic ones.
+    has_moving: bool,
+    emission_scale: f32,
+}
+
+/// A batch with triangles that shine.
+#[derive(Debug)]
+struct BoundBatch {
+    /// Without draws.
+    source: GeometryBatch,
+    draws: Staged,
+    known: Vec<u8>,
+    triangles: BindGroup,
+    runs: Vec<BoundRun>,
+}
+
+/// Triangles that share their textures.
+#[derive(Debug)]
+struct BoundRun {
+    group: DrawGroup,
+    textures: [Option<SurfaceTexture>; 3],
+    run: BindGroup,
+    first_emitter: u32,
+    levels: u32,
+    params: Staged,
+    own: BindGroup,
+}
+
+impl BoundRun {
+    fn count(&self) -> u32 {
+        (self.group.triangles.end - self.group.triangles.start) << (2 * self.levels)
+    }
+
+    fn is_of(&self, group: &DrawGroup, materials: &[SurfaceMaterial]) -> bool {
+        let textures = textures_of(&materials[group.material as usize]);
+        self.group == (DrawGroup { material: self.group.material, ..group.clone() })
+            && self.textures.each_ref().map(Option::as_ref) == textures
+    }
+}
+
+impl BoundBatch {
+    fn is_of(&self, (batch, prepared): &(&GeometryBatch, PreparedBatch), all: &Geometry) -> bool {
+        self.source.is_same_but_draws(batch)
+            && self.known.len() == size_of_val(prepared.draws.as_slice())
+            && self.runs.len() == prepared.groups.len()
+            && self.runs.iter().zip(&prepared.groups).all(|(own, g)| own.is_of(g, &all.materials))
+    }
+}
+
+impl Emitters {
+    pub(crate) fn new(
+        device: &Pipelines,
+        queue: &wgpu::Queue,
+        shaders: &ShaderLibrary,
+        voxelizer: &Voxelizer,
+        grid: &Grid,
+    ) -> Result<Self, GiError> {
+        let layouts = voxelizer.triangle_layouts();
+        let [grid_layout, triangles, run] = layouts;
+        let list_layout =
+            LayoutBuilder::compute().uniform().storage_mut().build(device, "emitters::list");
+        let add_up_layout =
+            LayoutBuilder::compute().uniform().storage_mut().build(device, "emitters::add_up");
+        let groups = [grid_layout, triangles, &list_layout, run];
+        let list_kernel = Kernel::new(device, shaders, "emitters::list", "main", &groups)?;
+        let add_up_kernel =
+            Kernel::new(device, shaders, "emitters::add_up", "main", &[&add_up_layout])?;
+        let globals =
+            BindGroupBuilder::new(grid_layout).buffer(&grid.uniform(device)).build(device, "grid");
+        let list = empty_list(device);
+        let counts = Staged::new(device, "count of emitters", size_of::<EmitterCount>() as u64);
+        Ok(Self {
+            layouts: layouts.map(Clone::clone),
+            add_up: add_up_group(device, &add_up_layout, &counts, &list),
+            list_layout,
+            add_up_layout,
+            list_kernel,
+            add_up_kernel,
+            grid: *grid,
+            globals,
+            fallbacks: Fallbacks::new(device, queue),
+            list,
+            counts,
+            words: [1_u32, 0].map(|word| upload(device, "a word", &[word])),
+            batches: Vec::new(),
+            is_forgotten: true,
+            has_moving: false,
+            emission_scale: 0.0,
+        })
+    }
+
+    /// `EmitterList` of `emitter.wgsl`.
+    pub(crate) fn list(&self) -> &Buffer {
+        &self.list
+    }
+
+    /// Whether a geometry has emitters, and not more of them than are listed.
+    pub(crate) fn are_in(geometry: &Geometry) -> bool {
+        if !geometry.materials.iter().any(emits) {
+            return false;
+        }
+        let draws = geometry.batches.iter().flat_map(|batch| &batch.draws);
+        let shining = draws.filter(|draw| {
+            let material = geometry.materials.get(draw.material as usize);
+            material.is_some_and(emits)
+        });
+        let triangles: u64 = shining.map(|draw| u64::from(draw.index_count / 3)).sum();
+        (1..=MOST_TRIANGLES).contains(&triangles)
+    }
+
+    /// Lets the next list be made anew, whatever is known of static draws.
+    pub(crate) fn forget(&mut self) {
+        self.is_forgotten = true;
+    }
+
+    /// Bytes on the GPU.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.list.size()
+    }
+
+    /// Lists what shines of a geometry. Vertices and textures of static draws are what they were, unless it was told to forget
+    /// them. Whether the list stands in another buffer than before is returned.
+    ///
+    /// # Errors
+    /// [`GiError::Geometry`] and [`GiError::Limit`] as for voxelizations.
+    pub(crate) fn record(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        geometry: &Geometry,
+    ) -> Result<bool, GiError> {
+        let device = recorder.device().clone();
+        let input = if Self::are_in(geometry) {
+            ShareInput::of_emitters(geometry, &self.grid, &device.limits())?
+        } else {
+            ShareInput::default()
+        };
+        let scale = emission_scale(geometry);
+        let is_moving = |batch: &GeometryBatch| {
+            let mut draws = batch.draws.iter();
+            draws.any(|draw| !draw.is_static && emits(&geometry.materials[draw.material as usize]))
+        };
+        let has_moving = geometry.batches.iter().any(is_moving);
+        let is_bound = self.batches.len() == input.batches.len()
+            && self.batches.iter().zip(&input.batches).all(|(own, new)| own.is_of(new, geometry));
+        let is_same = !std::mem::take(&mut self.is_forgotten)
+            && is_bound
+            && !has_moving
+            && !self.has_moving
+            && scale.to_bits() == self.emission_scale.to_bits()
+            && self.batches.iter().zip(&input.batches).all(|(own, (_, prepared))| {
+                own.known == bytemuck::cast_slice::<_, u8>(&prepared.draws)
+            });
+        (self.has_moving, self.emission_scale) = (has_moving, scale);
+        if is_same {
+            return Ok(false);
+        }
+        recorder.stage("emitters");
+        let has_grown = !is_bound && self.bind(recorder, &input, geometry)?;
+        let mut count = 0;
+        for (batch, (_, prepared)) in self.batches.iter_mut().zip(&input.batches) {
+            let draws: &[u8] = bytemuck::cast_slice(&prepared.draws);
+            batch.draws.set(recorder, draws);
+            batch.known = draws.to_vec();
+            for run in &mut batch.runs {
+                let (first_emitter, levels) = (run.first_emitter, run.levels);
+                let params =
+                    RunEmitters { first_emitter, levels, emission_scale: scale, padding: 0 };
+                run.params.set(recorder, bytemuck::bytes_of(&params));
+                let groups = [&self.globals, &batch.triangles, &run.own, &run.run];
+                self.list_kernel.run_linear(recorder, &groups, u64::from(run.count()));
+                count += run.count();
+            }
+        }
+        self.counts.set(recorder, bytemuck::bytes_of(&EmitterCount { count, padding: [0; 3] }));
+        self.add_up_kernel.run(recorder, &[&self.add_up], [1, 1, 1]);
+        Ok(has_grown)
+    }
+
+    /// Lets nothing be drawn, since the volume shows emission.
+    pub(crate) fn rest(&self, recorder: &mut Recorder<'_>) {
+        recorder.copy((&self.words[0], 0), (&self.list, SHOWN_BYTE), 4);
+    }
+
+    /// Lets emitters be drawn, since the volume will not show emission: unless it has no room for its change, as a word that is
+    /// not zero tells.
+    pub(crate) fn wake(&self, recorder: &mut Recorder<'_>, late_word: Option<&Buffer>) {
+        let word = late_word.unwrap_or(&self.words[1]);
+        recorder.copy((word, 0), (&self.list, SHOWN_BYTE), 4);
+    }
+
+    /// Binds what shines, and makes room for it; whether in another buffer is returned.
+    fn bind(
+        &mut self,
+        recorder: &Recorder<'_>,
+        input: &ShareInput<'_>,
+        geometry: &Geometry,
+    ) -> Result<bool, GiError> {
+        let device = recorder.device();
+        let levels = |prepared: &PreparedBatch| -> Vec<u32> {
+            let of =
+                |group: &DrawGroup| levels_of(group, &geometry.materials[group.material as usize]);
+            prepared.groups.iter().map(of).collect()
+        };
+        let pieces = |prepared: &PreparedBatch| -> u64 {
+            let groups = prepared.groups.iter().zip(levels(prepared));
+            let of = |(group, levels): (&DrawGroup, u32)| {
+                u64::from(group.triangles.end - group.triangles.start) << (2 * levels)
+            };
+            groups.map(of).sum()
+        };
+        let count: u64 = input.batches.iter().map(|(_, prepared)| pieces(prepared)).sum();
+        let bytes = HEADER_BYTES + count * size_of::<EmitterRecord>() as u64;
+        let has_grown = bytes > self.list.size();
+        if has_grown {
+            let mut memory = Memory::new(device);
+            self.list = memory.buffer("emitters", bytes / 16, 16, Remedy::Batch)?;
+            self.add_up = add_up_group(device, &self.add_up_layout, &self.counts, &self.list);
+        }
+        let mut first_emitter = 0;
+        self.batches.clear();
+        for (batch, prepared) in &input.batches {
+            let bytes = size_of_val(prepared.draws.as_slice());
+            let draws = Staged::new(device, "draws of emitters", bytes as u64);
+            let [_, triangles, run_layout] = &self.layouts;
+            let mut runs = Vec::new();
+            for (group, levels) in prepared.groups.iter().zip(levels(prepared)) {
+                let textures = textures_of(&geometry.materials[group.material as usize]);
+                let params =
+                    Staged::new(device, "run of emitters", size_of::<RunEmitters>() as u64);
+                let own = BindGroupBuilder::new(&self.list_layout)
+                    .buffer(params.buffer())
+                    .buffer(&self.list)
+                    .build(device, "emitters::list");
+                let run = BoundRun {
+                    run: run_group(device, run_layout, &self.fallbacks, group, &textures),
+                    group: group.clone(),
+                    textures: textures.map(Option::<&SurfaceTexture>::cloned),
+                    first_emitter,
+                    levels,
+                    params,
+                    own,
+                };
+                first_emitter += run.count();
+                runs.push(run);
+            }
+            self.batches.push(BoundBatch {
+                triangles: triangles_group(device, triangles, &self.fallbacks, batch, &draws),
+                source: GeometryBatch { draws: Vec::new(), ..(*batch).clone() },
+                known: vec![0; bytes],
+                draws,
+                runs,
+            });
+        }
+        Ok(has_grown)
+    }
+}
+
+/// A list without emitters, which has room for one, since no binding may be empty.
+pub(crate) fn empty_list(device: &wgpu::Device) -> Buffer {
+    storage_buffer(device, "emitters", HEADER_BYTES + size_of::<EmitterRecord>() as u64)
+}
+
+fn add_up_group(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    counts: &Staged,
+    list: &Buffer,
+) -> BindGroup {
+    BindGroupBuilder::new(layout)
+        .buffer(counts.buffer())
+        .buffer(list)
+        .build(device, "emitters::add_up")
+}

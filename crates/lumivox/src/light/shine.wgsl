@@ -1,0 +1,47 @@
+// The irradiance that faces have straight from emitters. It changes with the emitters alone, so that gathers that follow one
+// another add what is there.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::emitters::gather::gather_emitters;
+import package::gpu::dispatch::linear_index;
+import package::gpu::random::{hash, random_pair};
+import package::light::turn::{counts, face_in_turn, faces, from_emitters, is_fresh, settings};
+
+// Points on emitters that a face looks at. Faces look at the same ones in every gather, so their noise stays, but a cone
+// sees many faces.
+const POINTS: u32 = 4u;
+
+fn shine_on(index: u32) {
+    let face = faces[index];
+    let normal = normalize(face.vector_area);
+    let start = random_pair(face.cell ^ 0x9e3779b9u, hash(face.lobe));
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < POINTS; i++) {
+        sum += gather_emitters(face.position_in_world, normal, normal, start, i, settings.cones).irradiance;
+    }
+    from_emitters[index] = vec4f(sum / f32(POINTS), 1.0);
+}
+
+// The faces whose turn it is.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let index = face_in_turn(linear_index(invocation, workgroups));
+    if index < counts.faces {
+        shine_on(index);
+    }
+}
+
+// Faces of voxels that dynamic surface touches, which have never gathered and whose turn it is not.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn fresh(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let index = counts.fixed_faces + linear_index(invocation, workgroups);
+    if is_fresh(index) {
+        shine_on(index);
+    }
+}
