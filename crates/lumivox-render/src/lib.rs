@@ -65,5 +65,6 @@ pub use scene::{GpuScene, Lighting, radiance_unit};
 pub use settings::parameters;
 pub use settings::preset::{AddedPreset, Companions, PresetChoice};
 pub use settings::{
-    COST_SCALE_SAMPLES, Exposure, PHYSICAL, RenderSettings, ShadowMethod, ToneMap, View,
+    COST_SCALE_SAMPLES, Exposure, HISTORY_SCALE_FRAMES, PHYSICAL, RenderSettings, ShadowMethod,
+    ToneMap, View,
 };

@@ -337,8 +337,9 @@ impl Renderer {
         }
         if is_kept {
             recorder.stage("picture");
+            let shown = (self.settings.view, frame);
             let Targets { accumulate, gbuffer, .. } = &mut self.targets;
-            accumulate.record(recorder, Some(gbuffer));
+            beside::add_frame(accumulate, recorder, shown, gbuffer);
             self.record_overlay(recorder, &view)?;
         }
         // What is not of the frame before cannot be followed.

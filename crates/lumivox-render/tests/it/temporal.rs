@@ -1,8 +1,10 @@
 //! The light of earlier frames: what a moving camera gains by it, and that it neither lags nor stays.
 
+#![allow(clippy::float_cmp)] // Counts of frames.
+
 use glam::{Quat, UVec2, Vec3};
 use lumivox::{Preset, TraceSettings};
-use lumivox_render::{Picture, RenderSettings, Renderer, View};
+use lumivox_render::{Picture, RenderError, RenderSettings, Renderer, View};
 use lumivox_scene::{Camera, Scene};
 
 use crate::common::{builtin, gpu, renderer};
@@ -127,4 +129,43 @@ fn a_still_picture_comes_to_that_without_earlier_frames() {
     let [few, many] = [8, 96].map(|frames| still(Preset::Realtime, &scene, &camera, frames));
     let errors = [rmse(&few, &expected), rmse(&many, &expected)];
     assert!(errors[1] < 0.05 && errors[1] < 0.7 * errors[0], "{errors:?}");
+}
+
+/// The history counts frames of what stays in sight, and starts where something comes into view: a view of each says which.
+#[test]
+fn the_history_grows_until_something_is_uncovered() {
+    let scene = builtin("cornell");
+    let beside = vec![View::History, View::Disocclusion];
+    let settings = RenderSettings { view: View::Final, beside, ..settings(Preset::Realtime) };
+    let mut renderer = renderer(&gpu(), &scene, settings);
+    // The frames and whether nothing was known, of each pixel that shows a surface.
+    let mut frame = |camera: Camera| -> Vec<(f32, bool)> {
+        renderer.set_camera(camera);
+        let [history, new] = pollster::block_on(async {
+            renderer.render_frame().await?;
+            let history = renderer.read_beside(View::History).await?;
+            Ok::<_, RenderError>([history, renderer.read_beside(View::Disocclusion).await?])
+        })
+        .expect("a frame")
+        .map(|pixels| pixels.expect("it was asked for"));
+        let pixels = history.iter().zip(&new).filter(|(pixel, _)| pixel[3] > 0.0);
+        pixels.map(|(history, new)| (history[0], new[0] > 0.5)).collect()
+    };
+    let median = |pixels: &[(f32, bool)]| {
+        let mut frames: Vec<f32> = pixels.iter().map(|pixel| pixel.0).collect();
+        *frames.select_nth_unstable_by(pixels.len() / 2, f32::total_cmp).1
+    };
+    let share = |pixels: &[(f32, bool)]| {
+        pixels.iter().filter(|pixel| pixel.1).count() as f32 / pixels.len() as f32
+    };
+    let stills: Vec<_> = (0..6).map(|_| frame(orbit(&scene, 0))).collect();
+    assert!(stills[0].iter().all(|pixel| *pixel == (2.0, true)), "the first counts for two");
+    // Samples move within the pixels, so that edges come and go.
+    assert!(share(&stills[5]) < 0.01, "{} of a still picture are new", share(&stills[5]));
+    assert_eq!(median(&stills[5]), 7.0);
+
+    let moved = frame(orbit(&scene, 60));
+    assert!((0.005..0.2).contains(&share(&moved)), "{} of it came into view", share(&moved));
+    assert!(median(&moved) > 4.0, "{} frames of the rest", median(&moved));
+    assert!(moved.iter().all(|(frames, is_new)| !is_new || *frames == 2.0));
 }

@@ -260,6 +260,11 @@ impl Past {
         [seen.is_some(), seen.is_some_and(|seen| seen != content)]
     }
 
+    /// The records of the last frame.
+    pub(crate) fn records(&self) -> TextureView {
+        self.records.view()
+    }
+
     fn see(&self, content: Option<[u64; 2]>) {
         *self.seen.lock().unwrap_or_else(PoisonError::into_inner) = content;
     }

@@ -19,6 +19,10 @@ pub struct TraceTargets {
     /// Radiance reflected by the glossy lobe towards the camera in rgb, the BRDF included; in a the samples
     /// that the pixel cost, diffuse ones included.
     pub specular: TextureView,
+    /// What is remembered of each pixel's surface, if light of earlier frames is kept: `Rg32Uint`, decoded by
+    /// `package::temporal::record::decode_record`. Among it are how many frames the light is the mean of, and whether
+    /// nothing was known of the surface; zeros where there is none.
+    pub records: Option<TextureView>,
     /// The textures of the two.
     outputs: [Texture; 2],
     size: UVec2,
@@ -133,6 +137,7 @@ impl TraceTargets {
         Self {
             irradiance: outputs[0].view(),
             specular: outputs[1].view(),
+            records: past.as_ref().map(Past::records),
             outputs,
             size,
             resolution: settings.resolution,
