@@ -89,6 +89,11 @@ impl CompositePass {
         Ok(Self { kernel, layout, nothing, no_records: no_records.view() })
     }
 
+    /// In place of records where there are none.
+    pub(crate) fn no_records(&self) -> &TextureView {
+        &self.no_records
+    }
+
     pub(crate) fn targets(
         &self,
         device: &wgpu::Device,

@@ -5,6 +5,7 @@ use lumivox::gpu::ShaderLibrary;
 
 use crate::passes::composite::CompositePass;
 use crate::passes::direct::DirectPass;
+use crate::passes::figures::FiguresPass;
 use crate::passes::gbuffer::GBufferPass;
 use crate::passes::shadow_maps::ShadowMapPass;
 use crate::passes::targets::Targets;
@@ -20,6 +21,8 @@ pub(super) struct Passes {
     pub(super) shadows: Option<ShadowMapPass>,
     pub(super) direct: DirectPass,
     pub(super) composite: CompositePass,
+    /// Once somebody has asked for figures.
+    pub(super) figures: Option<FiguresPass>,
 }
 
 impl Passes {
@@ -37,6 +40,7 @@ impl Passes {
             shadows: None,
             direct: DirectPass::new(device, &shaders, gi)?,
             composite: CompositePass::new(device, &shaders, gi)?,
+            figures: None,
             shaders,
         };
         passes.set_shadows(gpu, scene, settings.shadows)?;

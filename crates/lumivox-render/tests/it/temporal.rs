@@ -169,3 +169,33 @@ fn the_history_grows_until_something_is_uncovered() {
     assert!(median(&moved) > 4.0, "{} frames of the rest", median(&moved));
     assert!(moved.iter().all(|(frames, is_new)| !is_new || *frames == 2.0));
 }
+
+/// The figures are those of the views, at one pixel of each 8x8.
+#[test]
+fn figures_are_sums_of_the_views() {
+    let scene = builtin("cornell");
+    let beside = vec![View::History, View::Cost];
+    let settings = RenderSettings { view: View::Final, beside, ..settings(Preset::Realtime) };
+    let size = settings.size;
+    let mut renderer = renderer(&gpu(), &scene, settings);
+    let figures =
+        |renderer: &mut Renderer| pollster::block_on(renderer.trace_figures()).expect("figures");
+    assert_eq!(figures(&mut renderer), None);
+    (0..3).for_each(|_| drop(frame(&mut renderer)));
+    let shown = figures(&mut renderer).expect("it was traced");
+    let seen = |view| {
+        let pixels = pollster::block_on(renderer.read_beside(view)).expect("it is shown");
+        let pixels = pixels.expect("it was asked for");
+        let rows = (0..size.y as usize).step_by(8);
+        let columns = |y| (0..size.x as usize).step_by(8).map(move |x| (x, y));
+        rows.flat_map(columns).map(|(x, y)| pixels[y * size.x as usize + x][0]).collect::<Vec<_>>()
+    };
+    let [history, cost] = [View::History, View::Cost].map(seen);
+    let known: Vec<f32> = history.into_iter().filter(|frames| *frames > 0.0).collect();
+    let mean = known.iter().sum::<f32>() / known.len() as f32;
+    assert!(known.len() > 30 && (shown.history_frames.unwrap() - mean).abs() < 1e-3, "{shown:?}");
+    // The view has the mean over frames of what was counted, a quarter of which was traced.
+    let samples = 0.25 * cost.iter().sum::<f32>() / cost.len() as f32;
+    let error = shown.samples_per_pixel / samples - 1.0;
+    assert!(samples > 1.0 && error.abs() < 0.1, "{shown:?}, {samples} in the mean");
+}
