@@ -170,6 +170,42 @@ fn the_history_grows_until_something_is_uncovered() {
     assert!(moved.iter().all(|(frames, is_new)| !is_new || *frames == 2.0));
 }
 
+/// A picture of another size goes on from what the last one knew, in both directions.
+#[test]
+fn what_is_known_stays_known_in_another_size() {
+    let scene = builtin("cornell");
+    let camera = orbit(&scene, 0);
+    let [small, large] = [UVec2::new(84, 48), settings(Preset::Fast).size];
+    for (from, to) in [(small, large), (large, small)] {
+        let mut renderer =
+            renderer(&gpu(), &scene, RenderSettings { size: from, ..settings(Preset::Realtime) });
+        renderer.set_camera(camera.clone());
+        (0..12).for_each(|_| drop(frame(&mut renderer)));
+        let resize = |renderer: &mut Renderer, size, preset| {
+            let settings = RenderSettings { size, ..settings(preset) };
+            pollster::block_on(renderer.set_settings(settings, &mut |_| {})).expect("valid");
+        };
+        resize(&mut renderer, to, Preset::Realtime);
+        let resized = frame(&mut renderer);
+        let figures = pollster::block_on(renderer.trace_figures()).expect("figures");
+        let history = figures.and_then(|figures| figures.history_frames).expect("it is kept");
+        assert!(history > 8.0, "{history} frames after 13, at {to}");
+        // Twice, and nothing in between.
+        resize(&mut renderer, from, Preset::Realtime);
+        resize(&mut renderer, to, Preset::Realtime);
+        let again = frame(&mut renderer);
+
+        // Other settings start anew, and so tell what a first frame is like.
+        resize(&mut renderer, to, Preset::Fast);
+        resize(&mut renderer, to, Preset::Realtime);
+        let first = frame(&mut renderer);
+        resize(&mut renderer, to, Preset::Balanced);
+        let truth = (0..48).map(|_| frame(&mut renderer)).last().expect("at least one");
+        let errors = [&resized, &again, &first].map(|picture| rmse(picture, &truth));
+        assert!(errors[..2].iter().all(|error| *error < 0.85 * errors[2]), "{errors:?} at {to}");
+    }
+}
+
 /// The figures are those of the views, at one pixel of each 8x8.
 #[test]
 fn figures_are_sums_of_the_views() {

@@ -225,7 +225,9 @@ impl Tracer {
             if let (Some(past), Some(groups)) = (&targets.past, &slot.temporal) {
                 if let Some(kernels) = self.temporal_kernels.get() {
                     let groups_of = [bound.globals, bound.lights, &bound.gbuffer.group];
-                    past.blend(recorder, kernels, groups, (groups_of, has_changed != 0));
+                    let former = past.former_group(&device, &self.temporal, slot.settings());
+                    let how = (groups_of, has_changed != 0);
+                    past.blend(recorder, kernels, groups, how, former.as_ref());
                 }
             } else if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
                 let UVec2 { x, y } = targets.size();

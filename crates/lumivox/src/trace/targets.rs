@@ -77,6 +77,10 @@ impl Slot for TraceSlot {
 }
 
 impl TraceSlot {
+    pub(super) fn settings(&self) -> &Buffer {
+        &self.settings
+    }
+
     /// Sets what the recording is traced with.
     pub(super) fn set(&self, queue: &wgpu::Queue, settings: &ScreenSettings) {
         queue.write_buffer(&self.settings, 0, bytemuck::bytes_of(settings));
@@ -153,6 +157,15 @@ impl TraceTargets {
     pub fn forget(&self) {
         if let Some(past) = &self.past {
             past.forget();
+        }
+    }
+
+    /// Takes the light of earlier frames over from targets of another size, so that the next frame goes on from theirs: for
+    /// pictures whose size follows the frame rate. Both are of the same [`Gi`](crate::Gi), and
+    /// [`CameraView::frame`](crate::CameraView::frame) goes on counting. Nothing is taken unless both keep it.
+    pub fn take_past(&self, former: &Self) {
+        if let (Some(past), Some(former)) = (&self.past, &former.past) {
+            past.take(former);
         }
     }
 
