@@ -101,7 +101,7 @@ mod tests {
             let environment =
                 Environment { radiance: Vec3::splat(radiance), ..Environment::default() };
             let lighting = Lighting { lights: Vec::new(), environment };
-            super::suits(1.0, Scene::default().bounds(), &Scene::default(), &lighting)
+            suits(1.0, Scene::default().bounds(), &Scene::default(), &lighting)
         };
         assert!(suits(BRIGHTEST) && suits(8.0 * BRIGHTEST) && suits(1.0) && suits(0.0));
         assert!(!suits(9.0 * BRIGHTEST) && !suits(0.4));
