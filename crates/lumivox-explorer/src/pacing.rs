@@ -1,10 +1,11 @@
-//! The size of the next picture: coarse while a scene is new, and while something moves if frames take longer than their
-//! budget.
+//! The size of the next picture: coarse while a scene is new, and while something moves if frames
+//! take longer than their budget.
 //!
-//! Each size has half as many pixels as the next finer one, and takes about half of its time. A coarser one is taken after some
-//! frames over the budget, as much coarser as these ask for, and a finer one only after more frames that would have stayed
-//! well within the budget with twice the pixels: so a single slow frame changes nothing, and sizes do not alternate. What was
-//! found is kept for the next motion. At rest the size is the full one.
+//! Each size has half as many pixels as the next finer one, and takes about half of its time. A
+//! coarser one is taken after some frames over the budget, as much coarser as these ask for, and a
+//! finer one only after more frames that would have stayed well within the budget with twice the
+//! pixels: so a single slow frame changes nothing, and sizes do not alternate. What was found is
+//! kept for the next motion. At rest the size is the full one.
 
 use std::time::Duration;
 

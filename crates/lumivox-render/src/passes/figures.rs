@@ -1,4 +1,5 @@
-//! Figures of a frame for those who watch its speed: sums over one pixel in 64, which cost next to nothing.
+//! Figures of a frame for those who watch its speed: sums over one pixel in 64, which cost next to
+//! nothing.
 
 use glam::UVec2;
 use lumivox::TraceTargets;
@@ -44,8 +45,8 @@ impl FiguresPass {
         Ok(Self { kernel, layout, sums: storage_buffer(device, "figures", 16) })
     }
 
-    /// Adds up what was traced last; `no_records` stands in for records that there are not. The sums are in the buffer once it
-    /// is submitted.
+    /// Adds up what was traced last; `no_records` stands in for records that there are not. The
+    /// sums are in the buffer once it is submitted.
     pub(crate) fn record(
         &self,
         recorder: &mut Recorder,

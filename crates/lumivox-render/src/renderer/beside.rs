@@ -41,7 +41,8 @@ impl BesideView {
     }
 }
 
-/// Adds frame number `frame` of a view to its mean. Of a view of what is known from earlier frames it takes the mean's place.
+/// Adds frame number `frame` of a view to its mean. Of a view of what is known from earlier frames,
+/// it takes the mean's place.
 pub(super) fn add_frame(
     accumulate: &mut AccumulatePass,
     recorder: &mut Recorder,

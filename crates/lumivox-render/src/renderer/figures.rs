@@ -11,11 +11,12 @@ use crate::passes::figures::{FiguresPass, Sums};
 /// Figures of the last frame, over one pixel in 64.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceFigures {
-    /// Cone samples by pixels of the picture. At half resolution those of the pixels that are traced, by four: pixels that are
-    /// traced by themselves are left out.
+    /// Cone samples by pixels of the picture. At half resolution those of the pixels that are
+    /// traced, by four: pixels that are traced by themselves are left out.
     pub samples_per_pixel: f32,
-    /// The frames that the light of a surface is the mean of, on average over the surfaces' pixels. `None` without
-    /// [`TraceSettings::temporal`](lumivox::TraceSettings::temporal), and where there is no surface.
+    /// The frames that the light of a surface is the mean of, on average over the surfaces' pixels.
+    /// `None` without [`TraceSettings::temporal`](lumivox::TraceSettings::temporal), and where
+    /// there is no surface.
     pub history_frames: Option<f32>,
 }
 
