@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use glam::UVec2;
-use lumivox_render::{Metering, Photometry, Picture, RenderProgress};
+use lumivox_render::{Metering, Photometry, Picture, RenderProgress, TraceFigures};
 use web_time::Instant;
 
 use crate::{Explorer, ExplorerError};
@@ -159,6 +159,16 @@ impl Explorer {
     pub async fn probe(&self, pixel: UVec2) -> Result<Option<Photometry>, ExplorerError> {
         let Some(renderer) = &self.renderer else { return Ok(None) };
         Ok(renderer.photometry(pixel).await?)
+    }
+
+    /// What the cones of the last frame cost, and how long its light is known; see
+    /// [`lumivox_render::Renderer::trace_figures`].
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn trace_figures(&mut self) -> Result<Option<TraceFigures>, ExplorerError> {
+        let Some(renderer) = &mut self.renderer else { return Ok(None) };
+        Ok(renderer.trace_figures().await?)
     }
 
     /// Measures the frames so far: the stops that the exposure asks for, and a warning if something

@@ -89,7 +89,7 @@ pub use names::NotFound;
 pub use objects::Placement;
 pub use opened::{PreparedScene, first_look};
 pub use original::Original;
-pub use pacing::{Pacing, REST};
+pub use pacing::{FRAME_BUDGET_MS, LONGEST_BUDGET_MS, Pacing, REST};
 pub use split::{Side, SplitSchedule};
 use update::Pending;
 
@@ -143,6 +143,8 @@ pub struct Explorer {
     /// Whether each frame is waited for at its end instead of at the start of the next. Default:
     /// yes.
     pub waits_for_gpu: bool,
+    /// The sizes of pictures while something moves, for front ends that ask it.
+    pub pacing: Pacing,
     playback: Playback,
     renderer: Option<Renderer>,
     pending: Pending,
@@ -174,6 +176,7 @@ impl Explorer {
             revoxelize: Revoxelize::default(),
             is_single_frame: false,
             waits_for_gpu: true,
+            pacing: Pacing::default(),
             playback: Playback::default(),
             renderer: None,
             pending: Pending::default(),

@@ -1,48 +1,110 @@
-//! The size of the next picture: coarse while a scene is new, and while the camera moves if frames
-//! are slow.
+//! The size of the next picture: coarse while a scene is new, and while something moves if frames
+//! take longer than their budget.
+//!
+//! Each size has half as many pixels as the next finer one, and takes about half of its time. A
+//! coarser one is taken after some frames over the budget, as much coarser as these ask for, and a
+//! finer one only after more frames that would have stayed well within the budget with twice the
+//! pixels: so a single slow frame changes nothing, and sizes do not alternate. What was found is
+//! kept for the next motion. At rest the size is the full one.
 
 use std::time::Duration;
 
 use glam::UVec2;
 use web_time::Instant;
 
-/// The camera is at rest when it has not moved for this long.
+/// The scene is at rest when nothing has changed for this long since the last change was seen.
 pub const REST: Duration = Duration::from_millis(300);
 
-/// The divisor of the edges of the coarsest pictures.
+/// The default of [`Pacing::budget_ms`]: 30 frames a second.
+pub const FRAME_BUDGET_MS: f32 = 33.0;
+
+/// The longest budget, ms: who waits that long for a frame wants the whole picture.
+pub const LONGEST_BUDGET_MS: f32 = 10_000.0;
+
+/// The coarsest step: a sixteenth of the pixels.
 const COARSEST: u32 = 4;
 
+/// Frames over the budget before pictures become coarser.
+const COARSER_AFTER: u32 = 3;
+/// Frames below it before they become finer.
+const FINER_AFTER: u32 = 8;
+/// The share of the budget that the finer picture may take.
+const HEADROOM: f32 = 0.8;
+
 /// Chooses the size of the next picture.
+#[allow(clippy::struct_excessive_bools)] // Each is one thing that was noted.
 #[derive(Clone, Copy, Debug)]
 pub struct Pacing {
-    /// Whether pictures may be coarser while the camera moves. Default: yes.
-    pub is_allowed: bool,
-    moved: Option<Instant>,
+    /// The time that a frame may take while something moves, in milliseconds, up to
+    /// [`LONGEST_BUDGET_MS`]; at 0 pictures are never coarser. Default: [`FRAME_BUDGET_MS`]. Lower:
+    /// smoother motion, with fewer pixels.
+    pub budget_ms: f32,
+    /// When the last change was seen, or made if no frame has shown it yet.
+    changed: Option<Instant>,
+    /// Whether a frame has yet to show the last change.
+    is_awaited: bool,
+    /// Whether the last change was part of a motion.
+    is_motion: bool,
     is_first: bool,
-    full_frame: Duration,
+    /// The step of pictures in motion: each has half as many pixels as the one before.
+    step: u32,
+    /// The step of the present picture.
+    shown: u32,
+    /// Whether the present frame is the first one of its size.
+    is_resized: bool,
+    /// Frames in a row that were over the budget, or well below it.
+    over: u32,
+    below: u32,
 }
 
 impl Default for Pacing {
     fn default() -> Self {
-        Self { is_allowed: true, moved: None, is_first: false, full_frame: Duration::ZERO }
+        Self {
+            budget_ms: FRAME_BUDGET_MS,
+            changed: None,
+            is_awaited: false,
+            is_motion: false,
+            is_first: false,
+            step: 0,
+            shown: 0,
+            is_resized: false,
+            over: 0,
+            below: 0,
+        }
     }
 }
 
 impl Pacing {
-    /// Notes that the user moved the camera.
-    pub fn camera_moved(&mut self) {
-        self.moved = Some(Instant::now());
+    /// Notes that the user drags the camera.
+    pub fn camera_dragged(&mut self) {
+        self.note_change(true);
     }
 
-    /// Whether the camera was moved within the last [`REST`].
+    /// Notes that the camera, lights, objects or time have changed. A motion is a change that
+    /// follows another one within [`REST`].
+    pub fn scene_changed(&mut self) {
+        self.note_change(self.has_just_changed());
+    }
+
+    fn note_change(&mut self, is_motion: bool) {
+        self.changed = Some(Instant::now());
+        self.is_awaited = true;
+        self.is_motion = is_motion;
+    }
+
+    fn has_just_changed(&self) -> bool {
+        self.changed.is_some_and(|changed| changed.elapsed() < REST)
+    }
+
+    /// Whether something is moving, or came to rest less than [`REST`] ago.
     pub fn is_moving(&self) -> bool {
-        self.moved.is_some_and(|moved| moved.elapsed() < REST)
+        self.is_motion && self.has_just_changed()
     }
 
     /// Notes that another scene was opened: its first picture is a coarse one, so that something is
     /// visible soon.
     pub fn scene_opened(&mut self) {
-        self.is_first = true;
+        *self = Self { budget_ms: self.budget_ms, is_first: true, ..Self::default() };
     }
 
     /// Notes that the first picture of a scene is shown, or is not wanted.
@@ -56,61 +118,143 @@ impl Pacing {
         self.is_first
     }
 
-    /// Notes the time of a frame of full size.
+    /// Notes the time of a frame of the last [`Self::next_size`].
     pub fn note_frame(&mut self, duration: Duration) {
-        self.full_frame = duration;
+        if std::mem::take(&mut self.is_awaited) {
+            self.changed = Some(Instant::now());
+        }
+        // The first frame of a size makes its textures.
+        if std::mem::take(&mut self.is_resized) || self.is_first || self.budget_ms <= 0.0 {
+            return;
+        }
+        // What a picture of the size in motion takes, by its pixels.
+        let ms = duration.as_secs_f32() * 1e3 * pixels(self.step) / pixels(self.shown);
+        let is_over = ms > self.budget_ms;
+        // Frames at rest lack what only motion costs.
+        let is_below = self.is_moving() && 2.0 * ms < HEADROOM * self.budget_ms;
+        self.over = if is_over { self.over + 1 } else { 0 };
+        self.below = if is_below { self.below + 1 } else { 0 };
+        if self.over == COARSER_AFTER {
+            let steps = (ms / self.budget_ms).log2().ceil().max(1.0) as u32;
+            self.step = self.step.saturating_add(steps).min(COARSEST);
+        } else if self.below == FINER_AFTER {
+            self.step = self.step.saturating_sub(1);
+        } else {
+            return;
+        }
+        (self.over, self.below) = (0, 0);
     }
 
     /// Whether the next picture has fewer pixels than its final size.
     pub fn is_coarse(&self) -> bool {
-        self.divisor() > 1
+        self.next_step() > 0
+    }
+
+    /// The width and height of the present picture as a share of its final size.
+    pub fn scale(&self) -> f32 {
+        pixels(self.shown).sqrt()
     }
 
     /// The size of the next picture, px.
-    pub fn size(&self, full: UVec2) -> UVec2 {
-        (full / self.divisor()).max(UVec2::ONE)
+    pub fn next_size(&mut self, full: UVec2) -> UVec2 {
+        let step = self.next_step();
+        self.is_resized |= step != self.shown;
+        self.shown = step;
+        (full.as_vec2() * self.scale()).round().as_uvec2().max(UVec2::ONE)
     }
 
-    fn divisor(&self) -> u32 {
+    fn next_step(&self) -> u32 {
         if self.is_first {
             return COARSEST;
         }
-        if !self.is_allowed || !self.is_moving() {
-            return 1;
-        }
-        divisor(self.full_frame)
+        if self.budget_ms > 0.0 && self.is_moving() { self.step } else { 0 }
     }
 }
 
-/// The divisor of the edges for a frame time at full size. From 100 ms on, a user sees single
-/// pictures; a quarter of the pixels takes about a quarter of the time.
-fn divisor(full_frame: Duration) -> u32 {
-    match full_frame.as_millis() {
-        0..100 => 1,
-        100..400 => 2,
-        _ => COARSEST,
-    }
+/// The share of the pixels at a step.
+fn pixels(step: u32) -> f32 {
+    0.5_f32.powi(step as i32)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const FULL: UVec2 = UVec2::new(640, 2);
+
+    /// The widths of pictures in a motion whose frames take so many milliseconds at full size.
+    fn widths(pacing: &mut Pacing, full_ms: impl IntoIterator<Item = f32>) -> Vec<u32> {
+        let frames = full_ms.into_iter().map(|ms| {
+            pacing.camera_dragged();
+            let size = pacing.next_size(FULL);
+            pacing.note_frame(Duration::from_secs_f32(1e-3 * ms * pacing.scale().powi(2)));
+            size.x
+        });
+        frames.collect()
+    }
+
     #[test]
-    fn slow_pictures_become_coarser_while_the_camera_moves() {
-        assert_eq!([20, 150, 1000].map(|ms| divisor(Duration::from_millis(ms))), [1, 2, 4]);
-        let full = UVec2::new(640, 2);
+    fn slow_frames_make_the_motion_coarser_and_it_stays_so() {
         let mut pacing = Pacing::default();
-        pacing.note_frame(Duration::from_secs(1));
-        assert_eq!((pacing.size(full), pacing.is_coarse()), (full, false));
-        pacing.camera_moved();
-        assert_eq!((pacing.size(full), pacing.is_coarse()), (UVec2::new(160, 1), true));
-        pacing.is_allowed = false;
-        assert_eq!(pacing.size(full), full);
+        let slow = widths(&mut pacing, [100.0; 60]);
+        // 25 ms of 33 at a quarter of the pixels; half of them would take 50.
+        assert_eq!(slow[..4], [640, 640, 640, 320]);
+        assert!(slow[4..].iter().all(|width| *width == 320), "{slow:?}");
+        // At rest, all pixels; in the next motion, at once those of the last one.
+        pacing.changed = pacing.changed.and_then(|changed| changed.checked_sub(REST));
+        assert_eq!((pacing.next_size(FULL), pacing.is_coarse()), (FULL, false));
+        assert_eq!(widths(&mut pacing, [100.0]), [320]);
+        // What is seen at rest makes it coarser, but not finer.
+        for (ms, width) in [(1.0, 320), (1000.0, 160)] {
+            pacing.is_motion = false;
+            for _ in 0..40 {
+                assert_eq!(pacing.next_size(FULL), FULL);
+                pacing.note_frame(Duration::from_secs_f32(1e-3 * ms));
+            }
+            pacing.camera_dragged();
+            assert_eq!(pacing.next_size(FULL).x, width);
+        }
+    }
+
+    #[test]
+    fn sizes_do_not_alternate() {
+        // A slow frame now and then changes nothing.
+        let mut pacing = Pacing::default();
+        let spikes = widths(&mut pacing, (0..60).map(|i| if i % 3 == 0 { 500.0 } else { 20.0 }));
+        assert!(spikes.iter().all(|width| *width == 640), "{spikes:?}");
+        // Whatever frames take, a motion of even cost comes to one size.
+        for ms in (5..600).step_by(5) {
+            let mut pacing = Pacing::default();
+            let all = widths(&mut pacing, [ms as f32; 80]);
+            let changes = all.windows(2).filter(|pair| pair[0] != pair[1]).count();
+            assert!(changes <= 1, "{ms} ms: {all:?}");
+            let is_within = ms as f32 * pacing.scale().powi(2) <= pacing.budget_ms;
+            assert!(is_within || all[79] == 160, "{ms} ms: {all:?}");
+        }
+        // Once it is cheap again, it becomes finer step by step.
+        let mut pacing = Pacing::default();
+        widths(&mut pacing, [400.0; 10]);
+        let cheap = widths(&mut pacing, [10.0; 60]);
+        assert!(cheap[0] == 160 && cheap.is_sorted() && cheap[59] == 640, "{cheap:?}");
+        assert!(cheap[..FINER_AFTER as usize].iter().all(|width| *width == 160));
+    }
+
+    #[test]
+    fn a_single_change_is_no_motion() {
+        let mut pacing = Pacing { step: 2, ..Pacing::default() };
+        pacing.scene_changed();
+        assert!(!pacing.is_moving() && !pacing.is_coarse());
+        // However long the frame took that shows it, the next change is one of a motion.
+        pacing.changed = pacing.changed.and_then(|changed| changed.checked_sub(2 * REST));
+        pacing.note_frame(2 * REST);
+        pacing.scene_changed();
+        assert!(pacing.is_moving() && pacing.is_coarse());
+        pacing.budget_ms = 0.0;
+        assert_eq!((pacing.is_moving(), pacing.next_size(FULL)), (true, FULL));
         // The first picture of a scene is always coarse.
         pacing.scene_opened();
-        assert_eq!(pacing.size(full), UVec2::new(160, 1));
+        assert_eq!((pacing.next_size(FULL).x, pacing.budget_ms), (160, 0.0));
         pacing.first_shown();
-        assert_eq!(pacing.size(full), full);
+        assert_eq!(pacing.next_size(FULL), FULL);
     }
 }

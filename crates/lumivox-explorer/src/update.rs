@@ -24,6 +24,13 @@ pub(crate) struct Pending {
     pub(crate) voxels: bool,
 }
 
+impl Pending {
+    /// Whether the picture changes: voxels alone may be made again all the time.
+    fn changes_the_picture(&self) -> bool {
+        self.lights || self.shapes || self.materials || !self.objects.is_empty()
+    }
+}
+
 impl Explorer {
     /// Requests new voxels at the next update.
     pub fn ask_for_voxels(&mut self) {
@@ -102,6 +109,9 @@ impl Explorer {
         self.accepted_preset = self.preset;
         self.history.accept();
         let pending = std::mem::take(&mut self.pending);
+        if pending.changes_the_picture() || *renderer.camera() != self.camera {
+            self.pacing.scene_changed();
+        }
         if let Err(error) = show(renderer, scene, pending, self.revoxelize, progress).await {
             // The renderer may be in any state now: the next one is made from the present scene.
             self.renderer = None;

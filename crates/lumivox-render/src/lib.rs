@@ -60,10 +60,11 @@ pub use picture::srgb::srgb_encode;
 pub use picture::tone_map::{EV100_RANGE, ExposureWarning, Histogram, Metering};
 pub use picture::{ImageFormat, Picture};
 pub use renderer::estimate::MemoryEstimate;
-pub use renderer::{Photometry, RenderProgress, Renderer, global_illumination};
+pub use renderer::{Photometry, RenderProgress, Renderer, TraceFigures, global_illumination};
 pub use scene::{GpuScene, Lighting, radiance_unit};
 pub use settings::parameters;
 pub use settings::preset::{AddedPreset, Companions, PresetChoice};
 pub use settings::{
-    COST_SCALE_SAMPLES, Exposure, PHYSICAL, RenderSettings, ShadowMethod, ToneMap, View,
+    COST_SCALE_SAMPLES, Exposure, HISTORY_SCALE_FRAMES, PHYSICAL, RenderSettings, ShadowMethod,
+    ToneMap, View,
 };

@@ -98,7 +98,7 @@ impl Look for VxctSettings {
 
     /// It has no octree to show.
     fn shows(&self, view: View) -> bool {
-        !view.needs_octree()
+        !view.needs_octree() && !view.needs_past()
     }
 
     fn last_level(&self) -> u32 {

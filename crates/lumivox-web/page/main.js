@@ -403,7 +403,7 @@ function resize() {
     byId("scale-value").textContent = plain(share);
     const scale = Math.min(devicePixelRatio * share, LARGEST_PX / Math.max(clientWidth, clientHeight));
     const [width, height] = [clientWidth, clientHeight].map((side) => Math.max(1, Math.round(side * scale)));
-    void attempt(ask("resize", { width, height, coarser: byId("coarser", HTMLInputElement).checked }));
+    void attempt(ask("resize", { width, height }));
     const isUpright = aspect < 1;
     aspect = clientWidth / clientHeight;
     if (isUpright || aspect < 1) sendCamera(false);
@@ -427,6 +427,9 @@ function listenToWorker() {
         addReport(report);
         probe.look();
         showSteps(report);
+        // A line of the console may have set it.
+        const budget = byId("budget", HTMLInputElement);
+        if (document.activeElement !== budget) budget.value = plain(report.budget_ms);
         byId("hint").hidden = !report.emission_alone;
         void measure();
         [last, waitedSince] = [report, performance.now()];
@@ -487,7 +490,11 @@ function fillPanel() {
     for (const button of document.querySelectorAll("[data-add]")) {
         button.addEventListener("click", () => void addLight(button.getAttribute("data-add")));
     }
-    for (const id of ["scale", "coarser"]) byId(id).addEventListener("input", resize);
+    byId("scale").addEventListener("input", resize);
+    const budget = byId("budget", HTMLInputElement);
+    budget.addEventListener("change", () => {
+        if (budget.validity.valid) void attempt(ask("budget", budget.valueAsNumber));
+    });
 }
 
 /** Strength and turn of a panorama, as a link has them. @param {LinkState} linked */

@@ -31,3 +31,13 @@ export function statusText({ frame, frames, frame_ms, complete, reference_sample
     if (waited > PATIENCE_MS) parts.push(`waiting for ${frame < frames ? `frame ${frame + 1}` : "the reference"} for ${seconds(waited)}`);
     return parts.join(" · ");
 }
+
+/** The line of times, budget, scale and figures.
+ * @param {FrameReport} report the last frame's @param {number} count of frames @param {number} mean of their times, ms */
+export function timesText({ frame_ms, budget_ms, scale, samples_per_pixel, history_frames }, count, mean) {
+    const parts = [`Frame ${milliseconds(frame_ms)}, mean of ${count} ${milliseconds(mean)}`];
+    if (budget_ms > 0) parts.push(`budget ${milliseconds(budget_ms)}, scale ${Math.round(100 * scale)} %`);
+    if (samples_per_pixel !== undefined) parts.push(`${Math.round(samples_per_pixel)} cone samples a pixel`);
+    if (history_frames !== undefined) parts.push(`light of ${history_frames.toFixed(1)} frames`);
+    return parts.join(" · ");
+}

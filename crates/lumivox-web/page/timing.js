@@ -2,7 +2,7 @@
 // Times of frames and stages: bars of the last frames, stage over stage, and the last one's numbers.
 
 import { byId, h, mebibytes } from "./dom.js";
-import { milliseconds } from "./status.js";
+import { milliseconds, timesText } from "./status.js";
 
 /** @typedef {import("./types.js").FrameReport} FrameReport */
 /** @typedef {import("./types.js").Memory} Memory */
@@ -44,7 +44,7 @@ function show() {
     const last = reports.at(-1);
     if (!last) return;
     const mean = reports.reduce((sum, report) => sum + report.frame_ms, 0) / reports.length;
-    byId("times").textContent = `Frame ${milliseconds(last.frame_ms)}, mean of ${reports.length} ${milliseconds(mean)}`;
+    byId("times").textContent = timesText(last, reports.length, mean);
     chart();
     const rows = last.stages.map(({ name, ms }) => {
         const mark = h("i");

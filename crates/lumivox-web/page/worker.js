@@ -197,10 +197,13 @@ const calls = {
         if (data.number !== number) return;
         place = data;
     },
-    /** @param {{ width: number, height: number, coarser: boolean }} data */
-    async resize({ width, height, coarser }) {
-        await renderer.setCoarseMotion(coarser);
+    /** @param {{ width: number, height: number }} data */
+    async resize({ width, height }) {
         await renderer.resize(width, height);
+    },
+    /** @param {number} milliseconds */
+    async budget(milliseconds) {
+        await renderer.setFrameBudget(milliseconds);
     },
     /** @param {Split | null} split */
     async split(split) {

@@ -75,12 +75,12 @@ impl Session {
             self.console.explorer.set_camera(place);
         }
         self.meter = ExposureMeter::default();
-        self.pacing.scene_opened();
+        self.console.explorer.pacing.scene_opened();
         self.picker = None;
         self.follow_light();
         self.change();
         let shown = self.preview(listener).await;
-        self.pacing.first_shown();
+        self.console.explorer.pacing.first_shown();
         shown?;
         self.update(listener).await
     }
@@ -88,8 +88,8 @@ impl Session {
     /// Renders a first picture of few pixels and voxels, since the full one takes time.
     async fn preview(&mut self, listener: &Listener) -> Result<(), WebError> {
         let asked = RenderSettings { view: self.view, ..self.console.explorer.settings().clone() };
-        let coarse =
-            RenderSettings { size: self.pacing.size(self.full_size()), ..first_look(&asked) };
+        let size = self.console.explorer.pacing.next_size(self.full_size());
+        let coarse = RenderSettings { size, ..first_look(&asked) };
         if !self.view.is_light() || self.console.explorer.set_settings(coarse).is_err() {
             return Ok(());
         }

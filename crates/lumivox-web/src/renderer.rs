@@ -288,7 +288,7 @@ impl Renderer {
     }
 
     /// Moves the camera; the picture starts again. With `moving`, pictures have fewer pixels for a
-    /// moment if frames are slow, so that dragging stays responsive.
+    /// moment if frames take longer than their budget, so that dragging stays responsive.
     #[wasm_bindgen(js_name = setCamera)]
     pub async fn set_camera(
         &self,
@@ -300,10 +300,12 @@ impl Renderer {
         Ok(session.set_camera(&camera, moving.unwrap_or(false))?)
     }
 
-    /// Sets whether pictures may have fewer pixels while the camera moves. Default: yes.
-    #[wasm_bindgen(js_name = setCoarseMotion)]
-    pub async fn set_coarse_motion(&self, coarse: bool) {
-        self.session().await.pacing.is_allowed = coarse;
+    /// Sets the milliseconds that a frame may take while something moves, from 0 to 10 000. If frames
+    /// take longer, pictures have fewer pixels until the scene has been at rest for a moment; at 0
+    /// never. Default: 33.
+    #[wasm_bindgen(js_name = setFrameBudget)]
+    pub async fn set_frame_budget(&self, milliseconds: f32) -> Result<(), JsValue> {
+        Ok(self.session().await.set_frame_budget(milliseconds)?)
     }
 
     /// Changes the light of this number in `scene().lights`.

@@ -6,8 +6,8 @@ export interface Settings {
   exposure?: number | "auto" | "auto-each";
   /** Curve from radiance to the screen's range: neutral, aces, linear or raw. Default: neutral. */
   tone_map?: "neutral" | "aces" | "linear" | "raw";
-  /** What the picture shows: final, direct, indirect, diffuse, specular, occlusion, shadow, albedo, normal, depth, cost, voxels, lit, nodes, bricks, lod or wire-voxels. Default: final. */
-  view?: "final" | "direct" | "indirect" | "diffuse" | "specular" | "occlusion" | "shadow" | "albedo" | "normal" | "depth" | "cost" | "voxels" | "lit" | "nodes" | "bricks" | "lod" | "wire-voxels";
+  /** What the picture shows: final, direct, indirect, diffuse, specular, occlusion, shadow, albedo, normal, depth, cost, history, disocclusion, voxels, lit, nodes, bricks, lod or wire-voxels. Default: final. */
+  view?: "final" | "direct" | "indirect" | "diffuse" | "specular" | "occlusion" | "shadow" | "albedo" | "normal" | "depth" | "cost" | "history" | "disocclusion" | "voxels" | "lit" | "nodes" | "bricks" | "lod" | "wire-voxels";
   /** Level of the shown voxels; 0 is the finest: a whole number from 0 to 10. Default: 0. */
   level?: number;
   /** Edges of triangles over the picture: only visible ones, or all: off, over or through. Default: off. */

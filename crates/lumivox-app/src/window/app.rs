@@ -308,7 +308,6 @@ impl App {
     /// All of the window.
     pub fn show(&mut self, ui: &mut Ui) {
         let model = self.published.model.clone();
-        self.outbox.set_coarse(self.config.coarse_motion);
         if let Some((number, line)) = &model.command_line
             && *number != self.seen.command_lines
         {

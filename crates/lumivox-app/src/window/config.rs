@@ -7,8 +7,8 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use lumivox_explorer::Explorer;
 use lumivox_explorer::parameters::{PARAMETERS, Parameter, find_parameter, find_preset};
+use lumivox_explorer::{Explorer, FRAME_BUDGET_MS, LONGEST_BUDGET_MS};
 use lumivox_render::PresetChoice;
 use serde::{Deserialize, Serialize};
 
@@ -32,8 +32,8 @@ pub struct Config {
     pub console: bool,
     /// The picture has half as many pixels along each edge as there is room for.
     pub half_size: bool,
-    /// The picture has fewer pixels while the camera moves, if frames take long.
-    pub coarse_motion: bool,
+    /// The time that a frame may take while something moves, ms; 0: pictures are never coarser.
+    pub frame_budget_ms: f32,
     /// How fast the camera flies, as a multiple of what fits the scene.
     pub speed: f32,
     /// Scenes, the newest first, as `load` takes them.
@@ -67,7 +67,7 @@ impl Default for Config {
             right: true,
             console: true,
             half_size: false,
-            coarse_motion: true,
+            frame_budget_ms: FRAME_BUDGET_MS,
             speed: 1.0,
             recent: Vec::new(),
             preset: None,
@@ -137,6 +137,7 @@ impl Config {
     /// Gives an explorer the settings that were kept, except for those that the command line gives; if it names a preset,
     /// none.
     pub fn apply(&mut self, explorer: &mut Explorer, given: &[Given], names_preset: bool) {
+        explorer.pacing.budget_ms = self.frame_budget_ms.clamp(0.0, LONGEST_BUDGET_MS);
         for (parameter, _) in given {
             let value = parameter.get(explorer.settings()).to_string();
             self.once.values.insert(parameter.name, value);
@@ -176,6 +177,7 @@ impl Config {
 
     /// Keeps the settings that differ from the preset's.
     pub fn keep_settings(&mut self, model: &super::model::Model) {
+        self.frame_budget_ms = model.pacing.budget_ms;
         // What the command line asked for and nobody has changed since was for once.
         if self.once.preset == Some(model.preset) {
             return;

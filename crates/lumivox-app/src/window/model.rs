@@ -5,8 +5,10 @@ use std::time::Instant;
 
 use glam::{Mat4, UVec2, Vec2, Vec3};
 use lumivox_console::{Console, Names};
-use lumivox_explorer::{Explorer, Placement, Playback, Revoxelize};
-use lumivox_render::{Histogram, MemoryUse, Photometry, PresetChoice, RenderSettings};
+use lumivox_explorer::{Explorer, Pacing, Placement, Playback, Revoxelize};
+use lumivox_render::{
+    Histogram, MemoryUse, Photometry, PresetChoice, RenderSettings, TraceFigures,
+};
 use lumivox_scene::{Bounds, Camera, Light, Material};
 
 use super::screen::Pixels;
@@ -42,6 +44,8 @@ pub struct Model {
     pub has_position: [bool; 2],
     /// What plays.
     pub playback: Playback,
+    /// The picture's size in motion.
+    pub pacing: Pacing,
     /// When voxels are made anew.
     pub revoxelize: Revoxelize,
     /// Which object or light is chosen.
@@ -62,6 +66,8 @@ pub struct Model {
     pub memory: Vec<MemoryUse>,
     /// Times of the last frames.
     pub frames: Arc<Vec<FrameTime>>,
+    /// What the last frame's cones cost, and how long its light is known.
+    pub figures: Option<TraceFigures>,
     /// Frames in the mean.
     pub frame_count: u32,
     /// What is under way.

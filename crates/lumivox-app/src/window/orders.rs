@@ -29,8 +29,6 @@ pub enum Order {
     Probe(Vec2),
     /// Take times of stages, or not.
     Timed(bool),
-    /// Fewer pixels while the camera moves, or not.
-    Coarse(bool),
     /// The window draws with this device.
     Device(GpuId),
     /// The user wants the command line that reproduces the picture.

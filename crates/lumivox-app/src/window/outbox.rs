@@ -29,7 +29,6 @@ pub struct Outbox {
     size: UVec2,
     device: Option<GpuId>,
     is_timed: bool,
-    is_coarse: bool,
 }
 
 impl Outbox {
@@ -43,7 +42,6 @@ impl Outbox {
             size: UVec2::ZERO,
             device: None,
             is_timed: false,
-            is_coarse: true,
         }
     }
 
@@ -104,14 +102,6 @@ impl Outbox {
         if is_timed != self.is_timed {
             self.is_timed = is_timed;
             self.order(Order::Timed(is_timed));
-        }
-    }
-
-    /// Lets pictures be coarser while the camera moves, or not.
-    pub fn set_coarse(&mut self, is_coarse: bool) {
-        if is_coarse != self.is_coarse {
-            self.is_coarse = is_coarse;
-            self.order(Order::Coarse(is_coarse));
         }
     }
 

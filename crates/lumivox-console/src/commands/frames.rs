@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use lumivox_explorer::LONGEST_BUDGET_MS;
 use lumivox_render::RenderProgress;
 use web_time::Instant;
 
@@ -33,6 +34,28 @@ pub const TABLE: &[Command] = &[
         run: Now(|_, arguments| {
             let text = arguments.first().copied().unwrap_or_default();
             Ok(Reply::ask(Effect::Wait(number(text, "frames", 0..=LONGEST_WAIT)?)))
+        }),
+        ..FRAMES
+    },
+    Command {
+        name: "frame_budget",
+        usage: "[MS]",
+        count: (0, 1),
+        takes: &[Takes::Anything],
+        summary: "Set the milliseconds that a frame may take while something moves, or print them",
+        details: "From 0 to 10000; at 0 pictures are never coarser. The default is 33. If frames take longer, the window and the page \
+                  show pictures of half as many pixels, or a quarter, an eighth, a sixteenth, until nothing has moved for 0.3 s. No \
+                  effect on other pictures.",
+        example: "frame_budget 16",
+        sets: Some(1),
+        edits: Edits::Nothing,
+        run: Now(|console, arguments| {
+            let budget_ms = &mut console.explorer.pacing.budget_ms;
+            let Some(text) = arguments.first() else {
+                return Ok(Reply::say(format!("frame_budget {budget_ms}")));
+            };
+            *budget_ms = number(text, "the time in milliseconds", 0.0..=LONGEST_BUDGET_MS)?;
+            Ok(Reply::default())
         }),
         ..FRAMES
     },

@@ -1,7 +1,7 @@
 //! The command `script`: the commands that lead to the present picture.
 
-use lumivox_explorer::Revoxelize;
 use lumivox_explorer::parameters::{Parameter, find_parameter};
+use lumivox_explorer::{FRAME_BUDGET_MS, Revoxelize};
 use lumivox_scene::{Light, Scene};
 
 use super::{animation, camera, files, lights, materials, objects, parameters, voxels};
@@ -40,6 +40,10 @@ fn lines(console: &Console) -> Vec<String> {
     lines.extend(differing.into_iter().map(line));
     if explorer.revoxelize != Revoxelize::WhenMoved {
         lines.push(voxels::revoxelize_line(explorer.revoxelize));
+    }
+    let budget_ms = explorer.pacing.budget_ms;
+    if budget_ms.to_bits() != FRAME_BUDGET_MS.to_bits() {
+        lines.push(format!("frame_budget {budget_ms}"));
     }
     let (Some(scene), Some(opening)) = (explorer.scene(), console.scene_request()) else {
         return lines;

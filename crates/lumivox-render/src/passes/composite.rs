@@ -40,6 +40,8 @@ pub struct CompositePass {
     layout: wgpu::BindGroupLayout,
     /// Takes the place of group 0: compositing does not use the volume.
     nothing: BindGroup,
+    /// Takes the place of records where no light of earlier frames is kept.
+    no_records: TextureView,
 }
 
 /// One frame's picture.
@@ -63,6 +65,7 @@ impl CompositePass {
         let layout = LayoutBuilder::compute().uniform();
         let layout = (0..5)
             .fold(layout, |layout, _| layout.texture_2d_unfilterable())
+            .texture(wgpu::TextureViewDimension::D2, wgpu::TextureSampleType::Uint)
             .storage_texture(wgpu::TextureViewDimension::D2, PICTURE_FORMAT)
             .storage_texture_in_place(ILLUMINANCE_FORMAT)
             .build(device, "composite");
@@ -70,7 +73,25 @@ impl CompositePass {
         let groups = [&nothing, &layout, gi.lights_layout(), gi.gbuffer_layout()];
         let kernel = Kernel::new(device, shaders, "render::passes::composite", "main", &groups)?;
         let nothing = BindGroupBuilder::new(&nothing).build(device, "nothing");
-        Ok(Self { kernel, layout, nothing })
+        let no_records = Texture::new(
+            device,
+            &wgpu::TextureDescriptor {
+                label: Some("no records"),
+                size: wgpu::Extent3d::default(),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rg32Uint,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            },
+        );
+        Ok(Self { kernel, layout, nothing, no_records: no_records.view() })
+    }
+
+    /// In place of records where there are none.
+    pub(crate) fn no_records(&self) -> &TextureView {
+        &self.no_records
     }
 
     pub(crate) fn targets(
@@ -92,6 +113,7 @@ impl CompositePass {
             .view(&traced.irradiance)
             .view(&traced.specular)
             .view(&gbuffer.tint)
+            .view(traced.records.as_ref().unwrap_or(&self.no_records))
             .view(&picture)
             .view(&illuminance.view())
             .build(device, "composite");

@@ -2,10 +2,11 @@
 // a surface.
 
 import package::constants::{
-    VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_INDIRECT, VIEW_NORMAL,
-    VIEW_OCCLUSION, VIEW_SHADOW, VIEW_SPECULAR,
+    VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_DISOCCLUSION, VIEW_HISTORY,
+    VIEW_INDIRECT, VIEW_NORMAL, VIEW_OCCLUSION, VIEW_SHADOW, VIEW_SPECULAR,
 };
 import package::environment::environment_background;
+import package::temporal::record::decode_record;
 import package::trace::brdf::{fresnel_schlick, PI};
 import package::trace::coat::{below_coat, load_coat};
 import package::trace::gbuffer::{
@@ -37,9 +38,11 @@ struct CompositeSettings {
 // The light that coloured glass in front lets through, in rgb; one white texel if the scene has
 // none.
 @group(1) @binding(5) var tint: texture_2d<f32>;
-@group(1) @binding(6) var picture: texture_storage_2d<rgba32float, write>;
+// What is remembered of the surfaces; one texel of zeros if nothing is.
+@group(1) @binding(6) var records: texture_2d<u32>;
+@group(1) @binding(7) var picture: texture_storage_2d<rgba32float, write>;
 // The mean over frames of the illuminance at the surface; negative where there is none.
-@group(1) @binding(7) var illuminance: texture_storage_2d<r32float, read_write>;
+@group(1) @binding(8) var illuminance: texture_storage_2d<r32float, read_write>;
 
 // Irradiance in rgb, openness in a.
 fn traced_irradiance(pixel: vec2u) -> vec4f {
@@ -105,6 +108,12 @@ fn shade(pixel: vec2u, surface: Surface) -> vec3f {
         case VIEW_COST: {
             return vec3f(traced_specular(pixel).a);
         }
+        case VIEW_HISTORY: {
+            return vec3f(decode_record(textureLoad(records, pixel, 0).xy).frames);
+        }
+        case VIEW_DISOCCLUSION: {
+            return vec3f(f32(decode_record(textureLoad(records, pixel, 0).xy).is_new));
+        }
         default: {
             return direct_light(pixel, surface) + indirect_light(pixel, surface);
         }
@@ -114,7 +123,8 @@ fn shade(pixel: vec2u, surface: Surface) -> vec3f {
 // The tint of views that show light on its way to the camera.
 fn tint_at(pixel: vec2u) -> vec3f {
     switch composite_settings.shown {
-        case VIEW_DIFFUSE, VIEW_OCCLUSION, VIEW_SHADOW, VIEW_ALBEDO, VIEW_NORMAL, VIEW_DEPTH, VIEW_COST: {
+        case VIEW_DIFFUSE, VIEW_OCCLUSION, VIEW_SHADOW, VIEW_ALBEDO, VIEW_NORMAL, VIEW_DEPTH, VIEW_COST,
+            VIEW_HISTORY, VIEW_DISOCCLUSION: {
             return vec3f(1.0);
         }
         default: {
@@ -127,7 +137,7 @@ fn tint_at(pixel: vec2u) -> vec3f {
 fn shows_environment() -> bool {
     switch composite_settings.shown {
         case VIEW_INDIRECT, VIEW_DIFFUSE, VIEW_SPECULAR, VIEW_OCCLUSION, VIEW_SHADOW,
-            VIEW_ALBEDO, VIEW_NORMAL, VIEW_DEPTH, VIEW_COST: {
+            VIEW_ALBEDO, VIEW_NORMAL, VIEW_DEPTH, VIEW_COST, VIEW_HISTORY, VIEW_DISOCCLUSION: {
             return false;
         }
         default: {

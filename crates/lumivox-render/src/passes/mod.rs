@@ -9,6 +9,7 @@
 //! | `composite` | the sum of both, or the part that a view shows | all of these |
 //! | `voxel_view/` | the voxels, in place of the composite | the volume |
 //! | `accumulate` | the mean over frames | the composite |
+//! | `figures` | sums for panels | the cones |
 //! | `overlay/` | lines and wires over the picture | G-buffer |
 //!
 //! A pass receives the textures that it reads and the [library](crate::shaders) that its shader is
@@ -18,6 +19,7 @@
 pub(crate) mod accumulate;
 pub(crate) mod composite;
 pub(crate) mod direct;
+pub(crate) mod figures;
 pub(crate) mod gbuffer;
 pub(crate) mod motion;
 pub(crate) mod overlay;
@@ -36,6 +38,7 @@ pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
         .add("render::passes::accumulate", include_str!("accumulate.wgsl"))
         .add("render::passes::composite", include_str!("composite.wgsl"))
         .add("render::passes::direct", include_str!("direct.wgsl"))
+        .add("render::passes::figures", include_str!("figures.wgsl"))
         .add("render::passes::follow", include_str!("follow.wgsl"))
         .add("render::passes::gbuffer", include_str!("gbuffer.wgsl"))
         .add("render::passes::motion", include_str!("motion.wgsl"))

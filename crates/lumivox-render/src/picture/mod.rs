@@ -22,7 +22,8 @@ pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
         .add("render::picture::tone_map", include_str!("tone_map/tone_map.wgsl"))
         .constant_u32("ENCODE_COLOR", tone_map::ENCODE_COLOR)
         .constant_u32("ENCODE_DATA", tone_map::ENCODE_DATA)
-        .constant_u32("ENCODE_HEAT", tone_map::ENCODE_HEAT);
+        .constant_u32("ENCODE_HEAT", tone_map::ENCODE_HEAT)
+        .constant_u32("ENCODE_LOG_HEAT", tone_map::ENCODE_LOG_HEAT);
     for curve in ToneMap::ALL {
         library.constant_u32(curve.constant(), curve as u32);
     }

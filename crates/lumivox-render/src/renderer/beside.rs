@@ -32,13 +32,28 @@ impl BesideView {
     ) {
         pass.record(recorder, lights, gbuffer, &self.composite, (self.view, has_cones, frame));
         self.accumulate.number(frame);
-        self.accumulate.record(recorder, Some((gbuffer, is_relit)));
+        add_frame(&mut self.accumulate, recorder, (self.view, frame), (gbuffer, is_relit));
     }
 
     /// Forgets the frames so far.
     pub(crate) fn forget(&mut self) {
         self.accumulate.forget();
     }
+}
+
+/// Adds frame number `frame` of a view to its mean. Of a view of what is known from earlier frames,
+/// it takes the mean's place.
+pub(super) fn add_frame(
+    accumulate: &mut AccumulatePass,
+    recorder: &mut Recorder,
+    (view, frame): (View, u32),
+    of: (&GBuffer, bool),
+) {
+    if view.needs_past() {
+        accumulate.forget();
+    }
+    accumulate.record(recorder, Some(of));
+    accumulate.number(frame + 1);
 }
 
 /// Checks that views can be shown beside that of the settings: both are views of surfaces, by the

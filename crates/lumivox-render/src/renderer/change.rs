@@ -82,6 +82,9 @@ impl Renderer {
         let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
         validate_level(&settings, &grid)?;
         let redo = Redo::between(&self.settings, &settings, grid == *self.gi.grid());
+        // What is known stays known in another size.
+        let is_resized =
+            RenderSettings { size: self.settings.size, ..settings.clone() } == self.settings;
         if redo.volume {
             let mut gi = global_illumination(&self.gpu, settings.gi_config(grid)).await?;
             let passes = Passes::new(&self.gpu, &gi, &self.scene, &settings)?;
@@ -101,7 +104,11 @@ impl Renderer {
         } else {
             if redo.targets {
                 let Self { gpu, gi, scene, passes, .. } = self;
-                self.targets = passes.targets(gpu, gi, scene, &settings).await?;
+                let targets = passes.targets(gpu, gi, scene, &settings).await?;
+                if is_resized {
+                    targets.traced.take_past(&self.targets.traced);
+                }
+                self.targets = targets;
             }
             if settings.shadows != self.settings.shadows {
                 self.passes.set_shadows(&self.gpu, &self.scene, settings.shadows)?;
@@ -120,7 +127,7 @@ impl Renderer {
         if redo.light {
             self.relight(progress).await?;
         }
-        if redo.mean {
+        if redo.mean && !is_resized {
             self.targets.forget();
         }
         self.gpu.check("taking other settings")

@@ -3,6 +3,7 @@
 pub(crate) mod beside;
 mod change;
 pub(crate) mod estimate;
+mod figures;
 mod moving;
 mod overlay;
 mod passes;
@@ -23,6 +24,7 @@ use crate::passes::gbuffer;
 use crate::passes::targets::Targets;
 use crate::scene::{GpuScene, Lighting, radiance_unit_within};
 use crate::{Gpu, Picture, RenderError, RenderSettings, View};
+pub use figures::TraceFigures;
 use moving::Following;
 use passes::Passes;
 pub use photometry::Photometry;
@@ -341,8 +343,9 @@ impl Renderer {
         }
         if is_kept {
             recorder.stage("picture");
+            let shown = (self.settings.view, frame);
             let Targets { accumulate, gbuffer, .. } = &mut self.targets;
-            accumulate.record(recorder, Some((gbuffer, is_relit)));
+            beside::add_frame(accumulate, recorder, shown, (gbuffer, is_relit));
             self.record_overlay(recorder, &view)?;
         }
         // What is not of the frame before cannot be followed.

@@ -5,6 +5,7 @@ use lumivox::gpu::ShaderLibrary;
 
 use crate::passes::composite::CompositePass;
 use crate::passes::direct::DirectPass;
+use crate::passes::figures::FiguresPass;
 use crate::passes::gbuffer::GBufferPass;
 use crate::passes::motion::MotionPass;
 use crate::passes::shadow_maps::ShadowMapPass;
@@ -22,6 +23,8 @@ pub(super) struct Passes {
     pub(super) direct: DirectPass,
     pub(super) composite: CompositePass,
     pub(super) motion: MotionPass,
+    /// Once somebody has asked for figures.
+    pub(super) figures: Option<FiguresPass>,
 }
 
 impl Passes {
@@ -40,6 +43,7 @@ impl Passes {
             direct: DirectPass::new(device, &shaders, gi)?,
             composite: CompositePass::new(device, &shaders, gi)?,
             motion: MotionPass::new(device, &shaders)?,
+            figures: None,
             shaders,
         };
         passes.set_shadows(gpu, scene, settings.shadows)?;

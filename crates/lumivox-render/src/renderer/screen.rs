@@ -6,7 +6,9 @@ use super::Renderer;
 use crate::gpu::readback::read_texture;
 use crate::picture::tone_map::Encoding;
 use crate::scene::corners;
-use crate::{COST_SCALE_SAMPLES, Metering, Picture, RenderError, ToneMap, View};
+use crate::{
+    COST_SCALE_SAMPLES, HISTORY_SCALE_FRAMES, Metering, Picture, RenderError, ToneMap, View,
+};
 
 impl Renderer {
     /// The picture of the frames so far; it needs at least one to show anything.
@@ -86,12 +88,15 @@ impl Renderer {
     /// unit of radiance.
     fn encoding(&self, stops: f32) -> Encoding {
         match self.settings.view {
-            View::Occlusion | View::Shadow => Encoding::Data { scale: 1.0, offset: 0.0 },
+            View::Occlusion | View::Shadow | View::Disocclusion => {
+                Encoding::Data { scale: 1.0, offset: 0.0 }
+            }
             View::Normal => Encoding::Data { scale: 0.5, offset: 0.5 },
             View::Albedo | View::Lit | View::Nodes => {
                 Encoding::Color { scale: 1.0, curve: ToneMap::Linear }
             }
             View::Cost => Encoding::Heat { scale: 1.0 / COST_SCALE_SAMPLES },
+            View::History => Encoding::LogHeat { scale: 1.0 / (1.0 + HISTORY_SCALE_FRAMES).log2() },
             View::Depth => {
                 let farthest_m = corners(self.scene.bounds)
                     .map(|corner| corner.distance(self.camera.position))

@@ -19,7 +19,7 @@ use crate::renderer::beside;
 use crate::{Overlay, RenderError};
 
 use parameters::{Choices as _, PARAMETERS};
-pub use view::{COST_SCALE_SAMPLES, View};
+pub use view::{COST_SCALE_SAMPLES, HISTORY_SCALE_FRAMES, View};
 
 /// The mapping of radiance to brightness.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -257,6 +257,19 @@ impl RenderSettings {
                         .to_owned(),
             });
         }
+        let shown = [self.view].into_iter().chain(self.beside.iter().copied());
+        if let Some(view) = shown.into_iter().find(|view| view.needs_past())
+            && !self.trace.temporal
+        {
+            return Err(RenderError::Setting {
+                name: "view",
+                value: view.name().to_owned(),
+                expected:
+                    "a view of single frames; history and disocclusion are those of the light of \
+                           earlier frames (--temporal on, or --preset realtime)"
+                        .to_owned(),
+            });
+        }
         beside::validate(self)?;
         validate_lines(self.overlay.lines.len(), limits)
     }
@@ -336,10 +349,23 @@ mod tests {
             RenderSettings { shadow_resolution: 8, ..Default::default() },
             RenderSettings { exposure: Exposure::Stops(f32::NAN), ..Default::default() },
             RenderSettings { beside: vec![View::Voxels], ..Default::default() },
+            RenderSettings { beside: vec![View::History], ..Default::default() },
             RenderSettings { beside: vec![View::Cost], view: View::Direct, ..Default::default() },
         ];
         for settings in cases {
             assert!(matches!(error_of(&settings), RenderError::Setting { .. }), "{settings:?}");
+        }
+    }
+
+    #[test]
+    fn views_of_earlier_frames_need_them() {
+        for view in [View::History, View::Disocclusion] {
+            let alone = RenderSettings { view, ..Default::default() };
+            let told = error_of(&alone).to_string();
+            assert!(told.contains(view.name()) && told.contains("--temporal"), "{told}");
+            let trace = TraceSettings { temporal: true, ..TraceSettings::default() };
+            let blended = RenderSettings { trace, ..alone };
+            assert!(blended.validate(&wgpu::Limits::default()).is_ok());
         }
     }
 

@@ -34,6 +34,14 @@ pub enum View {
     /// Cone samples taken for the pixel, as colours from dark violet (0) over green to yellow
     /// ([`COST_SCALE_SAMPLES`] and above).
     Cost,
+    /// The frames that the light of a pixel is the mean of, this one included, as colours from dark
+    /// violet (none) to yellow ([`HISTORY_SCALE_FRAMES`] and above), by their logarithm. Of the last
+    /// frame alone, as `Disocclusion`; both need light of earlier frames
+    /// ([`TraceSettings::temporal`](lumivox::TraceSettings::temporal)).
+    History,
+    /// 1 where no earlier frame knew anything of the surface, as beside a thing that has moved; 0
+    /// elsewhere.
+    Disocclusion,
     /// The voxels of one level as cubes, in the light that they hold.
     Voxels,
     /// The voxels of one level that lamps and sun reach, or that emit (yellow), and the others
@@ -56,9 +64,12 @@ pub enum View {
 /// The number of cone samples at the upper end of [`View::Cost`]'s colours.
 pub const COST_SCALE_SAMPLES: f32 = 512.0;
 
+/// The number of frames at the upper end of [`View::History`]'s colours.
+pub const HISTORY_SCALE_FRAMES: f32 = 256.0;
+
 impl View {
     /// All views.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::Final,
         Self::Direct,
         Self::Indirect,
@@ -70,6 +81,8 @@ impl View {
         Self::Normal,
         Self::Depth,
         Self::Cost,
+        Self::History,
+        Self::Disocclusion,
         Self::Voxels,
         Self::Lit,
         Self::Nodes,
@@ -97,6 +110,8 @@ impl View {
             Self::Normal => "VIEW_NORMAL",
             Self::Depth => "VIEW_DEPTH",
             Self::Cost => "VIEW_COST",
+            Self::History => "VIEW_HISTORY",
+            Self::Disocclusion => "VIEW_DISOCCLUSION",
             Self::Voxels => "VIEW_VOXELS",
             Self::Lit => "VIEW_LIT",
             Self::Nodes => "VIEW_NODES",
@@ -123,6 +138,11 @@ impl View {
         matches!(self, Self::Nodes | Self::Bricks)
     }
 
+    /// Whether it shows what is known from earlier frames, and needs light that is kept of them.
+    pub fn needs_past(self) -> bool {
+        matches!(self, Self::History | Self::Disocclusion)
+    }
+
     /// Whether the analytic lights are needed.
     pub(crate) fn needs_direct(self) -> bool {
         matches!(self, Self::Final | Self::Direct | Self::Shadow)
@@ -131,6 +151,7 @@ impl View {
     /// Whether cones are needed, given the number of bounces.
     pub(crate) fn needs_cones(self, bounces: u32) -> bool {
         let light = matches!(self, Self::Final | Self::Indirect | Self::Diffuse | Self::Specular);
-        matches!(self, Self::Occlusion | Self::Cost) || (light && bounces > 0)
+        let is_of_cones = matches!(self, Self::Occlusion | Self::Cost) || self.needs_past();
+        is_of_cones || (light && bounces > 0)
     }
 }

@@ -6,7 +6,7 @@
 use std::f32::consts::PI;
 
 use glam::{Mat4, UVec2, Vec2, Vec3};
-use lumivox::{OctreeOptions, VolumeKind};
+use lumivox::{OctreeOptions, TraceSettings, VolumeKind};
 use lumivox_render::{
     COST_SCALE_SAMPLES, Exposure, Picture, RenderError, RenderSettings, Renderer, ShadowMethod,
     ToneMap, View,
@@ -257,9 +257,10 @@ fn progress_and_views_can_be_followed() {
     let scene = floor_in_the_sun();
     let mut seen = Vec::new();
     pollster::block_on(async {
-        // An octree has all views.
+        // An octree, with light of earlier frames, has all views.
         let volume = VolumeKind::Octree(OctreeOptions::default());
-        let settings = RenderSettings { frames: 2, bounces: 1, volume, ..small() };
+        let trace = TraceSettings { temporal: true, ..TraceSettings::default() };
+        let settings = RenderSettings { frames: 2, bounces: 1, volume, trace, ..small() };
         let mut progress = |p: lumivox_render::RenderProgress| seen.push((p.stage, p.done));
         // On a device of its own: pipelines that are there already are not counted.
         let mut renderer = Renderer::new(&own_gpu(), &scene, None, settings, &mut progress).await?;

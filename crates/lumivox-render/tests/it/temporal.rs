@@ -1,8 +1,10 @@
 //! The light of earlier frames: what a moving camera gains by it, and that it neither lags nor stays.
 
+#![allow(clippy::float_cmp)] // Counts of frames.
+
 use glam::{Mat4, Quat, UVec2, Vec3};
 use lumivox::{Preset, TraceSettings};
-use lumivox_render::{Picture, RenderSettings, Renderer, View};
+use lumivox_render::{Picture, RenderError, RenderSettings, Renderer, View};
 use lumivox_scene::{Camera, Scene};
 
 use crate::common::{builtin, gpu, renderer};
@@ -193,4 +195,109 @@ fn edges_are_smooth_in_motion() {
     let far = |a: &[f32; 4], b: &[f32; 4]| (0..3).any(|i| (a[i] - b[i]).abs() > 0.05);
     let differ = seen.hdr.iter().zip(&expected.hdr).filter(|(a, b)| far(a, b)).count();
     assert!(differ * 10 < seen.hdr.len(), "{differ} pixels of another view");
+}
+
+/// The history counts frames of what stays in sight, and starts where something comes into view: a view of each says which.
+#[test]
+fn the_history_grows_until_something_is_uncovered() {
+    let scene = builtin("cornell");
+    let beside = vec![View::History, View::Disocclusion];
+    let settings = RenderSettings { view: View::Final, beside, ..settings(Preset::Realtime) };
+    let mut renderer = renderer(&gpu(), &scene, settings);
+    // The frames and whether nothing was known, of each pixel that shows a surface.
+    let mut frame = |camera: Camera| -> Vec<(f32, bool)> {
+        renderer.set_camera(camera);
+        let [history, new] = pollster::block_on(async {
+            renderer.render_frame().await?;
+            let history = renderer.read_beside(View::History).await?;
+            Ok::<_, RenderError>([history, renderer.read_beside(View::Disocclusion).await?])
+        })
+        .expect("a frame")
+        .map(|pixels| pixels.expect("it was asked for"));
+        let pixels = history.iter().zip(&new).filter(|(pixel, _)| pixel[3] > 0.0);
+        pixels.map(|(history, new)| (history[0], new[0] > 0.5)).collect()
+    };
+    let median = |pixels: &[(f32, bool)]| {
+        let mut frames: Vec<f32> = pixels.iter().map(|pixel| pixel.0).collect();
+        *frames.select_nth_unstable_by(pixels.len() / 2, f32::total_cmp).1
+    };
+    let share = |pixels: &[(f32, bool)]| {
+        pixels.iter().filter(|pixel| pixel.1).count() as f32 / pixels.len() as f32
+    };
+    let stills: Vec<_> = (0..6).map(|_| frame(orbit(&scene, 0))).collect();
+    assert!(stills[0].iter().all(|pixel| *pixel == (2.0, true)), "the first counts for two");
+    // Samples move within the pixels, so that edges come and go.
+    assert!(share(&stills[5]) < 0.01, "{} of a still picture are new", share(&stills[5]));
+    assert_eq!(median(&stills[5]), 7.0);
+
+    let moved = frame(orbit(&scene, 60));
+    assert!((0.005..0.2).contains(&share(&moved)), "{} of it came into view", share(&moved));
+    assert!(median(&moved) > 4.0, "{} frames of the rest", median(&moved));
+    assert!(moved.iter().all(|(frames, is_new)| !is_new || *frames == 2.0));
+}
+
+/// A picture of another size goes on from what the last one knew, in both directions.
+#[test]
+fn what_is_known_stays_known_in_another_size() {
+    let scene = builtin("cornell");
+    let camera = orbit(&scene, 0);
+    let [small, large] = [UVec2::new(84, 48), settings(Preset::Fast).size];
+    for (from, to) in [(small, large), (large, small)] {
+        let mut renderer =
+            renderer(&gpu(), &scene, RenderSettings { size: from, ..settings(Preset::Realtime) });
+        renderer.set_camera(camera.clone());
+        (0..12).for_each(|_| drop(frame(&mut renderer)));
+        let resize = |renderer: &mut Renderer, size, preset| {
+            let settings = RenderSettings { size, ..settings(preset) };
+            pollster::block_on(renderer.set_settings(settings, &mut |_| {})).expect("valid");
+        };
+        resize(&mut renderer, to, Preset::Realtime);
+        let resized = frame(&mut renderer);
+        let figures = pollster::block_on(renderer.trace_figures()).expect("figures");
+        let history = figures.and_then(|figures| figures.history_frames).expect("it is kept");
+        assert!(history > 8.0, "{history} frames after 13, at {to}");
+        // Twice, and nothing in between.
+        resize(&mut renderer, from, Preset::Realtime);
+        resize(&mut renderer, to, Preset::Realtime);
+        let again = frame(&mut renderer);
+
+        // Other settings start anew, and so tell what a first frame is like.
+        resize(&mut renderer, to, Preset::Fast);
+        resize(&mut renderer, to, Preset::Realtime);
+        let first = frame(&mut renderer);
+        resize(&mut renderer, to, Preset::Balanced);
+        let truth = (0..48).map(|_| frame(&mut renderer)).last().expect("at least one");
+        let errors = [&resized, &again, &first].map(|picture| rmse(picture, &truth));
+        assert!(errors[..2].iter().all(|error| *error < 0.85 * errors[2]), "{errors:?} at {to}");
+    }
+}
+
+/// The figures are those of the views, at one pixel of each 8x8.
+#[test]
+fn figures_are_sums_of_the_views() {
+    let scene = builtin("cornell");
+    let beside = vec![View::History, View::Cost];
+    let settings = RenderSettings { view: View::Final, beside, ..settings(Preset::Realtime) };
+    let size = settings.size;
+    let mut renderer = renderer(&gpu(), &scene, settings);
+    let figures =
+        |renderer: &mut Renderer| pollster::block_on(renderer.trace_figures()).expect("figures");
+    assert_eq!(figures(&mut renderer), None);
+    (0..3).for_each(|_| drop(frame(&mut renderer)));
+    let shown = figures(&mut renderer).expect("it was traced");
+    let seen = |view| {
+        let pixels = pollster::block_on(renderer.read_beside(view)).expect("it is shown");
+        let pixels = pixels.expect("it was asked for");
+        let rows = (0..size.y as usize).step_by(8);
+        let columns = |y| (0..size.x as usize).step_by(8).map(move |x| (x, y));
+        rows.flat_map(columns).map(|(x, y)| pixels[y * size.x as usize + x][0]).collect::<Vec<_>>()
+    };
+    let [history, cost] = [View::History, View::Cost].map(seen);
+    let known: Vec<f32> = history.into_iter().filter(|frames| *frames > 0.0).collect();
+    let mean = known.iter().sum::<f32>() / known.len() as f32;
+    assert!(known.len() > 30 && (shown.history_frames.unwrap() - mean).abs() < 1e-3, "{shown:?}");
+    // The view has the mean over frames of what was counted, a quarter of which was traced.
+    let samples = 0.25 * cost.iter().sum::<f32>() / cost.len() as f32;
+    let error = shown.samples_per_pixel / samples - 1.0;
+    assert!(samples > 1.0 && error.abs() < 0.1, "{shown:?}, {samples} in the mean");
 }

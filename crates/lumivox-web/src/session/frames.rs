@@ -1,6 +1,7 @@
 //! Frames of a session: rendering them, showing them on the canvas, reading them back.
 
 use glam::UVec2;
+use lumivox::gpu::Timing;
 use lumivox_render::{RenderSettings, View};
 use web_time::Instant;
 
@@ -18,8 +19,9 @@ impl Session {
     pub async fn render(&mut self) -> Result<FrameReport, WebError> {
         let start = Instant::now();
         self.advance_time()?;
-        let is_coarse = self.pacing.is_coarse();
-        self.fit(self.pacing.size(self.full_size), &Listener::new(None)).await?;
+        let is_coarse = self.console.explorer.pacing.is_coarse();
+        let size = self.console.explorer.pacing.next_size(self.full_size);
+        self.fit(size, &Listener::new(None)).await?;
         let is_changing = is_coarse || self.console.explorer.playback().is_playing;
         let is_first = self.console.explorer.renderer().is_none();
         let is_complete = match self.beside.take() {
@@ -38,17 +40,24 @@ impl Session {
         gpu.finished("showing a picture").await?;
         if !is_complete {
             self.frame_ms = start.elapsed().as_secs_f64() * 1000.0;
-            if !is_coarse && !is_first {
-                self.pacing.note_frame(start.elapsed());
+            if !is_first {
+                self.console.explorer.pacing.note_frame(start.elapsed());
             }
         }
         let stages = self.stages();
+        let is_watched = self.console.explorer.settings().timing != Timing::Off;
+        let figures = if is_watched { self.console.explorer.trace_figures().await? } else { None };
+        let pacing = self.console.explorer.pacing;
         let renderer = self.console.explorer.renderer();
         Ok(FrameReport {
             frame: renderer.map_or(0, lumivox_render::Renderer::frame_count),
             frames: self.console.explorer.settings().frames,
             complete: is_complete && !is_coarse && !self.console.explorer.changes_by_itself(),
             frame_ms: self.frame_ms,
+            budget_ms: pacing.budget_ms,
+            scale: pacing.scale(),
+            samples_per_pixel: figures.map(|figures| figures.samples_per_pixel),
+            history_frames: figures.and_then(|figures| figures.history_frames),
             time_s: self
                 .console
                 .explorer
@@ -92,7 +101,7 @@ impl Session {
         }
         self.stops = if view != self.view {
             self.meter.beside(explorer, self.view).await?
-        } else if self.pacing.is_first() {
+        } else if explorer.pacing.is_first() {
             self.meter.follow_first(explorer).await?;
             self.meter.stops()
         } else {

@@ -5,7 +5,7 @@ mod frames;
 use glam::UVec2;
 use lumivox_console::Console;
 use lumivox_explorer::parameters::{PRESETS, find_preset};
-use lumivox_explorer::{Explorer, ExposureMeter, Pacing};
+use lumivox_explorer::{Explorer, ExposureMeter, LONGEST_BUDGET_MS};
 use lumivox_render::{Gpu, GpuOptions, PresetChoice, RenderSettings, View};
 use lumivox_scene::Picker;
 
@@ -28,7 +28,6 @@ pub struct Session {
     pub(crate) presenter: Presenter,
     /// Width and height of the picture when nothing moves, px.
     full_size: UVec2,
-    pub(crate) pacing: Pacing,
     pub(crate) meter: ExposureMeter,
     /// The exposure of the last drawn picture, in stops.
     stops: f32,
@@ -65,7 +64,6 @@ impl Session {
             written,
             presenter,
             full_size: size,
-            pacing: Pacing::default(),
             meter: ExposureMeter::default(),
             stops: 0.0,
             view,
@@ -184,7 +182,7 @@ impl Session {
     /// # Errors
     /// When the size is zero, or more than the device allows; then nothing changes.
     pub async fn resize(&mut self, size: UVec2, listener: &Listener) -> Result<(), WebError> {
-        let picture = self.pacing.size(size);
+        let picture = self.console.explorer.pacing.next_size(size);
         RenderSettings { size, ..self.console.explorer.settings().clone() }
             .validate(&self.gpu().device.limits())?;
         self.fit(picture, listener).await?;
@@ -232,12 +230,26 @@ impl Session {
     pub fn set_camera(&mut self, camera: &Camera, is_moving: bool) -> Result<(), WebError> {
         let camera = camera.to_scene(self.console.explorer.camera())?;
         if is_moving {
-            self.pacing.camera_moved();
+            self.console.explorer.pacing.camera_dragged();
         }
         if camera != *self.console.explorer.camera() {
             self.console.explorer.set_camera(camera);
             self.change();
         }
+        Ok(())
+    }
+
+    /// Sets the milliseconds that a frame may take while something moves; 0: never coarser.
+    ///
+    /// # Errors
+    /// When it is out of range.
+    pub fn set_frame_budget(&mut self, budget_ms: f32) -> Result<(), WebError> {
+        if !(0.0..=LONGEST_BUDGET_MS).contains(&budget_ms) {
+            return Err(WebError::value(format!(
+                "the frame budget is from 0 to {LONGEST_BUDGET_MS} ms; got {budget_ms}"
+            )));
+        }
+        self.console.explorer.pacing.budget_ms = budget_ms;
         Ok(())
     }
 

@@ -158,6 +158,19 @@ pub struct FrameReport {
     pub complete: bool,
     /// The time of the last frame, from the call until the GPU was done, in milliseconds.
     pub frame_ms: f64,
+    /// The time that a frame may take while something moves, in milliseconds; 0 if pictures are never coarser.
+    pub budget_ms: f32,
+    /// The picture's width and height as a share of the canvas's: below 1 while something moves and frames are slow.
+    pub scale: f32,
+    /// The cone samples of the last frame by pixels; undefined without cones, and unless stages are timed.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples_per_pixel: Option<f32>,
+    /// The frames that the light of a surface is the mean of, on average; undefined without `temporal`, and unless stages are
+    /// timed.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub history_frames: Option<f32>,
     /// The time of the animation in seconds; undefined if nothing moves.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]

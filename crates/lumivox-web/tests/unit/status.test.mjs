@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { seconds, statusText } from "../../page/status.js";
+import { seconds, statusText, timesText } from "../../page/status.js";
 
 const report = { frame: 4, frames: 16, frame_ms: 800, complete: false, stages: [] };
 
@@ -24,4 +24,14 @@ test("who waits for long is told for what, and for how long", () => {
 
 test("a complete picture is waited for by nobody", () => {
     assert.equal(statusText({ ...report, frame: 16, complete: true }, 1e6), "16/16 frames · 800 ms");
+});
+
+test("the line of times says what there is to say", () => {
+    const still = { ...report, frame_ms: 20, budget_ms: 0, scale: 1 };
+    assert.equal(timesText(still, 3, 25), "Frame 20 ms, mean of 3 25 ms");
+    const moving = { ...still, budget_ms: 16, scale: Math.SQRT1_2, samples_per_pixel: 37.6, history_frames: 12.34 };
+    assert.equal(
+        timesText(moving, 80, 17),
+        "Frame 20 ms, mean of 80 17 ms · budget 16 ms, scale 71 % · 38 cone samples a pixel · light of 12.3 frames",
+    );
 });

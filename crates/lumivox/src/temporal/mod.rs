@@ -201,8 +201,17 @@ pub(crate) struct Past {
     probes: Buffer,
     /// What the probes were, and what they are.
     drift: [Texture; 2],
-    /// What cones saw in the last frame; `None` if there is nothing to recall.
-    seen: Mutex<Option<[u64; 2]>>,
+    seen: Mutex<Seen>,
+}
+
+/// What the next frame recalls.
+#[derive(Clone, Debug)]
+enum Seen {
+    Nothing,
+    /// What targets of another size have kept.
+    Former([Texture; 3]),
+    /// The last frame, and what its cones saw.
+    Frame([u64; 2]),
 }
 
 /// The bind groups of the steps.
@@ -245,23 +254,44 @@ impl Past {
             steps: uniform_buffer(device, "filter steps", &steps),
             probes: storage_buffer(device, "probes", probes * PROBE_BYTES),
             drift: ["probes were", "probes are"].map(|label| make(label, traced_size, LIGHT)),
-            seen: Mutex::new(None),
+            seen: Mutex::new(Seen::Nothing),
         }
     }
 
     /// Forgets the light of earlier frames.
     pub(crate) fn forget(&self) {
-        self.see(None);
+        self.see(Seen::Nothing);
+    }
+
+    /// Lets the next frame recall what another past knows.
+    pub(crate) fn take(&self, former: &Self) {
+        self.see(match former.seen() {
+            Seen::Frame(_) => Seen::Former(former.kept.clone()),
+            taken => taken,
+        });
     }
 
     /// Whether the next frame recalls anything, and whether cones see something else than in the last one.
     pub(crate) fn known(&self, content: [u64; 2]) -> [bool; 2] {
-        let seen = *self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        [seen.is_some(), seen.is_some_and(|seen| seen != content)]
+        match self.seen() {
+            Seen::Nothing => [false, false],
+            // Of another size there are no probes to trace again.
+            Seen::Former(_) => [true, false],
+            Seen::Frame(seen) => [true, seen != content],
+        }
     }
 
-    fn see(&self, content: Option<[u64; 2]>) {
-        *self.seen.lock().unwrap_or_else(PoisonError::into_inner) = content;
+    /// The records of the last frame.
+    pub(crate) fn records(&self) -> TextureView {
+        self.records.view()
+    }
+
+    fn seen(&self) -> Seen {
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn see(&self, seen: Seen) {
+        *self.seen.lock().unwrap_or_else(PoisonError::into_inner) = seen;
     }
 
     pub(crate) fn groups(
@@ -274,7 +304,7 @@ impl Past {
         let views = |textures: &[Texture]| -> Vec<TextureView> {
             textures.iter().map(Texture::view).collect()
         };
-        let (kept, recalled) = (views(&self.kept), views(&self.recalled));
+        let recalled = views(&self.recalled);
         let (light, change) = (views(&self.light), views(&self.change));
         let (guide, records) = (self.guide.view(), self.records.view());
         let drift = views(&self.drift);
@@ -293,17 +323,7 @@ impl Past {
         });
         let outputs = traced.outputs.map(Texture::view);
         Groups {
-            recall: BindGroupBuilder::new(&layouts.recall)
-                .buffer(settings)
-                .view(&kept[0])
-                .view(&kept[1])
-                .view(&kept[2])
-                .view(&recalled[0])
-                .view(&recalled[1])
-                .view(&guide)
-                .view(&drift[0])
-                .view(&drift[1])
-                .build(device, "recall"),
+            recall: self.recall_group(device, layouts, settings, &self.kept),
             trace_probes: BindGroupBuilder::new(&layouts.trace_probes)
                 .buffer(settings)
                 .buffer(&self.probes)
@@ -347,6 +367,33 @@ impl Past {
         }
     }
 
+    fn recall_group(
+        &self,
+        device: &wgpu::Device,
+        layouts: &Layouts,
+        settings: &Buffer,
+        kept: &[Texture; 3],
+    ) -> BindGroup {
+        let textures = kept.iter().chain(&self.recalled).chain([&self.guide]).chain(&self.drift);
+        let views: Vec<TextureView> = textures.map(Texture::view).collect();
+        let mut group = BindGroupBuilder::new(&layouts.recall).buffer(settings);
+        for view in &views {
+            group = group.view(view);
+        }
+        group.build(device, "recall")
+    }
+
+    /// The group by which the next frame recalls what was kept in another size, if it does.
+    pub(crate) fn former_group(
+        &self,
+        device: &wgpu::Device,
+        layouts: &Layouts,
+        settings: &Buffer,
+    ) -> Option<BindGroup> {
+        let Seen::Former(kept) = self.seen() else { return None };
+        Some(self.recall_group(device, layouts, settings, &kept))
+    }
+
     /// Traces the last frame's probes again, through the light of this frame.
     pub(crate) fn probe(
         &self,
@@ -375,12 +422,14 @@ impl Past {
         kernels: &Kernels,
         groups: &Groups,
         [globals, gbuffer]: [&BindGroup; 2],
+        former: Option<&BindGroup>,
     ) {
         let UVec2 { x, y } = self.size;
         let traced = [self.traced_size.x, self.traced_size.y, 1];
         let probes = self.probes();
         let with = |own| [globals, own, &kernels.nothing, gbuffer];
-        kernels.recall.run(recorder, &with(&groups.recall), [x, y, 1]);
+        let recall = former.unwrap_or(&groups.recall);
+        kernels.recall.run(recorder, &with(recall), [x, y, 1]);
         kernels.compare.run(recorder, &with(&groups.compare), traced);
         for filter in &groups.filters {
             kernels.filter.run(recorder, &[filter], traced);
@@ -395,6 +444,6 @@ impl Past {
         for (from, to) in [irradiance, specular, &self.records].into_iter().zip(&self.kept) {
             recorder.copy_texture(from, to);
         }
-        self.see(Some(content));
+        self.see(Seen::Frame(content));
     }
 }

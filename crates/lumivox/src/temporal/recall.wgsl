@@ -55,9 +55,14 @@ struct Recalled {
     is_same_texel: bool,
 }
 
+// The size of the picture that is recalled: the frame before may have had another one.
+fn past_size() -> vec2f {
+    return vec2f(textureDimensions(past_records));
+}
+
 // The place of a texel's surface when it was recorded.
 fn past_position(texel: vec2i, depth: f32) -> vec3f {
-    let uv = (vec2f(texel) + 0.5) / vec2f(view.size);
+    let uv = (vec2f(texel) + 0.5) / past_size();
     let ndc = vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
     let world = view.previous_world_from_clip * vec4f(ndc, depth, 1.0);
     return world.xyz / world.w;
@@ -65,7 +70,7 @@ fn past_position(texel: vec2i, depth: f32) -> vec3f {
 
 // How well a texel shows the surface, 0 to 1.
 fn texel_fit(texel: vec2i, surface: Surface, slack: f32) -> f32 {
-    if any(texel < vec2i(0)) || any(texel >= vec2i(view.size)) {
+    if any(texel < vec2i(0)) || any(texel >= vec2i(past_size())) {
         return 0.0;
     }
     let record = decode_record(textureLoad(past_records, texel, 0).xy);
@@ -125,10 +130,11 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
     let own_motion = (motion - camera_motion(pixel, surface.position_in_world)) * vec2f(view.size);
     let slack = select(1.0, MOVED_SLACK, any(abs(own_motion) > vec2f(SAME_TEXEL)));
     // In texels, whole numbers at their centres.
-    let exact = vec2f(pixel) - motion * vec2f(view.size);
+    let ratio = past_size() / vec2f(view.size);
+    let exact = ratio * vec2f(pixel) + 0.5 * (ratio - 1.0) - motion * past_size();
     let nearest = round(exact);
     // What is far outside may not be a number that an integer holds.
-    if !(all(exact > vec2f(-2.0)) && all(exact < vec2f(view.size) + 1.0)) {
+    if !(all(exact > vec2f(-2.0)) && all(exact < past_size() + 1.0)) {
         return recalled;
     }
     let is_same = all(abs(exact - nearest) < vec2f(SAME_TEXEL));

@@ -157,6 +157,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     textureStore(specular_out, pixel, specular);
     // The depth in clip space, whatever the G-buffer's own is.
     let clip = view.clip_from_world * vec4f(surface.position_in_world, 1.0);
-    let record = Record(clip.z / clip.w, surface.shading_normal, blended.frames);
+    let is_new = known.frames <= 0.0;
+    let record = Record(clip.z / clip.w, surface.shading_normal, blended.frames, is_new);
     textureStore(records_out, pixel, vec4u(encode_record(record), 0u, 0u));
 }

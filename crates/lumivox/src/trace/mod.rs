@@ -238,7 +238,9 @@ impl Tracer {
             self.specular.run(recorder, &group(&slot.specular), [x, y, 1]);
             recorder.clear(&slot.counts);
             if let Some(((past, groups), kernels)) = temporal {
-                past.blend(recorder, kernels, groups, [bound.globals, &bound.gbuffer.group]);
+                let former = past.former_group(&device, &self.temporal, slot.settings());
+                let groups_of = [bound.globals, &bound.gbuffer.group];
+                past.blend(recorder, kernels, groups, groups_of, former.as_ref());
             } else if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
                 let UVec2 { x, y } = targets.size();
                 kernels.upsample.run(recorder, &group(&half.upsample), [x, y, 1]);

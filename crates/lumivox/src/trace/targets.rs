@@ -19,6 +19,10 @@ pub struct TraceTargets {
     /// Radiance reflected by the glossy lobe towards the camera in rgb, the BRDF included; in a the samples
     /// that the pixel cost, diffuse ones included.
     pub specular: TextureView,
+    /// What is remembered of each pixel's surface, if light of earlier frames is kept: `Rg32Uint`, decoded by
+    /// `package::temporal::record::decode_record`. Among it are how many frames the light is the mean of, and whether
+    /// nothing was known of the surface; zeros where there is none.
+    pub records: Option<TextureView>,
     /// The textures of the two.
     outputs: [Texture; 2],
     size: UVec2,
@@ -73,6 +77,10 @@ impl Slot for TraceSlot {
 }
 
 impl TraceSlot {
+    pub(super) fn settings(&self) -> &Buffer {
+        &self.settings
+    }
+
     /// Sets what the recording is traced with.
     pub(super) fn set(&self, queue: &wgpu::Queue, settings: &ScreenSettings) {
         queue.write_buffer(&self.settings, 0, bytemuck::bytes_of(settings));
@@ -133,6 +141,7 @@ impl TraceTargets {
         Self {
             irradiance: outputs[0].view(),
             specular: outputs[1].view(),
+            records: past.as_ref().map(Past::records),
             outputs,
             size,
             resolution: settings.resolution,
@@ -148,6 +157,15 @@ impl TraceTargets {
     pub fn forget(&self) {
         if let Some(past) = &self.past {
             past.forget();
+        }
+    }
+
+    /// Takes the light of earlier frames over from targets of another size, so that the next frame goes on from theirs: for
+    /// pictures whose size follows the frame rate. Both are of the same [`Gi`](crate::Gi), and
+    /// [`CameraView::frame`](crate::CameraView::frame) goes on counting. Nothing is taken unless both keep it.
+    pub fn take_past(&self, former: &Self) {
+        if let (Some(past), Some(former)) = (&self.past, &former.past) {
+            past.take(former);
         }
     }
 

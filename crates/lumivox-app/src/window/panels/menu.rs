@@ -1,6 +1,7 @@
 //! The bar at the top.
 
 use egui::{Button, MenuBar, RichText, Ui};
+use lumivox_explorer::FRAME_BUDGET_MS;
 use lumivox_scene::builtin;
 
 use crate::window::app::App;
@@ -13,7 +14,7 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file(ui, model, app));
         ui.menu_button("Edit", |ui| edit(ui, model, app));
-        ui.menu_button("Window", |ui| window(ui, app));
+        ui.menu_button("Window", |ui| window(ui, model, app));
         ui.menu_button("Help", |ui| {
             if ui.add(Button::new("Keys and mouse").shortcut_text("F1")).clicked() {
                 app.has_help = true;
@@ -87,7 +88,7 @@ fn edit(ui: &mut Ui, model: &Model, app: &mut App) {
     }
 }
 
-fn window(ui: &mut Ui, app: &mut App) {
+fn window(ui: &mut Ui, model: &Model, app: &mut App) {
     ui.checkbox(&mut app.config.left, "Scene");
     ui.checkbox(&mut app.config.right, "Settings");
     ui.horizontal(|ui| {
@@ -99,5 +100,9 @@ fn window(ui: &mut Ui, app: &mut App) {
     }
     ui.separator();
     ui.checkbox(&mut app.config.half_size, "Picture of half size");
-    ui.checkbox(&mut app.config.coarse_motion, "Coarser while moving");
+    let mut is_coarser = model.pacing.budget_ms > 0.0;
+    if ui.checkbox(&mut is_coarser, "Coarser while moving").changed() {
+        let budget_ms = if is_coarser { FRAME_BUDGET_MS } else { 0.0 };
+        app.line(format!("frame_budget {budget_ms}"));
+    }
 }

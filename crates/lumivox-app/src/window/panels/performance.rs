@@ -21,6 +21,10 @@ pub fn show(ui: &mut Ui, model: &Model) {
         last.total_ms,
         shown.len()
     ));
+    ui.label(in_motion(model, mean));
+    if let Some(figures) = figures(model) {
+        ui.label(figures);
+    }
     weak(ui, format!("{} of {} frames in the picture", model.frame_count, model.settings.frames));
     plot(ui, &shown);
     for (stage, name) in STAGES.iter().enumerate() {
@@ -40,6 +44,30 @@ pub fn show(ui: &mut Ui, model: &Model) {
         });
     }
     weak(ui, "Times of stages are taken while this is open; that itself takes some time.");
+}
+
+/// The budget, and how coarse the picture is.
+fn in_motion(model: &Model, mean_ms: f32) -> String {
+    let pacing = &model.pacing;
+    if pacing.budget_ms <= 0.0 {
+        return "no budget: all pixels in motion, too".to_owned();
+    }
+    format!(
+        "{:.0} % of the budget of {} ms, scale {:.0} %",
+        100.0 * mean_ms / pacing.budget_ms,
+        pacing.budget_ms,
+        100.0 * pacing.scale()
+    )
+}
+
+/// What cones cost, and how long their light is known.
+fn figures(model: &Model) -> Option<String> {
+    let figures = model.figures?;
+    let samples = format!("{:.0} cone samples a pixel", figures.samples_per_pixel);
+    Some(match figures.history_frames {
+        Some(frames) => format!("{samples}, light of {frames:.1} frames"),
+        None => samples,
+    })
 }
 
 fn plot(ui: &mut Ui, shown: &[FrameTime]) {

@@ -1,6 +1,7 @@
 //! What is shown: view, level, what it is compared with, cameras; presets and cones.
 
 use egui::{ComboBox, Ui};
+use lumivox_explorer::FRAME_BUDGET_MS;
 use lumivox_explorer::parameters::{Group, PRESETS};
 use lumivox_render::View;
 
@@ -121,13 +122,20 @@ pub fn picture(ui: &mut Ui, model: &Model, app: &mut App) {
     row(ui, "Half size", "Half as many pixels along each edge", |ui| {
         ui.checkbox(&mut app.config.half_size, "").accessible_name("Half size");
     });
-    row(
-        ui,
-        "Coarse motion",
-        "Fewer pixels while the camera moves, if a frame takes more than 0.1 s",
-        |ui| {
-            ui.checkbox(&mut app.config.coarse_motion, "").accessible_name("Coarse motion");
-        },
-    );
+    let tip = "The time that a frame may take while something moves: pictures have fewer pixels if it takes longer, and all \
+               of them again at rest";
+    row(ui, "Frame budget", tip, |ui| {
+        let now_ms = model.pacing.budget_ms;
+        let words = |ms: f32| if ms > 0.0 { format!("{ms} ms") } else { "none".to_owned() };
+        let combo = ComboBox::from_id_salt("frame budget").width(rest_width(ui));
+        let shown = combo.selected_text(words(now_ms)).show_ui(ui, |ui| {
+            for ms in [0.0, 8.0, 16.0, FRAME_BUDGET_MS, 50.0, 100.0] {
+                if ui.selectable_label(ms.to_bits() == now_ms.to_bits(), words(ms)).clicked() {
+                    app.line(format!("frame_budget {ms}"));
+                }
+            }
+        });
+        shown.response.accessible_name("Frame budget");
+    });
     weak(ui, format!("{} x {} pixels", model.settings.size.x, model.settings.size.y));
 }

@@ -154,7 +154,7 @@ impl Worker {
         if !is_busy {
             let timeout = if self.jobs.are_under_way()
                 || self.messages.log.is_pending()
-                || self.pictures.pacing.is_moving()
+                || self.console.explorer.pacing.is_moving()
             {
                 Some(LOOK_EVERY)
             } else if let Revoxelize::Every(seconds) = self.console.explorer.revoxelize {
@@ -188,7 +188,7 @@ impl Worker {
                 // A hand that is still in the last scene.
                 Order::Camera(_, scene) if scene != self.session.opened => {}
                 Order::Camera(camera, _) => {
-                    self.pictures.pacing.camera_moved();
+                    self.console.explorer.pacing.camera_dragged();
                     self.console.explorer.set_camera(camera);
                     self.start_again();
                 }
@@ -199,7 +199,6 @@ impl Worker {
                 Order::Pick(at) => self.pick(at),
                 Order::Probe(at) => self.pictures.probe = Some(at),
                 Order::Timed(is_timed) => self.console.explorer.set_timed(is_timed),
-                Order::Coarse(is_coarse) => self.pictures.pacing.is_allowed = is_coarse,
                 Order::Device(device) => {
                     self.pictures.screen.draw_with(device);
                     self.pictures.show_again();

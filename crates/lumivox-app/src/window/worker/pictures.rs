@@ -4,8 +4,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::{UVec2, Vec2};
-use lumivox_explorer::{ExposureMeter, Pacing, Side, SplitSchedule, first_look};
-use lumivox_render::{Exposure, Picture, RenderProgress, RenderSettings, Renderer, View};
+use lumivox::gpu::Timing;
+use lumivox_explorer::{ExposureMeter, Side, SplitSchedule, first_look};
+use lumivox_render::{
+    Exposure, Picture, RenderProgress, RenderSettings, Renderer, TraceFigures, View,
+};
 
 use super::Worker;
 use super::totals::FrameLog;
@@ -19,7 +22,6 @@ use crate::window::screen::{Pixels, Screen};
 pub struct Pictures {
     /// The picture's size when nothing moves.
     full_size: UVec2,
-    pub pacing: Pacing,
     pub meter: ExposureMeter,
     pub comparand: Comparand,
     pub screen: Screen,
@@ -35,6 +37,8 @@ pub struct Pictures {
     /// The place where light is to be measured.
     pub probe: Option<Vec2>,
     pub times: FrameLog,
+    /// Of the last frame, while somebody watches.
+    pub figures: Option<TraceFigures>,
 }
 
 impl Pictures {
@@ -42,7 +46,6 @@ impl Pictures {
     pub fn new(full_size: UVec2) -> Self {
         Self {
             full_size,
-            pacing: Pacing::default(),
             meter: ExposureMeter::default(),
             comparand: Comparand::default(),
             screen: Screen::default(),
@@ -53,6 +56,7 @@ impl Pictures {
             losses: 0,
             probe: None,
             times: FrameLog::default(),
+            figures: None,
         }
     }
 
@@ -127,21 +131,23 @@ impl Worker {
         anyhow::ensure!(!self.console.explorer.gpu().is_lost(), "the GPU was lost");
         self.advance_time()?;
         // Frames that come on demand are those of the picture.
-        if self.console.explorer.is_single_frame {
-            self.pictures.pacing.first_shown();
+        let explorer = &mut self.console.explorer;
+        if explorer.is_single_frame {
+            explorer.pacing.first_shown();
         }
-        let is_coarse = self.pictures.pacing.is_coarse();
-        self.set_size(self.pictures.pacing.size(self.pictures.full_size));
+        let is_coarse = explorer.pacing.is_coarse();
+        let size = explorer.pacing.next_size(self.pictures.full_size);
+        self.set_size(size);
         if self.console.explorer.is_single_frame {
             return self.show_what_is_there();
         }
-        // A coarse picture waits for the camera to come to rest.
+        // A coarse picture waits for the scene to come to rest.
         let is_changing = is_coarse || self.console.explorer.playback().is_playing;
         let Comparand::View(view) = self.pictures.comparand else {
             let has_rendered = self.render_frame()?;
             if let Comparand::Reference(samples) = self.pictures.comparand
                 && !has_rendered
-                && !self.pictures.pacing.is_coarse()
+                && !self.console.explorer.pacing.is_coarse()
             {
                 self.trace(samples);
             }
@@ -185,7 +191,7 @@ impl Worker {
         };
         let explorer = &mut self.console.explorer;
         let asked = explorer.settings().clone();
-        if self.pictures.pacing.is_first() {
+        if explorer.pacing.is_first() {
             // Settings for a first look that are refused are done without.
             let _ = explorer.set_settings(first_look(&asked));
         }
@@ -196,10 +202,13 @@ impl Worker {
             self.pictures.losses = 0;
             self.lines.frame_rendered();
             let elapsed = start.elapsed();
-            if explorer.size() == self.pictures.full_size && !is_first {
-                self.pictures.pacing.note_frame(elapsed);
+            if !is_first {
+                explorer.pacing.note_frame(elapsed);
             }
             self.pictures.times.add(elapsed, &explorer.take_stage_times(), is_first);
+            let is_watched = explorer.settings().timing != Timing::Off;
+            self.pictures.figures =
+                if is_watched { pollster::block_on(explorer.trace_figures())? } else { None };
         } else {
             self.lines.frames_are_over();
         }
@@ -227,7 +236,7 @@ impl Worker {
     /// Publishes the picture of the frames so far.
     fn show(&mut self) -> anyhow::Result<()> {
         let (explorer, pictures) = (&self.console.explorer, &mut self.pictures);
-        if pictures.pacing.is_first() {
+        if explorer.pacing.is_first() {
             pollster::block_on(pictures.meter.follow_first(explorer))?;
         } else if let Some(warning) = pollster::block_on(pictures.meter.follow(explorer))? {
             tracing::warn!("{warning}: {REMEDY}");
@@ -235,7 +244,7 @@ impl Worker {
         self.show_reference()?;
         self.pictures.is_current = true;
         let shown = self.shown(self.pictures.meter.stops())?;
-        self.pictures.pacing.first_shown();
+        self.console.explorer.pacing.first_shown();
         self.publisher.change(|published| published.picture = shown);
         self.publish();
         Ok(())

@@ -47,7 +47,7 @@ impl Worker {
         } else {
             self.console.open(opened);
             self.session.opened += 1;
-            self.pictures.pacing.scene_opened();
+            self.console.explorer.pacing.scene_opened();
             self.session.selection.choose(None, None);
             self.messages.log.add(LogKind::Note, &format!("opened {}", loading.title));
         }

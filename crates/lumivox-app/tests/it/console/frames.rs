@@ -22,6 +22,8 @@ pub fn frames_come_on_demand_and_are_timed() {
     session.does("clearf");
     session.says("avgf", &[" ms, mean of "]);
     session.says("draw_block", &["draw_block on"]);
+    session.says("frame_budget", &["frame_budget 33"]);
+    session.says("frame_budget 16.5; frame_budget", &["frame_budget 16.5"]);
     session.says("sfMode", &["sfMode on"]);
     session.says("sfmode off", &["sfMode off"]);
     session.says("timing on", &["timing on"]);

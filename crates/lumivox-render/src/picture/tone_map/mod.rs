@@ -22,6 +22,7 @@ use crate::{Exposure, ToneMap};
 pub(crate) const ENCODE_COLOR: u32 = 0;
 pub(crate) const ENCODE_DATA: u32 = 1;
 pub(crate) const ENCODE_HEAT: u32 = 2;
+pub(crate) const ENCODE_LOG_HEAT: u32 = 3;
 
 /// The format of the pixels for a screen.
 const SCREEN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -67,6 +68,11 @@ pub enum Encoding {
     },
     /// The first channel times `scale`, from 0 to 1, as colours from dark violet to yellow.
     Heat {
+        /// The factor.
+        scale: f32,
+    },
+    /// The logarithm to base 2 of 1 plus the first channel, times `scale`, in the same colours.
+    LogHeat {
         /// The factor.
         scale: f32,
     },
@@ -173,6 +179,9 @@ impl From<Encoding> for ToneMapSettings {
             }
             Encoding::Heat { scale } => {
                 Self { encoding: ENCODE_HEAT, curve: 0, scale, offset: 0.0 }
+            }
+            Encoding::LogHeat { scale } => {
+                Self { encoding: ENCODE_LOG_HEAT, curve: 0, scale, offset: 0.0 }
             }
         }
     }

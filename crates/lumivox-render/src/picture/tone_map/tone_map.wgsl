@@ -1,10 +1,12 @@
 // From radiance or data to the 8 bits a channel of a screen. It does not use the grid: its own
 // bindings are in group 0.
 
-import package::constants::{ENCODE_COLOR, ENCODE_HEAT, TONE_MAP_ACES, TONE_MAP_NEUTRAL, TONE_MAP_RAW};
+import package::constants::{
+    ENCODE_COLOR, ENCODE_HEAT, ENCODE_LOG_HEAT, TONE_MAP_ACES, TONE_MAP_NEUTRAL, TONE_MAP_RAW,
+};
 
 struct ToneMapSettings {
-    // ENCODE_COLOR, ENCODE_DATA or ENCODE_HEAT.
+    // ENCODE_COLOR, ENCODE_DATA, ENCODE_HEAT or ENCODE_LOG_HEAT.
     encoding: u32,
     // For ENCODE_COLOR: one of TONE_MAP_...
     curve: u32,
@@ -77,6 +79,9 @@ fn encode(value: vec4f) -> vec3f {
         }
         case ENCODE_HEAT: {
             return viridis(saturate(value.r * tone_map_settings.scale));
+        }
+        case ENCODE_LOG_HEAT: {
+            return viridis(saturate(log2(1.0 + value.r) * tone_map_settings.scale));
         }
         default: {
             return tone_map_settings.scale * value.rgb + tone_map_settings.offset * value.a;

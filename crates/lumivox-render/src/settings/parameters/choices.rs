@@ -17,6 +17,14 @@ impl Choices for View {
         Choice::new("normal", "shading normals; -1 to 1 along x, y, z as red, green, blue"),
         Choice::new("depth", "distance from the camera; metres in OpenEXR, near is white in PNG"),
         Choice::new("cost", "cone samples a pixel, from violet (none) to yellow (512 and more)"),
+        Choice::new(
+            "history",
+            "frames in the mean of a pixel's light, from violet to yellow (256); with temporal",
+        ),
+        Choice::new(
+            "disocclusion",
+            "pixels of which no earlier frame knew anything; with temporal",
+        ),
         Choice::new("voxels", "the voxels of one level (--level) as cubes, in their light"),
         Choice::new(
             "lit",

@@ -90,8 +90,9 @@ fn ranges_are_those_that_renderers_check() {
         let (within, beyond) = ends(parameter.kind);
         for value in within {
             let mut settings = defaults();
-            // Views of an octree need one.
+            // Views of an octree need one, and views of earlier frames need them.
             settings.volume = VolumeKind::Octree(lumivox::OctreeOptions::default());
+            settings.trace.temporal = true;
             parameter.set(&mut settings, value).expect("in range");
             assert!(is_valid(&settings), "{parameter:?} {value}");
         }

@@ -67,11 +67,11 @@ await renderer.setSplit(null);
 
 await renderer.resize(640, 360);
 await renderer.setCamera(camera, true);
-await renderer.setCoarseMotion(false);
+await renderer.setFrameBudget(0);
 await renderer.setTimed(true);
 const report: FrameReport = await renderer.render();
 const moment: number | undefined = report.time_s;
-const text = `${moment} ${report.frame}/${report.frames} ${report.complete} ${report.frame_ms} ${report.stages[0]?.name}`;
+const text = `${moment} ${report.frame}/${report.frames} ${report.complete} ${report.frame_ms} ${report.budget_ms} ${report.scale} ${report.samples_per_pixel} ${report.history_frames} ${report.stages[0]?.name}`;
 const image: ImageData = await renderer.readPixels();
 const bytes: number = (await renderer.memory()).reduce((sum, part) => sum + part.bytes, 0);
 const device: GPUDevice = await renderer.device();

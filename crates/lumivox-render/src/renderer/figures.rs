@@ -1,0 +1,61 @@
+//! Figures of the last frame: what its cones cost, and how long its light is known.
+
+use lumivox::TraceResolution;
+use lumivox::gpu::read_buffer;
+
+use super::Renderer;
+use super::prepare::compile;
+use crate::RenderError;
+use crate::passes::figures::{FiguresPass, Sums};
+
+/// Figures of the last frame, over one pixel in 64.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TraceFigures {
+    /// Cone samples by pixels of the picture. At half resolution those of the pixels that are
+    /// traced, by four: pixels that are traced by themselves are left out.
+    pub samples_per_pixel: f32,
+    /// The frames that the light of a surface is the mean of, on average over the surfaces' pixels.
+    /// `None` without [`TraceSettings::temporal`](lumivox::TraceSettings::temporal), and where
+    /// there is no surface.
+    pub history_frames: Option<f32>,
+}
+
+impl Renderer {
+    /// Figures of the last frame; adds up sums on the GPU and reads them back. `None` before the
+    /// first frame, and if it had no cones.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn trace_figures(&mut self) -> Result<Option<TraceFigures>, RenderError> {
+        let Self { gpu, settings, passes, .. } = self;
+        let is_of_voxels = settings.view.is_of_voxels() || settings.shown_look().is_some();
+        if is_of_voxels
+            || !settings.view.needs_cones(settings.bounces)
+            || self.targets.accumulate.frames() == 0
+        {
+            return Ok(None);
+        }
+        if passes.figures.is_none() {
+            passes.figures = Some(FiguresPass::new(&gpu.pipelines, &passes.shaders)?);
+            compile(gpu, &mut |_| {}).await?;
+        }
+        let Self { gpu, settings, passes, targets, .. } = self;
+        let Some(pass) = &passes.figures else { return Ok(None) };
+        let mut recorder = lumivox::gpu::Recorder::new(&gpu.device, &gpu.queue);
+        let sums = pass.record(&mut recorder, &targets.traced, passes.composite.no_records());
+        recorder.submit();
+        let words: Vec<u32> = read_buffer(&gpu.device, &gpu.queue, sums, 0..12).await?;
+        gpu.check("adding up figures of a frame")?;
+        let sums = Sums::new(&words, targets.traced.size());
+        // Pixels between traced ones have the count of those.
+        let share = match settings.trace.resolution {
+            TraceResolution::Full => 1.0,
+            TraceResolution::Half => 0.25,
+        };
+        let is_known = targets.traced.is_temporal() && sums.known > 0;
+        Ok(Some(TraceFigures {
+            samples_per_pixel: share * sums.samples as f32 / sums.pixels as f32,
+            history_frames: is_known.then(|| sums.frames as f32 / sums.known as f32),
+        }))
+    }
+}
