@@ -128,7 +128,9 @@ impl Renderer {
             self.relight(progress).await?;
         }
         if redo.mean && !is_resized {
+            // As in a renderer that was made with these settings.
             self.targets.forget();
+            (self.drawn, self.former_camera) = (0, None);
         }
         self.gpu.check("taking other settings")
     }
