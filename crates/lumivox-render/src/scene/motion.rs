@@ -14,6 +14,8 @@ pub(crate) struct Motion {
     transforms: BTreeMap<u32, Mat4>,
     /// The former positions of vertices, by their batches.
     positions: BTreeMap<usize, Buffer>,
+    /// Those of the last frame, which may not be submitted yet.
+    drawn: BTreeMap<usize, Buffer>,
     /// Whether anybody asks.
     is_wanted: bool,
 }
@@ -74,6 +76,7 @@ impl Motion {
     /// A frame was drawn: nothing has moved since. `is_wanted` says whether the next one asks for motion.
     pub(crate) fn settle(&mut self, is_wanted: bool) {
         self.is_wanted = is_wanted;
+        self.drawn = std::mem::take(&mut self.positions);
         self.clear();
     }
 
