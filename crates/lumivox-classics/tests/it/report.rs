@@ -10,12 +10,13 @@ use lumivox::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Timing, storage_buffer, upload,
 };
 use lumivox::hooks::ConeModel;
-use lumivox::{Gi, GiConfig, Grid, TraceSettings};
+use lumivox::{Gi, GiConfig, Grid, Light, LightSource, Shadow, TraceSettings};
 use lumivox_classics::report::ReportCones;
 
 use crate::testing::{SceneBuilder, device, lambert, read};
 
-/// A room with light in it; its faces' radiance, first with the values of its model and then with
+/// A room with a lamp in it, since what shines by itself is drawn by Lumivox and found by a model's
+/// cones; its faces' radiance, first with the values of its model and then with
 /// others.
 fn radiance(cones: Option<Arc<dyn ConeModel>>, others: Option<ReportCones>) -> Vec<[f32; 4]> {
     let (device, queue) = device();
@@ -23,12 +24,19 @@ fn radiance(cones: Option<Arc<dyn ConeModel>>, others: Option<ReportCones>) -> V
     let grid = Grid::fit(low, high, 32, Vec3::ZERO).expect("the grid fits");
     let config = GiConfig { cones, ..GiConfig::new(grid) };
     let mut gi = Gi::with_pipelines(&device, &queue, config).expect("the device is large enough");
-    let room = SceneBuilder::default().room(low, high, &lambert(0.5, 1.0));
+    let room = SceneBuilder::default().room(low, high, &lambert(0.5, 0.0));
     let plate = lambert(0.8, 0.0);
     let scene = room.quad(Vec3::splat(0.3), 0.3 * Vec3::X, Vec3::new(0.0, 0.2, 0.3), plate);
     let geometry = scene.build(&device);
     pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
-    let lights = gi.bind_lights(&[], Vec3::ZERO, None);
+    let source = LightSource::Point {
+        position: Vec3::new(0.6, 0.5, 0.4),
+        intensity: Vec3::ONE,
+        radius_m: 0.0,
+        range_m: None,
+    };
+    let lamp = Light { source, shadow: Shadow::Cone };
+    let lights = gi.bind_lights(&[lamp], Vec3::ZERO, None);
     let mut recorder = Recorder::new(&device, &queue);
     gi.light(&mut recorder, &lights, 3, &TraceSettings::default()).expect("valid settings");
     if let Some(cones) = others {
