@@ -40,14 +40,24 @@ pub(crate) struct Targets {
 pub(crate) const BYTES_PER_PIXEL: u64 = 100;
 
 /// Bytes a pixel for the cones: 20 a traced pixel, and if these are fewer, 16 for the picture and 4 for the list of
-/// pixels that are traced by themselves. Light of earlier frames takes 52, motion included, and 81 a traced pixel, its share of a
-/// probe included.
-pub(crate) fn trace_bytes_per_pixel(trace: &TraceSettings) -> u64 {
+/// pixels that are traced by themselves. Light of earlier frames takes 52, motion included, 72 a traced pixel, and probes.
+pub(crate) fn trace_bytes(trace: &TraceSettings, size: UVec2) -> u64 {
+    let pixels = u64::from(size.x) * u64::from(size.y);
+    let scale = match trace.resolution {
+        TraceResolution::Full => 1,
+        TraceResolution::Half => 2,
+    };
+    let traced = size.map(|edge: u32| edge.div_ceil(scale));
+    let probes = if trace.temporal { lumivox::probe_bytes(traced) } else { 0 };
+    pixels * trace_bytes_per_pixel(trace) + probes
+}
+
+fn trace_bytes_per_pixel(trace: &TraceSettings) -> u64 {
     match (trace.resolution, trace.temporal) {
         (TraceResolution::Full, false) => 20,
-        (TraceResolution::Full, true) => 20 + 16 + 52 + 81,
+        (TraceResolution::Full, true) => 20 + 16 + 52 + 72,
         (TraceResolution::Half, false) => 20 / 4 + 20,
-        (TraceResolution::Half, true) => 20 / 4 + 20 + 52 + 84 / 4,
+        (TraceResolution::Half, true) => 20 / 4 + 20 + 52 + 72 / 4,
     }
 }
 
@@ -70,9 +80,8 @@ impl Targets {
         is_tinted: bool,
     ) -> Result<Self, RenderError> {
         let tint = if is_tinted { TINT_BYTES_PER_PIXEL } else { 0 };
-        let needed = u64::from(size.x)
-            * u64::from(size.y)
-            * (BYTES_PER_PIXEL + tint + trace_bytes_per_pixel(trace));
+        let pixels = u64::from(size.x) * u64::from(size.y);
+        let needed = pixels * (BYTES_PER_PIXEL + tint) + trace_bytes(trace, size);
         let too_large = || {
             let what = format!("a picture of {}x{}", size.x, size.y);
             gpu.out_of_memory(what, Some(needed), "ask for a smaller picture")

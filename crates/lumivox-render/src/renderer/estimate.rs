@@ -15,7 +15,7 @@ use lumivox_scene::{Instance, LightKind, Material, Scene, Shading, Texture};
 use crate::gpu::memory::available_memory;
 use crate::passes::overlay::OVERLAY_BYTES_PER_PIXEL;
 use crate::passes::shadow_maps::MAX_BYTES as MAX_SHADOW_BYTES;
-use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL, trace_bytes_per_pixel};
+use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL, trace_bytes};
 use crate::scene::{DrawRecord, VERTEX_BYTES};
 use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 
@@ -65,7 +65,7 @@ impl MemoryEstimate {
         let has_glass = scene.materials.iter().any(|material| material.transmission.factor > 0.0);
         let tint = if has_glass { TINT_BYTES_PER_PIXEL } else { 0 };
         let overlay = if settings.overlay.is_on() { OVERLAY_BYTES_PER_PIXEL } else { 0 };
-        let cones = trace_bytes_per_pixel(&settings.trace);
+        let cones = trace_bytes(&settings.trace, settings.size);
         let parts = [
             ("vertices and indices", vertices as u64 * VERTEX_BYTES + indices as u64 * 4),
             ("textures", texture_bytes(scene)),
@@ -73,7 +73,7 @@ impl MemoryEstimate {
             ("shadow maps", shadow_bytes(scene, settings)),
             volume_part(&grid, settings, voxels),
             ("voxel list (about)", list_bytes(&grid, voxels, settings) + kept),
-            ("picture", pixels * (BYTES_PER_PIXEL + cones + tint + overlay)),
+            ("picture", pixels * (BYTES_PER_PIXEL + tint + overlay) + cones),
         ];
         let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
         Ok(Self { parts, voxels, name: scene.name.clone(), voxel_remedy: voxel_remedy(settings) })

@@ -52,7 +52,14 @@ const STEP_BYTES: u64 = 256;
 
 /// `SPACING` of `probe.wgsl`, and the bytes of a `Probe`.
 const PROBE_SPACING: u32 = 3;
-pub(crate) const PROBE_BYTES: u64 = 80;
+const PROBE_BYTES: u64 = 80;
+
+/// Bytes of the probes of a picture with so many traced pixels along each edge
+/// ([`TraceSettings::temporal`](crate::TraceSettings::temporal)).
+pub fn probe_bytes(traced_size: UVec2) -> u64 {
+    let probes = traced_size.map(|pixels| pixels.div_ceil(PROBE_SPACING));
+    u64::from(probes.x) * u64::from(probes.y) * PROBE_BYTES
+}
 
 /// The layouts of the steps.
 #[derive(Debug)]
@@ -238,8 +245,6 @@ impl Past {
             words[0] = step;
             words
         });
-        let probes = traced_size.map(|pixels| pixels.div_ceil(PROBE_SPACING));
-        let probes = u64::from(probes.x) * u64::from(probes.y);
         Self {
             size,
             traced_size,
@@ -252,7 +257,7 @@ impl Past {
             light: [(); 3].map(|()| make("filtered light", traced_size, LIGHT)),
             change: [(); 2].map(|()| make("filtered change", traced_size, LIGHT)),
             steps: uniform_buffer(device, "filter steps", &steps),
-            probes: storage_buffer(device, "probes", probes * PROBE_BYTES),
+            probes: storage_buffer(device, "probes", probe_bytes(traced_size)),
             drift: ["probes were", "probes are"].map(|label| make(label, traced_size, LIGHT)),
             seen: Mutex::new(Seen::Nothing),
         }

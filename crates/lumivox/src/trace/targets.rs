@@ -137,6 +137,7 @@ impl TraceTargets {
             pixels: storage_buffer(device, "edges", 4 * (pixels + 1).min(most)),
         };
         bytes += listed.counts.size() + listed.pixels.size();
+        bytes += if settings.temporal { temporal::probe_bytes(traced_size) } else { 0 };
         let [irradiance, specular] = traced.map(|texture| texture.view());
         Self {
             irradiance: outputs[0].view(),

@@ -86,8 +86,9 @@ fn a_room_of_two_sided_walls_has_no_dark_edges() {
     room.cameras = vec![Camera::look_at(Vec3::ZERO, Vec3::new(-1.0, -1.0, 0.0), 0.2)];
     for eighths in 0..8 {
         let grid_offset = Vec3::splat(0.125 * eighths as f32);
-        let settings = RenderSettings { bounces: 1, grid_offset, ..settings(View::Diffuse) };
-        let picture = render(&room, settings);
+        // A pixel draws one point of all walls in a frame.
+        let drawn = RenderSettings { frames: 256, ..settings(View::Diffuse) };
+        let picture = render(&room, RenderSettings { bounces: 1, grid_offset, ..drawn });
         let light = || picture.hdr.iter().map(|pixel| pixel[0]);
         let (darkest, brightest) = (light().fold(f32::MAX, f32::min), light().fold(0.0, f32::max));
         println!("{grid_offset}: {darkest} to {brightest}");
