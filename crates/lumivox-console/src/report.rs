@@ -180,7 +180,7 @@ pub struct OctreeReport {
     pub bricks: u32,
     /// How the nodes were built: `ranks`, or the name of another builder.
     pub builder: &'static str,
-    /// What that builder has counted, by its names.
+    /// The builder's counters, by its names for them.
     #[serde(flatten)]
     pub counts: BTreeMap<&'static str, u64>,
 }

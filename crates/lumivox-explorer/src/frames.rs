@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use glam::UVec2;
-use lumivox_render::{Metering, Photometry, Picture, RenderProgress, TraceFigures};
+use lumivox_render::{Metering, Photometry, Picture, RenderError, RenderProgress, TraceFigures};
 use web_time::Instant;
 
 use crate::{Explorer, ExplorerError};
@@ -56,7 +56,7 @@ impl Explorer {
         self.update(progress).await?;
         let frames = self.settings.frames;
         let Some(renderer) = &mut self.renderer else { return Ok(false) };
-        let is_complete = renderer.frame_count() >= frames;
+        let is_complete = renderer.is_complete();
         let lacks_overlay =
             renderer.settings().overlay.is_on() && renderer.overlay_frame_count() < frames;
         if is_complete && !lacks_overlay {
@@ -69,8 +69,12 @@ impl Explorer {
         // An overlay that was set later is drawn over the finished picture.
         if is_complete {
             renderer.render_overlay_frame().await?;
-        } else {
-            renderer.render_frame().await?;
+        } else if let Err(error) = renderer.render_frame().await {
+            if matches!(error, RenderError::Gi(_)) {
+                // As after a change that was refused: the next renderer is made from the present scene.
+                self.renderer = None;
+            }
+            return Err(error.into());
         }
         if self.waits_for_gpu {
             self.gpu.finished("rendering a frame").await?;

@@ -127,7 +127,7 @@ impl Pacing {
         if std::mem::take(&mut self.is_resized) || self.is_first || self.budget_ms <= 0.0 {
             return;
         }
-        // What a picture of the size in motion takes, by its pixels.
+        // The time of a picture of the size in motion, by its pixels.
         let ms = duration.as_secs_f32() * 1e3 * pixels(self.step) / pixels(self.shown);
         let is_over = ms > self.budget_ms;
         // Frames at rest lack what only motion costs.
@@ -204,7 +204,7 @@ mod tests {
         pacing.changed = pacing.changed.and_then(|changed| changed.checked_sub(REST));
         assert_eq!((pacing.next_size(FULL), pacing.is_coarse()), (FULL, false));
         assert_eq!(widths(&mut pacing, [100.0]), [320]);
-        // What is seen at rest makes it coarser, but not finer.
+        // Frames at rest make it coarser, but not finer.
         for (ms, width) in [(1.0, 320), (1000.0, 160)] {
             pacing.is_motion = false;
             for _ in 0..40 {

@@ -121,6 +121,30 @@ fn what_the_renderer_refuses_is_taken_back() {
     assert!(picture(&mut explorer) == first);
 }
 
+/// Where light of earlier frames is kept, voxels follow within frames, also while they are late: nothing is voxelized as a
+/// whole, and a picture of one frame is complete once voxels are in time.
+#[test]
+fn what_moves_in_realtime_is_followed_frame_by_frame() {
+    for frames in [1, 64] {
+        let trace = lumivox::TraceSettings::preset(Preset::Realtime);
+        let settings = RenderSettings { bounces: 8, frames, trace, ..small() };
+        let mut explorer = Explorer::new(gpu(), settings, PresetChoice::Cones(Preset::Realtime));
+        explorer.open(opened("cornell"));
+        assert!(block_on(explorer.frame(&mut |_| {})).unwrap());
+        let last = explorer.object_names().len() - 1;
+        let mut stages = Vec::new();
+        for _ in 0..12 {
+            explorer.transform(last, Mat4::from_translation(Vec3::X * 0.01));
+            let mut tell = |step: lumivox_render::RenderProgress| stages.push(step.stage);
+            assert!(block_on(explorer.frame(&mut tell)).unwrap());
+            assert!(!explorer.has_stale_voxels());
+        }
+        let rest = (0..32).take_while(|_| block_on(explorer.frame(&mut |_| {})).unwrap()).count();
+        assert!(frames == 64 || rest < 8, "{rest} frames more than one");
+        assert!(stages.iter().all(|stage| !["voxelize", "light"].contains(stage)), "{stages:?}");
+    }
+}
+
 #[test]
 fn voxels_follow_when_they_shall() {
     let mut explorer = explorer("cornell");

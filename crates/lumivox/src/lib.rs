@@ -55,7 +55,6 @@ pub use gloss::Gloss;
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps, ShadowSource};
 pub use points::{GatherPoints, GatherSettings, GatheredPoint, Irradiance};
-pub use temporal::probe_bytes;
 pub use trace::{AS_THE_CAMERA, CameraView, GBuffer, GBufferViews, TraceTargets};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeOptions, OctreeStats};

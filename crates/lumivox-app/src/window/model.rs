@@ -66,7 +66,7 @@ pub struct Model {
     pub memory: Vec<MemoryUse>,
     /// Times of the last frames.
     pub frames: Arc<Vec<FrameTime>>,
-    /// What the last frame's cones cost, and how long its light is known.
+    /// Cone samples and length of the history of the last frame.
     pub figures: Option<TraceFigures>,
     /// Frames in the mean.
     pub frame_count: u32,

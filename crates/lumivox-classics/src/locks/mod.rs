@@ -76,7 +76,7 @@ struct LockBuilder {
     bound: Option<BoundLocks>,
 }
 
-/// What belongs to a list and an octree.
+/// The buffers and bind groups for one list of voxels and one octree.
 #[derive(Debug)]
 struct BoundLocks {
     children: Buffer,

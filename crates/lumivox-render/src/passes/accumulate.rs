@@ -47,7 +47,7 @@ pub struct AccumulatePass {
     frames: u32,
 }
 
-/// What frames need that are blended with those before them.
+/// The kernel for frames that are blended with those before them, and how many of these count.
 #[derive(Debug)]
 struct Follow {
     kernel: Kernel,

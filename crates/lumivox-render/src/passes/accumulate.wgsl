@@ -1,7 +1,7 @@
 // A frame into the mean of those before, of the same pixel. It does not use the grid: its own bindings are in group 0.
 
 struct AccumulateSettings {
-    // Of the frame in the new mean; 1: nothing of the old one is left.
+    // The frame's share of the new mean; 1: nothing of the old one is left.
     weight: f32,
     // Whether the light is on its way from a change.
     is_relit: u32,

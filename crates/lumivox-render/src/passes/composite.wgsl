@@ -38,7 +38,7 @@ struct CompositeSettings {
 // The light that coloured glass in front lets through, in rgb; one white texel if the scene has
 // none.
 @group(1) @binding(5) var tint: texture_2d<f32>;
-// What is remembered of the surfaces; one texel of zeros if nothing is.
+// The records of the surfaces; one texel of zeros if there are none.
 @group(1) @binding(6) var records: texture_2d<u32>;
 @group(1) @binding(7) var picture: texture_storage_2d<rgba32float, write>;
 // The mean over frames of the illuminance at the surface; negative where there is none.

@@ -57,14 +57,14 @@ pub(crate) struct RasterPipeline<'a> {
     pub(crate) depth: Depth,
 }
 
-/// What triangles have to do with the depth buffer.
+/// How a pass uses the depth buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Depth {
-    /// They hide what is behind them.
+    /// Triangles hide what is behind them.
     Hides,
-    /// They are drawn where nothing is in front, and hide nothing.
+    /// Triangles are drawn where nothing is in front, and hide nothing.
     InFront,
-    /// They are drawn where they are what is visible.
+    /// Triangles are drawn where they are the visible surface.
     OfVisible,
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, UVec2};
 use lumivox::gpu::ShaderLibrary;
-use lumivox::{GBuffer, Gi, TraceResolution, TraceSettings, TraceTargets};
+use lumivox::{GBuffer, Gi, TraceSettings, TraceTargets};
 
 use crate::gpu::memory::available_memory;
 use crate::gpu::textures::ScreenTextures;
@@ -39,26 +39,13 @@ pub(crate) struct Targets {
 /// screen 4.
 pub(crate) const BYTES_PER_PIXEL: u64 = 100;
 
-/// Bytes a pixel for the cones: 20 a traced pixel, and if these are fewer, 16 for the picture and 4 for the list of
-/// pixels that are traced by themselves. Light of earlier frames takes 52, motion included, 72 a traced pixel, and probes.
-pub(crate) fn trace_bytes(trace: &TraceSettings, size: UVec2) -> u64 {
-    let pixels = u64::from(size.x) * u64::from(size.y);
-    let scale = match trace.resolution {
-        TraceResolution::Full => 1,
-        TraceResolution::Half => 2,
-    };
-    let traced = size.map(|edge: u32| edge.div_ceil(scale));
-    let probes = if trace.temporal { lumivox::probe_bytes(traced) } else { 0 };
-    pixels * trace_bytes_per_pixel(trace) + probes
-}
+/// Additional bytes a pixel for motion, where light of earlier frames is kept.
+const MOTION_BYTES_PER_PIXEL: u64 = 4;
 
-fn trace_bytes_per_pixel(trace: &TraceSettings) -> u64 {
-    match (trace.resolution, trace.temporal) {
-        (TraceResolution::Full, false) => 20,
-        (TraceResolution::Full, true) => 20 + 16 + 52 + 72,
-        (TraceResolution::Half, false) => 20 / 4 + 20,
-        (TraceResolution::Half, true) => 20 / 4 + 20 + 52 + 72 / 4,
-    }
+/// Bytes for the cones of a picture of a size.
+pub(crate) fn trace_bytes(trace: &TraceSettings, size: UVec2) -> u64 {
+    let motion = if trace.temporal { MOTION_BYTES_PER_PIXEL } else { 0 };
+    u64::from(size.x) * u64::from(size.y) * motion + TraceTargets::bytes(size, trace)
 }
 
 /// Additional bytes a pixel for the tint of coloured glass.

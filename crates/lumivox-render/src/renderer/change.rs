@@ -82,7 +82,7 @@ impl Renderer {
         let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
         validate_level(&settings, &grid)?;
         let redo = Redo::between(&self.settings, &settings, grid == *self.gi.grid());
-        // What is known stays known in another size.
+        // A picture of another size keeps the light of earlier frames.
         let is_resized =
             RenderSettings { size: self.settings.size, ..settings.clone() } == self.settings;
         if redo.volume {
@@ -302,7 +302,7 @@ impl Renderer {
 
     /// Whether objects have moved without the voxels ([`Self::place`]).
     pub fn has_stale_voxels(&self) -> bool {
-        self.voxels_are_stale
+        self.voxels_are_stale && !self.following.surfaces
     }
 
     /// Lights the voxels again with another number of bounces; the mean starts again.
@@ -440,6 +440,7 @@ impl Renderer {
     fn store_voxels(&mut self, voxelized: Voxelized) {
         self.voxels = voxelized.stats;
         self.voxels_are_stale = false;
+        self.following.surfaces = false;
         self.times.add(voxelized.times);
     }
 

@@ -220,7 +220,7 @@ impl Renderer {
         progress: &mut dyn FnMut(RenderProgress) -> ControlFlow<()>,
     ) -> Result<Option<Picture>, RenderError> {
         self.render_frames(progress).await?;
-        if self.frame_count() < self.settings.frames {
+        if !self.is_complete() {
             return Ok(None);
         }
         self.complete_overlay().await?;
@@ -234,7 +234,7 @@ impl Renderer {
         let total = self.settings.frames;
         let step = |done: u32| RenderProgress { stage: "render", done: done.min(total), total };
         let mut wish = progress(step(self.frame_count()));
-        while self.frame_count() < total && wish.is_continue() {
+        while !self.is_complete() && wish.is_continue() {
             self.render_frame().await?;
             // Only one frame is in flight, so that progress is true and memory for commands stays
             // small.
@@ -348,7 +348,7 @@ impl Renderer {
             beside::add_frame(accumulate, recorder, shown, (gbuffer, is_relit));
             self.record_overlay(recorder, &view)?;
         }
-        // What is not of the frame before cannot be followed.
+        // A frame that was not kept cannot be followed by the next one.
         if !(is_kept && is_traced) {
             self.targets.traced.forget();
         }
@@ -402,6 +402,12 @@ impl Renderer {
     /// Frames in the picture so far.
     pub fn frame_count(&self) -> u32 {
         self.targets.accumulate.frames()
+    }
+
+    /// Whether the picture has all frames that the settings ask for. While voxels are late for what has moved, frames
+    /// lack that.
+    pub fn is_complete(&self) -> bool {
+        self.frame_count() >= self.settings.frames && !self.following.surfaces
     }
 
     /// Moves the camera; the mean starts again.

@@ -14,7 +14,7 @@ const MANY_BOUNCES: u32 = 8;
 /// Frames after a change until less than a hundredth of it is still to come, at one bounce a frame.
 const SETTLING_FRAMES: u32 = 8;
 
-/// What the next frames have to follow.
+/// Changes that the next frames have to follow.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Following {
     /// Surfaces have moved.

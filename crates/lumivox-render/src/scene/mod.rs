@@ -97,7 +97,7 @@ pub struct GpuScene {
     pub materials: Vec<GpuMaterial>,
     /// The layout of their bind groups.
     pub material_layout: wgpu::BindGroupLayout,
-    /// What has moved since the last frame.
+    /// The draws that have moved since the last frame.
     pub(crate) motion: Motion,
     pub(crate) memory: Vec<MemoryUse>,
 }

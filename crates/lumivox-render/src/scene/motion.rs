@@ -7,14 +7,14 @@ use lumivox::gpu::Buffer;
 
 use super::{SceneDraw, VertexBuffers};
 
-/// What has moved since the last frame.
+/// The draws that have moved since the last frame.
 #[derive(Debug, Default)]
 pub(crate) struct Motion {
     /// The former transforms of draws, by their records.
     transforms: BTreeMap<u32, Mat4>,
     /// The former positions of vertices, by their batches.
     positions: BTreeMap<usize, Buffer>,
-    /// Those of the last frame, which may not be submitted yet.
+    /// The former positions of the last frame, which may not be submitted yet.
     drawn: BTreeMap<usize, Buffer>,
     /// Whether anybody asks.
     is_wanted: bool,

@@ -132,8 +132,8 @@ fn a_still_picture_comes_to_that_without_earlier_frames() {
     assert!(errors[1] < 0.05 && errors[1] < 0.7 * errors[0], "{errors:?}");
 }
 
-/// Of a block that slides, light goes with it: what it shows differs less from a still picture than
-/// what a first frame does, to which nothing is known.
+/// The light of a sliding block goes with it: a picture in motion differs less from a still one
+/// than a first frame does, for which nothing is known.
 #[test]
 fn what_moves_takes_its_light_along() {
     let mut scene = builtin("cornell");

@@ -87,7 +87,7 @@ fn main(
     }
     let area = 0.5 * length(cross(emitter.along_ab, emitter.along_ac));
     let power = strength(emitter.radiance) * area * f32(1u + emitter.is_double_sided);
-    // What is not finite shines no more than it is voxelized.
+    // Triangles that are not finite shine no more than they are voxelized.
     emitter.power_so_far = select(0.0, power, power > 0.0 && power < 1e30);
     list.emitters[params.first_emitter + index] = emitter;
 }

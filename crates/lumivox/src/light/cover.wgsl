@@ -53,7 +53,7 @@ fn coverage_of(face: u32, axis: u32) -> f32 {
     return abs(faces[face].vector_area[axis]);
 }
 
-// What a face sends out, with its emission or without.
+// The radiance that a face sends out, with its emission or without.
 fn sent_out(face: u32, has_emission: bool) -> vec4f {
     if has_emission {
         return radiance[face];

@@ -26,7 +26,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     var light = vec4f(0.0);
     var change = vec4f(0.0);
     let gathered = textureLoad(traced, place, 0).rgb;
-    // What is not a number must not reach the pixels around.
+    // Light that is not a number must not reach the pixels around.
     if surface.depth > 0.0 && is_finite(gathered) {
         guide = pack_guide(surface);
         light = vec4f(gathered, 0.0);

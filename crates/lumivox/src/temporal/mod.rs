@@ -54,9 +54,15 @@ const STEP_BYTES: u64 = 256;
 const PROBE_SPACING: u32 = 3;
 const PROBE_BYTES: u64 = 80;
 
-/// Bytes of the probes of a picture with so many traced pixels along each edge
-/// ([`TraceSettings::temporal`](crate::TraceSettings::temporal)).
-pub fn probe_bytes(traced_size: UVec2) -> u64 {
+/// Bytes of a [`Past`], for a picture of so many pixels.
+pub(crate) fn past_bytes(pixels: u64, traced_size: UVec2) -> u64 {
+    let traced = u64::from(traced_size.x) * u64::from(traced_size.y);
+    // Kept, recalled and records; guides, light, change and drift.
+    48 * pixels + 72 * traced + probe_bytes(traced_size)
+}
+
+/// Bytes of the probes of a picture with so many traced pixels along each edge.
+pub(crate) fn probe_bytes(traced_size: UVec2) -> u64 {
     let probes = traced_size.map(|pixels| pixels.div_ceil(PROBE_SPACING));
     u64::from(probes.x) * u64::from(probes.y) * PROBE_BYTES
 }
@@ -206,7 +212,7 @@ pub(crate) struct Past {
     change: [Texture; 2],
     steps: Buffer,
     probes: Buffer,
-    /// What the probes were, and what they are.
+    /// The filtered light of the probes, as it was and as it is.
     drift: [Texture; 2],
     seen: Mutex<Seen>,
 }

@@ -9,7 +9,7 @@ struct Probe {
     pixel: u32,
     geometric_normal: vec3f,
     padding_0: u32,
-    // What its cones gathered, and what the very same cones gather now.
+    // The irradiance that the probe's cones gathered, and that the very same cones gather now.
     was: vec3f,
     padding_1: u32,
     now: vec3f,

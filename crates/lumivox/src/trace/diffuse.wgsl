@@ -14,7 +14,7 @@ struct TracedDiffuse {
     samples: f32,
 }
 
-// What a surface gathers at a pixel; `turn` is the place in the sequence of the jitter.
+// The light that a surface gathers at a pixel; `turn` is the place in the sequence of the jitter.
 fn gather_at(
     position_in_world: vec3f,
     shading_normal: vec3f,

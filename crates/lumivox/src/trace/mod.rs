@@ -221,7 +221,7 @@ impl Tracer {
             slot.set(recorder.queue(), &ScreenSettings { remembers, has_changed, ..*settings });
             let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
             let UVec2 { x, y } = targets.traced_size();
-            // What draws emitters must not find them as well.
+            // Diffuse cones, whose pixels draw emitters, must not find them as well.
             let hide_emission = |recorder: &mut Recorder<'_>, hides| {
                 if settings.bounces > 0 {
                     (bound.hide_emission)(recorder, hides);

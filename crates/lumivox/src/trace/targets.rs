@@ -154,6 +154,20 @@ impl TraceTargets {
         }
     }
 
+    /// Bytes on the GPU of targets of a size, before they are made.
+    pub fn bytes(size: UVec2, settings: &TraceSettings) -> u64 {
+        let scale = settings.resolution.scale();
+        let traced_size = size.map(|edge| edge.div_ceil(scale));
+        let [pixels, traced] =
+            [size, traced_size].map(|size| u64::from(size.x) * u64::from(size.y));
+        // Two pictures and the counts of samples that cones write; what is made of them at the size of the picture.
+        let cones = 20 * traced;
+        let outputs = if scale > 1 || settings.temporal { 16 * pixels } else { 0 };
+        let listed = 16 + if scale > 1 { 4 * (pixels + 1) } else { 16 };
+        let past = if settings.temporal { temporal::past_bytes(pixels, traced_size) } else { 0 };
+        cones + outputs + listed + past
+    }
+
     /// Forgets the light of earlier frames: for a cut, another scene, or another view, of which nothing is to shine through.
     pub fn forget(&self) {
         if let Some(past) = &self.past {

@@ -263,6 +263,21 @@ fn steady_frames_make_no_new_slots() {
 
 /// A frame after a cut is that of new targets, and one without a cut is not.
 #[test]
+fn bytes_are_known_before_targets_are_made() {
+    let (device, _) = device();
+    for resolution in [TraceResolution::Full, TraceResolution::Half] {
+        for preset in [Preset::Balanced, Preset::Realtime] {
+            let settings = TraceSettings { resolution, ..TraceSettings::preset(preset) };
+            for size in [SIZE, UVec2::new(37, 21)] {
+                let targets = TraceTargets::new(&device, size, &settings);
+                let known = TraceTargets::bytes(size, &settings);
+                assert_eq!(targets.memory(), known, "{size} {settings:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn what_is_forgotten_does_not_shine_through() {
     let room = Room::new();
     for resolution in [TraceResolution::Full, TraceResolution::Half] {

@@ -6,6 +6,7 @@
 //! | file | is |
 //! | --- | --- |
 //! | `sequences.rs` | the table of sequences |
+//! | `moves.rs` | the pose of each at a step |
 //! | `drive.rs` | a scene driven step by step, as the window does it |
 //! | `walk.rs` | the scene of the figure that walks |
 //! | `truth.rs` | the path tracer's answers |
@@ -19,6 +20,7 @@
 mod drive;
 mod figures;
 mod measure;
+mod moves;
 mod page;
 mod pictures;
 mod report;

@@ -60,7 +60,7 @@ fn in_motion(model: &Model, mean_ms: f32) -> String {
     )
 }
 
-/// What cones cost, and how long their light is known.
+/// Cone samples and length of the history, as a line of text.
 fn figures(model: &Model) -> Option<String> {
     let figures = model.figures?;
     let samples = format!("{:.0} cone samples a pixel", figures.samples_per_pixel);

@@ -37,7 +37,7 @@ pub struct Pictures {
     /// The place where light is to be measured.
     pub probe: Option<Vec2>,
     pub times: FrameLog,
-    /// Of the last frame, while somebody watches.
+    /// Cone samples and length of the history of the last frame, while the panel that shows them is open.
     pub figures: Option<TraceFigures>,
 }
 

@@ -37,7 +37,7 @@ fn lit((device, queue): &(Pipelines, wgpu::Queue), config: GiConfig, geometry: &
     gi
 }
 
-/// What the builder has counted, by its name for it.
+/// A counter of the builder, by its name.
 fn count_of(gi: &Gi, name: &str) -> u64 {
     let counts = gi.octree_stats().expect("an octree").counts;
     let found = counts.iter().find(|(other, _)| *other == name);
@@ -142,7 +142,7 @@ fn missing_nodes_are_an_error() {
     assert_told(frames.expect("a group is missing"));
 }
 
-/// What it keeps while the octree may change is in the account, and goes once nothing moves.
+/// The builder's buffers are in the octree's account while the octree may change, and go once nothing moves.
 #[test]
 fn its_memory_is_counted() {
     let gpu = device();

@@ -44,7 +44,7 @@ impl Pair {
     fn record(&mut self, geometry: &Geometry) {
         let (device, queue) = &self.gpu;
         for gi in &mut self.gis {
-            // Who was in time is known with the next one.
+            // Whether both octrees were in time is known with the next frame.
             let mut in_time = 0;
             for _ in 0..16 {
                 let mut recorder = Recorder::new(device, queue);

@@ -56,7 +56,7 @@ struct Bound {
     shining: Option<Shining>,
 }
 
-/// What finds the cells that look otherwise with the emission of their faces than without.
+/// Finds the cells that look otherwise with the emission of their faces than without.
 #[derive(Debug)]
 struct Shining {
     bits: Buffer,

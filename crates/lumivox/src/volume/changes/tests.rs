@@ -215,7 +215,7 @@ fn check_any_order(volume: VolumeKind) {
 #[test]
 fn only_what_changed_is_written() {
     let mut stage = Stage::new(VolumeKind::Dense, Directionality::SixLobes);
-    // What shines is written whenever its emission is hidden or shown.
+    // Cells that shine are written whenever their emission is hidden or shown.
     for material in &mut stage.geometry.materials {
         material.emission = Vec3::ZERO;
     }

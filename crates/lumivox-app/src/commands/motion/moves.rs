@@ -1,0 +1,170 @@
+//! How the sequences move: what each needs of its scene, and its pose at a step.
+
+use std::f32::consts::{FRAC_PI_2, PI};
+
+use glam::{Mat4, Quat, Vec3};
+use lumivox_console::Failure;
+use lumivox_scene::{Camera, Instance, LightKind, Mesh, Scene};
+
+use super::sequences::{Pose, Start, Step, any_scene};
+
+pub(super) fn needs_lamp(scene: &mut Scene) -> Result<(), Failure> {
+    let has_lamp =
+        scene.lights.iter().any(|light| !matches!(light.kind, LightKind::Directional { .. }));
+    if has_lamp {
+        return Ok(());
+    }
+    Err(Failure::input(format!(
+        "\"{}\" has no lamp that could move or be switched off; give another scene, or the \
+         sequence orbit (--sequence orbit)",
+        scene.name
+    )))
+}
+
+pub(super) fn needs_animation(scene: &mut Scene) -> Result<(), Failure> {
+    if scene.animations().is_empty() {
+        return Err(Failure::input(format!(
+            "nothing moves in the scene \"{}\": it has no animation; give {}",
+            scene.name,
+            any_scene()
+        )));
+    }
+    Ok(())
+}
+
+/// 0 before the phase, its share within it, and 1 after it.
+fn progress(step: &Step, phase: usize) -> f32 {
+    match step.phase {
+        now if now < phase => 0.0,
+        now if now == phase => step.share,
+        _ => 1.0,
+    }
+}
+
+pub(super) fn orbit(start: &Start, step: &Step) -> Pose {
+    const ANGLE_RAD: f32 = 15.0 / 180.0 * PI;
+    let turn = Quat::from_rotation_y(ANGLE_RAD * progress(step, 1));
+    let pivot = start.scene.bounds().center();
+    let camera = &start.camera;
+    Pose {
+        camera: Camera {
+            position: pivot + turn * (camera.position - pivot),
+            forward: turn * camera.forward,
+            up: turn * camera.up,
+            ..camera.clone()
+        },
+        ..Pose::of(start)
+    }
+}
+
+pub(super) fn dolly(start: &Start, step: &Step) -> Pose {
+    let (from, to) = (Vec3::new(1.6, 1.25, 0.3), Vec3::new(-0.9, 1.2, 0.6));
+    let position = from.lerp(to, progress(step, 1));
+    let target = Vec3::new(-2.0, 0.9, 0.4);
+    let camera = Camera::look_at(position, target, start.camera.vertical_fov_rad);
+    Pose { camera, ..Pose::of(start) }
+}
+
+pub(super) fn lamp(start: &Start, step: &Step) -> Pose {
+    let mut pose = Pose::of(start);
+    let share = if step.phase == 1 { step.share } else { 0.0 };
+    let size = start.scene.bounds().size();
+    let way = Vec3::new(0.3, -0.25, 0.2) * size * share;
+    let lamp =
+        pose.lights.iter_mut().find(|light| !matches!(light.kind, LightKind::Directional { .. }));
+    if let Some(lamp) = lamp {
+        lamp.position += way;
+    }
+    pose
+}
+
+pub(super) fn switch(start: &Start, step: &Step) -> Pose {
+    let mut pose = Pose::of(start);
+    if step.phase == 1 {
+        pose.lights.retain(|light| matches!(light.kind, LightKind::Directional { .. }));
+    }
+    pose
+}
+
+/// The block that moves.
+pub(super) const BLOCK: &str = "short block";
+
+pub(super) fn block(start: &Start, step: &Step) -> Pose {
+    let share = if step.phase == 1 { step.share } else { 0.0 };
+    let instance = start.scene.instances.iter().find(|instance| instance.name == BLOCK);
+    let rest = instance.map_or(Mat4::IDENTITY, |instance| instance.world_from_local);
+    let way = Vec3::new(-0.75, 0.0, 0.12) * share;
+    let place = Mat4::from_translation(way) * rest * Mat4::from_rotation_y(FRAC_PI_2 * share);
+    Pose { places: vec![(BLOCK, place)], ..Pose::of(start) }
+}
+
+/// The door that moves.
+pub(super) const DOOR: &str = "door";
+/// Half the thickness of the wall that it hangs on, as in the built-in scene.
+const WALL_HALF_M: f32 = 0.0025;
+/// The axis of its hinges, along y.
+const HINGE: Vec3 = Vec3::new(-WALL_HALF_M, 0.0, 0.13);
+
+/// Hangs a door of 4 cm before the doorway, on the lit side, 2 cm larger than it on each side.
+pub(super) fn add_door(scene: &mut Scene) -> Result<(), Failure> {
+    let missing = || Failure::input("the built-in scene has no wall to hang a door on".to_owned());
+    let wall = scene.instances.iter().find(|instance| instance.name == "dividing wall");
+    let material = wall.ok_or_else(missing)?.material;
+    scene.meshes.push(cuboid(Vec3::new(-0.04, 0.0, 0.0), Vec3::new(0.0, 1.62, 0.84)));
+    scene.instances.push(Instance {
+        name: DOOR.to_owned(),
+        mesh: scene.meshes.len() - 1,
+        material,
+        world_from_local: Mat4::from_translation(HINGE),
+        is_static: false,
+        ..Instance::default()
+    });
+    Ok(())
+}
+
+pub(super) fn door(start: &Start, step: &Step) -> Pose {
+    let open = 1.0 - progress(step, 1) + progress(step, 3);
+    // Into the lit room.
+    let place = Mat4::from_translation(HINGE) * Mat4::from_rotation_y(-FRAC_PI_2 * open);
+    Pose { places: vec![(DOOR, place)], ..Pose::of(start) }
+}
+
+pub(super) fn sun(start: &Start, step: &Step) -> Pose {
+    const HALF_ARC_RAD: f32 = 35.0 / 180.0 * PI;
+    let mut pose = Pose::of(start);
+    let angle_rad = HALF_ARC_RAD * (2.0 * progress(step, 1) - 1.0);
+    for light in &mut pose.lights {
+        if matches!(light.kind, LightKind::Directional { .. }) {
+            let noon = Vec3::new(0.0, light.direction.y, light.direction.z).normalize();
+            light.direction = Quat::from_rotation_z(angle_rad) * noon;
+        }
+    }
+    pose
+}
+
+pub(super) fn animation(start: &Start, step: &Step) -> Pose {
+    Pose { time_s: Some(start.duration_s * progress(step, 1)), ..Pose::of(start) }
+}
+
+/// An axis-aligned box, its faces outwards.
+fn cuboid(min: Vec3, max: Vec3) -> Mesh {
+    let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
+    let mut mesh = Mesh { name: "cuboid".to_owned(), ..Mesh::default() };
+    for (axis, u, v) in
+        [(Vec3::X, Vec3::Y, Vec3::Z), (Vec3::Y, Vec3::Z, Vec3::X), (Vec3::Z, Vec3::X, Vec3::Y)]
+    {
+        for normal in [axis, -axis] {
+            // u x v is the axis, so that corners are counter-clockwise seen from outside.
+            let u = if normal == axis { u } else { -u };
+            let first = mesh.positions.len() as u32;
+            for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                mesh.positions.push(middle + half * (normal + a * u + b * v));
+                mesh.normals.push(normal);
+                mesh.uvs.push(glam::Vec2::new(a, b) * 0.5 + 0.5);
+                mesh.tangents.push(u.extend(1.0));
+            }
+            mesh.indices.extend([0, 1, 2, 0, 2, 3].map(|corner| first + corner));
+        }
+    }
+    mesh
+}
