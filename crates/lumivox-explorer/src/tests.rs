@@ -135,7 +135,7 @@ fn what_moves_in_realtime_is_followed_frame_by_frame() {
         let mut stages = Vec::new();
         for _ in 0..12 {
             explorer.transform(last, Mat4::from_translation(Vec3::X * 0.01));
-            let mut tell = |step: lumivox_render::RenderProgress| stages.push(step.stage);
+            let mut tell = |step: RenderProgress| stages.push(step.stage);
             assert!(block_on(explorer.frame(&mut tell)).unwrap());
             assert!(!explorer.has_stale_voxels());
         }
