@@ -13,6 +13,7 @@ import package::trace::gbuffer::{load_motion, load_surface};
 import package::trace::screen::settings;
 import package::trace::surface::Surface;
 import package::trace::view::{camera_motion, view};
+import package::voxelize::reproducible::is_finite;
 
 // Irradiance in rgb, openness in a.
 @group(1) @binding(1) var past_irradiance: texture_2d<f32>;
@@ -83,8 +84,13 @@ fn texel_fit(texel: vec2i, surface: Surface, slack: f32) -> f32 {
 
 fn add(recalled: ptr<function, Recalled>, texel: vec2i, weight: f32) {
     let record = decode_record(textureLoad(past_records, texel, 0).xy);
-    (*recalled).irradiance += weight * textureLoad(past_irradiance, texel, 0);
-    (*recalled).specular += weight * textureLoad(past_specular, texel, 0).rgb;
+    let irradiance = textureLoad(past_irradiance, texel, 0);
+    let specular = textureLoad(past_specular, texel, 0).rgb;
+    if !is_finite(irradiance.rgb) || !is_finite(specular) {
+        return;
+    }
+    (*recalled).irradiance += weight * irradiance;
+    (*recalled).specular += weight * specular;
     (*recalled).frames += weight * record.frames;
     (*recalled).weights += weight;
 }

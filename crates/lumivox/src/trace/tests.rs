@@ -302,25 +302,32 @@ fn what_is_forgotten_does_not_shine_through() {
     }
 }
 
-/// As when an engine hands over a camera that is not a number for one frame.
+/// As when an engine hands over light that is not a number for one frame.
 #[test]
 fn what_is_not_a_number_is_not_remembered() {
     let room = Room::new();
-    let settings = TraceSettings::preset(Preset::Realtime);
-    let targets = room.targets(&settings);
-    let view = room::view(SIZE);
-    let broken = CameraView { clip_from_world: Mat4::from_cols_array(&[f32::NAN; 16]), ..view };
-    let frames = [view, broken, view].map(|view| {
-        room.gbuffer.set_camera(&room.queue, view);
-        let mut encoder = room.encoder();
-        room.trace(&mut encoder, &targets, &settings);
-        let picture = copied(&room.device, &mut encoder, &targets);
-        room.queue.submit([encoder.finish()]);
-        picture.read(&room.device, &room.queue)
-    });
-    let is_infinite = |half: &[u8]| u16::from_le_bytes([half[0], half[1]]) & 0x7c00 == 0x7c00;
-    let infinite = |frame: &[u8]| frame.chunks_exact(2).filter(|half| is_infinite(half)).count();
-    assert_eq!(infinite(&frames[2]), 0, "half floats of {}", frames[2].len() / 2);
+    for resolution in [TraceResolution::Full, TraceResolution::Half] {
+        let settings = TraceSettings { resolution, ..TraceSettings::preset(Preset::Realtime) };
+        let targets = room.targets(&settings);
+        let broken = room.gi.bind_lights(&[], Vec3::splat(f32::NAN), None);
+        let frames = [&room.lights, &broken, &room.lights].map(|lights| {
+            let mut encoder = room.encoder();
+            let mut recorder = Recorder::on(&room.device, &room.queue, &mut encoder);
+            let traced = room.gi.trace(&mut recorder, &room.gbuffer, lights, &settings, &targets);
+            traced.expect("valid settings");
+            drop(recorder);
+            let picture = copied(&room.device, &mut encoder, &targets);
+            room.queue.submit([encoder.finish()]);
+            picture.read(&room.device, &room.queue)
+        });
+        let is_infinite = |half: &[u8]| u16::from_le_bytes([half[0], half[1]]) & 0x7c00 == 0x7c00;
+        let infinite =
+            |frame: &[u8]| frame.chunks_exact(2).filter(|half| is_infinite(half)).count();
+        assert_eq!(infinite(&frames[2]), 0, "half floats of {}", frames[2].len() / 2);
+        let is_dark = |pixel: &[u8]| pixel[..6].iter().all(|byte| *byte == 0);
+        let dark = |frame: &[u8]| frame.chunks_exact(8).filter(|pixel| is_dark(pixel)).count();
+        assert!(dark(&frames[2]) <= dark(&frames[0]), "{} are dark", dark(&frames[2]));
+    }
 }
 
 #[test]
