@@ -326,3 +326,28 @@ fn figures_are_sums_of_the_views() {
     let error = shown.samples_per_pixel / samples - 1.0;
     assert!(samples > 1.0 && error.abs() < 0.1, "{shown:?}, {samples} in the mean");
 }
+
+/// Reflections of rooms are looked up where their images were: while a camera moves they get better, and no darker.
+#[test]
+fn reflections_are_kept_in_motion() {
+    let scene = builtin("lacquer");
+    let size = UVec2::new(240, 136);
+    let own = |preset| RenderSettings { view: View::Specular, size, ..settings(preset) };
+    let pose = |step: u32| orbit(&scene, 3 * step);
+    let last = |preset, poses: &[Camera]| {
+        let mut renderer = renderer(&gpu(), &scene, own(preset));
+        let mut pictures = poses.iter().map(|camera| {
+            renderer.set_camera(camera.clone());
+            frame(&mut renderer)
+        });
+        pictures.by_ref().last().expect("at least one")
+    };
+    let truth = last(Preset::Balanced, &vec![pose(24); 96]);
+    let first = last(Preset::Realtime, &[pose(24)]);
+    let moving = last(Preset::Realtime, &(0..=24).map(pose).collect::<Vec<_>>());
+    let still = last(Preset::Realtime, &vec![pose(24); 25]);
+    let errors = [&first, &moving, &still].map(|picture| rmse(picture, &truth));
+    let bias = mean(&moving) / mean(&truth) - 1.0;
+    assert!(errors[1] < 0.5 * errors[0] && errors[2] < 0.33 * errors[0], "{errors:?}");
+    assert!(bias.abs() < 0.08, "{bias}");
+}
