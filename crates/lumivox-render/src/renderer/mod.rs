@@ -282,9 +282,9 @@ impl Renderer {
         let Self { settings, camera, scene, gi, lights, passes, targets, .. } = self;
         let mut is_traced = false;
         let (drawn, former_camera) = (&self.drawn, &self.former_camera);
-        // Frames that are blended must not repeat each other, even if each is a picture.
+        // Frames that are blended must not repeat each other.
         let turn = if targets.traced.is_temporal() { *drawn } else { frame };
-        let jitter = gbuffer::jitter(turn, settings.frames.max(turn.saturating_add(1)));
+        let jitter = gbuffer::jitter(turn, settings.frames);
         let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
         let mut view = lumivox::CameraView::new(clip_from_world, position, size);

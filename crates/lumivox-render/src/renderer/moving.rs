@@ -34,7 +34,6 @@ impl Following {
     pub(super) fn is_settling(self) -> bool {
         self.settling > 0
     }
-
 }
 
 impl Renderer {

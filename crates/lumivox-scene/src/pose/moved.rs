@@ -26,7 +26,10 @@ pub struct Moved {
 impl Places {
     /// The present places of a scene's parts.
     pub fn of(scene: &Scene) -> Self {
-        Self { instances: scene.instances.iter().map(place).collect(), lights: scene.lights.clone() }
+        Self {
+            instances: scene.instances.iter().map(place).collect(),
+            lights: scene.lights.clone(),
+        }
     }
 
     /// The parts of the same scene that are elsewhere now. Meshes that an animation deforms always count as moved.

@@ -3,7 +3,7 @@
 //! With [`History::Kept`] it changes as the window's renderer does: what has moved is followed by the next frame, and light of
 //! earlier frames stays. With [`History::None`] there is a cut before each picture.
 
-use lumivox_render::{Exposure, Picture, RenderProgress, Renderer};
+use lumivox_render::{Exposure, Picture, RenderProgress, RenderSettings, Renderer};
 use lumivox_scene::{Camera, Places};
 
 use crate::commands::render::RenderJob;
@@ -42,7 +42,8 @@ impl Film {
         let (gpu, scene) = (&job.gpu, &job.scene);
         let tell = &mut |progress| step.prepares(progress);
         let Some((renderer, places)) = &mut self.shown else {
-            let renderer = Renderer::new(gpu, scene, Some(camera), job.settings.clone(), tell);
+            let settings = film_settings(job, history);
+            let renderer = Renderer::new(gpu, scene, Some(camera), settings, tell);
             self.shown = Some((pollster::block_on(renderer)?, Places::of(scene)));
             return Ok(());
         };
@@ -71,6 +72,7 @@ impl Film {
     pub fn render(
         &mut self,
         step: &Step<'_>,
+        job: &RenderJob<'_>,
         history: History,
     ) -> anyhow::Result<Option<Picture>> {
         let renderer = self.renderer_mut()?;
@@ -79,10 +81,7 @@ impl Film {
             step.progress.goes_on()
         };
         Ok(match history {
-            History::Kept => {
-                let frames = renderer.settings().frames;
-                pollster::block_on(renderer.render_more(frames, tell))?
-            }
+            History::Kept => pollster::block_on(renderer.render_more(job.settings.frames, tell))?,
             History::None => pollster::block_on(renderer.render_until(tell))?,
         })
     }
@@ -113,6 +112,14 @@ impl Film {
         let shown = self.shown.as_mut().map(|(renderer, _)| renderer);
         shown.ok_or_else(|| anyhow::anyhow!("a picture without a scene"))
     }
+}
+
+/// The settings of the renderer. A picture of one frame samples the middles of pixels, and so would all that go on from it: two
+/// frames have samples elsewhere, by which edges become smooth over the pictures.
+fn film_settings(job: &RenderJob<'_>, history: History) -> RenderSettings {
+    let frames = job.settings.frames;
+    let frames = if history == History::Kept { frames.max(2) } else { frames };
+    RenderSettings { frames, ..job.settings.clone() }
 }
 
 impl Step<'_> {

@@ -93,7 +93,7 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
         let step = Step { stage: stage_name, progress: &stage.progress, done, total };
         film.show(&step, &stage, &camera, history)?;
         stage.clock.seconds.preparing += stage.clock.lap();
-        let Some(picture) = film.render(&step, history)? else {
+        let Some(picture) = film.render(&step, &stage, history)? else {
             return Err(stopped(written).into());
         };
         stage.clock.seconds.rendering += stage.clock.lap();
