@@ -124,6 +124,26 @@ fn a_switched_lamp_is_seen_at_once() {
     }
 }
 
+/// A lamp that dims by less than edges differ is followed all the same, and what is known of its light stays known.
+#[test]
+fn a_dimmed_lamp_is_followed() {
+    let lit = builtin("cornell");
+    let mut dimmed = lit.clone();
+    for light in &mut dimmed.lights {
+        light.color *= 0.7;
+    }
+    let camera = orbit(&lit, 0);
+    let [before, after] = [&lit, &dimmed].map(|scene| still(Preset::Fast, scene, &camera, 96));
+    let mut renderer = renderer(&gpu(), &lit, settings(Preset::Realtime));
+    let known = (0..24).map(|_| frame(&mut renderer)).last().expect("at least one");
+    pollster::block_on(renderer.set_lights(&dimmed, &mut |_| {})).expect("the same scene");
+    let picture = (0..6).map(|_| frame(&mut renderer)).last().expect("at least one");
+    let errors = [rmse(&known, &before), rmse(&picture, &after)];
+    assert!(errors[1] < 2.0 * errors[0], "{errors:?}");
+    let bias = mean(&picture) / mean(&after) - 1.0;
+    assert!(bias.abs() < 0.03, "{bias}");
+}
+
 #[test]
 fn a_still_picture_comes_to_that_without_earlier_frames() {
     let scene = builtin("cornell");
