@@ -346,6 +346,8 @@ fn after_a_cut_nothing_is_left() {
         position.y *= 0.75;
     }
     bent.lights[0].position.x += 0.2;
+    let mut lit = rest.clone();
+    lit.lights[0].position.x -= 0.2;
     let settings = RenderSettings {
         size: UVec2::new(48, 27),
         resolution: 32,
@@ -356,13 +358,15 @@ fn after_a_cut_nothing_is_left() {
     let mut travelling = renderer(&gpu, &rest, settings.clone());
     drop(pictures(&mut travelling));
     let mut goes_on = false;
-    for (number, scene) in [&moved, &bent, &rest, &rest].into_iter().enumerate() {
+    for (number, scene) in [&moved, &bent, &rest, &rest, &lit].into_iter().enumerate() {
         let camera = orbit(&rest, 12 * number as u32);
         pollster::block_on(async {
-            if number == 0 {
-                travelling.move_instances(scene, &[block], &mut |_| {}).await?;
-            } else {
-                travelling.set_scene(scene, &mut |_| {}).await?;
+            match number {
+                0 => travelling.move_instances(scene, &[block], &mut |_| {}).await?,
+                // Only the camera.
+                3 => {}
+                4 => travelling.set_lights(scene, &mut |_| {}).await?,
+                _ => travelling.set_scene(scene, &mut |_| {}).await?,
             }
             travelling.set_camera(camera.clone());
             travelling.cut(&mut |_| {}).await
