@@ -1,9 +1,9 @@
-//! What a picture of a sequence takes over from those before it.
+//! The light that a picture of a sequence takes over from those before it.
 
 use clap::builder::TypedValueParser;
 use lumivox_console::values::choices::among;
 
-/// What a picture of a sequence takes over from those before it.
+/// The light that a picture of a sequence takes over from those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum History {
     /// Light of earlier frames, where the settings keep it: a film as a viewer sees it while it runs.
