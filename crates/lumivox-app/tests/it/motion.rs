@@ -135,7 +135,7 @@ fn the_page_has_all_tables_and_pictures() {
     for picture in pictures.iter().filter(|name| !name.starts_with("error")) {
         assert!(page.contains(picture.as_str()), "{picture} is not on the page");
     }
-    assert_eq!(pictures.len(), 6, "{pictures:?}");
+    assert_eq!(pictures.len(), 8, "{pictures:?}");
 }
 
 #[test]
