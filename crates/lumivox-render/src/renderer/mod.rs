@@ -288,7 +288,7 @@ impl Renderer {
         let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
         let mut view = lumivox::CameraView::new(clip_from_world, position, size);
-        view.frame = turn;
+        (view.frame, view.jitter) = (turn, jitter);
         if targets.traced.is_temporal() {
             let former = former_camera.as_ref().unwrap_or(camera);
             // The jitter within the pixel is no motion.

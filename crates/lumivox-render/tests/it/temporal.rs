@@ -15,8 +15,8 @@ fn settings(preset: Preset) -> RenderSettings {
     RenderSettings {
         size: UVec2::new(120, 68),
         resolution: 64,
-        // No more than one of them is rendered at once.
-        frames: 1,
+        // No more than one of them is rendered at once, but each samples another place within the pixels.
+        frames: 2,
         shadow_resolution: 128,
         view: View::Diffuse,
         trace: TraceSettings::preset(preset),
@@ -89,7 +89,7 @@ fn a_moving_camera_keeps_what_was_gathered() {
     let pictures = run(&mut moving);
     // Already the first frame, of which nothing is known, then what is recalled.
     let first = rmse(&pictures[0], &still(Preset::Balanced, &scene, &orbit(&scene, 0), 48));
-    assert!(first < 0.5 * single, "{first} in the first frame, without a filter {single}");
+    assert!(first < 0.6 * single, "{first} in the first frame, without a filter {single}");
     let error = rmse(&pictures[12], &truth);
     assert!(error < 0.85 * first, "{error} in motion, {first} in the first frame");
     let bias = mean(&pictures[12]) / mean(&truth) - 1.0;
@@ -336,18 +336,19 @@ fn reflections_are_kept_in_motion() {
     let size = UVec2::new(240, 136);
     let own = |preset| RenderSettings { view: View::Specular, size, ..settings(preset) };
     let pose = |step: u32| orbit(&scene, 3 * step);
-    let last = |preset, poses: &[Camera]| {
+    let stood = |preset, frames| {
         let mut renderer = renderer(&gpu(), &scene, own(preset));
-        let mut pictures = poses.iter().map(|camera| {
-            renderer.set_camera(camera.clone());
-            frame(&mut renderer)
-        });
-        pictures.by_ref().last().expect("at least one")
+        renderer.set_camera(pose(24));
+        (0..frames).map(|_| frame(&mut renderer)).last().expect("at least one")
     };
-    let truth = last(Preset::Balanced, &vec![pose(24); 96]);
-    let first = last(Preset::Realtime, &[pose(24)]);
-    let moving = last(Preset::Realtime, &(0..=24).map(pose).collect::<Vec<_>>());
-    let still = last(Preset::Realtime, &vec![pose(24); 25]);
+    let truth = stood(Preset::Balanced, 96);
+    let [first, still] = [1, 24].map(|frames| stood(Preset::Realtime, frames));
+    let mut camera = renderer(&gpu(), &scene, own(Preset::Realtime));
+    let moving = (0..=24).map(|step| {
+        camera.set_camera(pose(step));
+        frame(&mut camera)
+    });
+    let moving = moving.last().expect("at least one");
     let errors = [&first, &moving, &still].map(|picture| rmse(picture, &truth));
     let bias = mean(&moving) / mean(&truth) - 1.0;
     assert!(errors[1] < 0.5 * errors[0] && errors[2] < 0.33 * errors[0], "{errors:?}");

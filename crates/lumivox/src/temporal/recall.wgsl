@@ -69,9 +69,9 @@ fn past_size() -> vec2f {
     return vec2f(textureDimensions(past_records));
 }
 
-// The place of a texel's surface when it was recorded.
+// The place of a texel's surface when it was recorded: at the middle of the texel, whatever place within it was sampled.
 fn past_position(texel: vec2i, depth: f32) -> vec3f {
-    let uv = (vec2f(texel) + 0.5) / past_size();
+    let uv = (vec2f(texel) + 0.5) / past_size() + view.jitter / vec2f(view.size);
     let ndc = vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
     let world = view.previous_world_from_clip * vec4f(ndc, depth, 1.0);
     return world.xyz / world.w;

@@ -32,6 +32,9 @@ const SHARP_ROUGHNESS: f32 = 0.35;
 // Reflections within this many standard deviations of those around are plausible.
 const PLAUSIBLE: f32 = 1.5;
 
+// The most that a pixel's middle is from what was sampled, over its distance.
+const MOST_MOVED: f32 = 0.1;
+
 // With more frames than this, what a pixel reflects itself is taken, unfiltered.
 const FILTERED_REFLECTIONS: f32 = 32.0;
 // Traced pixels in each direction over which reflections on a rough surface are filtered.
@@ -113,6 +116,19 @@ fn blend_specular(pixel: vec2u, surface: Surface, around: Around, known: vec4f, 
     return vec4f(mix(past, fresh.rgb, weight), fresh.a);
 }
 
+// Where the plane of a pixel's surface is at the middle of the pixel: the jitter of this frame is not that of the next one.
+fn middle_of(pixel: vec2u, surface: Surface) -> vec3f {
+    let uv = (vec2f(pixel) + 0.5 + view.jitter) / vec2f(view.size);
+    let far = view.world_from_clip * vec4f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y, 0.0, 1.0);
+    let ray = far.xyz - far.w * view.position_in_world;
+    let to_surface = surface.position_in_world - view.position_in_world;
+    let share = dot(to_surface, surface.geometric_normal) / dot(ray, surface.geometric_normal);
+    let middle = share * ray;
+    let moved = distance(middle, to_surface) / length(to_surface);
+    // At a silhouette the plane may not be there. Also false for what is not a number.
+    return select(surface.position_in_world, view.position_in_world + middle, moved < MOST_MOVED);
+}
+
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let pixel = invocation.xy;
@@ -166,7 +182,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     textureStore(irradiance_out, pixel, blended.irradiance);
     textureStore(specular_out, pixel, specular);
     // The depth in clip space, whatever the G-buffer's own is.
-    let clip = view.clip_from_world * vec4f(surface.position_in_world, 1.0);
+    let clip = view.clip_from_world * vec4f(middle_of(pixel, surface), 1.0);
     let is_new = known.frames <= 0.0;
     let record = Record(clip.z / clip.w, surface.shading_normal, blended.frames, is_new);
     textureStore(records_out, pixel, vec4u(encode_record(record), 0u, 0u));

@@ -1,7 +1,7 @@
 //! The G-buffer that the caller renders and the cones start from.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, UVec2, Vec3};
+use glam::{Mat4, UVec2, Vec2, Vec3};
 
 use crate::gpu::{BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, upload};
 use crate::mounted::{Mounted, Resource};
@@ -13,7 +13,7 @@ pub struct CameraView {
     /// From the world to clip space (y up, z reversed: 1 near, 0 far), sub-pixel jitter included. A G-buffer module
     /// of the caller's own may have another depth.
     pub clip_from_world: Mat4,
-    /// As `clip_from_world` was in the frame before, for motion; equal to it by default.
+    /// As `clip_from_world` was in the frame before, but with the jitter of this frame, for motion; equal to it by default.
     pub previous_clip_from_world: Mat4,
     /// Where the camera stands, m.
     pub position: Vec3,
@@ -21,13 +21,17 @@ pub struct CameraView {
     pub size: UVec2,
     /// Number of the frame since the picture last changed; it moves the jitter of the cones. Default: 0.
     pub frame: u32,
+    /// How far the matrices move the picture within a pixel, so that frames sample different places: in pixels, x to the right, y
+    /// down. It is in both matrices, since it is no motion. Default: 0.
+    pub jitter: Vec2,
 }
 
 impl CameraView {
     /// The first frame of a camera that stands still.
     pub fn new(clip_from_world: Mat4, position: Vec3, size: UVec2) -> Self {
         let previous_clip_from_world = clip_from_world;
-        Self { clip_from_world, previous_clip_from_world, position, size, frame: 0 }
+        let jitter = Vec2::ZERO;
+        Self { clip_from_world, previous_clip_from_world, position, size, frame: 0, jitter }
     }
 
     fn to_gpu(self, has_motion: bool) -> CameraViewUniform {
@@ -40,7 +44,9 @@ impl CameraView {
             frame: self.frame,
             size: self.size.to_array(),
             has_motion: u32::from(has_motion),
-            padding: 0,
+            padding_0: 0,
+            jitter: self.jitter.to_array(),
+            padding_1: [0; 2],
         }
     }
 }
@@ -57,7 +63,9 @@ pub(crate) struct CameraViewUniform {
     frame: u32,
     size: [u32; 2],
     has_motion: u32,
-    padding: u32,
+    padding_0: u32,
+    jitter: [f32; 2],
+    padding_1: [u32; 2],
 }
 
 /// In [`GBufferViews::motion`], the x of a surface that stands still in the world: it moves over the picture only as the camera

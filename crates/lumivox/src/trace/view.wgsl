@@ -12,7 +12,10 @@ struct CameraView {
     size: vec2u,
     // Whether Lumivox's own G-buffer has a texture of motion.
     has_motion: u32,
-    padding: u32,
+    padding_0: u32,
+    // How far both matrices move the picture within a pixel, in pixels.
+    jitter: vec2f,
+    padding_1: vec2u,
 }
 
 // A storage buffer, not a uniform: lavapipe 22.3 crashes when it inlines uniforms into kernels that march cones
