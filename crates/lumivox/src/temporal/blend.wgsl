@@ -28,6 +28,8 @@ struct Fresh {
     change: vec4f,
 }
 
+// Light that has become twice as bright counts for as many frames: the part that is new is known less well.
+const FRAMES_OF_CHANGE: f32 = 4.0;
 // Differences below this many times their noise are noise.
 const CERTAIN: f32 = 2.0;
 // Independent traced pixels in the whole filter on a plain surface.
@@ -36,6 +38,12 @@ const FILTER_PIXELS: f32 = 400.0;
 const FIRST_FRAMES: f32 = 2.0;
 // With more frames than this, what a pixel gathers itself counts for more than the filtered light.
 const FILTERED_FRAMES: f32 = 128.0;
+
+// The frames that light counts for after it has changed by a share of itself: variances add up.
+fn frames_after_change(frames: f32, share: f32) -> f32 {
+    let most = FRAMES_OF_CHANGE / max(share * share, 1e-6);
+    return frames * most / (frames + most);
+}
 
 // Adds a difference; darker light scales, so that black stays black and nothing gets below it.
 fn shift(light: vec3f, change: vec3f, was: vec3f) -> vec3f {
@@ -55,8 +63,10 @@ fn blend(known: Known, fresh: Fresh) -> Known {
         let both = dot(abs(fresh.wide) + abs(fresh.wide - change), vec3f(1.0 / 3.0));
         let variance = fresh.noise * both / (FILTER_PIXELS * fresh.change.a * fresh.change.a);
         let certain = max(1.0 - CERTAIN * CERTAIN * variance / max(size * size, 1e-20), 0.0);
-        past = vec4f(shift(past.rgb, certain * change, fresh.wide - change), past.a);
-        frames *= 1.0 - certain;
+        let was = fresh.wide - change;
+        past = vec4f(shift(past.rgb, certain * change, was), past.a);
+        let share = certain * size / max(dot(was, vec3f(1.0 / 3.0)), 1e-6);
+        frames = frames_after_change(frames, share);
     }
     let filtered = mix(fresh.fine, fresh.wide, 1.0 / (1.0 + frames));
     let sample = mix(fresh.irradiance.rgb, filtered, FILTERED_FRAMES / (FILTERED_FRAMES + frames));
