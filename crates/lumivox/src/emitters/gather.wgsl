@@ -6,7 +6,7 @@
 
 import package::cones::cone::{cone_start, trace_cone, Cone, ConeSettings};
 import package::cones::start::clear_of_walls;
-import package::emitters::draw::{draw_emitter_point, emitters};
+import package::emitters::draw::{draw_emitter, emitters, point_of, Drawn};
 import package::emitters::emitter::strength;
 import package::grid::grid_from_world;
 
@@ -64,15 +64,17 @@ fn gather_emitters(
     settings: ConeSettings,
 ) -> FromEmitters {
     var result = FromEmitters(vec3f(0.0), 0u);
-    if emitters.count == 0u || emitters.is_shown != 0u || emitters.power <= 0.0 {
+    if emitters.count == 0u || emitters.is_shown != 0u {
         return result;
     }
     let place = grid_from_world(position_in_world);
     let numbers = fract(start + fract(STEPS * f32(turn & 0xffffu)));
     var sums: array<f32, CANDIDATES>;
+    var candidates: array<Drawn, CANDIDATES>;
     var sum = 0.0;
     for (var i = 0u; i < CANDIDATES; i++) {
-        let point = draw_emitter_point(place, candidate(numbers, i));
+        candidates[i] = draw_emitter(place, geometric_normal, candidate(numbers, i));
+        let point = point_of(candidates[i], place);
         let cosine = folded_cosine(point.direction, shading_normal, geometric_normal);
         sum += strength(point.radiance) * cosine * point.solid_angle;
         sums[i] = sum;
@@ -87,7 +89,7 @@ fn gather_emitters(
     for (var i = 0u; i + 1u < CANDIDATES; i++) {
         index += u32(sums[i] <= lot);
     }
-    let kept = draw_emitter_point(place, candidate(numbers, index));
+    let kept = point_of(candidates[index], place);
     let origin = cone_start(position_in_world, geometric_normal, settings);
     // Clear of walls beside the emitter, as it is of those beside the start.
     let ahead = kept.position + CLEARANCE * kept.normal;
