@@ -6,13 +6,17 @@
 //!
 //! The list is made of the triangles themselves, so that a lamp's light does not depend on the voxels that it falls
 //! in: of each the corners in the grid's coordinates and its radiance, 64 bytes (`emitter.wgsl`). Textured triangles are
-//! cut into pieces of one radiance each. A running sum of powers, added up in a fixed order, makes it a distribution to
-//! draw from: power is area times the mean of the channels.
+//! cut into pieces of one radiance each. The list is sorted along a Morton curve, and a binary tree stands over it: a node has the
+//! box, the power and the directions of its emitters. So an emitter is drawn by what it brings to a place: power is area times
+//! the mean of the channels, nearer ones count more, and those that face away count nothing (Conty Estevez and Kulla 2018,
+//! "Importance sampling of many lights with adaptive tree splitting"). The tree is complete, so nodes need no pointers: each level has
+//! half the nodes of the one below. A node takes 64 bytes as an emitter does, and has the boxes of its two parts.
 //!
 //! | file | does | once per |
 //! | --- | --- | --- |
 //! | `list.wgsl` | the emitters of a run of triangles | change of triangles |
-//! | `add_up.wgsl` | their running sum | change of triangles |
+//! | `order.wgsl` | their order | change of triangles |
+//! | `tree.wgsl`, `cluster.wgsl` | the tree over them, and what a node may bring to a place | change of triangles |
 //! | `draw.wgsl` | a point on an emitter | candidate |
 //! | `gather.wgsl` | the best of some points, and a ray to it | gather |
 
