@@ -118,9 +118,9 @@ fn cosine_of_rest(cosine: f32, less: f32) -> f32 {
 // About what a cluster brings to a place on a surface, if nothing stands in its way: never 0 where it brings anything.
 //
 // Along a line from the nearest to the farthest of its emitters the mean of 1 / d^2 is one over the product of both distances. The
-// nearest is never taken for nearer than a small share of the cluster's radius: with a fourth of the radius in place of a tenth,
+// nearest is never taken for nearer than a small share of the cluster's radius: with a fourth of the radius in place of this,
 // places near long tubes have half as much noise again (docs/experiments.md).
-const NEAREST: f32 = 0.1;
+const NEAREST: f32 = 0.15;
 
 fn importance(cluster: Cluster, place: vec3f, normal: vec3f) -> f32 {
     let to_centre = cluster.centre - place;
