@@ -219,7 +219,7 @@ fn ten_thousand_emitters_add_up() {
 }
 
 /// The noise of places a few centimetres from a ceiling of five thousand tiny lamps, in no order: whoever draws by power alone seldom
-/// finds the nearest ones, and has an error of 60 %.
+/// finds the nearest ones, and has an error of 12 %; here it is 2.5 %.
 #[test]
 fn the_nearest_of_many_lamps_are_found() {
     const SIZE: f32 = 0.002;
@@ -250,7 +250,7 @@ fn the_nearest_of_many_lamps_are_found() {
     let rmse = (errors.iter().map(|e| e * e).sum::<f32>() / errors.len() as f32).sqrt();
     println!("many lamps: bias {mean:+.4}, RMSE {rmse:.4}");
     assert!(mean.abs() < 0.02, "bias {mean}");
-    assert!(rmse < 0.08, "RMSE {rmse}");
+    assert!(rmse < 0.05, "RMSE {rmse}");
 }
 
 /// A lamp of a texture that is red on one half, and dark on the other.
