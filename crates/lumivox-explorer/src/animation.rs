@@ -1,6 +1,6 @@
 //! Playback of the scene's animations.
 
-use lumivox_scene::{AnimationChoice, Instance, InstanceBounds};
+use lumivox_scene::{AnimationChoice, InstanceBounds, Places};
 use web_time::Instant;
 
 use crate::opened::PreparedScene;
@@ -73,24 +73,20 @@ impl Explorer {
         // The end itself is shown, not the start.
         let is_within = time_s <= duration_s || duration_s <= 0.0;
         let time_s = if is_within { time_s } else { time_s.rem_euclid(duration_s) };
-        let kind = |i: &Instance| (i.world_from_local, i.is_hidden, i.mesh);
-        let before: Vec<_> = opened.scene.instances.iter().map(kind).collect();
+        let before = Places::of(&opened.scene);
         opened.scene.pose(animation, time_s)?;
         opened.posed = opened.scene.instances.iter().map(|i| i.world_from_local).collect();
         opened.apply_edits();
         self.playback.time_s = time_s;
         self.playback.is_moved = true;
-        if opened.scene.is_deformed() || before.len() != opened.scene.instances.len() {
+        let moved = before.moved(&opened.scene);
+        self.pending.lights |= moved.lights;
+        if moved.shapes {
             self.boxes = InstanceBounds::of(&opened.scene);
             self.pending.shapes = true;
-        } else {
-            let after = opened.scene.instances.iter().map(kind);
-            let moved = before.into_iter().zip(after).enumerate();
-            let moved: Vec<usize> =
-                moved.filter(|(_, (before, after))| before != after).map(|(i, _)| i).collect();
-            for object in moved {
-                self.note_moved(object);
-            }
+        }
+        for object in moved.instances {
+            self.note_moved(object);
         }
         Ok(())
     }

@@ -1,10 +1,11 @@
+use std::collections::HashMap;
 use std::sync::OnceLock;
 
 use glam::{Mat4, Vec3};
 use lumivox::Preset;
 use pollster::block_on;
 
-use lumivox_scene::{SightOptions, Staging};
+use lumivox_scene::{LoadOptions, SightOptions, Staging};
 
 use super::*;
 
@@ -143,6 +144,58 @@ fn what_moves_in_realtime_is_followed_frame_by_frame() {
         assert!(frames == 64 || rest < 8, "{rest} frames more than one");
         assert!(stages.iter().all(|stage| !["voxelize", "light"].contains(stage)), "{stages:?}");
     }
+}
+
+/// A triangle on the ground, and a lamp above it that slides in the only animation.
+fn sliding_lamp() -> Scene {
+    const GLTF: &str = r#"{
+        "asset": { "version": "2.0" },
+        "nodes": [
+            { "mesh": 0 },
+            { "translation": [0, 1, 0], "extensions": { "KHR_lights_punctual": { "light": 0 } } }
+        ],
+        "scenes": [{ "nodes": [0, 1] }],
+        "materials": [{ "doubleSided": true }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+        "animations": [{
+            "samplers": [{ "input": 1, "output": 2 }],
+            "channels": [{ "sampler": 0, "target": { "node": 1, "path": "translation" } }]
+        }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, 0, -1], "max": [1, 0, 1] },
+            { "bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1] },
+            { "bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3" }
+        ],
+        "bufferViews": [
+            { "buffer": 0, "byteLength": 36 },
+            { "buffer": 0, "byteOffset": 36, "byteLength": 8 },
+            { "buffer": 0, "byteOffset": 44, "byteLength": 24 }
+        ],
+        "buffers": [{ "byteLength": 68, "uri": "lamp.bin" }],
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": { "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 50 }] } }
+    }"#;
+    let corners = [-1.0_f32, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0, 0.0, -1.0];
+    let times = [0.0_f32, 1.0];
+    let places = [0.0_f32, 1.0, 0.0, 0.5, 1.0, 0.0];
+    let numbers = corners.iter().chain(&times).chain(&places);
+    let files = HashMap::from([
+        ("lamp.gltf".to_owned(), GLTF.as_bytes().to_vec()),
+        ("lamp.bin".to_owned(), numbers.flat_map(|number| number.to_le_bytes()).collect()),
+    ]);
+    let mut options = LoadOptions { files: Some(&files), ..LoadOptions::default() };
+    Scene::load_with("lamp.gltf", &mut options).unwrap()
+}
+
+#[test]
+fn a_lamp_that_moves_alone_is_followed() {
+    let mut explorer = Explorer::new(gpu(), small(), PresetChoice::Cones(Preset::default()));
+    let sight = SightOptions::default();
+    explorer.open(PreparedScene::new(sliding_lamp(), &sight, &mut |_| {}).unwrap());
+    let first = picture(&mut explorer);
+    explorer.seek(1.0).unwrap();
+    let moved = picture(&mut explorer);
+    assert!(moved != first && moved == fresh(&explorer));
 }
 
 #[test]

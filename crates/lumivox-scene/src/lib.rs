@@ -50,7 +50,7 @@ pub use model::{
     Wrap,
 };
 pub use pick::{Pick, Picker};
-pub use pose::{AnimationChoice, AnimationInfo, Rig};
+pub use pose::{AnimationChoice, AnimationInfo, Moved, Places, Rig};
 
 /// The key in a file's `extras` for everything that glTF cannot express.
 const EXTRAS: &str = "lumivox";

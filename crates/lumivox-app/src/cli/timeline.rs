@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::args::number;
-use crate::timeline::{self, AnimationName, TimeChoice};
+use crate::timeline::{self, AnimationName, History, TimeChoice};
 
 /// Motion of the scene and the camera. With it, a rendering can be a sequence of pictures.
 #[derive(Args, Debug)]
@@ -49,6 +49,16 @@ pub struct TimelineArgs {
     /// vertical field of view. Between them the camera moves smoothly.
     #[arg(long, value_name = "FILE", conflicts_with = "camera")]
     pub camera_path: Option<PathBuf>,
+
+    /// Whether pictures of a sequence take over light of those before them, where the settings keep
+    /// any (--temporal on, --preset realtime)
+    ///
+    /// `kept` gives a film as the window shows it: one renderer, in which things and camera move,
+    /// and --frames frames for each picture. A sequence that was stopped then begins again at its
+    /// first picture to get there, and leaves the existing ones as they are. `none` gives pictures
+    /// of --frames frames of their own. Without light of earlier frames there is no difference.
+    #[arg(long, value_parser = timeline::history(), default_value = "kept")]
+    pub history: History,
 
     /// Render all pictures of a sequence again [default: off, existing ones stay]
     ///

@@ -1,10 +1,12 @@
 //! Motion between the pictures of a sequence: time, the camera, the scene.
 
+mod history;
 mod moments;
 mod path;
 mod schedule;
 mod spline;
 
+pub use history::{History, history};
 pub use moments::{Moments, TimeChoice, time};
 pub use path::PathFile;
 pub use schedule::{AnimationName, PictureTimes, Schedule, ScheduleOptions, animation, choose};

@@ -108,6 +108,77 @@ fn what_is_there_stays_and_what_is_missing_is_made_the_same() {
     assert_eq!(index(&turn, "index.json")["frame_count"], 2);
 }
 
+/// Frames that keep light of earlier ones give the same pictures after an interruption, wherever it was; and pictures without
+/// history are those that are rendered by themselves.
+#[test]
+fn a_film_goes_on_with_the_same_bits() {
+    let folder = folder();
+    let path = folder.path();
+    let small = SMALL.replace("--frames 1", "--frames 2");
+    let line = format!("render builtin:cornell -o film_#.png {small} --preset realtime {ORBIT}");
+    lumivox(path, &line).expect_ok();
+    let read = |file: &str| fs::read(path.join(file)).unwrap();
+    let film = || ["film_0.png", "film_1.png", "film_2.png"].map(read);
+    let before = film();
+    assert_eq!(index(path, "film_index.json")["settings"]["history"], "kept");
+    for (missing, again) in [(vec![2], 2), (vec![1], 1), (vec![0, 2], 1), (vec![0, 1, 2], 0)] {
+        for number in &missing {
+            fs::remove_file(path.join(format!("film_{number}.png"))).unwrap();
+        }
+        let report = lumivox(path, &format!("{line} --json")).expect_ok().json();
+        assert_eq!(report["rendered"], missing.len());
+        assert_eq!(report["rendered_again"], again, "{missing:?}");
+        assert!(film() == before, "{missing:?}: other pictures");
+    }
+    fs::remove_file(path.join("film_2.png")).unwrap();
+    let run = lumivox(path, &line).expect_ok();
+    assert!(run.stdout.contains("2 rendered again"), "{}", run.stdout);
+
+    let alone = format!("{line} --history none").replace("film_#", "alone_#");
+    let other = format!("{line} --history none");
+    let told = "history was \"kept\", is \"none\"";
+    expect_error(path, &other, INPUT, &["film_index.json", told, "--restart"]);
+    lumivox(path, &alone).expect_ok();
+    assert!(read("alone_0.png") == before[0], "the first picture has no history");
+    assert!(read("alone_2.png") != before[2], "the last one has");
+    // Alone, without the two before.
+    let last = read("alone_2.png");
+    fs::remove_file(path.join("alone_2.png")).unwrap();
+    let report = lumivox(path, &format!("{alone} --json")).expect_ok().json();
+    assert_eq!([&report["rendered"], &report["rendered_again"]], [1, 0]);
+    assert!(read("alone_2.png") == last);
+}
+
+/// Pictures of one frame sample other places within the pixels if they go on from each other, so that edges become smooth.
+#[test]
+fn a_film_of_single_frames_has_smooth_edges() {
+    let folder = folder();
+    let path = folder.path();
+    let view = "--preset realtime --view albedo --orbit 0 --time 0..1 --fps 3";
+    for (history, is_same) in [("kept", false), ("none", true)] {
+        let line =
+            format!("render builtin:cornell -o {history}_#.png {SMALL} {view} --history {history}");
+        lumivox(path, &line).expect_ok();
+        let read = |number: u32| fs::read(path.join(format!("{history}_{number}.png"))).unwrap();
+        assert_eq!(read(0) == read(2), is_same, "{history}");
+    }
+}
+
+/// Without light of earlier frames there is no history, and nothing is rendered again.
+#[test]
+fn pictures_without_light_of_earlier_frames_have_no_history() {
+    let folder = folder();
+    let path = folder.path();
+    let line = format!("render builtin:cornell -o a_#.exr {SMALL} {ORBIT} --json");
+    lumivox(path, &line).expect_ok();
+    assert_eq!(index(path, "a_index.json")["settings"]["history"], "none");
+    let before = fs::read(path.join("a_2.exr")).unwrap();
+    fs::remove_file(path.join("a_2.exr")).unwrap();
+    let report = lumivox(path, &format!("{line} --history none")).expect_ok().json();
+    assert_eq!([&report["rendered"], &report["rendered_again"]], [1, 0]);
+    assert!(fs::read(path.join("a_2.exr")).unwrap() == before);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_run_that_is_killed_leaves_a_sequence_to_go_on_with() {

@@ -2,7 +2,9 @@
 //
 // Each frame samples another place within the pixel, so the mean smooths edges. What was there before counts only within
 // the range of the frame's own 3x3 pixels around (Karis 2014, "High-quality temporal supersampling"): edges have that range, but
-// within a surface it is narrow, and light and shadow follow at once.
+// within a surface it is narrow, and light and shadow follow at once. When light has changed, the mean is scaled as the 3x3
+// pixels have changed, as far as that is more than what their edges account for (James and Stein 1961, as in
+// temporal/blend.wgsl).
 
 import package::render::passes::accumulate::{accumulate_settings, frame, new_mean, old_mean};
 import package::trace::gbuffer::{load_motion, load_surface};
@@ -10,9 +12,6 @@ import package::trace::view::view;
 
 // A place this near to the middle of a texel is there, in texels: rounding of matrices.
 const SAME_TEXEL: f32 = 0.01;
-
-// Light that is this many times as bright from one frame to the next, or as dark, has been switched.
-const SWITCHED: f32 = 1.5;
 
 // Where the pixel was in the frame before, in texels with whole numbers at their centres: with the nearest of the surfaces
 // around, so that the edge of a thing moves as the thing does.
@@ -64,6 +63,10 @@ fn look_up(place: vec2f) -> vec4f {
     return sum;
 }
 
+fn sum(color: vec3f) -> f32 {
+    return color.r + color.g + color.b;
+}
+
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let pixel = invocation.xy;
@@ -80,6 +83,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
     var least = value;
     var most = value;
+    var squares = 0.0;
     var now = vec3f(0.0);
     var before = vec3f(0.0);
     let former = vec2u(clamp(round(place), vec2f(0.0), vec2f(view.size) - 1.0));
@@ -88,12 +92,17 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         least = min(least, other);
         most = max(most, other);
         now += other.rgb;
+        squares += sum(other.rgb) * sum(other.rgb);
         before += textureLoad(old_mean, around(former, i), 0).rgb;
     }
-    // A lamp that is switched changes all that is around.
-    let change = dot(now, vec3f(1.0)) / max(dot(before, vec3f(1.0)), 1e-20);
-    let is_switched = accumulate_settings.is_relit != 0u && (change > SWITCHED || change * SWITCHED < 1.0);
-    let scale = select(1.0, change, is_switched);
+    var scale = 1.0;
+    if accumulate_settings.is_relit != 0u {
+        let mean = sum(now) / 9.0;
+        let variance = max(squares / 9.0 - mean * mean, 0.0) / 9.0;
+        let difference = mean - sum(before) / 9.0;
+        let certain = saturate(1.0 - variance / max(difference * difference, 1e-20));
+        scale = mix(1.0, sum(now) / max(sum(before), 1e-20), certain);
+    }
     let old = clamp(vec4f(scale, scale, scale, 1.0) * look_up(place), least, most);
     textureStore(new_mean, pixel, old + (value - old) * accumulate_settings.weight);
 }

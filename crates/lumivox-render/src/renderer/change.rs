@@ -186,7 +186,7 @@ impl Renderer {
     }
 
     /// Voxelizes and lights the present pose at once.
-    async fn make_pose(
+    pub(super) async fn make_pose(
         &mut self,
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
@@ -460,6 +460,7 @@ impl Renderer {
             recorder.stage("light");
             gi.light(&mut recorder, &self.lights, settings.voxel_bounces(), &settings.trace)?;
         }
+        self.following.goes_on = false;
         self.times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
         progress(RenderProgress { stage: "light", done: 1, total: 1 });

@@ -1,11 +1,13 @@
 //! Voxels and light that follow what moves, frame by frame, without waiting for the GPU in between.
 
+use std::ops::ControlFlow;
+
 use lumivox::FrameVoxels;
 use lumivox::gpu::Recorder;
 use lumivox_scene::Scene;
 
-use super::{RenderError, Renderer};
-use crate::RenderSettings;
+use super::{RenderError, RenderProgress, Renderer};
+use crate::{Picture, RenderSettings};
 
 /// Light that follows has all bounces. Settings that ask for fewer than this many want to see just these: they are
 /// gathered from darkness at each change.
@@ -23,6 +25,8 @@ pub(super) struct Following {
     pub(super) lights: bool,
     /// Frames until the light has settled, but for little.
     settling: u32,
+    /// Whether the voxels' light has gone on from frame to frame since it was made from darkness.
+    pub(super) goes_on: bool,
 }
 
 impl Following {
@@ -56,6 +60,52 @@ impl Renderer {
             doing: "following what has moved",
             reason: "nothing was recorded".to_owned(),
         })
+    }
+
+    /// Renders so many frames more, whatever the settings ask for, and finishes the picture: frames of a film, of which each goes on
+    /// from those before. `progress` is as in [`Self::render_until`].
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn render_more(
+        &mut self,
+        frames: u32,
+        progress: &mut dyn FnMut(RenderProgress) -> ControlFlow<()>,
+    ) -> Result<Option<Picture>, RenderError> {
+        for done in 0..frames {
+            if progress(RenderProgress { stage: "render", done, total: frames }).is_break() {
+                return Ok(None);
+            }
+            self.render_frame().await?;
+            self.gpu.wait("rendering a frame")?;
+        }
+        self.complete_overlay().await?;
+        self.finish().await.map(Some)
+    }
+
+    /// Shows the present scene as a new renderer would: the voxels and light of what has moved are made at once, and nothing of
+    /// earlier frames is left. The mean starts again. `progress` is called with the stages `voxelize` and `light`.
+    ///
+    /// It is for cuts of a film, and for pictures that shall not depend on those before them: changes and a moving camera keep the
+    /// light of earlier frames if [`TraceSettings::temporal`](lumivox::TraceSettings::temporal) is on. Otherwise it costs nothing.
+    ///
+    /// # Errors
+    /// As [`Self::set_scene`].
+    pub async fn cut(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<(), RenderError> {
+        let Following { surfaces, lights, goes_on, .. } = self.following;
+        if surfaces {
+            self.make_pose(progress).await?;
+        } else if lights || goes_on {
+            self.relight(progress).await?;
+        }
+        self.following = Following::default();
+        self.targets.forget();
+        self.scene.motion.settle(self.targets.gbuffer_textures.motion.is_some());
+        (self.drawn, self.former_camera) = (0, None);
+        Ok(())
     }
 
     /// Lets the next frame follow surfaces, and their shadows.
@@ -92,6 +142,7 @@ impl Renderer {
         if (has_changed || self.settings.follows()) && self.settings.shown_look().is_none() {
             recorder.stage("light");
             self.gi.light_frame(recorder, &self.lights, None, &self.settings.trace)?;
+            self.following.goes_on = true;
         }
         if self.settings.follows() {
             if self.following.settling > 0 {

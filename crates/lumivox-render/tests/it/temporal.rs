@@ -2,10 +2,12 @@
 
 #![allow(clippy::float_cmp)] // Counts of frames.
 
+use std::ops::ControlFlow;
+
 use glam::{Mat4, Quat, UVec2, Vec3};
 use lumivox::{Preset, TraceSettings};
 use lumivox_render::{Picture, RenderError, RenderSettings, Renderer, View};
-use lumivox_scene::{Camera, Scene};
+use lumivox_scene::{Camera, Instance, Scene};
 
 use crate::common::{builtin, gpu, renderer};
 
@@ -120,6 +122,26 @@ fn a_switched_lamp_is_seen_at_once() {
         let missing = missing(scene, to);
         assert!(missing[0] < 0.4 && missing[3] < 0.15 && missing[11] < 0.04, "{missing:?}");
     }
+}
+
+/// A lamp that dims by less than edges differ is followed all the same, and what is known of its light stays known.
+#[test]
+fn a_dimmed_lamp_is_followed() {
+    let lit = builtin("cornell");
+    let mut dimmed = lit.clone();
+    for light in &mut dimmed.lights {
+        light.color *= 0.7;
+    }
+    let camera = orbit(&lit, 0);
+    let [before, after] = [&lit, &dimmed].map(|scene| still(Preset::Fast, scene, &camera, 96));
+    let mut renderer = renderer(&gpu(), &lit, settings(Preset::Realtime));
+    let known = (0..24).map(|_| frame(&mut renderer)).last().expect("at least one");
+    pollster::block_on(renderer.set_lights(&dimmed, &mut |_| {})).expect("the same scene");
+    let picture = (0..6).map(|_| frame(&mut renderer)).last().expect("at least one");
+    let errors = [rmse(&known, &before), rmse(&picture, &after)];
+    assert!(errors[1] < 2.0 * errors[0], "{errors:?}");
+    let bias = mean(&picture) / mean(&after) - 1.0;
+    assert!(bias.abs() < 0.03, "{bias}");
 }
 
 #[test]
@@ -305,4 +327,102 @@ fn figures_are_sums_of_the_views() {
     let samples = 0.25 * cost.iter().sum::<f32>() / cost.len() as f32;
     let error = shown.samples_per_pixel / samples - 1.0;
     assert!(samples > 1.0 && error.abs() < 0.1, "{shown:?}, {samples} in the mean");
+}
+
+/// Reflections of rooms are looked up where their images were: while a camera moves they get better, and no darker.
+#[test]
+fn reflections_are_kept_in_motion() {
+    let scene = builtin("lacquer");
+    let size = UVec2::new(240, 136);
+    let own = |preset| RenderSettings { view: View::Specular, size, ..settings(preset) };
+    let pose = |step: u32| orbit(&scene, 3 * step);
+    let last = |preset, poses: &[Camera]| {
+        let mut renderer = renderer(&gpu(), &scene, own(preset));
+        let mut pictures = poses.iter().map(|camera| {
+            renderer.set_camera(camera.clone());
+            frame(&mut renderer)
+        });
+        pictures.by_ref().last().expect("at least one")
+    };
+    let truth = last(Preset::Balanced, &vec![pose(24); 96]);
+    let first = last(Preset::Realtime, &[pose(24)]);
+    let moving = last(Preset::Realtime, &(0..=24).map(pose).collect::<Vec<_>>());
+    let still = last(Preset::Realtime, &vec![pose(24); 25]);
+    let errors = [&first, &moving, &still].map(|picture| rmse(picture, &truth));
+    let bias = mean(&moving) / mean(&truth) - 1.0;
+    assert!(errors[1] < 0.5 * errors[0] && errors[2] < 0.33 * errors[0], "{errors:?}");
+    assert!(bias.abs() < 0.08, "{bias}");
+}
+
+/// After a cut the pictures are those of a new renderer, to the bit, whatever was shown before: other surfaces, other lamps, another
+/// camera, many frames; without a cut they are not.
+#[test]
+fn after_a_cut_nothing_is_left() {
+    let gpu = gpu();
+    let mut rest = builtin("cornell");
+    let is_block = |instance: &Instance| instance.name == "short block";
+    let block = rest.instances.iter().position(is_block).expect("the scene has it");
+    rest.instances[block].is_static = false;
+    let mut moved = rest.clone();
+    let away = Mat4::from_translation(Vec3::new(-0.1, 0.2, 0.1));
+    moved.instances[block].world_from_local = away * moved.instances[block].world_from_local;
+    let mut bent = moved.clone();
+    for position in &mut bent.meshes[moved.instances[block].mesh].positions {
+        position.y *= 0.75;
+    }
+    bent.lights[0].position.x += 0.2;
+    let mut lit = rest.clone();
+    lit.lights[0].position.x -= 0.2;
+    let settings = RenderSettings {
+        size: UVec2::new(48, 27),
+        resolution: 32,
+        view: View::Final,
+        ..settings(Preset::Realtime)
+    };
+    let pictures = |renderer: &mut Renderer| [(); 3].map(|()| frame(renderer));
+    let mut travelling = renderer(&gpu, &rest, settings.clone());
+    drop(pictures(&mut travelling));
+    let mut goes_on = false;
+    for (number, scene) in [&moved, &bent, &rest, &rest, &lit].into_iter().enumerate() {
+        let camera = orbit(&rest, 12 * number as u32);
+        pollster::block_on(async {
+            match number {
+                0 => travelling.move_instances(scene, &[block], &mut |_| {}).await?,
+                // Only the camera.
+                3 => {}
+                4 => travelling.set_lights(scene, &mut |_| {}).await?,
+                _ => travelling.set_scene(scene, &mut |_| {}).await?,
+            }
+            travelling.set_camera(camera.clone());
+            travelling.cut(&mut |_| {}).await
+        })
+        .expect("the same scene");
+        let seen = pictures(&mut travelling);
+        let mut fresh = renderer(&gpu, scene, settings.clone());
+        fresh.set_camera(camera.clone());
+        assert!(seen == pictures(&mut fresh), "pose {number}: something is left");
+        // Without a cut the light of these pictures stays.
+        travelling.set_camera(orbit(&rest, 0));
+        travelling.set_camera(camera);
+        goes_on |= frame(&mut travelling) != seen[0];
+    }
+    assert!(goes_on, "a cut changes something");
+}
+
+/// Frames that go on from each other make edges smooth, each a picture of its own.
+#[test]
+fn frames_of_a_film_make_edges_smooth() {
+    let scene = builtin("cornell");
+    let settings = RenderSettings { frames: 2, view: View::Albedo, ..settings(Preset::Realtime) };
+    let mut film = renderer(&gpu(), &scene, settings);
+    let mut blended = || {
+        let picture = pollster::block_on(film.render_more(1, &mut |_| ControlFlow::Continue(())));
+        let picture = picture.expect("a frame").expect("not stopped");
+        let mut colors: Vec<[u32; 4]> = picture.hdr.iter().map(|c| c.map(f32::to_bits)).collect();
+        colors.sort_unstable();
+        colors.dedup();
+        colors.len()
+    };
+    let counts = [(); 8].map(|()| blended());
+    assert!(counts[7] > 4 * counts[0], "{counts:?} colours: edges have those in between");
 }

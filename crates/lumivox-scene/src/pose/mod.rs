@@ -12,9 +12,11 @@
 //! | `deform.rs` | vertices that follow morph targets and bones |
 //! | `place.rs` | lights and cameras on nodes |
 //! | `apply.rs` | all of it into the scene |
+//! | `moved.rs` | the parts that differ between two poses |
 
 mod apply;
 mod deform;
+mod moved;
 mod place;
 mod rig;
 mod sampler;
@@ -27,6 +29,7 @@ use crate::{Scene, SceneError};
 
 pub(crate) use apply::weighing;
 pub(crate) use deform::{Base, Deformed, Influences, Target};
+pub use moved::{Moved, Places};
 pub(crate) use place::{place_camera, place_light};
 pub(crate) use rig::{
     Animation, Channel, Local, Node, Parts, Placed, Pose, Property, Skin, handedness, moving,

@@ -65,7 +65,12 @@ struct Traced {
     // The same share at the occlusion distance.
     openness: f32,
     samples: u32,
+    // The mean distance of what it met, in voxels; what is outside counts as far away.
+    distance: f32,
 }
+
+// How far away what is outside the grid counts as, in sides of the grid.
+const OUTSIDE: f32 = 8.0;
 
 // The least growth: even the cone of a perfect mirror reads coarser cells far away, which bounds
 // its samples.
@@ -119,7 +124,7 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     // around it.
     let reach = min(cone.reach, 1.75 * side + 2.0 * largest_cell);
 
-    var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u);
+    var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u, 0.0);
     var distance = 0.0;
     var level = 0u;
     var length = 0.0;
@@ -176,6 +181,7 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
                     taken, traced.transmittance, level, diameter / side, settings.model_values);
                 traced.radiance += seen.rgb * (shown / seen.a);
                 traced.transmittance -= taken;
+                traced.distance += taken * (distance - 0.5 * length);
                 pays_back = pays_back || traced.transmittance <= -SURPLUS;
             }
         }
@@ -187,10 +193,12 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     }
     if is_spent(traced.transmittance, settings) {
         traced.radiance /= 1.0 - traced.transmittance;
+        traced.distance /= 1.0 - traced.transmittance;
         traced.transmittance = 0.0;
     }
     if traced.openness < 0.0 {
         traced.openness = traced.transmittance;
     }
+    traced.distance = max(traced.distance, 0.0) + max(traced.transmittance, 0.0) * OUTSIDE * side;
     return traced;
 }

@@ -14,6 +14,8 @@
 //! | the blend of both, for the picture and for the next frame | pixel | `resolve.wgsl`, `blend.wgsl` |
 //! | some traced pixels, for the next frame | probe | `take_probes.wgsl` |
 //!
+//! Reflections are looked up where their image in the mirror was, which moves otherwise than the surface.
+//!
 //! Only what cones gather goes this way. Direct light never does: it has no noise, and must not lag.
 
 use std::sync::{Mutex, PoisonError};
@@ -93,6 +95,7 @@ impl Layouts {
                 .texture(d2, uint)
                 .storage_texture(d2, LIGHT)
                 .storage_texture(d2, LIGHT)
+                .texture_2d_unfilterable()
                 .texture_2d_unfilterable()
                 .texture_2d_unfilterable()
                 .texture_2d_unfilterable()
@@ -190,6 +193,8 @@ pub(crate) struct Traced<'a> {
     /// What the cones have written, at the traced size.
     pub(crate) irradiance: &'a TextureView,
     pub(crate) specular: &'a TextureView,
+    /// How far away what is reflected is.
+    pub(crate) distance: &'a TextureView,
     /// The outputs, at the size of the picture.
     pub(crate) outputs: [&'a Texture; 2],
     /// The pixels that are traced by themselves.
@@ -334,7 +339,7 @@ impl Past {
         });
         let outputs = traced.outputs.map(Texture::view);
         Groups {
-            recall: self.recall_group(device, layouts, settings, &self.kept),
+            recall: self.recall_group(device, layouts, (settings, traced.distance), &self.kept),
             trace_probes: BindGroupBuilder::new(&layouts.trace_probes)
                 .buffer(settings)
                 .buffer(&self.probes)
@@ -382,7 +387,7 @@ impl Past {
         &self,
         device: &wgpu::Device,
         layouts: &Layouts,
-        settings: &Buffer,
+        (settings, distance): (&Buffer, &TextureView),
         kept: &[Texture; 3],
     ) -> BindGroup {
         let textures = kept.iter().chain(&self.recalled).chain([&self.guide]).chain(&self.drift);
@@ -391,7 +396,7 @@ impl Past {
         for view in &views {
             group = group.view(view);
         }
-        group.build(device, "recall")
+        group.view(distance).build(device, "recall")
     }
 
     /// The group by which the next frame recalls what was kept in another size, if it does.
@@ -399,10 +404,10 @@ impl Past {
         &self,
         device: &wgpu::Device,
         layouts: &Layouts,
-        settings: &Buffer,
+        (settings, distance): (&Buffer, &TextureView),
     ) -> Option<BindGroup> {
         let Seen::Former(kept) = self.seen() else { return None };
-        Some(self.recall_group(device, layouts, settings, &kept))
+        Some(self.recall_group(device, layouts, (settings, distance), &kept))
     }
 
     /// Traces the last frame's probes again, through the light of this frame.

@@ -5,11 +5,12 @@
 // has not moved in the picture takes its own texel, so that nothing blurs. Where none of the four fits, as at the
 // border of a thing in a picture whose samples move within the pixels, the best of the neighbours around does.
 
-import package::grid::world_from_grid;
+import package::grid::{grid, world_from_grid};
 import package::temporal::guide::guide_normal;
 import package::temporal::record::{decode_record, Record};
 import package::trace::fit::fit;
-import package::trace::gbuffer::{load_motion, load_surface};
+import package::trace::around::{traced_around, Around};
+import package::trace::gbuffer::{load_motion, load_specular, load_surface};
 import package::trace::screen::settings;
 import package::trace::surface::Surface;
 import package::trace::view::{camera_motion, view};
@@ -20,12 +21,14 @@ import package::voxelize::reproducible::is_finite;
 @group(1) @binding(2) var past_specular: texture_2d<f32>;
 @group(1) @binding(3) var past_records: texture_2d<u32>;
 @group(1) @binding(4) var irradiance_out: texture_storage_2d<rgba16float, write>;
-// In a the frames: 0 where nothing is known, negative where they were looked up between texels.
+// In a the frames: 0 where nothing is known, negative where the reflection's own place was not found.
 @group(1) @binding(5) var specular_out: texture_storage_2d<rgba16float, write>;
 // The last frame's traced pixels: their surfaces, what probes near them gathered, and what these gather now.
 @group(1) @binding(6) var past_guides: texture_2d<f32>;
 @group(1) @binding(7) var probes_were: texture_2d<f32>;
 @group(1) @binding(8) var probes_are: texture_2d<f32>;
+// How far away what is reflected is, in voxels.
+@group(1) @binding(9) var reflected_distance: texture_2d<f32>;
 
 // A place this near to the middle of a texel is there, in texels: rounding of matrices.
 const SAME_TEXEL: f32 = 0.01;
@@ -45,6 +48,9 @@ const FRAMES_OF_CHANGE: f32 = 4.0;
 // The same of light of which no probe tells how it has changed.
 const UNKNOWN_FRAMES: f32 = 4.0;
 
+// Light that has changed so much that it counts for fewer frames than this is reflected otherwise, too.
+const CHANGED_FRAMES: f32 = 64.0;
+
 // Light up to this many times as bright keeps its detail; what is beyond is added evenly.
 const MOST_BRIGHTER: f32 = 4.0;
 
@@ -54,6 +60,8 @@ struct Recalled {
     frames: f32,
     weights: f32,
     is_same_texel: bool,
+    // Whether the reflection was found where its image was, in light that is much the same.
+    is_image: bool,
 }
 
 // The size of the picture that is recalled: the frame before may have had another one.
@@ -130,14 +138,74 @@ fn drift(light: vec3f, place: vec2f, surface: Surface, slack: f32) -> Drifted {
     return Drifted(drifted, FRAMES_OF_CHANGE / max(change * change, 1e-6));
 }
 
-fn recall(pixel: vec2u, surface: Surface) -> Recalled {
-    var recalled = Recalled(vec4f(0.0), vec3f(0.0), 0.0, 0.0, false);
-    let motion = load_motion(pixel, surface.position_in_world);
-    let own_motion = (motion - camera_motion(pixel, surface.position_in_world)) * vec2f(view.size);
-    let slack = select(1.0, MOVED_SLACK, any(abs(own_motion) > vec2f(SAME_TEXEL)));
-    // In texels, whole numbers at their centres.
+// The place of the last frame's texel that a motion comes from, whole numbers at texels' centres.
+fn former_place(pixel: vec2u, motion: vec2f) -> vec2f {
     let ratio = past_size() / vec2f(view.size);
-    let exact = ratio * vec2f(pixel) + 0.5 * (ratio - 1.0) - motion * past_size();
+    return ratio * vec2f(pixel) + 0.5 * (ratio - 1.0) - motion * past_size();
+}
+
+// How far behind the surface its reflection seems to be, in metres: as far as what is reflected is in front of a flat
+// mirror, less the rougher the surface is (Lagarde and de Rousiers 2014, "Moving Frostbite to physically based rendering",
+// section 4.9.3), and less behind one that bulges (the mirror equation).
+fn image_distance(pixel: vec2u, surface: Surface, around: Around) -> f32 {
+    var distance = 0.0;
+    for (var i = 0; i < 4; i++) {
+        if around.weights[i] > 0.0 {
+            distance += around.weights[i] * textureLoad(reflected_distance, around.sources[i], 0).r;
+        }
+    }
+    let smoothness = 1.0 - load_specular(pixel).roughness;
+    let dominant = smoothness * (sqrt(smoothness) + 1.0 - smoothness);
+    let ahead = distance * grid.voxel_size_m;
+    return dominant * ahead / (1.0 + 2.0 * curvature(pixel, surface) * ahead);
+}
+
+// Of the surface, as far as the pixels beside show it, in 1/m: positive where it bulges.
+fn curvature(pixel: vec2u, surface: Surface) -> f32 {
+    var most = 0.0;
+    for (var i = 0u; i < 2u; i++) {
+        let beside = min(pixel + vec2u(1u - i, i), view.size - 1u);
+        let other = load_surface(beside);
+        let offset = other.position_in_world - surface.position_in_world;
+        let squared = dot(offset, offset);
+        if other.depth > 0.0 && squared > 0.0 && fit(offset, other.shading_normal, surface) > FITS {
+            most += 0.5 * max(dot(other.shading_normal - surface.shading_normal, offset) / squared, 0.0);
+        }
+    }
+    return most;
+}
+
+// The reflection that is known at the place of its image in the last frame (Stachowiak and Uludag 2015,
+// "Stochastic screen-space reflections", on temporal reprojection): in rgb; in a the share of the texels there that show the surface.
+fn recall_reflection(pixel: vec2u, surface: Surface, own_motion: vec2f, slack: f32) -> vec4f {
+    let ray = normalize(surface.position_in_world - view.position_in_world);
+    let distance = image_distance(pixel, surface, traced_around(pixel, surface));
+    let image = surface.position_in_world + distance * ray;
+    let place = former_place(pixel, camera_motion(pixel, image) + own_motion);
+    if !(all(place > vec2f(-1.0)) && all(place < past_size())) {
+        return vec4f(0.0);
+    }
+    let corner = vec2i(floor(place));
+    let fraction = place - floor(place);
+    var sum = vec4f(0.0);
+    for (var i = 0; i < 4; i++) {
+        let offset = vec2i(i & 1, i >> 1);
+        let share = abs(vec2f(1 - offset) - fraction);
+        let weight = share.x * share.y * texel_fit(corner + offset, surface, slack);
+        let specular = textureLoad(past_specular, clamp(corner + offset, vec2i(0), vec2i(past_size()) - 1), 0).rgb;
+        if weight > 1e-3 && is_finite(specular) {
+            sum += weight * vec4f(specular, 1.0);
+        }
+    }
+    return vec4f(sum.rgb / max(sum.a, 1e-6), sum.a);
+}
+
+fn recall(pixel: vec2u, surface: Surface) -> Recalled {
+    var recalled = Recalled(vec4f(0.0), vec3f(0.0), 0.0, 0.0, false, false);
+    let motion = load_motion(pixel, surface.position_in_world);
+    let own_motion = motion - camera_motion(pixel, surface.position_in_world);
+    let slack = select(1.0, MOVED_SLACK, any(abs(own_motion) * vec2f(view.size) > vec2f(SAME_TEXEL)));
+    let exact = former_place(pixel, motion);
     let nearest = round(exact);
     // What is far outside may not be a number that an integer holds.
     if !(all(exact > vec2f(-2.0)) && all(exact < past_size() + 1.0)) {
@@ -160,7 +228,7 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
         }
     }
     if recalled.weights < LEAST_WEIGHT {
-        recalled = Recalled(vec4f(0.0), vec3f(0.0), 0.0, 0.0, is_same);
+        recalled = Recalled(vec4f(0.0), vec3f(0.0), 0.0, 0.0, is_same, false);
         var best = FITS;
         var best_texel = vec2i(0);
         for (var i = 0; i < 9; i++) {
@@ -175,12 +243,20 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
             add(&recalled, best_texel, 1.0);
         }
     }
+    if recalled.weights > 0.0 {
+        let reflection = recall_reflection(pixel, surface, own_motion, slack);
+        if reflection.a > 0.5 {
+            recalled.specular = recalled.weights * reflection.rgb;
+            recalled.is_image = true;
+        }
+    }
     if recalled.weights > 0.0 && settings.has_changed != 0u {
         let light = recalled.irradiance.rgb / recalled.weights;
         let drifted = drift(light, exact, surface, slack);
         recalled.irradiance = vec4f(recalled.weights * drifted.light, recalled.irradiance.a);
         // Variances add up.
         let most = drifted.most_frames * recalled.weights;
+        recalled.is_image = recalled.is_image && drifted.most_frames > CHANGED_FRAMES;
         recalled.frames = recalled.frames * most / (recalled.frames + most);
     }
     return recalled;
@@ -200,7 +276,10 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         if recalled.weights > 0.0 {
             irradiance = recalled.irradiance / recalled.weights;
             specular = vec4f(recalled.specular, recalled.frames) / recalled.weights;
-            specular.a = select(-min(specular.a, MOVING_FRAMES), specular.a, recalled.is_same_texel);
+            if !recalled.is_same_texel {
+                specular.a = min(specular.a, MOVING_FRAMES);
+            }
+            specular.a = select(-specular.a, specular.a, recalled.is_image);
         }
     }
     textureStore(irradiance_out, pixel, irradiance);

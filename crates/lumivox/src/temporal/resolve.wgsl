@@ -27,11 +27,13 @@ import package::voxelize::reproducible::is_finite;
 
 // The most frames in the mean of a reflection on a rough surface, seen by a camera that moves.
 const GLOSSY_FRAMES: f32 = 16.0;
+// Reflections on surfaces smoother than this show edges, which may move when anything does.
+const SHARP_ROUGHNESS: f32 = 0.35;
 // Reflections within this many standard deviations of those around are plausible.
 const PLAUSIBLE: f32 = 1.5;
 
 // With more frames than this, what a pixel reflects itself is taken, unfiltered.
-const FILTERED_REFLECTIONS: f32 = 8.0;
+const FILTERED_REFLECTIONS: f32 = 32.0;
 // Traced pixels in each direction over which reflections on a rough surface are filtered.
 const REFLECTION_RADIUS: i32 = 2;
 
@@ -65,6 +67,22 @@ fn filtered_reflection(centre: vec2u, surface: Surface, material: Specular) -> v
     return vec4f(sum, weights);
 }
 
+// What is known of a reflection, as far as this frame's reflections around agree.
+fn plausible(known: vec3f, centre: vec2u) -> vec3f {
+    var mean = vec3f(0.0);
+    var square = vec3f(0.0);
+    let last = vec2i(traced_size()) - 1;
+    for (var i = 0; i < 9; i++) {
+        let offset = vec2i(i % 3 - 1, i / 3 - 1);
+        let place = clamp(vec2i(centre) + offset, vec2i(0), last);
+        let value = textureLoad(traced_specular, place, 0).rgb;
+        mean += value / 9.0;
+        square += value * value / 9.0;
+    }
+    let spread = PLAUSIBLE * sqrt(max(square - mean * mean, vec3f(0.0)));
+    return clamp(known, mean - spread, mean + spread);
+}
+
 // This frame's reflection blended into the one that is known, in rgb; the cone samples in a.
 fn blend_specular(pixel: vec2u, surface: Surface, around: Around, known: vec4f, frames: f32) -> vec4f {
     var fresh = vec4f(0.0);
@@ -85,22 +103,14 @@ fn blend_specular(pixel: vec2u, surface: Surface, around: Around, known: vec4f, 
     if known.a == 0.0 {
         return fresh;
     }
-    // What is reflected moves over a smooth surface as the camera does: the less the rougher it is.
+    // Where the image in the mirror was in the last frame is not known for certain: of smooth surfaces little is kept.
     let most = select(1e4, GLOSSY_FRAMES * smoothstep(0.05, 0.4, roughness), known.a < 0.0);
-    var mean = vec3f(0.0);
-    var square = vec3f(0.0);
-    let last = vec2i(traced_size()) - 1;
-    for (var i = 0; i < 9; i++) {
-        let offset = vec2i(i % 3 - 1, i / 3 - 1);
-        let place = clamp(vec2i(around.sources[0]) + offset, vec2i(0), last);
-        let value = textureLoad(traced_specular, place, 0).rgb;
-        mean += value / 9.0;
-        square += value * value / 9.0;
+    var past = known.rgb;
+    if known.a < 0.0 || (settings.has_changed != 0u && roughness < SHARP_ROUGHNESS) {
+        past = plausible(past, around.sources[0]);
     }
-    let spread = PLAUSIBLE * sqrt(max(square - mean * mean, vec3f(0.0)));
-    let plausible = clamp(known.rgb, mean - spread, mean + spread);
     let weight = 1.0 / (min(frames, most) + 1.0);
-    return vec4f(mix(plausible, fresh.rgb, weight), fresh.a);
+    return vec4f(mix(past, fresh.rgb, weight), fresh.a);
 }
 
 @compute @workgroup_size(8, 8)

@@ -49,6 +49,7 @@ fn specular(
     let edge = edge_of(linear_index(invocation, workgroups));
     if edge.is_there {
         let samples = textureLoad(diffuse_samples, edge.pixel / settings.scale, 0).r;
-        textureStore(specular_out, edge.pixel, trace_specular(edge.pixel, view.frame, samples));
+        let traced = trace_specular(edge.pixel, view.frame, samples);
+        textureStore(specular_out, edge.pixel, traced.light);
     }
 }

@@ -135,6 +135,7 @@ impl Tracer {
             .uniform()
             .texture_2d_unfilterable()
             .storage_texture(d2, OUTPUT_FORMAT)
+            .storage_texture(d2, SAMPLES_FORMAT)
             .build(device, "glossy cones");
         let half = Layouts {
             upsample: LayoutBuilder::compute()
@@ -238,7 +239,8 @@ impl Tracer {
             self.specular.run(recorder, &group(&slot.specular), [x, y, 1]);
             recorder.clear(&slot.counts);
             if let Some(((past, groups), kernels)) = temporal {
-                let former = past.former_group(&device, &self.temporal, slot.settings());
+                let settings = (slot.settings(), targets.reflected_distance());
+                let former = past.former_group(&device, &self.temporal, settings);
                 let groups_of = [bound.globals, &bound.gbuffer.group];
                 past.blend(recorder, kernels, groups, groups_of, former.as_ref());
             } else if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {

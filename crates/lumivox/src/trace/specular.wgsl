@@ -24,13 +24,22 @@ import package::trace::view::view;
 
 @group(1) @binding(1) var diffuse_samples: texture_2d<f32>;
 @group(1) @binding(2) var specular_out: texture_storage_2d<rgba16float, write>;
+// How far away what is reflected is, in voxels. It has one texel where nobody asks.
+@group(1) @binding(3) var distance_out: texture_storage_2d<r32float, write>;
 
 // Half of a hemisphere: wider cones would reach below the surface that they leave.
 const MIN_COS_HALF_ANGLE: f32 = 0.5;
 
+struct Reflection {
+    // Radiance in rgb, samples in a.
+    light: vec4f,
+    // In voxels; 0 where nothing is reflected.
+    distance: f32,
+}
+
 // `turn` is the place in the sequence of the jitter, `samples` are those of the pixel's diffuse cones.
-fn trace_specular(pixel: vec2u, turn: u32, samples: f32) -> vec4f {
-    let nothing = vec4f(0.0, 0.0, 0.0, samples);
+fn trace_specular(pixel: vec2u, turn: u32, samples: f32) -> Reflection {
+    let nothing = Reflection(vec4f(0.0, 0.0, 0.0, samples), 0.0);
     let surface = load_surface(pixel);
     let material = load_specular(pixel);
     let is_off = settings.bounces == 0u || settings.specular_share <= 0.0;
@@ -89,7 +98,7 @@ fn trace_specular(pixel: vec2u, turn: u32, samples: f32) -> vec4f {
     let weight = fresnel * (both / ggx_masking(local_view.z, alpha));
     // A mirror of the sun may exceed the largest half float.
     let reflected = min(radiance * weight, vec3f(65504.0));
-    return vec4f(reflected, samples + f32(traced.samples));
+    return Reflection(vec4f(reflected, samples + f32(traced.samples)), traced.distance);
 }
 
 @compute @workgroup_size(8, 8)
@@ -99,5 +108,6 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
     let samples = textureLoad(diffuse_samples, invocation.xy, 0).r;
     let traced = trace_specular(traced_pixel(invocation.xy), traced_turn(), samples);
-    textureStore(specular_out, invocation.xy, traced);
+    textureStore(specular_out, invocation.xy, traced.light);
+    textureStore(distance_out, invocation.xy, vec4f(traced.distance, 0.0, 0.0, 0.0));
 }

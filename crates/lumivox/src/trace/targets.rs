@@ -42,6 +42,8 @@ struct Traced {
     irradiance: TextureView,
     specular: TextureView,
     samples: TextureView,
+    /// How far away what is reflected is, in voxels; one texel without the light of earlier frames.
+    distance: TextureView,
 }
 
 /// The pixels that are traced by themselves: how many with the workgroups for them, and which.
@@ -121,6 +123,8 @@ impl TraceTargets {
             texture("traced specular", traced_size, OUTPUT_FORMAT),
         ];
         let samples = texture("diffuse samples", traced_size, SAMPLES_FORMAT).view();
+        let reflected_size = if settings.temporal { traced_size } else { UVec2::ONE };
+        let distance = texture("reflected distance", reflected_size, SAMPLES_FORMAT).view();
         // Without a further step cones write the outputs themselves.
         let outputs = if scale > 1 || settings.temporal {
             [texture("irradiance", size, OUTPUT_FORMAT), texture("specular", size, OUTPUT_FORMAT)]
@@ -146,7 +150,7 @@ impl TraceTargets {
             outputs,
             size,
             resolution: settings.resolution,
-            traced: Traced { size: traced_size, irradiance, specular, samples },
+            traced: Traced { size: traced_size, irradiance, specular, samples, distance },
             listed,
             past,
             slots: Slots::default(),
@@ -164,7 +168,11 @@ impl TraceTargets {
         let cones = 20 * traced;
         let outputs = if scale > 1 || settings.temporal { 16 * pixels } else { 0 };
         let listed = 16 + if scale > 1 { 4 * (pixels + 1) } else { 16 };
-        let past = if settings.temporal { temporal::past_bytes(pixels, traced_size) } else { 0 };
+        let past = if settings.temporal {
+            temporal::past_bytes(pixels, traced_size) + 4 * traced
+        } else {
+            4
+        };
         cones + outputs + listed + past
     }
 
@@ -208,6 +216,10 @@ impl TraceTargets {
         self.traced.size
     }
 
+    pub(super) fn reflected_distance(&self) -> &TextureView {
+        &self.traced.distance
+    }
+
     /// Records with settings that no other recording sees.
     pub(super) fn with_settings<R>(
         &self,
@@ -226,7 +238,7 @@ impl TraceTargets {
     }
 
     fn slot(&self, tracer: &Tracer, device: &wgpu::Device) -> TraceSlot {
-        let Traced { irradiance, specular, samples, .. } = &self.traced;
+        let Traced { irradiance, specular, samples, distance, .. } = &self.traced;
         let Listed { counts, pixels } = &self.listed;
         let settings = uniform_buffer(device, "screen settings", &ScreenSettings::zeroed());
         let half = (self.resolution == TraceResolution::Half).then(|| HalfSlot {
@@ -253,7 +265,7 @@ impl TraceTargets {
         });
         let outputs = self.outputs.each_ref();
         let listed = pixels;
-        let traced = temporal::Traced { irradiance, specular, outputs, counts, listed };
+        let traced = temporal::Traced { irradiance, specular, distance, outputs, counts, listed };
         let temporal = self
             .past
             .as_ref()
@@ -268,6 +280,7 @@ impl TraceTargets {
                 .buffer(&settings)
                 .view(samples)
                 .view(specular)
+                .view(distance)
                 .build(device, "glossy cones"),
             half,
             temporal,

@@ -7,6 +7,7 @@
 //! | --- | --- |
 //! | flicker | mean of abs(d x - d r) over pixels and channels, over the mean of r |
 //! | flicker on a screen | the same of display values, 0 to 1, not divided |
+//! | error on a screen | root mean square of x - r in display values |
 //! | latency | share of a change of mean irradiance that is there |
 //! | trail | least-squares share of the former picture in the present one |
 
@@ -124,6 +125,44 @@ pub fn flicker_on_screen(
         noise_of_change(variances.each_ref().map(Vec::as_slice))
     };
     Flicker::new(measured, noise)
+}
+
+/// The error of a picture on a screen, in display values from 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct DisplayError {
+    /// The root mean square over pixels and channels, the truth's noise taken out.
+    pub rmse: f64,
+    /// The same with that noise.
+    pub rmse_with_noise: f64,
+    /// The mean of ours beyond the truth's, in percent of the truth's; 0 if that is black.
+    pub bias_percent: f64,
+    /// The root mean square of the change from the picture of the step before.
+    pub change_rmse: f64,
+}
+
+/// The error on a screen at an exposure in stops; of ours there is the picture of the step before, and that of the truth's step.
+pub fn error_on_screen(ours: [&LinearPicture; 2], truth: Known<'_>, stops: f32) -> DisplayError {
+    let shown = |picture: &LinearPicture| -> Vec<f64> {
+        picture.to_display(stops).flatten().map(f64::from).collect()
+    };
+    let [before, now] = ours.map(shown);
+    let right = shown(truth.picture);
+    let mean_square = |a: &[f64], b: &[f64]| {
+        let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
+        squares / a.len().max(1) as f64
+    };
+    let sum = |values: &[f64]| values.iter().sum::<f64>();
+    let variances = variance_on_screen(truth, stops);
+    let noise =
+        variances.iter().copied().map(f64::from).sum::<f64>() / variances.len().max(1) as f64;
+    let measured = mean_square(&now, &right);
+    let is_lit = sum(&right) > 0.0;
+    DisplayError {
+        rmse: (measured - noise).max(0.0).sqrt(),
+        rmse_with_noise: measured.sqrt(),
+        bias_percent: if is_lit { 100.0 * (sum(&now) / sum(&right) - 1.0) } else { 0.0 },
+        change_rmse: mean_square(&before, &now).sqrt(),
+    }
 }
 
 /// The mean over pixels and channels of abs(change of ours - change of the truth).
@@ -300,6 +339,24 @@ mod tests {
         let ours = [picture(&[0.0]), picture(&[1e6])];
         let flicker = flicker_on_screen([&ours[0], &ours[1]], known, true, 0.0);
         assert!(flicker.value > 0.9, "{flicker:?}");
+    }
+
+    /// Black beside white: the root mean square of 0 and 1 is that of a half; what clips has no noise.
+    #[test]
+    fn errors_on_a_screen_are_those_of_display_values() {
+        let (black, truth) = (picture(&[0.0, 0.0]), picture(&[0.0, 1e6]));
+        let known = Known { picture: &truth, variance: &[0.0, 1.0] };
+        let error = error_on_screen([&truth, &black], known, 0.0);
+        assert!((error.rmse - 0.5_f64.sqrt()).abs() < 1e-3, "{error:?}");
+        assert!((error.rmse - error.rmse_with_noise).abs() < 1e-6, "{error:?}");
+        assert!((error.change_rmse - error.rmse).abs() < 1e-6, "{error:?}");
+        close(error.bias_percent, -100.0);
+        // Noise as large as the difference explains it.
+        let (ours, truth) = (picture(&[0.4]), picture(&[0.3]));
+        let error =
+            error_on_screen([&ours, &ours], Known { picture: &truth, variance: &[0.02] }, 0.0);
+        assert!(error.rmse < 0.1 * error.rmse_with_noise && error.bias_percent > 0.0, "{error:?}");
+        close(error.change_rmse, 0.0);
     }
 
     #[test]

@@ -8,7 +8,8 @@ use lumivox_scene::{Camera, Scene};
 
 use super::drive::{Drive, Shown, StepCost};
 use super::figures::{
-    Known, Pool, Spread, flicker, flicker_on_screen, mean, share_of_change, trail,
+    DisplayError, Known, Pool, Spread, error_on_screen, flicker, flicker_on_screen, mean,
+    share_of_change, trail,
 };
 use super::report::{
     AtStop, Change, Disoccluded, FlickerFigures, InMotion, Latency, Left, SequenceReport, Share,
@@ -128,7 +129,7 @@ impl Task<'_> {
             truths: truths.iter().flatten().count() as u32,
             settings: self.settings.clone(),
             in_motion: InMotion::of(&by_step),
-            at_stop: self.at_stop(&phases, &by_step),
+            at_stop: self.at_stop(&taken, &by_step),
             flicker: taken.flicker(&is_moving),
             latency: self.latency(&taken, &mut own)?,
             trail: self.trail(&taken, &mut own)?,
@@ -190,13 +191,15 @@ impl Task<'_> {
         Ok(masks)
     }
 
-    fn at_stop(&self, phases: &[Phase], by_step: &[StepFigures]) -> Vec<AtStop> {
-        let Some(stop) = self.sequence.stop.map(|phase| last_of(phases, phase)) else {
+    fn at_stop(&self, taken: &Taken<'_>, by_step: &[StepFigures]) -> Vec<AtStop> {
+        let Some(stop) = self.sequence.stop.map(|phase| last_of(taken.phases, phase)) else {
             return Vec::new();
         };
         let at = |after: &u32| {
-            let step = by_step.get((stop + after) as usize)?;
-            Some(AtStop { after: *after, full: step.full, picture: step.picture })
+            let number = (stop + after) as usize;
+            let step = by_step.get(number)?;
+            let on_screen = taken.error_on_screen(number);
+            Some(AtStop { after: *after, full: step.full, picture: step.picture, on_screen })
         };
         STOP_FRAMES.iter().filter_map(at).collect()
     }
@@ -354,6 +357,13 @@ impl Taken<'_> {
             figures.still_picture = compare(truth.picture(), &still.picture)?;
         }
         Ok(figures)
+    }
+
+    /// The error of a step's picture on a screen; `None` without a truth, or a step before.
+    fn error_on_screen(&self, step: usize) -> Option<DisplayError> {
+        let truth = self.truths[step].as_ref()?;
+        let ours = [&self.shown[step.checked_sub(1)?].picture, &self.shown[step].picture];
+        Some(error_on_screen(ours, truth.picture(), stops(self.truths)?))
     }
 
     fn flicker(&self, is_moving: &[bool]) -> Option<FlickerFigures> {

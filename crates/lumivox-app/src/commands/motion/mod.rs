@@ -16,6 +16,7 @@
 //! | `report.rs` | the figures, as JSON and for people |
 //! | `pictures.rs` | strips, animations and charts |
 //! | `page.rs` | docs/motion.md |
+//! | `published.rs` | its table of others' figures |
 
 mod drive;
 mod figures;
@@ -23,6 +24,7 @@ mod measure;
 mod moves;
 mod page;
 mod pictures;
+mod published;
 mod report;
 mod seen;
 mod sequences;

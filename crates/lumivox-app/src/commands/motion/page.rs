@@ -7,6 +7,7 @@ use lumivox_render::compare::ErrorFigures;
 
 use super::figures::{CostSpread, Spread};
 use super::pictures::{AGAINST_COST, BY_STEP, film_name, strip_name};
+use super::published;
 use super::report::{ErrorSpread, SequenceReport};
 use crate::cli::MotionArgs;
 
@@ -49,6 +50,7 @@ pub fn page(args: &MotionArgs, machine: &str, resolution: u32, cases: &[Case]) -
     page += "\n";
     page += &in_motion(cases);
     page += &at_stop(cases);
+    page += &published::beside(args, cases);
     page += &flicker(cases);
     page += &disoccluded(cases);
     page += &after_changes(cases);

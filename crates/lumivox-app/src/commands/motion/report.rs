@@ -8,7 +8,7 @@ use lumivox_render::compare::ErrorFigures;
 use serde::Serialize;
 
 use super::drive::StepCost;
-use super::figures::{CostSpread, Flicker, Spread};
+use super::figures::{CostSpread, DisplayError, Flicker, Spread};
 use crate::commands::settings;
 
 /// One sequence with one set of settings.
@@ -97,6 +97,8 @@ pub struct AtStop {
     pub after: u32,
     pub full: Option<ErrorFigures>,
     pub picture: Option<ErrorFigures>,
+    /// Those of the picture on a screen, at the exposure of the brightest step.
+    pub on_screen: Option<DisplayError>,
 }
 
 /// Change that the truth does not have, from step to step.

@@ -1,23 +1,29 @@
 //! A sequence of pictures, which share as much work as possible.
+//!
+//! | file | is |
+//! | --- | --- |
+//! | `film.rs` | one renderer that goes from moment to moment |
+//! | `report.rs` | what is printed at the end |
+
+mod film;
+mod report;
 
 use std::time::Instant;
 
-use lumivox_console::report::{AdapterReport, SceneCounts, bytes, count, counted, memory_table};
-use lumivox_console::{Failure, shown};
-use lumivox_render::{Exposure, Metering, Picture, RenderSettings, Renderer};
-use lumivox_scene::{Camera, Scene};
-use serde::Serialize;
+use lumivox_console::Failure;
+use lumivox_console::report::{AdapterReport, SceneCounts};
+use lumivox_render::{Exposure, Metering};
+use lumivox_scene::Scene;
 use serde_json::{Map, Value, json};
 
-use super::clock::Seconds;
 use super::report::{CameraReport, NoteReport, RendererReport};
 use super::{RenderJob, light};
 use crate::cli::RenderArgs;
 use crate::commands::settings;
-use crate::progress::ProgressDisplay;
-use crate::progress::words;
 use crate::sequence::{Frame, FrameFiles, Index, Start};
-use crate::timeline::{Moments, PathFile, PictureTimes};
+use crate::timeline::{History, Moments, PathFile, PictureTimes};
+use film::{Film, Step};
+use report::Report;
 
 /// The number of pictures that determine the common exposure.
 const METERED: u64 = 5;
@@ -34,7 +40,8 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
     files.fit(moments.count)?;
     files.make_folder()?;
     let _lock = files.lock()?;
-    let settings = settings_of(&stage, &moments, path);
+    let history = history_of(&stage);
+    let settings = settings_of(&stage, &moments, (path, history));
     let start = Index::new(moments.count, settings).start(&files, stage.args.timeline.restart)?;
     let Start { mut index, missing } = start;
     if !missing.is_empty() {
@@ -52,43 +59,50 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
         ))
     };
 
-    let mut renderer: Option<Renderer> = None;
+    let mut film = Film::default();
     let is_shared = stage.settings.exposure == Exposure::Auto && files.are_exposed();
     if is_shared && stage.settings.view.is_light() && !missing.is_empty() {
         if index.exposure.is_none() {
             let Some((metered, stops)) = meter(&mut stage, &moments)? else {
                 return Err(stopped(0).into());
             };
-            (renderer, index.exposure) = (Some(metered), Some(stops));
+            index.exposure = Some(stops);
+            if history == History::None {
+                film = metered;
+            }
         }
         let shared = index.exposure.map_or(Exposure::Auto, Exposure::Stops);
         stage.settings.exposure = shared;
-        if let Some(renderer) = &mut renderer {
-            renderer.set_exposure(shared);
-        }
+        film.set_exposure(shared);
     }
     let mut metering: Option<Metering> = None;
-    for (done, &number) in missing.iter().enumerate() {
+    // Light of earlier frames has come through all of them, so an interrupted sequence begins again at the first.
+    let numbers: Vec<u32> = match (history, missing.last()) {
+        (History::Kept, Some(&last)) => (0..=last).collect(),
+        _ => missing.clone(),
+    };
+    let mut written = 0;
+    for (done, &number) in (0..).zip(&numbers) {
         let start = Instant::now();
         let time_s = moments.time_s(number);
         stage.schedule.pose(&mut stage.scene, time_s)?;
         let camera = stage.schedule.camera(&stage.scene, time_s, moments.share(number));
-        let step = Step {
-            stage: "picture",
-            progress: &stage.progress,
-            done: done as u32,
-            total: missing.len() as u32,
-        };
-        let ready = step.prepare(renderer.take(), &stage, &camera)?;
-        let renderer = renderer.insert(ready);
+        let is_missing = missing.binary_search(&number).is_ok();
+        let stage_name = if is_missing { "picture" } else { "picture again" };
+        let total = numbers.len() as u32;
+        let step = Step { stage: stage_name, progress: &stage.progress, done, total };
+        film.show(&step, &stage, &camera, history)?;
         stage.clock.seconds.preparing += stage.clock.lap();
-        let Some(picture) = step.render(renderer)? else {
-            return Err(stopped(done).into());
+        let Some(picture) = film.render(&step, &stage, history)? else {
+            return Err(stopped(written).into());
         };
         stage.clock.seconds.rendering += stage.clock.lap();
+        if !is_missing {
+            continue;
+        }
         picture.write(&files.path(number))?;
 
-        let settings = renderer.settings();
+        let settings = &stage.settings;
         metering = settings.view.is_light().then(|| settings.exposure.meter(&picture.hdr));
         let frame = Frame {
             number,
@@ -100,6 +114,7 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
             seconds: start.elapsed().as_secs_f64(),
         };
         index.add(frame, &files)?;
+        written += 1;
         stage.clock.seconds.writing += stage.clock.lap();
     }
     stage.clock.seconds.total = stage.clock.start.elapsed().as_secs_f64();
@@ -111,10 +126,11 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
         size: stage.args.picture.size.to_array(),
         pictures: moments.count,
         rendered: missing.len(),
+        rendered_again: numbers.len() - missing.len(),
         exposure: index.exposure,
         notes: NoteReport::all(&stage.notes, metering.and_then(|metering| metering.warning)),
         scene: SceneCounts::new(&stage.scene),
-        renderer: renderer.as_ref().map(RendererReport::new),
+        renderer: film.renderer().map(RendererReport::new),
         seconds: stage.clock.seconds,
         settings: stage.settings.clone(),
         adapter: AdapterReport::new(&stage.gpu.adapter_info),
@@ -128,30 +144,26 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
 /// The exposure of all pictures: the median over some of them, spread over the sequence and
 /// rendered roughly. A single picture might only show a wall. Also returns the renderer used;
 /// `None` if it was stopped.
-fn meter(stage: &mut RenderJob<'_>, moments: &Moments) -> anyhow::Result<Option<(Renderer, f32)>> {
+fn meter(stage: &mut RenderJob<'_>, moments: &Moments) -> anyhow::Result<Option<(Film, f32)>> {
     let mut numbers: Vec<u32> = (0..METERED)
         .map(|i| (u64::from(moments.count) * (2 * i + 1) / (2 * METERED)) as u32)
         .collect();
     numbers.dedup();
     let total = numbers.len() as u32;
-    let mut renderer: Option<Renderer> = None;
+    let mut film = Film::default();
     let mut stops = Vec::new();
-    for (done, number) in numbers.into_iter().enumerate() {
+    for (done, number) in (0..).zip(numbers) {
         if stage.progress.is_stopped() {
             return Ok(None);
         }
         let time_s = moments.time_s(number);
         stage.schedule.pose(&mut stage.scene, time_s)?;
         let camera = stage.schedule.camera(&stage.scene, time_s, moments.share(number));
-        let step = Step { stage: "metering", progress: &stage.progress, done: done as u32, total };
-        let ready = step.prepare(renderer.take(), stage, &camera)?;
-        let ready = renderer.insert(ready);
-        pollster::block_on(ready.render_frame())?;
-        let picture = pollster::block_on(ready.finish())?;
-        stops.push(Exposure::Auto.stops(&picture.hdr));
+        let step = Step { stage: "metering", progress: &stage.progress, done, total };
+        film.show(&step, stage, &camera, History::None)?;
+        stops.push(Exposure::Auto.stops(&film.glimpse()?.hdr));
     }
-    let renderer = renderer.ok_or_else(|| anyhow::anyhow!("a sequence without pictures"))?;
-    Ok(Some((renderer, median(stops))))
+    Ok(Some((film, median(stops))))
 }
 
 /// The median; the higher of the two middle values of an even number, and 0 without values.
@@ -160,62 +172,16 @@ fn median(mut values: Vec<f32>) -> f32 {
     values.get(values.len() / 2).copied().unwrap_or_default()
 }
 
-/// A picture's place among those to be rendered.
-struct Step<'a> {
-    stage: &'static str,
-    progress: &'a ProgressDisplay,
-    done: u32,
-    total: u32,
-}
-
-impl Step<'_> {
-    /// A renderer prepared for this picture, made from that of the picture before if there is one.
-    fn prepare(
-        &self,
-        before: Option<Renderer>,
-        stage: &RenderJob<'_>,
-        camera: &Camera,
-    ) -> anyhow::Result<Renderer> {
-        let mut tell = |step: lumivox_render::RenderProgress| match self.done {
-            0 => self.progress.set(words(step.stage), step.done, step.total),
-            _ => self.tell_share(0.0),
-        };
-        let Some(mut renderer) = before else {
-            let (gpu, scene, settings) = (&stage.gpu, &stage.scene, stage.settings.clone());
-            let renderer = Renderer::new(gpu, scene, Some(camera), settings, &mut tell);
-            return Ok(pollster::block_on(renderer)?);
-        };
-        if stage.schedule.animation.is_some() {
-            pollster::block_on(renderer.set_scene(&stage.scene, &mut tell))?;
-        }
-        renderer.set_camera(camera.clone());
-        Ok(renderer)
-    }
-
-    /// Renders the picture. Returns `None` if the user stopped it; a later run then renders it
-    /// again.
-    fn render(&self, renderer: &mut Renderer) -> anyhow::Result<Option<Picture>> {
-        let mut tell = |step| {
-            self.tell(step);
-            self.progress.goes_on()
-        };
-        Ok(pollster::block_on(renderer.render_until(&mut tell))?)
-    }
-
-    fn tell(&self, step: lumivox_render::RenderProgress) {
-        self.tell_share(f64::from(step.done) / f64::from(step.total.max(1)));
-    }
-
-    fn tell_share(&self, share: f64) {
-        self.progress.set_within(self.stage, self.done, self.total, share);
-    }
+/// Whether pictures depend on those before them. Without light of earlier frames none does, whatever was asked for.
+fn history_of(stage: &RenderJob<'_>) -> History {
+    if stage.settings.trace.temporal { stage.args.timeline.history } else { History::None }
 }
 
 /// All settings that decide what the pictures show, under the names of the command line.
 fn settings_of(
     stage: &RenderJob<'_>,
     moments: &Moments,
-    path: Option<&PathFile>,
+    (path, history): (Option<&PathFile>, History),
 ) -> Map<String, Value> {
     let args = stage.args;
     let mut settings = settings::report(&stage.settings);
@@ -230,6 +196,7 @@ fn settings_of(
         "camera": args.picture.camera.as_ref().map(ToString::to_string),
         "camera_path": path.map(|path| &path.keys),
         "orbit": args.timeline.orbit,
+        "history": history.name(),
     });
     if let Value::Object(more) = more {
         settings.extend(more);
@@ -257,85 +224,6 @@ fn animation_name(scene: &Scene, choice: Option<lumivox_scene::AnimationChoice>)
         lumivox_scene::AnimationChoice::One(index) => {
             scene.animations().get(index).map(|animation| animation.name.clone())
         }
-    }
-}
-
-/// The report on a sequence.
-#[derive(Clone, Debug, Serialize)]
-struct Report {
-    /// The pictures' files, with # for the digits of the number.
-    files: String,
-    /// The index's file.
-    index: String,
-    /// Width and height in pixels.
-    size: [u32; 2],
-    /// Pictures of the whole sequence.
-    pictures: u32,
-    /// Pictures that were rendered now; the others existed.
-    rendered: usize,
-    /// Exposure in stops, if all pictures have the same.
-    exposure: Option<f32>,
-    /// Notes on what was chosen for the scene, and on problems with the light of the last picture.
-    notes: Vec<NoteReport>,
-    scene: SceneCounts,
-    /// `None` if no picture had to be rendered.
-    #[serde(flatten)]
-    renderer: Option<RendererReport>,
-    /// Wall-clock times.
-    seconds: Seconds,
-    #[serde(serialize_with = "settings::serialize")]
-    settings: RenderSettings,
-    adapter: AdapterReport,
-}
-
-impl Report {
-    fn text(&self, is_verbose: bool) -> String {
-        let Self { files, scene, seconds, settings, .. } = self;
-        let [width, height] = self.size;
-        let pictures = counted(self.pictures as usize, "picture", "pictures");
-        let mut text =
-            format!("{files}: {pictures} of {width}x{height}, view {}", settings.view.name());
-        if let Some(stops) = self.exposure {
-            text += &format!(", exposure {stops:.2}");
-        }
-        let there = (self.pictures as usize).saturating_sub(self.rendered);
-        if there > 0 {
-            text += &format!("; {} of them were there already", count(there as u64));
-        }
-        text += &format!("\n  index    {}\n", self.index);
-        text += &format!(
-            "  scene    {}: {}, {}, {}\n",
-            shown::line(&scene.name),
-            counted(scene.triangles, "triangle", "triangles"),
-            counted(scene.materials, "material", "materials"),
-            counted(scene.lights, "light", "lights"),
-        );
-        text += &self.notes.iter().map(NoteReport::line).collect::<String>();
-        if let Some(renderer) = &self.renderer {
-            let [x, y, z] = renderer.grid.dimensions;
-            text += &format!(
-                "  voxels   {} in {x} x {y} x {z} of {:.4} m\n  memory   {} on the GPU\n",
-                count(renderer.voxels.into()),
-                renderer.grid.voxel_size_m,
-                bytes(renderer.memory_bytes)
-            );
-        }
-        text += &format!(
-            "  time     {:.2} s: loading {:.2}, preparing {:.2}, rendering {:.2}, writing {:.2}",
-            seconds.total, seconds.loading, seconds.preparing, seconds.rendering, seconds.writing
-        );
-        if self.rendered > 0 {
-            let each = (seconds.total - seconds.loading) / self.rendered as f64;
-            text += &format!("; {each:.2} a picture");
-        }
-        text += &format!("\n  GPU      {}\n", self.adapter.description);
-        if let Some(renderer) = self.renderer.as_ref().filter(|_| is_verbose) {
-            text.push('\n');
-            text += &renderer.times.table("stage and pass (of a frame: mean)");
-            text.push('\n');
-            text += &memory_table(&renderer.memory);
-        }
-        text
     }
 }
 

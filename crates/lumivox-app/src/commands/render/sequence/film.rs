@@ -1,0 +1,141 @@
+//! One renderer that goes from moment to moment.
+//!
+//! With [`History::Kept`] it changes as the window's renderer does: what has moved is followed by the next frame, and light of
+//! earlier frames stays. With [`History::None`] there is a cut before each picture.
+
+use lumivox_render::{Exposure, Picture, RenderProgress, RenderSettings, Renderer};
+use lumivox_scene::{Camera, Places};
+
+use crate::commands::render::RenderJob;
+use crate::progress::{ProgressDisplay, words};
+use crate::timeline::History;
+
+/// A renderer, and the pose of the scene that it shows.
+#[derive(Debug, Default)]
+pub struct Film {
+    shown: Option<(Renderer, Places)>,
+}
+
+/// A picture's place among those to be rendered.
+pub struct Step<'a> {
+    /// The name of the work in the progress.
+    pub stage: &'static str,
+    pub progress: &'a ProgressDisplay,
+    /// Pictures before this one.
+    pub done: u32,
+    pub total: u32,
+}
+
+impl Film {
+    /// Shows the job's scene as it is posed, from a camera. The first scene is prepared, later ones may differ only by their
+    /// pose.
+    ///
+    /// # Errors
+    /// When something does not fit the device, or the device fails.
+    pub fn show(
+        &mut self,
+        step: &Step<'_>,
+        job: &RenderJob<'_>,
+        camera: &Camera,
+        history: History,
+    ) -> anyhow::Result<()> {
+        let (gpu, scene) = (&job.gpu, &job.scene);
+        let tell = &mut |progress| step.prepares(progress);
+        let Some((renderer, places)) = &mut self.shown else {
+            let settings = film_settings(job, history);
+            let renderer = Renderer::new(gpu, scene, Some(camera), settings, tell);
+            self.shown = Some((pollster::block_on(renderer)?, Places::of(scene)));
+            return Ok(());
+        };
+        let moved = places.moved(scene);
+        if moved.shapes {
+            pollster::block_on(renderer.set_scene(scene, tell))?;
+        } else if moved.lights || !moved.instances.is_empty() {
+            // Takes the lights along. The unit of radiance stays, as it must between pictures.
+            pollster::block_on(renderer.move_instances(scene, &moved.instances, tell))?;
+        }
+        *places = Places::of(scene);
+        if renderer.camera() != camera {
+            renderer.set_camera(camera.clone());
+        }
+        if history == History::None {
+            pollster::block_on(renderer.cut(tell))?;
+        }
+        Ok(())
+    }
+
+    /// Renders the picture: of [`History::Kept`] as many frames more as the settings ask for. Returns `None` if the user
+    /// stopped it; a later run then renders it again.
+    ///
+    /// # Errors
+    /// When nothing is shown, or the device fails.
+    pub fn render(
+        &mut self,
+        step: &Step<'_>,
+        job: &RenderJob<'_>,
+        history: History,
+    ) -> anyhow::Result<Option<Picture>> {
+        let renderer = self.renderer_mut()?;
+        let tell = &mut |progress| {
+            step.renders(progress);
+            step.progress.goes_on()
+        };
+        Ok(match history {
+            History::Kept => pollster::block_on(renderer.render_more(job.settings.frames, tell))?,
+            History::None => pollster::block_on(renderer.render_until(tell))?,
+        })
+    }
+
+    /// Renders a single frame.
+    ///
+    /// # Errors
+    /// When nothing is shown, or the device fails.
+    pub fn glimpse(&mut self) -> anyhow::Result<Picture> {
+        let renderer = self.renderer_mut()?;
+        pollster::block_on(renderer.render_frame())?;
+        Ok(pollster::block_on(renderer.finish())?)
+    }
+
+    /// Changes the exposure of pictures from now on.
+    pub fn set_exposure(&mut self, exposure: Exposure) {
+        if let Some((renderer, _)) = &mut self.shown {
+            renderer.set_exposure(exposure);
+        }
+    }
+
+    /// The renderer; `None` before anything was shown.
+    pub fn renderer(&self) -> Option<&Renderer> {
+        self.shown.as_ref().map(|(renderer, _)| renderer)
+    }
+
+    fn renderer_mut(&mut self) -> anyhow::Result<&mut Renderer> {
+        let shown = self.shown.as_mut().map(|(renderer, _)| renderer);
+        shown.ok_or_else(|| anyhow::anyhow!("a picture without a scene"))
+    }
+}
+
+/// The settings of the renderer. A picture of one frame samples the middles of pixels, and so would all that go on from it: two
+/// frames have samples elsewhere, by which edges become smooth over the pictures.
+fn film_settings(job: &RenderJob<'_>, history: History) -> RenderSettings {
+    let frames = job.settings.frames;
+    let frames = if history == History::Kept { frames.max(2) } else { frames };
+    RenderSettings { frames, ..job.settings.clone() }
+}
+
+impl Step<'_> {
+    /// Tells the progress of a preparation; only that of the first picture takes long.
+    fn prepares(&self, progress: RenderProgress) {
+        match self.done {
+            0 => self.progress.set(words(progress.stage), progress.done, progress.total),
+            _ => self.tell_share(0.0),
+        }
+    }
+
+    fn renders(&self, progress: RenderProgress) {
+        self.tell_share(f64::from(progress.done) / f64::from(progress.total.max(1)));
+    }
+
+    fn tell_share(&self, share: f64) {
+        self.progress.set_within(self.stage, self.done, self.total, share);
+    }
+}
