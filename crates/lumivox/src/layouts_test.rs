@@ -1,7 +1,7 @@
 //! Every struct that Rust and WGSL share lies in memory alike, and every shader is valid, without a GPU.
 
 use crate::cones::ConeSettings;
-use crate::emitters::{EmitterCount, EmitterRecord, RunEmitters};
+use crate::emitters::{EmitterRecord, RunEmitters, Sorting, TreePart};
 use crate::gpu::ShaderLibrary;
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
 use crate::points::{GatheredPoint, PointSettings};
@@ -33,7 +33,8 @@ fn structs_lie_in_memory_alike() {
     library.check_struct::<BounceSettings>("light::turn", "BounceSettings").unwrap();
     library.check_struct::<EmitterRecord>("emitters::emitter", "Emitter").unwrap();
     library.check_struct::<RunEmitters>("emitters::list", "RunEmitters").unwrap();
-    library.check_struct::<EmitterCount>("emitters::add_up", "EmitterCount").unwrap();
+    library.check_struct::<Sorting>("emitters::order", "Sorting").unwrap();
+    library.check_struct::<TreePart>("emitters::tree", "TreePart").unwrap();
     library.check_struct::<ConeSettings>("cones::cone", "ConeSettings").unwrap();
     library.check_struct::<PointSettings>("points::gather", "PointSettings").unwrap();
     library.check_struct::<GatheredPoint>("points::gather", "GatheredPoint").unwrap();

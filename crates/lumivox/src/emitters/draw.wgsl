@@ -1,10 +1,12 @@
 // A point of an emitter, drawn for a place that it may light.
 //
-// An emitter is drawn in proportion to its power, and a point on it evenly over the solid angle that it has there
+// An emitter is found from the tree's root down: each node's two parts are drawn in proportion to what they may bring to the place
+// (emitters::cluster), and a point on the emitter evenly over the solid angle that it has there
 // (Arvo 1995, "Stratified sampling of spherical triangles"), so that emitters nearby do no harm. Of a small one the
 // points are drawn evenly over its area: there is no difference then, and no digits are lost.
 
-import package::emitters::emitter::{Emitter, EmitterList};
+import package::emitters::cluster::{importance, unpack};
+import package::emitters::emitter::{emitter_of, nodes_at, tree_levels, EmitterList};
 
 @group(0) @binding(5) var<storage, read> emitters: EmitterList;
 
@@ -23,19 +25,38 @@ struct EmitterPoint {
 // Smaller solid angles, sr, than this are sampled by area.
 const SMALL_SOLID_ANGLE: f32 = 0.01;
 
-// The first emitter with which the power of all so far is more than `power`.
-fn find_emitter(power: f32) -> u32 {
-    var low = 0u;
-    var high = emitters.count - 1u;
-    while low < high {
-        let middle = (low + high) / 2u;
-        if emitters.emitters[middle].power_so_far > power {
-            high = middle;
-        } else {
-            low = middle + 1u;
+// An emitter, and how it was found.
+struct Drawn {
+    index: u32,
+    // The probability with which it was drawn; 0: nothing shines on the place.
+    share: f32,
+    // Where on it the point is: numbers in [0, 1).
+    on: vec2f,
+}
+
+// `random` is in [0, 1)^2. There must be emitters.
+fn draw_emitter(place: vec3f, normal: vec3f, random: vec2f) -> Drawn {
+    var drawn = Drawn(0u, 1.0, random);
+    let count = emitters.count;
+    var first = count;
+    for (var level = tree_levels(count); level > 0u; level--) {
+        let node = emitters.records[first + drawn.index];
+        let left = importance(unpack(node[0], node[1]), place, normal);
+        let right = importance(unpack(node[2], node[3]), place, normal);
+        let both = left + right;
+        if both <= 0.0 {
+            return Drawn(0u, 0.0, random);
         }
+        let is_right = drawn.on.x * both >= left && right > 0.0;
+        let share = select(left, right, is_right) / both;
+        // What is left of the number once it has chosen.
+        let before = select(0.0, left / both, is_right);
+        drawn.on.x = clamp((drawn.on.x - before) / share, 0.0, 0.99999994);
+        drawn.share *= share;
+        drawn.index = 2u * drawn.index + u32(is_right);
+        first += nodes_at(count, level);
     }
-    return low;
+    return drawn;
 }
 
 // The part of a unit vector at a right angle to another one, as a unit vector.
@@ -62,19 +83,9 @@ fn direction_in(a: vec3f, b: vec3f, c: vec3f, volume: f32, solid_angle: f32, ran
     return z * b + sqrt(max(1.0 - z * z, 0.0)) * away_from(corner, b);
 }
 
-// `random` is in [0, 1)^2. There must be power.
-fn draw_emitter_point(place: vec3f, random: vec2f) -> EmitterPoint {
-    let drawn = random.x * emitters.power;
-    let index = find_emitter(drawn);
-    let emitter = emitters.emitters[index];
-    var before = 0.0;
-    if index > 0u {
-        before = emitters.emitters[index - 1u].power_so_far;
-    }
-    let power = emitter.power_so_far - before;
-    // What is left of the first number once it has chosen.
-    let on = vec2f(saturate((drawn - before) / power), random.y);
-
+fn point_of(drawn: Drawn, place: vec3f) -> EmitterPoint {
+    let emitter = emitter_of(emitters.records[drawn.index]);
+    let on = drawn.on;
     let corner = emitter.corner - place;
     let outward = cross(emitter.along_ab, emitter.along_ac);
     let twice_area = length(outward);
@@ -84,7 +95,7 @@ fn draw_emitter_point(place: vec3f, random: vec2f) -> EmitterPoint {
     let normal = select(front, -front, ahead < 0.0);
     let height = abs(ahead);
     var point = EmitterPoint(vec3f(0.0), normal, vec3f(0.0), emitter.radiance, 0.0);
-    if power <= 0.0 || (ahead <= 0.0 && emitter.is_double_sided == 0u) || height < 1e-4 {
+    if emitter.power <= 0.0 || drawn.share <= 0.0 || (ahead <= 0.0 && emitter.is_double_sided == 0u) || height < 1e-4 {
         return point;
     }
     let a = normalize(corner);
@@ -93,13 +104,12 @@ fn draw_emitter_point(place: vec3f, random: vec2f) -> EmitterPoint {
     // Van Oosterom and Strackee 1983, "The solid angle of a plane triangle".
     let volume = abs(dot(a, cross(b, c)));
     let solid_angle = 2.0 * atan2(volume, 1.0 + dot(a, b) + dot(b, c) + dot(c, a));
-    let share = power / emitters.power;
     if solid_angle > SMALL_SOLID_ANGLE {
         let direction = direction_in(a, b, c, volume, solid_angle, on);
         let distance = -height / dot(direction, normal);
         point.direction = direction;
         point.position = place + distance * direction;
-        point.solid_angle = solid_angle / share;
+        point.solid_angle = solid_angle / drawn.share;
     } else {
         let root = sqrt(on.x);
         let local = corner + root * (1.0 - on.y) * emitter.along_ab + root * on.y * emitter.along_ac;
@@ -107,7 +117,7 @@ fn draw_emitter_point(place: vec3f, random: vec2f) -> EmitterPoint {
         point.direction = local * inverseSqrt(squared);
         point.position = place + local;
         point.solid_angle =
-            0.5 * twice_area * abs(dot(point.direction, normal)) / (squared * share);
+            0.5 * twice_area * abs(dot(point.direction, normal)) / (squared * drawn.share);
     }
     return point;
 }

@@ -3,8 +3,8 @@
 struct Emitter {
     // A corner and the edges from there, in the grid's coordinates; counter-clockwise seen from the front.
     corner: vec3f,
-    // The power of all emitters up to this one: strength times area.
-    power_so_far: f32,
+    // Strength times area, of both sides if both shine.
+    power: f32,
     along_ab: vec3f,
     // 1: it shines to the back as well.
     is_double_sided: u32,
@@ -15,18 +15,50 @@ struct Emitter {
     padding_1: u32,
 }
 
+// The room of an emitter, or of a node of the tree over them (emitters::tree).
+alias Record = array<vec4u, 4>;
+
 struct EmitterList {
     count: u32,
     // Not zero: the volume shows emission to all cones, so nothing is drawn. That is so from a change of the voxels to
     // the light after it, and while the volume has no room for the change.
     is_shown: u32,
-    power: f32,
-    padding: u32,
-    emitters: array<Emitter>,
+    padding_0: u32,
+    padding_1: u32,
+    // The emitters in their order, and then the nodes of the tree, from its root on.
+    records: array<Record>,
 }
 
 // What counts where one of several is drawn: all channels alike. With luminance the rare blue ones would bring thirteen
 // times their share, and that is noise.
 fn strength(radiance: vec3f) -> f32 {
     return dot(radiance, vec3f(1.0 / 3.0));
+}
+
+fn record_of(emitter: Emitter) -> Record {
+    return Record(
+        vec4u(bitcast<vec3u>(emitter.corner), bitcast<u32>(emitter.power)),
+        vec4u(bitcast<vec3u>(emitter.along_ab), emitter.is_double_sided),
+        vec4u(bitcast<vec3u>(emitter.along_ac), 0u),
+        vec4u(bitcast<vec3u>(emitter.radiance), 0u),
+    );
+}
+
+fn emitter_of(record: Record) -> Emitter {
+    return Emitter(
+        bitcast<vec3f>(record[0].xyz), bitcast<f32>(record[0].w),
+        bitcast<vec3f>(record[1].xyz), record[1].w,
+        bitcast<vec3f>(record[2].xyz), 0u,
+        bitcast<vec3f>(record[3].xyz), 0u,
+    );
+}
+
+// The number of levels of nodes above the emitters: 0 above a single one.
+fn tree_levels(count: u32) -> u32 {
+    return 32u - countLeadingZeros(max(count, 1u) - 1u);
+}
+
+// The number of nodes of a level, each of which has two of the level below; level 0 is the emitters themselves.
+fn nodes_at(count: u32, level: u32) -> u32 {
+    return (count + (1u << level) - 1u) >> level;
 }

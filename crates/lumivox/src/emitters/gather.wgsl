@@ -6,7 +6,7 @@
 
 import package::cones::cone::{cone_start, trace_cone, Cone, ConeSettings};
 import package::cones::start::clear_of_walls;
-import package::emitters::draw::{draw_emitter_point, emitters};
+import package::emitters::draw::{draw_emitter, emitters, point_of, Drawn};
 import package::emitters::emitter::strength;
 import package::grid::grid_from_world;
 
@@ -64,18 +64,32 @@ fn gather_emitters(
     settings: ConeSettings,
 ) -> FromEmitters {
     var result = FromEmitters(vec3f(0.0), 0u);
-    if emitters.count == 0u || emitters.is_shown != 0u || emitters.power <= 0.0 {
+    if emitters.count == 0u || emitters.is_shown != 0u {
         return result;
     }
     let place = grid_from_world(position_in_world);
     let numbers = fract(start + fract(STEPS * f32(turn & 0xffffu)));
-    var sums: array<f32, CANDIDATES>;
+    var candidates: array<Drawn, CANDIDATES>;
+    var weights: array<f32, CANDIDATES>;
+    var hues: array<f32, CANDIDATES>;
     var sum = 0.0;
     for (var i = 0u; i < CANDIDATES; i++) {
-        let point = draw_emitter_point(place, candidate(numbers, i));
+        let drawn = draw_emitter(place, geometric_normal, candidate(numbers, i));
+        let point = point_of(drawn, place);
         let cosine = folded_cosine(point.direction, shading_normal, geometric_normal);
-        sum += strength(point.radiance) * cosine * point.solid_angle;
-        sums[i] = sum;
+        let weight = strength(point.radiance) * cosine * point.solid_angle;
+        sum += weight;
+        // From blue to red, and those of one colour as they come.
+        let hue = (point.radiance.r - point.radiance.b) / max(strength(point.radiance), 1e-30);
+        var slot = i;
+        for (; slot > 0u && hues[slot - 1u] > hue; slot--) {
+            candidates[slot] = candidates[slot - 1u];
+            weights[slot] = weights[slot - 1u];
+            hues[slot] = hues[slot - 1u];
+        }
+        candidates[slot] = drawn;
+        weights[slot] = weight;
+        hues[slot] = hue;
     }
     if sum <= 0.0 {
         return result;
@@ -84,10 +98,12 @@ fn gather_emitters(
     // independent of where in their parts the candidates lie.
     let lot = fract(numbers.x + fract(start.x * 4096.0)) * sum;
     var index = 0u;
-    for (var i = 0u; i + 1u < CANDIDATES; i++) {
-        index += u32(sums[i] <= lot);
+    var so_far = weights[0];
+    for (var i = 1u; i < CANDIDATES; i++) {
+        index += u32(so_far <= lot);
+        so_far += weights[i];
     }
-    let kept = draw_emitter_point(place, candidate(numbers, index));
+    let kept = point_of(candidates[index], place);
     let origin = cone_start(position_in_world, geometric_normal, settings);
     // Clear of walls beside the emitter, as it is of those beside the start.
     let ahead = kept.position + CLEARANCE * kept.normal;

@@ -4,7 +4,7 @@
 // whoever draws an emitter need not read textures, of which there may be any number.
 
 import package::constants::{DOUBLE_SIDED, LINEAR_WORKGROUP_SIZE};
-import package::emitters::emitter::{strength, Emitter, EmitterList};
+import package::emitters::emitter::{strength, Emitter};
 import package::gpu::dispatch::linear_index;
 import package::voxelize::items::run;
 import package::voxelize::surface::{surface_of, triangle_map, PIERCED};
@@ -20,7 +20,7 @@ struct RunEmitters {
 }
 
 @group(2) @binding(0) var<uniform> params: RunEmitters;
-@group(2) @binding(1) var<storage, read_write> list: EmitterList;
+@group(2) @binding(1) var<storage, read_write> listed: array<Emitter>;
 
 // The corners of a piece: barycentric coordinates. Each two bits of its number choose a quarter of what is left, so that
 // pieces with numbers near each other lie near each other, and a number that is spread well makes places that are.
@@ -88,6 +88,6 @@ fn main(
     let area = 0.5 * length(cross(emitter.along_ab, emitter.along_ac));
     let power = strength(emitter.radiance) * area * f32(1u + emitter.is_double_sided);
     // Triangles that are not finite shine no more than they are voxelized.
-    emitter.power_so_far = select(0.0, power, power > 0.0 && power < 1e30);
-    list.emitters[params.first_emitter + index] = emitter;
+    emitter.power = select(0.0, power, power > 0.0 && power < 1e30);
+    listed[params.first_emitter + index] = emitter;
 }

@@ -6,37 +6,49 @@
 //!
 //! The list is made of the triangles themselves, so that a lamp's light does not depend on the voxels that it falls
 //! in: of each the corners in the grid's coordinates and its radiance, 64 bytes (`emitter.wgsl`). Textured triangles are
-//! cut into pieces of one radiance each. A running sum of powers, added up in a fixed order, makes it a distribution to
-//! draw from: power is area times the mean of the channels.
+//! cut into pieces of one radiance each. The list is sorted along a Morton curve, and a binary tree stands over it: a node has the
+//! box, the power and the directions of its emitters. So an emitter is drawn by what it brings to a place: power is area times
+//! the mean of the channels, nearer ones count more, and those that face away count nothing (Conty Estevez and Kulla 2018,
+//! "Importance sampling of many lights with adaptive tree splitting"). The tree is complete, so nodes need no pointers: each level has
+//! half the nodes of the one below. A node takes 64 bytes as an emitter does, and has the boxes of its two parts.
 //!
 //! | file | does | once per |
 //! | --- | --- | --- |
 //! | `list.wgsl` | the emitters of a run of triangles | change of triangles |
-//! | `add_up.wgsl` | their running sum | change of triangles |
+//! | `order.wgsl` | their order | change of triangles |
+//! | `tree.wgsl`, `cluster.wgsl` | the tree over them, and what a node may bring to a place | change of triangles |
 //! | `draw.wgsl` | a point on an emitter | candidate |
 //! | `gather.wgsl` | the best of some points, and a ray to it | gather |
 
+mod order;
 #[cfg(test)]
 mod tests;
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Memory, Pipelines, Recorder,
-    Remedy, ShaderLibrary, Staged, storage_buffer, upload,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    Staged, upload,
 };
 use crate::voxelize::Voxelizer;
 use crate::voxelize::batch::{Fallbacks, run_group, textures_of, triangles_group};
 use crate::voxelize::input::{DrawGroup, PreparedBatch, ShareInput, emission_scale, emits};
 use crate::{Geometry, GeometryBatch, GiError, Grid, SurfaceMaterial, SurfaceTexture};
 
+use order::Order;
+pub(crate) use order::empty_list;
+#[cfg(test)]
+pub(crate) use order::{Sorting, TreePart};
+
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("emitters::add_up", include_str!("add_up.wgsl")),
+    ("emitters::cluster", include_str!("cluster.wgsl")),
     ("emitters::draw", include_str!("draw.wgsl")),
     ("emitters::emitter", include_str!("emitter.wgsl")),
     ("emitters::gather", include_str!("gather.wgsl")),
     ("emitters::list", include_str!("list.wgsl")),
+    ("emitters::order", include_str!("order.wgsl")),
+    ("emitters::tree", include_str!("tree.wgsl")),
 ];
 
 /// `Emitter` of `emitter.wgsl`.
@@ -44,7 +56,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct EmitterRecord {
     pub(crate) corner: [f32; 3],
-    pub(crate) power_so_far: f32,
+    pub(crate) power: f32,
     pub(crate) along_ab: [f32; 3],
     pub(crate) is_double_sided: u32,
     pub(crate) along_ac: [f32; 3],
@@ -57,8 +69,12 @@ pub(crate) struct EmitterRecord {
 const HEADER_BYTES: u64 = 16;
 const SHOWN_BYTE: u64 = 4;
 
-/// The most triangles that are listed (64 MiB). Where more of them shine, cones find them as they find all else.
-const MOST_TRIANGLES: u64 = 1 << 20;
+/// The most triangles that are listed (64 MiB with their tree). Where more of them shine, cones find them as they find all else.
+const MOST_TRIANGLES: u64 = 1 << 19;
+
+/// The most pieces of textured triangles of a geometry, where its runs are no more than that: half of what one binding can hold beside
+/// all triangles.
+const MOST_PIECES_OF_ALL: u32 = 1 << 18;
 
 /// `RunEmitters` of `list.wgsl`.
 #[repr(C)]
@@ -70,22 +86,14 @@ pub(crate) struct RunEmitters {
     padding: u32,
 }
 
-/// `EmitterCount` of `add_up.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct EmitterCount {
-    count: u32,
-    padding: [u32; 3],
-}
-
 /// Pieces that the textured triangles of a run are cut into, all together, at most: a screen of two triangles has 32 x 32
 /// of them, 10 000 triangles have one each.
 const MOST_PIECES: u32 = 2048;
 
 /// How often a run's triangles are quartered.
-fn levels_of(group: &DrawGroup, material: &SurfaceMaterial) -> u32 {
+fn levels_of(group: &DrawGroup, material: &SurfaceMaterial, most_pieces: u32) -> u32 {
     let is_even = textures_of(material).iter().all(Option::is_none);
-    let pieces = MOST_PIECES / (group.triangles.end - group.triangles.start);
+    let pieces = most_pieces / (group.triangles.end - group.triangles.start);
     if is_even { 0 } else { pieces.checked_ilog(4).unwrap_or(0) }
 }
 
@@ -94,17 +102,13 @@ fn levels_of(group: &DrawGroup, material: &SurfaceMaterial) -> u32 {
 pub(crate) struct Emitters {
     layouts: [wgpu::BindGroupLayout; 3],
     list_layout: wgpu::BindGroupLayout,
-    add_up_layout: wgpu::BindGroupLayout,
     list_kernel: Kernel,
-    add_up_kernel: Kernel,
+    order: Order,
     grid: Grid,
     globals: BindGroup,
     fallbacks: Fallbacks,
-    list: Buffer,
-    counts: Staged,
     /// The words 1 and 0.
     words: [Buffer; 2],
-    add_up: BindGroup,
     batches: Vec<BoundBatch>,
     /// Nothing is known of what stands in buffers of static draws.
     is_forgotten: bool,
@@ -169,28 +173,18 @@ impl Emitters {
         let [grid_layout, triangles, run] = layouts;
         let list_layout =
             LayoutBuilder::compute().uniform().storage_mut().build(device, "emitters::list");
-        let add_up_layout =
-            LayoutBuilder::compute().uniform().storage_mut().build(device, "emitters::add_up");
         let groups = [grid_layout, triangles, &list_layout, run];
         let list_kernel = Kernel::new(device, shaders, "emitters::list", "main", &groups)?;
-        let add_up_kernel =
-            Kernel::new(device, shaders, "emitters::add_up", "main", &[&add_up_layout])?;
         let globals =
             BindGroupBuilder::new(grid_layout).buffer(&grid.uniform(device)).build(device, "grid");
-        let list = empty_list(device);
-        let counts = Staged::new(device, "count of emitters", size_of::<EmitterCount>() as u64);
         Ok(Self {
             layouts: layouts.map(Clone::clone),
-            add_up: add_up_group(device, &add_up_layout, &counts, &list),
             list_layout,
-            add_up_layout,
             list_kernel,
-            add_up_kernel,
+            order: Order::new(device, shaders, grid)?,
             grid: *grid,
             globals,
             fallbacks: Fallbacks::new(device, queue),
-            list,
-            counts,
             words: [1_u32, 0].map(|word| upload(device, "a word", &[word])),
             batches: Vec::new(),
             is_forgotten: true,
@@ -201,7 +195,7 @@ impl Emitters {
 
     /// `EmitterList` of `emitter.wgsl`.
     pub(crate) fn list(&self) -> &Buffer {
-        &self.list
+        self.order.list()
     }
 
     /// Whether a geometry has emitters, and not more of them than are listed.
@@ -225,7 +219,7 @@ impl Emitters {
 
     /// Bytes on the GPU.
     pub(crate) fn bytes(&self) -> u64 {
-        self.list.size()
+        self.order.bytes()
     }
 
     /// Lists what shines of a geometry. Vertices and textures of static draws are what they were, unless it was told to forget
@@ -266,7 +260,6 @@ impl Emitters {
         }
         recorder.stage("emitters");
         let has_grown = !is_bound && self.bind(recorder, &input, geometry)?;
-        let mut count = 0;
         for (batch, (_, prepared)) in self.batches.iter_mut().zip(&input.batches) {
             let draws: &[u8] = bytemuck::cast_slice(&prepared.draws);
             batch.draws.set(recorder, draws);
@@ -278,24 +271,22 @@ impl Emitters {
                 run.params.set(recorder, bytemuck::bytes_of(&params));
                 let groups = [&self.globals, &batch.triangles, &run.own, &run.run];
                 self.list_kernel.run_linear(recorder, &groups, u64::from(run.count()));
-                count += run.count();
             }
         }
-        self.counts.set(recorder, bytemuck::bytes_of(&EmitterCount { count, padding: [0; 3] }));
-        self.add_up_kernel.run(recorder, &[&self.add_up], [1, 1, 1]);
+        self.order.record(recorder);
         Ok(has_grown)
     }
 
     /// Lets nothing be drawn, since the volume shows emission.
     pub(crate) fn rest(&self, recorder: &mut Recorder<'_>) {
-        recorder.copy((&self.words[0], 0), (&self.list, SHOWN_BYTE), 4);
+        recorder.copy((&self.words[0], 0), (self.order.list(), SHOWN_BYTE), 4);
     }
 
     /// Lets emitters be drawn, since the volume will not show emission: unless it has no room for its change, as a word that is
     /// not zero tells.
     pub(crate) fn wake(&self, recorder: &mut Recorder<'_>, late_word: Option<&Buffer>) {
         let word = late_word.unwrap_or(&self.words[1]);
-        recorder.copy((word, 0), (&self.list, SHOWN_BYTE), 4);
+        recorder.copy((word, 0), (self.order.list(), SHOWN_BYTE), 4);
     }
 
     /// Binds what shines, and makes room for it; whether in another buffer is returned.
@@ -306,9 +297,12 @@ impl Emitters {
         geometry: &Geometry,
     ) -> Result<bool, GiError> {
         let device = recorder.device();
+        let runs: usize = input.batches.iter().map(|(_, prepared)| prepared.groups.len()).sum();
+        let most_pieces = MOST_PIECES.min(MOST_PIECES_OF_ALL / runs.max(1) as u32);
         let levels = |prepared: &PreparedBatch| -> Vec<u32> {
-            let of =
-                |group: &DrawGroup| levels_of(group, &geometry.materials[group.material as usize]);
+            let of = |group: &DrawGroup| {
+                levels_of(group, &geometry.materials[group.material as usize], most_pieces)
+            };
             prepared.groups.iter().map(of).collect()
         };
         let pieces = |prepared: &PreparedBatch| -> u64 {
@@ -319,13 +313,7 @@ impl Emitters {
             groups.map(of).sum()
         };
         let count: u64 = input.batches.iter().map(|(_, prepared)| pieces(prepared)).sum();
-        let bytes = HEADER_BYTES + count * size_of::<EmitterRecord>() as u64;
-        let has_grown = bytes > self.list.size();
-        if has_grown {
-            let mut memory = Memory::new(device);
-            self.list = memory.buffer("emitters", bytes / 16, 16, Remedy::Batch)?;
-            self.add_up = add_up_group(device, &self.add_up_layout, &self.counts, &self.list);
-        }
+        let has_grown = self.order.reserve(device, count)?;
         let mut first_emitter = 0;
         self.batches.clear();
         for (batch, prepared) in &input.batches {
@@ -339,7 +327,7 @@ impl Emitters {
                     Staged::new(device, "run of emitters", size_of::<RunEmitters>() as u64);
                 let own = BindGroupBuilder::new(&self.list_layout)
                     .buffer(params.buffer())
-                    .buffer(&self.list)
+                    .buffer(self.order.unsorted())
                     .build(device, "emitters::list");
                 let run = BoundRun {
                     run: run_group(device, run_layout, &self.fallbacks, group, &textures),
@@ -363,21 +351,4 @@ impl Emitters {
         }
         Ok(has_grown)
     }
-}
-
-/// A list without emitters, which has room for one, since no binding may be empty.
-pub(crate) fn empty_list(device: &wgpu::Device) -> Buffer {
-    storage_buffer(device, "emitters", HEADER_BYTES + size_of::<EmitterRecord>() as u64)
-}
-
-fn add_up_group(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    counts: &Staged,
-    list: &Buffer,
-) -> BindGroup {
-    BindGroupBuilder::new(layout)
-        .buffer(counts.buffer())
-        .buffer(list)
-        .build(device, "emitters::add_up")
 }

@@ -218,6 +218,41 @@ fn ten_thousand_emitters_add_up() {
     assert!((ratio - Vec3::ONE).abs().max_element() < 0.06, "{sum} of {expected}");
 }
 
+/// The noise of places a few centimetres from a ceiling of five thousand tiny lamps, in no order: whoever draws by power alone seldom
+/// finds the nearest ones, and has an error of 12 %; here it is 2.5 %.
+#[test]
+fn the_nearest_of_many_lamps_are_found() {
+    const SIZE: f32 = 0.002;
+    let spread = |i: u32, step: f32| 0.05 + 0.9 * (i as f32 * step).fract();
+    let corners: Vec<Vec3> = (0..5000_u32)
+        .map(|i| Vec3::new(spread(i, 0.754_877_7), 0.9, spread(i, 0.569_840_3)))
+        .collect();
+    let mut scene = SceneBuilder::default();
+    for corner in &corners {
+        scene = scene.quad(*corner, Vec3::X * SIZE, Vec3::Z * SIZE, lambert(0.0, 1.0));
+    }
+    let lab = Lab::new(scene, 32);
+    let points: Vec<(Vec3, Vec3)> = (0..64)
+        .map(|i| (Vec3::new(0.02, 0.8 + 0.001 * i as f32, 0.1 + 0.0125 * i as f32), Vec3::X))
+        .collect();
+    let gathered = lab.gather(&points, 32);
+    let expected = points.iter().map(|(point, normal)| {
+        let lamp_irradiance = |corner: &Vec3| {
+            let to_lamp = *corner + Vec3::new(0.5 * SIZE, 0.0, 0.5 * SIZE) - *point;
+            let distance = to_lamp.length();
+            SIZE * SIZE * to_lamp.dot(*normal).max(0.0) * to_lamp.y / distance.powi(4)
+        };
+        corners.iter().map(lamp_irradiance).sum::<f32>()
+    });
+    let errors: Vec<f32> =
+        gathered.iter().zip(expected).map(|(light, expected)| light.y / expected - 1.0).collect();
+    let mean = errors.iter().sum::<f32>() / errors.len() as f32;
+    let rmse = (errors.iter().map(|e| e * e).sum::<f32>() / errors.len() as f32).sqrt();
+    println!("many lamps: bias {mean:+.4}, RMSE {rmse:.4}");
+    assert!(mean.abs() < 0.02, "bias {mean}");
+    assert!(rmse < 0.05, "RMSE {rmse}");
+}
+
 /// A lamp of a texture that is red on one half, and dark on the other.
 fn half_red(device: &Pipelines, queue: &wgpu::Queue) -> (Geometry, [Buffer; 3]) {
     let size = wgpu::Extent3d { width: 64, height: 64, depth_or_array_layers: 1 };

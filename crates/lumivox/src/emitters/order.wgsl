@@ -1,0 +1,114 @@
+// The order of the emitters, along a Morton curve: those that follow one another are near each other, in whatever order
+// meshes have them. Sorted by a bitonic network (Batcher 1968, "Sorting networks and their applications"), whose order of
+// exchanges is fixed.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::emitters::emitter::{record_of, Emitter, EmitterList};
+import package::voxels::morton::morton_encode;
+
+struct Sorting {
+    count: u32,
+    // Runs of so many keys are sorted by turns up and down.
+    run: u32,
+    // The distance of the keys that are compared.
+    distance: u32,
+    // Morton cells along a voxel's edge.
+    cells_per_voxel: f32,
+}
+
+@group(0) @binding(0) var<uniform> sorting: Sorting;
+// The code of an emitter, and its index as it was listed.
+@group(0) @binding(1) var<storage, read_write> keys: array<vec2u>;
+@group(0) @binding(2) var<storage, read> unsorted: array<Emitter>;
+@group(0) @binding(3) var<storage, read_write> list: EmitterList;
+
+const THREADS = 256u;
+const BLOCK = 2u * THREADS;
+const LAST = 0xffffffffu;
+
+var<workgroup> block: array<vec2u, BLOCK>;
+
+fn key_of(index: u32) -> vec2u {
+    if index >= sorting.count || unsorted[index].power <= 0.0 {
+        return vec2u(LAST, index);
+    }
+    let emitter = unsorted[index];
+    let middle = emitter.corner + (emitter.along_ab + emitter.along_ac) / 3.0;
+    let cell = clamp(middle * sorting.cells_per_voxel, vec3f(0.0), vec3f(1023.0));
+    return vec2u(morton_encode(vec3u(cell)), index);
+}
+
+fn is_after(a: vec2u, b: vec2u) -> bool {
+    return a.x > b.x || (a.x == b.x && a.y > b.y);
+}
+
+// The first of a thread's two keys: their distance is a power of two.
+fn first_of(thread: u32, distance: u32) -> u32 {
+    return 2u * thread - (thread & (distance - 1u));
+}
+
+fn exchange_in_block(start: u32, local: u32, run: u32, distance: u32) {
+    let low = first_of(local, distance);
+    let a = block[low];
+    let b = block[low + distance];
+    if is_after(a, b) == (((start + low) & run) == 0u) {
+        block[low] = b;
+        block[low + distance] = a;
+    }
+}
+
+// Makes the keys, and sorts each block.
+@compute @workgroup_size(THREADS)
+fn sort_blocks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
+    let start = workgroup.x * BLOCK;
+    block[local] = key_of(start + local);
+    block[local + THREADS] = key_of(start + local + THREADS);
+    workgroupBarrier();
+    for (var run = 2u; run <= BLOCK; run *= 2u) {
+        for (var distance = run / 2u; distance > 0u; distance /= 2u) {
+            exchange_in_block(start, local, run, distance);
+            workgroupBarrier();
+        }
+    }
+    keys[start + local] = block[local];
+    keys[start + local + THREADS] = block[local + THREADS];
+}
+
+// Exchanges keys of different blocks.
+@compute @workgroup_size(THREADS)
+fn exchange(@builtin(global_invocation_id) invocation: vec3u) {
+    let low = first_of(invocation.x, sorting.distance);
+    let a = keys[low];
+    let b = keys[low + sorting.distance];
+    if is_after(a, b) == ((low & sorting.run) == 0u) {
+        keys[low] = b;
+        keys[low + sorting.distance] = a;
+    }
+}
+
+// All exchanges of a run within blocks.
+@compute @workgroup_size(THREADS)
+fn merge_blocks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
+    let start = workgroup.x * BLOCK;
+    block[local] = keys[start + local];
+    block[local + THREADS] = keys[start + local + THREADS];
+    workgroupBarrier();
+    for (var distance = THREADS; distance > 0u; distance /= 2u) {
+        exchange_in_block(start, local, sorting.run, distance);
+        workgroupBarrier();
+    }
+    keys[start + local] = block[local];
+    keys[start + local + THREADS] = block[local + THREADS];
+}
+
+// Lists the emitters in their order.
+@compute @workgroup_size(THREADS)
+fn place(@builtin(global_invocation_id) invocation: vec3u) {
+    let index = invocation.x;
+    if index == 0u {
+        list.count = sorting.count;
+    }
+    if index < sorting.count {
+        list.records[index] = record_of(unsorted[keys[index].y]);
+    }
+}
