@@ -20,7 +20,7 @@ struct Fresh {
     // The same after one step of the filter, and after all.
     fine: vec3f,
     wide: vec3f,
-    // Of one traced pixel, the mean squared difference to what is known, over the sum of both.
+    // Of one traced pixel, the mean squared difference to what is known (or to those beside it), over the sum of both.
     noise: f32,
     // 1, or 0 if none of the traced pixels shows the surface.
     frames: f32,
@@ -32,7 +32,8 @@ struct Fresh {
 const FRAMES_OF_CHANGE: f32 = 4.0;
 // Differences below this many times their noise are noise.
 const CERTAIN: f32 = 2.0;
-// Independent traced pixels in the whole filter on a plain surface.
+// Independent traced pixels in the filter's first step, and in the whole of it on a plain surface.
+const FINE_PIXELS: f32 = 7.0;
 const FILTER_PIXELS: f32 = 400.0;
 // The frames that the first filtered one counts for.
 const FIRST_FRAMES: f32 = 2.0;
@@ -51,9 +52,19 @@ fn shift(light: vec3f, change: vec3f, was: vec3f) -> vec3f {
     return select(light + change, light * scale, change < vec3f(0.0));
 }
 
+// This frame's light without its noise: the wide filter's, and that of its first step as far as the two differ by more than
+// noise, as in a penumbra.
+fn filtered(fresh: Fresh, frames: f32) -> vec3f {
+    let size = dot(abs(fresh.fine - fresh.wide), vec3f(1.0 / 3.0));
+    let both = dot(fresh.fine + fresh.wide, vec3f(1.0 / 3.0));
+    let variance = fresh.noise * both / FINE_PIXELS;
+    let certain = max(1.0 - CERTAIN * CERTAIN * variance / max(size * size, 1e-20), 0.0);
+    return mix(fresh.wide, fresh.fine, max(certain, frames / (1.0 + frames)));
+}
+
 fn blend(known: Known, fresh: Fresh) -> Known {
     if known.frames <= 0.0 {
-        return Known(vec4f(fresh.wide, fresh.irradiance.a), FIRST_FRAMES);
+        return Known(vec4f(filtered(fresh, 0.0), fresh.irradiance.a), FIRST_FRAMES);
     }
     var past = known.irradiance;
     var frames = known.frames;
@@ -68,8 +79,8 @@ fn blend(known: Known, fresh: Fresh) -> Known {
         let share = certain * size / max(dot(was, vec3f(1.0 / 3.0)), 1e-6);
         frames = frames_after_change(frames, share);
     }
-    let filtered = mix(fresh.fine, fresh.wide, 1.0 / (1.0 + frames));
-    let sample = mix(fresh.irradiance.rgb, filtered, FILTERED_FRAMES / (FILTERED_FRAMES + frames));
+    let share = FILTERED_FRAMES / (FILTERED_FRAMES + frames);
+    let sample = mix(fresh.irradiance.rgb, filtered(fresh, frames), share);
     let weight = fresh.frames / (frames + 1.0);
     return Known(mix(past, vec4f(sample, fresh.irradiance.a), weight), max(frames + fresh.frames, 1.0));
 }

@@ -1,18 +1,49 @@
 // What this frame gathered beside what earlier ones know, at each traced pixel, for the filter (`filter.wgsl`).
 
 import package::temporal::guide::{pack_guide, NO_SURFACE};
+import package::trace::fit::fit;
 import package::trace::gbuffer::load_surface;
 import package::trace::screen::{settings, traced_pixel, traced_size};
+import package::trace::surface::Surface;
 import package::voxelize::reproducible::is_finite;
 
 @group(1) @binding(1) var traced: texture_2d<f32>;
 @group(1) @binding(2) var recalled_irradiance: texture_2d<f32>;
 @group(1) @binding(3) var recalled_specular: texture_2d<f32>;
 @group(1) @binding(4) var guide_out: texture_storage_2d<rgba32float, write>;
-// Irradiance in rgb; in a the squared difference to what is known, over the sum of both, so that no float overflows.
+// Irradiance in rgb; in a the squared difference to what is known, or else to what is gathered beside, over the sum of both, so
+// that no float overflows.
 @group(1) @binding(5) var light_out: texture_storage_2d<rgba16float, write>;
 // The difference in rgb, in a whether anything is known.
 @group(1) @binding(6) var change_out: texture_storage_2d<rgba16float, write>;
+
+// The squared difference of one light from a mean of four of the same kind is so much of its variance.
+const OF_FOUR: f32 = 0.8;
+
+fn noise(light: vec3f, mean: vec3f) -> f32 {
+    let difference = dot(abs(light - mean), vec3f(1.0 / 3.0));
+    return difference * difference / max(dot(abs(light) + abs(mean), vec3f(1.0 / 3.0)), 1e-20);
+}
+
+// What was gathered at the traced pixels beside one, as far as they show its surface.
+fn mean_beside(place: vec2u, surface: Surface) -> vec3f {
+    let last = vec2i(traced_size()) - 1;
+    var sum = vec3f(0.0);
+    var weights = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let offset = vec2i(select(0, 2 * (i & 1) - 1, i < 2), select(0, 2 * (i & 1) - 1, i >= 2));
+        let beside = vec2u(clamp(vec2i(place) + offset, vec2i(0), last));
+        let other = load_surface(traced_pixel(beside));
+        let gathered = textureLoad(traced, beside, 0).rgb;
+        if other.depth > 0.0 && is_finite(gathered) {
+            let between = other.position_in_world - surface.position_in_world;
+            let weight = fit(between, other.shading_normal, surface);
+            sum += weight * gathered;
+            weights += weight;
+        }
+    }
+    return sum / max(weights, 1e-6);
+}
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) invocation: vec3u) {
@@ -33,9 +64,9 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         if textureLoad(recalled_specular, pixel, 0).a != 0.0 {
             let known = textureLoad(recalled_irradiance, pixel, 0).rgb;
             change = vec4f(light.rgb - known, 1.0);
-            let difference = dot(abs(change.rgb), vec3f(1.0 / 3.0));
-            let sum = dot(abs(light.rgb) + abs(known), vec3f(1.0 / 3.0));
-            light.a = difference * difference / max(sum, 1e-20);
+            light.a = noise(light.rgb, known);
+        } else {
+            light.a = OF_FOUR * noise(light.rgb, mean_beside(place, surface));
         }
     }
     textureStore(guide_out, place, guide);
