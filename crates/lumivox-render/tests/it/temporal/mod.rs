@@ -2,6 +2,8 @@
 
 #![allow(clippy::float_cmp)] // Counts of frames.
 
+mod artifacts;
+
 use std::ops::ControlFlow;
 
 use glam::{Mat4, Quat, UVec2, Vec3};

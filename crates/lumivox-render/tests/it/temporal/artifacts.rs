@@ -1,0 +1,104 @@
+//! What the light of earlier frames must not show: lag of direct light, boiling, patterns of the sampling, blurred
+//! contact shadows.
+
+use lumivox::Preset;
+use lumivox_render::{Picture, RenderSettings, Renderer, View};
+use lumivox_scene::Scene;
+
+use super::{frame, orbit, rmse, settings, still};
+use crate::common::{builtin, gpu, renderer};
+
+fn luminances(picture: &Picture) -> impl Iterator<Item = f64> + '_ {
+    picture.hdr.iter().map(|pixel| pixel[..3].iter().map(|value| f64::from(*value)).sum())
+}
+
+/// Cornell with its lamp moved sideways, m.
+fn lamp_at(scene: &Scene, x: f32) -> Scene {
+    let mut moved = scene.clone();
+    moved.lights[0].position.x += x;
+    moved
+}
+
+/// Shadows of a lamp that moves are where they belong: a picture in motion is hardly worse than a frame without a
+/// past.
+#[test]
+fn direct_light_does_not_lag() {
+    let scene = builtin("cornell");
+    let own = |preset| RenderSettings { view: View::Direct, ..settings(preset) };
+    let at = |step: u32| lamp_at(&scene, 0.05 * step as f32);
+    let mut moving = renderer(&gpu(), &scene, own(Preset::Realtime));
+    let follow = |renderer: &mut Renderer, step| {
+        pollster::block_on(renderer.set_lights(&at(step), &mut |_| {})).expect("the same scene");
+        frame(renderer)
+    };
+    let picture = (0..=8).map(|step| follow(&mut moving, step)).last().expect("at least one");
+    let mut stood = renderer(&gpu(), &at(8), own(Preset::Balanced));
+    let truth = (0..48).map(|_| frame(&mut stood)).last().expect("at least one");
+    let first = frame(&mut renderer(&gpu(), &at(8), own(Preset::Realtime)));
+    // On the ceiling by the lamp light has no bounds.
+    let [picture, first, truth] = [picture, first, truth].map(|mut picture| {
+        picture.hdr.iter_mut().flatten().for_each(|value| *value = value.min(4.0));
+        picture
+    });
+    let errors = [&picture, &first].map(|picture| rmse(picture, &truth));
+    assert!(errors[0] < 1.2 * errors[1], "{errors:?}");
+}
+
+/// A still picture settles: from frame to frame it changes by little, and by less and less.
+#[test]
+fn still_pictures_do_not_boil() {
+    let scene = builtin("cornell");
+    let mut renderer = renderer(&gpu(), &scene, settings(Preset::Realtime));
+    let mut before = frame(&mut renderer);
+    let changes: Vec<f64> = (0..48)
+        .map(|_| {
+            let after = frame(&mut renderer);
+            let change = rmse(&before, &after);
+            before = after;
+            change
+        })
+        .collect();
+    assert!(changes[15] < 0.02 && changes[47] < 0.005, "{changes:?}");
+}
+
+/// Where in blocks of 4x4 a pixel is makes no difference to its light.
+#[test]
+fn blocks_of_traced_pixels_are_not_seen() {
+    let scene = builtin("cornell");
+    let camera = orbit(&scene, 0);
+    let truth = still(Preset::Balanced, &scene, &camera, 48);
+    for frames in [1, 6] {
+        let picture = still(Preset::Realtime, &scene, &camera, frames);
+        let mut errors = [(0.0, 0.0); 16];
+        for (place, (ours, light)) in luminances(&picture).zip(luminances(&truth)).enumerate() {
+            let (x, y) = (place % 120, place / 120);
+            let class = &mut errors[4 * (y % 4) + x % 4];
+            *class = (class.0 + ours - light, class.1 + light);
+        }
+        let shares = errors.map(|(error, light)| error / light);
+        let [least, most] = [f64::min, f64::max].map(|f| shares.into_iter().reduce(f).expect("16"));
+        assert!(most - least < 0.1, "{frames} frames: {shares:?}");
+    }
+}
+
+/// The darkest places, where things touch and walls meet, do not take the light around: a first frame's filter lets them have
+/// some, and it goes.
+#[test]
+fn contact_shadows_are_not_blurred() {
+    let scene = builtin("cornell");
+    let camera = orbit(&scene, 0);
+    let truth = still(Preset::Balanced, &scene, &camera, 48);
+    let surfaces = |picture: &Picture| -> Vec<f64> {
+        luminances(picture).zip(&truth.hdr).filter(|(_, t)| t[3] > 0.99).map(|(l, _)| l).collect()
+    };
+    let light = surfaces(&truth);
+    let mut sorted = light.clone();
+    sorted.sort_by(f64::total_cmp);
+    let dark = sorted[sorted.len() / 50];
+    for (frames, most) in [(1, 0.8), (32, 0.2)] {
+        let picture = still(Preset::Realtime, &scene, &camera, frames);
+        let pairs = surfaces(&picture).into_iter().zip(&light).filter(|(_, l)| **l <= dark);
+        let (ours, theirs) = pairs.fold((0.0, 0.0), |(a, b), (ours, light)| (a + ours, b + light));
+        assert!((ours / theirs - 1.0).abs() < most, "{frames} frames: {}", ours / theirs);
+    }
+}
