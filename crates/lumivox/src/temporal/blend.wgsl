@@ -56,7 +56,8 @@ fn shift(light: vec3f, change: vec3f, was: vec3f) -> vec3f {
 // noise, as in a penumbra.
 fn filtered(fresh: Fresh, frames: f32) -> vec3f {
     let size = dot(abs(fresh.fine - fresh.wide), vec3f(1.0 / 3.0));
-    let both = dot(fresh.fine + fresh.wide, vec3f(1.0 / 3.0));
+    // A few cones may sum up below zero.
+    let both = dot(abs(fresh.fine) + abs(fresh.wide), vec3f(1.0 / 3.0));
     let variance = fresh.noise * both / FINE_PIXELS;
     let certain = max(1.0 - CERTAIN * CERTAIN * variance / max(size * size, 1e-20), 0.0);
     return mix(fresh.wide, fresh.fine, max(certain, frames / (1.0 + frames)));
