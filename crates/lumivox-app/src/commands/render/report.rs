@@ -155,6 +155,7 @@ impl Report {
         let Self { file, scene, renderer, seconds, settings, .. } = self;
         let RendererReport { grid, voxels, faces, .. } = renderer;
         let [width, height] = self.size;
+        let [x, y, z] = grid.dimensions;
         let frames = counted(settings.frames as usize, "frame", "frames");
         let frame_ms = seconds.rendering * 1e3 / f64::from(settings.frames);
         let mut text = format!("{file}: {width}x{height}, view {}, {frames}", settings.view.name());
@@ -171,10 +172,10 @@ impl Report {
         );
         text += &self.notes.iter().map(NoteReport::line).collect::<String>();
         text += &format!(
-            "  voxels   {} with {} in {}\n",
+            "  voxels   {} with {} in {x} x {y} x {z} of {:.4} m\n",
             count((*voxels).into()),
             counted(*faces as usize, "face", "faces"),
-            grid.size()
+            grid.voxel_size_m
         );
         text += &format!("  memory   {} on the GPU\n", bytes(renderer.memory_bytes));
         text += &format!(

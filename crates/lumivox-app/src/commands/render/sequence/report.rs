@@ -68,10 +68,11 @@ impl Report {
         );
         text += &self.notes.iter().map(NoteReport::line).collect::<String>();
         if let Some(renderer) = &self.renderer {
+            let [x, y, z] = renderer.grid.dimensions;
             text += &format!(
-                "  voxels   {} in {}\n  memory   {} on the GPU\n",
+                "  voxels   {} in {x} x {y} x {z} of {:.4} m\n  memory   {} on the GPU\n",
                 count(renderer.voxels.into()),
-                renderer.grid.size(),
+                renderer.grid.voxel_size_m,
                 bytes(renderer.memory_bytes)
             );
         }
