@@ -78,7 +78,7 @@ fn a_sequence_plays_the_animation_in_one_grid() {
     assert!(read(2) == before);
 }
 
-/// What moves is followed frame by frame, and an interruption leaves no trace; without history each picture is that of its pose
+/// A sequence with history follows moving objects frame by frame, and an interruption leaves no trace; without history each picture is that of its pose
 /// alone, wherever a run begins.
 #[test]
 fn a_film_of_an_animation_goes_on_with_the_same_bits() {

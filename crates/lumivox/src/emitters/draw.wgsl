@@ -49,7 +49,7 @@ fn draw_emitter(place: vec3f, normal: vec3f, random: vec2f) -> Drawn {
         }
         let is_right = drawn.on.x * both >= left && right > 0.0;
         let share = select(left, right, is_right) / both;
-        // What is left of the number once it has chosen.
+        // The number's remainder, once its first part has chosen.
         let before = select(0.0, left / both, is_right);
         drawn.on.x = clamp((drawn.on.x - before) / share, 0.0, 0.99999994);
         drawn.share *= share;

@@ -20,7 +20,7 @@ struct Fresh {
     // The same after one step of the filter, and after all.
     fine: vec3f,
     wide: vec3f,
-    // Of one traced pixel, the mean squared difference to what is known (or to those beside it), over the sum of both.
+    // The mean squared difference of a traced pixel to the known light, or else to the pixels beside it, over the sum of both.
     noise: f32,
     // 1, or 0 if none of the traced pixels shows the surface.
     frames: f32,

@@ -25,7 +25,7 @@ fn noise(light: vec3f, mean: vec3f) -> f32 {
     return difference * difference / max(dot(abs(light) + abs(mean), vec3f(1.0 / 3.0)), 1e-20);
 }
 
-// What was gathered at the traced pixels beside one, as far as they show its surface.
+// The mean light that the four traced pixels beside one have gathered, as far as they show its surface.
 fn mean_beside(place: vec2u, surface: Surface) -> vec3f {
     let last = vec2i(traced_size()) - 1;
     var sum = vec3f(0.0);

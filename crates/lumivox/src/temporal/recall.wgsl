@@ -6,6 +6,7 @@
 // border of a thing in a picture whose samples move within the pixels, the best of the neighbours around does.
 
 import package::grid::{grid, world_from_grid};
+import package::temporal::blend::FRAMES_OF_CHANGE;
 import package::temporal::guide::guide_normal;
 import package::temporal::record::{decode_record, Record};
 import package::trace::fit::fit;
@@ -42,10 +43,7 @@ const MOVED_SLACK: f32 = 4.0;
 // The most frames in the mean of a surface that moves over the picture: each look-up between texels blurs it a little.
 const MOVING_FRAMES: f32 = 32.0;
 
-// Light that has become twice as bright counts for as many frames: the part that is new is known less well.
-const FRAMES_OF_CHANGE: f32 = 4.0;
-
-// The same of light of which no probe tells how it has changed.
+// The frames that light counts for of which no probe tells how it has changed.
 const UNKNOWN_FRAMES: f32 = 4.0;
 
 // Light that has changed so much that it counts for fewer frames than this is reflected otherwise, too.
@@ -160,7 +158,7 @@ fn image_distance(pixel: vec2u, surface: Surface, around: Around) -> f32 {
     return dominant * ahead / (1.0 + 2.0 * curvature(pixel, surface) * ahead);
 }
 
-// Of the surface, as far as the pixels beside show it, in 1/m: positive where it bulges.
+// The curvature of the surface, as far as the pixels beside show it, in 1/m: positive where it bulges.
 fn curvature(pixel: vec2u, surface: Surface) -> f32 {
     var most = 0.0;
     for (var i = 0u; i < 2u; i++) {

@@ -70,7 +70,7 @@ fn filtered_reflection(centre: vec2u, surface: Surface, material: Specular) -> v
     return vec4f(sum, weights);
 }
 
-// What is known of a reflection, as far as this frame's reflections around agree.
+// The known reflection, held within the range of this frame's reflections around it.
 fn plausible(known: vec3f, centre: vec2u) -> vec3f {
     var mean = vec3f(0.0);
     var square = vec3f(0.0);

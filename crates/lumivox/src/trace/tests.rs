@@ -261,7 +261,6 @@ fn steady_frames_make_no_new_slots() {
     assert_eq!(targets.slot_count(), 2);
 }
 
-/// A frame after a cut is that of new targets, and one without a cut is not.
 #[test]
 fn bytes_are_known_before_targets_are_made() {
     let (device, _) = device();
@@ -277,6 +276,7 @@ fn bytes_are_known_before_targets_are_made() {
     }
 }
 
+/// A frame after a cut is that of new targets, and one without a cut is not.
 #[test]
 fn what_is_forgotten_does_not_shine_through() {
     let room = Room::new();

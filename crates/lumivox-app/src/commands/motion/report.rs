@@ -97,7 +97,7 @@ pub struct AtStop {
     pub after: u32,
     pub full: Option<ErrorFigures>,
     pub picture: Option<ErrorFigures>,
-    /// Those of the picture on a screen, at the exposure of the brightest step.
+    /// Errors of the picture on a screen, at the exposure of the brightest step.
     pub on_screen: Option<DisplayError>,
 }
 

@@ -1,4 +1,4 @@
-//! What the light of earlier frames must not show: lag of direct light, boiling, patterns of the sampling, blurred
+//! Artifacts that light of earlier frames must not have: lag of direct light, boiling, patterns of the sampling, blurred
 //! contact shadows.
 
 use lumivox::Preset;
