@@ -57,7 +57,7 @@ use clap::{CommandFactory as _, Parser as _};
 use lumivox_console::shown;
 
 use cli::{Cli, Command};
-pub use exit::{Exit, guard};
+pub use exit::{Exit, guard, of_error as exit_of};
 pub use host::{Embedded, Host, OpenGpu};
 
 /// Runs a command line; its first word is the program's name.
