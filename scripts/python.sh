@@ -39,7 +39,7 @@ build_python() {
 check_python_types() (cd "$root/$python_package" && "$python_env/bin/mypy")
 
 run_python_tests() (
-    cd "$root/$python_package"
+    cd "$root/$python_package" || exit
     export PYTHONPATH=$PWD/python
     "$python_env/bin/python" -m pytest -q -p no:cacheprovider
 )

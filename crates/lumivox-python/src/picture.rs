@@ -10,22 +10,20 @@ use crate::error::Fault;
 use crate::gpu::open;
 use crate::work::{array, detached, numbers};
 
-fn picture(size: (u32, u32), radiance: &[[f32; 3]], ldr: Vec<[u8; 4]>) -> Picture {
-    let hdr = radiance.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-    Picture { size: UVec2::from(size), hdr, ldr }
-}
-
-/// The pixels for a screen of radiance in cd/m², 8 bits a channel (RGBA), and the bytes of a PNG file of them.
+/// The pixels for a screen of radiance in cd/m², 8 bits a channel (RGBA), and the bytes of a PNG file of them. Automatic
+/// exposure looks at the pixels that show a surface.
 #[pyfunction]
 pub fn develop<'py>(
     py: Python<'py>,
     size: (u32, u32),
     radiance: &Bound<'py, PyBytes>,
+    coverage: &Bound<'py, PyBytes>,
     exposure: String,
     tone_map: String,
     adapter: Option<String>,
 ) -> PyResult<(Bound<'py, PyByteArray>, Bound<'py, PyBytes>)> {
     let radiance = numbers::<[f32; 3]>("radiance", radiance).map_err(|fault| fault.raise(py))?;
+    let coverage = numbers::<f32>("coverage", coverage).map_err(|fault| fault.raise(py))?;
     let (ldr, png) = detached(py, || {
         let mut settings = RenderSettings::default();
         for (name, text) in [("exposure", exposure), ("tone_map", tone_map)] {
@@ -35,7 +33,8 @@ pub fn develop<'py>(
             }
         }
         let gpu = open(adapter.as_deref())?;
-        let hdr = picture(size, &radiance, Vec::new()).hdr;
+        let pixels = radiance.iter().zip(&coverage);
+        let hdr = pixels.map(|([r, g, b], coverage)| [*r, *g, *b, *coverage]).collect();
         let (exposure, curve) = (settings.exposure, settings.tone_map);
         let developed = Picture::develop(&gpu, UVec2::from(size), hdr, exposure, curve);
         let developed = pollster::block_on(developed)?;
@@ -58,7 +57,9 @@ pub fn encode_exr<'py>(
         if radiance.len() as u64 != expected {
             return Err(Fault::input("radiance: its size does not match its number of pixels"));
         }
-        picture(size, &radiance, Vec::new()).encode(ImageFormat::Exr).map_err(Fault::from)
+        let hdr = radiance.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+        let picture = Picture { size: UVec2::from(size), hdr, ldr: Vec::new() };
+        Ok(picture.encode(ImageFormat::Exr)?)
     })?;
     Ok(PyBytes::new(py, &bytes))
 }

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use glam::UVec2;
 use lumivox_render::compare::{ErrorFigures, LinearPicture};
 use lumivox_render::reference::{
-    PathTracer, ReferenceLayers, ReferenceProgress, ReferenceSettings,
+    PathTracer, ReferenceLayers, ReferenceMerge, ReferencePart, ReferenceProgress,
+    ReferenceSettings,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes};
@@ -23,11 +24,13 @@ use crate::work::{Progress, array, detached, numbers};
 pub struct Reference {
     layers: ReferenceLayers,
     camera: Option<lumivox_scene::Camera>,
+    /// The bytes of its part, if it is one.
+    part: Option<Vec<u8>>,
 }
 
 #[pymethods]
 impl Reference {
-    /// Traces all samples.
+    /// Traces all samples; with `is_part` as a part from a batch on.
     #[staticmethod]
     #[expect(clippy::too_many_arguments, reason = "they are those of the package's function")]
     fn trace(
@@ -37,6 +40,8 @@ impl Reference {
         size: (u32, u32),
         samples: u32,
         seed: u32,
+        first_batch: u32,
+        is_part: bool,
         bounces: Option<u32>,
         surroundings: String,
         adapter: Option<String>,
@@ -46,8 +51,14 @@ impl Reference {
         detached(py, || {
             let size = UVec2::from(size);
             let aspect = size.x as f32 / size.y.max(1) as f32;
-            let settings =
-                ReferenceSettings { size, samples, seed, bounces, ..ReferenceSettings::default() };
+            let settings = ReferenceSettings {
+                size,
+                samples,
+                seed,
+                first_batch,
+                bounces,
+                ..ReferenceSettings::default()
+            };
             let gpu = open(adapter.as_deref())?;
             let staged = stage(&scene.model(), camera, aspect, &surroundings)?;
             let tracer = PathTracer::new(&gpu, &staged.scene, Some(&staged.camera), settings);
@@ -57,14 +68,37 @@ impl Reference {
             };
             pollster::block_on(tracer.render(&mut tell))?;
             progress.end()?;
-            Ok(Self { layers: tracer.layers(), camera: Some(staged.camera) })
+            let part = is_part.then(|| tracer.part().to_bytes());
+            Ok(Self { layers: tracer.layers(), camera: Some(staged.camera), part })
         })
     }
 
     /// Reads a file of the command `reference`.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        detached(py, || Ok(Self { layers: ReferenceLayers::read_exr(&path)?, camera: None }))
+        detached(py, || {
+            Ok(Self { layers: ReferenceLayers::read_exr(&path)?, camera: None, part: None })
+        })
+    }
+
+    /// Adds parts up.
+    #[staticmethod]
+    fn merge(py: Python<'_>, parts: Vec<Bound<'_, PyBytes>>, allow_mixed: bool) -> PyResult<Self> {
+        let mut merge = ReferenceMerge::new(allow_mixed);
+        for (number, part) in parts.iter().enumerate() {
+            let bytes = part.as_bytes();
+            let added =
+                py.detach(|| ReferencePart::from_bytes(bytes).and_then(|part| merge.add(part)));
+            added.map_err(|error| Fault::input(format!("parts[{number}]: {error}")).raise(py))?;
+        }
+        let layers = merge.layers().map_err(|error| Fault::from(error).raise(py))?;
+        let layers = layers.ok_or_else(|| Fault::input("parts: has none").raise(py))?;
+        Ok(Self { layers, camera: None, part: None })
+    }
+
+    /// The bytes of its part, if it is one.
+    fn part<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
+        self.part.as_ref().map(|bytes| PyBytes::new(py, bytes))
     }
 
     /// Writes all layers as `OpenEXR`.

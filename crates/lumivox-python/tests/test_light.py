@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -141,3 +143,31 @@ def test_errors_are_measured(cornell: Scene) -> None:
     assert abs(figures.bias_percent) < 10 and 0 < figures.rmse_percent < 50
     with pytest.raises(InputError, match=r"picture: has the shape \(4, 4, 3\), but must have \(32, 48, 3\)"):
         lumivox.compare(np.zeros((4, 4, 3)), truth)
+
+
+def test_parts_add_up_to_one_reference(cornell: Scene, tmp_path: Path) -> None:
+    size = (16, 12)
+    whole = lumivox.reference(cornell, size=size, samples=48)
+    parts = [lumivox.reference_part(cornell, size=size, batches=at) for at in ((1, 3), (0, 1))]
+    merged = lumivox.merge([*parts, parts[0]])
+    assert merged.samples == 48
+    assert (merged.radiance == whole.radiance).all()
+    for name, layer in whole.layers.items():
+        assert (merged.layers[name] == layer).all(), name
+    # The program reads the same bytes.
+    files = [tmp_path / "a", tmp_path / "b"]
+    for file, part in zip(files, parts):
+        file.write_bytes(part)
+    run = [sys.executable, "-m", "lumivox", "merge", *map(str, files), "-o", str(tmp_path / "c.exr")]
+    subprocess.run(run, check=True, capture_output=True)
+    whole.save(tmp_path / "whole.exr")
+    assert (tmp_path / "c.exr").read_bytes() == (tmp_path / "whole.exr").read_bytes()
+    for wrong, message in (
+        ([parts[0]], "the batches 0..1 are missing"),
+        ([b"no part"], r"parts\[0\]: it is not a part"),
+        ([], "parts: has none"),
+    ):
+        with pytest.raises(InputError, match=message):
+            lumivox.merge(wrong)
+    with pytest.raises(InputError, match="batches: is"):
+        lumivox.reference_part(cornell, size=size, batches=(2, 2))

@@ -22,11 +22,14 @@ CAMERAS = [Camera.look_at((x, 1.0, 3.5), (0, 1, 0)) for x in (-0.4, 0.0, 0.4)]
 
 
 def test_a_picture_is_that_of_the_command_line(cornell: Scene, tmp_path: Path) -> None:
-    picture = lumivox.render(cornell, size=(40, 30), exposure=1.5, **SMALL)
+    # From outside, so that a part is background.
+    outside = "0.5,1,5,0,1,0,50"
+    picture = lumivox.render(cornell, outside, (40, 30), **SMALL)
+    assert 0.1 < picture.coverage.mean() < 0.9
     values = [f"--{name.replace('_', '-')}={value}" for name, value in SMALL.items()]
     for name, written in (("a.exr", picture.to_exr()), ("a.png", picture.to_png())):
         output = tmp_path / name
-        command = ["render", "builtin:cornell", "--size=40x30", "--exposure=1.5", *values]
+        command = ["render", "builtin:cornell", "--size=40x30", f"--camera={outside}", *values]
         run = [sys.executable, "-m", "lumivox", *command, "-o", str(output)]
         subprocess.run(run, check=True, capture_output=True)
         assert output.read_bytes() == written, name

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use lumivox_console::Failure;
 use lumivox_console::report::counted;
+use lumivox_render::ImageFormat;
 use lumivox_render::reference::{BATCH, PartError, ReferenceLayers, ReferenceMerge, ReferencePart};
-use lumivox_render::{Gpu, ImageFormat, describe};
 use lumivox_scene::{read_regular, write_atomically};
 use serde::Serialize;
 
@@ -58,11 +58,6 @@ fn write_layers(layers: &ReferenceLayers, args: &MergeArgs, host: &Host) -> anyh
         ImageFormat::Exr => Ok(layers.write_exr(&args.output)?),
         ImageFormat::Png => write(layers, &host.open_gpu(&args.gpu)?, &args.output),
     }
-}
-
-/// The maker of a part: this program, and the GPU with its driver.
-pub fn maker(gpu: &Gpu) -> String {
-    format!("lumivox {} on {}", env!("CARGO_PKG_VERSION"), describe(&gpu.adapter_info))
 }
 
 /// Writes a part, whole or not at all.

@@ -91,7 +91,7 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
         (Some(part), _) => {
             // A part that lacks samples would be taken for a whole one by its name.
             if is_complete {
-                merge::write_part(&tracer.part(&merge::maker(&gpu)), part)?;
+                merge::write_part(&tracer.part(), part)?;
             }
             part
         }

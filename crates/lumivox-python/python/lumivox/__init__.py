@@ -23,7 +23,7 @@ from ._records import Camera, Instance, Light, Material
 from .errors import Error, GpuError, InputError, OutputError
 from .light import Irradiance, Workplane, workplane, workplane_points
 from .picture import Picture
-from .reference import Figures, Reference, compare, reference
+from .reference import Figures, Reference, compare, merge, reference, reference_part
 from .render import LAYERS, Renderer, irradiance, render, render_many, settings
 from .scene import Scene
 
@@ -62,7 +62,9 @@ __all__ = [
     "adapters",
     "compare",
     "irradiance",
+    "merge",
     "reference",
+    "reference_part",
     "render",
     "render_many",
     "settings",

@@ -16,6 +16,7 @@ def table() -> list[list[str]]: ...
 def develop(
     size: tuple[int, int],
     radiance: bytes,
+    coverage: bytes,
     exposure: str,
     tone_map: str,
     adapter: str | None,
@@ -128,6 +129,8 @@ class Reference:
         size: tuple[int, int],
         samples: int,
         seed: int,
+        first_batch: int,
+        is_part: bool,
         bounces: int | None,
         surroundings: str,
         adapter: str | None,
@@ -135,6 +138,9 @@ class Reference:
     ) -> Reference: ...
     @staticmethod
     def load(path: _Path) -> Reference: ...
+    @staticmethod
+    def merge(parts: Sequence[bytes], allow_mixed: bool) -> Reference: ...
+    def part(self) -> bytes | None: ...
     def save(self, path: _Path) -> None: ...
     @property
     def size(self) -> tuple[int, int]: ...

@@ -51,8 +51,11 @@ class Picture:
 
     def _develop(self) -> tuple[bytearray, bytes]:
         radiance = np.ascontiguousarray(self.radiance).tobytes()
+        coverage = np.ascontiguousarray(self.coverage).tobytes()
         exposure, tone_map = str(self.exposure), str(self.tone_map)
-        return _lumivox.develop(self.size, radiance, exposure, tone_map, self._adapter)
+        return _lumivox.develop(
+            self.size, radiance, coverage, exposure, tone_map, self._adapter
+        )
 
     def screen(self) -> npt.NDArray[np.uint8]:
         """The pixels for a screen, (H, W, 3) uint8: exposed by ``exposure`` stops (or ``"auto"``),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -70,24 +71,88 @@ def reference(
     Scene, camera, size, surroundings, adapter and progress are as for :class:`Renderer`. The same
     ``seed`` gives the same bits on the same GPU and driver. ``bounces`` limits indirect light.
     """
-    for name, value, least in (("samples", samples, 1), ("seed", seed, 0), ("bounces", bounces, 0)):
-        if value is None and name == "bounces":
-            continue
-        whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-        if not whole or not least <= int(value or 0) < 1 << 32:
-            raise InputError(f"{name}: is {value}, but must be a whole number of at least {least}")
-    traced = _lumivox.Reference.trace(
+    return Reference(
+        _trace(scene, camera, size, (0, samples), False, seed, bounces, surroundings, adapter, progress),
+        adapter,
+    )
+
+
+def reference_part(
+    scene: Scene,
+    camera: CameraLike | None = None,
+    size: tuple[int, int] = (640, 360),
+    *,
+    batches: tuple[int, int],
+    seed: int = 0,
+    bounces: int | None = None,
+    surroundings: str = "auto",
+    adapter: str | None = None,
+    progress: Progress | None = None,
+) -> bytes:
+    """Some batches of 16 samples of a reference, from the first number to before the second.
+
+    The bytes are those of a file of ``lumivox reference --part``. :func:`merge` adds parts up, to
+    the bits of one :func:`reference` with 16 samples for each batch, in any order.
+    """
+    try:
+        first, end = batches
+    except (TypeError, ValueError):
+        raise InputError(f"batches: is {batches!r}, but must be two numbers") from None
+    first, end = _whole("batches", first, 0), _whole("batches", end, 1)
+    if not first < end <= 1 << 20:
+        raise InputError(f"batches: is {batches}, but must rise, up to {1 << 20}")
+    samples = (first, 16 * (end - first))
+    traced = _trace(
+        scene, camera, size, samples, True, seed, bounces, surroundings, adapter, progress
+    )
+    return traced.part() or b""
+
+
+def merge(
+    parts: Iterable[bytes], *, allow_mixed: bool = False, adapter: str | None = None
+) -> Reference:
+    """The sum of parts, each the bytes of :func:`reference_part` or of its file.
+
+    A part that is given twice counts once. Parts of different programs, GPUs and drivers are
+    refused unless ``allow_mixed``: their sum does not have the bits of one machine.
+    """
+    return Reference(_lumivox.Reference.merge(list(parts), bool(allow_mixed)), adapter)
+
+
+def _whole(name: str, value: Any, least: int) -> int:
+    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not whole or not least <= value < 1 << 32:
+        raise InputError(f"{name}: is {value}, but must be a whole number of at least {least}")
+    return int(value)
+
+
+def _trace(
+    scene: Scene,
+    camera: CameraLike | None,
+    size: tuple[int, int],
+    samples: tuple[int, int],
+    is_part: bool,
+    seed: int,
+    bounces: int | None,
+    surroundings: str,
+    adapter: str | None,
+    progress: Progress | None,
+) -> _lumivox.Reference:
+    """Traces from a batch on a number of samples."""
+    first_batch, count = samples
+    return _lumivox.Reference.trace(
         _scene(scene),
         _camera(camera),
         size_of("size", size),
-        int(samples),
-        int(seed),
-        None if bounces is None else int(bounces),
+        _whole("samples", count, 1),
+        _whole("seed", seed, 0),
+        first_batch,
+        is_part,
+        None if bounces is None else _whole("bounces", bounces, 0),
         surroundings,
         adapter,
         progress,
     )
-    return Reference(traced, adapter)
 
 
 @dataclass(frozen=True)

@@ -256,10 +256,10 @@ impl PathTracer {
         checkpoint::write(&self.film, self.seeded_fingerprint())
     }
 
-    /// The samples so far as a part of a larger reference. `maker` is what its bits depend on besides the input: the
-    /// program's version, the GPU and its driver.
-    pub fn part(&self, maker: &str) -> ReferencePart {
-        ReferencePart::new(self, maker)
+    /// The samples so far as a part of a larger reference. It names what its bits depend on besides the input: the version
+    /// of this crate, the GPU and its driver.
+    pub fn part(&self) -> ReferencePart {
+        ReferencePart::new(self)
     }
 
     /// Continues from a checkpoint.

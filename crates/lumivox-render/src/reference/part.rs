@@ -12,6 +12,7 @@ use glam::UVec2;
 use super::checkpoint::{fingerprint_of, read_sums, write_sums};
 use super::film::Film;
 use super::{BATCH, MOST_EDGE, MOST_SAMPLES, PathTracer, ReferenceLayers};
+use crate::describe;
 
 const MARK: &[u8; 8] = b"LUMIPRT1";
 /// The longest name of a maker, bytes.
@@ -82,7 +83,9 @@ pub struct ReferencePart {
 }
 
 impl ReferencePart {
-    pub(super) fn new(tracer: &PathTracer, maker: &str) -> Self {
+    pub(super) fn new(tracer: &PathTracer) -> Self {
+        let gpu = describe(&tracer.gpu.adapter_info);
+        let maker = format!("lumivox {} on {gpu}", env!("CARGO_PKG_VERSION"));
         Self {
             maker: maker.chars().take(LONGEST_MAKER / 4).collect(),
             fingerprint: tracer.uploaded.fingerprint,

@@ -137,7 +137,7 @@ fn parts_have_the_bits_of_the_whole() {
         let mut tracer = tracer(&scene, &settings);
         let mut go_on = |_| ControlFlow::Continue(());
         pollster::block_on(tracer.render(&mut go_on)).expect("a reference");
-        let bytes = tracer.part("this test").to_bytes();
+        let bytes = tracer.part().to_bytes();
         super::super::ReferencePart::from_bytes(&bytes).expect("a part")
     };
     let mut merge = super::super::ReferenceMerge::default();
