@@ -7,7 +7,7 @@
 //!
 //! - *Voxelization* walks a triangle once in each cascade that it meets, scaled to its voxels, and cut to its box.
 //! - *Cones* count lengths in the finest voxels, and levels of cells by their size: 2^level. A look-up reads the finest cascade
-//!   that has all the cells it meets, so that within one everything is as in a dense volume. Where a cascade ends a cone goes
+//!   that has all the cells it meets, so that within one a cone sees nearly what it does in a dense volume. Where a cascade ends a cone goes
 //!   on with the voxels of the next one, at the first empty place before the border, and at the border at the latest.
 //! - *Surfaces* that gather start their cones with the voxels that they have: faces with their own, pixels and points with the
 //!   finest ones. Near a border they draw which, so that the border is nowhere.
