@@ -8,7 +8,7 @@
 //! | step | for each | file |
 //! | --- | --- | --- |
 //! | how the light has changed where it was | probe | `trace_probes.wgsl`, `drift.wgsl` |
-//! | light that is known of the surface | pixel | `recall.wgsl` |
+//! | light that is known of the surface | pixel | `recall.wgsl`, `reflection.wgsl`, `past.wgsl` |
 //! | this frame's light beside it | traced pixel | `compare.wgsl` |
 //! | a wide filter in four steps | traced pixel | `filter.wgsl` |
 //! | the blend of both, for the picture and for the next frame | pixel | `resolve.wgsl`, `blend.wgsl` |
@@ -34,9 +34,11 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("temporal::drift", include_str!("drift.wgsl")),
     ("temporal::filter", include_str!("filter.wgsl")),
     ("temporal::guide", include_str!("guide.wgsl")),
+    ("temporal::past", include_str!("past.wgsl")),
     ("temporal::probe", include_str!("probe.wgsl")),
     ("temporal::recall", include_str!("recall.wgsl")),
     ("temporal::record", include_str!("record.wgsl")),
+    ("temporal::reflection", include_str!("reflection.wgsl")),
     ("temporal::resolve", include_str!("resolve.wgsl")),
     ("temporal::take_probes", include_str!("take_probes.wgsl")),
     ("temporal::trace_probes", include_str!("trace_probes.wgsl")),

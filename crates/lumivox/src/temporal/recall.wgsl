@@ -5,22 +5,21 @@
 // has not moved in the picture takes its own texel, so that nothing blurs. Where none of the four fits, as at the
 // border of a thing in a picture whose samples move within the pixels, the best of the neighbours around does.
 
-import package::grid::{grid, world_from_grid};
+import package::grid::world_from_grid;
 import package::temporal::blend::FRAMES_OF_CHANGE;
 import package::temporal::guide::guide_normal;
-import package::temporal::record::{decode_record, Record};
+import package::temporal::past::{
+    former_place, past_irradiance, past_records, past_size, past_specular, texel_fit, SAME_SURFACE,
+};
+import package::temporal::record::decode_record;
+import package::temporal::reflection::recall_reflection;
 import package::trace::fit::fit;
-import package::trace::around::{traced_around, Around};
-import package::trace::gbuffer::{load_motion, load_specular, load_surface};
+import package::trace::gbuffer::{load_motion, load_surface};
 import package::trace::screen::settings;
 import package::trace::surface::Surface;
 import package::trace::view::{camera_motion, view};
 import package::voxelize::reproducible::is_finite;
 
-// Irradiance in rgb, openness in a.
-@group(1) @binding(1) var past_irradiance: texture_2d<f32>;
-@group(1) @binding(2) var past_specular: texture_2d<f32>;
-@group(1) @binding(3) var past_records: texture_2d<u32>;
 @group(1) @binding(4) var irradiance_out: texture_storage_2d<rgba16float, write>;
 // In a the frames: 0 where nothing is known, negative where the reflection's own place was not found.
 @group(1) @binding(5) var specular_out: texture_storage_2d<rgba16float, write>;
@@ -28,15 +27,11 @@ import package::voxelize::reproducible::is_finite;
 @group(1) @binding(6) var past_guides: texture_2d<f32>;
 @group(1) @binding(7) var probes_were: texture_2d<f32>;
 @group(1) @binding(8) var probes_are: texture_2d<f32>;
-// How far away what is reflected is, in voxels.
-@group(1) @binding(9) var reflected_distance: texture_2d<f32>;
 
 // A place this near to the middle of a texel is there, in texels: rounding of matrices.
 const SAME_TEXEL: f32 = 0.01;
 // Texels that count for less than this altogether say nothing.
 const LEAST_WEIGHT: f32 = 0.1;
-// More of the fit than this makes a neighbour the same surface.
-const FITS: f32 = 0.5;
 // A thing that has moved may have left the plane that it was in, by this many voxels.
 const MOVED_SLACK: f32 = 4.0;
 
@@ -60,32 +55,6 @@ struct Recalled {
     is_same_texel: bool,
     // Whether the reflection was found where its image was, in light that is much the same.
     is_image: bool,
-}
-
-// The size of the picture that is recalled: the frame before may have had another one.
-fn past_size() -> vec2f {
-    return vec2f(textureDimensions(past_records));
-}
-
-// The place of a texel's surface when it was recorded: at the middle of the texel, whatever place within it was sampled.
-fn past_position(texel: vec2i, depth: f32) -> vec3f {
-    let uv = (vec2f(texel) + 0.5) / past_size() + view.jitter / vec2f(view.size);
-    let ndc = vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
-    let world = view.previous_world_from_clip * vec4f(ndc, depth, 1.0);
-    return world.xyz / world.w;
-}
-
-// How well a texel shows the surface, 0 to 1.
-fn texel_fit(texel: vec2i, surface: Surface, slack: f32) -> f32 {
-    if any(texel < vec2i(0)) || any(texel >= vec2i(past_size())) {
-        return 0.0;
-    }
-    let record = decode_record(textureLoad(past_records, texel, 0).xy);
-    if record.frames <= 0.0 {
-        return 0.0;
-    }
-    let offset = past_position(texel, record.depth) - surface.position_in_world;
-    return fit(offset / slack, record.normal, surface);
 }
 
 fn add(recalled: ptr<function, Recalled>, texel: vec2i, weight: f32) {
@@ -136,68 +105,6 @@ fn drift(light: vec3f, place: vec2f, surface: Surface, slack: f32) -> Drifted {
     return Drifted(drifted, FRAMES_OF_CHANGE / max(change * change, 1e-6));
 }
 
-// The place of the last frame's texel that a motion comes from, whole numbers at texels' centres.
-fn former_place(pixel: vec2u, motion: vec2f) -> vec2f {
-    let ratio = past_size() / vec2f(view.size);
-    return ratio * vec2f(pixel) + 0.5 * (ratio - 1.0) - motion * past_size();
-}
-
-// How far behind the surface its reflection seems to be, in metres: as far as what is reflected is in front of a flat
-// mirror, less the rougher the surface is (Lagarde and de Rousiers 2014, "Moving Frostbite to physically based rendering",
-// section 4.9.3), and less behind one that bulges (the mirror equation).
-fn image_distance(pixel: vec2u, surface: Surface, around: Around) -> f32 {
-    var distance = 0.0;
-    for (var i = 0; i < 4; i++) {
-        if around.weights[i] > 0.0 {
-            distance += around.weights[i] * textureLoad(reflected_distance, around.sources[i], 0).r;
-        }
-    }
-    let smoothness = 1.0 - load_specular(pixel).roughness;
-    let dominant = smoothness * (sqrt(smoothness) + 1.0 - smoothness);
-    let ahead = distance * grid.voxel_size_m;
-    return dominant * ahead / (1.0 + 2.0 * curvature(pixel, surface) * ahead);
-}
-
-// The curvature of the surface, as far as the pixels beside show it, in 1/m: positive where it bulges.
-fn curvature(pixel: vec2u, surface: Surface) -> f32 {
-    var most = 0.0;
-    for (var i = 0u; i < 2u; i++) {
-        let beside = min(pixel + vec2u(1u - i, i), view.size - 1u);
-        let other = load_surface(beside);
-        let offset = other.position_in_world - surface.position_in_world;
-        let squared = dot(offset, offset);
-        if other.depth > 0.0 && squared > 0.0 && fit(offset, other.shading_normal, surface) > FITS {
-            most += 0.5 * max(dot(other.shading_normal - surface.shading_normal, offset) / squared, 0.0);
-        }
-    }
-    return most;
-}
-
-// The reflection that is known at the place of its image in the last frame (Stachowiak and Uludag 2015,
-// "Stochastic screen-space reflections", on temporal reprojection): in rgb; in a the share of the texels there that show the surface.
-fn recall_reflection(pixel: vec2u, surface: Surface, own_motion: vec2f, slack: f32) -> vec4f {
-    let ray = normalize(surface.position_in_world - view.position_in_world);
-    let distance = image_distance(pixel, surface, traced_around(pixel, surface));
-    let image = surface.position_in_world + distance * ray;
-    let place = former_place(pixel, camera_motion(pixel, image) + own_motion);
-    if !(all(place > vec2f(-1.0)) && all(place < past_size())) {
-        return vec4f(0.0);
-    }
-    let corner = vec2i(floor(place));
-    let fraction = place - floor(place);
-    var sum = vec4f(0.0);
-    for (var i = 0; i < 4; i++) {
-        let offset = vec2i(i & 1, i >> 1);
-        let share = abs(vec2f(1 - offset) - fraction);
-        let weight = share.x * share.y * texel_fit(corner + offset, surface, slack);
-        let specular = textureLoad(past_specular, clamp(corner + offset, vec2i(0), vec2i(past_size()) - 1), 0).rgb;
-        if weight > 1e-3 && is_finite(specular) {
-            sum += weight * vec4f(specular, 1.0);
-        }
-    }
-    return vec4f(sum.rgb / max(sum.a, 1e-6), sum.a);
-}
-
 fn recall(pixel: vec2u, surface: Surface) -> Recalled {
     var recalled = Recalled(vec4f(0.0), vec3f(0.0), 0.0, 0.0, false, false);
     let motion = load_motion(pixel, surface.position_in_world);
@@ -227,7 +134,7 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
     }
     if recalled.weights < LEAST_WEIGHT {
         recalled = Recalled(vec4f(0.0), vec3f(0.0), 0.0, 0.0, is_same, false);
-        var best = FITS;
+        var best = SAME_SURFACE;
         var best_texel = vec2i(0);
         for (var i = 0; i < 9; i++) {
             let texel = vec2i(nearest) + vec2i(i % 3 - 1, i / 3 - 1);
@@ -237,7 +144,7 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
                 best_texel = texel;
             }
         }
-        if best > FITS {
+        if best > SAME_SURFACE {
             add(&recalled, best_texel, 1.0);
         }
     }
