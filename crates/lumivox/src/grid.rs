@@ -142,8 +142,13 @@ impl Grid {
         (0..).zip(cascades.lowest()).map(corners).collect()
     }
 
+    /// Boxes that the grid consists of.
+    pub(crate) fn box_count(&self) -> u32 {
+        self.cascades.map_or(1, |cascades| cascades.count)
+    }
+
     fn last_box(&self) -> usize {
-        self.cascades.map_or(0, |cascades| cascades.count as usize - 1)
+        self.box_count() as usize - 1
     }
 
     /// Levels of cells that differ in their size: those of the pyramid, and one for each coarser cascade.
