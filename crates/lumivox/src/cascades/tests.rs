@@ -164,9 +164,8 @@ fn cascade_of(own: &crate::Cascades, stored: UVec3) -> usize {
     (block.x + own.blocks.x * (block.y + own.blocks.y * block.z)) as usize
 }
 
-/// A room inside the finest cascade is lit nearly as in a dense volume of the same voxels. Both should agree within 0.5 %, as a
-/// dense volume does with itself moved by whole voxels. They do not yet, and the cause is not known: it is less where the seam
-/// of the store is outside the room. With 16 frames a point instead of 256 the noise hid it.
+/// A room inside the finest cascade is lit as in a dense volume of the same voxels. Faces draw the directions of their cones by
+/// where they are stored, which scatters the mean by 0.3 %: that of dense volumes moved by whole voxels does as much.
 #[test]
 fn within_a_cascade_light_is_that_of_a_dense_volume() {
     let grid = cascades(ROOM + Vec3::new(0.5, 0.35, 0.45), 3, 96);
@@ -185,9 +184,31 @@ fn within_a_cascade_light_is_that_of_a_dense_volume() {
     for shadow in [Shadow::None, Shadow::Cone] {
         let [lamp, glow] = [bias(&walls, shadow), bias(&room, shadow)];
         println!("within: {lamp:+.5} by the lamp, {glow:+.5} with what glows, {shadow:?}");
-        // Measured: -0.0084 and -0.0172.
-        assert!(lamp.abs() < 0.012, "{lamp}");
-        assert!(glow.abs() < 0.022, "{glow}");
+        assert!(lamp.abs() < 0.005, "{lamp}");
+        assert!(glow.abs() < 0.005, "{glow}");
+    }
+}
+
+/// What a cascade stores on both sides of its seam is what a dense volume has there: light that was not reflected, so that
+/// nothing of it is drawn by a face, is the same within rounding.
+#[test]
+fn the_seam_of_the_store_is_not_seen() {
+    let points = scattered(96);
+    let grid = cascades(ROOM + Vec3::new(0.5, 0.35, 0.45), 1, 96);
+    assert!(grid.cascades.expect("it has one").lowest()[0].cmpgt(IVec3::ZERO).all());
+    let alone = Grid { levels: grid.levels, ..dense(&grid, 0) };
+    let [a, b] = [grid, alone].map(|grid| {
+        let far = ROOM + Vec3::new(1.0, 0.7, 0.9);
+        let scene = SceneBuilder::default().room(ROOM, far, &lambert(0.7, 0.0)).quad(
+            ROOM + Vec3::new(0.3, 0.55, 0.3),
+            Vec3::new(0.0, 0.1, 0.35),
+            Vec3::new(0.4, -0.05, 0.0),
+            crate::SurfaceMaterial { double_sided: true, ..lambert(0.5, 3.0) },
+        );
+        Lit::new(scene, grid, &[lamp(Shadow::None)], Vec3::ZERO, 0).gather(&points, 16)
+    });
+    for (a, b) in a.iter().zip(&b) {
+        assert!((a / b - 1.0).abs() < 1e-3, "{a} and {b}");
     }
 }
 
@@ -255,6 +276,33 @@ fn a_kilometre_of_ground_reflects_the_sky() {
         // Ground ends half a kilometre away, below the horizon by up to 4 degrees.
         assert!((down / PI / 0.5 - 1.0).abs() < 0.04, "down from {height} m: {}", down / PI / 0.5);
     }
+}
+
+/// Emitters near each other follow one another, wherever the world's origin is and the boxes are: a draw among many is good
+/// only if neighbours in the list are neighbours in the world.
+#[test]
+fn emitters_follow_a_curve_on_all_sides_of_the_origin() {
+    let places: Vec<Vec3> = scattered(128).into_iter().map(|(place, _)| place - ROOM).collect();
+    let length = |grid: Grid, center: Vec3| {
+        let lamps = places.iter().fold(SceneBuilder::default(), |scene, place| {
+            let corner = center + 2.0 * (*place - 0.45);
+            scene.quad(corner, 0.01 * Vec3::X, 0.01 * Vec3::Z, lambert(0.5, 1.0))
+        });
+        let lit = Lit::new(lamps, grid, &[], Vec3::ZERO, 1);
+        let (device, queue) = device();
+        let list = lit.gi.emitters().list();
+        let count = read::<u32>(&device, &queue, list, 1)[0] as usize;
+        assert_eq!(count, 2 * places.len());
+        let words = read::<f32>(&device, &queue, list, 4 + 16 * count);
+        let corners: Vec<Vec3> =
+            words[4..].chunks(16).map(|emitter| Vec3::from_slice(emitter)).collect();
+        corners.windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f32>()
+    };
+    let around = |center: Vec3| length(cascades(center, 2, 96), center);
+    let expected = length(dense(&cascades(ROOM, 2, 96), 0), ROOM);
+    let found = [Vec3::ZERO, ROOM, Vec3::new(-700.0, 3.0, 1e3)].map(around);
+    println!("length of the curve in voxels: {found:?}, {expected} in a dense volume");
+    assert!(found.iter().all(|length| *length < 1.5 * expected), "{found:?} and {expected}");
 }
 
 /// Two runs give the same bits.
