@@ -218,24 +218,40 @@ impl OctreeReport {
 /// The box of the grid.
 #[derive(Clone, Debug, Serialize)]
 pub struct GridReport {
-    /// Voxels along x, y and z.
+    /// Voxels along x, y and z; with cascades, of each.
     pub dimensions: [u32; 3],
-    /// The corner with the smallest coordinates, in the world, m.
+    /// The corner with the smallest coordinates, in the world, m; with cascades, of the outermost.
     pub origin: [f32; 3],
-    /// The edge of a voxel, m.
+    /// The edge of a voxel, m; with cascades, of the finest.
     pub voxel_size_m: f32,
     /// Levels of the pyramid.
     pub levels: u32,
+    /// How many cascades there are; 0 for one box that is fitted to the scene.
+    pub cascades: u32,
 }
 
 impl GridReport {
     /// The report on a grid.
     pub fn new(grid: &Grid) -> Self {
         Self {
-            dimensions: grid.dimensions.to_array(),
-            origin: grid.origin_in_world.to_array(),
+            dimensions: grid.box_dimensions().to_array(),
+            origin: grid.min_in_world().to_array(),
             voxel_size_m: grid.voxel_size_m,
             levels: grid.levels,
+            cascades: grid.cascades.map_or(0, |cascades| cascades.count),
+        }
+    }
+
+    /// The size in words.
+    pub fn size(&self) -> String {
+        let [x, y, z] = self.dimensions;
+        match self.cascades {
+            0 => format!("{x} x {y} x {z} of {:.4} m", self.voxel_size_m),
+            count => format!(
+                "{} of {x} x {y} x {z} from {:.4} m on",
+                counted(count as usize, "cascade", "cascades"),
+                self.voxel_size_m
+            ),
         }
     }
 }

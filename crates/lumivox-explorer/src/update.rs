@@ -137,7 +137,8 @@ impl Explorer {
     /// The grid does not follow motion within it, since light would flicker.
     fn fit_grid(&mut self) {
         let (Some(renderer), Some(scene)) = (&self.renderer, self.scene()) else { return };
-        if scene.grid_bounds.is_some() || !self.has_fitted_grid() {
+        let has_cascades = renderer.gi().grid().cascades.is_some();
+        if scene.grid_bounds.is_some() || has_cascades || !self.has_fitted_grid() {
             return;
         }
         let bounds = self.bounds();

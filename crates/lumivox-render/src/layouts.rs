@@ -6,7 +6,8 @@ use lumivox::shaders::library_with_volume;
 use lumivox::{Directionality, OctreeOptions, VolumeKind};
 
 fn libraries() -> Vec<ShaderLibrary> {
-    let kinds = [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())];
+    let octree = VolumeKind::Octree(OctreeOptions::default());
+    let kinds = [VolumeKind::Dense, octree, VolumeKind::Cascades];
     let directionalities = [Directionality::SixLobes, Directionality::Isotropic];
     let pairs = kinds.into_iter().flat_map(|kind| directionalities.map(|d| (kind, d)));
     pairs.map(|(kind, d)| crate::shaders::library(&library_with_volume(kind, d))).collect()

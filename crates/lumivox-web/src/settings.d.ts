@@ -24,14 +24,20 @@ export interface Settings {
   grid_offset?: [number, number, number];
   /** A radiance for each of six directions, or one a voxel: six_lobes or isotropic. Default: six_lobes. */
   directionality?: "six_lobes" | "isotropic";
-  /** Where the voxels' light is stored: dense or octree. Default: dense. */
-  volume?: "dense" | "octree";
+  /** Where the voxels' light is stored: dense, octree or cascades. Default: dense. */
+  volume?: "dense" | "octree" | "cascades";
   /** How an octree's nodes are made; selects an octree: ranks or locks. Default: ranks. */
   octree_builder?: "ranks" | "locks";
   /** How cells find the bricks that hold them as neighbours; selects an octree: table, pointers or search. Default: table. */
   octree_duplication?: "table" | "pointers" | "search";
   /** The cells over which coarser levels are filtered; selects an octree: occupied or every. Default: occupied. */
   octree_mipmaps?: "occupied" | "every";
+  /** Boxes around the camera; selects cascades: a whole number from 1 to 16. Default: 8. */
+  cascades?: number;
+  /** Voxels along each axis of a cascade; selects cascades: a multiple of 8 from 32 to 256, voxels. Default: 64. */
+  cascade_resolution?: number;
+  /** Edge of the voxels of the finest cascade; selects cascades: a number from 0.001 to 1000, m. Default: 0.125. */
+  cascade_voxel?: number;
   /** The most memory of the volume: a number from 0 to 1048576, or unlimited, MiB. Default: unlimited. */
   volume_memory?: number | "unlimited";
   /** How triangles become voxels: exact, dominant-axis, conservative or three-plane. Default: exact. */

@@ -138,6 +138,10 @@ impl Gi {
                 shaders.add(path, own.source.clone());
             }
         }
+        if config.grid.cascades.is_some() {
+            refuse_with_cascades("voxelizer", config.voxelizer.is_some())?;
+            refuse_with_cascades("injection", config.injection.is_some())?;
+        }
         let cone_values = config.cones.as_ref().map_or([0.0; 4], |model| model.values());
         let mut volume = Volume::new(
             device,
@@ -178,6 +182,19 @@ impl Gi {
             cone_values,
             points: OnceLock::new(),
         })
+    }
+
+    /// Lets the boxes of a clipmap ([`Grid::cascades`]) follow a place in the world, m: that of the camera. Whether they have to
+    /// move is returned; if so, the next voxelization moves them. [`Self::voxelize`] does so at once. [`Self::voxelize_frame`]
+    /// makes the voxels of the moved boxes over a few frames, in which all stays what it was, without waiting; voxels that
+    /// stay in a box keep the light that they have gathered. While one move is on its way, the next one waits.
+    ///
+    /// # Errors
+    /// As [`Grid::center_on`].
+    pub fn center_on(&mut self, place: glam::Vec3) -> Result<bool, GiError> {
+        let mut grid = *self.scene.grid();
+        grid.center_on(place)?;
+        Ok(self.scene.move_to(grid))
     }
 
     /// Turns triangles into the list of voxels that all light is computed on.
@@ -270,8 +287,10 @@ impl Gi {
         let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
         self.changes.begin(&mut recorder);
         self.lighting.expect_emission(self.draws_emitters() && Emitters::are_in(geometry));
-        let Self { device, voxelizer, scene, volume, changes, lighting, .. } = self;
+        let Self { device, voxelizer, scene, volume, changes, lighting, emitters, config, .. } =
+            self;
         let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
+            move_to(device, &taken, config, (&mut *lighting, &mut *volume, emitters.list()));
             follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
         };
         // Its state is too large for the futures of those who wait.
@@ -542,6 +561,21 @@ impl Gi {
     }
 }
 
+/// Lets light and volume go on with the grid of a list that is about to be taken.
+fn move_to(
+    device: &Pipelines,
+    taken: &Taken<'_>,
+    config: &mut GiConfig,
+    (lighting, volume, emitters): (&mut Lighting, &mut Volume, &Buffer),
+) {
+    if config.grid == *taken.grid {
+        return;
+    }
+    config.grid = *taken.grid;
+    lighting.move_to(device, taken.grid);
+    volume.move_to(device, taken.grid, emitters);
+}
+
 /// Binds whatever follows a list to one that is about to be taken.
 fn follow(
     device: &Pipelines,
@@ -557,4 +591,16 @@ fn follow(
     if let Some(cells) = changes.cells() {
         volume.bind(device, (taken.list, shown.now), cells);
     }
+}
+
+/// Ways of the caller's own know one box alone.
+fn refuse_with_cascades(name: &'static str, is_given: bool) -> Result<(), GiError> {
+    if !is_given {
+        return Ok(());
+    }
+    Err(GiError::Setting {
+        name,
+        value: "a way of the caller's own".to_owned(),
+        expected: "none with cascades; a dense volume or an octree takes one".to_owned(),
+    })
 }

@@ -1,9 +1,10 @@
 //! The voxel grid: where it lies in the world, and how its levels halve.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 
 use crate::GiError;
+use crate::cascades::{Cascades, MAX_CASCADES};
 use crate::gpu::{Buffer, uniform_buffer};
 
 /// The smallest resolution of the longest axis.
@@ -26,10 +27,12 @@ pub struct Grid {
     pub origin_in_world: Vec3,
     /// The edge of a voxel.
     pub voxel_size_m: f32,
-    /// Voxels along each axis, a multiple of `2^(levels - 1)`.
+    /// Voxels along each axis, a multiple of `2^(levels - 1)`. With cascades: those that are stored, of all of them.
     pub dimensions: UVec3,
-    /// Levels of the pyramid, the finest included.
+    /// Levels of the pyramid, the finest included. With cascades: those of each.
     pub levels: u32,
+    /// The boxes of a clipmap, for a grid that is one ([`Grid::cascades`]).
+    pub cascades: Option<Cascades>,
 }
 
 impl Grid {
@@ -91,7 +94,7 @@ impl Grid {
         // What rounding up adds is shared out to both sides of the shorter axes.
         let slack = (dimensions - needed) / 2;
         let origin_in_world = min - (MARGIN + offset + slack.as_vec3()) * voxel_size_m;
-        Ok(Self { origin_in_world, voxel_size_m, dimensions, levels })
+        Ok(Self { origin_in_world, voxel_size_m, dimensions, levels, cascades: None })
     }
 
     /// Cells of a level along each axis.
@@ -104,14 +107,53 @@ impl Grid {
         self.dimensions.max_element().next_power_of_two() >> level
     }
 
-    /// Voxels in the whole grid.
+    /// Voxels along each axis of the grid's box, or of each cascade.
+    pub fn box_dimensions(&self) -> UVec3 {
+        self.cascades.map_or(self.dimensions, |cascades| UVec3::splat(cascades.resolution))
+    }
+
+    /// Voxels that the grid stores.
     pub fn voxel_count(&self) -> u64 {
         self.dimensions.as_u64vec3().element_product()
     }
 
-    /// The corner of the grid opposite to its origin, in the world, m.
+    /// The corner of the grid with the smallest coordinates, in the world, m. With cascades, that of the outermost one.
+    pub fn min_in_world(&self) -> Vec3 {
+        self.cascades.map_or(self.origin_in_world, |_| self.boxes_in_world()[self.last_box()].0)
+    }
+
+    /// The corner of the grid opposite to [`Self::min_in_world`], in the world, m.
     pub fn max_in_world(&self) -> Vec3 {
-        self.origin_in_world + self.dimensions.as_vec3() * self.voxel_size_m
+        self.boxes_in_world()[self.last_box()].1
+    }
+
+    /// The opposite corners of each box that the grid consists of, in the world, m: of each cascade, the finest first, or of
+    /// the one grid.
+    pub fn boxes_in_world(&self) -> Vec<(Vec3, Vec3)> {
+        let Some(cascades) = &self.cascades else {
+            let size = self.dimensions.as_vec3() * self.voxel_size_m;
+            return vec![(self.origin_in_world, self.origin_in_world + size)];
+        };
+        let corners = |(cascade, lowest): (i32, &IVec3)| {
+            let voxel = 2.0_f32.powi(cascade);
+            let low = self.world_from_grid(lowest.as_vec3() * voxel);
+            (low, low + cascades.resolution as f32 * voxel * self.voxel_size_m)
+        };
+        (0..).zip(cascades.lowest()).map(corners).collect()
+    }
+
+    /// Boxes that the grid consists of.
+    pub(crate) fn box_count(&self) -> u32 {
+        self.cascades.map_or(1, |cascades| cascades.count)
+    }
+
+    fn last_box(&self) -> usize {
+        self.box_count() as usize - 1
+    }
+
+    /// Levels of cells that differ in their size: those of the pyramid, and one for each coarser cascade.
+    pub fn level_count(&self) -> u32 {
+        self.levels + self.last_box() as u32
     }
 
     /// World to grid space.
@@ -124,18 +166,19 @@ impl Grid {
         self.origin_in_world + position * self.voxel_size_m
     }
 
-    /// The grid as the shaders see it.
     /// The uniform that `package::grid` declares, for kernels that do without the volume of group 0.
     pub fn uniform(&self, device: &wgpu::Device) -> Buffer {
         uniform_buffer(device, "grid", &self.to_gpu())
     }
 
-    fn to_gpu(self) -> GridUniform {
+    pub(crate) fn to_gpu(self) -> GridUniform {
         GridUniform {
             origin_in_world: self.origin_in_world.to_array(),
             voxel_size_m: self.voxel_size_m,
             dimensions: self.dimensions.to_array(),
             levels: self.levels,
+            lowest: self.cascades.map_or([[0; 4]; MAX_CASCADES], |own| own.lowest_of_all()),
+            boxes: self.cascades.map_or([[0.0; 4]; MAX_CASCADES], |own| own.boxes()),
         }
     }
 }
@@ -148,4 +191,6 @@ pub(crate) struct GridUniform {
     pub(crate) voxel_size_m: f32,
     pub(crate) dimensions: [u32; 3],
     pub(crate) levels: u32,
+    pub(crate) lowest: [[i32; 4]; MAX_CASCADES],
+    pub(crate) boxes: [[f32; 4]; MAX_CASCADES],
 }

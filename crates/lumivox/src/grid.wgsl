@@ -1,10 +1,17 @@
 // The voxel grid, as in grid.rs: group 0, binding 0 of every kernel that knows about voxels.
 
+import package::constants::MAX_CASCADES;
+
 struct Grid {
     origin_in_world: vec3f,
     voxel_size_m: f32,
+    // Voxels that are stored, along each axis.
     dimensions: vec3u,
     levels: u32,
+    // Of each cascade the voxel at its corner, in its own voxels.
+    lowest: array<vec4i, MAX_CASCADES>,
+    // Of each its middle, and half of its edge in w, in the finest voxels.
+    boxes: array<vec4f, MAX_CASCADES>,
 }
 
 @group(0) @binding(0) var<uniform> grid: Grid;

@@ -12,7 +12,8 @@ use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{Directionality, OctreeOptions, VolumeKind, shaders};
 
 fn libraries() -> Vec<ShaderLibrary> {
-    let kinds = [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())];
+    let octree = VolumeKind::Octree(OctreeOptions::default());
+    let kinds = [VolumeKind::Dense, octree, VolumeKind::Cascades];
     let directionalities = [Directionality::SixLobes, Directionality::Isotropic];
     let pairs = kinds.into_iter().flat_map(|kind| directionalities.map(|d| (kind, d)));
     pairs.map(|(kind, d)| shaders::library_with_volume(kind, d)).collect()

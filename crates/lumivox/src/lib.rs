@@ -12,6 +12,7 @@
 //! The order of calls is that of [`Gi`]'s methods; `examples/own_engine` shows them with triangles, lights
 //! and a G-buffer of its own.
 
+mod cascades;
 mod cones;
 mod emitters;
 mod environment;
@@ -43,6 +44,7 @@ pub mod voxels;
 #[cfg(test)]
 extern crate self as lumivox;
 
+pub use cascades::{CascadeOptions, Cascades, MAX_CASCADES};
 pub use cones::{Preset, TraceResolution, TraceSettings};
 pub use environment::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
 pub use error::GiError;

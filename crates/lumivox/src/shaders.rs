@@ -5,6 +5,7 @@ use crate::{Directionality, VolumeKind};
 
 /// Modules that belong to no stage.
 const MODULES: &[(&str, &str)] = &[
+    ("cascades", include_str!("cascades/cascades.wgsl")),
     ("gpu::dispatch", include_str!("gpu/dispatch.wgsl")),
     ("gpu::indirect", include_str!("gpu/indirect.wgsl")),
     ("gpu::random", include_str!("gpu/random.wgsl")),
@@ -38,6 +39,7 @@ pub fn library() -> ShaderLibrary {
     }
     crate::voxelize::add_constants(&mut library);
     crate::volume::add_constants(&mut library);
+    crate::cascades::add_constants(&mut library, None);
     library
         .constant_u32("SCAN_WORKGROUP_SIZE", crate::gpu::SCAN_WORKGROUP_SIZE)
         .constant_u32("SCAN_ITEMS", crate::gpu::SCAN_ITEMS)

@@ -183,6 +183,8 @@ pub struct VoxelModel {
     pub faces: u32,
     /// The grid's voxels along its axes.
     pub dimensions: [u32; 3],
+    /// How many cascades of that there are; 0 for one box.
+    pub cascades: u32,
     /// The edge of one, m.
     pub edge_m: f32,
     /// Levels of the pyramid.
@@ -337,7 +339,8 @@ pub fn voxel_model(explorer: &Explorer) -> VoxelModel {
     VoxelModel {
         voxels: stats.voxels,
         faces: stats.faces,
-        dimensions: grid.dimensions.to_array(),
+        dimensions: grid.box_dimensions().to_array(),
+        cascades: grid.cascades.map_or(0, |cascades| cascades.count),
         edge_m: grid.voxel_size_m,
         levels: grid.levels,
         are_stale: explorer.has_stale_voxels(),

@@ -18,8 +18,8 @@ fn glossy_half_vector(drawn: vec3f, values: vec4f) -> vec3f {
     return select(vec3f(0.0, 0.0, 1.0), drawn, values.z != 0.0);
 }
 
-fn start_of_cones(above: vec3f, normal: vec3f, values: vec4f) -> vec3f {
-    return select(above, clear_of_walls(above, normal), values.w != 0.0);
+fn start_of_cones(above: vec3f, normal: vec3f, level: u32, values: vec4f) -> vec3f {
+    return select(above, clear_of_walls(above, normal, level), values.w != 0.0);
 }
 
 // Coarse levels are gained, up to what a full cell would take; the width dims.

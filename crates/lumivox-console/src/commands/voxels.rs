@@ -1,7 +1,6 @@
 //! Commands for voxels: when they are made, their number, their memory.
 
 use glam::Vec3;
-use lumivox::Grid;
 use lumivox_explorer::{Explorer, Revoxelize};
 use lumivox_render::{RenderSettings, Renderer};
 use lumivox_scene::Bounds;
@@ -9,7 +8,7 @@ use lumivox_scene::Bounds;
 use crate::arguments::{PLACE, commas, number, on_or_off, toggled, vector, wrong};
 use crate::command::Run::{Now, Waits};
 use crate::command::{Command, Group, PLAIN, Takes};
-use crate::report::{MemoryReport, OctreeReport, count, counted, memory_table};
+use crate::report::{GridReport, MemoryReport, OctreeReport, count, counted, memory_table};
 use crate::{Console, Failure, Reply, nothing_to_show, shown};
 
 const VOXELS: Command = Command { group: Group::Voxels, takes: &[Takes::Anything], ..PLAIN };
@@ -124,7 +123,7 @@ fn voxels(renderer: &Renderer) -> String {
 pub fn check_level(explorer: &Explorer, settings: &RenderSettings) -> Result<(), Failure> {
     let Some(scene) = explorer.scene() else { return Ok(()) };
     let bounds = settings.grid_bounds.unwrap_or_else(|| scene.voxel_bounds());
-    let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset);
+    let grid = settings.grid(bounds, Vec3::ZERO);
     let most = grid.map_or(u32::MAX, |grid| settings.last_level(&grid));
     if settings.voxel_level <= most {
         return Ok(());
@@ -241,7 +240,6 @@ async fn stats(console: &mut Console) -> anyhow::Result<Reply> {
         return Err(nothing_to_show().into());
     };
     let grid = renderer.gi().grid();
-    let [x, y, z] = grid.dimensions.to_array();
     let size: Vec3 = explorer.bounds().size();
     let shown = scene.shown().count();
     let settings = explorer.settings();
@@ -257,9 +255,9 @@ async fn stats(console: &mut Console) -> anyhow::Result<Reply> {
             size.z
         ),
         format!(
-            "voxels   {} in {x} x {y} x {z} of {:.4} m, {} levels",
+            "voxels   {} in {}, {} levels",
             voxels(renderer),
-            grid.voxel_size_m,
+            GridReport::new(grid).size(),
             grid.levels
         ),
         format!(

@@ -60,7 +60,7 @@ const OCTREE_BUILDER: Row = Row {
     get: |s| Value::Choice(s.octree_builder.as_ref().map_or(RANKS, |builder| builder.name())),
     set: |s, v| {
         s.octree_builder = octree_builder(v.name());
-        if s.volume == VolumeKind::Dense {
+        if !matches!(s.volume, VolumeKind::Octree(_)) {
             s.volume = VolumeKind::Octree(OctreeOptions::default());
         }
     },

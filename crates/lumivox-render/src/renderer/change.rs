@@ -6,8 +6,8 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
+use lumivox::Voxelized;
 use lumivox::gpu::Recorder;
-use lumivox::{Grid, Voxelized};
 use lumivox_scene::Scene;
 
 use super::passes::Passes;
@@ -79,7 +79,7 @@ impl Renderer {
         }
         validate(&settings, &self.gpu)?;
         let bounds = settings.grid_bounds.unwrap_or(self.scene_bounds);
-        let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
+        let grid = settings.grid(bounds, self.camera.position)?;
         validate_level(&settings, &grid)?;
         let redo = Redo::between(&self.settings, &settings, grid == *self.gi.grid());
         // A picture of another size keeps the light of earlier frames.
@@ -437,7 +437,7 @@ impl Renderer {
         Ok(())
     }
 
-    fn store_voxels(&mut self, voxelized: Voxelized) {
+    pub(super) fn store_voxels(&mut self, voxelized: Voxelized) {
         self.voxels = voxelized.stats;
         self.voxels_are_stale = false;
         self.following.surfaces = false;

@@ -50,7 +50,9 @@ impl MemoryEstimate {
     /// [`RenderError::Gi`] when the settings' grid is impossible.
     pub fn new(scene: &Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let bounds = settings.grid_bounds.unwrap_or_else(|| scene.voxel_bounds());
-        let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
+        let around = bounds.min + 0.5 * bounds.size();
+        let camera = scene.cameras.first().map_or(around, |camera| camera.position);
+        let grid = settings.grid(bounds, camera)?;
         let vertices: usize = scene.meshes.iter().map(|mesh| mesh.positions.len()).sum();
         let indices: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
         let pixels = u64::from(settings.size.x) * u64::from(settings.size.y);
@@ -132,6 +134,12 @@ fn voxel_remedy(settings: &RenderSettings) -> &'static str {
         (VolumeKind::Dense, Directionality::Isotropic) => {
             "lower the voxels' resolution, or store them in an octree (--volume octree)"
         }
+        (VolumeKind::Cascades, Directionality::SixLobes) => {
+            "use fewer or smaller cascades (--cascades, --cascade-resolution), or keep voxels isotropic"
+        }
+        (VolumeKind::Cascades, Directionality::Isotropic) => {
+            "use fewer or smaller cascades (--cascades, --cascade-resolution)"
+        }
         (VolumeKind::Octree(_), Directionality::SixLobes) => {
             "lower the voxels' resolution, or keep them isotropic"
         }
@@ -143,7 +151,7 @@ fn voxel_remedy(settings: &RenderSettings) -> &'static str {
 /// other.
 fn volume_part(grid: &Grid, settings: &RenderSettings, voxels: u64) -> (&'static str, u64) {
     match (settings.volume, settings.directionality) {
-        (VolumeKind::Dense, directionality) => {
+        (VolumeKind::Dense | VolumeKind::Cascades, directionality) => {
             ("voxel volume", dense_volume_bytes(grid, directionality))
         }
         (VolumeKind::Octree(_), Directionality::SixLobes) => {
@@ -155,9 +163,11 @@ fn volume_part(grid: &Grid, settings: &RenderSettings, voxels: u64) -> (&'static
     }
 }
 
-/// The estimated number of voxels that some of the instances occupy.
+/// The estimated number of voxels that some of the instances occupy. A triangle that reaches out of a cascade counts there by
+/// the share of its box that is inside.
 fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool) -> u64 {
-    let cell_area = f64::from(grid.voxel_size_m).powi(2);
+    let voxel_m = f64::from(grid.voxel_size_m);
+    let boxes: Vec<_> = (0..).zip(grid.boxes_in_world()).collect();
     let mut voxels = 0.0;
     let is_meant = |instance: &&Instance| instance.is_voxelized && is_meant(instance);
     for instance in scene.shown().filter(is_meant) {
@@ -168,10 +178,26 @@ fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool)
         for triangle in mesh.triangles() {
             let [Some(a), Some(b), Some(c)] = triangle.map(corner) else { continue };
             let twice_area: Vec3 = (b - a).cross(c - a);
-            voxels += f64::from(twice_area.abs().element_sum()) * 0.5 / cell_area;
+            let projected = f64::from(twice_area.abs().element_sum()) * 0.5;
+            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+            for (cascade, own) in &boxes {
+                let share =
+                    if grid.cascades.is_some() { share_inside((low, high), *own) } else { 1.0 };
+                voxels += share * projected / (voxel_m * 2.0_f64.powi(*cascade)).powi(2);
+            }
         }
     }
     (voxels.ceil() as u64).min(grid.voxel_count())
+}
+
+/// The share of a box that is inside of another one; along an axis without extent, all or nothing.
+fn share_inside((low, high): (Vec3, Vec3), (outer_low, outer_high): (Vec3, Vec3)) -> f64 {
+    let common = high.min(outer_high) - low.max(outer_low);
+    if common.min_element() < 0.0 {
+        return 0.0;
+    }
+    let share = (common + 1e-6) / (high - low + 1e-6);
+    f64::from(share.min(Vec3::ONE).element_product())
 }
 
 /// Bits and ranks, once of occupied and twice of changed cells; nodes of all levels; faces and

@@ -104,7 +104,7 @@ impl Renderer {
         let camera = camera.unwrap_or_else(|| {
             scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
         });
-        let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
+        let grid = settings.grid(bounds, camera.position)?;
         validate_level(&settings, &grid)?;
         let mut times = StageTimes::default();
 
@@ -262,6 +262,7 @@ impl Renderer {
 
     /// The voxels are returned if they had to follow something.
     async fn draw_frame(&mut self, is_kept: bool) -> Result<Option<FrameVoxels>, RenderError> {
+        self.follow_camera().await?;
         self.prepare_view().await?;
         let mut recorder = self.recorder();
         let voxels = self.follow(&mut recorder)?;

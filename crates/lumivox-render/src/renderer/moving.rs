@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use lumivox::FrameVoxels;
 use lumivox::gpu::Recorder;
+use lumivox::{FrameVoxels, GiError};
 use lumivox_scene::Scene;
 
 use super::{RenderError, RenderProgress, Renderer};
@@ -96,7 +96,7 @@ impl Renderer {
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
         let Following { surfaces, lights, goes_on, .. } = self.following;
-        if surfaces {
+        if self.gi.center_on(self.camera.position)? || surfaces {
             self.make_pose(progress).await?;
         } else if lights || goes_on {
             self.relight(progress).await?;
@@ -118,6 +118,26 @@ impl Renderer {
     pub(super) fn follow_lights(&mut self) {
         self.following.lights = true;
         self.targets.accumulate.reset();
+    }
+
+    /// Lets cascades follow the camera: over the next frames, or at once where nothing else follows frame by frame. Where
+    /// there is no surface any more, they stay.
+    pub(super) async fn follow_camera(&mut self) -> Result<(), RenderError> {
+        if !self.gi.center_on(self.camera.position)? {
+            return Ok(());
+        }
+        if self.settings.follows() {
+            self.following.surfaces = true;
+            return Ok(());
+        }
+        match self.gi.voxelize(&self.scene.geometry, self.settings.timing).await {
+            Err(GiError::NothingToVoxelize { .. }) => return Ok(()),
+            Err(error) => return Err(error.into()),
+            Ok(voxelized) => self.store_voxels(voxelized),
+        }
+        self.relight(&mut |_| {}).await?;
+        self.targets.accumulate.reset();
+        Ok(())
     }
 
     /// Records what the frame has to follow, before its passes.

@@ -140,7 +140,7 @@ impl Renderer {
         let mut overlay = settings.overlay.clone();
         // Voxels are not surfaces.
         overlay.hides_surfaces &= !settings.view.is_of_voxels();
-        let voxel_level = settings.voxel_level.min(self.gi.grid().levels - 1);
+        let voxel_level = settings.voxel_level.min(self.gi.grid().level_count() - 1);
         Shown { overlay, voxel_level }
     }
 }

@@ -67,6 +67,11 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
                 Some(dense_volume_bytes(&config.grid, config.directionality)),
                 "lower the resolution, or store the voxels in an octree (--volume octree)",
             ),
+            VolumeKind::Cascades => (
+                "cascades",
+                Some(dense_volume_bytes(&config.grid, config.directionality)),
+                "use fewer or smaller ones (--cascades, --cascade-resolution)",
+            ),
             VolumeKind::Octree(_) => {
                 ("an octree", None, "free memory for it, or lower the resolution")
             }

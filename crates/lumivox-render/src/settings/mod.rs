@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
 use lumivox::hooks::{ConeModel, Injection, OctreeBuilding, Voxelization};
-use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind};
+use lumivox::{CascadeOptions, Directionality, GiConfig, GiError, Grid, TraceSettings, VolumeKind};
 use lumivox_scene::Bounds;
 
 use crate::look::{Look, LookChoice};
@@ -106,6 +106,9 @@ pub struct RenderSettings {
     pub directionality: Directionality,
     /// The store of the cells. Default: dense.
     pub volume: VolumeKind,
+    /// The size of a clipmap around the camera, for [`VolumeKind::Cascades`]. Default: eight cascades of 64 voxels, the finest
+    /// of 0.125 m, which reach 1 km. They follow the camera; `resolution` and `grid_bounds` mean nothing then.
+    pub cascades: CascadeOptions,
     /// How an octree's nodes come into being. Default: `None`, by ranks. A dense volume has none.
     pub octree_builder: Option<Arc<dyn OctreeBuilding>>,
     /// The most bytes of the volume. Default: `None`, the device's limit.
@@ -161,6 +164,7 @@ impl Default for RenderSettings {
             grid_bounds: None,
             directionality: Directionality::default(),
             volume: VolumeKind::default(),
+            cascades: CascadeOptions::default(),
             octree_builder: None,
             volume_memory: None,
             voxelizer: None,
@@ -184,6 +188,18 @@ impl Default for RenderSettings {
 }
 
 impl RenderSettings {
+    /// The grid for these settings: fitted to bounds, or with cascades around the camera.
+    ///
+    /// # Errors
+    /// As [`Grid::fit`] and [`Grid::cascades`].
+    pub fn grid(&self, bounds: Bounds, camera: Vec3) -> Result<Grid, GiError> {
+        if self.volume == VolumeKind::Cascades {
+            return Grid::cascades(camera, &self.cascades, self.grid_offset);
+        }
+        let bounds = self.grid_bounds.unwrap_or(bounds);
+        Grid::fit(bounds.min, bounds.max, self.resolution, self.grid_offset)
+    }
+
     /// The configuration of the library for these settings.
     pub fn gi_config(&self, grid: Grid) -> GiConfig {
         GiConfig {
@@ -217,7 +233,7 @@ impl RenderSettings {
     /// The coarsest level of voxels that can be shown, for a grid of this many. A look may have
     /// more levels at any resolution; if the grid has fewer, the last one is shown.
     pub fn last_level(&self, grid: &Grid) -> u32 {
-        let last = grid.levels - 1;
+        let last = grid.level_count() - 1;
         self.shown_look().map_or(last, |look| last.max(look.last_level()))
     }
 
@@ -247,14 +263,13 @@ impl RenderSettings {
                 expected: format!("at most {most}, this device's max_texture_dimension_2d"),
             });
         }
-        if self.view.needs_octree() && self.volume == VolumeKind::Dense {
+        if self.view.needs_octree() && !matches!(self.volume, VolumeKind::Octree(_)) {
             return Err(RenderError::Setting {
                 name: "view",
                 value: self.view.name().to_owned(),
-                expected:
-                    "a view that a dense volume has; nodes and bricks are those of an octree \
+                expected: "a view that the volume has; nodes and bricks are those of an octree \
                            (--volume octree)"
-                        .to_owned(),
+                    .to_owned(),
             });
         }
         let shown = [self.view].into_iter().chain(self.beside.iter().copied());

@@ -1,5 +1,6 @@
 //! The renderer from outside, in one program: the shaders that its tests share are linked and compiled once.
 
+mod cascades;
 mod changes;
 mod common;
 mod determinism;

@@ -1,4 +1,4 @@
-// One cone through the volume. Lengths here are in voxels.
+// One cone through the volume. Lengths here are in the finest voxels.
 //
 // The cone is marched in steps of the size of the cells that it reads: at distance t, about
 // v = max(1, growth * t). Levels come in powers of two, so the one to read is drawn: log2(v) is rounded up or
@@ -25,8 +25,9 @@
 // past a gap or from outside, pays it back: it counts negative until T is zero again. In the mean
 // over cones that cancels the leaks.
 
+import package::cascades::{finest_level, level_count, outer_high, outer_low};
 import package::cones::model::{shown_share, start_of_cones};
-import package::grid::{grid, grid_from_world};
+import package::grid::grid_from_world;
 import package::volume::{is_clear, is_empty, is_oblique, probe_volume, sample_probe, Probe};
 
 // Settings of the march; the shader's side of TraceSettings.
@@ -55,6 +56,8 @@ struct Cone {
     reach: f32,
     // In [0, 1): added to the level before rounding down. 1/2 rounds to the nearest.
     level_offset: f32,
+    // The finest level that it reads.
+    level: u32,
 }
 
 struct Traced {
@@ -81,6 +84,9 @@ const MIN_GROWTH: f32 = 0.02;
 // farther away (docs/experiments.md has both).
 const SURPLUS: f32 = 0.1;
 
+// Where a cascade is left at the first chance, in its voxels from its border; a cone draws up to twice as many.
+const CASCADE_BORDER: f32 = 3.0;
+
 // The smallest surplus that is paid back.
 const LEAST_SURPLUS: f32 = 0.03;
 
@@ -92,10 +98,11 @@ fn is_spent(transmittance: f32, settings: ConeSettings) -> bool {
         && transmittance >= -min(settings.min_transmittance, LEAST_SURPLUS);
 }
 
-// The start of a surface's cones, in the grid's coordinates.
-fn cone_start(position_in_world: vec3f, normal: vec3f, settings: ConeSettings) -> vec3f {
-    let above = grid_from_world(position_in_world) + normal * settings.normal_offset;
-    return start_of_cones(above, normal, settings.model_values);
+// The start of a surface's cones, in the grid's coordinates; `level` is that of its voxels.
+fn cone_start(position_in_world: vec3f, normal: vec3f, level: u32, settings: ConeSettings) -> vec3f {
+    let offset = settings.normal_offset * exp2(f32(level));
+    let above = grid_from_world(position_in_world) + normal * offset;
+    return start_of_cones(above, normal, level, settings.model_values);
 }
 
 // The growth of a cone with a half angle that leaves a surface at a cosine against its normal:
@@ -117,18 +124,22 @@ fn taken_by(covered: f32, transmittance: f32, may_exceed: bool, pays_back: bool)
 }
 
 fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
-    let extent = vec3f(grid.dimensions);
+    let low = outer_low();
+    let high = outer_high();
+    let extent = high - low;
     let side = max(extent.x, max(extent.y, extent.z));
-    let largest_cell = exp2(f32(grid.levels - 1u));
+    let levels = level_count();
+    let smallest_cell = exp2(f32(cone.level));
+    let largest_cell = exp2(f32(levels - 1u));
     // Nothing is farther than the grid's diagonal (less than 1.74 sides) and the coarsest cells
     // around it.
     let reach = min(cone.reach, 1.75 * side + 2.0 * largest_cell);
 
     var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u, 0.0);
     var distance = 0.0;
-    var level = 0u;
+    var level = cone.level;
     var length = 0.0;
-    var cell = 1.0;
+    var cell = smallest_cell;
     var is_inside = reach > 0.0;
     // Whether this surface is oblique, and whether it is no longer the one that made the surplus.
     var may_exceed = false;
@@ -139,9 +150,18 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
         // step.
         var probe: Probe;
         loop {
-            let near = clamp(cone.growth * distance, 1.0, largest_cell);
-            let wanted = clamp(cone.growth * (distance + 0.5 * near), 1.0, largest_cell);
-            let wanted_level = min(u32(log2(wanted) + cone.level_offset), grid.levels - 1u);
+            let near = clamp(cone.growth * distance, smallest_cell, largest_cell);
+            let wanted =
+                clamp(cone.growth * (distance + 0.5 * near), smallest_cell, largest_cell);
+            let next = cone.origin_in_grid
+                + cone.direction * (distance + 0.5 * settings.step_per_voxel * exp2(f32(level)));
+            // Where a cascade ends, whether there is anything near or not.
+            level = finest_level(next, level, 0.5);
+            let wanted_level = max(
+                min(u32(log2(wanted) + cone.level_offset), levels - 1u),
+                // Shortly before, where there is nothing: each cone at a place of its own.
+                finest_level(next, level, CASCADE_BORDER * (1.0 + cone.level_offset)),
+            );
             cell = exp2(f32(level));
             length = settings.step_per_voxel * cell;
             let middle = distance + 0.5 * length;
@@ -149,7 +169,7 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
             // Outside the grid the cells at its border are still felt for half a cell.
             let margin = min(cell, 0.5 * side);
             is_inside = is_inside && distance < reach
-                && all(position >= vec3f(-margin)) && all(position <= extent + margin);
+                && all(position >= low - margin) && all(position <= high + margin);
             if middle > settings.occlusion_distance && traced.openness < 0.0 {
                 traced.openness = traced.transmittance;
             }

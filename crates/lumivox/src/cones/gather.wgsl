@@ -15,17 +15,18 @@ struct Gathered {
     samples: u32,
 }
 
-// `start` in [0, 1)^2 is the point's own place in the jitter's sequence.
+// `level` is that of the voxels of the point's surface, `start` in [0, 1)^2 is its own place in the jitter's sequence.
 fn gather(
     position_in_world: vec3f,
     shading_normal: vec3f,
     geometric_normal: vec3f,
+    level: u32,
     cone_count: u32,
     start: vec2f,
     frame: u32,
     settings: ConeSettings,
 ) -> Gathered {
-    let origin = cone_start(position_in_world, geometric_normal, settings);
+    let origin = cone_start(position_in_world, geometric_normal, level, settings);
     let world_from_normal = basis(shading_normal);
     let jitter = cell_jitter(start, frame);
     // The cones of a point round their levels by evenly spread numbers (golden ratio).
@@ -42,7 +43,7 @@ fn gather(
         let growth =
             cone_growth(local.tan_half_angle, dot(direction, geometric_normal), settings);
         let level_offset = fract(level_start + f32(cell) * 0.618034);
-        let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset), settings);
+        let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset, level), settings);
         sum.irradiance += weight
             * (traced.radiance + traced.transmittance * environment_radiance(direction, growth));
         sum.openness += traced.openness;

@@ -18,9 +18,9 @@ fn glossy_half_vector(drawn: vec3f, values: vec4f) -> vec3f {
 }
 
 // The start of cones, in the grid's coordinates; `above` is the point at the normal offset above
-// the surface.
-fn start_of_cones(above: vec3f, normal: vec3f, values: vec4f) -> vec3f {
-    return clear_of_walls(above, normal);
+// the surface, `level` that of the surface's voxels: 0 without cascades.
+fn start_of_cones(above: vec3f, normal: vec3f, level: u32, values: vec4f) -> vec3f {
+    return clear_of_walls(above, normal, level);
 }
 
 // The share of a cone that shows a sample's radiance. `taken` is the part that the sample takes of

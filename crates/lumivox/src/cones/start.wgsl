@@ -42,23 +42,25 @@ fn way_out(here: vec2f, rise: f32, own_rise: f32) -> f32 {
     return -sign(rise) * felt;
 }
 
-// A start above a surface, in the grid's coordinates, moved to where no such wall is felt.
-fn clear_of_walls(start: vec3f, normal: vec3f) -> vec3f {
+// A start above a surface, in the grid's coordinates, moved to where no such wall is felt. `level` is that of the surface's
+// voxels.
+fn clear_of_walls(start: vec3f, normal: vec3f, level: u32) -> vec3f {
+    let voxel = exp2(f32(level));
     let own_axis = main_axis(normal);
     var beside = vec3f(0.0);
     var back = 0.0;
     for (var axis = 0u; axis < 3u; axis++) {
-        let here = wall_coverage(start, axis);
+        let here = wall_coverage(start, level, axis);
         var half_voxel = vec3f(0.0);
-        half_voxel[axis] = 0.5;
-        let above = wall_coverage(start + half_voxel, axis);
-        let below = wall_coverage(start - half_voxel, axis);
-        let own_above = wall_coverage(start + half_voxel, own_axis);
-        let own_below = wall_coverage(start - half_voxel, own_axis);
+        half_voxel[axis] = 0.5 * voxel;
+        let above = wall_coverage(start + half_voxel, level, axis);
+        let below = wall_coverage(start - half_voxel, level, axis);
+        let own_above = wall_coverage(start + half_voxel, level, own_axis);
+        let own_below = wall_coverage(start - half_voxel, level, own_axis);
         let own_rise = max(own_above.x, own_above.y) - max(own_below.x, own_below.y);
         beside[axis] = way_out(here, max(above.x, above.y) - max(below.x, below.y), own_rise);
         let opposite = select(here.x, here.y, normal[axis] > 0.0);
         back = select(back, opposite, axis == own_axis);
     }
-    return start + beside - normal * dot(beside, normal) + normal * back;
+    return start + voxel * (beside - normal * dot(beside, normal) + normal * back);
 }

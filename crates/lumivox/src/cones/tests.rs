@@ -42,7 +42,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     settings.min_transmittance = 0.004;
     settings.occlusion_distance = 3e38;
     settings.model_values = vec4f(0.5, 2.0, 0.0, 0.0);
-    let result = trace_cone(Cone(cone.origin, cone.direction, cone.growth, cone.reach, cone.level_offset), settings);
+    let result = trace_cone(Cone(cone.origin, cone.direction, cone.growth, cone.reach, cone.level_offset, 0u), settings);
     traced[id.x] = vec4f(result.radiance, result.transmittance);
 }";
 
@@ -260,7 +260,7 @@ impl ConeModel for Stylized {
         "
 fn place_in_cell(drawn: vec2f, cell: u32, cell_count: u32, values: vec4f) -> vec2f { return drawn; }
 fn glossy_half_vector(drawn: vec3f, values: vec4f) -> vec3f { return drawn; }
-fn start_of_cones(above: vec3f, normal: vec3f, values: vec4f) -> vec3f { return above; }
+fn start_of_cones(above: vec3f, normal: vec3f, level: u32, values: vec4f) -> vec3f { return above; }
 fn shown_share(taken: f32, transmittance: f32, level: u32, width: f32, values: vec4f) -> f32 {
     return min(taken * (1.0 + f32(level) * values.y), max(transmittance, taken))
         * max(1.0 - values.x * width, 0.0);

@@ -4,6 +4,7 @@
 // importance sampling: Talbot et al. 2005, "Importance resampling for global illumination"), and a ray through the
 // volume tells whether something does. The mean over frames is exact but for the voxels in the ray's way.
 
+import package::cascades::finest_level;
 import package::cones::cone::{cone_start, trace_cone, Cone, ConeSettings};
 import package::cones::start::clear_of_walls;
 import package::emitters::draw::{draw_emitter, emitters, point_of, Drawn};
@@ -27,7 +28,7 @@ struct FromEmitters {
     samples: u32,
 }
 
-// A ray reads the finest cells alone: what the emitter's size makes soft, the mean over its points does.
+// A ray reads the finest cells that there are: what the emitter's size makes soft, the mean over its points does.
 fn ray_settings(settings: ConeSettings) -> ConeSettings {
     var ray = settings;
     ray.step_per_voxel = 1.0;
@@ -54,11 +55,13 @@ fn candidate(numbers: vec2f, index: u32) -> vec2f {
     );
 }
 
-// `start` in [0, 1)^2 is the place's own one in the sequence, `turn` counts through it.
+// `level` is that of the voxels of the place's surface, `start` in [0, 1)^2 is its own place in the sequence, and `turn` counts
+// through it.
 fn gather_emitters(
     position_in_world: vec3f,
     shading_normal: vec3f,
     geometric_normal: vec3f,
+    level: u32,
     start: vec2f,
     turn: u32,
     settings: ConeSettings,
@@ -104,16 +107,18 @@ fn gather_emitters(
         so_far += weights[i];
     }
     let kept = point_of(candidates[index], place);
-    let origin = cone_start(position_in_world, geometric_normal, settings);
+    let origin = cone_start(position_in_world, geometric_normal, level, settings);
     // Clear of walls beside the emitter, as it is of those beside the start.
-    let ahead = kept.position + CLEARANCE * kept.normal;
-    let moved = clear_of_walls(ahead, kept.normal) - ahead;
+    let at_emitter = finest_level(kept.position, level, 2.0);
+    let clearance = CLEARANCE * exp2(f32(at_emitter));
+    let ahead = kept.position + clearance * kept.normal;
+    let moved = clear_of_walls(ahead, kept.normal, at_emitter) - ahead;
     let aside = moved - dot(moved, kept.normal) * kept.normal;
     let to_point = kept.position + aside - origin;
     let distance = length(to_point);
     let direction = to_point / max(distance, 1e-6);
-    let reach = distance - CLEARANCE / max(abs(dot(direction, kept.normal)), 1e-3);
-    let ray = Cone(origin, direction, 0.0, reach, 0.0);
+    let reach = distance - clearance / max(abs(dot(direction, kept.normal)), 1e-3);
+    let ray = Cone(origin, direction, 0.0, reach, 0.0, level);
     let traced = trace_cone(ray, ray_settings(settings));
     // It may be below zero, which makes up for what other rays leak (cones::cone).
     let seen = sum / f32(CANDIDATES) * traced.transmittance;

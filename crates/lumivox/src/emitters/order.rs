@@ -36,8 +36,14 @@ const BLOCK: u32 = 512;
 const PASS_LEVELS: u32 = 9;
 const PASS_NODES: u32 = 256;
 
-/// Cells of the Morton curve along the grid's longest edge: what its 30 bits hold.
+/// Cells of the Morton curve along the longest edge of all boxes: what its 30 bits hold.
 const MORTON_CELLS: f32 = 1024.0;
+
+/// Cells of the Morton curve along the edge of a finest voxel.
+fn cells_per_voxel(grid: &Grid) -> f32 {
+    let coarser = 2.0_f32.powi(grid.box_count() as i32 - 1);
+    MORTON_CELLS / (grid.box_dimensions().max_element() as f32 * coarser)
+}
 
 /// Levels of nodes above so many emitters.
 fn levels_above(count: u32) -> u32 {
@@ -101,7 +107,7 @@ impl Order {
             exchange,
             merge_blocks,
             place,
-            cells_per_voxel: MORTON_CELLS / grid.dimensions.max_element() as f32,
+            cells_per_voxel: cells_per_voxel(grid),
             unsorted: storage_buffer(device, "unsorted emitters", record),
             keys: storage_buffer(device, "keys of emitters", u64::from(BLOCK) * 8),
             list: empty_list(device),

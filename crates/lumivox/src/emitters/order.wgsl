@@ -34,7 +34,8 @@ fn key_of(index: u32) -> vec2u {
     }
     let emitter = unsorted[index];
     let middle = emitter.corner + (emitter.along_ab + emitter.along_ac) / 3.0;
-    let cell = clamp(middle * sorting.cells_per_voxel, vec3f(0.0), vec3f(1023.0));
+    // The curve begins again where the boxes end, so that those of a clipmap may go anywhere.
+    let cell = vec3i(floor(middle * sorting.cells_per_voxel)) & vec3i(1023);
     return vec2u(morton_encode(vec3u(cell)), index);
 }
 

@@ -383,7 +383,7 @@ fn answer(question: vec4f, index: u32) -> vec3f {
     settings.min_transmittance = 0.03;
     settings.occlusion_distance = 3e38;
     let start = random_pair(index, 7u);
-    return gather(vec3f(0.0), question.xyz, vec3f(0.0, 1.0, 0.0), 12u, start, index, settings).irradiance;
+    return gather(vec3f(0.0), question.xyz, vec3f(0.0, 1.0, 0.0), 0u, 12u, start, index, settings).irradiance;
 }";
 
 /// Under a bent normal the part of the hemisphere that lies below the surface is folded up, as in a mirror: of a map of

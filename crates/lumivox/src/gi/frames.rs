@@ -1,6 +1,6 @@
 //! The calls of a frame that waits for nothing.
 
-use super::{Gi, follow};
+use super::{Gi, follow, move_to};
 use crate::cones::TraceSettings;
 use crate::emitters::Emitters;
 use crate::gpu::Recorder;
@@ -74,10 +74,12 @@ impl Gi {
         self.changes.begin(recorder);
         self.volume.hear(recorder)?;
         self.lighting.expect_emission(self.draws_emitters() && Emitters::are_in(geometry));
-        let Self { device, voxelizer, scene, volume, changes, lighting, .. } = self;
+        let Self { device, voxelizer, scene, volume, changes, lighting, emitters, config, .. } =
+            self;
         let mut is_taken = false;
         let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
             is_taken = true;
+            move_to(device, &taken, config, (&mut *lighting, &mut *volume, emitters.list()));
             follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
         };
         let mut frame = voxelizer.record(recorder, scene, geometry, follow)?;

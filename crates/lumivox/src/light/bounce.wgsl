@@ -1,6 +1,7 @@
 // One bounce: faces gather the irradiance that the volume holds for them. Reflectance stays below one, so the repetition
 // converges.
 
+import package::cascades::cascade_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::gpu::random::{hash, random_pair};
@@ -8,14 +9,16 @@ import package::cones::gather::gather;
 import package::light::turn::{
     counts, face_in_turn, faces, from_emitters, irradiance, is_fresh, settings,
 };
+import package::voxels::morton::morton_decode;
 
 fn gather_at(index: u32) {
     let face = faces[index];
     let normal = normalize(face.vector_area);
     // A face keeps its jitter from bounce to bounce, so that the bounces converge to a fixed point.
     let start = random_pair(face.cell, hash(face.lobe));
+    let level = cascade_of(morton_decode(face.cell));
     let gathered = gather(
-        face.position_in_world, normal, normal, settings.cone_count, start, 0u, settings.cones);
+        face.position_in_world, normal, normal, level, settings.cone_count, start, 0u, settings.cones);
     var sum = gathered.irradiance;
     if settings.has_emitters != 0u {
         sum += from_emitters[index].rgb;

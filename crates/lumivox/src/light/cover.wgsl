@@ -6,9 +6,9 @@
 // of the one behind; a single sheet, however it straddles them, has no more than that. The coverage stays, so that
 // nothing leaks past the lamp's edge.
 
+import package::cascades::{box_size, lowest_voxel, stored_cell, voxel_of, BoxVoxel};
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::grid::grid;
 import package::voxels::counts::ListCounts;
 import package::voxels::list::{Face, Node, lobe_axis, lobe_sign};
 import package::voxels::lookup::bits_below;
@@ -27,12 +27,13 @@ import package::voxels::morton::{morton_decode, morton_encode};
 
 const NO_FACE = 0xffffffffu;
 
-// The face of a lobe in a cell.
-fn face_in(cell: vec3i, lobe: u32) -> u32 {
-    if any(cell < vec3i(0)) || any(cell >= vec3i(grid.dimensions)) {
+// The face of a lobe in a voxel.
+fn face_in(cell: BoxVoxel, lobe: u32) -> u32 {
+    let from_lowest = cell.voxel - lowest_voxel(cell.cascade);
+    if any(from_lowest < vec3i(0)) || any(from_lowest >= vec3i(box_size())) {
         return NO_FACE;
     }
-    let code = morton_encode(vec3u(cell));
+    let code = morton_encode(stored_cell(cell.voxel, 0u, cell.cascade));
     let bits = occupancy[code / 32u];
     if (bits & (1u << (code % 32u))) == 0u {
         return NO_FACE;
@@ -67,8 +68,8 @@ fn show(index: u32, has_emission: bool) {
     }
     let own = faces[index];
     let axis = lobe_axis(own.lobe);
-    var cell = vec3i(morton_decode(own.cell));
-    cell[axis] += i32(lobe_sign(own.lobe));
+    var cell = voxel_of(morton_decode(own.cell));
+    cell.voxel[axis] += i32(lobe_sign(own.lobe));
     let front = face_in(cell, own.lobe);
     var result = sent_out(index, has_emission);
     let covered = coverage_of(index, axis);
@@ -76,7 +77,7 @@ fn show(index: u32, has_emission: bool) {
     if hiding + covered > 1.0 {
         for (var side = 0u; side < 4u; side++) {
             var beside = cell;
-            beside[(axis + 1u + side / 2u) % 3u] += select(-1, 1, (side & 1u) != 0u);
+            beside.voxel[(axis + 1u + side / 2u) % 3u] += select(-1, 1, (side & 1u) != 0u);
             hiding = min(hiding, coverage_of(face_in(beside, own.lobe), axis));
         }
         let hidden = clamp((hiding + covered - 1.0) / covered, 0.0, 1.0);

@@ -2,13 +2,15 @@
 //
 // A face looks the same from all sides: L = Le + sum of irradiances times what leaves of them (reflected.wgsl) / pi.
 
+import package::cascades::cascade_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::light::lights::{incident_light, light_globals, lights, Light};
 import package::light::reflected::reflected_from;
-import package::light::visibility::light_visibility;
+import package::light::visibility::light_visibility_from;
 import package::voxels::counts::ListCounts;
 import package::voxels::list::Face;
+import package::voxels::morton::morton_decode;
 
 @group(1) @binding(0) var<uniform> counts: ListCounts;
 @group(1) @binding(1) var<storage, read> faces: array<Face>;
@@ -23,8 +25,9 @@ fn leaving_of(light: Light, face: Face, normal: vec3f) -> vec3f {
     if cosine <= 0.0 || all(incident.irradiance <= vec3f(0.0)) {
         return vec3f(0.0);
     }
+    let level = cascade_of(morton_decode(face.cell));
     let irradiance = incident.irradiance * cosine
-        * light_visibility(light, incident, face.position_in_world, normal);
+        * light_visibility_from(light, incident, face.position_in_world, normal, level);
     return reflected_from(face, cosine) / PI * irradiance;
 }
 

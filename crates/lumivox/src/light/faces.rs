@@ -202,7 +202,7 @@ impl Faces {
         recorder: &mut Recorder<'_>,
         kernels: &LightKernels,
         settings: &Buffer,
-        (Taken { list, replaced, moving }, has_emission): (Taken<'_>, bool),
+        (Taken { list, replaced, moving, .. }, has_emission): (Taken<'_>, bool),
         earlier: Option<Self>,
     ) -> Self {
         let device = recorder.device().clone();

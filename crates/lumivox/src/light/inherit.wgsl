@@ -1,9 +1,13 @@
-// The irradiance of the faces of a list from that of the list before: from the same lobe of the same voxel.
+// The irradiance of the faces of a list from that of the list before: from the same lobe of the same voxel. Where the box of
+// a clipmap has moved, another voxel may be stored in a voxel's place, a whole box away.
 
+import package::cascades::cascade_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
+import package::grid::grid;
 import package::voxels::list::Face;
 import package::voxels::lookup::bits_below;
+import package::voxels::morton::morton_decode;
 
 @group(1) @binding(0) var<storage, read> faces: array<Face>;
 @group(1) @binding(1) var<storage, read> old_occupancy: array<u32>;
@@ -31,7 +35,11 @@ fn main(
     let first = old_first_faces[old_ranks[word] + bits_below(bits, face.cell % 32u)];
     for (var i = first; i < first + 6u && i < arrayLength(&old_faces); i++) {
         if old_faces[i].cell == face.cell && old_faces[i].lobe == face.lobe {
-            irradiance[index] = old_irradiance[i];
+            let apart = distance(old_faces[i].position_in_world, face.position_in_world);
+            let voxel_m = grid.voxel_size_m * exp2(f32(cascade_of(morton_decode(face.cell))));
+            if apart < 4.0 * voxel_m {
+                irradiance[index] = old_irradiance[i];
+            }
             return;
         }
     }

@@ -29,7 +29,7 @@ use crate::volume::Volume;
 use crate::volume::changes::{Changes, Shown};
 use crate::voxelize::Taken;
 use crate::voxels::VoxelList;
-use crate::{GiConfig, GiError};
+use crate::{GiConfig, GiError, Grid};
 
 use faces::{Faces, LightKernels};
 use turns::Turns;
@@ -131,6 +131,13 @@ impl Lighting {
             has_emission: false,
             is_lit: false,
         })
+    }
+
+    /// Goes on with a clipmap whose boxes have moved: what is recorded from here on.
+    pub(crate) fn move_to(&mut self, device: &Pipelines, grid: &Grid) {
+        let layout = LayoutBuilder::compute().uniform().build(device, "grid");
+        let uniform = grid.uniform(device);
+        self.grid = BindGroupBuilder::new(&layout).buffer(&uniform).build(device, "grid");
     }
 
     /// Follows a list that is about to be taken: the light of its faces goes with them. Whether it is bound to other

@@ -1,11 +1,13 @@
 // The irradiance that faces have straight from emitters. It changes with the emitters alone, so that gathers that follow one
 // another add what is there.
 
+import package::cascades::cascade_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::emitters::gather::gather_emitters;
 import package::gpu::dispatch::linear_index;
 import package::gpu::random::{hash, random_pair};
 import package::light::turn::{counts, face_in_turn, faces, from_emitters, is_fresh, settings};
+import package::voxels::morton::morton_decode;
 
 // Points on emitters that a face looks at. Faces look at the same ones in every gather, so their noise stays, but a cone
 // sees many faces.
@@ -15,9 +17,11 @@ fn shine_on(index: u32) {
     let face = faces[index];
     let normal = normalize(face.vector_area);
     let start = random_pair(face.cell ^ 0x9e3779b9u, hash(face.lobe));
+    let level = cascade_of(morton_decode(face.cell));
     var sum = vec3f(0.0);
     for (var i = 0u; i < POINTS; i++) {
-        sum += gather_emitters(face.position_in_world, normal, normal, start, i, settings.cones).irradiance;
+        sum += gather_emitters(
+            face.position_in_world, normal, normal, level, start, i, settings.cones).irradiance;
     }
     from_emitters[index] = vec4f(sum / f32(POINTS), 1.0);
 }

@@ -1,5 +1,6 @@
 // The share of a light that reaches a point: from a shadow map, or by a cone as wide as the source.
 
+import package::cascades::finest_level;
 import package::constants::{SHADOW_CONE, SHADOW_MAP};
 import package::grid::{grid, grid_from_world};
 import package::light::lights::{is_parallel, Incident, Light};
@@ -23,32 +24,47 @@ fn shadow_cone_visibility(
     incident: Incident,
     position_in_world: vec3f,
     normal: vec3f,
+    level: u32,
 ) -> f32 {
     let settings = shadow_cone_settings();
+    let voxel = exp2(f32(level));
     var tan_half_angle = light.radius;
     var reach = 3e38;
     if !is_parallel(light) {
         tan_half_angle = light.radius / max(incident.distance_m, light.radius);
         // Not into the source itself, nor into what carries it.
-        reach = (incident.distance_m - light.radius) / grid.voxel_size_m - 2.0;
+        reach = (incident.distance_m - light.radius) / grid.voxel_size_m - 2.0 * voxel;
     }
-    let origin = grid_from_world(position_in_world) + normal * settings.normal_offset;
+    let origin = grid_from_world(position_in_world) + normal * (voxel * settings.normal_offset);
     let growth = cone_growth(tan_half_angle, 1.0, settings);
-    let cone = Cone(origin, incident.direction, growth, reach, 0.5);
+    let cone = Cone(origin, incident.direction, growth, reach, 0.5, level);
     return max(trace_cone(cone, settings).transmittance, 0.0);
 }
 
+// At a surface, which may have voxels of several cascades.
 fn light_visibility(
     light: Light,
     incident: Incident,
     position_in_world: vec3f,
     normal: vec3f,
 ) -> f32 {
+    let level = finest_level(grid_from_world(position_in_world), 0u, 2.0);
+    return light_visibility_from(light, incident, position_in_world, normal, level);
+}
+
+// At a place whose surface is that of voxels of a level.
+fn light_visibility_from(
+    light: Light,
+    incident: Incident,
+    position_in_world: vec3f,
+    normal: vec3f,
+    level: u32,
+) -> f32 {
     if light.shadow == SHADOW_MAP {
         return shadow_map_visibility(light, position_in_world, normal);
     }
     if light.shadow == SHADOW_CONE {
-        return shadow_cone_visibility(light, incident, position_in_world, normal);
+        return shadow_cone_visibility(light, incident, position_in_world, normal, level);
     }
     return 1.0;
 }

@@ -1,5 +1,6 @@
 // Irradiance at points: one thread gathers some frames of one point and adds them to the mean of the frames before.
 
+import package::cascades::drawn_level;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::cones::cone::ConeSettings;
 import package::cones::gather::gather;
@@ -69,10 +70,11 @@ fn main(
     let start = start_of(position, normal);
     var sum = gathered[index];
     for (var i = 0u; i < settings.frames; i++) {
+        let level = drawn_level(position, fract(start.x + 0.618034 * f32(sum.frames & 0xffffu)));
         let once = gather(
-            position, normal, normal, settings.cone_count, start, sum.frames, settings.cones);
+            position, normal, normal, level, settings.cone_count, start, sum.frames, settings.cones);
         let lit = gather_emitters(
-            position, normal, normal, start.yx, sum.frames, settings.cones);
+            position, normal, normal, level, start.yx, sum.frames, settings.cones);
         sum.frames += 1u;
         let share = 1.0 / f32(sum.frames);
         sum.indirect = mix(sum.indirect, once.irradiance + lit.irradiance, share);

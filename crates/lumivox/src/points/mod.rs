@@ -185,6 +185,11 @@ impl Slot for PointSlot {
 /// takes it for hung up.
 const GATHERS_A_PASS: u64 = 1 << 16;
 
+/// Frames of one pass at most. Mesa's software driver ends all loops of a thread after 65 535 iterations together, without a
+/// word (`LP_MAX_TGSI_LOOP_ITERATIONS` in `lp_bld_limits.h`), and a frame takes a thousand or more: of 256 frames in
+/// one pass the first 60 to 110 were gathered, and the others were not.
+const FRAMES_A_PASS: u64 = 4;
+
 /// Gathers at points.
 #[derive(Debug)]
 pub(crate) struct PointGatherer {
@@ -220,7 +225,7 @@ impl PointGatherer {
     ) {
         recorder.stage("points");
         let count = u64::from(points.count);
-        let most = (GATHERS_A_PASS / count.max(1)).clamp(1, u64::from(settings.frames)) as u32;
+        let most = (GATHERS_A_PASS / count.max(1)).clamp(1, FRAMES_A_PASS) as u32;
         let mut left = settings.frames;
         while left > 0 && count > 0 {
             let frames = left.min(most);

@@ -157,6 +157,25 @@ fn frames_add_up_whatever_the_order() {
     assert!(in_parts == at_once);
 }
 
+/// Every frame that is asked for is gathered, however many there are, where a frame takes long: among many emitters.
+#[test]
+fn no_frame_is_left_out() {
+    let rooms = (0..8).fold(SceneBuilder::default(), |scene, index| {
+        let edge = 1.0 - 0.1 * index as f32;
+        let low = Vec3::splat(0.5 - 0.5 * edge);
+        scene.room(low, low + edge, &lambert(0.5, 1.0))
+    });
+    let lab = Lab::new(rooms, 64, (&[], Vec3::ZERO), 1);
+    let (positions, normals): (Vec<Vec3>, Vec<Vec3>) = scattered(8).into_iter().unzip();
+    let points = GatherPoints::upload(&lab.device, &positions, &normals);
+    let settings = GatherSettings { frames: 300, ..GatherSettings::default() };
+    let mut recorder = Recorder::new(&lab.device, &lab.queue);
+    lab.gi.record_gather(&mut recorder, &points, &lab.lights, &settings).expect("valid settings");
+    recorder.submit();
+    let gathered: Vec<GatheredPoint> = read(&lab.device, &lab.queue, points.gathered(), 8);
+    assert!(gathered.iter().all(|point| point.frames == 300), "{gathered:?}");
+}
+
 #[test]
 fn points_that_cannot_be_are_refused() {
     let room = SceneBuilder::default().room(Vec3::ZERO, Vec3::ONE, &lambert(0.5, 1.0));

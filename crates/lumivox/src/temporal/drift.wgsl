@@ -1,6 +1,7 @@
 // How the light of each pixel that the last frame has traced has changed since: the mean over the probes around it, as far
 // as they share its surface, of what they were and of what they are.
 
+import package::cascades::finest_level;
 import package::grid::grid_from_world;
 import package::temporal::filter::share;
 import package::temporal::guide::guide_normal;
@@ -31,6 +32,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     var weights = 0.0;
     if guide.w >= 0.0 {
         let normal = guide_normal(guide);
+        let voxels = exp2(-f32(finest_level(guide.xyz, 0u, 0.5)));
         let size = vec2i(probes_size(traced_size));
         let centre = vec2i(invocation.xy / SPACING);
         for (var y = max(centre.y - RADIUS, 0); y <= min(centre.y + RADIUS, size.y - 1); y++) {
@@ -39,7 +41,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
                 if probe.pixel == NO_PROBE {
                     continue;
                 }
-                let between = grid_from_world(probe.position_in_world) - guide.xyz;
+                let between = voxels * (grid_from_world(probe.position_in_world) - guide.xyz);
                 let weight = share(between, normal, probe.shading_normal, REACH);
                 was += weight * probe.was;
                 now += weight * probe.now;

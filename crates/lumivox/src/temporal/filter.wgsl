@@ -2,6 +2,7 @@
 // surface. Steps of 1, 2, 4 and 8 one after the other are a wide filter for few look-ups: Dammertz et al. 2010, "Edge-avoiding
 // a-trous wavelet transform for fast global illumination filtering".
 
+import package::cascades::finest_level;
 import package::temporal::guide::guide_normal;
 
 struct FilterStep {
@@ -11,14 +12,14 @@ struct FilterStep {
     padding_2: u32,
 }
 
-@group(0) @binding(0) var<uniform> filter_step: FilterStep;
-@group(0) @binding(1) var guides: texture_2d<f32>;
-@group(0) @binding(2) var light: texture_2d<f32>;
-@group(0) @binding(3) var change: texture_2d<f32>;
-@group(0) @binding(4) var light_out: texture_storage_2d<rgba16float, write>;
-@group(0) @binding(5) var change_out: texture_storage_2d<rgba16float, write>;
+@group(1) @binding(0) var<uniform> filter_step: FilterStep;
+@group(1) @binding(1) var guides: texture_2d<f32>;
+@group(1) @binding(2) var light: texture_2d<f32>;
+@group(1) @binding(3) var change: texture_2d<f32>;
+@group(1) @binding(4) var light_out: texture_storage_2d<rgba16float, write>;
+@group(1) @binding(5) var change_out: texture_storage_2d<rgba16float, write>;
 
-// Light differs over this many voxels.
+// Light differs over this many voxels, of the finest that the place has.
 const REACH: f32 = 16.0;
 
 // How far a place shares the light of another: `between` is its offset in voxels, the normals are those of the two, and
@@ -44,6 +45,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         return;
     }
     let normal = guide_normal(guide);
+    let voxels = exp2(-f32(finest_level(guide.xyz, 0u, 0.5)));
     var light_sum = 0.25 * textureLoad(light, place, 0);
     var change_sum = 0.25 * textureLoad(change, place, 0);
     var weights = 0.25;
@@ -58,7 +60,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
             continue;
         }
         let kernel = select(0.125, 0.0625, offset.x != 0 && offset.y != 0);
-        let weight = kernel * share(other.xyz - guide.xyz, normal, guide_normal(other), REACH);
+        let between = voxels * (other.xyz - guide.xyz);
+        let weight = kernel * share(between, normal, guide_normal(other), REACH);
         if weight > 0.0 {
             light_sum += weight * textureLoad(light, tap, 0);
             change_sum += weight * textureLoad(change, tap, 0);

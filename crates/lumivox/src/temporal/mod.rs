@@ -179,13 +179,14 @@ impl Kernels {
         };
         let probes = [globals, &layouts.trace_probes, lights];
         let drift = [globals, &layouts.drift];
+        let filter = [globals, &layouts.filter];
         Ok(Self {
             trace_probes: Kernel::new(device, shaders, "temporal::trace_probes", "main", &probes)?,
             drift: Kernel::new(device, shaders, "temporal::drift", "main", &drift)?,
             take_probes: kernel("take_probes", &layouts.take_probes)?,
             recall: kernel("recall", &layouts.recall)?,
             compare: kernel("compare", &layouts.compare)?,
-            filter: Kernel::new(device, shaders, "temporal::filter", "main", &[&layouts.filter])?,
+            filter: Kernel::new(device, shaders, "temporal::filter", "main", &filter)?,
             resolve: kernel("resolve", &layouts.resolve)?,
             nothing: BindGroupBuilder::new(&layouts.nothing).build(device, "nothing"),
         })
@@ -453,7 +454,7 @@ impl Past {
         kernels.recall.run(recorder, &with(recall), [x, y, 1]);
         kernels.compare.run(recorder, &with(&groups.compare), traced);
         for filter in &groups.filters {
-            kernels.filter.run(recorder, &[filter], traced);
+            kernels.filter.run(recorder, &[globals, filter], traced);
         }
         kernels.resolve.run(recorder, &with(&groups.resolve), [x, y, 1]);
         kernels.take_probes.run(recorder, &with(&groups.take_probes), [probes.x, probes.y, 1]);

@@ -1,5 +1,6 @@
 // Diffuse cones from the pixels of the G-buffer: irradiance in rgb, openness in a.
 
+import package::cascades::drawn_level;
 import package::gpu::random::{hash, random_pair};
 import package::cones::gather::gather;
 import package::emitters::gather::gather_emitters;
@@ -23,10 +24,12 @@ fn gather_at(
     turn: u32,
 ) -> TracedDiffuse {
     let start = random_pair(pixel.x, hash(pixel.y));
+    let level = drawn_level(position_in_world, fract(start.x + 0.618034 * f32(turn & 0xffffu)));
     let gathered = gather(
         position_in_world,
         shading_normal,
         geometric_normal,
+        level,
         settings.diffuse_cones,
         start,
         turn,
@@ -36,6 +39,7 @@ fn gather_at(
         position_in_world,
         shading_normal,
         geometric_normal,
+        level,
         random_pair(pixel.x ^ 0x9e3779b9u, hash(pixel.y)),
         turn,
         settings.cones,

@@ -1,7 +1,7 @@
 // How far two places share the light that arrives at them: what cones gather is smooth below the size of a voxel,
 // so a place counts less and less up to a voxel off the surface's plane, and less where its normal differs.
 
-import package::grid::grid;
+import package::cascades::voxel_size_at;
 import package::trace::surface::Surface;
 
 // 1: the same surface, 0: another one. `offset` is the other place, seen from the surface, in metres.
@@ -9,5 +9,5 @@ fn fit(offset: vec3f, normal: vec3f, surface: Surface) -> f32 {
     let off_plane = abs(dot(offset, surface.geometric_normal));
     let facing = max(dot(normal, surface.shading_normal), 0.0);
     let facing_2 = facing * facing;
-    return max(1.0 - off_plane / grid.voxel_size_m, 0.0) * facing_2 * facing_2;
+    return max(1.0 - off_plane / voxel_size_at(surface.position_in_world), 0.0) * facing_2 * facing_2;
 }

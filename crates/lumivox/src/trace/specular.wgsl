@@ -15,6 +15,7 @@ import package::trace::brdf::{
     sample_visible_normal,
 };
 import package::trace::coat::{below_coat, coat_fresnel, coat_of};
+import package::cascades::drawn_level;
 import package::cones::cone::{cone_growth, cone_start, trace_cone, Cone};
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::cones::hemisphere::basis;
@@ -87,11 +88,12 @@ fn trace_turn(pixel: vec2u, turn: u32) -> Reflection {
     let cos_half = max(1.0 - solid_angle / 6.28318530718, MIN_COS_HALF_ANGLE);
     let tan_half = sqrt(1.0 - cos_half * cos_half) / cos_half;
 
+    let level = drawn_level(surface.position_in_world, start.x);
     let origin = cone_start(
-        surface.position_in_world, surface.geometric_normal, settings.cones);
+        surface.position_in_world, surface.geometric_normal, level, settings.cones);
     let growth = cone_growth(tan_half, cos_plane, settings.cones);
     let level_offset = fract(start.x + start.y + 0.754878 * f32(turn & 0xffffu));
-    let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset), settings.cones);
+    let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset, level), settings.cones);
     // A mirror shows the surroundings sharply, though its cone never reads the finest cells far away.
     let outside_width = min(growth, 2.0 * tan_half * settings.cones.voxel_per_diameter);
     let outside = environment_reflection(direction, outside_width, alpha);

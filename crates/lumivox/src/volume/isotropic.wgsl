@@ -4,8 +4,7 @@
 // A surface looks the same from both sides, and lights and hides itself: the first voxel cone
 // tracers did the same (Crassin et al. 2011); it is kept for comparison and for small devices.
 
-import package::volume::border::border_weight;
-import package::volume::cells::{fetch, load_part, parts_at, place_at, Place};
+import package::volume::cells::{fetch, inside_share, load_part, parts_at, place_at, Place};
 
 // A place in the volume where a sample may be taken: cheap to make, and enough to see that nothing
 // is there.
@@ -35,11 +34,11 @@ fn is_oblique(probe: Probe) -> bool {
 
 // Radiance around a probe times opacity, and the opacity; the direction does not matter.
 fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
-    return border_weight(probe.place.position_in_grid, probe.place.level) * fetch(probe.place, 0u);
+    return inside_share(probe.place) * fetch(probe.place, 0u);
 }
 
 // One value a cell has no orientation.
-fn wall_coverage(position_in_grid: vec3f, axis: u32) -> vec2f {
+fn wall_coverage(position_in_grid: vec3f, level: u32, axis: u32) -> vec2f {
     return vec2f(0.0);
 }
 

@@ -15,7 +15,7 @@ mod octree;
 
 use crate::gpu::{BindGroup, Buffer, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
 use crate::voxels::VoxelList;
-use crate::{GiError, Grid};
+use crate::{Cascades, GiError, Grid};
 
 use changes::ChangedCells;
 use dense::DenseVolume;
@@ -47,6 +47,8 @@ pub enum VolumeKind {
     /// 3D textures over the whole grid: the fastest look-ups, and memory that goes with the cube of
     /// the resolution.
     Dense,
+    /// The same textures for the boxes of a clipmap around the camera; for a [`Grid::cascades`], and for no other grid.
+    Cascades,
     /// A sparse octree with bricks: memory that goes with the surface.
     Octree(OctreeOptions),
 }
@@ -92,7 +94,7 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
         Directionality::Isotropic => include_str!("isotropic.wgsl"),
     };
     let cells = match kind {
-        VolumeKind::Dense => dense::CELLS,
+        VolumeKind::Dense | VolumeKind::Cascades => dense::CELLS,
         VolumeKind::Octree(_) => octree::CELLS,
     };
     shaders
@@ -101,6 +103,10 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
         .constant_u32("ISOTROPIC", u32::from(directionality == Directionality::Isotropic))
         // Until there is a grid.
         .constant_u32("OCTREE_STEPS", 0);
+    if kind == VolumeKind::Cascades {
+        let some = Cascades::stored([2, 16]);
+        crate::cascades::add_constants(shaders, Some(&some));
+    }
 }
 
 /// Group 0 of everything that samples a volume: the grid, the volume's numbers, its masks or nodes,
@@ -148,9 +154,11 @@ impl Volume {
         budget: Option<u64>,
         emitters: &Buffer,
     ) -> Result<Self, GiError> {
+        crate::cascades::check(grid, kind)?;
         mount(shaders, kind, directionality);
+        crate::cascades::add_constants(shaders, grid.cascades.as_ref());
         match kind {
-            VolumeKind::Dense => {
+            VolumeKind::Dense | VolumeKind::Cascades => {
                 DenseVolume::new(device, shaders, grid, (directionality, budget), emitters)
                     .map(|dense| Self::Dense(Box::new(dense)))
             }
@@ -166,6 +174,14 @@ impl Volume {
         match self {
             Self::Dense(dense) => dense.bind_emitters(device, emitters),
             Self::Octree(octree) => octree.bind_emitters(device, emitters),
+        }
+    }
+
+    /// Goes on with a clipmap whose boxes have moved: what is recorded from here on.
+    pub(crate) fn move_to(&mut self, device: &Pipelines, grid: &Grid, emitters: &Buffer) {
+        match self {
+            Self::Dense(dense) => dense.move_to(device, grid, emitters),
+            Self::Octree(_) => {}
         }
     }
 

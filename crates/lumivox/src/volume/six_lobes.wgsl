@@ -4,8 +4,7 @@
 // Seen along d, a lobe with vector area N covers max(0, -d . N): exactly what a plane of that
 // orientation covers, and nothing from behind.
 
-import package::volume::border::border_weight;
-import package::volume::cells::{fetch, load_part, parts_at, place_at, Place};
+import package::volume::cells::{fetch, inside_share, load_part, parts_at, place_at, Place};
 import package::volume::parts::{part_of, NEGATIVE, PARTS, POSITIVE, TILT};
 
 // The tilts of all axes.
@@ -102,16 +101,16 @@ fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
         }
     }
     // Everything scales with the border's weight, the vector areas included.
-    return sum * border_weight(probe.place.position_in_grid, probe.place.level);
+    return sum * inside_share(probe.place);
 }
 
-// The coverage of the surfaces across an axis at the finest level: of those that face along it in
+// The coverage of the surfaces across an axis in cells of a level: of those that face along it in
 // x, against it in y.
-fn wall_coverage(position_in_grid: vec3f, axis: u32) -> vec2f {
-    let place = place_at(position_in_grid, 0u);
+fn wall_coverage(position_in_grid: vec3f, level: u32, axis: u32) -> vec2f {
+    let place = place_at(position_in_grid, level);
     let positive = fetch(place, part_of(axis, POSITIVE)).a;
     let negative = fetch(place, part_of(axis, NEGATIVE)).a;
-    return vec2f(positive, negative) * border_weight(position_in_grid, 0u);
+    return vec2f(positive, negative) * inside_share(place);
 }
 
 // The value of `sample_probe` for one cell of a level, unfiltered.

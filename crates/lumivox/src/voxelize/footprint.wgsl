@@ -4,8 +4,8 @@
 // "Walk order" names the axes (u, v, w): w is the dominant axis, and the turn is cyclic, so that it keeps the
 // side that a triangle faces. Since w is dominant, the plane's slope along u and v is at most 1.
 
+import package::cascades::{box_size, lowest_voxel};
 import package::constants::TILE_EDGE;
-import package::grid::grid;
 import package::voxelize::reproducible::{cross_fused, is_finite};
 import package::voxelize::triangles::Triangle;
 
@@ -21,12 +21,12 @@ struct Footprint {
     axis: u32,
     // In walk order, of twice the triangle's area.
     normal: vec3f,
-    // The voxels of the triangle's box inside the grid, in walk order, both ends included.
+    // The voxels of the triangle's box inside the cascade, in walk order, both ends included.
     first: vec3i,
     last: vec3i,
     // No area, or not finite.
     is_degenerate: bool,
-    // No voxel of the grid touches its box.
+    // No voxel of the cascade touches its box.
     is_outside: bool,
 }
 
@@ -51,7 +51,20 @@ fn dominant_axis(normal: vec3f) -> u32 {
     return select(xy, 2u, size.z > larger * DOMINANCE);
 }
 
+// A triangle in the voxels of a cascade.
+fn in_cascade(triangle: Triangle, cascade: u32) -> Triangle {
+    let scale = exp2(-f32(cascade));
+    return Triangle(
+        scale * triangle.a, scale * triangle.b, scale * triangle.c, triangle.vertices, triangle.draw);
+}
+
+// In a grid without cascades.
 fn footprint(triangle: Triangle) -> Footprint {
+    return footprint_in(triangle, 0u);
+}
+
+// Of a triangle in the voxels of a cascade.
+fn footprint_in(triangle: Triangle, cascade: u32) -> Footprint {
     let cross = cross_fused(triangle.b - triangle.a, triangle.c - triangle.a);
     var result: Footprint;
     result.axis = dominant_axis(cross);
@@ -62,9 +75,10 @@ fn footprint(triangle: Triangle) -> Footprint {
     // Voxels are closed boxes here: what touches a boundary belongs to the voxels on both sides of it.
     let low = min(triangle.a, min(triangle.b, triangle.c));
     let high = max(triangle.a, max(triangle.b, triangle.c));
-    let size = vec3f(grid.dimensions);
-    let first = clamp(ceil(low) - 1.0, vec3f(0.0), size);
-    let last = clamp(floor(high), vec3f(-1.0), size - 1.0);
+    let lowest = vec3f(lowest_voxel(cascade));
+    let end = lowest + vec3f(box_size());
+    let first = clamp(ceil(low) - 1.0, lowest, end);
+    let last = clamp(floor(high), lowest - 1.0, end - 1.0);
     result.first = vec3i(turn(first, result.axis));
     result.last = vec3i(turn(last, result.axis));
     result.is_outside = any(first > last);
@@ -73,6 +87,9 @@ fn footprint(triangle: Triangle) -> Footprint {
 
 // Tiles along u and v.
 fn tile_counts(area: Footprint) -> vec2u {
+    if area.is_outside {
+        return vec2u(0u);
+    }
     let columns = vec2u(area.last.xy - area.first.xy + 1);
     return (columns + TILE_EDGE - 1u) / TILE_EDGE;
 }

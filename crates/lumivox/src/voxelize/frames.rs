@@ -32,16 +32,39 @@ impl Voxelizer {
         follow: &mut dyn FnMut(&mut Recorder<'_>, Taken<'_>),
     ) -> Result<FrameVoxels, GiError> {
         input::check_materials(geometry)?;
-        let (device, grid) = (recorder.device().clone(), scene.grid);
+        let device = recorder.device().clone();
         let limits = device.limits();
-        let moving_input = ShareInput::new(geometry, false, &grid, &limits)?;
         let emission_scale = input::emission_scale(geometry);
         recorder.stage("voxelize");
+        // What is on its way gets there, so that boxes that move all the time do move.
+        if scene.next.is_none() && scene.wanted.is_some() {
+            scene.next = Some(self.wanted_grid(&device, scene));
+            scene.rebuild = None;
+        }
+        let mut arrived = None;
+        if let Some(next) = scene.next.clone() {
+            if ShareKey::is_needed(geometry) {
+                let work = &mut self.work(recorder, &device, &next.grid, &next.globals);
+                arrived = self.rebuild(work, scene, geometry)?;
+                if arrived.is_some() {
+                    scene.place(next);
+                }
+            } else {
+                scene.place(next);
+            }
+        }
+        let grid = scene.grid;
+        let moving_input = ShareInput::new(geometry, false, &grid, &limits)?;
         let globals = scene.globals.clone();
         let mut work = self.work(recorder, &device, &grid, &globals);
         let work = &mut work;
-        let mut is_late = Self::hear(work, scene)?;
-        if !ShareKey::is_needed(geometry) {
+        let mut is_late = Self::hear(work, scene)? | scene.next.is_some() | scene.wanted.is_some();
+        if let Some(fixed) = arrived {
+            is_late = true;
+            Self::replace(work, scene, Some(fixed))?;
+        } else if scene.next.is_some() {
+            // The list stays what it was until then.
+        } else if !ShareKey::is_needed(geometry) {
             scene.rebuild = None;
             if scene.fixed.is_some() {
                 Self::replace(work, scene, None)?;

@@ -17,7 +17,7 @@ struct ItemRun {
 struct Item {
     exists: bool,
     triangle: u32,
-    // The tile's number within its triangle.
+    // The tile's number within its triangle, whose tiles are those of the finest cascade it is in, then those of the next.
     tile: u32,
 }
 

@@ -1,5 +1,6 @@
 // From the sums of the static share to faces: a thread per voxel.
 
+import package::cascades::grid_from_stored;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::world_from_grid;
@@ -34,7 +35,7 @@ fn main(
     let collected = voxels[voxel];
     let scale = bitcast<f32>(collected.area_low);
     let cell = nodes[voxel].morton;
-    let corner = vec3f(morton_decode(cell));
+    let stored = morton_decode(cell);
     var tilted = 0u;
     var index = collected.first_face;
     var lobes = collected.lobes;
@@ -45,7 +46,7 @@ fn main(
         if is_tilted(means.vector_area, lobe) {
             tilted |= 1u << lobe;
         }
-        let position = world_from_grid(corner + means.position_in_voxel);
+        let position = world_from_grid(grid_from_stored(stored, means.position_in_voxel));
         faces[index] = face_slot(means, position, means.emission * params.emission_scale, cell, lobe);
         index++;
     }

@@ -3,6 +3,7 @@
 // A face that both shares have is that of all pieces together: their sums, brought to the smaller of the two scales. Where
 // there is more than one layer of them, the share that lies in front in the mean hides as much of the other as it covers.
 
+import package::cascades::grid_from_stored;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::world_from_grid;
@@ -72,7 +73,7 @@ fn main(
     }
     let shares = united[voxel];
     let cell = moving_nodes[voxel].morton;
-    let corner = vec3f(morton_decode(cell));
+    let stored = morton_decode(cell);
     let second_lobes = shares.lobes >> 8u;
     let all = (shares.lobes | second_lobes) & 0x3fu;
     var tilted = 0u;
@@ -96,7 +97,7 @@ fn main(
         if is_tilted(means.vector_area, lobe) {
             tilted |= 1u << lobe;
         }
-        let position = world_from_grid(corner + means.position_in_voxel);
+        let position = world_from_grid(grid_from_stored(stored, means.position_in_voxel));
         moving_faces[index] = face_slot(means, position, means.emission * params.emission_scale, cell, lobe);
         index++;
     }

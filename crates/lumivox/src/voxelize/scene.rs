@@ -43,6 +43,17 @@ pub struct VoxelizedScene {
     /// The last verdict that was heard of is that there is no room, or none was heard yet.
     pub(super) lacks_room: bool,
     pub(super) rebuild: Option<Rebuild>,
+    /// The grid to go on with: a clipmap whose boxes have moved.
+    pub(super) wanted: Option<Grid>,
+    /// That of what is on its way.
+    pub(super) next: Option<PlacedGrid>,
+}
+
+/// A grid, and group 0 with it.
+#[derive(Clone, Debug)]
+pub(super) struct PlacedGrid {
+    pub(super) grid: Grid,
+    pub(super) globals: BindGroup,
 }
 
 /// Static surface.
@@ -74,6 +85,8 @@ pub(crate) struct Taken<'a> {
     pub replaced: Option<&'a VoxelList>,
     /// The faces that it will take.
     pub moving: Moving<'a>,
+    /// Its grid.
+    pub grid: &'a Grid,
 }
 
 /// How a recorded voxelization stands, as far as the GPU has told.
@@ -108,7 +121,27 @@ impl VoxelizedScene {
             late: None,
             lacks_room: true,
             rebuild: None,
+            wanted: None,
+            next: None,
         }
+    }
+
+    /// The grid of the list, and of the next one until it is taken.
+    pub(crate) fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Lets the next voxelization go on with a grid whose boxes have moved. Whether it differs from the present one is
+    /// returned.
+    pub(crate) fn move_to(&mut self, grid: Grid) -> bool {
+        self.wanted = (grid != self.grid).then_some(grid);
+        self.wanted.is_some()
+    }
+
+    /// Goes on with another grid.
+    pub(super) fn place(&mut self, placed: PlacedGrid) {
+        self.wanted = self.wanted.filter(|wanted| *wanted != placed.grid);
+        (self.grid, self.globals, self.next) = (placed.grid, placed.globals, None);
     }
 
     /// The list of voxels, once there is one.
@@ -214,6 +247,15 @@ impl Voxelizer {
         Ok((stats, recorder.finish().await?))
     }
 
+    /// The grid to go on with.
+    pub(super) fn wanted_grid(&self, device: &wgpu::Device, scene: &VoxelizedScene) -> PlacedGrid {
+        let Some(grid) = scene.wanted else {
+            return PlacedGrid { grid: scene.grid, globals: scene.globals.clone() };
+        };
+        let globals = BindGroupBuilder::new(&self.kernels.layouts.grid);
+        PlacedGrid { grid, globals: globals.buffer(&grid.uniform(device)).build(device, "grid") }
+    }
+
     /// As [`Self::voxelize`], with a recorder that it submits in between, and somebody who follows the list.
     pub(crate) async fn voxelize_into(
         &self,
@@ -223,9 +265,11 @@ impl Voxelizer {
         follow: &mut dyn FnMut(&mut Recorder<'_>, Taken<'_>),
     ) -> Result<VoxelizeStats, GiError> {
         input::check_materials(geometry)?;
-        let (device, grid) = (recorder.device().clone(), scene.grid);
+        let device = recorder.device().clone();
+        let placed = self.wanted_grid(&device, scene);
+        let PlacedGrid { grid, globals } = placed.clone();
         let limits = device.limits();
-        let is_reused = scene.has_fixed(self.method, geometry);
+        let is_reused = grid == scene.grid && scene.has_fixed(self.method, geometry);
         // What is used again is not looked at.
         let fixed_input = if is_reused {
             ShareInput::default()
@@ -237,7 +281,6 @@ impl Voxelizer {
         (scene.rebuild, scene.late, scene.lacks_room) = (None, None, false);
 
         recorder.stage("voxelize");
-        let globals = scene.globals.clone();
         let mut work = self.work(recorder, &device, &grid, &globals);
         let work = &mut work;
 
@@ -289,6 +332,8 @@ impl Voxelizer {
                 skipped,
             });
         }
+
+        scene.place(placed);
 
         // Which lobes they have, and how much surface.
         if let Some(fixed) = &mut fixed {
@@ -446,7 +491,7 @@ impl Voxelizer {
             union.resolve(work, emission_scale);
         }
         if let Some(moving) = union.moving() {
-            follow(work.recorder, Taken { list, replaced, moving });
+            follow(work.recorder, Taken { list, replaced, moving, grid: work.grid });
         }
         union.take(work);
         if is_new {

@@ -1,9 +1,10 @@
-// How many work items (tiles of columns) each triangle needs. A prefix sum turns `item_starts` into the number
+// How many work items (tiles of columns) each triangle needs, in all cascades together. A prefix sum turns `item_starts` into the number
 // of each triangle's first item.
 
+import package::cascades::box_count;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::voxelize::footprint::{footprint, tile_counts};
+import package::voxelize::footprint::{footprint_in, in_cascade, tile_counts};
 import package::voxelize::triangles::load_triangle;
 
 struct SplitParams {
@@ -36,17 +37,23 @@ fn main(
 ) {
     let index = linear_index(invocation, workgroups);
     if index < params.triangle_count {
-        let area = footprint(load_triangle(index, 0u, params.draw_count));
+        let triangle = load_triangle(index, 0u, params.draw_count);
         var items = 0u;
-        if area.is_degenerate {
-            atomicAdd(&group_degenerate, 1u);
-        } else if area.is_outside {
-            atomicAdd(&group_outside, 1u);
-        } else {
-            let tiles = tile_counts(area);
-            items = tiles.x * tiles.y;
-            atomicAdd(&group_items, items);
+        var is_degenerate = false;
+        for (var cascade = 0u; cascade < box_count(); cascade++) {
+            let area = footprint_in(in_cascade(triangle, cascade), cascade);
+            is_degenerate = is_degenerate || (cascade == 0u && area.is_degenerate);
+            if !area.is_degenerate {
+                let tiles = tile_counts(area);
+                items += tiles.x * tiles.y;
+            }
         }
+        if is_degenerate {
+            atomicAdd(&group_degenerate, 1u);
+        } else if items == 0u {
+            atomicAdd(&group_outside, 1u);
+        }
+        atomicAdd(&group_items, items);
         item_starts[index] = items;
     }
     workgroupBarrier();

@@ -5,10 +5,13 @@
 // is that of small numbers. Every test is widened by a bound of its own rounding error: it may let a voxel
 // pass that the triangle misses by a hair, but never the other way round.
 
+import package::cascades::{box_count, stored_cell};
 import package::constants::TILE_EDGE;
-import package::voxelize::footprint::{footprint, tile_counts, turn, turn_back_cell};
+import package::voxelize::footprint::{
+    Footprint, footprint_in, in_cascade, tile_counts, turn, turn_back_cell,
+};
 import package::voxelize::items::{Item, run};
-import package::voxelize::triangles::load_triangle;
+import package::voxelize::triangles::{Triangle, load_triangle};
 
 // A sum of three products of numbers up to m, each off by its own rounding (2^-24) and by that of its factors,
 // is off by less than 8 * 2^-24 m.
@@ -44,6 +47,7 @@ struct Walk {
     // The voxel that coordinates are relative to, in walk order.
     base: vec3i,
     axis: u32,
+    cascade: u32,
     vertices: vec3u,
     draw: u32,
     // Bound of the coordinates' size, for rounding errors.
@@ -55,13 +59,38 @@ struct Walk {
     // How the plane's depth changes along u and v, and by how much a column's range is widened.
     slope: vec2f,
     widening: f32,
-    // Of the triangle, and of the grid.
+    // Of the triangle, and of the cascade.
     depth_range: vec2f,
     depth_limits: vec2i,
     // The columns of the tile: 0 to `last_column`; the current voxel, and the last one of its column.
     last_column: vec2i,
     voxel: vec3i,
     last_depth: i32,
+}
+
+// An item's cascade, its triangle there, and its tile among those of that cascade.
+struct ItemInCascade {
+    triangle: Triangle,
+    area: Footprint,
+    cascade: u32,
+    tile: u32,
+}
+
+fn item_in_cascade(item: Item) -> ItemInCascade {
+    let triangle = load_triangle(item.triangle, run.first_draw, run.end_draw);
+    var own = ItemInCascade(triangle, footprint_in(triangle, 0u), 0u, item.tile);
+    loop {
+        let tiles = tile_counts(own.area);
+        let count = select(tiles.x * tiles.y, 0u, own.area.is_degenerate);
+        if own.tile < count || own.cascade + 1u >= box_count() {
+            break;
+        }
+        own.tile -= count;
+        own.cascade += 1u;
+        own.triangle = in_cascade(triangle, own.cascade);
+        own.area = footprint_in(own.triangle, own.cascade);
+    }
+    return own;
 }
 
 // Before the first voxel of an item; `walk_on` moves to it.
@@ -73,15 +102,17 @@ fn walk_begin(item: Item) -> Walk {
     if !item.exists {
         return walk;
     }
-    let triangle = load_triangle(item.triangle, run.first_draw, run.end_draw);
-    let area = footprint(triangle);
+    let own = item_in_cascade(item);
+    let triangle = own.triangle;
+    let area = own.area;
     walk.axis = area.axis;
+    walk.cascade = own.cascade;
     walk.normal = area.normal;
     walk.draw = triangle.draw;
     walk.vertices = triangle.vertices;
 
     let tiles = tile_counts(area);
-    let corner = area.first.xy + vec2i(vec2u(item.tile % tiles.x, item.tile / tiles.x) * TILE_EDGE);
+    let corner = area.first.xy + vec2i(vec2u(own.tile % tiles.x, own.tile / tiles.x) * TILE_EDGE);
     walk.last_column = min(area.last.xy - corner, vec2i(i32(TILE_EDGE) - 1));
 
     // Depth is counted from where the plane passes the tile's middle.
@@ -151,7 +182,8 @@ fn walk_on(walk: ptr<function, Walk>) -> bool {
     return true;
 }
 
-// The current voxel in the grid.
+// Where the current voxel is stored.
 fn walk_cell(walk: ptr<function, Walk>) -> vec3u {
-    return vec3u(turn_back_cell((*walk).base + (*walk).voxel, (*walk).axis));
+    let voxel = turn_back_cell((*walk).base + (*walk).voxel, (*walk).axis);
+    return stored_cell(voxel, 0u, (*walk).cascade);
 }

@@ -155,7 +155,6 @@ impl Report {
         let Self { file, scene, renderer, seconds, settings, .. } = self;
         let RendererReport { grid, voxels, faces, .. } = renderer;
         let [width, height] = self.size;
-        let [x, y, z] = grid.dimensions;
         let frames = counted(settings.frames as usize, "frame", "frames");
         let frame_ms = seconds.rendering * 1e3 / f64::from(settings.frames);
         let mut text = format!("{file}: {width}x{height}, view {}, {frames}", settings.view.name());
@@ -172,10 +171,10 @@ impl Report {
         );
         text += &self.notes.iter().map(NoteReport::line).collect::<String>();
         text += &format!(
-            "  voxels   {} with {} in {x} x {y} x {z} of {:.4} m\n",
+            "  voxels   {} with {} in {}\n",
             count((*voxels).into()),
             counted(*faces as usize, "face", "faces"),
-            grid.voxel_size_m
+            grid.size()
         );
         text += &format!("  memory   {} on the GPU\n", bytes(renderer.memory_bytes));
         text += &format!(

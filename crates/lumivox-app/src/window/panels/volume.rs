@@ -19,10 +19,12 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     let voxels = &model.voxels;
     if voxels.voxels > 0 {
         let [x, y, z] = voxels.dimensions;
-        weak(
-            ui,
-            format!("Grid {x} x {y} x {z}, {} levels, edge {:.3} m", voxels.levels, voxels.edge_m),
-        );
+        let what = match voxels.cascades {
+            0 => "Grid".to_owned(),
+            count => format!("{count} cascades of"),
+        };
+        let (levels, edge_m) = (voxels.levels, voxels.edge_m);
+        weak(ui, format!("{what} {x} x {y} x {z}, {levels} levels, edge {edge_m:.3} m"));
         let (voxel_count, faces) = (count(voxels.voxels.into()), count(voxels.faces.into()));
         weak(ui, format!("{voxel_count} voxels, {faces} faces"));
     }

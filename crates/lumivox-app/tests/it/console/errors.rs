@@ -34,7 +34,7 @@ const WRONG: &[(&str, &[&str])] = &[
     ("light lamp range 0", &["range", "1.1754944e-38 to 1e9"]),
     ("remove_light x", &["there is no light \"x\""]),
     ("resolution 100", &["multiple of 8", "\"100\""]),
-    ("volume octre", &["dense or octree", "did you mean \"octree\"?"]),
+    ("volume octre", &["dense, octree or cascades", "did you mean \"octree\"?"]),
     ("lod 9", &["level is a whole number from 0 to", "got 9"]),
     ("exposure bright", &["auto-each (stops)"]),
     ("preset fine", &["fast, realtime, balanced, high, report or vxct"]),

@@ -8,7 +8,8 @@ const RED: Vec3 = Vec3::new(0.8, 0.1, 0.1);
 
 /// A grid of 16 voxels of 1 m with its corner at the world's origin.
 fn grid() -> Grid {
-    Grid { origin_in_world: Vec3::ZERO, voxel_size_m: 1.0, dimensions: UVec3::splat(16), levels: 3 }
+    let (dimensions, levels) = (UVec3::splat(16), 3);
+    Grid { origin_in_world: Vec3::ZERO, voxel_size_m: 1.0, dimensions, levels, cascades: None }
 }
 
 fn set(voxels: &[([u32; 3], Vec3, f32)]) -> VoxelSet {

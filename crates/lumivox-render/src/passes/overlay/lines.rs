@@ -97,13 +97,15 @@ pub(super) fn all(overlay: &Overlay, grid: &Grid) -> Vec<OverlayLine> {
     faint.chain(full).chain(overlay.lines.iter().copied()).collect()
 }
 
-/// The twelve edges of the grid's bounds.
+/// The twelve edges of the grid's bounds, or of those of each cascade.
 fn box_edges(grid: &Grid) -> Vec<(Vec3, Vec3)> {
-    let min = grid.world_from_grid(Vec3::ZERO);
-    let max = grid.world_from_grid(grid.dimensions.as_vec3());
-    let corners = corners(Bounds { min, max });
-    let pairs = (0..8_usize).flat_map(|from| [1, 2, 4].map(|axis| (from, from | axis)));
-    pairs.filter(|(from, to)| from != to).map(|(from, to)| (corners[from], corners[to])).collect()
+    let edges = |(min, max)| {
+        let corners = corners(Bounds { min, max });
+        let pairs = (0..8_usize).flat_map(|from| [1, 2, 4].map(|axis| (from, from | axis)));
+        let pairs = pairs.filter(|(from, to)| from != to);
+        pairs.map(move |(from, to)| (corners[from], corners[to]))
+    };
+    grid.boxes_in_world().into_iter().flat_map(edges).collect()
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 // The shared parts of all views of voxels: settings, picture, a pixel's ray, outlines.
 
+import package::cascades::lowest_cell;
 import package::grid::grid_from_world;
 import package::trace::view::{position_from_depth, view};
 
@@ -24,7 +25,7 @@ const MIN_OPACITY: f32 = 0.001;
 const OUTLINE_WIDTH: f32 = 0.04;
 const OUTLINE_LIGHT: f32 = 0.7;
 
-// In units of cells of a level.
+// In units of cells of a level, from the corner of their box.
 struct Ray {
     origin: vec3f,
     // Unit length.
@@ -32,7 +33,7 @@ struct Ray {
 }
 
 fn pixel_ray(pixel: vec2u, level: u32) -> Ray {
-    let origin = grid_from_world(view.position_in_world) * exp2(-f32(level));
+    let origin = grid_from_world(view.position_in_world) * exp2(-f32(level)) - vec3f(lowest_cell(level));
     let target_point = position_from_depth(pixel, FAR_DEPTH);
     return Ray(origin, normalize(target_point - view.position_in_world));
 }

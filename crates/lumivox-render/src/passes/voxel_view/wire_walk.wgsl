@@ -4,6 +4,7 @@
 // coarser level is crossed in one step, and the next one tried is twice as large; a block that is
 // not empty is searched.
 
+import package::cascades::{box_size, lowest_cell, shown_cascade, stored_from_corner};
 import package::grid::{grid, grid_from_world};
 import package::render::passes::voxel_view::cell_walk::{longest_walk, walk_into};
 import package::trace::view::{ray_direction, view};
@@ -33,14 +34,17 @@ struct PixelRay {
     down: vec3f,
 }
 
-// The first bit of the level, and its cells along each axis.
+// The cascade, the level less the cascade, its first bit, and its cells along each axis.
 struct LevelBits {
+    cascade: u32,
+    up: u32,
     first_word: u32,
     size: vec3i,
 }
 
-fn has_voxel(cell: vec3u, first_word: u32) -> bool {
-    let code = morton_encode(cell);
+// The cell is given from its box's corner.
+fn has_voxel(cell: vec3u, up: u32, cascade: u32, first_word: u32) -> bool {
+    let code = morton_encode(stored_from_corner(cell, up, cascade));
     return ((occupancy[first_word + code / 32u] >> (code & 31u)) & 1u) != 0u;
 }
 
@@ -77,7 +81,7 @@ fn outline_of(
             var next = cell;
             next[beside] += select(-1, 1, is_high);
             let is_outside = next[beside] < 0 || next[beside] >= level.size[beside];
-            let is_next_there = !is_outside && has_voxel(vec3u(next), level.first_word);
+            let is_next_there = !is_outside && has_voxel(vec3u(next), level.up, level.cascade, level.first_word);
             width = select(2.0 * HALF_WIDTH, HALF_WIDTH, is_next_there);
         }
         let strength = saturate(DENSEST / pixel);
@@ -90,15 +94,17 @@ fn outline_of(
 fn wires_along(pixel: vec2u, level: u32, end: f32) -> Wires {
     let direction = ray_direction(pixel);
     let ray = PixelRay(
-        grid_from_world(view.position_in_world) * exp2(-f32(level)),
+        grid_from_world(view.position_in_world) * exp2(-f32(level)) - vec3f(lowest_cell(level)),
         direction,
         ray_direction(pixel + vec2u(1u, 0u)) - direction,
         ray_direction(pixel + vec2u(0u, 1u)) - direction,
     );
-    let size = vec3i(grid.dimensions >> vec3u(level));
+    let cascade = shown_cascade(level);
+    let stored_level = level - cascade;
+    let size = vec3i(box_size() >> vec3u(stored_level));
     let entry = walk_into(ray.origin, ray.direction, vec3f(size));
-    let own = LevelBits(level_first_word(level), size);
-    let most_up = grid.levels - 1u - level;
+    let own = LevelBits(cascade, stored_level, level_first_word(stored_level), size);
+    let most_up = grid.levels - 1u - stored_level;
     let forward = vec3i(entry.forward);
 
     var cell = vec3i(entry.cell);
@@ -107,7 +113,7 @@ fn wires_along(pixel: vec2u, level: u32, end: f32) -> Wires {
     // The present block is this many levels coarser; its level's bits begin here.
     var up = 0u;
     var first_word = own.first_word;
-    var words = level_words(level);
+    var words = level_words(stored_level);
 
     var before = cell;
     var was_there = false;
@@ -119,7 +125,7 @@ fn wires_along(pixel: vec2u, level: u32, end: f32) -> Wires {
     loop {
         let is_inside = all(cell >= vec3i(0)) && all(cell < size);
         let looked_at = vec3u(clamp(cell, vec3i(0), size - 1)) >> vec3u(up);
-        let is_there = is_inside && has_voxel(looked_at, first_word);
+        let is_there = is_inside && has_voxel(looked_at, stored_level + up, cascade, first_word);
         if is_there && up > 0u {
             up -= 1u;
             words *= 8u;

@@ -1,8 +1,8 @@
 //! The rows of the table, except those of the cones.
 
 use lumivox::{
-    Directionality, Duplication, MAX_RESOLUTION, MIN_RESOLUTION, Mipmapping, OctreeOptions,
-    VolumeKind,
+    CascadeOptions, Directionality, Duplication, MAX_CASCADES, MAX_RESOLUTION, MIN_RESOLUTION,
+    Mipmapping, OctreeOptions, VolumeKind,
 };
 
 use super::{Choice, Choices as _, Kind, Redoes, Setting, Value};
@@ -171,19 +171,31 @@ pub(super) const VOLUME: &[Row] = &[
         name: "volume",
         summary: "Where the voxels' light is stored",
         help: "The picture is the same to 0.2 % on average. A dense volume is faster below 256 voxels (docs/octree.md has \
-               figures) and takes memory with the cube of the resolution; an octree takes it with the surface.",
+               figures) and takes memory with the cube of the resolution; an octree takes it with the surface. Cascades have \
+               fine voxels near the camera and coarse ones far away, for scenes that are much larger than what is seen closely.",
         kind: Kind::Choice(&[
             Choice::new("dense", "3D textures over the whole grid"),
             Choice::new("octree", "nodes and bricks where there is surface"),
+            Choice::new(
+                "cascades",
+                "boxes around the camera, each with voxels twice as large as the one within it",
+            ),
         ]),
         redoes: Redoes::Voxels,
-        get: |s| Value::Choice(if s.volume == VolumeKind::Dense { "dense" } else { "octree" }),
+        get: |s| {
+            Value::Choice(match s.volume {
+                VolumeKind::Dense => "dense",
+                VolumeKind::Cascades => "cascades",
+                VolumeKind::Octree(_) => "octree",
+            })
+        },
         set: |s, v| {
             s.volume = match v {
                 Value::Choice("octree") => VolumeKind::Octree(octree(s)),
+                Value::Choice("cascades") => VolumeKind::Cascades,
                 _ => VolumeKind::Dense,
             };
-            if s.volume == VolumeKind::Dense {
+            if !matches!(s.volume, VolumeKind::Octree(_)) {
                 s.octree_builder = None;
             }
         },
@@ -204,6 +216,39 @@ pub(super) const VOLUME: &[Row] = &[
         get: |s| Value::Choice(octree(s).mipmapping.choice()),
         set: |s, v| set_octree(s, |octree| octree.mipmapping.choose(v)),
         ..OF_OCTREE
+    },
+    Row {
+        name: "cascades",
+        summary: "Boxes around the camera; selects cascades",
+        help: "The outermost one has an edge of cascade_resolution times cascade_voxel times 2^(cascades - 1), and there is no \
+               light from voxels beyond it. Each takes 20 MiB with 64 voxels, 160 MiB with 128, if all blocks are used.",
+        kind: Kind::whole(1, MAX_CASCADES as u32),
+        get: |s| Value::Whole(s.cascades.count),
+        set: |s, v| set_cascades(s, |cascades| cascades.count = v.whole()),
+        ..OF_CASCADES
+    },
+    Row {
+        name: "cascade_resolution",
+        unit: "voxels",
+        summary: "Voxels along each axis of a cascade; selects cascades",
+        help: "Higher: coarser voxels begin farther from the camera. Memory grows with the cube.",
+        kind: Kind::Whole { low: 32, high: 256, multiple: 8 },
+        get: |s| Value::Whole(s.cascades.resolution),
+        set: |s, v| set_cascades(s, |cascades| cascades.resolution = v.whole()),
+        ..OF_CASCADES
+    },
+    Row {
+        name: "cascade_voxel",
+        unit: "m",
+        summary: "Edge of the voxels of the finest cascade; selects cascades",
+        help: "Lower resolves finer detail near the camera, and reaches less far.",
+        kind: Kind::number(0.001, 1000.0),
+        get: |s| Value::Number(s.cascades.voxel_size_m),
+        set: |s, v| {
+            let size = v.number().unwrap_or(s.cascades.voxel_size_m);
+            set_cascades(s, |cascades| cascades.voxel_size_m = size);
+        },
+        ..OF_CASCADES
     },
     Row {
         name: "volume_memory",
@@ -273,11 +318,22 @@ const MIB: f32 = 1_048_576.0;
 const OF_OCTREE: Row =
     Row { needs: Some(("volume", "octree")), redoes: Redoes::Voxels, ..Row::ROW };
 
+/// The base of the cascades' options, which select cascades.
+const OF_CASCADES: Row =
+    Row { needs: Some(("volume", "cascades")), redoes: Redoes::Voxels, ..Row::ROW };
+
+/// Selects cascades of a changed size.
+fn set_cascades(settings: &mut RenderSettings, change: impl FnOnce(&mut CascadeOptions)) {
+    change(&mut settings.cascades);
+    settings.volume = VolumeKind::Cascades;
+    settings.octree_builder = None;
+}
+
 /// The options of the octree, or the defaults without one.
 fn octree(settings: &RenderSettings) -> OctreeOptions {
     match settings.volume {
         VolumeKind::Octree(options) => options,
-        VolumeKind::Dense => OctreeOptions::default(),
+        VolumeKind::Dense | VolumeKind::Cascades => OctreeOptions::default(),
     }
 }
 

@@ -117,7 +117,7 @@ fn what_is_no_value_says_what_would_be() {
         error("resolution", "100"),
         "resolution is a multiple of 8 from 16 to 1024 (voxels); got \"100\""
     );
-    assert_eq!(error("volume", "sparse"), "volume is dense or octree; got \"sparse\"");
+    assert_eq!(error("volume", "sparse"), "volume is dense, octree or cascades; got \"sparse\"");
     assert_eq!(
         error("clearance", "0.05"),
         "clearance is a number from 0.1 to 1, or 0 (ratio); got \"0.05\""

@@ -26,8 +26,8 @@ impl ConeModel for StillCones {
             return vec3f(0.0, 0.0, 1.0);
         }
 
-        fn start_of_cones(above: vec3f, normal: vec3f, values: vec4f) -> vec3f {
-            return clear_of_walls(above, normal);
+        fn start_of_cones(above: vec3f, normal: vec3f, level: u32, values: vec4f) -> vec3f {
+            return clear_of_walls(above, normal, level);
         }
 
         fn shown_share(taken: f32, transmittance: f32, level: u32, width: f32, values: vec4f) -> f32 {

@@ -1,7 +1,9 @@
 // The cells of the dense volume, as filtered look-ups see them: the module package::volume::cells.
 
-import package::constants::ISOTROPIC;
+import package::cascades::{block_of, box_size, cascade_at, lowest_voxel};
+import package::constants::{CASCADES, ISOTROPIC};
 import package::grid::grid;
+import package::volume::border::border_weight;
 import package::volume::dense::atlas::{part_texel, slab_of};
 import package::volume::dense::masks::parts_near;
 
@@ -10,27 +12,70 @@ import package::volume::dense::masks::parts_near;
 
 // Where a filtered look-up reads.
 struct Place {
-    position_in_grid: vec3f,
-    level: u32,
+    // In the voxels of the cascade.
+    position: vec3f,
+    // The level of its cells less the cascade.
+    up: u32,
+    cascade: u32,
 }
 
 fn place_at(position_in_grid: vec3f, level: u32) -> Place {
-    return Place(position_in_grid, level);
+    let cascade = cascade_at(position_in_grid, level);
+    return Place(position_in_grid * exp2(-f32(cascade)), level - cascade, cascade);
 }
 
 // All parts that a look-up at a place can meet.
 fn parts_at(place: Place) -> u32 {
-    return parts_near(place.position_in_grid, place.level);
+    return parts_near(place.position, place.up, place.cascade);
+}
+
+// The share of a look-up that falls on cells of the grid.
+fn inside_share(place: Place) -> f32 {
+    return border_weight(place.position, place.up, place.cascade);
+}
+
+// Trilinear at a stored position, which is at least half a cell inside of its box.
+fn sample_stored(position: vec3f, part: u32, up: u32) -> vec4f {
+    let extent = vec3f(grid.dimensions);
+    let slabs = select(3.0, 1.0, ISOTROPIC != 0u);
+    let uvw = (position + vec3f(slab_of(part)) * extent) / (extent * vec3f(1.0, slabs, slabs));
+    return textureSampleLevel(atlas, atlas_sampler, uvw, f32(up));
 }
 
 // A part of the cells around a place, trilinear, clamped to its slab.
 fn fetch(place: Place, part: u32) -> vec4f {
-    let extent = vec3f(grid.dimensions);
-    let half_cell = 0.5 * exp2(f32(place.level));
-    let inside = clamp(place.position_in_grid, vec3f(half_cell), extent - half_cell);
-    let slabs = select(3.0, 1.0, ISOTROPIC != 0u);
-    let uvw = (inside + vec3f(slab_of(part)) * extent) / (extent * vec3f(1.0, slabs, slabs));
-    return textureSampleLevel(atlas, atlas_sampler, uvw, f32(place.level));
+    let low = vec3f(lowest_voxel(place.cascade));
+    let size = vec3f(box_size());
+    let half_cell = 0.5 * exp2(f32(place.up));
+    let inside = clamp(place.position, low + half_cell, low + size - half_cell);
+    if CASCADES == 0u {
+        return sample_stored(inside, part, place.up);
+    }
+    let block = vec3f(block_of(place.cascade)) * size;
+    let turned = inside - size * floor(inside / size);
+    // Between a box's last cell as stored and its first one, which are neighbours, too.
+    let beyond = select(turned, turned - size, turned > 0.5 * size);
+    let is_between = abs(beyond) < vec3f(half_cell);
+    if !any(is_between) {
+        return sample_stored(block + turned, part, place.up);
+    }
+    let axes = dot(select(vec3u(0u), vec3u(1u, 2u, 4u), is_between), vec3u(1u));
+    let of_first = select(vec3f(1.0), 0.5 + 0.5 * beyond / half_cell, is_between);
+    var sum = vec4f(0.0);
+    // The axes along which the last one is read: all subsets.
+    var last = 0u;
+    loop {
+        let is_last = (vec3u(last) & vec3u(1u, 2u, 4u)) != vec3u(0u);
+        let weights = select(of_first, 1.0 - of_first, is_last);
+        let ends = select(vec3f(half_cell), size - half_cell, is_last);
+        let position = block + select(turned, ends, is_between);
+        sum += weights.x * weights.y * weights.z * sample_stored(position, part, place.up);
+        last = (last - axes) & axes;
+        continuing {
+            break if last == 0u;
+        }
+    }
+    return sum;
 }
 
 // A part of one cell, unfiltered.

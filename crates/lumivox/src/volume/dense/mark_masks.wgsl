@@ -1,5 +1,6 @@
 // Fills the masks of masks.wgsl: each occupied cell marks the eight look-up positions that read it.
 
+import package::cascades::stored_after;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
@@ -25,7 +26,8 @@ fn main(
     let parts = parts_of_lobes(node.lobes);
     let first_entry = level_first_entry(node_range.level);
     for (var corner = 0u; corner < 8u; corner++) {
-        let position = cell + vec3u(corner & 1u, (corner >> 1u) & 1u, corner >> 2u);
+        let offset = vec3u(corner & 1u, (corner >> 1u) & 1u, corner >> 2u);
+        let position = stored_after(cell, offset, node_range.level);
         let entry = mask_entry(first_entry, position, dimensions);
         atomicOr(&marked[entry >> 1u], parts << ((entry & 1u) * 16u));
     }

@@ -5,6 +5,7 @@
 // 1/2). So each of those positions has an entry: the parts (parts.wgsl) of its 2x2x2 cells, OR-ed.
 // 16 bits an entry, two in a word. Skipping by them is exact.
 
+import package::cascades::{box_size, lowest_voxel, stored_cell};
 import package::grid::grid;
 
 // Levels that a grid can have: 1024 voxels down to 4.
@@ -33,13 +34,15 @@ fn level_first_entry(level: u32) -> u32 {
     return first;
 }
 
-// All parts that a look-up at a level can meet.
-fn parts_near(position_in_grid: vec3f, level: u32) -> u32 {
-    let dimensions = grid.dimensions >> vec3u(level);
-    let corner = vec3i(floor(position_in_grid * exp2(-f32(level)) + 0.5));
-    if any(corner < vec3i(0)) || any(corner > vec3i(dimensions)) {
+// All parts that a look-up at a level can meet, `up` levels above the voxels of a cascade, in which the position is counted.
+// Without cascades there is a position more than there are cells along an axis; a cascade's last one is its first one, too.
+fn parts_near(position: vec3f, up: u32, cascade: u32) -> u32 {
+    let corner = vec3i(floor(position * exp2(-f32(up)) + 0.5));
+    let from_lowest = corner - (lowest_voxel(cascade) >> vec3u(up));
+    if any(from_lowest < vec3i(0)) || any(from_lowest > vec3i(box_size() >> vec3u(up))) {
         return 0u;
     }
-    let entry = mask_entry(mask_levels.first_entry[level].x, vec3u(corner), dimensions);
+    let stored = stored_cell(corner, up, cascade);
+    let entry = mask_entry(mask_levels.first_entry[up].x, stored, grid.dimensions >> vec3u(up));
     return (masks[entry >> 1u] >> ((entry & 1u) * 16u)) & 0xffffu;
 }

@@ -133,6 +133,14 @@ impl DenseVolume {
         })
     }
 
+    /// Goes on with boxes that have moved.
+    pub(super) fn move_to(&mut self, device: &Pipelines, grid: &Grid, emitters: &Buffer) {
+        self.grid_uniform = grid.uniform(device);
+        let layout = LayoutBuilder::compute().uniform().build(device, "grid");
+        self.grid = BindGroupBuilder::new(&layout).buffer(&self.grid_uniform).build(device, "grid");
+        self.bind_emitters(device, emitters);
+    }
+
     /// Binds another list of emitters.
     pub(super) fn bind_emitters(&mut self, device: &wgpu::Device, emitters: &Buffer) {
         let sampled = (&self.grid_uniform, &self.masks, &self.all_levels, &self.sampler);

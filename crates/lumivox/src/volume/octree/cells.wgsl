@@ -1,6 +1,7 @@
 // The cells of the octree, as filtered look-ups see them: the module package::volume::cells.
 
 import package::grid::grid;
+import package::volume::border::border_weight;
 import package::volume::octree::search::{brick_of, find_node, node_mask, node_parts};
 import package::volume::octree::tree::{brick_origin, octant_of, tree};
 
@@ -47,6 +48,11 @@ fn fetch(place: Place, part: u32) -> vec4f {
     let texel = brick_origin(brick_of(place.node, part)) + (place.first & vec3u(1u));
     let uvw = (vec3f(texel) + 0.5 + share) * tree.inverse_size;
     return textureSampleLevel(atlas, atlas_sampler, uvw, 0.0);
+}
+
+// The share of a look-up that falls on cells of the grid.
+fn inside_share(place: Place) -> f32 {
+    return border_weight(place.position_in_grid, place.level, 0u);
 }
 
 // A part of one cell, unfiltered.

@@ -163,6 +163,7 @@ pub fn unit_grid(edge: u32) -> Grid {
         voxel_size_m: 1.0,
         dimensions: glam::UVec3::splat(edge),
         levels: (edge / 4).ilog2() + 1,
+        cascades: None,
     }
 }
 

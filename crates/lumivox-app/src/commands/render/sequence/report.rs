@@ -68,11 +68,10 @@ impl Report {
         );
         text += &self.notes.iter().map(NoteReport::line).collect::<String>();
         if let Some(renderer) = &self.renderer {
-            let [x, y, z] = renderer.grid.dimensions;
             text += &format!(
-                "  voxels   {} in {x} x {y} x {z} of {:.4} m\n  memory   {} on the GPU\n",
+                "  voxels   {} in {}\n  memory   {} on the GPU\n",
                 count(renderer.voxels.into()),
-                renderer.grid.voxel_size_m,
+                renderer.grid.size(),
                 bytes(renderer.memory_bytes)
             );
         }

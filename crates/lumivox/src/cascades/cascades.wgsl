@@ -1,0 +1,165 @@
+// The boxes of a clipmap (mod.rs), and where their cells are stored. A grid without cascades is one box that is stored as it
+// is: CASCADES is 0 then, and everything here comes down to nothing.
+//
+// A *level* counts cells by their edge: 2^level of the finest voxels, wherever they are stored. A cascade k has those of the
+// levels k to k + grid.levels - 1, of which the first are its voxels.
+
+import package::constants::{CASCADES, CASCADE_COLUMNS, CASCADE_EDGE, CASCADE_ROWS};
+import package::grid::{grid, grid_from_world};
+
+// A voxel of a box, in the box's own voxels, counted from where the grid has its origin.
+struct BoxVoxel {
+    voxel: vec3i,
+    cascade: u32,
+}
+
+fn box_count() -> u32 {
+    return max(CASCADES, 1u);
+}
+
+// Voxels along each axis of a box.
+fn box_size() -> vec3u {
+    return select(grid.dimensions, vec3u(CASCADE_EDGE), CASCADES > 0u);
+}
+
+// The voxel at a box's corner.
+fn lowest_voxel(cascade: u32) -> vec3i {
+    if CASCADES == 0u {
+        return vec3i(0);
+    }
+    return grid.lowest[cascade].xyz;
+}
+
+// Levels of all boxes together.
+fn level_count() -> u32 {
+    return grid.levels + box_count() - 1u;
+}
+
+// The corners of the outermost box in the grid's coordinates.
+fn outer_low() -> vec3f {
+    return vec3f(lowest_voxel(box_count() - 1u)) * exp2(f32(box_count() - 1u));
+}
+
+fn outer_high() -> vec3f {
+    return outer_low() + vec3f(box_size()) * exp2(f32(box_count() - 1u));
+}
+
+// The remainder that is never negative.
+fn wrapped(cell: vec3i, edge: i32) -> vec3i {
+    return (cell % edge + edge) % edge;
+}
+
+// Where a cascade's cells begin, in units of its edge.
+fn block_of(cascade: u32) -> vec3u {
+    let row = cascade / CASCADE_COLUMNS;
+    return vec3u(cascade % CASCADE_COLUMNS, row % CASCADE_ROWS, row / CASCADE_ROWS);
+}
+
+// The cascade of a stored voxel.
+fn cascade_of(stored: vec3u) -> u32 {
+    if CASCADES == 0u {
+        return 0u;
+    }
+    let block = stored / CASCADE_EDGE;
+    return block.x + CASCADE_COLUMNS * (block.y + CASCADE_ROWS * block.z);
+}
+
+// Where a cascade's cell is stored. `up` is its level less the cascade.
+fn stored_cell(cell: vec3i, up: u32, cascade: u32) -> vec3u {
+    if CASCADES == 0u {
+        return vec3u(cell);
+    }
+    let edge = CASCADE_EDGE >> up;
+    return vec3u(wrapped(cell, i32(edge))) + block_of(cascade) * edge;
+}
+
+// The voxel that is stored somewhere.
+fn voxel_of(stored: vec3u) -> BoxVoxel {
+    let cascade = cascade_of(stored);
+    if CASCADES == 0u {
+        return BoxVoxel(vec3i(stored), cascade);
+    }
+    let edge = i32(CASCADE_EDGE);
+    let lowest = lowest_voxel(cascade);
+    let turned = vec3i(stored) - vec3i(block_of(cascade)) * edge;
+    return BoxVoxel(lowest + wrapped(turned - lowest, edge), cascade);
+}
+
+// The position after a stored cell along some axes, as stored: after a box's last one comes its first.
+fn stored_after(stored: vec3u, offset: vec3u, up: u32) -> vec3u {
+    if CASCADES == 0u {
+        return stored + offset;
+    }
+    let edge = CASCADE_EDGE >> up;
+    let block = stored / edge;
+    return block * edge + (stored - block * edge + offset) % edge;
+}
+
+// The place of a point within a stored voxel, in the grid's coordinates.
+fn grid_from_stored(stored: vec3u, position_in_voxel: vec3f) -> vec3f {
+    let own = voxel_of(stored);
+    return (vec3f(own.voxel) + position_in_voxel) * exp2(f32(own.cascade));
+}
+
+// Whether a place is inside a cascade, with a margin in the finest voxels.
+fn is_held(cascade: u32, position_in_grid: vec3f, margin: f32) -> bool {
+    let own = grid.boxes[cascade];
+    let from_middle = abs(position_in_grid - own.xyz);
+    return max(from_middle.x, max(from_middle.y, from_middle.z)) <= own.w - margin;
+}
+
+// The finest level, from `least` on, of which a place has cells, with a margin of so many of the cascade's voxels. Outside of
+// all it is that of the outermost.
+fn finest_level(position_in_grid: vec3f, least: u32, margin: f32) -> u32 {
+    var level = least;
+    while level + 1u < CASCADES && !is_held(level, position_in_grid, margin * exp2(f32(level))) {
+        level++;
+    }
+    return level;
+}
+
+// The cascade that a filtered look-up of a level reads: the finest one that has all cells that it meets.
+fn cascade_at(position_in_grid: vec3f, level: u32) -> u32 {
+    if CASCADES == 0u {
+        return 0u;
+    }
+    let last = min(level, CASCADES - 1u);
+    var cascade = max(level + 1u, grid.levels) - grid.levels;
+    while cascade < last && !is_held(cascade, position_in_grid, 0.5 * exp2(f32(level))) {
+        cascade++;
+    }
+    return cascade;
+}
+
+// The edge of the finest voxels at a place, m.
+fn voxel_size_at(position_in_world: vec3f) -> f32 {
+    let level = finest_level(grid_from_world(position_in_world), 0u, 0.5);
+    return grid.voxel_size_m * exp2(f32(level));
+}
+
+// Where a surface goes from one cascade to the next, in the finer one's voxels from its border: cones and frames draw a place
+// between the two, so that nothing is seen of it.
+const NARROW_BORDER: f32 = 3.0;
+const WIDE_BORDER: f32 = 9.0;
+
+// The level of a surface's voxels; `drawn` is in [0, 1).
+fn drawn_level(position_in_world: vec3f, drawn: f32) -> u32 {
+    let place = grid_from_world(position_in_world);
+    return finest_level(place, 0u, mix(NARROW_BORDER, WIDE_BORDER, drawn));
+}
+
+// The cascade whose cells of a level are shown: that of which they are the voxels, or the outermost.
+fn shown_cascade(level: u32) -> u32 {
+    return min(level, box_count() - 1u);
+}
+
+// The cell of a level at the corner of its box.
+fn lowest_cell(level: u32) -> vec3i {
+    let cascade = shown_cascade(level);
+    return lowest_voxel(cascade) >> vec3u(level - cascade);
+}
+
+// Where a cell is stored that is given from its box's corner, `up` levels above the voxels of the cascade.
+fn stored_from_corner(cell: vec3u, up: u32, cascade: u32) -> vec3u {
+    return stored_cell((lowest_voxel(cascade) >> vec3u(up)) + vec3i(cell), up, cascade);
+}

@@ -1,0 +1,274 @@
+//! Cascades: a clipmap of boxes around the camera, each with voxels twice as large as the one within it.
+//!
+//! The idea: *a clipmap is a grid whose boxes are stored side by side*. Cascade *k* is a cube of as many voxels as the others,
+//! each of 2^k of the finest. All cubes stand in one store, so there is one list of voxels with one rank for each, one texture,
+//! one light, and every stage that goes over voxels, faces or nodes works as it does for a single box. Only three things ask
+//! where a cell is (`cascades.wgsl`):
+//!
+//! - *Voxelization* walks a triangle once in each cascade that it meets, scaled to its voxels, and cut to its box.
+//! - *Cones* count lengths in the finest voxels, and levels of cells by their size: 2^level. A look-up reads the finest cascade
+//!   that has all the cells it meets, so that within one a cone sees nearly what it does in a dense volume. Where a cascade ends a cone goes
+//!   on with the voxels of the next one, at the first empty place before the border, and at the border at the latest.
+//! - *Surfaces* that gather start their cones with the voxels that they have: faces with their own, pixels and points with the
+//!   finest ones. Near a border they draw which, so that the border is nowhere.
+//!
+//! Voxels have absolute coordinates: multiples of their edge, counted from one origin, whatever the camera does. A voxel is
+//! stored at the remainders of its coordinates by the cube's edge, so that it stays in its place while the cube moves over it
+//! (toroidal addressing: Losasso and Hoppe 2004, "Geometry clipmaps", section 3). Cubes move by
+//! 2^([`LEVELS`] - 1) voxels, so that the cells of all their levels stay the same, too. A cube's pyramid is short: a larger cell is
+//! one of the next cascade's.
+//!
+//! They follow a place ([`Gi::center_on`](crate::Gi::center_on)): the voxels of moved boxes are made while the list stays what
+//! it was, and take its place a few frames later, with the light that the same voxels have gathered so far
+//! (`light/inherit.wgsl`). All static surface is walked again then, that of boxes that have not moved, too.
+//!
+//! Memory: with six lobes 72 bytes a voxel, and a seventh more for the pyramid: 20 MiB for 64 voxels along an axis, 160 MiB for
+//! 128. Cubes fill a block of rows and columns; where their number does not, the rest stays unused ([`CascadeOptions::bytes`]).
+//! Eight cubes of 64 with a finest voxel of 0.125 m reach 1 km with 169 MiB, their masks of empty space included.
+
+#[cfg(test)]
+mod tests;
+
+use glam::{IVec3, UVec3, Vec3};
+
+use crate::gpu::ShaderLibrary;
+use crate::{Directionality, GiError, Grid, VolumeKind, dense_volume_bytes};
+
+/// The most cascades.
+pub const MAX_CASCADES: usize = 16;
+/// Levels of a cascade's own pyramid, its voxels included.
+pub(crate) const LEVELS: u32 = 4;
+/// Voxels by whose multiples cascades move.
+const STRIDE: i32 = 1 << (LEVELS - 1);
+/// The largest coordinate, in the finest voxels, of the middle of cascades.
+const FARTHEST: f32 = 4_194_304.0;
+/// Voxels along all axes of the store that their numbering allows.
+const MAX_STORED: u32 = crate::MAX_RESOLUTION;
+
+/// The size of a clipmap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CascadeOptions {
+    /// Cascades, 1 to [`MAX_CASCADES`]. Default: 8. Each one more doubles the reach, and takes as much memory as any other.
+    pub count: u32,
+    /// Voxels along each axis of a cascade, a multiple of 8 from 32 to 256. Default: 64. More: coarser voxels begin farther
+    /// away; memory goes with the cube.
+    pub resolution: u32,
+    /// The edge of the finest voxels, m, from 0.001 to 1000. Default: 0.125.
+    pub voxel_size_m: f32,
+}
+
+impl Default for CascadeOptions {
+    fn default() -> Self {
+        Self { count: 8, resolution: 64, voxel_size_m: 0.125 }
+    }
+}
+
+impl CascadeOptions {
+    /// The edge of the outermost cascade, m: half of it is the distance to which there is light from voxels.
+    pub fn reach_m(&self) -> f32 {
+        self.resolution as f32 * self.voxel_size_m * 2.0_f32.powi(self.count as i32 - 1)
+    }
+
+    /// Bytes of the volume, known before it is made.
+    ///
+    /// # Errors
+    /// As [`Grid::cascades`].
+    pub fn bytes(&self, directionality: Directionality) -> Result<u64, GiError> {
+        let grid = Grid::cascades(Vec3::ZERO, self, Vec3::ZERO)?;
+        Ok(dense_volume_bytes(&grid, directionality))
+    }
+
+    fn check(&self) -> Result<(), GiError> {
+        let fail =
+            |name, value: String, expected: String| Err(GiError::Setting { name, value, expected });
+        if !(1..=MAX_CASCADES as u32).contains(&self.count) {
+            let expected = format!("from 1 to {MAX_CASCADES}");
+            return fail("cascades", self.count.to_string(), expected);
+        }
+        if !(32..=256).contains(&self.resolution) || !self.resolution.is_multiple_of(8) {
+            let expected = "a multiple of 8 from 32 to 256".to_owned();
+            return fail("cascade_resolution", self.resolution.to_string(), expected);
+        }
+        if !(0.001..=1000.0).contains(&self.voxel_size_m) {
+            let expected = "from 0.001 to 1000 m".to_owned();
+            return fail("cascade_voxel", self.voxel_size_m.to_string(), expected);
+        }
+        let stored = Cascades::stored([self.count, self.resolution]).dimensions();
+        if stored.max_element() > MAX_STORED {
+            let expected = format!(
+                "at most {} for cascades of {} voxels",
+                self.most_of_resolution(),
+                self.resolution
+            );
+            return fail("cascades", self.count.to_string(), expected);
+        }
+        Ok(())
+    }
+
+    /// The most cascades of this resolution that can be numbered.
+    fn most_of_resolution(&self) -> u32 {
+        let fits = |count: &u32| {
+            let stored = Cascades::stored([*count, self.resolution]);
+            stored.dimensions().max_element() <= MAX_STORED
+        };
+        (1..=MAX_CASCADES as u32).filter(fits).max().unwrap_or(0)
+    }
+}
+
+/// The boxes of a clipmap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cascades {
+    /// How many there are.
+    pub count: u32,
+    /// Voxels along each axis of one.
+    pub resolution: u32,
+    /// How they stand side by side in the store.
+    blocks: UVec3,
+    /// Of each the voxel at its corner, in its own voxels.
+    lowest: [IVec3; MAX_CASCADES],
+}
+
+impl Cascades {
+    /// A number of cascades of a resolution, in the smallest block that holds them; the longest side is that along which the
+    /// parts of cells do not stand side by side.
+    pub(crate) fn stored([count, resolution]: [u32; 2]) -> Self {
+        let blocks = (1..=count).flat_map(|z| (z..=count).map(move |y| (y, z)));
+        let blocks = blocks.map(|(y, z)| UVec3::new(count.div_ceil(y * z).max(y), y, z));
+        // Bytes for each voxel of a cascade: of six lobes, and of the bits and ranks of the enclosing power of two.
+        let best = blocks.min_by_key(|blocks| {
+            let longest = u64::from(blocks.max_element());
+            let is_too_long = longest * u64::from(resolution) > u64::from(MAX_STORED);
+            let volume = 72 * u64::from(blocks.element_product());
+            (is_too_long, volume + longest.next_power_of_two().pow(3))
+        });
+        let blocks = best.unwrap_or(UVec3::ONE);
+        Self { count, resolution, blocks, lowest: [IVec3::ZERO; MAX_CASCADES] }
+    }
+
+    /// Voxels along each axis of the store.
+    fn dimensions(&self) -> UVec3 {
+        self.blocks * self.resolution
+    }
+
+    /// Of each cascade the voxel at its corner, in its own voxels.
+    pub fn lowest(&self) -> &[IVec3] {
+        &self.lowest[..self.count as usize]
+    }
+
+    /// The same as shaders see it.
+    pub(crate) fn lowest_of_all(&self) -> [[i32; 4]; MAX_CASCADES] {
+        self.lowest.map(|lowest| lowest.extend(0).to_array())
+    }
+
+    /// The middle of each cascade, and half of its edge, in the finest voxels.
+    pub(crate) fn boxes(&self) -> [[f32; 4]; MAX_CASCADES] {
+        let half = 0.5 * self.resolution as f32;
+        std::array::from_fn(|cascade| {
+            let middle = (self.lowest[cascade].as_vec3() + half).extend(half);
+            (middle * 2.0_f32.powi(cascade as i32)).to_array()
+        })
+    }
+}
+
+impl Grid {
+    /// A clipmap around a place in the world, m. `offset` (in the finest voxels, each component in [0, 1)) shifts all voxels
+    /// against the world's origin, as that of [`Grid::fit`] does.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use lumivox::{CascadeOptions, Grid};
+    ///
+    /// let options = CascadeOptions { count: 3, resolution: 64, voxel_size_m: 0.25 };
+    /// let grid = Grid::cascades(Vec3::new(100.0, 2.0, 30.0), &options, Vec3::ZERO)?;
+    /// let boxes = grid.boxes_in_world();
+    /// assert_eq!(boxes.len(), 3);
+    /// assert!((boxes[0].1 - boxes[0].0).abs_diff_eq(Vec3::splat(16.0), 1e-3));
+    /// assert!((boxes[2].1 - boxes[2].0).abs_diff_eq(Vec3::splat(64.0), 1e-3));
+    /// # Ok::<(), lumivox::GiError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`GiError::Setting`] when an option is out of range, or the place is not finite or too far from the origin (2^22 of the
+    /// finest voxels, beyond which `f32` does not tell a quarter of a voxel).
+    pub fn cascades(center: Vec3, options: &CascadeOptions, offset: Vec3) -> Result<Self, GiError> {
+        options.check()?;
+        if !(offset.cmpge(Vec3::ZERO).all() && offset.cmplt(Vec3::ONE).all()) {
+            return Err(GiError::Setting {
+                name: "grid offset",
+                value: offset.to_string(),
+                expected: "at least 0 and below 1 voxel along each axis".to_owned(),
+            });
+        }
+        let cascades = Cascades::stored([options.count, options.resolution]);
+        let voxel_size_m = options.voxel_size_m;
+        let origin_in_world = -(place_of_the_origin(options.count) + offset) * voxel_size_m;
+        let (dimensions, levels) = (cascades.dimensions(), LEVELS);
+        let cascades = Some(cascades);
+        let mut grid = Self { origin_in_world, voxel_size_m, dimensions, levels, cascades };
+        grid.center_on(center)?;
+        Ok(grid)
+    }
+
+    /// Moves the boxes of a clipmap so that a place in the world, m, is within four voxels of the middle of each. Whether one
+    /// has moved is returned; a grid without cascades stays.
+    ///
+    /// # Errors
+    /// [`GiError::Setting`] when the place is not finite or too far from the origin.
+    pub fn center_on(&mut self, center: Vec3) -> Result<bool, GiError> {
+        let place = self.grid_from_world(center);
+        let Some(cascades) = &mut self.cascades else { return Ok(false) };
+        if !(place.is_finite() && place.abs().max_element() <= FARTHEST) {
+            return Err(GiError::Setting {
+                name: "center",
+                value: center.to_string(),
+                expected: format!(
+                    "within {:.0} m of the world's origin, which are 2^22 of the finest voxels",
+                    FARTHEST * self.voxel_size_m
+                ),
+            });
+        }
+        let before = cascades.lowest;
+        let half = 0.5 * cascades.resolution as f32;
+        for (cascade, lowest) in (0..).zip(&mut cascades.lowest[..cascades.count as usize]) {
+            let corner = place / 2.0_f32.powi(cascade) - half;
+            *lowest = (corner / STRIDE as f32).round().as_ivec3() * STRIDE;
+        }
+        Ok(cascades.lowest != before)
+    }
+}
+
+/// The coordinate, in the finest voxels, that the world's origin has. Walls stand at round coordinates, and should be in the
+/// middle of voxels, as in `Grid::fit`, in every cascade: here at 0.5, 0.25, 0.625, 0.31, 0.66, 0.33 and so on, never less than
+/// a quarter from a voxel's side.
+fn place_of_the_origin(count: u32) -> f32 {
+    (1..count).fold(0.5, |place, cascade| {
+        let voxel = 2.0_f32.powi(cascade as i32);
+        let off_middle = |place: f32| ((place / voxel).fract() - 0.5).abs();
+        let other = place + 0.5 * voxel;
+        if off_middle(other) < off_middle(place) { other } else { place }
+    })
+}
+
+/// Defines the constants that say how cascades are stored.
+pub(crate) fn add_constants(shaders: &mut ShaderLibrary, cascades: Option<&Cascades>) {
+    let blocks = cascades.map_or(UVec3::ONE, |cascades| cascades.blocks);
+    shaders
+        .constant_u32("MAX_CASCADES", MAX_CASCADES as u32)
+        .constant_u32("CASCADES", cascades.map_or(0, |cascades| cascades.count))
+        .constant_u32("CASCADE_EDGE", cascades.map_or(1, |cascades| cascades.resolution))
+        .constant_u32("CASCADE_COLUMNS", blocks.x)
+        .constant_u32("CASCADE_ROWS", blocks.y);
+}
+
+/// Whether a kind of volume goes with a grid.
+pub(crate) fn check(grid: &Grid, kind: VolumeKind) -> Result<(), GiError> {
+    if (kind == VolumeKind::Cascades) == grid.cascades.is_some() {
+        return Ok(());
+    }
+    Err(GiError::Setting {
+        name: "volume",
+        value: format!("{kind:?}"),
+        expected: "Cascades for a grid made by Grid::cascades, and Dense or Octree for any other"
+            .to_owned(),
+    })
+}
