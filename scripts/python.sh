@@ -9,6 +9,15 @@ python_package=crates/lumivox-python
 # What the tests need besides the package.
 python_tools=(numpy==2.* pytest==9.* mypy==2.* trimesh==5.*)
 
+# Python, with what makes environments: a package of its own on Debian and Ubuntu.
+need_python() {
+    need_package_for python3 "Python 3, for its package," python3 python3-venv
+    python3 -c 'import ensurepip, venv' 2>/dev/null && return 0
+    if install_debian_packages "Python's environments" python3-venv &&
+        python3 -c 'import ensurepip, venv' 2>/dev/null; then return 0; fi
+    die "Python cannot make environments." "Install its modules venv and ensurepip (on Debian and Ubuntu: apt install python3-venv)."
+}
+
 # The environment, in `python_env`: made once, and again for other tools.
 need_python_env() {
     : "${target_dir:?call set_target_dir first}"
@@ -21,8 +30,7 @@ need_python_env() {
     fi
     say "Making $python_env, with $list"
     rm -rf "$python_env"
-    python3 -m venv "$python_env" >&2 ||
-        die "Python cannot make an environment (on Debian and Ubuntu: apt install python3-venv)."
+    python3 -m venv "$python_env" >&2 || die "Python could not make $python_env."
     "$python_env/bin/pip" install --quiet --disable-pip-version-check "${python_tools[@]}" >&2 ||
         die "pip could not install the tools of the Python tests."
     printf '%s\n' "$list" >"$python_env/tools"
