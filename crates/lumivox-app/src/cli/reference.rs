@@ -87,7 +87,7 @@ pub struct ReferenceArgs {
 
     /// The batches of 16 samples that the part has, from A to before B, numbers from 0 to 1048576
     /// [default: all batches of --samples]
-    #[arg(long, value_name = "A..B", value_parser = batches, requires = "part")]
+    #[arg(long, value_name = "A..B", value_parser = batches, requires = "part", conflicts_with = "output")]
     #[arg(conflicts_with = "samples", allow_hyphen_values = true, help_heading = "Many machines")]
     pub batches: Option<Range<u32>>,
 
