@@ -110,7 +110,9 @@ fn a_case_that_does_not_fit_is_a_row_that_says_why() {
         assert!(problem.contains("resolution"), "{problem}");
     }
     let page = lumivox(folder.path(), line.trim_end_matches("--json -")).expect_ok().stdout;
-    assert!(page.contains(rows[0]["problem"].as_str().unwrap()), "{page}");
+    // How much memory is free changes from run to run.
+    let problem = rows[0]["problem"].as_str().unwrap().split(", but").next().unwrap();
+    assert!(page.contains(problem), "{page}");
     check_tables(&page);
     assert!(names(folder.path()).is_empty());
 }
