@@ -49,6 +49,13 @@ MAY_DEPEND_ON = {
         "lumivox-render",
         "lumivox-scene",
     },
+    "lumivox-python": {
+        "lumivox-app",
+        "lumivox-console",
+        "lumivox-explorer",
+        "lumivox-render",
+        "lumivox-scene",
+    },
     "lumivox-serve": set(),
 }
 

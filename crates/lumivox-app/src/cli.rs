@@ -8,6 +8,7 @@ mod cones;
 mod explore;
 mod light;
 mod load;
+mod merge;
 mod motion;
 mod picture;
 mod quality;
@@ -31,6 +32,7 @@ pub use cones::ConeArgs;
 pub use explore::ExploreArgs;
 pub use light::LightArgs;
 pub use load::SceneArg;
+pub use merge::MergeArgs;
 pub use motion::MotionArgs;
 pub use picture::PictureArgs;
 pub use quality::QualityArgs;
@@ -121,6 +123,13 @@ pub enum Command {
                             --checkpoint hall.sums --resume"
     )]
     Reference(Box<ReferenceArgs>),
+    /// Add up the parts of a reference that several runs or machines have traced
+    #[command(
+        after_help = "Examples:\n  lumivox reference hall.glb --batches 0..8 --part a.part\n  lumivox \
+                            reference hall.glb --batches 8..16 --part b.part\n  lumivox merge \
+                            a.part b.part -o hall.exr"
+    )]
+    Merge(MergeArgs),
     /// Describe the GPUs of this machine, or a scene
     #[command(after_help = "Examples:\n  lumivox info\n  lumivox info hall.glb --json")]
     Info(InfoArgs),

@@ -9,6 +9,7 @@ use lumivox_console::{Blame, Failure, shown};
 use lumivox_explorer::ExplorerError;
 use lumivox_render::RenderError;
 use lumivox_render::compare::CompareError;
+use lumivox_render::reference::PartError;
 use lumivox_scene::SceneError;
 
 use crate::args::Refused;
@@ -121,7 +122,7 @@ pub fn of_error(error: &anyhow::Error) -> Exit {
             Some(ExplorerError::Scene(error)) => return of_scene_error(error),
             _ => {}
         }
-        if cause.is::<CompareError>() {
+        if cause.is::<CompareError>() || cause.is::<PartError>() {
             return Exit::Input;
         }
         if let Some(error) = cause.downcast_ref::<GiError>() {

@@ -57,7 +57,7 @@ use clap::{CommandFactory as _, Parser as _};
 use lumivox_console::shown;
 
 use cli::{Cli, Command};
-pub use exit::{Exit, guard};
+pub use exit::{Exit, guard, of_error as exit_of};
 pub use host::{Embedded, Host, OpenGpu};
 
 /// Runs a command line; its first word is the program's name.
@@ -80,6 +80,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
         Some(Command::Render(args)) => commands::render::run(args, cli.verbose, host),
         Some(Command::View(args)) => commands::view::run(args, host),
         Some(Command::Reference(args)) => commands::reference::run(args, host),
+        Some(Command::Merge(args)) => commands::merge::run(args, host),
         Some(Command::Quality(args)) => commands::quality::run(args, host),
         Some(Command::Motion(args)) => commands::motion::run(args, host),
         Some(Command::Info(args)) => commands::info::run(args, host),

@@ -1,5 +1,6 @@
 //! The arguments of `reference`.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -7,7 +8,7 @@ use glam::UVec2;
 use lumivox_console::SourceArgs;
 
 use super::{GpuArgs, SceneArg, ViewArgs};
-use crate::args::{number, size};
+use crate::args::{Refused, number, size};
 
 /// The arguments of `reference`.
 #[derive(Args, Debug)]
@@ -16,7 +17,8 @@ pub struct ReferenceArgs {
     #[command(flatten)]
     pub scene: SceneArg,
 
-    /// The picture's file: .exr (floats, all layers) or .png (8 bits a channel, tone mapped) [required]
+    /// The picture's file: .exr (floats, all layers) or .png (8 bits a channel, tone mapped) [default:
+    /// none; required without --part]
     ///
     /// The layers of an OpenEXR file: radiance in cd/m2 (R, G, B); direct; `one_bounce`, the
     /// irradiance in lux from emitters and from surfaces that lamps light directly; `full`, the
@@ -25,7 +27,8 @@ pub struct ReferenceArgs {
     /// complete, never half. Ctrl-C finishes the batch of 16 samples, writes the picture and ends
     /// with the exit code 130; a second one ends at once.
     #[arg(short, long, value_name = "FILE", help_heading = "Picture")]
-    pub output: PathBuf,
+    #[arg(required_unless_present = "part")]
+    pub output: Option<PathBuf>,
 
     /// Width and height in pixels, each from 1 to 16384
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size, help_heading = "Picture")]
@@ -74,6 +77,20 @@ pub struct ReferenceArgs {
     #[arg(long, requires = "checkpoint", help_heading = "Paths")]
     pub resume: bool,
 
+    /// File for the samples of some batches instead of a picture; `lumivox merge` adds such parts up
+    /// [default: none]
+    ///
+    /// Parts that machines with the same program, GPU and driver have traced add up to the bits of
+    /// one machine, in any order.
+    #[arg(long, value_name = "FILE", conflicts_with = "output", help_heading = "Many machines")]
+    pub part: Option<PathBuf>,
+
+    /// The batches of 16 samples that the part has, from A to before B, numbers from 0 to 1048576
+    /// [default: all batches of --samples]
+    #[arg(long, value_name = "A..B", value_parser = batches, requires = "part")]
+    #[arg(conflicts_with = "samples", allow_hyphen_values = true, help_heading = "Many machines")]
+    pub batches: Option<Range<u32>>,
+
     /// Light added to the scene.
     #[command(flatten)]
     pub sources: SourceArgs,
@@ -85,4 +102,38 @@ pub struct ReferenceArgs {
     /// Print one JSON object instead of text [default: off]
     #[arg(long, help_heading = "Messages")]
     pub json: bool,
+}
+
+/// The most batches of a reference: 16777216 samples.
+const MOST_BATCHES: u32 = 1 << 20;
+
+/// A range of batches, `A..B`.
+fn batches(text: &str) -> Result<Range<u32>, Refused> {
+    let form = || Refused::Malformed("expected two whole numbers, A..B".to_owned());
+    let (first, end) = text.split_once("..").ok_or_else(form)?;
+    let read = |text: &str| text.trim().parse::<i128>().map_err(|_| form());
+    let (first, end) = (read(first)?, read(end)?);
+    if 0 <= first && first < end && end <= i128::from(MOST_BATCHES) {
+        return Ok(first as u32..end as u32);
+    }
+    Err(Refused::OutOfRange(format!(
+        "expected A..B with A from 0, and B above A and at most {MOST_BATCHES}"
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn batches_are_ranges() {
+        assert_eq!(batches("0..4").unwrap(), 0..4);
+        assert_eq!(batches("16..1048576").unwrap(), 16..1_048_576);
+        for text in ["4..4", "5..4", "-1..4", "0..1048577", "0..99999999999999999999"] {
+            assert!(matches!(batches(text), Err(Refused::OutOfRange(_))), "{text}");
+        }
+        for text in ["4", "a..b", "0...4", "..4", "0..", "1.5..2"] {
+            assert!(matches!(batches(text), Err(Refused::Malformed(_))), "{text}");
+        }
+    }
 }

@@ -14,6 +14,7 @@ use lumivox_scene::{read_regular, write_atomically};
 use serde::Serialize;
 
 use super::light;
+use super::merge;
 use super::staged::stage;
 use crate::args::output;
 use crate::args::scene;
@@ -30,8 +31,10 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
 /// # Errors
 /// When anything that the arguments ask for cannot be done; the message says what.
 pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
-    output::check(&args.output)?;
-    if let Some(file) = &args.checkpoint {
+    if let Some(file) = &args.output {
+        output::check(file)?;
+    }
+    for file in args.checkpoint.iter().chain(&args.part) {
         output::check_folder(file, &output::folder_of(file))?;
     }
     scene::check(&args.scene.scene)?;
@@ -51,10 +54,21 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     )?;
 
     progress.set("preparing", 0, 1);
+    let (first_batch, samples) = match &args.batches {
+        Some(batches) => (batches.start, (batches.end - batches.start) * BATCH),
+        None => (0, args.samples),
+    };
+    if args.part.is_some() && !samples.is_multiple_of(BATCH) {
+        return Err(Failure::input(format!(
+            "--samples {samples}: a --part has whole batches of {BATCH}; ask for a multiple of {BATCH}"
+        ))
+        .into());
+    }
     let settings = ReferenceSettings {
         size: args.size,
-        samples: args.samples,
+        samples,
         seed: args.seed,
+        first_batch,
         bounces: args.bounces,
         occlusion_distance_m: args.occlusion_distance.unwrap_or(f32::INFINITY),
     };
@@ -72,35 +86,50 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
 
     progress.set("writing", 0, 1);
     let layers = tracer.layers();
-    write(&layers, &gpu, &args.output)?;
+    let is_complete = layers.samples >= samples;
+    let file = match (&args.part, &args.output) {
+        (Some(part), _) => {
+            // A part that lacks samples would be taken for a whole one by its name.
+            if is_complete {
+                merge::write_part(&tracer.part(), part)?;
+            }
+            part
+        }
+        (None, Some(output)) => {
+            write(&layers, &gpu, output)?;
+            output
+        }
+        (None, None) => return Ok(()),
+    };
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
     let report = Report {
-        file: args.output.display().to_string(),
+        file: file.display().to_string(),
+        batches: args.part.is_some().then(|| [first_batch, first_batch + layers.samples / BATCH]),
         size: layers.size.to_array(),
         scene: SceneCounts::new(&scene),
         camera: camera.name.clone(),
         samples: layers.samples,
         samples_before: resumed,
-        is_complete: layers.samples >= args.samples,
+        is_complete,
         noise_percent: Noise::of(&layers),
         seconds,
         adapter: AdapterReport::new(&gpu.adapter_info),
     };
     if args.json { host.print_json(&report) } else { host.print(&report.text()) }?;
-    if report.is_complete { Ok(()) } else { Err(stopped(args, report.samples).into()) }
+    if report.is_complete { Ok(()) } else { Err(stopped(args, &report, samples).into()) }
 }
 
 /// The failure that reports how much a stopped run has traced.
-fn stopped(args: &ReferenceArgs, samples: u32) -> Failure {
+fn stopped(args: &ReferenceArgs, report: &Report, wanted: u32) -> Failure {
     let goes_on = match &args.checkpoint {
         Some(file) => format!("the same command with --resume continues from {}", file.display()),
         None => "with a --checkpoint it could be continued".to_owned(),
     };
+    let (samples, file) = (report.samples, &report.file);
+    let has = if args.part.is_some() { "is not written" } else { "has" };
     Failure::stopped(format!(
-        "stopped after {samples} of {} samples, which {} has; {goes_on}",
-        args.samples,
-        args.output.display()
+        "stopped after {samples} of {wanted} samples, which {file} {has}; {goes_on}"
     ))
 }
 
@@ -185,7 +214,7 @@ pub fn write(layers: &ReferenceLayers, gpu: &Gpu, file: &Path) -> anyhow::Result
 /// The noise of each layer, in per cent: the root of the mean variance over the mean. `None` where
 /// the layer is black or has one sample.
 #[derive(Clone, Debug, Serialize)]
-struct Noise {
+pub struct Noise {
     radiance: Option<f64>,
     direct: Option<f64>,
     one_bounce: Option<f64>,
@@ -193,13 +222,31 @@ struct Noise {
 }
 
 impl Noise {
-    fn of(layers: &ReferenceLayers) -> Self {
+    /// The noise of some layers.
+    pub fn of(layers: &ReferenceLayers) -> Self {
         Self {
             radiance: noise_percent(&layers.radiance, &layers.radiance_variance),
             direct: noise_percent(&layers.direct, &layers.direct_variance),
             one_bounce: noise_percent(&layers.one_bounce, &layers.one_bounce_variance),
             full: noise_percent(&layers.full, &layers.full_variance),
         }
+    }
+}
+
+impl Noise {
+    /// The noise for people.
+    pub fn text(&self) -> String {
+        let noise =
+            |name: &str, value: Option<f64>| value.map(|value| format!("{name} {value:.2} %"));
+        let noises: Vec<String> = [
+            noise("picture", self.radiance),
+            noise("one bounce", self.one_bounce),
+            noise("all bounces", self.full),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        if noises.is_empty() { "unknown".to_owned() } else { noises.join(", ") }
     }
 }
 
@@ -214,6 +261,9 @@ fn noise_percent(pixels: &[[f32; 3]], variances: &[f32]) -> Option<f64> {
 #[derive(Clone, Debug, Serialize)]
 struct Report {
     file: String,
+    /// The first batch of a part, and the one after its last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    batches: Option<[u32; 2]>,
     size: [u32; 2],
     scene: SceneCounts,
     camera: String,
@@ -232,17 +282,7 @@ impl Report {
     fn text(&self) -> String {
         let [width, height] = self.size;
         let stopped = if self.is_complete { "" } else { " (stopped early)" };
-        let noise =
-            |name: &str, value: Option<f64>| value.map(|value| format!("{name} {value:.2} %"));
-        let noises: Vec<String> = [
-            noise("picture", self.noise_percent.radiance),
-            noise("one bounce", self.noise_percent.one_bounce),
-            noise("all bounces", self.noise_percent.full),
-        ]
-        .into_iter()
-        .flatten()
-        .collect();
-        let noises = if noises.is_empty() { "unknown".to_owned() } else { noises.join(", ") };
+        let noises = self.noise_percent.text();
         format!(
             "{}: {width} x {height}, {} samples a pixel{stopped}, {:.1} s; noise: {noises}\n",
             self.file, self.samples, self.seconds

@@ -1,14 +1,13 @@
 //! Unfinished sums, kept in a file.
 //!
 //! Little-endian: a mark, the fingerprint of the traced scene, width, height, samples and batches,
-//! all sums in f64, and a checksum of everything before.
+//! all sums ([`super::film`]), and a checksum of everything before.
 
-use bytemuck::Zeroable as _;
 use glam::UVec2;
 
 use super::film::{Film, Sums};
 
-const MARK: &[u8; 8] = b"LUMIREF2";
+const MARK: &[u8; 8] = b"LUMIREF3";
 const HEADER_BYTES: usize = 8 + 8 + 4 * 4;
 
 /// Why tracing cannot continue from a checkpoint.
@@ -42,9 +41,7 @@ pub(super) fn write(film: &Film, fingerprint: u64) -> Vec<u8> {
     for number in [film.size.x, film.size.y, film.samples, film.batches] {
         bytes.extend(number.to_le_bytes());
     }
-    for number in bytemuck::cast_slice::<Sums, f64>(&film.sums) {
-        bytes.extend(number.to_le_bytes());
-    }
+    write_sums(&mut bytes, film);
     let checksum = fingerprint_of([&bytes[..]]);
     bytes.extend(checksum.to_le_bytes());
     bytes
@@ -66,20 +63,32 @@ pub(super) fn read(bytes: &[u8], size: UVec2, fingerprint: u64) -> Result<Film, 
     if bytes[8..16] != fingerprint.to_le_bytes() {
         return Err(CheckpointError::Other);
     }
-    let numbers = bytes[HEADER_BYTES..].chunks_exact(8);
-    let mut film = Film::new(size);
-    if numbers.len() * 8 != size_of_val(film.sums.as_slice()) {
-        return Err(CheckpointError::Damaged);
-    }
-    film.sums.fill(Sums::zeroed());
-    film.samples = word(2);
-    film.batches = word(3);
-    for (sum, number) in
-        bytemuck::cast_slice_mut::<Sums, f64>(&mut film.sums).iter_mut().zip(numbers)
-    {
-        *sum = f64::from_le_bytes(std::array::from_fn(|i| number[i]));
-    }
+    let mut film = read_sums(&bytes[HEADER_BYTES..], size).ok_or(CheckpointError::Damaged)?;
+    (film.samples, film.batches) = (word(2), word(3));
     Ok(film)
+}
+
+/// Appends all sums of a film.
+pub(super) fn write_sums(bytes: &mut Vec<u8>, film: &Film) {
+    bytes.reserve(size_of_val(film.sums.as_slice()));
+    for sum in bytemuck::cast_slice::<Sums, i128>(&film.sums) {
+        bytes.extend(sum.to_le_bytes());
+    }
+}
+
+/// The film of a size with these sums; `None` if their number is another.
+pub(super) fn read_sums(bytes: &[u8], size: UVec2) -> Option<Film> {
+    // Before anything is allocated for a size that a damaged file names.
+    let expected = u128::from(size.x) * u128::from(size.y) * size_of::<Sums>() as u128;
+    if bytes.len() as u128 != expected {
+        return None;
+    }
+    let mut film = Film::new(size);
+    let sums = bytemuck::cast_slice_mut::<Sums, i128>(&mut film.sums).iter_mut();
+    for (sum, bytes) in sums.zip(bytes.chunks_exact(16)) {
+        *sum = i128::from_le_bytes(std::array::from_fn(|i| bytes[i]));
+    }
+    Some(film)
 }
 
 /// FNV-1a (Fowler, Noll and Vo 1991) over 8 bytes at a time: it detects accidental differences, not
@@ -109,7 +118,7 @@ mod tests {
         let mut film = Film::new(size);
         film.samples = 12;
         film.batches = 3;
-        film.sums[4].full = [1.5, -2.0, 1e300];
+        film.sums[4].full = [15, -20, i128::MAX];
         let bytes = write(&film, 77);
         assert_eq!(read(&bytes, size, 77), Ok(film));
         assert_eq!(read(&bytes, size, 78), Err(CheckpointError::Other));

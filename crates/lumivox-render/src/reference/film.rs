@@ -1,8 +1,9 @@
-//! Sums over samples in f64, and their means and variances.
+//! Sums over samples, exactly, and their means and variances.
 //!
-//! Samples come in batches, within which they are evenly spread and therefore not independent;
-//! batches are. The noise follows from the differences of the batches' means: with means m of n
-//! samples each, M of all N, and B batches, the variance of a sample is about sum(n (m - M)^2) / (B
+//! Samples come in batches, within which they are evenly spread and therefore not independent; batches are. The GPU sums a
+//! batch in f32. Batches are added as whole multiples of [`STEP`], so that the order of additions does not matter: batches
+//! that several machines have traced add up to the bits of one. The noise follows from the differences of the batches'
+//! means: with means m of n samples each, M of all N, and B batches, the variance of a sample is about sum(n (m - M)^2) / (B
 //! - 1), and that of the mean is an Nth of it.
 
 use bytemuck::{Pod, Zeroable};
@@ -10,30 +11,47 @@ use glam::{DVec3, UVec2};
 
 use super::records::PixelRecord;
 
-/// One pixel's sums, in multiples of the unit of radiance.
+/// The step of all sums, 2^-64: an f32 from 2^-41 up has no finer digits, and what is smaller is rounded to it.
+const STEP: f64 = 1.0 / (1_u128 << 64) as f64;
+/// The most of a batch, 2^42, at which larger values and those that are not numbers are cut: as many batches as there can be
+/// (2^24 samples, 16 a batch) stay below 2^127 steps.
+const MOST: f64 = (1_u64 << 42) as f64;
+
+/// A number as whole steps.
+fn steps(value: f64) -> i128 {
+    let value = if value.is_nan() { MOST } else { value.clamp(-MOST, MOST) };
+    (value / STEP).round_ties_even() as i128
+}
+
+/// The number of whole steps, rounded to f64.
+fn number(steps: i128) -> f64 {
+    steps as f64 * STEP
+}
+
+/// One pixel's sums, in steps of the unit of radiance.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub(super) struct Sums {
-    pub(super) picture: [f64; 3],
-    pub(super) direct: [f64; 3],
-    pub(super) one_bounce: [f64; 3],
-    pub(super) full: [f64; 3],
-    pub(super) albedo: [f64; 3],
-    pub(super) normal: [f64; 3],
-    pub(super) coverage: f64,
-    pub(super) depth_m: f64,
-    pub(super) openness: f64,
+    pub(super) picture: [i128; 3],
+    pub(super) direct: [i128; 3],
+    pub(super) one_bounce: [i128; 3],
+    pub(super) full: [i128; 3],
+    pub(super) albedo: [i128; 3],
+    pub(super) normal: [i128; 3],
+    pub(super) coverage: i128,
+    pub(super) depth_m: i128,
+    pub(super) openness: i128,
     /// The sum over batches of n times the square of the mean; for colours, the mean of the
     /// channels' squares.
-    pub(super) picture_square: f64,
-    pub(super) direct_square: f64,
-    pub(super) one_bounce_square: f64,
-    pub(super) full_square: f64,
-    pub(super) openness_square: f64,
+    pub(super) picture_square: i128,
+    pub(super) direct_square: i128,
+    pub(super) one_bounce_square: i128,
+    pub(super) full_square: i128,
+    pub(super) openness_square: i128,
 }
 
 /// The sums of all pixels.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Film {
     pub(super) size: UVec2,
     pub(super) samples: u32,
@@ -60,15 +78,30 @@ impl Film {
         self.batches += 1;
     }
 
+    /// Adds the batches of a film of the same size.
+    pub(super) fn merge(&mut self, other: &Self) {
+        let sums = bytemuck::cast_slice_mut::<Sums, i128>(&mut self.sums);
+        for (sum, more) in sums.iter_mut().zip(bytemuck::cast_slice::<Sums, i128>(&other.sums)) {
+            // A damaged file may hold anything; whole ones have room.
+            *sum = sum.wrapping_add(*more);
+        }
+        self.samples = self.samples.saturating_add(other.samples);
+        self.batches = self.batches.saturating_add(other.batches);
+    }
+
     /// The mean of a colour, times a factor.
-    pub(super) fn mean(&self, factor: f64, of: impl Fn(&Sums) -> [f64; 3]) -> Vec<[f32; 3]> {
+    pub(super) fn mean(&self, factor: f64, of: impl Fn(&Sums) -> [i128; 3]) -> Vec<[f32; 3]> {
         let scale = factor / f64::from(self.samples.max(1));
-        self.sums.iter().map(|sums| of(sums).map(|sum| (sum * scale) as f32)).collect()
+        self.sums.iter().map(|sums| of(sums).map(|sum| (number(sum) * scale) as f32)).collect()
     }
 
     /// The variance of the mean (for colours the mean of the channels' variances), from a sum and
     /// its sum of squares; infinite below two batches.
-    pub(super) fn variance(&self, factor: f64, of: impl Fn(&Sums) -> ([f64; 3], f64)) -> Vec<f32> {
+    pub(super) fn variance(
+        &self,
+        factor: f64,
+        of: impl Fn(&Sums) -> ([i128; 3], i128),
+    ) -> Vec<f32> {
         if self.batches < 2 {
             return vec![f32::INFINITY; self.sums.len()];
         }
@@ -76,7 +109,7 @@ impl Film {
         let scale = factor * factor / (n * f64::from(self.batches - 1));
         let variance = |sums| {
             let (sum, square) = of(sums);
-            ((square - mean_square(sum) / n).max(0.0) * scale) as f32
+            ((number(square) - mean_square(sum.map(number)) / n).max(0.0) * scale) as f32
         };
         self.sums.iter().map(variance).collect()
     }
@@ -84,8 +117,8 @@ impl Film {
 
 impl Sums {
     fn add(&mut self, pixel: &PixelRecord, count: f64) {
-        let add = |sum: &mut [f64; 3], colors: [f32; 3]| {
-            *sum = std::array::from_fn(|i| sum[i] + f64::from(colors[i]));
+        let add = |sum: &mut [i128; 3], colors: [f32; 3]| {
+            *sum = std::array::from_fn(|i| sum[i] + steps(f64::from(colors[i])));
         };
         add(&mut self.picture, pixel.picture);
         add(&mut self.direct, pixel.direct);
@@ -93,15 +126,15 @@ impl Sums {
         add(&mut self.full, pixel.full);
         add(&mut self.albedo, pixel.albedo);
         add(&mut self.normal, pixel.normal);
-        self.coverage += f64::from(pixel.coverage);
-        self.depth_m += f64::from(pixel.depth_m);
-        self.openness += f64::from(pixel.openness);
-        let square = |colors: [f32; 3]| mean_square(colors.map(f64::from)) / count;
+        self.coverage += steps(f64::from(pixel.coverage));
+        self.depth_m += steps(f64::from(pixel.depth_m));
+        self.openness += steps(f64::from(pixel.openness));
+        let square = |colors: [f32; 3]| steps(mean_square(colors.map(f64::from)) / count);
         self.picture_square += square(pixel.picture);
         self.direct_square += square(pixel.direct);
         self.one_bounce_square += square(pixel.one_bounce);
         self.full_square += square(pixel.full);
-        self.openness_square += f64::from(pixel.openness).powi(2) / count;
+        self.openness_square += steps(f64::from(pixel.openness).powi(2) / count);
     }
 }
 
@@ -131,5 +164,39 @@ mod tests {
         assert!(variance(&film).is_infinite());
         film.add(2, &[(0, vec![grey(9.0)])]);
         assert!((variance(&film) - 4.0 * 9.0 / 4.0).abs() < 1e-5);
+    }
+
+    /// Of any size and sign, in any order and grouping.
+    #[test]
+    fn the_order_of_batches_does_not_matter() {
+        let values =
+            [1e-9_f32, 3e9, -0.1, 1.0 / 3.0, 7e-5, f32::INFINITY, f32::NAN, -3e9, 65_504.7];
+        let film = |values: &mut dyn Iterator<Item = f32>| {
+            let mut film = Film::new(UVec2::ONE);
+            for value in values {
+                let pixel =
+                    PixelRecord { picture: [value, value / 7.0, 1.0], ..PixelRecord::default() };
+                film.add(16, &[(0, vec![pixel])]);
+            }
+            film
+        };
+        let whole = film(&mut values.into_iter());
+        assert!(whole == film(&mut values.into_iter().rev()));
+        for cut in 0..=values.len() {
+            let mut merged = film(&mut values[cut..].iter().copied());
+            merged.merge(&film(&mut values[..cut].iter().copied()));
+            assert!(whole == merged, "{cut}");
+        }
+    }
+
+    /// A pixel that is broken is seen, and numbers of pictures are kept as they are.
+    #[test]
+    fn steps_are_finer_than_floats() {
+        for value in [1.0_f32, 1.0 / 3.0, 1e-6, 1e-12, 65_504.0, 1e12, -2.5] {
+            assert_eq!(number(steps(f64::from(value))) as f32, value);
+        }
+        assert_eq!(number(steps(f64::NAN)), MOST);
+        assert_eq!(number(steps(f64::NEG_INFINITY)), -MOST);
+        assert!(((1_i128 << 20) - 1).checked_mul(steps(MOST)).is_some(), "2^20 batches");
     }
 }

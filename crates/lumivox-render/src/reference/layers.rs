@@ -54,7 +54,7 @@ impl ReferenceLayers {
     pub(super) fn new(film: &Film, radiance_unit: f32, fingerprint: u64) -> Self {
         let unit = f64::from(radiance_unit);
         let first = |colors: Vec<[f32; 3]>| colors.into_iter().map(|[x, _, _]| x).collect();
-        let scalar = |of: fn(&Sums) -> f64| first(film.mean(1.0, |s| [of(s); 3]));
+        let scalar = |of: fn(&Sums) -> i128| first(film.mean(1.0, |s| [of(s); 3]));
         Self {
             size: film.size,
             samples: film.samples,

@@ -27,6 +27,7 @@ mod film;
 mod geometry;
 mod layers;
 mod materials;
+mod part;
 mod records;
 mod surroundings;
 #[cfg(test)]
@@ -45,6 +46,7 @@ use film::Film;
 #[cfg(test)]
 pub(crate) use geometry::{NodeRecord, TriangleRecord, VertexRecord};
 pub use layers::ReferenceLayers;
+pub use part::{PartError, ReferenceMerge, ReferencePart};
 use records::PixelRecord;
 #[cfg(test)]
 pub(crate) use records::{
@@ -57,8 +59,10 @@ use upload::Uploaded;
 use crate::{Gpu, RenderError};
 
 /// The samples of a batch: they are evenly spread together, and the GPU sums them in f32 before
-/// they are added in f64.
+/// they are added exactly.
 pub const BATCH: u32 = 16;
+/// The most samples of a pixel for which the sums have room.
+const MOST_SAMPLES: u32 = 1 << 24;
 /// The longest edge of a picture, px.
 const MOST_EDGE: u32 = 16_384;
 
@@ -93,6 +97,9 @@ pub struct ReferenceSettings {
     pub samples: u32,
     /// Seed of the random numbers: another seed gives other noise. Default 0.
     pub seed: u32,
+    /// The number of the first batch of 16 samples, 0 to 1 048 575. Default 0. Parts of a reference that several machines
+    /// trace have numbers of their own ([`ReferencePart`]).
+    pub first_batch: u32,
     /// The most bounces of a path, counted as [`RenderSettings::bounces`](crate::RenderSettings::bounces);
     /// `None`, the default, sets no limit.
     pub bounces: Option<u32>,
@@ -106,6 +113,7 @@ impl Default for ReferenceSettings {
             size: UVec2::new(640, 360),
             samples: 256,
             seed: 0,
+            first_batch: 0,
             bounces: None,
             occlusion_distance_m: f32::INFINITY,
         }
@@ -209,7 +217,8 @@ impl PathTracer {
             let rows = self.uploaded.band_rows.min(size.y - first_row);
             self.uploaded.clear_film(&self.gpu);
             for sample in 0..count {
-                self.uploaded.set_sample(&self.gpu, first_row, rows, first + sample);
+                let number = self.settings.first_batch * BATCH + first + sample;
+                self.uploaded.set_sample(&self.gpu, first_row, rows, number);
                 let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
                 self.uploaded.kernel.run(&mut recorder, &[&self.uploaded.group], [size.x, rows, 1]);
                 recorder.submit();
@@ -247,6 +256,12 @@ impl PathTracer {
         checkpoint::write(&self.film, self.seeded_fingerprint())
     }
 
+    /// The samples so far as a part of a larger reference. It names what its bits depend on besides the input: the version
+    /// of this crate, the GPU and its driver.
+    pub fn part(&self) -> ReferencePart {
+        ReferencePart::new(self)
+    }
+
     /// Continues from a checkpoint.
     ///
     /// # Errors
@@ -264,8 +279,9 @@ impl PathTracer {
     }
 
     fn seeded_fingerprint(&self) -> u64 {
-        let parts =
-            [self.uploaded.fingerprint.to_le_bytes(), u64::from(self.settings.seed).to_le_bytes()];
+        let ReferenceSettings { seed, first_batch, .. } = self.settings;
+        let numbers = u64::from(seed) | u64::from(first_batch) << 32;
+        let parts = [self.uploaded.fingerprint.to_le_bytes(), numbers.to_le_bytes()];
         checkpoint::fingerprint_of(parts.iter().map(<[u8; 8]>::as_slice))
     }
 }
@@ -280,6 +296,11 @@ fn validate(settings: &ReferenceSettings) -> Result<(), RenderError> {
     }
     if settings.samples == 0 {
         return fail("the number of samples", "0".to_owned(), "at least 1".to_owned());
+    }
+    let batches = u64::from(settings.first_batch) + u64::from(settings.samples.div_ceil(BATCH));
+    if batches > u64::from(MOST_SAMPLES / BATCH) && settings.first_batch > 0 {
+        let expected = format!("such that at most {} batches are asked for", MOST_SAMPLES / BATCH);
+        return fail("the number of the last batch", batches.to_string(), expected);
     }
     let reach = settings.occlusion_distance_m;
     if reach.is_nan() || reach < 0.0 {

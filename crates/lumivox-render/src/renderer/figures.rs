@@ -1,6 +1,5 @@
 //! Figures of the last frame: what its cones cost, and how long its light is known.
 
-use lumivox::TraceResolution;
 use lumivox::gpu::read_buffer;
 
 use super::Renderer;
@@ -11,8 +10,8 @@ use crate::passes::figures::{FiguresPass, Sums};
 /// Figures of the last frame, over one pixel in 64.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceFigures {
-    /// Cone samples by pixels of the picture. At half resolution those of the pixels that are
-    /// traced, by four: pixels that are traced by themselves are left out.
+    /// Cone samples by pixels of the picture: at half resolution each of those that are traced
+    /// stands for four.
     pub samples_per_pixel: f32,
     /// The frames that the light of a surface is the mean of, on average over the surfaces' pixels.
     /// `None` without [`TraceSettings::temporal`](lumivox::TraceSettings::temporal), and where
@@ -39,7 +38,7 @@ impl Renderer {
             passes.figures = Some(FiguresPass::new(&gpu.pipelines, &passes.shaders)?);
             compile(gpu, &mut |_| {}).await?;
         }
-        let Self { gpu, settings, passes, targets, .. } = self;
+        let Self { gpu, passes, targets, .. } = self;
         let Some(pass) = &passes.figures else { return Ok(None) };
         let mut recorder = lumivox::gpu::Recorder::new(&gpu.device, &gpu.queue);
         let sums = pass.record(&mut recorder, &targets.traced, passes.composite.no_records());
@@ -47,14 +46,9 @@ impl Renderer {
         let words: Vec<u32> = read_buffer(&gpu.device, &gpu.queue, sums, 0..12).await?;
         gpu.check("adding up figures of a frame")?;
         let sums = Sums::new(&words, targets.traced.size());
-        // Pixels between traced ones have the count of those.
-        let share = match settings.trace.resolution {
-            TraceResolution::Full => 1.0,
-            TraceResolution::Half => 0.25,
-        };
         let is_known = targets.traced.is_temporal() && sums.known > 0;
         Ok(Some(TraceFigures {
-            samples_per_pixel: share * sums.samples as f32 / sums.pixels as f32,
+            samples_per_pixel: sums.samples as f32 / sums.pixels as f32,
             history_frames: is_known.then(|| sums.frames as f32 / sums.known as f32),
         }))
     }

@@ -1,6 +1,7 @@
-//! The light at one pixel of the frames so far.
+//! Light as numbers: at a pixel of the frames so far, and at any points.
 
-use glam::UVec2;
+use glam::{UVec2, Vec3};
+use lumivox::{GatherSettings, Irradiance};
 
 use super::Renderer;
 use crate::gpu::readback::read_texel;
@@ -41,5 +42,37 @@ impl Renderer {
         };
         gpu.check("reading the light at a pixel")?;
         Ok(Some(Photometry { luminance_cd_m2, illuminance_lux }))
+    }
+
+    /// The irradiance in lux at points in the world, m, on surfaces or in the air, with normals of any length but zero:
+    /// the reading of a lux meter there. It is gathered by the cones of the settings, with as many bounces as a picture
+    /// has, over `frames` frames (1 to 65 536) whose cones point elsewhere.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] in a look without physical units; [`RenderError::Gi`] as [`lumivox::Gi::gather`].
+    pub async fn irradiance(
+        &self,
+        points: &[Vec3],
+        normals: &[Vec3],
+        frames: u32,
+    ) -> Result<Vec<Irradiance>, RenderError> {
+        if self.settings.look.is_some() {
+            return Err(RenderError::Setting {
+                name: "look",
+                value: self.settings.look_name().to_owned(),
+                expected: "physical, for light in lux".to_owned(),
+            });
+        }
+        let mut settings = GatherSettings::default();
+        (settings.cones, settings.frames) = (self.settings.trace, frames);
+        let mut gathered = self.gi.gather(points, normals, &self.lights, &settings).await?;
+        let unit = self.scene.radiance_unit;
+        for point in &mut gathered {
+            point.direct *= unit;
+            // Without a bounce, nothing but lamps and suns lights surfaces.
+            point.indirect *= if self.settings.bounces == 0 { 0.0 } else { unit };
+        }
+        self.gpu.check("gathering light at points")?;
+        Ok(gathered)
     }
 }

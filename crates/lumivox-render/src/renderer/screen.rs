@@ -66,8 +66,12 @@ impl Renderer {
         self.targets.tone_map.screen()
     }
 
-    /// The mean over frames in real units.
-    async fn read_mean(&self) -> Result<Vec<[f32; 4]>, RenderError> {
+    /// The mean over the frames so far, row by row from the top: light in cd/m², other quantities as their views have them.
+    /// [`Self::finish`] also brings it to a screen.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn read_mean(&self) -> Result<Vec<[f32; 4]>, RenderError> {
         let mean = self.targets.accumulate.mean();
         let mut hdr: Vec<[f32; 4]> = read_texture(&self.gpu, mean).await?;
         if self.settings.view.is_light() {

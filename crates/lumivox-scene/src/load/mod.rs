@@ -3,6 +3,7 @@
 //! Files come from anywhere, so they are not trusted: sizes are checked against the bytes that
 //! exist before memory is allocated, indices before they are used, paths before they are followed.
 
+mod arrays;
 mod color;
 mod extensions;
 mod files;

@@ -13,13 +13,15 @@ struct Known {
     frames: f32,
 }
 
+const FILTER_STEPS: u32 = 4u;
+const WIDEST: u32 = FILTER_STEPS - 1u;
+
 // What this frame says about it.
 struct Fresh {
     // Of the traced pixels around, openness in a.
     irradiance: vec4f,
-    // The same after one step of the filter, and after all.
-    fine: vec3f,
-    wide: vec3f,
+    // The same after each step of the filter, from fine to wide.
+    steps: array<vec3f, FILTER_STEPS>,
     // The mean squared difference of a traced pixel to the known light, or else to the pixels beside it, over the sum of both.
     noise: f32,
     // 1, or 0 if none of the traced pixels shows the surface.
@@ -32,9 +34,8 @@ struct Fresh {
 const FRAMES_OF_CHANGE: f32 = 4.0;
 // Differences below this many times their noise are noise.
 const CERTAIN: f32 = 2.0;
-// Independent traced pixels in the filter's first step, and in the whole of it on a plain surface.
-const FINE_PIXELS: f32 = 7.0;
-const FILTER_PIXELS: f32 = 400.0;
+// Independent traced pixels in the light after so many steps of the filter, on a plain surface.
+const FILTER_PIXELS: vec4f = vec4f(7.0, 34.0, 140.0, 400.0);
 // The frames that the first filtered one counts for.
 const FIRST_FRAMES: f32 = 2.0;
 // With more frames than this, what a pixel gathers itself counts for more than the filtered light.
@@ -52,15 +53,20 @@ fn shift(light: vec3f, change: vec3f, was: vec3f) -> vec3f {
     return select(light + change, light * scale, change < vec3f(0.0));
 }
 
-// This frame's light without its noise: the wide filter's, and that of its first step as far as the two differ by more than
-// noise, as in a penumbra.
+// This frame's light without its noise: the wide filter's, and from step to step of it what is finer, by the
+// share of it that is not noise (Wiener's filter), as in a penumbra.
 fn filtered(fresh: Fresh, frames: f32) -> vec3f {
-    let size = dot(abs(fresh.fine - fresh.wide), vec3f(1.0 / 3.0));
-    // A few cones may sum up below zero.
-    let both = dot(abs(fresh.fine) + abs(fresh.wide), vec3f(1.0 / 3.0));
-    let variance = fresh.noise * both / FINE_PIXELS;
-    let certain = max(1.0 - CERTAIN * CERTAIN * variance / max(size * size, 1e-20), 0.0);
-    return mix(fresh.wide, fresh.fine, max(certain, frames / (1.0 + frames)));
+    var light = fresh.steps[WIDEST];
+    for (var i = i32(WIDEST) - 1; i >= 0; i--) {
+        let detail = fresh.steps[i] - fresh.steps[i + 1];
+        let size = dot(abs(detail), vec3f(1.0 / 3.0));
+        // A few cones may sum up below zero.
+        let both = dot(abs(fresh.steps[i]) + abs(fresh.steps[i + 1]), vec3f(1.0 / 3.0));
+        let variance = fresh.noise * both / FILTER_PIXELS[i];
+        let certain = max(1.0 - variance / max(size * size, 1e-20), 0.0);
+        light += max(certain, frames / (1.0 + frames)) * detail;
+    }
+    return light;
 }
 
 fn blend(known: Known, fresh: Fresh) -> Known {
@@ -72,10 +78,11 @@ fn blend(known: Known, fresh: Fresh) -> Known {
     if fresh.change.a > 1e-3 {
         let change = fresh.change.rgb / fresh.change.a;
         let size = dot(abs(change), vec3f(1.0 / 3.0));
-        let both = dot(abs(fresh.wide) + abs(fresh.wide - change), vec3f(1.0 / 3.0));
-        let variance = fresh.noise * both / (FILTER_PIXELS * fresh.change.a * fresh.change.a);
+        let wide = fresh.steps[WIDEST];
+        let was = wide - change;
+        let both = dot(abs(wide) + abs(was), vec3f(1.0 / 3.0));
+        let variance = fresh.noise * both / (FILTER_PIXELS[WIDEST] * fresh.change.a * fresh.change.a);
         let certain = max(1.0 - CERTAIN * CERTAIN * variance / max(size * size, 1e-20), 0.0);
-        let was = fresh.wide - change;
         past = vec4f(shift(past.rgb, certain * change, was), past.a);
         let share = certain * size / max(dot(was, vec3f(1.0 / 3.0)), 1e-6);
         frames = frames_after_change(frames, share);

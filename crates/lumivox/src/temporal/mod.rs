@@ -54,6 +54,9 @@ const STEPS: [u32; 4] = [1, 2, 4, 8];
 /// `FilterStep` of `filter.wgsl`, as far apart as uniforms may lie.
 const STEP_BYTES: u64 = 256;
 
+/// Turns of their cones that pixels trace in a frame in which nothing is known of them: half the noise.
+pub(crate) const FIRST_TURNS: u32 = 4;
+
 /// `SPACING` of `probe.wgsl`, and the bytes of a `Probe`.
 const PROBE_SPACING: u32 = 3;
 const PROBE_BYTES: u64 = 80;
@@ -62,7 +65,7 @@ const PROBE_BYTES: u64 = 80;
 pub(crate) fn past_bytes(pixels: u64, traced_size: UVec2) -> u64 {
     let traced = u64::from(traced_size.x) * u64::from(traced_size.y);
     // Kept, recalled and records; guides, light, change and drift.
-    48 * pixels + 72 * traced + probe_bytes(traced_size)
+    48 * pixels + 88 * traced + probe_bytes(traced_size)
 }
 
 /// Bytes of the probes of a picture with so many traced pixels along each edge.
@@ -134,7 +137,7 @@ impl Layouts {
                 .storage_texture(d2, LIGHT)
                 .storage_texture(d2, LIGHT)
                 .build(device, "filter"),
-            resolve: (0..7)
+            resolve: (0..9)
                 .fold(LayoutBuilder::compute().uniform(), |layout, _| {
                     layout.texture_2d_unfilterable()
                 })
@@ -216,7 +219,8 @@ pub(crate) struct Past {
     records: Texture,
     recalled: [Texture; 2],
     guide: Texture,
-    light: [Texture; 3],
+    /// The frame's light, and that after each step of the filter.
+    light: [Texture; 5],
     change: [Texture; 2],
     steps: Buffer,
     probes: Buffer,
@@ -268,7 +272,7 @@ impl Past {
             recalled: ["recalled irradiance", "recalled specular"]
                 .map(|label| make(label, size, LIGHT)),
             guide: make("guide", traced_size, GUIDE),
-            light: [(); 3].map(|()| make("filtered light", traced_size, LIGHT)),
+            light: [(); 5].map(|()| make("filtered light", traced_size, LIGHT)),
             change: [(); 2].map(|()| make("filtered change", traced_size, LIGHT)),
             steps: uniform_buffer(device, "filter steps", &steps),
             probes: storage_buffer(device, "probes", probe_bytes(traced_size)),
@@ -327,16 +331,13 @@ impl Past {
         let (light, change) = (views(&self.light), views(&self.change));
         let (guide, records) = (self.guide.view(), self.records.view());
         let drift = views(&self.drift);
-        // Which texture each step reads and writes: the first step's light stays, for the blend.
-        let steps = [(0, 1), (1, 2), (2, 0), (0, 2)];
         let filters = std::array::from_fn(|step| {
-            let (from, to) = steps[step];
             BindGroupBuilder::new(&layouts.filter)
                 .slice(&self.steps, step as u64 * STEP_BYTES, 16)
                 .view(&guide)
-                .view(&light[from])
+                .view(&light[step])
                 .view(&change[step % 2])
-                .view(&light[to])
+                .view(&light[step + 1])
                 .view(&change[1 - step % 2])
                 .build(device, "filter")
         });
@@ -374,6 +375,8 @@ impl Past {
                 .view(traced.specular)
                 .view(&light[1])
                 .view(&light[2])
+                .view(&light[3])
+                .view(&light[4])
                 .view(&change[0])
                 .view(&recalled[0])
                 .view(&recalled[1])

@@ -1,29 +1,31 @@
 // This frame's light at every pixel: what was gathered around it, blended into what is known. It is the picture's light and
 // what the next frame recalls.
 
-import package::temporal::blend::{blend, Fresh, Known};
+import package::temporal::blend::{blend, Fresh, Known, FILTER_STEPS};
 import package::temporal::record::{encode_record, Record};
 import package::trace::around::{traced_around, Around, FITS};
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::trace::fit::fit;
-import package::trace::screen::{settings, traced_pixel, traced_size};
+import package::trace::screen::{settings, traced_pixel, traced_share, traced_size};
 import package::trace::surface::{Specular, Surface};
 import package::trace::view::view;
 import package::voxelize::reproducible::is_finite;
 
 @group(1) @binding(1) var traced_irradiance: texture_2d<f32>;
 @group(1) @binding(2) var traced_specular: texture_2d<f32>;
-// After one step of the filter, and after the last.
-@group(1) @binding(3) var fine: texture_2d<f32>;
-@group(1) @binding(4) var wide: texture_2d<f32>;
-@group(1) @binding(5) var change: texture_2d<f32>;
-@group(1) @binding(6) var recalled_irradiance: texture_2d<f32>;
-@group(1) @binding(7) var recalled_specular: texture_2d<f32>;
-@group(1) @binding(8) var irradiance_out: texture_storage_2d<rgba16float, write>;
-@group(1) @binding(9) var specular_out: texture_storage_2d<rgba16float, write>;
-@group(1) @binding(10) var records_out: texture_storage_2d<rg32uint, write>;
-@group(1) @binding(11) var<storage, read_write> counts: array<atomic<u32>>;
-@group(1) @binding(12) var<storage, read_write> listed: array<u32>;
+// After each step of the filter.
+@group(1) @binding(3) var step_1: texture_2d<f32>;
+@group(1) @binding(4) var step_2: texture_2d<f32>;
+@group(1) @binding(5) var step_3: texture_2d<f32>;
+@group(1) @binding(6) var step_4: texture_2d<f32>;
+@group(1) @binding(7) var change: texture_2d<f32>;
+@group(1) @binding(8) var recalled_irradiance: texture_2d<f32>;
+@group(1) @binding(9) var recalled_specular: texture_2d<f32>;
+@group(1) @binding(10) var irradiance_out: texture_storage_2d<rgba16float, write>;
+@group(1) @binding(11) var specular_out: texture_storage_2d<rgba16float, write>;
+@group(1) @binding(12) var records_out: texture_storage_2d<rg32uint, write>;
+@group(1) @binding(13) var<storage, read_write> counts: array<atomic<u32>>;
+@group(1) @binding(14) var<storage, read_write> listed: array<u32>;
 
 // The most frames in the mean of a reflection on a rough surface, seen by a camera that moves.
 const GLOSSY_FRAMES: f32 = 16.0;
@@ -94,6 +96,7 @@ fn blend_specular(pixel: vec2u, surface: Surface, around: Around, known: vec4f, 
             fresh += around.weights[i] * textureLoad(traced_specular, around.sources[i], 0);
         }
     }
+    fresh.a *= traced_share();
     let material = load_specular(pixel);
     let roughness = material.roughness;
     if frames < FILTERED_REFLECTIONS && any(material.reflectance > vec3f(0.0)) {
@@ -145,7 +148,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let around = traced_around(pixel, surface);
     let is_alone = around.best < FITS;
     let frames = select(1.0, 0.0, is_alone);
-    var fresh = Fresh(vec4f(0.0), vec3f(0.0), vec3f(0.0), 0.0, frames, vec4f(0.0));
+    var fresh = Fresh(vec4f(0.0), array<vec3f, FILTER_STEPS>(), 0.0, frames, vec4f(0.0));
     for (var i = 0; i < 4; i++) {
         let weight = around.weights[i];
         if weight > 0.0 {
@@ -155,10 +158,12 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
                 fresh.frames = 0.0;
                 continue;
             }
-            let filtered = textureLoad(wide, source, 0);
+            let filtered = textureLoad(step_4, source, 0);
             fresh.irradiance += weight * gathered;
-            fresh.fine += weight * textureLoad(fine, source, 0).rgb;
-            fresh.wide += weight * filtered.rgb;
+            fresh.steps[0] += weight * textureLoad(step_1, source, 0).rgb;
+            fresh.steps[1] += weight * textureLoad(step_2, source, 0).rgb;
+            fresh.steps[2] += weight * textureLoad(step_3, source, 0).rgb;
+            fresh.steps[3] += weight * filtered.rgb;
             fresh.noise += weight * filtered.a;
             fresh.change += weight * textureLoad(change, source, 0);
         }

@@ -5,7 +5,7 @@ import package::gpu::random::{hash, random_pair};
 import package::cones::gather::gather;
 import package::emitters::gather::gather_emitters;
 import package::trace::gbuffer::load_surface;
-import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn};
+import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
 
 @group(1) @binding(1) var irradiance_out: texture_storage_2d<rgba16float, write>;
 @group(1) @binding(2) var samples_out: texture_storage_2d<r32float, write>;
@@ -50,18 +50,25 @@ fn gather_at(
     );
 }
 
-fn trace_diffuse(pixel: vec2u, turn: u32) -> TracedDiffuse {
+// The mean of so many turns, from one on; the samples are their sum.
+fn trace_diffuse(pixel: vec2u, turn: u32, turns: u32) -> TracedDiffuse {
     let surface = load_surface(pixel);
     if surface.depth <= 0.0 || settings.bounces == 0u {
         return TracedDiffuse(vec4f(0.0, 0.0, 0.0, 1.0), 0.0);
     }
-    return gather_at(
-        surface.position_in_world,
-        surface.shading_normal,
-        surface.geometric_normal,
-        pixel,
-        turn,
-    );
+    var mean = TracedDiffuse(vec4f(0.0), 0.0);
+    for (var i = 0u; i < turns; i++) {
+        let traced = gather_at(
+            surface.position_in_world,
+            surface.shading_normal,
+            surface.geometric_normal,
+            pixel,
+            turn + i * TURNS_APART,
+        );
+        mean.irradiance += traced.irradiance / f32(turns);
+        mean.samples += traced.samples;
+    }
+    return mean;
 }
 
 @compute @workgroup_size(8, 8)
@@ -69,7 +76,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     if any(invocation.xy >= traced_size()) {
         return;
     }
-    let traced = trace_diffuse(traced_pixel(invocation.xy), traced_turn());
+    let traced = trace_diffuse(traced_pixel(invocation.xy), traced_turn(), settings.turns);
     textureStore(irradiance_out, invocation.xy, traced.irradiance);
     textureStore(samples_out, invocation.xy, vec4f(traced.samples, 0.0, 0.0, 0.0));
 }

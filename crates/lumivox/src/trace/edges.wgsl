@@ -35,12 +35,12 @@ fn diffuse(
 ) {
     let edge = edge_of(linear_index(invocation, workgroups));
     if edge.is_there {
-        let traced = trace_diffuse(edge.pixel, view.frame);
+        let traced = trace_diffuse(edge.pixel, view.frame, settings.listed_turns);
         textureStore(irradiance_out, edge.pixel, traced.irradiance);
     }
 }
 
-// Diffuse samples are counted as those of the pixel that was traced of the same block.
+// As many diffuse samples a turn are counted as the pixel took that was traced of the same block.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn specular(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -49,7 +49,8 @@ fn specular(
     let edge = edge_of(linear_index(invocation, workgroups));
     if edge.is_there {
         let samples = textureLoad(diffuse_samples, edge.pixel / settings.scale, 0).r;
-        let traced = trace_specular(edge.pixel, view.frame, samples);
+        let turns = f32(settings.listed_turns) / f32(settings.turns);
+        let traced = trace_specular(edge.pixel, view.frame, settings.listed_turns, turns * samples);
         textureStore(specular_out, edge.pixel, traced.light);
     }
 }

@@ -58,7 +58,8 @@ pub(crate) struct ScreenSettings {
     pub(crate) bounces: u32,
     pub(crate) remembers: u32,
     pub(crate) has_changed: u32,
-    pub(crate) padding: [u32; 2],
+    pub(crate) turns: u32,
+    pub(crate) listed_turns: u32,
 }
 
 impl ScreenSettings {
@@ -78,7 +79,8 @@ impl ScreenSettings {
             bounces,
             remembers: 0,
             has_changed: 0,
-            padding: [0; 2],
+            turns: 1,
+            listed_turns: 1,
         }
     }
 }
@@ -218,8 +220,12 @@ impl Tracer {
         recorder.stage("trace");
         targets.with_settings(self, &device, |slot| {
             let known = targets.past.as_ref().map(|past| past.known(bound.content));
+            // Where nothing is known yet, more is traced at once.
+            let listed_turns = if known.is_some() { temporal::FIRST_TURNS } else { 1 };
             let [remembers, has_changed] = known.unwrap_or_default().map(u32::from);
-            slot.set(recorder.queue(), &ScreenSettings { remembers, has_changed, ..*settings });
+            let turns = if remembers != 0 { 1 } else { listed_turns };
+            let own = ScreenSettings { remembers, has_changed, turns, listed_turns, ..*settings };
+            slot.set(recorder.queue(), &own);
             let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
             let UVec2 { x, y } = targets.traced_size();
             // Diffuse cones, whose pixels draw emitters, must not find them as well.

@@ -15,8 +15,9 @@ struct ScreenSettings {
     remembers: u32,
     // Whether light or surfaces have changed since.
     has_changed: u32,
-    padding_0: u32,
-    padding_1: u32,
+    // How many turns of their sequences a frame traces of a pixel, and of one that it lists (`edges.wgsl`).
+    turns: u32,
+    listed_turns: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: ScreenSettings;
@@ -35,6 +36,15 @@ fn traced_pixel(invocation: vec2u) -> vec2u {
 // every fourth number of that sequence is nearly the same.
 fn traced_turn() -> u32 {
     return select(view.frame >> 2u, view.frame, settings.scale == 1u);
+}
+
+// The turns of one frame are far apart, so that those of the next ones are new: so far that four of them are spread well over all
+// sequences of a place. (The sequence of cones goes on by 0.743 and 0.299, of emitters by 0.755, of lobes by 0.265.)
+const TURNS_APART: u32 = 2510u;
+
+// The share of the pixels that a frame traces.
+fn traced_share() -> f32 {
+    return 1.0 / f32(settings.scale * settings.scale);
 }
 
 // The size of the textures that cones are traced into.

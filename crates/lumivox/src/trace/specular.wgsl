@@ -20,7 +20,7 @@ import package::cones::cone::{cone_growth, cone_start, trace_cone, Cone};
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::cones::hemisphere::basis;
 import package::cones::model::glossy_half_vector;
-import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn};
+import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
 import package::trace::view::view;
 
 @group(1) @binding(1) var diffuse_samples: texture_2d<f32>;
@@ -38,9 +38,20 @@ struct Reflection {
     distance: f32,
 }
 
-// `turn` is the place in the sequence of the jitter, `samples` are those of the pixel's diffuse cones.
-fn trace_specular(pixel: vec2u, turn: u32, samples: f32) -> Reflection {
-    let nothing = Reflection(vec4f(0.0, 0.0, 0.0, samples), 0.0);
+// The mean of so many turns, from one on; `samples` are those of the pixel's diffuse cones.
+fn trace_specular(pixel: vec2u, turn: u32, turns: u32, samples: f32) -> Reflection {
+    var mean = Reflection(vec4f(0.0, 0.0, 0.0, samples), 0.0);
+    for (var i = 0u; i < turns; i++) {
+        let traced = trace_turn(pixel, turn + i * TURNS_APART);
+        mean.light += vec4f(traced.light.rgb / f32(turns), traced.light.a);
+        mean.distance += traced.distance / f32(turns);
+    }
+    return mean;
+}
+
+// `turn` is the place in the sequence of the jitter.
+fn trace_turn(pixel: vec2u, turn: u32) -> Reflection {
+    let nothing = Reflection(vec4f(0.0), 0.0);
     let surface = load_surface(pixel);
     let material = load_specular(pixel);
     let is_off = settings.bounces == 0u || settings.specular_share <= 0.0;
@@ -100,7 +111,7 @@ fn trace_specular(pixel: vec2u, turn: u32, samples: f32) -> Reflection {
     let weight = fresnel * (both / ggx_masking(local_view.z, alpha));
     // A mirror of the sun may exceed the largest half float.
     let reflected = min(radiance * weight, vec3f(65504.0));
-    return Reflection(vec4f(reflected, samples + f32(traced.samples)), traced.distance);
+    return Reflection(vec4f(reflected, f32(traced.samples)), traced.distance);
 }
 
 @compute @workgroup_size(8, 8)
@@ -109,7 +120,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         return;
     }
     let samples = textureLoad(diffuse_samples, invocation.xy, 0).r;
-    let traced = trace_specular(traced_pixel(invocation.xy), traced_turn(), samples);
+    let traced = trace_specular(traced_pixel(invocation.xy), traced_turn(), settings.turns, samples);
     textureStore(specular_out, invocation.xy, traced.light);
     textureStore(distance_out, invocation.xy, vec4f(traced.distance, 0.0, 0.0, 0.0));
 }

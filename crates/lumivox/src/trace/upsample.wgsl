@@ -3,7 +3,7 @@
 
 import package::trace::around::{traced_around, FITS};
 import package::trace::gbuffer::load_surface;
-import package::trace::screen::settings;
+import package::trace::screen::{settings, traced_share};
 import package::trace::view::view;
 
 @group(1) @binding(1) var irradiance_in: texture_2d<f32>;
@@ -39,6 +39,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
             weights += weight;
         }
     }
+    specular.a *= traced_share();
     irradiance.a = select(irradiance.a, 1.0, weights <= 0.0);
     textureStore(irradiance_out, pixel, irradiance);
     textureStore(specular_out, pixel, specular);

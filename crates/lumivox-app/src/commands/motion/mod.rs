@@ -58,6 +58,8 @@ use truth::Truths;
 const PAGE: &str = "motion.md";
 /// The presets on the page.
 const PRESETS: [Preset; 3] = [Preset::Fast, Preset::Realtime, Preset::Balanced];
+/// The preset of its pictures.
+const SHOWN: Preset = Preset::Realtime;
 /// The rows of strips on the page.
 const ROWS_ON_PAGE: usize = 2;
 
@@ -146,9 +148,10 @@ fn write_page(
     let folder_of_pictures = folder.join(page::PICTURES);
     let mut cases = Vec::new();
     for sequence in sequences {
-        for preset in PRESETS.map(PresetChoice::Cones) {
+        for preset in PRESETS {
+            let is_shown = preset == SHOWN;
+            let preset = PresetChoice::Cones(preset);
             let measured = work.measure(sequence, preset)?;
-            let is_shown = preset == PresetChoice::default();
             if is_shown {
                 pictures::write(&measured, ROWS_ON_PAGE, &folder_of_pictures)?;
             }

@@ -126,3 +126,24 @@ fn millimetres_and_kilometres_are_the_same() {
         assert!(2 * same > whole.radiance.len(), "only {same} pixels are the same");
     }
 }
+
+/// Parts of several tracers add up to the bits of one, whatever their order.
+#[test]
+fn parts_have_the_bits_of_the_whole() {
+    let scene = zoo();
+    let whole = ReferenceSettings { samples: 48, ..small() };
+    let part = |first_batch, samples| {
+        let settings = ReferenceSettings { samples, first_batch, ..whole.clone() };
+        let mut tracer = tracer(&scene, &settings);
+        let mut go_on = |_| ControlFlow::Continue(());
+        pollster::block_on(tracer.render(&mut go_on)).expect("a reference");
+        let bytes = tracer.part().to_bytes();
+        super::super::ReferencePart::from_bytes(&bytes).expect("a part")
+    };
+    let mut merge = super::super::ReferenceMerge::default();
+    for part in [part(1, 32), part(0, 16)] {
+        merge.add(part).expect("it fits");
+    }
+    let merged = merge.layers().expect("all batches").expect("layers");
+    assert!(merged == traced(&scene, &whole));
+}

@@ -1,0 +1,19 @@
+"""The program ``lumivox``, also as ``python -m lumivox``."""
+
+from __future__ import annotations
+
+import signal
+import sys
+
+from ._lumivox import main as _main
+
+
+def main() -> int:
+    """Runs the command line of the process; returns the exit code."""
+    # The program has a handler of its own, and Python must not write into closed pipes.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    return _main(["lumivox", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

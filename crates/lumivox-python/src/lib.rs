@@ -1,0 +1,49 @@
+//! The Python extension `lumivox._lumivox`: scenes, renderings and light as numbers, for the package in `python/lumivox`.
+//!
+//! The package checks arrays and has all types and documentation; this crate does the work. Arrays come as bytes of 32-bit
+//! numbers and leave as `bytearray`s, which numpy views without a copy. Records (a camera, a light) are dictionaries.
+//!
+//! Work runs without Python's global lock, and under a lock of the object that it belongs to. So that two threads cannot
+//! wait for each other, that lock is only ever taken without the global one.
+//!
+//! | file | is |
+//! | --- | --- |
+//! | `error.rs` | errors as the package's exceptions |
+//! | `work.rs` | progress, Ctrl-C, and the bytes of arrays |
+//! | `gpu.rs` | the process's device |
+//! | `records.rs` | cameras, lights, materials and instances as dictionaries |
+//! | `scene.rs` | scenes and their edits |
+//! | `settings.rs` | settings by name |
+//! | `stage.rs` | a scene with its camera and the light that it lacks |
+//! | `render.rs` | a scene on the device: pictures, layers, irradiance |
+//! | `picture.rs` | pictures on their way to screens and files |
+//! | `reference.rs` | the path tracer, and comparison |
+//! | `command.rs` | the program `lumivox` |
+
+#![allow(clippy::needless_pass_by_value, reason = "arguments from Python are values")]
+
+mod command;
+mod error;
+mod gpu;
+mod picture;
+mod records;
+mod reference;
+mod render;
+mod scene;
+mod settings;
+mod stage;
+mod work;
+
+#[pyo3::pymodule]
+mod _lumivox {
+    #[pymodule_export]
+    use crate::{
+        command::main,
+        gpu::{adapters, description},
+        picture::{develop, encode_exr},
+        reference::{Reference, figures},
+        render::Renderer,
+        scene::{Scene, builtin_names},
+        settings::table,
+    };
+}

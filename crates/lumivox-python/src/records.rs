@@ -1,0 +1,271 @@
+//! Cameras, lights, materials and instances as dictionaries, whose keys are the fields of the package's classes.
+
+use glam::{Mat4, Vec3, Vec4};
+use lumivox_scene::{Camera, Instance, Light, LightKind, Material, MetallicRoughness, Shading};
+use pyo3::{FromPyObject, IntoPyObject};
+
+use crate::error::Fault;
+
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+pub struct CameraRecord {
+    name: String,
+    position: [f32; 3],
+    forward: [f32; 3],
+    up: [f32; 3],
+    vertical_fov_deg: f32,
+    near_m: f32,
+}
+
+impl From<&Camera> for CameraRecord {
+    fn from(camera: &Camera) -> Self {
+        Self {
+            name: camera.name.clone(),
+            position: camera.position.into(),
+            forward: camera.forward.into(),
+            up: camera.up.into(),
+            vertical_fov_deg: camera.vertical_fov_rad.to_degrees(),
+            near_m: camera.near_m,
+        }
+    }
+}
+
+impl From<CameraRecord> for Camera {
+    fn from(record: CameraRecord) -> Self {
+        Self {
+            name: record.name,
+            position: record.position.into(),
+            forward: unit(record.forward),
+            up: unit(record.up),
+            vertical_fov_rad: record.vertical_fov_deg.to_radians(),
+            near_m: record.near_m,
+        }
+    }
+}
+
+/// The vector at unit length, or as it is where it has no direction, for the scene's check to refuse.
+fn unit(vector: [f32; 3]) -> Vec3 {
+    let vector = Vec3::from(vector);
+    vector.try_normalize().unwrap_or(vector)
+}
+
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+pub struct LightRecord {
+    name: String,
+    kind: String,
+    /// Candela, or lux for a directional light.
+    intensity: f32,
+    color: [f32; 3],
+    position: [f32; 3],
+    direction: [f32; 3],
+    radius_m: f32,
+    angular_radius_deg: f32,
+    inner_angle_deg: f32,
+    outer_angle_deg: f32,
+    range_m: Option<f32>,
+}
+
+impl From<&Light> for LightRecord {
+    fn from(light: &Light) -> Self {
+        let mut record = Self {
+            name: light.name.clone(),
+            kind: String::new(),
+            intensity: 0.0,
+            color: light.color.into(),
+            position: light.position.into(),
+            direction: light.direction.into(),
+            radius_m: light.radius_m,
+            angular_radius_deg: 0.0,
+            inner_angle_deg: 0.0,
+            outer_angle_deg: 45.0,
+            range_m: None,
+        };
+        match light.kind {
+            LightKind::Directional { illuminance_lux, angular_radius_rad } => {
+                "directional".clone_into(&mut record.kind);
+                record.intensity = illuminance_lux;
+                record.angular_radius_deg = angular_radius_rad.to_degrees();
+            }
+            LightKind::Point { intensity_cd, range_m } => {
+                "point".clone_into(&mut record.kind);
+                (record.intensity, record.range_m) = (intensity_cd, range_m);
+            }
+            LightKind::Spot { intensity_cd, range_m, inner_angle_rad, outer_angle_rad } => {
+                "spot".clone_into(&mut record.kind);
+                (record.intensity, record.range_m) = (intensity_cd, range_m);
+                record.inner_angle_deg = inner_angle_rad.to_degrees();
+                record.outer_angle_deg = outer_angle_rad.to_degrees();
+            }
+        }
+        record
+    }
+}
+
+impl TryFrom<LightRecord> for Light {
+    type Error = Fault;
+
+    fn try_from(record: LightRecord) -> Result<Self, Fault> {
+        let (intensity_cd, range_m) = (record.intensity, record.range_m);
+        let kind = match record.kind.as_str() {
+            "point" => LightKind::Point { intensity_cd, range_m },
+            "directional" => LightKind::Directional {
+                illuminance_lux: record.intensity,
+                angular_radius_rad: record.angular_radius_deg.to_radians(),
+            },
+            "spot" => LightKind::Spot {
+                intensity_cd,
+                range_m,
+                inner_angle_rad: record.inner_angle_deg.to_radians(),
+                outer_angle_rad: record.outer_angle_deg.to_radians(),
+            },
+            other => {
+                let message = format!(
+                    "light \"{}\": its kind is \"{other}\", but must be point, spot or directional",
+                    record.name
+                );
+                return Err(Fault::input(message));
+            }
+        };
+        Ok(Self {
+            name: record.name,
+            kind,
+            color: record.color.into(),
+            position: record.position.into(),
+            direction: unit(record.direction),
+            radius_m: record.radius_m,
+            attenuation: None,
+        })
+    }
+}
+
+/// The numbers of a material. Of other models than metallic-roughness, and of textures, the package shows nothing; they
+/// stay unless a number of the model is changed.
+#[derive(Clone, FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+pub struct MaterialRecord {
+    name: String,
+    base_color: [f32; 3],
+    metallic: f32,
+    roughness: f32,
+    specular: f32,
+    emissive: [f32; 3],
+    double_sided: bool,
+}
+
+impl From<&Material> for MaterialRecord {
+    fn from(material: &Material) -> Self {
+        let (base_color, metallic, roughness, specular) = match &material.shading {
+            Shading::MetallicRoughness(m) => {
+                (m.base_color.truncate(), m.metallic, m.roughness, m.specular)
+            }
+            Shading::Phong(p) => (p.diffuse, 0.0, 1.0, 0.0),
+            Shading::Unlit(u) => (u.color.truncate(), 0.0, 1.0, 0.0),
+        };
+        Self {
+            name: material.name.clone(),
+            base_color: base_color.into(),
+            metallic,
+            roughness,
+            specular,
+            emissive: material.emissive.into(),
+            double_sided: material.double_sided,
+        }
+    }
+}
+
+impl MaterialRecord {
+    /// The material of these numbers, without textures.
+    pub fn material(&self) -> Material {
+        let mut material = Material {
+            shading: Shading::MetallicRoughness(MetallicRoughness::default()),
+            ..Material::default()
+        };
+        self.change(&mut material);
+        material
+    }
+
+    /// Sets the numbers of a material that differ from its own.
+    pub fn change(&self, material: &mut Material) {
+        let was = Self::from(&*material);
+        material.name.clone_from(&self.name);
+        material.emissive = self.emissive.into();
+        material.double_sided = self.double_sided;
+        let numbers =
+            |record: &Self| (record.base_color, record.metallic, record.roughness, record.specular);
+        if numbers(&was) == numbers(self) {
+            return;
+        }
+        let mut model = match material.shading {
+            Shading::MetallicRoughness(model) => model,
+            Shading::Phong(_) | Shading::Unlit(_) => MetallicRoughness::default(),
+        };
+        model.base_color = Vec3::from(self.base_color).extend(model.base_color.w);
+        (model.metallic, model.roughness) = (self.metallic, self.roughness);
+        model.specular = self.specular;
+        material.shading = Shading::MetallicRoughness(model);
+    }
+}
+
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+pub struct InstanceRecord {
+    name: String,
+    mesh: usize,
+    material: usize,
+    /// Rows.
+    world_from_local: [[f32; 4]; 4],
+    hidden: bool,
+    voxelized: bool,
+}
+
+impl From<&Instance> for InstanceRecord {
+    fn from(instance: &Instance) -> Self {
+        Self {
+            name: instance.name.clone(),
+            mesh: instance.mesh,
+            material: instance.material,
+            world_from_local: instance.world_from_local.transpose().to_cols_array_2d(),
+            hidden: instance.is_hidden,
+            voxelized: instance.is_voxelized,
+        }
+    }
+}
+
+impl InstanceRecord {
+    /// Changes an instance, except for its mesh.
+    ///
+    /// # Errors
+    /// When the transform is not affine and invertible, or mirrors what was not mirrored.
+    pub fn change(self, instance: &mut Instance) -> Result<(), Fault> {
+        let place = transform(&self.world_from_local, &self.name)?;
+        if place.determinant().signum() != instance.world_from_local.determinant().signum() {
+            return Err(Fault::input(format!(
+                "instance \"{}\": its world_from_local mirrors it, which would turn its surface inside out; make a \
+                 mirrored mesh instead",
+                self.name
+            )));
+        }
+        instance.name = self.name;
+        instance.material = self.material;
+        instance.world_from_local = place;
+        instance.is_hidden = self.hidden;
+        instance.is_voxelized = self.voxelized;
+        Ok(())
+    }
+}
+
+/// The transform of rows.
+///
+/// # Errors
+/// When it is not affine and invertible.
+pub fn transform(rows: &[[f32; 4]; 4], name: &str) -> Result<Mat4, Fault> {
+    let matrix = Mat4::from_cols_array_2d(rows).transpose();
+    let is_affine = matrix.is_finite() && matrix.row(3) == Vec4::W;
+    if is_affine && matrix.determinant() != 0.0 && matrix.inverse().is_finite() {
+        return Ok(matrix);
+    }
+    Err(Fault::input(format!(
+        "instance \"{name}\": its world_from_local must be finite and invertible, with 0, 0, 0, 1 as its last row"
+    )))
+}

@@ -1,0 +1,273 @@
+//! A scene on the device: pictures from any number of cameras, with layers, and irradiance at points.
+
+use std::sync::{Arc, Mutex};
+
+use glam::{UVec2, Vec2, Vec3};
+use lumivox_render::{Gpu, RenderProgress, Renderer as Engine};
+use lumivox_scene::{Camera, Picker};
+use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyBytes};
+
+use crate::error::Fault;
+use crate::gpu::{check_process, open};
+use crate::records::CameraRecord;
+use crate::scene::Scene;
+use crate::settings::{Given, Layer, layer, of, texts};
+use crate::stage::{CameraArgument, Staged, camera, stage};
+use crate::work::{Progress, array, detached, lock, numbers};
+
+/// The bytes of a picture's arrays by name, each with its number of channels; the type is `f4` or `i4`.
+type Arrays<'py> = Vec<(String, Bound<'py, PyByteArray>, usize, &'static str)>;
+
+/// A scene on the device.
+#[pyclass(frozen, module = "lumivox._lumivox")]
+pub struct Renderer {
+    process: u32,
+    gpu: Gpu,
+    layers: Vec<(String, Layer, usize)>,
+    surroundings: String,
+    state: Mutex<State>,
+}
+
+struct State {
+    engine: Engine,
+    staged: Staged,
+    /// The scene's triangles for the layers of numbers, once they were asked for.
+    picker: Option<Arc<Picker>>,
+}
+
+/// The values of one array.
+enum Values {
+    Floats(Vec<f32>),
+    Numbers(Vec<i32>),
+}
+
+#[pymethods]
+impl Renderer {
+    #[new]
+    #[expect(clippy::too_many_arguments, reason = "they are those of the package's class")]
+    fn new(
+        py: Python<'_>,
+        scene: &Scene,
+        camera: Option<CameraArgument>,
+        size: (u32, u32),
+        given: Given,
+        layers: Vec<String>,
+        surroundings: String,
+        adapter: Option<String>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let mut progress = Progress::new(progress);
+        detached(py, || {
+            let size = UVec2::from(size);
+            if size.min_element() == 0 {
+                return Err(Fault::input(format!(
+                    "size is {} x {}, but must be at least 1 x 1",
+                    size.x, size.y
+                )));
+            }
+            let model = scene.model();
+            let mut settings = of(&model, size, &given)?;
+            let mut named = Vec::with_capacity(layers.len());
+            for name in layers {
+                let (layer, channels) = layer(&name)?;
+                if let Layer::View(view) = layer {
+                    settings.beside.push(view);
+                }
+                named.push((name, layer, channels));
+            }
+            let gpu = open(adapter.as_deref())?;
+            settings.validate(&gpu.device.limits())?;
+            let aspect = size.x as f32 / size.y as f32;
+            let _ = progress.step("looking at the scene", 0.0, 1);
+            let staged = stage(&model, camera, aspect, &surroundings)?;
+            progress.end()?;
+            let mut tell = |step: RenderProgress| {
+                let _ = progress.step(step.stage, step.done.into(), step.total);
+            };
+            let engine =
+                Engine::new(&gpu, &staged.scene, Some(&staged.camera), settings, &mut tell);
+            let engine = pollster::block_on(engine)?;
+            progress.end()?;
+            let state = Mutex::new(State { engine, staged, picker: None });
+            Ok(Self { process: std::process::id(), gpu, layers: named, surroundings, state })
+        })
+    }
+
+    /// Renders from a camera, or from the last one.
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        camera: Option<CameraArgument>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Arrays<'py>> {
+        let mut progress = Progress::new(progress);
+        let made = detached(py, || self.picture(camera, &mut progress))?;
+        let arrays = made.into_iter().map(|(name, values, channels)| match values {
+            Values::Floats(values) => Ok((name, array(py, &values)?, channels, "f4")),
+            Values::Numbers(values) => Ok((name, array(py, &values)?, channels, "i4")),
+        });
+        arrays.collect()
+    }
+
+    /// Shows another state of the same scene: other lights, materials, places of instances. The triangles stay.
+    fn update(&self, py: Python<'_>, scene: &Scene, progress: Option<Py<PyAny>>) -> PyResult<()> {
+        let mut progress = Progress::new(progress);
+        detached(py, || {
+            check_process(self.process)?;
+            let mut state = lock(&self.state);
+            let given = CameraArgument::Given((&state.staged.camera).into());
+            let staged = stage(&scene.model(), Some(given), state.aspect(), &self.surroundings)?;
+            let mut tell = |step: RenderProgress| {
+                let _ = progress.step(step.stage, step.done.into(), step.total);
+            };
+            pollster::block_on(state.engine.set_materials(&staged.scene, &mut tell))?;
+            (state.staged, state.picker) = (staged, None);
+            progress.end()
+        })
+    }
+
+    /// The irradiance in lux at points, for each the direct and the indirect, RGB, and the open share of the hemisphere.
+    fn irradiance<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyBytes>,
+        normals: &Bound<'py, PyBytes>,
+        frames: u32,
+    ) -> PyResult<Bound<'py, PyByteArray>> {
+        let points = numbers::<Vec3>("points", points).map_err(|fault| fault.raise(py))?;
+        let normals = numbers::<Vec3>("normals", normals).map_err(|fault| fault.raise(py))?;
+        let gathered = detached(py, || {
+            check_process(self.process)?;
+            let state = lock(&self.state);
+            Ok(pollster::block_on(state.engine.irradiance(&points, &normals, frames))?)
+        })?;
+        let flat: Vec<[f32; 7]> = gathered
+            .iter()
+            .map(|point| {
+                let ([a, b, c], [d, e, f]) = (point.direct.to_array(), point.indirect.to_array());
+                [a, b, c, d, e, f, point.openness]
+            })
+            .collect();
+        array(py, &flat)
+    }
+
+    #[getter]
+    fn camera(&self, py: Python<'_>) -> CameraRecord {
+        self.read(py, |state| state.engine.camera().into())
+    }
+
+    #[getter]
+    fn size(&self, py: Python<'_>) -> (u32, u32) {
+        self.read(py, |state| state.engine.settings().size.into())
+    }
+
+    /// All settings that have an effect.
+    #[getter]
+    fn settings(&self, py: Python<'_>) -> Vec<(&'static str, String)> {
+        self.read(py, |state| texts(state.engine.settings()))
+    }
+
+    /// Sentences on what was chosen: camera and light.
+    #[getter]
+    fn notes(&self, py: Python<'_>) -> Vec<String> {
+        self.read(py, |state| state.staged.notes.clone())
+    }
+
+    #[getter]
+    fn voxels(&self, py: Python<'_>) -> u32 {
+        self.read(py, |state| state.engine.voxel_stats().voxels)
+    }
+
+    #[getter]
+    fn voxel_size_m(&self, py: Python<'_>) -> f32 {
+        self.read(py, |state| state.engine.gi().grid().voxel_size_m)
+    }
+
+    #[getter]
+    fn adapter(&self) -> String {
+        lumivox_render::describe(&self.gpu.adapter_info)
+    }
+}
+
+impl Renderer {
+    fn read<T: Send>(&self, py: Python<'_>, read: impl FnOnce(&State) -> T + Send) -> T {
+        py.detach(|| read(&lock(&self.state)))
+    }
+
+    fn picture(
+        &self,
+        argument: Option<CameraArgument>,
+        progress: &mut Progress,
+    ) -> Result<Vec<(String, Values, usize)>, Fault> {
+        check_process(self.process)?;
+        let mut state = lock(&self.state);
+        let aspect = state.aspect();
+        let camera = match argument {
+            Some(argument) => camera(argument, &state.staged.scene, aspect)?,
+            None => state.engine.camera().clone(),
+        };
+        state.engine.set_camera(camera.clone());
+        let total = state.engine.settings().frames;
+        while !state.engine.is_complete() {
+            pollster::block_on(state.engine.render_frame())?;
+            self.gpu.wait("rendering a frame")?;
+            let _ = progress.step("render", state.engine.frame_count().into(), total);
+            progress.end()?;
+        }
+        let mean = pollster::block_on(state.engine.read_mean())?;
+        let coverage = mean.iter().map(|pixel| pixel[3]).collect();
+        let mut arrays = vec![
+            ("radiance".to_owned(), Values::Floats(channels(&mean, 3, 1.0)), 3),
+            ("coverage".to_owned(), Values::Floats(coverage), 1),
+        ];
+        for (name, layer, count) in &self.layers {
+            let values = match layer {
+                Layer::View(view) => {
+                    let read = pollster::block_on(state.engine.read_beside(*view))?;
+                    let pixels = read.unwrap_or_default();
+                    // The view shows what a white surface reflects of it.
+                    let is_irradiance = *view == lumivox_render::View::Diffuse;
+                    let factor = if is_irradiance { std::f32::consts::PI } else { 1.0 };
+                    Values::Floats(channels(&pixels, *count, factor))
+                }
+                Layer::Instance | Layer::Material => {
+                    Values::Numbers(state.seen(&camera, *layer == Layer::Material))
+                }
+            };
+            arrays.push((name.clone(), values, *count));
+        }
+        Ok(arrays)
+    }
+}
+
+impl State {
+    /// Width over height.
+    fn aspect(&self) -> f32 {
+        let size = self.engine.settings().size.as_vec2();
+        size.x / size.y
+    }
+
+    /// The numbers of the instances, or of their materials, that the middles of the pixels show; -1 where there is none.
+    fn seen(&mut self, camera: &Camera, is_of_materials: bool) -> Vec<i32> {
+        let scene = &self.staged.scene;
+        let picker = self.picker.get_or_insert_with(|| Arc::new(Picker::new(scene)));
+        let size = self.engine.settings().size;
+        let pixels = (0..size.y).flat_map(|y| (0..size.x).map(move |x| UVec2::new(x, y)));
+        let number = |pixel: UVec2| {
+            let (eye, direction) = camera.ray(pixel.as_vec2() + Vec2::splat(0.5), size);
+            picker.pick(eye, direction).map_or(-1, |pick| {
+                let placed = pick.instance;
+                let number =
+                    if is_of_materials { scene.instances[placed].material } else { placed };
+                number as i32
+            })
+        };
+        pixels.map(number).collect()
+    }
+}
+
+/// The first channels of pixels, times a factor.
+fn channels(pixels: &[[f32; 4]], count: usize, factor: f32) -> Vec<f32> {
+    pixels.iter().flat_map(|pixel| pixel[..count].iter().map(|value| value * factor)).collect()
+}

@@ -1,0 +1,173 @@
+"""Irradiance against closed forms, and the path tracer."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lumivox
+from lumivox import InputError, Light, Material, Renderer, Scene
+
+from conftest import BLACK, SMALL, floor, quad
+
+
+def lambert(corners: Any, point: Any, normal: Any) -> float:
+    """The irradiance of a polygon of radiance 1 (Lambert 1760; Arvo 1995, "Analytic methods for
+    simulated light transport", section 2.2): half the sum over edges of the angle times the cosine
+    between the edge's plane and the surface."""
+    rays = [np.subtract(corner, point) for corner in corners]
+    rays = [ray / np.linalg.norm(ray) for ray in rays]
+    total = 0.0
+    for a, b in zip(rays, rays[1:] + rays[:1]):
+        across = np.cross(a, b)
+        angle = np.arctan2(np.linalg.norm(across), a @ b)
+        total += float(angle * (across / np.linalg.norm(across)) @ np.array(normal))
+    return abs(total) / 2
+
+
+def test_a_lamp_over_a_plane() -> None:
+    scene = floor(BLACK)
+    height, candela = 1.5, 300.0
+    scene.lights = [Light(intensity=candela, position=(0, height, 0))]
+    x = np.linspace(-1.5, 1.5, 7)
+    points = np.stack([x, np.zeros(7), 0.2 * np.ones(7)], 1)
+    lux = lumivox.irradiance(scene, points, **SMALL)
+    squared = x**2 + 0.2**2 + height**2
+    # The inverse square times the cosine: I h / d^3. What is left is the rounding of f32.
+    np.testing.assert_allclose(lux, candela * height / squared**1.5, rtol=1e-5)
+    below = lumivox.irradiance(scene, points, (0, -1, 0), **SMALL)
+    assert (below == 0).all()
+
+
+def test_a_uniform_sky() -> None:
+    scene = floor(BLACK)
+    scene.set_environment(1000)
+    up = lumivox.irradiance(scene, [[0, 0, 0], [0.3, 0.2, -0.7]], **SMALL)
+    # The cones' weights sum up to pi, to the rounding of f32.
+    np.testing.assert_allclose(up, np.pi * 1000, rtol=1e-4)
+    # A point in the air, facing sideways, sees half of the sky, and else the floor's black. Cones are
+    # as wide as 60 degrees and the voxels coarse: a tenth.
+    side = lumivox.irradiance(scene, (0, 0.05, 0), (1, 0, 0), **{**SMALL, "frames": 64})
+    assert side == pytest.approx(np.pi * 500, rel=0.1)
+
+
+def test_a_luminous_polygon() -> None:
+    scene = floor(BLACK)
+    corners = np.array([(-0.5, 1, -0.5), (0.5, 1, -0.5), (0.5, 1, 0.5), (-0.5, 1, 0.5)])
+    glow = Material(base_color=0.0, emissive=1000.0)  # type: ignore[arg-type]
+    quad(scene, corners[0], corners[1] - corners[0], corners[3] - corners[0], glow, "panel")
+    points = np.array([(0, 0, 0), (0.4, 0, 0.3), (1.2, 0, 0), (1.5, 0, -1.5)])
+    lux = lumivox.irradiance(scene, points, **{**SMALL, "frames": 256})
+    expected = [1000 * lambert(corners, point, (0, 1, 0)) for point in points]
+    # Points are drawn on the panel, 6 a frame: the standard error of 1536 is at most 1 % there.
+    np.testing.assert_allclose(lux, expected, rtol=0.03)
+
+
+def test_irradiance_of_all_shapes(renderer: Renderer) -> None:
+    grid = np.random.default_rng(1).uniform(0.2, 0.8, (2, 3, 3))
+    light = renderer.irradiance(grid, frames=2)
+    assert (light.lux.shape, light.direct.shape, light.openness.shape) == ((2, 3), (2, 3, 3), (2, 3))
+    one = renderer.irradiance(grid[1, 2], frames=2)
+    assert one.lux.shape == () and one.lux == light.lux[1, 2]
+    np.testing.assert_allclose(light.rgb, light.direct + light.indirect)
+    assert renderer.irradiance(np.zeros((0, 3))).lux.shape == (0,)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([[0, 0]],), r"points: has the shape \(1, 2\)"),
+        (([[0, 0, np.nan]],), r"points\[0, 2\]: is nan"),
+        (([[0, 0, 0]], (0, 0, 0)), "normals: number 0 has no direction"),
+        (([[0, 0, 0]], np.zeros((2, 3))), r"normals: has the shape \(2, 3\)"),
+        (([[0, 0, 0]], (0, 1, 0), 0), "frames: is 0"),
+        (([[0, 0, 0]], (0, 1, 0), 1.5), "frames: is 1.5"),
+    ],
+)
+def test_bad_points_are_named(renderer: Renderer, arguments: Any, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        renderer.irradiance(*arguments)
+
+
+def test_a_workplane() -> None:
+    scene = floor(BLACK)
+    scene.lights = [Light(intensity=100, position=(0, 1, 0))]
+    plane = lumivox.workplane(scene, (-1, 0, -1), (2, 0, 0), (0, 0, 2), (2, 4), **SMALL)
+    assert plane.lux.shape == (2, 4)
+    np.testing.assert_allclose(plane.points[0, :, 0], [-0.75, -0.25, 0.25, 0.75])
+    np.testing.assert_allclose(plane.points[:, 0, 2], [-0.5, 0.5])
+    squared = (plane.points**2).sum(-1) + 1
+    expected = 100 / squared**1.5
+    np.testing.assert_allclose(plane.lux, expected, rtol=1e-5)
+    assert plane.mean == pytest.approx(expected.mean(), rel=1e-5)
+    assert plane.uniformity == pytest.approx(expected.min() / expected.mean(), rel=1e-5)
+    for shape, message in (((0, 2), "shape: is"), ("ab", "shape: is")):
+        with pytest.raises(InputError, match=message):
+            lumivox.workplane(scene, (0, 0, 0), (1, 0, 0), (0, 0, 1), shape)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="along, across"):
+        lumivox.workplane(scene, (0, 0, 0), (1, 0, 0), (2, 0, 0))
+
+
+def test_the_reference_has_its_noise(cornell: Scene, tmp_path: Path) -> None:
+    truth = lumivox.reference(cornell, size=(24, 16), samples=32)
+    again = lumivox.reference(cornell, size=(24, 16), samples=32)
+    other = lumivox.reference(cornell, size=(24, 16), samples=32, seed=1)
+    assert (truth.radiance == again.radiance).all()
+    assert (truth.radiance != other.radiance).any()
+    assert truth.samples == 32 and truth.layers["irradiance"].shape == (16, 24, 3)
+    # Two means differ by their noise: the mean square of the difference is the sum of the variances.
+    difference = ((truth.radiance - other.radiance) ** 2).mean()
+    variance = (truth.standard_error**2 + other.standard_error**2).mean()
+    assert 0.3 < difference / variance < 3
+    truth.save(tmp_path / "truth.exr")
+    loaded = lumivox.Reference.load(tmp_path / "truth.exr")
+    assert all((loaded.layers[name] == layer).all() for name, layer in truth.layers.items())
+    with pytest.raises(InputError, match="samples: is 0"):
+        lumivox.reference(cornell, samples=0)
+
+
+def test_errors_are_measured(cornell: Scene) -> None:
+    truth = lumivox.reference(cornell, size=(48, 32), samples=64)
+    same = lumivox.compare(truth, truth)
+    assert (same.bias_percent, same.rmse_percent, same.flip) == (0, 0, 0)
+    brighter = lumivox.compare(truth.radiance * 1.5, truth)
+    assert brighter.bias_percent == pytest.approx(50, rel=1e-4)
+    picture = lumivox.render(cornell, size=(48, 32), resolution=64, frames=4)
+    figures = lumivox.compare(picture, truth)
+    # Cones in coarse voxels, against 64 samples.
+    assert abs(figures.bias_percent) < 10 and 0 < figures.rmse_percent < 50
+    with pytest.raises(InputError, match=r"picture: has the shape \(4, 4, 3\), but must have \(32, 48, 3\)"):
+        lumivox.compare(np.zeros((4, 4, 3)), truth)
+
+
+def test_parts_add_up_to_one_reference(cornell: Scene, tmp_path: Path) -> None:
+    size = (16, 12)
+    whole = lumivox.reference(cornell, size=size, samples=48)
+    parts = [lumivox.reference_part(cornell, size=size, batches=at) for at in ((1, 3), (0, 1))]
+    merged = lumivox.merge([*parts, parts[0]])
+    assert merged.samples == 48
+    assert (merged.radiance == whole.radiance).all()
+    for name, layer in whole.layers.items():
+        assert (merged.layers[name] == layer).all(), name
+    # The program reads the same bytes.
+    files = [tmp_path / "a", tmp_path / "b"]
+    for file, part in zip(files, parts):
+        file.write_bytes(part)
+    run = [sys.executable, "-m", "lumivox", "merge", *map(str, files), "-o", str(tmp_path / "c.exr")]
+    subprocess.run(run, check=True, capture_output=True)
+    whole.save(tmp_path / "whole.exr")
+    assert (tmp_path / "c.exr").read_bytes() == (tmp_path / "whole.exr").read_bytes()
+    for wrong, message in (
+        ([parts[0]], "the batches 0..1 are missing"),
+        ([b"no part"], r"parts\[0\]: it is not a part"),
+        ([], "parts: has none"),
+    ):
+        with pytest.raises(InputError, match=message):
+            lumivox.merge(wrong)
+    with pytest.raises(InputError, match="batches: is"):
+        lumivox.reference_part(cornell, size=size, batches=(2, 2))
