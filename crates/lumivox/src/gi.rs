@@ -2,6 +2,8 @@
 
 mod config;
 mod frames;
+mod parts;
+mod place;
 mod points;
 mod screen;
 
@@ -10,16 +12,16 @@ use std::sync::OnceLock;
 use crate::cones::TraceSettings;
 use crate::emitters::Emitters;
 use crate::environment::{EnvironmentLight, EnvironmentMap};
-use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
-use crate::light::{Injector, Light, Lighting, Lights, ShadowSource, lights_layout};
+use crate::gpu::{Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
+use crate::light::{Light, Lighting, Lights, ShadowSource, lights_layout};
 use crate::points::PointGatherer;
 use crate::trace::{Tracer, gbuffer_layout};
 use crate::volume::changes::{ChangedCells, Changes};
-use crate::volume::{Followed, OctreeStats, Volume};
+use crate::volume::{Followed, Volume};
 use crate::voxelize::{Taken, VoxelizeStats, VoxelizedScene, Voxelizer};
-use crate::voxels::VoxelList;
-use crate::{Geometry, GiError, Grid};
+use crate::{Geometry, GiError};
 pub use config::GiConfig;
+use place::{move_to, refuse_with_cascades};
 
 /// What a voxelization found.
 #[derive(Clone, Debug)]
@@ -182,19 +184,6 @@ impl Gi {
             cone_values,
             points: OnceLock::new(),
         })
-    }
-
-    /// Lets the boxes of a clipmap ([`Grid::cascades`]) follow a place in the world, m: that of the camera. Whether they have to
-    /// move is returned; if so, the next voxelization moves them. [`Self::voxelize`] does so at once. [`Self::voxelize_frame`]
-    /// makes the voxels of the moved boxes over a few frames, in which all stays what it was, without waiting; voxels that
-    /// stay in a box keep the light that they have gathered. While one move is on its way, the next one waits.
-    ///
-    /// # Errors
-    /// As [`Grid::center_on`].
-    pub fn center_on(&mut self, place: glam::Vec3) -> Result<bool, GiError> {
-        let mut grid = *self.scene.grid();
-        grid.center_on(place)?;
-        Ok(self.scene.move_to(grid))
     }
 
     /// Turns triangles into the list of voxels that all light is computed on.
@@ -443,137 +432,12 @@ impl Gi {
         self.lighting.disturb();
     }
 
-    /// A bit per cell, laid out as [`VoxelList::occupancy`], once there is a list. After [`Self::light`]: the cells that
+    /// A bit per cell, laid out as [`VoxelList::occupancy`](crate::voxels::VoxelList::occupancy), once there is a list. After [`Self::light`]: the cells that
     /// it wrote, because their content or that of a cell below had changed. After a voxelization: those of another
     /// surface than before, cells that are gone included.
     pub fn changed_cells(&self) -> Option<&Buffer> {
         self.changes.bits()
     }
-
-    /// The shader modules, with `package::volume` standing for this object's volume: link your own shaders
-    /// against them to sample the volume yourself.
-    ///
-    /// ```
-    /// # pollster::block_on(async {
-    /// # let (device, queue) = lumivox::gpu::open_device().await?;
-    /// # use glam::Vec3;
-    /// # use lumivox::{Gi, GiConfig, Grid};
-    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
-    /// # let gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
-    /// let mut shaders = gi.shaders().clone();
-    /// shaders.add(
-    ///     "engine::fog",
-    ///     "import package::volume::is_clear;
-    ///      @group(1) @binding(0) var<storage, read_write> clear: u32;
-    ///      @compute @workgroup_size(1)
-    ///      fn main() {
-    ///          clear = u32(is_clear(vec3f(8.0), 0u));
-    ///      }",
-    /// );
-    /// let wgsl = shaders.link("engine::fog")?;
-    /// assert!(wgsl.contains("is_clear"));
-    /// # Ok::<(), lumivox::GiError>(())
-    /// # }).unwrap();
-    /// ```
-    pub fn shaders(&self) -> &ShaderLibrary {
-        &self.shaders
-    }
-
-    /// The pipelines of its device: make your own there.
-    pub fn pipelines(&self) -> &Pipelines {
-        &self.device
-    }
-
-    /// What it was made for.
-    pub fn config(&self) -> &GiConfig {
-        &self.config
-    }
-
-    /// The grid.
-    pub fn grid(&self) -> &Grid {
-        &self.config.grid
-    }
-
-    /// The list of voxels, once there is one.
-    pub fn voxels(&self) -> Option<&VoxelList> {
-        self.scene.list()
-    }
-
-    /// What the octree is made of; `None` for other volumes, and before there are voxels.
-    pub fn octree_stats(&self) -> Option<OctreeStats> {
-        self.volume.octree_stats()
-    }
-
-    #[cfg(test)]
-    pub(crate) fn emitters(&self) -> &Emitters {
-        &self.emitters
-    }
-
-    #[cfg(test)]
-    pub(crate) fn volume(&self) -> &Volume {
-        &self.volume
-    }
-
-    /// The radiance that each face of the list sends out (`array<vec4f>`, rgb), once there is one.
-    pub fn face_radiance(&self) -> Option<&Buffer> {
-        self.lighting.radiance()
-    }
-
-    /// What [`GiConfig::injection`] has made, to be asked for what it knows.
-    pub fn injector(&self) -> Option<&dyn Injector> {
-        self.lighting.injector()
-    }
-
-    /// Group 0: the grid, the volume and the emitters. Ask again after each voxelization: there is another one when an octree or
-    /// the list of emitters has grown.
-    pub fn globals(&self) -> &BindGroup {
-        self.volume.globals()
-    }
-
-    /// The layout of group 0.
-    pub fn globals_layout(&self) -> &wgpu::BindGroupLayout {
-        self.volume.globals_layout()
-    }
-
-    /// The layout of group 2: lights and shadow maps.
-    pub fn lights_layout(&self) -> &wgpu::BindGroupLayout {
-        &self.lights_layout
-    }
-
-    /// The layout of group 3: the camera and the G-buffer.
-    pub fn gbuffer_layout(&self) -> &wgpu::BindGroupLayout {
-        &self.gbuffer_layout
-    }
-
-    /// Bytes on the GPU, by what they hold; what only a voxelization itself needs is in its statistics.
-    pub fn memory(&self) -> Vec<(&'static str, u64)> {
-        let mut memory = self.volume.memory();
-        memory.extend(self.changes.memory());
-        memory.extend(self.lighting.memory());
-        memory.push(("light: emitters", self.emitters.bytes()));
-        if let Some(voxels) = self.scene.list() {
-            memory.extend(voxels.memory());
-        }
-        if self.scene.kept_bytes() > 0 {
-            memory.push(("voxels: kept of static draws", self.scene.kept_bytes()));
-        }
-        memory
-    }
-}
-
-/// Lets light and volume go on with the grid of a list that is about to be taken.
-fn move_to(
-    device: &Pipelines,
-    taken: &Taken<'_>,
-    config: &mut GiConfig,
-    (lighting, volume, emitters): (&mut Lighting, &mut Volume, &Buffer),
-) {
-    if config.grid == *taken.grid {
-        return;
-    }
-    config.grid = *taken.grid;
-    lighting.move_to(device, taken.grid);
-    volume.move_to(device, taken.grid, emitters);
 }
 
 /// Binds whatever follows a list to one that is about to be taken.
@@ -591,16 +455,4 @@ fn follow(
     if let Some(cells) = changes.cells() {
         volume.bind(device, (taken.list, shown.now), cells);
     }
-}
-
-/// Ways of the caller's own know one box alone.
-fn refuse_with_cascades(name: &'static str, is_given: bool) -> Result<(), GiError> {
-    if !is_given {
-        return Ok(());
-    }
-    Err(GiError::Setting {
-        name,
-        value: "a way of the caller's own".to_owned(),
-        expected: "none with cascades; a dense volume or an octree takes one".to_owned(),
-    })
 }

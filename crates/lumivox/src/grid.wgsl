@@ -8,9 +8,9 @@ struct Grid {
     // Voxels that are stored, along each axis.
     dimensions: vec3u,
     levels: u32,
-    // Of each cascade the voxel at its corner, in its own voxels.
+    // The voxel at the corner of each cascade, in its own voxels.
     lowest: array<vec4i, MAX_CASCADES>,
-    // Of each its middle, and half of its edge in w, in the finest voxels.
+    // The middle of each cascade, and in w half of its edge, in the finest voxels.
     boxes: array<vec4f, MAX_CASCADES>,
 }
 

@@ -166,7 +166,7 @@ mod tests {
         assert!((variance(&film) - 4.0 * 9.0 / 4.0).abs() < 1e-5);
     }
 
-    /// Of any size and sign, in any order and grouping.
+    /// Values of any size and sign have the same sums, in any order and grouping.
     #[test]
     fn the_order_of_batches_does_not_matter() {
         let values =

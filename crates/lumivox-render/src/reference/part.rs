@@ -52,7 +52,7 @@ pub enum PartError {
     Overlap {
         /// The batches of the part.
         found: Range<u32>,
-        /// Those of the other one.
+        /// The batches of the other part.
         other: Range<u32>,
     },
     /// Two parts have the same batches, but other sums.

@@ -124,7 +124,7 @@ pub struct Cascades {
     pub resolution: u32,
     /// How they stand side by side in the store.
     blocks: UVec3,
-    /// Of each the voxel at its corner, in its own voxels.
+    /// The voxel at the corner of each cascade, in its own voxels.
     lowest: [IVec3; MAX_CASCADES],
 }
 
@@ -150,7 +150,7 @@ impl Cascades {
         self.blocks * self.resolution
     }
 
-    /// Of each cascade the voxel at its corner, in its own voxels.
+    /// The voxel at the corner of each cascade, in its own voxels.
     pub fn lowest(&self) -> &[IVec3] {
         &self.lowest[..self.count as usize]
     }

@@ -189,7 +189,7 @@ fn within_a_cascade_light_is_that_of_a_dense_volume() {
     }
 }
 
-/// What a cascade stores on both sides of its seam is what a dense volume has there: light that was not reflected, so that
+/// A cascade stores on both sides of its seam what a dense volume has there: light that was not reflected, so that
 /// nothing of it is drawn by a face, is the same within rounding.
 #[test]
 fn the_seam_of_the_store_is_not_seen() {
@@ -449,7 +449,7 @@ fn another_voxel_in_the_same_place_has_no_light_of_the_former_one() {
     lit.follow(&geometry, center);
     assert!(lit.gather(&[(center, Vec3::Y)], 4)[0] > 1.0, "the bright room is dark");
     lit.follow(&geometry, center + apart);
-    // What is left leaks in from the bright room, which glows on outside of the box. With the former light it is 0.7.
+    // The rest leaks in from the bright room, which glows on outside of the box. With the former light it is 0.7.
     let left = lit.gather(&[(center + apart, Vec3::Y)], 4)[0];
     assert!(left < 0.005, "{left}");
 }

@@ -1,6 +1,7 @@
 //! The calls of a frame that waits for nothing.
 
-use super::{Gi, follow, move_to};
+use super::place::move_to;
+use super::{Gi, follow};
 use crate::cones::TraceSettings;
 use crate::emitters::Emitters;
 use crate::gpu::Recorder;

@@ -20,7 +20,7 @@
 //! a voxelization of everything gives.
 //!
 //! Walking again costs less memory than storing the pieces, of which a fine mesh has millions. Buffers have room to spare,
-//! or are sized from counts that are read back (`scene.rs`).
+//! or are sized from counts that are read back (`waiting.rs`).
 //!
 //! A caller's own [`Voxelization`] may walk in another way than over the items, and shares all else.
 //!
@@ -41,6 +41,7 @@ mod room;
 mod scene;
 mod share;
 mod union;
+mod waiting;
 mod walk;
 
 use std::mem::offset_of;

@@ -61,6 +61,36 @@ fn still_pictures_do_not_boil() {
     assert!(changes[15] < 0.02 && changes[47] < 0.005, "{changes:?}");
 }
 
+/// The root mean square of the difference over the mean, of pixels beside which the truth differs by no more than a fifth.
+fn rmse_where_smooth(picture: &Picture, truth: &Picture) -> f64 {
+    let [ours, light] = [picture, truth].map(|picture| luminances(picture).collect::<Vec<_>>());
+    let [width, height] = truth.size.to_array().map(|pixels| pixels as usize);
+    let is_smooth = |x: usize, y: usize| {
+        let here = light[y * width + x];
+        let mut around = (0..9).map(|i| light[(y + i / 3 - 1) * width + x + i % 3 - 1]);
+        here > 0.0 && around.all(|beside| (beside - here).abs() <= 0.2 * here)
+    };
+    let places = (1..height - 1).flat_map(|y| (1..width - 1).map(move |x| (x, y)));
+    let places: Vec<_> =
+        places.filter(|(x, y)| is_smooth(*x, *y)).map(|(x, y)| y * width + x).collect();
+    let squares: f64 = places.iter().map(|place| (ours[*place] - light[*place]).powi(2)).sum();
+    let sum: f64 = places.iter().map(|place| light[*place]).sum();
+    (squares * places.len() as f64).sqrt() / sum
+}
+
+/// Where a picture is smooth its first frame is already near what many frames come to.
+#[test]
+fn first_frames_are_worth_keeping() {
+    // Measured: 3.6 and 10.8 %; with one turn of cones 4.4 and 12.5, without the filter's finer steps 5.4 and 13.2.
+    for (name, most) in [("spheres", 0.04), ("glow", 0.117)] {
+        let scene = builtin(name);
+        let camera = orbit(&scene, 0);
+        let truth = still(Preset::Balanced, &scene, &camera, 96);
+        let error = rmse_where_smooth(&still(Preset::Realtime, &scene, &camera, 1), &truth);
+        assert!(error < most, "{name}: {error}");
+    }
+}
+
 /// Where in blocks of 4x4 a pixel is makes no difference to its light.
 #[test]
 fn blocks_of_traced_pixels_are_not_seen() {

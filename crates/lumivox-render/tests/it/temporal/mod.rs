@@ -7,7 +7,7 @@ mod artifacts;
 use std::ops::ControlFlow;
 
 use glam::{Mat4, Quat, UVec2, Vec3};
-use lumivox::{Preset, TraceSettings};
+use lumivox::{Preset, TraceResolution, TraceSettings};
 use lumivox_render::{Picture, RenderError, RenderSettings, Renderer, View};
 use lumivox_scene::{Camera, Instance, Scene};
 
@@ -313,12 +313,13 @@ fn figures_are_sums_of_the_views() {
     let beside = vec![View::History, View::Cost];
     let settings = RenderSettings { view: View::Final, beside, ..settings(Preset::Realtime) };
     let size = settings.size;
-    let mut renderer = renderer(&gpu(), &scene, settings);
+    let mut renderer = renderer(&gpu(), &scene, settings.clone());
     let figures =
         |renderer: &mut Renderer| pollster::block_on(renderer.trace_figures()).expect("figures");
     assert_eq!(figures(&mut renderer), None);
     // A first frame has more cones than the others; a camera that is set starts the mean over frames anew.
     drop(frame(&mut renderer));
+    let first = figures(&mut renderer).expect("it was traced").samples_per_pixel;
     renderer.set_camera(orbit(&scene, 0));
     (0..3).for_each(|_| drop(frame(&mut renderer)));
     let shown = figures(&mut renderer).expect("it was traced");
@@ -337,6 +338,17 @@ fn figures_are_sums_of_the_views() {
     let samples = cost.iter().sum::<f32>() / cost.len() as f32;
     let error = shown.samples_per_pixel / samples - 1.0;
     assert!(samples > 1.0 && error.abs() < 0.15, "{shown:?}, {samples} in the mean");
+    assert!(
+        (2.5..4.5).contains(&(first / samples)),
+        "{first} in the first frame, {samples} after it"
+    );
+    // At full resolution four times as many pixels are traced.
+    let mut full = settings;
+    full.trace.resolution = TraceResolution::Full;
+    pollster::block_on(renderer.set_settings(full, &mut |_| {})).expect("valid");
+    (0..3).for_each(|_| drop(frame(&mut renderer)));
+    let full = figures(&mut renderer).expect("it was traced").samples_per_pixel;
+    assert!((3.0..5.0).contains(&(full / samples)), "{full} at full resolution, {samples} at half");
 }
 
 /// Reflections of rooms are looked up where their images were: while a camera moves they get better, and no darker.

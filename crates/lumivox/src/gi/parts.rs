@@ -1,0 +1,124 @@
+//! The parts of a [`Gi`] that others mount, read or measure.
+
+use super::{Gi, GiConfig};
+use crate::Grid;
+#[cfg(test)]
+use crate::emitters::Emitters;
+use crate::gpu::{BindGroup, Buffer, Pipelines, ShaderLibrary};
+use crate::light::Injector;
+use crate::volume::OctreeStats;
+#[cfg(test)]
+use crate::volume::Volume;
+use crate::voxels::VoxelList;
+
+impl Gi {
+    /// The shader modules, with `package::volume` standing for this object's volume: link your own shaders
+    /// against them to sample the volume yourself.
+    ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::Vec3;
+    /// # use lumivox::{Gi, GiConfig, Grid};
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// let mut shaders = gi.shaders().clone();
+    /// shaders.add(
+    ///     "engine::fog",
+    ///     "import package::volume::is_clear;
+    ///      @group(1) @binding(0) var<storage, read_write> clear: u32;
+    ///      @compute @workgroup_size(1)
+    ///      fn main() {
+    ///          clear = u32(is_clear(vec3f(8.0), 0u));
+    ///      }",
+    /// );
+    /// let wgsl = shaders.link("engine::fog")?;
+    /// assert!(wgsl.contains("is_clear"));
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
+    pub fn shaders(&self) -> &ShaderLibrary {
+        &self.shaders
+    }
+
+    /// The pipelines of its device: make your own there.
+    pub fn pipelines(&self) -> &Pipelines {
+        &self.device
+    }
+
+    /// What it was made for.
+    pub fn config(&self) -> &GiConfig {
+        &self.config
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> &Grid {
+        &self.config.grid
+    }
+
+    /// The list of voxels, once there is one.
+    pub fn voxels(&self) -> Option<&VoxelList> {
+        self.scene.list()
+    }
+
+    /// What the octree is made of; `None` for other volumes, and before there are voxels.
+    pub fn octree_stats(&self) -> Option<OctreeStats> {
+        self.volume.octree_stats()
+    }
+
+    #[cfg(test)]
+    pub(crate) fn emitters(&self) -> &Emitters {
+        &self.emitters
+    }
+
+    #[cfg(test)]
+    pub(crate) fn volume(&self) -> &Volume {
+        &self.volume
+    }
+
+    /// The radiance that each face of the list sends out (`array<vec4f>`, rgb), once there is one.
+    pub fn face_radiance(&self) -> Option<&Buffer> {
+        self.lighting.radiance()
+    }
+
+    /// What [`GiConfig::injection`] has made, to be asked for what it knows.
+    pub fn injector(&self) -> Option<&dyn Injector> {
+        self.lighting.injector()
+    }
+
+    /// Group 0: the grid, the volume and the emitters. Ask again after each voxelization: there is another one when an octree or
+    /// the list of emitters has grown.
+    pub fn globals(&self) -> &BindGroup {
+        self.volume.globals()
+    }
+
+    /// The layout of group 0.
+    pub fn globals_layout(&self) -> &wgpu::BindGroupLayout {
+        self.volume.globals_layout()
+    }
+
+    /// The layout of group 2: lights and shadow maps.
+    pub fn lights_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.lights_layout
+    }
+
+    /// The layout of group 3: the camera and the G-buffer.
+    pub fn gbuffer_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.gbuffer_layout
+    }
+
+    /// Bytes on the GPU, by what they hold; what only a voxelization itself needs is in its statistics.
+    pub fn memory(&self) -> Vec<(&'static str, u64)> {
+        let mut memory = self.volume.memory();
+        memory.extend(self.changes.memory());
+        memory.extend(self.lighting.memory());
+        memory.push(("light: emitters", self.emitters.bytes()));
+        if let Some(voxels) = self.scene.list() {
+            memory.extend(voxels.memory());
+        }
+        if self.scene.kept_bytes() > 0 {
+            memory.push(("voxels: kept of static draws", self.scene.kept_bytes()));
+        }
+        memory
+    }
+}
