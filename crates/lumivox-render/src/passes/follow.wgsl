@@ -35,6 +35,15 @@ fn around(pixel: vec2u, i: i32) -> vec2u {
     return vec2u(clamp(place, vec2i(0), vec2i(view.size) - 1));
 }
 
+// The weight of one of 3x3 pixels in their mean. An even mean turns the sign of what alternates from pixel to pixel, so that scaling by
+// it from frame to frame would make rings about edges; this one has none of it.
+fn binomial(i: i32) -> f32 {
+    return f32((2 - abs(i % 3 - 1)) * (2 - abs(i / 3 - 1))) / 16.0;
+}
+
+// The sum of the squares of these weights.
+const BINOMIAL_SQUARES: f32 = 36.0 / 256.0;
+
 // Weights of the four texels around a place, `t` beyond the second: Catmull and Rom 1974, which keeps what it looks up
 // over and over sharp.
 fn cubic(t: f32) -> vec4f {
@@ -91,15 +100,15 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         let other = textureLoad(frame, around(pixel, i), 0);
         least = min(least, other);
         most = max(most, other);
-        now += other.rgb;
-        squares += sum(other.rgb) * sum(other.rgb);
-        before += textureLoad(old_mean, around(former, i), 0).rgb;
+        let weight = binomial(i);
+        now += weight * other.rgb;
+        squares += weight * sum(other.rgb) * sum(other.rgb);
+        before += weight * textureLoad(old_mean, around(former, i), 0).rgb;
     }
     var scale = 1.0;
     if accumulate_settings.is_relit != 0u {
-        let mean = sum(now) / 9.0;
-        let variance = max(squares / 9.0 - mean * mean, 0.0) / 9.0;
-        let difference = mean - sum(before) / 9.0;
+        let variance = max(squares - sum(now) * sum(now), 0.0) * BINOMIAL_SQUARES;
+        let difference = sum(now) - sum(before);
         let certain = saturate(1.0 - variance / max(difference * difference, 1e-20));
         scale = mix(1.0, sum(now) / max(sum(before), 1e-20), certain);
     }
