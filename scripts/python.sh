@@ -7,7 +7,8 @@
 
 python_package=crates/lumivox-python
 # What the tests need besides the package.
-python_tools=(numpy==2.* pytest==9.* mypy==2.* trimesh==5.*)
+python_tools=(numpy==2.* pytest==9.* mypy==2.* trimesh==5.* pyvista==0.* ray==2.* mitsuba==3.*
+    nbclient==0.* nbformat==5.* ipykernel==7.* matplotlib==3.*)
 
 # Python, with what makes environments: a package of its own on Debian and Ubuntu.
 need_python() {

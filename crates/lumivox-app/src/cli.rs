@@ -8,6 +8,7 @@ mod cones;
 mod explore;
 mod light;
 mod load;
+mod measure;
 mod merge;
 mod motion;
 mod picture;
@@ -32,6 +33,7 @@ pub use cones::ConeArgs;
 pub use explore::ExploreArgs;
 pub use light::LightArgs;
 pub use load::SceneArg;
+pub use measure::{MeasureArgs, Method};
 pub use merge::MergeArgs;
 pub use motion::MotionArgs;
 pub use picture::PictureArgs;
@@ -160,6 +162,9 @@ pub enum Command {
     /// them
     #[command(after_help = quality::EXAMPLES)]
     Quality(Box<QualityArgs>),
+    /// Measure light: lux at points or on a workplane, cd/m2 along rays or in a picture
+    #[command(after_help = measure::EXAMPLES, mut_arg("surroundings", measure::of_measurements))]
+    Measure(Box<MeasureArgs>),
     /// Measure errors, flicker, delay and cost while camera, light or things move, one frame a step
     #[command(after_help = motion::EXAMPLES)]
     Motion(Box<MotionArgs>),

@@ -59,6 +59,7 @@ use lumivox_console::shown;
 use cli::{Cli, Command};
 pub use exit::{Exit, guard, of_error as exit_of};
 pub use host::{Embedded, Host, OpenGpu};
+pub use quality::{FalseColor, false_color_png};
 
 /// Runs a command line; its first word is the program's name.
 pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
@@ -82,6 +83,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
         Some(Command::Reference(args)) => commands::reference::run(args, host),
         Some(Command::Merge(args)) => commands::merge::run(args, host),
         Some(Command::Quality(args)) => commands::quality::run(args, host),
+        Some(Command::Measure(args)) => commands::measure::run(args, host),
         Some(Command::Motion(args)) => commands::motion::run(args, host),
         Some(Command::Info(args)) => commands::info::run(args, host),
         Some(Command::Volumes(args)) => commands::volumes::run(args, host),

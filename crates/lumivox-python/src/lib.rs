@@ -16,6 +16,7 @@
 //! | `settings.rs` | settings by name |
 //! | `stage.rs` | a scene with its camera and the light that it lacks |
 //! | `render.rs` | a scene on the device: pictures, layers, irradiance |
+//! | `measure.rs` | light at points and along rays by the path tracer; workplanes |
 //! | `picture.rs` | pictures on their way to screens and files |
 //! | `reference.rs` | the path tracer, and comparison |
 //! | `command.rs` | the program `lumivox` |
@@ -25,6 +26,7 @@
 mod command;
 mod error;
 mod gpu;
+mod measure;
 mod picture;
 mod records;
 mod reference;
@@ -40,6 +42,7 @@ mod _lumivox {
     use crate::{
         command::main,
         gpu::{adapters, description},
+        measure::{false_color, measure, summary, workplane_points},
         picture::{develop, encode_exr},
         reference::{Reference, figures},
         render::Renderer,

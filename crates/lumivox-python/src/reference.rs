@@ -81,12 +81,15 @@ impl Reference {
         })
     }
 
-    /// Adds parts up.
+    /// Adds up the parts that an iterable gives.
     #[staticmethod]
-    fn merge(py: Python<'_>, parts: Vec<Bound<'_, PyBytes>>, allow_mixed: bool) -> PyResult<Self> {
+    fn merge(py: Python<'_>, parts: &Bound<'_, PyAny>, allow_mixed: bool) -> PyResult<Self> {
         let mut merge = ReferenceMerge::new(allow_mixed);
-        for (number, part) in parts.iter().enumerate() {
-            let bytes = part.as_bytes();
+        // One after the other: a part may be large, and come from afar.
+        for (number, part) in parts.try_iter()?.enumerate() {
+            let part = part?;
+            let kind = |_| Fault::input(format!("parts[{number}]: must be bytes")).raise(py);
+            let bytes = part.cast::<PyBytes>().map_err(kind)?.as_bytes();
             let added =
                 py.detach(|| ReferencePart::from_bytes(bytes).and_then(|part| merge.add(part)));
             added.map_err(|error| Fault::input(format!("parts[{number}]: {error}")).raise(py))?;

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 
 use glam::{UVec2, Vec2, Vec3};
-use lumivox_render::{Gpu, RenderProgress, Renderer as Engine};
+use lumivox_render::{Gpu, RenderProgress, Renderer as Engine, VoxelFace};
 use lumivox_scene::{Camera, Picker};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes};
@@ -150,6 +150,28 @@ impl Renderer {
             })
             .collect();
         array(py, &flat)
+    }
+
+    /// The faces of the voxels, by the names of the package.
+    fn faces<'py>(&self, py: Python<'py>) -> PyResult<Arrays<'py>> {
+        let faces = detached(py, || {
+            check_process(self.process)?;
+            Ok(pollster::block_on(lock(&self.state).engine.faces())?)
+        })?;
+        let vectors = |of: fn(&VoxelFace) -> Vec3| -> PyResult<_> {
+            array(py, &faces.iter().map(|face| of(face).to_array()).collect::<Vec<_>>())
+        };
+        let cells: Vec<[u32; 3]> = faces.iter().map(|face| face.cell.to_array()).collect();
+        let axes: Vec<u32> = faces.iter().map(|face| face.axis).collect();
+        Ok(vec![
+            ("position".to_owned(), vectors(|face| face.position)?, 3, "f4"),
+            ("vector_area".to_owned(), vectors(|face| face.vector_area)?, 3, "f4"),
+            ("reflectance".to_owned(), vectors(|face| face.reflectance)?, 3, "f4"),
+            ("emission".to_owned(), vectors(|face| face.emission)?, 3, "f4"),
+            ("radiance".to_owned(), vectors(|face| face.radiance)?, 3, "f4"),
+            ("cell".to_owned(), array(py, &cells)?, 3, "i4"),
+            ("axis".to_owned(), array(py, &axes)?, 1, "i4"),
+        ])
     }
 
     #[getter]

@@ -32,6 +32,20 @@ def floor(material: Material | None = None, edge_m: float = 4.0) -> Scene:
     return scene
 
 
+def lambert(corners: Any, point: Any, normal: Any) -> float:
+    """The irradiance of a polygon of radiance 1 (Lambert 1760; Arvo 1995, "Analytic methods for
+    simulated light transport", section 2.2): half the sum over edges of the angle times the cosine
+    between the edge's plane and the surface."""
+    rays = [np.subtract(corner, point) for corner in corners]
+    rays = [ray / np.linalg.norm(ray) for ray in rays]
+    total = 0.0
+    for a, b in zip(rays, rays[1:] + rays[:1]):
+        across = np.cross(a, b)
+        angle = np.arctan2(np.linalg.norm(across), a @ b)
+        total += float(angle * (across / np.linalg.norm(across)) @ np.array(normal))
+    return abs(total) / 2
+
+
 @pytest.fixture(scope="session")
 def cornell() -> Scene:
     return Scene.builtin("cornell")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -13,21 +14,7 @@ import pytest
 import lumivox
 from lumivox import InputError, Light, Material, Renderer, Scene
 
-from conftest import BLACK, SMALL, floor, quad
-
-
-def lambert(corners: Any, point: Any, normal: Any) -> float:
-    """The irradiance of a polygon of radiance 1 (Lambert 1760; Arvo 1995, "Analytic methods for
-    simulated light transport", section 2.2): half the sum over edges of the angle times the cosine
-    between the edge's plane and the surface."""
-    rays = [np.subtract(corner, point) for corner in corners]
-    rays = [ray / np.linalg.norm(ray) for ray in rays]
-    total = 0.0
-    for a, b in zip(rays, rays[1:] + rays[:1]):
-        across = np.cross(a, b)
-        angle = np.arctan2(np.linalg.norm(across), a @ b)
-        total += float(angle * (across / np.linalg.norm(across)) @ np.array(normal))
-    return abs(total) / 2
+from conftest import BLACK, SMALL, floor, lambert, quad
 
 
 def test_a_lamp_over_a_plane() -> None:
@@ -36,23 +23,23 @@ def test_a_lamp_over_a_plane() -> None:
     scene.lights = [Light(intensity=candela, position=(0, height, 0))]
     x = np.linspace(-1.5, 1.5, 7)
     points = np.stack([x, np.zeros(7), 0.2 * np.ones(7)], 1)
-    lux = lumivox.irradiance(scene, points, **SMALL)
+    lux = lumivox.irradiance(scene, points, **SMALL).lux
     squared = x**2 + 0.2**2 + height**2
     # The inverse square times the cosine: I h / d^3. What is left is the rounding of f32.
     np.testing.assert_allclose(lux, candela * height / squared**1.5, rtol=1e-5)
-    below = lumivox.irradiance(scene, points, (0, -1, 0), **SMALL)
+    below = lumivox.irradiance(scene, points, (0, -1, 0), **SMALL).lux
     assert (below == 0).all()
 
 
 def test_a_uniform_sky() -> None:
     scene = floor(BLACK)
     scene.set_environment(1000)
-    up = lumivox.irradiance(scene, [[0, 0, 0], [0.3, 0.2, -0.7]], **SMALL)
+    up = lumivox.irradiance(scene, [[0, 0, 0], [0.3, 0.2, -0.7]], **SMALL).lux
     # The cones' weights sum up to pi, to the rounding of f32.
     np.testing.assert_allclose(up, np.pi * 1000, rtol=1e-4)
     # A point in the air, facing sideways, sees half of the sky, and else the floor's black. Cones are
     # as wide as 60 degrees and the voxels coarse: a tenth.
-    side = lumivox.irradiance(scene, (0, 0.05, 0), (1, 0, 0), **{**SMALL, "frames": 64})
+    side = lumivox.irradiance(scene, (0, 0.05, 0), (1, 0, 0), **{**SMALL, "frames": 64}).lux
     assert side == pytest.approx(np.pi * 500, rel=0.1)
 
 
@@ -62,7 +49,7 @@ def test_a_luminous_polygon() -> None:
     glow = Material(base_color=0.0, emissive=1000.0)  # type: ignore[arg-type]
     quad(scene, corners[0], corners[1] - corners[0], corners[3] - corners[0], glow, "panel")
     points = np.array([(0, 0, 0), (0.4, 0, 0.3), (1.2, 0, 0), (1.5, 0, -1.5)])
-    lux = lumivox.irradiance(scene, points, **{**SMALL, "frames": 256})
+    lux = lumivox.irradiance(scene, points, **{**SMALL, "frames": 256}).lux
     expected = [1000 * lambert(corners, point, (0, 1, 0)) for point in points]
     # Points are drawn on the panel, 6 a frame: the standard error of 1536 is at most 1 % there.
     np.testing.assert_allclose(lux, expected, rtol=0.03)
@@ -92,6 +79,66 @@ def test_irradiance_of_all_shapes(renderer: Renderer) -> None:
 def test_bad_points_are_named(renderer: Renderer, arguments: Any, message: str) -> None:
     with pytest.raises(InputError, match=message):
         renderer.irradiance(*arguments)
+
+
+def test_paths_have_their_standard_error(cornell: Scene) -> None:
+    points = [[0.1, 0.2, 0.1], [-0.2, 0.3, 0.3]]
+    light = lumivox.irradiance(cornell, points, method="paths", samples=512)
+    again = lumivox.irradiance(cornell, points, method="paths", samples=512)
+    other = lumivox.irradiance(cornell, points, method="paths", samples=512, seed=1)
+    assert (light.lux == again.lux).all() and (light.lux != other.lux).all()
+    assert light.standard_error is not None and other.standard_error is not None
+    sigma = np.hypot(light.standard_error, other.standard_error)
+    # Two means of independent samples differ by less than four of their standard errors.
+    assert (abs(light.lux - other.lux) < 4 * sigma).all()
+    assert (0 < sigma).all() and (sigma < 0.1 * light.lux).all()
+    np.testing.assert_allclose(light.rgb @ lumivox.light.LUMINANCE, light.lux, rtol=1e-5)
+    assert (np.asarray(light) == light.lux).all()
+    cones = lumivox.irradiance(cornell, points, resolution=64, frames=64)
+    assert cones.standard_error is None
+    # The error of cones in voxels of a 64th of the box.
+    np.testing.assert_allclose(cones.lux, light.lux, rtol=0.1)
+    dark = lumivox.irradiance(cornell, points, method="paths", samples=32, bounces=0)
+    assert (dark.rgb == dark.direct).all(), "nothing but lamps without a bounce"
+    assert lumivox.irradiance(cornell, np.zeros((0, 3)), method="paths").lux.shape == (0,)
+    for options, message in (
+        ({"method": "rays"}, "method: is 'rays'"),
+        ({"method": "paths", "samples": 0}, "samples: is 0"),
+        ({"method": "paths", "resolution": 64}, "resolution: is a setting of cones"),
+    ):
+        with pytest.raises(InputError, match=message):
+            lumivox.irradiance(cornell, points, **options)
+
+
+def test_luminance_along_rays() -> None:
+    scene = floor(Material(base_color=0.5))  # type: ignore[arg-type]
+    scene.set_environment(1000)
+    origins = np.broadcast_to(np.array([0.0, 1.0, 0.0]), (2, 2, 3))
+    directions = [[(0, 1, 0), (0.2, 0.5, 0.1)], [(0, -1, 0), (0.3, -1, 0.1)]]
+    light = lumivox.luminance(scene, origins, directions, samples=256)
+    assert light.luminance.shape == (2, 2) and light.radiance.shape == (2, 2, 3)
+    # The sky itself, and half of it from a floor that nothing shades.
+    np.testing.assert_allclose(light.luminance[0], 1000, rtol=1e-4)
+    assert (abs(light.luminance[1] - 500) < 4 * light.standard_error[1] + 0.05).all()
+    with pytest.raises(InputError, match="directions: number 0 has no direction"):
+        lumivox.luminance(scene, (0, 1, 0), (0, 0, 0))
+
+
+def test_a_workplane_shows_itself(tmp_path: Path) -> None:
+    scene = floor(BLACK)
+    scene.lights = [Light(intensity=100, position=(0.5, 1, 0.5))]
+    plane = lumivox.workplane(
+        scene, (-1, 0, -1), (2, 0, 0), (0, 0, 2), (4, 8), method="paths", samples=17
+    )
+    assert plane.irradiance.standard_error is not None
+    plane.to_png(tmp_path / "plane.png", "a floor")
+    data = plane.png("a floor")
+    assert (tmp_path / "plane.png").read_bytes() == data and data.startswith(b"\x89PNG")
+    assert plane.png("a floor", scale=(0, 1)) != data
+    with pytest.raises(InputError, match="scale: is"):
+        plane.png(scale=(5, 1))
+    with pytest.raises(lumivox.OutputError, match="cannot be written"):
+        plane.to_png(tmp_path / "none" / "plane.png")
 
 
 def test_a_workplane() -> None:
@@ -171,3 +218,24 @@ def test_parts_add_up_to_one_reference(cornell: Scene, tmp_path: Path) -> None:
             lumivox.merge(wrong)
     with pytest.raises(InputError, match="batches: is"):
         lumivox.reference_part(cornell, size=size, batches=(2, 2))
+
+
+def test_errors_in_motion_are_those_of_the_program(tmp_path: Path) -> None:
+    small = {"sequence": "lamp", "steps": 1, "samples": 32, "size": "32x18", "resolution": 32}
+    report = lumivox.motion("builtin:cornell", **small)
+    words = [f"--{name}={value}" for name, value in small.items()]
+    file = tmp_path / "motion.json"
+    run = [sys.executable, "-m", "lumivox", "motion", "builtin:cornell", *words, "--json", str(file)]
+    subprocess.run(run, check=True, capture_output=True)
+    told = json.loads(file.read_text())
+
+    def figures(report: Any) -> Any:
+        """All numbers but times."""
+        if isinstance(report, dict):
+            timed = ("second", "ms", "time")
+            return {key: figures(value) for key, value in report.items() if not any(word in key for word in timed)}
+        return [figures(value) for value in report] if isinstance(report, list) else report
+
+    assert figures(report) == figures(told) and report
+    with pytest.raises(InputError, match="none.glb"):
+        lumivox.motion("none.glb")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -174,3 +175,15 @@ def test_parts_have_materials_of_their_own() -> None:
     quad(scene, (0, 1, 0), (1, 0, 0), (0, 0, -1), Material(base_color=(1, 0, 0), name="sign"))  # sign
     assert [instance.material for instance in scene.instances] == [0, 1]
     assert scene.materials[1].base_color == (1, 0, 0)
+
+
+@pytest.mark.filterwarnings("ignore:The default value of `algorithm`")
+def test_pyvistas_own_meshes_load() -> None:
+    pyvista: Any = import_module("pyvista")
+    for mesh, triangles in ((pyvista.Cube(), 12), (pyvista.Plane(i_resolution=3, j_resolution=2), 12)):
+        scene = Scene.from_mesh(mesh)
+        assert scene.triangles == triangles
+        low, high = scene.bounds or ((), ())
+        np.testing.assert_allclose([*low, *high], np.array(mesh.bounds).reshape(3, 2).T.ravel(), atol=1e-6)
+    # A grid of cells is shown by its surface: 6 faces of 2 x 2 quadrilaterals.
+    assert Scene.from_mesh(pyvista.ImageData(dimensions=(3, 3, 3))).triangles == 48

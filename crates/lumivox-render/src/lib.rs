@@ -22,6 +22,7 @@
 //! | `passes/` | the passes of a frame, each with its shader beside it |
 //! | `picture/` | radiance on its way to a screen and to files |
 //! | `renderer/` | joins the passes, and redoes what a change makes necessary |
+//! | `measure.rs` | the grid of a workplane, and the figures of many readings of light |
 //! | `reference/` | the truth that all this is measured by: a path tracer |
 //! | `compare/` | how far a picture is from it |
 
@@ -32,6 +33,7 @@ pub mod compare;
 mod error;
 mod gpu;
 pub mod look;
+pub mod measure;
 mod passes;
 mod picture;
 pub mod reference;
@@ -60,7 +62,9 @@ pub use picture::srgb::srgb_encode;
 pub use picture::tone_map::{EV100_RANGE, ExposureWarning, Histogram, Metering};
 pub use picture::{ImageFormat, Picture};
 pub use renderer::estimate::MemoryEstimate;
-pub use renderer::{Photometry, RenderProgress, Renderer, TraceFigures, global_illumination};
+pub use renderer::{
+    Photometry, RenderProgress, Renderer, TraceFigures, VoxelFace, global_illumination,
+};
 pub use scene::{GpuScene, Lighting, radiance_unit};
 pub use settings::parameters;
 pub use settings::preset::{AddedPreset, Companions, PresetChoice};

@@ -5,6 +5,7 @@ pub mod compare;
 pub mod convert;
 pub mod info;
 pub mod light;
+pub mod measure;
 pub mod merge;
 pub mod motion;
 pub mod quality;

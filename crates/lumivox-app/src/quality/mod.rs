@@ -3,6 +3,7 @@
 
 mod canvas;
 mod chart;
+mod false_color;
 mod film;
 mod measure;
 mod memory_chart;
@@ -11,6 +12,7 @@ mod strip;
 
 pub use canvas::{Align, Canvas};
 pub use chart::{Point, error_against_cost};
+pub use false_color::{FalseColor, false_color_png};
 pub use film::film;
 pub use measure::{Leak, Measured, Subject, Truth, check_wish, reference};
 pub use memory_chart::{MemoryPoint, memory_against_resolution};

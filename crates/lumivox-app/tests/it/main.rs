@@ -14,6 +14,7 @@ mod common;
 mod compare;
 mod console;
 mod hostile;
+mod measure;
 mod merge;
 mod motion;
 mod process;

@@ -21,10 +21,18 @@ from importlib.metadata import version as _version
 from . import _lumivox
 from ._records import Camera, Instance, Light, Material
 from .errors import Error, GpuError, InputError, OutputError
-from .light import Irradiance, Workplane, workplane, workplane_points
+from .light import (
+    Irradiance,
+    Luminance,
+    Workplane,
+    irradiance,
+    luminance,
+    workplane,
+    workplane_points,
+)
 from .picture import Picture
-from .reference import Figures, Reference, compare, merge, reference, reference_part
-from .render import LAYERS, Renderer, irradiance, render, render_many, settings
+from .reference import Figures, Reference, compare, merge, motion, reference, reference_part
+from .render import LAYERS, Renderer, render, render_many, settings
 from .scene import Scene
 
 #: The names of the built-in scenes.
@@ -52,6 +60,7 @@ __all__ = [
     "Instance",
     "Irradiance",
     "Light",
+    "Luminance",
     "Material",
     "OutputError",
     "Picture",
@@ -62,7 +71,9 @@ __all__ = [
     "adapters",
     "compare",
     "irradiance",
+    "luminance",
     "merge",
+    "motion",
     "reference",
     "reference_part",
     "render",

@@ -78,6 +78,14 @@ def color(name: str, value: Any) -> tuple[float, float, float]:
     return (x, y, z)
 
 
+def whole(name: str, value: Any, least: int, most: int = (1 << 32) - 1) -> int:
+    """``value`` as a whole number of a range."""
+    is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.bool_))
+    if not is_whole or not least <= value <= most:
+        raise InputError(f"{name}: is {value}, but must be a whole number from {least} to {most}")
+    return int(value)
+
+
 def size_of(name: str, value: Any) -> tuple[int, int]:
     """``value`` as a width and a height in pixels."""
     array = numbers(name, value, (2,))

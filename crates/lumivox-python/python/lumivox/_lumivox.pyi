@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from os import PathLike
-from typing import Any, Mapping, Sequence
+from typing import Any, Iterable, Mapping, Sequence
 
 _Progress = Callable[[str, float, int], object] | None
 _Record = Mapping[str, Any]
@@ -106,6 +106,7 @@ class Renderer:
     ) -> list[tuple[str, bytearray, int, str]]: ...
     def update(self, scene: Scene, progress: _Progress) -> None: ...
     def irradiance(self, points: bytes, normals: bytes, frames: int) -> bytearray: ...
+    def faces(self) -> list[tuple[str, bytearray, int, str]]: ...
     @property
     def camera(self) -> dict[str, Any]: ...
     @property
@@ -139,7 +140,7 @@ class Reference:
     @staticmethod
     def load(path: _Path) -> Reference: ...
     @staticmethod
-    def merge(parts: Sequence[bytes], allow_mixed: bool) -> Reference: ...
+    def merge(parts: Iterable[bytes], allow_mixed: bool) -> Reference: ...
     def part(self) -> bytes | None: ...
     def save(self, path: _Path) -> None: ...
     @property
@@ -149,3 +150,29 @@ class Reference:
     @property
     def camera(self) -> dict[str, Any] | None: ...
     def arrays(self) -> list[tuple[str, bytearray, int]]: ...
+
+def measure(
+    scene: Scene,
+    points: bytes,
+    directions: bytes,
+    is_along_rays: bool,
+    samples: int,
+    seed: int,
+    bounces: int | None,
+    surroundings: str,
+    adapter: str | None,
+    progress: _Progress,
+) -> bytearray: ...
+def workplane_points(
+    origin: tuple[float, ...],
+    along: tuple[float, ...],
+    across: tuple[float, ...],
+    shape: tuple[int, int],
+) -> bytearray: ...
+def summary(values: bytes) -> tuple[float, float, float, float]: ...
+def false_color(
+    values: bytes,
+    size: tuple[int, int],
+    texts: tuple[str, str, str],
+    range: tuple[float, float] | None,
+) -> bytes: ...

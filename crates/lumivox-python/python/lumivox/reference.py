@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
+import subprocess
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -10,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from . import _lumivox
-from ._arrays import Floats, floats, numbers, size_of, view
+from ._arrays import Floats, floats, numbers, size_of, view, whole
 from ._records import Camera
-from .errors import InputError
+from .errors import InputError, of_code
 from .picture import Picture
 from .render import CameraLike, _camera, _scene
 from .scene import Progress, Scene
@@ -98,7 +101,7 @@ def reference_part(
         first, end = batches
     except (TypeError, ValueError):
         raise InputError(f"batches: is {batches!r}, but must be two numbers") from None
-    first, end = _whole("batches", first, 0), _whole("batches", end, 1)
+    first, end = whole("batches", first, 0), whole("batches", end, 1)
     if not first < end <= 1 << 20:
         raise InputError(f"batches: is {batches}, but must rise, up to {1 << 20}")
     samples = (first, 16 * (end - first))
@@ -111,19 +114,13 @@ def reference_part(
 def merge(
     parts: Iterable[bytes], *, allow_mixed: bool = False, adapter: str | None = None
 ) -> Reference:
-    """The sum of parts, each the bytes of :func:`reference_part` or of its file.
+    """The sum of parts, each the bytes of :func:`reference_part` or of its file. An iterator is read
+    one part after the other, so that only one is in memory.
 
     A part that is given twice counts once. Parts of different programs, GPUs and drivers are
     refused unless ``allow_mixed``: their sum does not have the bits of one machine.
     """
-    return Reference(_lumivox.Reference.merge(list(parts), bool(allow_mixed)), adapter)
-
-
-def _whole(name: str, value: Any, least: int) -> int:
-    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if not whole or not least <= value < 1 << 32:
-        raise InputError(f"{name}: is {value}, but must be a whole number of at least {least}")
-    return int(value)
+    return Reference(_lumivox.Reference.merge(parts, bool(allow_mixed)), adapter)
 
 
 def _trace(
@@ -144,11 +141,11 @@ def _trace(
         _scene(scene),
         _camera(camera),
         size_of("size", size),
-        _whole("samples", count, 1),
-        _whole("seed", seed, 0),
+        whole("samples", count, 1),
+        whole("seed", seed, 0),
         first_batch,
         is_part,
-        None if bounces is None else _whole("bounces", bounces, 0),
+        None if bounces is None else whole("bounces", bounces, 0),
         surroundings,
         adapter,
         progress,
@@ -195,3 +192,25 @@ def compare(picture: Picture | Any, truth: Picture | Any, variance: Any = None) 
         got.tobytes(),
     )
     return Figures(*figures)
+
+
+def motion(scene: str | os.PathLike[str] | None = None, **options: Any) -> dict[str, Any]:
+    """The errors, flicker, delay and cost while something moves, one frame a step: the report of
+    ``lumivox motion``, which this runs in a process of its own.
+
+    ``scene`` is a file or ``"builtin:NAME"``. ``options`` are those of the command line, with ``_``
+    for ``-``: ``sequence="lamp"``, ``steps=8``, ``size="160x90"``, ``preset="realtime"``; ``True`` gives
+    one without a value.
+    """
+    words = [sys.executable, "-m", "lumivox", "motion"]
+    words += [] if scene is None else [os.fspath(scene)]
+    for name, value in options.items():
+        option = "--" + name.replace("_", "-")
+        words += [option] if value is True else [f"{option}={value}"]
+    command = [*words, "--json", "-"]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    if ran.returncode != 0:
+        text = ran.stderr.strip() or f"lumivox motion ended with the code {ran.returncode}"
+        raise of_code(ran.returncode)(text.removeprefix("error: "))
+    report: dict[str, Any] = json.loads(ran.stdout)
+    return report

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _lumivox
-from ._arrays import Floats, floats, size_of, view
+from ._arrays import size_of, view, whole
 from ._records import Camera
 from .errors import InputError
-from .light import Irradiance
+from .light import Irradiance, photometric, places
 from .picture import Picture
 from .scene import Progress, Scene
 
@@ -162,16 +162,27 @@ class Renderer:
         or is one for all. More ``frames`` (1 to 65536) mean less noise. :class:`Irradiance` has the
         result in lux.
         """
-        array = floats("points", points, *[(None,) * n + (3,) for n in range(1, 5)], (3,))
-        towards = floats("normals", normals, array.shape, (3,))
-        towards = np.broadcast_to(towards, array.shape)
-        lengths = np.linalg.norm(towards.reshape(-1, 3), axis=1)
-        if (lengths == 0.0).any():
-            raise InputError(f"normals: number {int(np.argmin(lengths))} has no direction")
-        if isinstance(frames, bool) or not isinstance(frames, (int, np.integer)) or not 1 <= frames <= 65536:
-            raise InputError(f"frames: is {frames}, but must be a whole number from 1 to 65536")
-        data = self._renderer.irradiance(array.tobytes(), towards.tobytes(), int(frames))
-        return Irradiance(np.frombuffer(data, np.float32).reshape(*array.shape[:-1], 7))
+        array, towards = places("points", points, "normals", normals)
+        frames = whole("frames", frames, 1, 65536)
+        data = self._renderer.irradiance(array.tobytes(), np.ascontiguousarray(towards).tobytes(), frames)
+        gathered = np.frombuffer(data, np.float32).reshape(*array.shape[:-1], 7)
+        direct, indirect = gathered[..., 0:3], gathered[..., 3:6]
+        return Irradiance(direct, indirect, gathered[..., 6], photometric(direct + indirect), None)
+
+    def faces(self) -> dict[str, npt.NDArray[Any]]:
+        """The faces of the voxels with their light, N of them: what cones see.
+
+        ``position`` (N, 3) is the mean of the surface in the world, m; ``vector_area`` (N, 3) the sum
+        of area times normal, m2; ``axis`` (N,) the axis that it faces (+x, -x, +y, -y, +z, -z as 0 to
+        5); ``cell`` (N, 3) the voxel's place in the grid, int32, which several faces may share.
+        ``reflectance`` (N, 3) is 0 to 1; ``emission`` and ``radiance`` (N, 3) are in cd/m2. The
+        radiance is what the last gather finds: it has one bounce less than the setting ``bounces``.
+        """
+        arrays: dict[str, npt.NDArray[Any]] = {}
+        for name, data, channels, kind in self._renderer.faces():
+            flat = np.frombuffer(data, np.dtype("<" + kind))
+            arrays[name] = flat if channels == 1 else flat.reshape(-1, channels)
+        return arrays
 
     def update(self, scene: Scene, progress: Progress | None = None) -> None:
         """Shows other lights, surroundings, materials or places of instances of the same scene,
@@ -270,32 +281,3 @@ def render_many(
         **settings,
     )
     return renderer.render_many(views, progress)
-
-
-def irradiance(
-    scene: Scene,
-    points: Any,
-    normals: Any = (0.0, 1.0, 0.0),
-    *,
-    frames: int = 16,
-    surroundings: str = "none",
-    adapter: str | None = None,
-    progress: Progress | None = None,
-    **settings: Any,
-) -> Floats:
-    """The illuminance in lux at points, by cones, with the shape of ``points`` less its last axis.
-
-    As :meth:`Renderer.irradiance` of a new renderer; no light is added to the scene unless
-    ``surroundings`` asks for it.
-    """
-    camera = Camera.look_at((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)) if surroundings == "none" else None
-    renderer = Renderer(
-        scene,
-        camera,
-        (16, 16),
-        surroundings=surroundings,
-        adapter=adapter,
-        progress=progress,
-        **settings,
-    )
-    return renderer.irradiance(points, normals, frames).lux

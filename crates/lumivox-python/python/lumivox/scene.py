@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 import numpy as np
@@ -168,6 +169,15 @@ class Scene:
         """A copy, whose edits leave this one as it is; it shares memory until then."""
         return Scene._of(self._scene.copy())
 
+    def __reduce__(self) -> Any:
+        """Scenes travel to other processes and machines as GLB."""
+        with TemporaryDirectory() as folder:
+            file = os.path.join(folder, "scene.glb")
+            self._scene.save_glb(file)
+            with open(file, "rb") as opened:
+                # Files have directions as rotations, which round.
+                return _of_glb, (opened.read(), self.lights, self.cameras)
+
     def save(self, path: Path) -> None:
         """Writes a ``.glb`` file (glTF 2.0), which loads as the same scene again."""
         path = os.fspath(path)
@@ -285,6 +295,16 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"<lumivox.Scene {self.name!r}: {self.triangles} triangles>"
+
+
+def _of_glb(data: bytes, lights: Iterable[Light], cameras: Iterable[Camera]) -> Scene:
+    with TemporaryDirectory() as folder:
+        file = os.path.join(folder, "scene.glb")
+        with open(file, "wb") as opened:
+            opened.write(data)
+        scene = Scene.load(file)
+    scene.lights, scene.cameras = tuple(lights), tuple(cameras)
+    return scene
 
 
 def _triangles(mesh: Any) -> list[tuple[Any, Any]]:

@@ -1,6 +1,8 @@
 //! The triangles of a scene as rays meet them: flat, in world space, in the order of a bounding
 //! volume hierarchy.
 
+use std::collections::HashMap;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
 use lumivox_scene::{Mesh, Scene};
@@ -60,9 +62,12 @@ pub(crate) struct VertexRecord {
 
 /// The properties of a material that rays use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each says a thing of its own")]
 pub(super) struct Sides {
     /// Whether no part of the surface exists.
     pub(super) is_absent: bool,
+    /// Whether it has no textures, and so needs neither texture coordinates nor tangents.
+    pub(super) is_plain: bool,
     pub(super) is_double_sided: bool,
     /// Whether light may pass where the surface does not exist.
     pub(super) is_see_through: bool,
@@ -92,6 +97,7 @@ impl Triangles {
         let origin = bounds.center().as_dvec3();
         let mut triangles = Vec::new();
         let mut vertices = Vec::new();
+        let mut known = HashMap::new();
         for instance in scene.shown() {
             let sides = sides[instance.material];
             if sides.is_absent {
@@ -99,8 +105,22 @@ impl Triangles {
             }
             let mesh = &scene.meshes[instance.mesh];
             let world_from_local = instance.world_from_local.as_dmat4();
-            let first = vertices.len() as u32;
-            append_vertices(&mut vertices, mesh, world_from_local, instance.material as u32);
+            let mut own = vertices_of(mesh, world_from_local, instance.material as u32);
+            if sides.is_plain {
+                for vertex in &mut own {
+                    *vertex = VertexRecord { tangent: [0.0; 4], texcoords: [0.0; 4], ..*vertex };
+                }
+            }
+            // Copies of a mesh share most of their vertices' records, which have no places.
+            let numbers: Vec<u32> = own
+                .into_iter()
+                .map(|vertex| {
+                    *known.entry(bytemuck::cast::<_, [u64; 8]>(vertex)).or_insert_with(|| {
+                        vertices.push(vertex);
+                        vertices.len() as u32 - 1
+                    })
+                })
+                .collect();
             let positions: Vec<Vec3> = mesh
                 .positions
                 .iter()
@@ -116,9 +136,9 @@ impl Triangles {
                     corner: positions[a].to_array(),
                     edge_1: (positions[b] - positions[a]).to_array(),
                     edge_2: (positions[c] - positions[a]).to_array(),
-                    vertex_0: (first + a as u32) | bits,
-                    vertex_1: first + b as u32,
-                    vertex_2: first + c as u32,
+                    vertex_0: numbers[a] | bits,
+                    vertex_1: numbers[b],
+                    vertex_2: numbers[c],
                 };
                 if triangle.has_normal() {
                     triangles.push(triangle);
@@ -214,16 +234,11 @@ fn build(triangles: &[TriangleRecord]) -> Bvh2 {
     hierarchy
 }
 
-fn append_vertices(
-    vertices: &mut Vec<VertexRecord>,
-    mesh: &Mesh,
-    world_from_local: DMat4,
-    material: u32,
-) {
+fn vertices_of(mesh: &Mesh, world_from_local: DMat4, material: u32) -> Vec<VertexRecord> {
     let linear = glam::DMat3::from_mat4(world_from_local);
     // With the determinant's sign: a mirror must not turn normals inwards.
     let normal_from_local = linear.inverse().transpose();
-    vertices.extend((0..mesh.positions.len()).map(|index| {
+    let vertex = |index: usize| {
         let normal = mesh.normals.get(index).copied().unwrap_or(Vec3::Y);
         let tangent = mesh.tangents.get(index).copied();
         let tangent = tangent.unwrap_or_else(|| normal.any_orthonormal_vector().extend(1.0));
@@ -242,5 +257,6 @@ fn append_vertices(
                 .map(|x| (x.clamp(0.0, 1.0) * f32::from(u16::MAX)).round() as u16),
             padding: [0; 2],
         }
-    }));
+    };
+    (0..mesh.positions.len()).map(vertex).collect()
 }

@@ -7,7 +7,7 @@
 
 import package::constants::REFERENCE_STACK;
 import package::render::reference::world::{
-    nodes, triangles, world, DOUBLE_SIDED, LEAF, SEE_THROUGH,
+    nodes, triangle_at, world, DOUBLE_SIDED, LEAF, SEE_THROUGH,
 };
 
 struct Ray {
@@ -80,7 +80,7 @@ fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
             let first = current & 0x0fffffffu;
             let last = first + ((current >> 28u) & 7u);
             for (var index = first; index <= last; index++) {
-                let triangle = triangles[index];
+                let triangle = triangle_at(index);
                 let p = cross(ray.direction, triangle.edge_2);
                 // Above zero: the front.
                 let determinant = dot(triangle.edge_1, p);

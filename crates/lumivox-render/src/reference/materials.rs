@@ -139,6 +139,7 @@ fn sides(material: &Material, textures: &Textures, shown: &MaterialRecord) -> Si
     };
     Sides {
         is_absent,
+        is_plain: material.textures().next().is_none(),
         is_double_sided: material.double_sided,
         is_see_through: shown.is_blended != 0
             || shown.transmission > 0.0

@@ -13,6 +13,7 @@
 //! | `surface.wgsl`, `texels.wgsl` | what a ray meets: materials and their textures |
 //! | `scatter.wgsl` | the BRDF and how directions are drawn from it |
 //! | `sources.wgsl`, `panorama.wgsl` | how light is asked for |
+//! | `sensors.wgsl` | where light is measured instead of a picture ([`LightMeter`]) |
 //! | `transmittance.wgsl` | what lies between |
 //! | `path.wgsl` | the path, and which light counts for which layer |
 //!
@@ -29,6 +30,7 @@ mod layers;
 mod materials;
 mod part;
 mod records;
+mod sensors;
 mod surroundings;
 #[cfg(test)]
 mod tests;
@@ -53,6 +55,8 @@ pub(crate) use records::{
     EmitterRecord, PeakRecord, PixelRecord as FilmRecord, TileRecord, TracedMaterialRecord,
     WorldRecord,
 };
+pub use sensors::{LightMeter, MeterSettings, Reading, Sensor};
+use sensors::{SENSOR_NONE, SENSOR_RAY};
 pub(crate) use upload::Features;
 use upload::Uploaded;
 
@@ -74,12 +78,15 @@ pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
         .add("render::reference::path", include_str!("path.wgsl"))
         .add("render::reference::random", include_str!("random.wgsl"))
         .add("render::reference::scatter", include_str!("scatter.wgsl"))
+        .add("render::reference::sensors", include_str!("sensors.wgsl"))
         .add("render::reference::sources", include_str!("sources.wgsl"))
         .add("render::reference::surface", include_str!("surface.wgsl"))
         .add("render::reference::texels", include_str!("texels.wgsl"))
         .add("render::reference::transmittance", include_str!("transmittance.wgsl"))
         .add("render::reference::world", include_str!("world.wgsl"))
         .constant_u32("REFERENCE_BATCH", BATCH)
+        .constant_u32("SENSOR_NONE", SENSOR_NONE)
+        .constant_u32("SENSOR_RAY", SENSOR_RAY)
         .constant_u32("TILE_CLAMP", TILE_CLAMP)
         .constant_u32("TILE_MIRROR", TILE_MIRROR)
         .constant_u32("TILE_NEAREST", TILE_NEAREST)
@@ -153,15 +160,17 @@ impl PathTracer {
         camera: Option<&Camera>,
         settings: ReferenceSettings,
     ) -> Result<Self, RenderError> {
-        Self::with_features(gpu, scene, camera, settings, |features| features).await
+        Self::with_features(gpu, scene, camera, settings, &[], |features| features).await
     }
 
-    /// As [`Self::new`], with some techniques switched off, which must not change the mean.
+    /// As [`Self::new`], for the light at sensors where there are any, and with some techniques switched off, which must
+    /// not change the mean.
     async fn with_features(
         gpu: &Gpu,
         scene: &Scene,
         camera: Option<&Camera>,
         settings: ReferenceSettings,
+        sensors: &[Sensor],
         adjust: impl FnOnce(Features) -> Features,
     ) -> Result<Self, RenderError> {
         validate(&settings)?;
@@ -169,7 +178,7 @@ impl PathTracer {
         let camera = camera.unwrap_or_else(|| {
             scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
         });
-        let uploaded = Uploaded::new(gpu, scene, &camera, &settings, adjust).await?;
+        let uploaded = Uploaded::new(gpu, scene, &camera, &settings, sensors, adjust).await?;
         gpu.pipelines.compile(&mut |_, _| {}).await;
         let film = Film::new(settings.size);
         Ok(Self { gpu: gpu.clone(), settings, uploaded, film })

@@ -6,28 +6,33 @@
 // is then irradiance / pi. Light is separated by its path. Lamps and the peaks of the panorama
 // count as *lights*; the light of emissive surfaces and of the rest of the panorama reaches
 // surfaces through *gathers*, like reflected light. So the layers are those of the renderer: direct
-// light is that of lights; one bounce is the light that one gather finds.
+// light is that of lights; one bounce is the light that one gather finds. With sensors, one path
+// starts at each of them, and the light of lights is theirs, too.
 //
 // A path ends at random, with a probability that depends on the light that it could still bring
 // (Russian roulette: Arvo and Kirk 1990, "Particle transport and image synthesis").
 
 import package::constants::{
+    REFERENCE_CANDIDATES,
     REFERENCE_HAS_DISCS, REFERENCE_HAS_EMITTERS, REFERENCE_HAS_LIGHTS, REFERENCE_HAS_PANORAMA,
-    REFERENCE_HAS_PEAKS, REFERENCE_SEE_THROUGH,
+    REFERENCE_HAS_PEAKS, REFERENCE_HAS_SENSORS, REFERENCE_SEE_THROUGH,
 };
 import package::render::reference::intersect::{intersect, ray_from, Hit, Ray, AS_SEEN, NOTHING};
 import package::render::reference::panorama::surroundings;
 import package::render::reference::random::{random, random_2, start_random};
 import package::render::reference::scatter::{cos_toward, draw_direction, scatter};
+import package::render::reference::sensors::{sensor_at, white_sensor};
 import package::render::reference::sources::{
-    ask_disc, ask_emitter, ask_light, ask_panorama, ask_peak, ask_peak_along, power_weight, NEVER,
+    ask_disc, ask_emitter, ask_light, ask_panorama, ask_peak, ask_peak_along, brightness,
+    power_weight, NEVER,
 };
 import package::render::reference::surface::{meet, Met};
 import package::render::reference::transmittance::{transmittance, MOST_LAYERS};
 import package::render::reference::world::world;
 import package::trace::coat::{below_coat, Coat};
 
-// Sums over the samples of a pixel.
+// Sums over the samples of a pixel. Those of a sensor are in `full`, `direct` (of lights alone), `openness`, and, as a
+// luminance, in `one_bounce`.
 struct Pixel {
     picture: vec3f,
     coverage: f32,
@@ -50,6 +55,8 @@ const MOST_VERTICES: u32 = 4096u;
 const SURE_VERTICES: u32 = 3u;
 // Kinds of light queries; the last two are for peaks.
 const KINDS: u32 = 4u + 2u * REFERENCE_HAS_PEAKS;
+// Paths of a sample.
+const PATHS: u32 = 2u - REFERENCE_HAS_SENSORS;
 
 // Two sums: all of a path's light, and the share that arrives early.
 struct Light2 {
@@ -78,8 +85,9 @@ struct Traced {
 
 fn trace(start: Ray, is_picture: bool) -> Traced {
     var traced: Traced;
+    let is_sensor = REFERENCE_HAS_SENSORS != 0u && !is_picture;
     // The vertices at which light counts as early.
-    let early_vertex = select(1u, 0u, is_picture);
+    let early_vertex = select(1u, 0u, is_picture || is_sensor);
     var ray = start;
     var throughput = vec3f(1.0);
     // Density with which the ray's direction was drawn.
@@ -89,7 +97,12 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
         var travelled = 0.0;
         var hit: Hit;
         var met: Met;
-        for (var layer = 0u; layer < MOST_LAYERS; layer++) {
+        let is_white_sensor = is_sensor && vertex == 0u;
+        if is_white_sensor {
+            hit.triangle = 0u;
+            met.surface = white_sensor(start);
+        }
+        for (var layer = 0u; layer < MOST_LAYERS && !is_white_sensor; layer++) {
             hit = intersect(ray, AS_SEEN, false);
             if hit.triangle == NOTHING {
                 break;
@@ -115,7 +128,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             shining = met.emission * below_coat(met.surface.coat, cos_toward(met.surface));
             let facing = abs(dot(met.surface.geometric, ray.direction));
             if REFERENCE_HAS_EMITTERS != 0u {
-                other = met.emitter_density * travelled * travelled / max(facing, 1e-8);
+                other = f32(REFERENCE_CANDIDATES) * met.emitter_density * travelled * travelled / max(facing, 1e-8);
             }
         } else {
             let seen = surroundings(ray.direction);
@@ -176,7 +189,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             if kind == 5u && any(drawn_weight > vec3f(0.0)) {
                 question = ask_peak_along(direction, drawn_weight, scattered.density);
             }
-            if !is_picture && vertex == 0u {
+            if !is_picture && vertex == 0u && !is_sensor {
                 question.from_lights = vec3f(0.0);
             }
             let is_dark = all(question.from_lights + question.from_surroundings <= vec3f(0.0));
@@ -188,7 +201,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             let rest = passing * question.from_surroundings;
             traced.light.all += lights + rest;
             traced.light.early += select(vec3f(0.0), lights, vertex == early_vertex)
-                + select(vec3f(0.0), rest, vertex == 0u && !is_picture);
+                + select(vec3f(0.0), rest, vertex == 0u && !is_picture && !is_sensor);
         }
 
         throughput *= drawn_weight;
@@ -217,10 +230,27 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let place = invocation.y * world.size.x + invocation.x;
     for (var index = 0u; index < world.sample_count; index++) {
         start_random(world.seed, pixel.y * world.size.x + pixel.x, world.first_sample + index);
-        let start = camera_ray(pixel, random_2());
-        for (var which = 0u; which < 2u; which++) {
-            let traced = trace(start, which == 0u);
-            if which == 0u {
+        var start: Ray;
+        var is_ray = false;
+        if REFERENCE_HAS_SENSORS != 0u {
+            let sensor = sensor_at(pixel);
+            if !sensor.is_there {
+                return;
+            }
+            start = sensor.ray;
+            is_ray = sensor.is_ray;
+        } else {
+            start = camera_ray(pixel, random_2());
+        }
+        for (var which = 0u; which < PATHS; which++) {
+            let is_picture = select(which == 0u, is_ray, REFERENCE_HAS_SENSORS != 0u);
+            let traced = trace(start, is_picture);
+            if REFERENCE_HAS_SENSORS != 0u {
+                film[place].full += traced.light.all;
+                film[place].direct += traced.light.early;
+                film[place].one_bounce += vec3f(brightness(traced.light.all));
+                film[place].openness += select(0.0, 1.0, traced.is_open);
+            } else if is_picture {
                 film[place].picture += traced.light.all;
                 film[place].direct += traced.light.early;
                 if traced.is_surface {

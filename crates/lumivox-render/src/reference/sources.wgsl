@@ -2,7 +2,7 @@
 // weighted by its probability of finding that light, among all techniques (multiple importance
 // sampling: Veach 1997, section 9.2, the power heuristic).
 
-import package::constants::{REFERENCE_HAS_LAYERS, REFERENCE_HAS_PANORAMA};
+import package::constants::{REFERENCE_CANDIDATES, REFERENCE_HAS_LAYERS, REFERENCE_HAS_PANORAMA};
 import package::light::lights::{incident_light, is_parallel, Incident, Light};
 import package::render::scene::material::TEXTURE_EMISSION;
 import package::render::reference::intersect::{Hit, Ray, AS_SEEN, BOTH_SIDES};
@@ -11,7 +11,7 @@ import package::render::reference::random::{random, random_2};
 import package::render::reference::scatter::{cos_toward, scatter, Surface};
 import package::render::reference::surface::{meet, texture_at};
 import package::render::reference::world::{
-    emitters, lights, materials, triangles, vertices, world, DOUBLE_SIDED, VERTEX_INDEX,
+    emitters, lights, materials, triangle_at, vertices, world, DOUBLE_SIDED, VERTEX_INDEX,
 };
 import package::trace::brdf::PI;
 import package::trace::coat::below_coat;
@@ -159,7 +159,7 @@ fn emitted(triangle: u32, weights: vec2f, direction: vec3f) -> vec3f {
         let met = meet(Ray(vec3f(0.0), -direction, 0.0), Hit(0.0, triangle, weights), false);
         return met.coverage * met.emission * below_coat(met.surface.coat, cos_toward(met.surface));
     }
-    let corners = triangles[triangle];
+    let corners = triangle_at(triangle);
     let first = corners.vertex_0 & VERTEX_INDEX;
     let texcoords = (1.0 - weights.x - weights.y) * vertices[first].texcoords
         + weights.x * vertices[corners.vertex_1].texcoords
@@ -168,8 +168,33 @@ fn emitted(triangle: u32, weights: vec2f, direction: vec3f) -> vec3f {
     return materials[material].shown.emission * texture_at(material, TEXTURE_EMISSION, texcoords).rgb;
 }
 
-// A point of an emitter, in proportion to area times mean radiance.
+// The best of some points on emitters (resampled importance sampling: Talbot, Cline and Egbert 2005, "Importance resampling for
+// global illumination"): of thousands of lamps few matter to a place. Any weight of a point serves multiple importance sampling, as
+// long as both techniques agree on it: here its density counts once for each candidate.
 fn ask_emitter(surface: Surface) -> Question {
+    var chosen = NEVER;
+    var chosen_brightness = 0.0;
+    var sum = 0.0;
+    for (var candidate = 0u; candidate < REFERENCE_CANDIDATES; candidate++) {
+        let question = ask_any_emitter(surface);
+        if REFERENCE_CANDIDATES == 1u {
+            return question;
+        }
+        let bright = brightness(question.from_surroundings);
+        sum += bright;
+        if random() * sum < bright {
+            chosen = question;
+            chosen_brightness = bright;
+        }
+    }
+    if chosen_brightness > 0.0 {
+        chosen.from_surroundings *= sum / (f32(REFERENCE_CANDIDATES) * chosen_brightness);
+    }
+    return chosen;
+}
+
+// A point of an emitter, in proportion to area times mean radiance.
+fn ask_any_emitter(surface: Surface) -> Question {
     let choice = random();
     let place = random_2();
     var index = 0u;
@@ -184,7 +209,7 @@ fn ask_emitter(surface: Surface) -> Question {
     // Even over the triangle (Turk 1990, "Generating random points in triangles").
     let root = sqrt(place.x);
     let weights = vec2f(root * (1.0 - place.y), root * place.y);
-    let corners = triangles[triangle];
+    let corners = triangle_at(triangle);
     let point = corners.corner + weights.x * corners.edge_1 + weights.y * corners.edge_2;
     let away = point - (surface.position + surface.geometric * world.offset_m);
     let distance = length(away);
@@ -199,7 +224,7 @@ fn ask_emitter(surface: Surface) -> Question {
     let per_area = materials[vertices[first].material].emitter_density;
     let density = per_area * distance * distance / max(abs(facing), 1e-8);
     let reflected = scattered.value * emitted(triangle, weights, -direction)
-        * (power_weight(density, scattered.density) / density);
+        * (power_weight(f32(REFERENCE_CANDIDATES) * density, scattered.density) / density);
     // Up to the emitter, which must not block itself: as far from it as rays start from their
     // surface.
     let reach = distance - world.offset_m / max(abs(facing), 1e-8);

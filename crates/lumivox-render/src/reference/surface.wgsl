@@ -11,7 +11,7 @@ import package::render::scene::normals::{bend, facing};
 import package::render::reference::intersect::{Hit, Ray};
 import package::render::reference::scatter::Surface;
 import package::render::reference::texels::sample_texture;
-import package::render::reference::world::{materials, triangles, vertices, VERTEX_INDEX};
+import package::render::reference::world::{materials, triangle_at, vertices, VERTEX_INDEX};
 import package::trace::brdf::alpha_from_roughness;
 import package::trace::coat::Coat;
 
@@ -58,7 +58,7 @@ fn texture_at(material: u32, which: u32, texcoords: vec4f) -> vec4f {
 // `is_seen`: by the camera. An unlit surface shows its colour there; to other surfaces it is
 // diffuse, as it is in voxels.
 fn meet(ray: Ray, hit: Hit, is_seen: bool) -> Met {
-    let triangle = triangles[hit.triangle];
+    let triangle = triangle_at(hit.triangle);
     let weights = vec3f(1.0 - hit.weights.x - hit.weights.y, hit.weights);
     let first = triangle.vertex_0 & VERTEX_INDEX;
     let material = vertices[first].material;

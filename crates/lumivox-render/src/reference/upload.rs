@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable as _};
 use glam::{DVec3, UVec2, Vec3};
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, ShaderLibrary, Texture,
-    TextureView, storage_buffer, upload,
+    TextureView, storage_buffer, uniform_buffer, upload,
 };
 use lumivox::shaders::library_with_volume;
 use lumivox::{Directionality, Light, LightSource, VolumeKind};
@@ -15,12 +15,16 @@ use super::checkpoint::fingerprint_of;
 use super::geometry::{MOST_TRIANGLES, TriangleRecord, Triangles};
 use super::materials::Materials;
 use super::records::{MOST_PEAKS, PeakRecord, PixelRecord, WorldRecord};
+use super::sensors::{self, Sensor};
 use super::surroundings::Surroundings;
 use crate::scene::{Lighting, SHEEN_EDGE, radiance_unit, sheen_table};
 use crate::{Gpu, RenderError};
 
 /// The most pixels that are traced at once, so that the GPU stays responsive.
 const MOST_PIXELS: u64 = 1 << 20;
+/// Up to so many emitters one point is drawn; of more, the best of many.
+const FEW_EMITTERS: usize = 1024;
+const MANY_CANDIDATES: u32 = 64;
 /// The distance of rays' starts from their surface, over half the diagonal of the scene: sixteen
 /// times the resolution of f32 there.
 const OFFSET: f32 = 1.0 / (1 << 18) as f32;
@@ -52,6 +56,7 @@ impl Uploaded {
         scene: &Scene,
         camera: &Camera,
         settings: &ReferenceSettings,
+        sensors: &[Sensor],
         adjust: impl FnOnce(Features) -> Features,
     ) -> Result<Self, RenderError> {
         let lighting = Lighting::of(scene);
@@ -60,7 +65,7 @@ impl Uploaded {
         let count = scene.triangle_count();
         let bytes = count as u64 * size_of::<TriangleRecord>() as u64;
         let most = gpu.device.limits().max_storage_buffer_binding_size;
-        if count > MOST_TRIANGLES || bytes > most {
+        if count > MOST_TRIANGLES || bytes > 2 * most {
             return Err(too_large(gpu, "the triangles", bytes));
         }
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
@@ -98,10 +103,15 @@ impl Uploaded {
         let band_rows = band_rows(gpu, settings.size);
         let pixels = u64::from(band_rows) * u64::from(settings.size.x);
         let film = storage_buffer(device, "film", pixels * size_of::<PixelRecord>() as u64);
-        let world_buffer = upload(device, "world", &[world]);
+        let world_buffer = uniform_buffer(device, "world", &world);
+        let split = (gpu.device.limits().max_storage_buffer_binding_size as usize
+            / size_of::<TriangleRecord>())
+        .min(triangles.triangles.len());
+        let (triangle_records, more_triangles) = triangles.triangles.split_at(split);
+        let more_triangles = upload(device, "more triangles", &or_one(more_triangles));
         let buffers = [
             upload(device, "boxes", &triangles.nodes),
-            upload(device, "triangles", &triangles.triangles),
+            upload(device, "triangles", triangle_records),
             upload(device, "vertices", &triangles.vertices),
             upload(device, "materials", &or_one(&materials.records)),
             Light::buffer(device, &lights),
@@ -117,6 +127,8 @@ impl Uploaded {
             vec![0.0; (SHEEN_EDGE * SHEEN_EDGE) as usize]
         };
         let sheen = float_texture(gpu, [SHEEN_EDGE; 2], row_format, &sheen);
+        let (sensor_size, texels) = sensors::texels(sensors, settings.size, triangles.origin);
+        let sensor_texels = float_texture(gpu, sensor_size, rgba, &texels);
 
         let layout = layout(&gpu.pipelines);
         let builder = BindGroupBuilder::new(&layout).buffer(&world_buffer);
@@ -128,6 +140,8 @@ impl Uploaded {
             .view(&panorama)
             .view(&rows)
             .view(&sheen)
+            .buffer(&more_triangles)
+            .view(&sensor_texels)
             .build(device, "world");
         let is_disc = |light: &Light| match light.source {
             LightSource::Directional { angular_radius_rad: radius, .. }
@@ -137,6 +151,8 @@ impl Uploaded {
         };
         let features = adjust(Features {
             stack: triangles.stack,
+            split: split as u32,
+            candidates: if emitters.len() > FEW_EMITTERS { MANY_CANDIDATES } else { 1 },
             has_textures: materials.has_textures,
             has_layers: materials.has_layers,
             is_see_through: materials.sides.iter().any(|sides| sides.is_see_through),
@@ -145,6 +161,7 @@ impl Uploaded {
             has_emitters: !emitters.is_empty(),
             has_panorama: lighting.environment.map.is_some(),
             has_peaks: !surroundings.peaks.is_empty(),
+            has_sensors: !sensors.is_empty(),
         });
         let mut shaders = library_with_volume(VolumeKind::default(), Directionality::default());
         crate::scene::add_shaders(&mut shaders);
@@ -202,6 +219,10 @@ impl Uploaded {
 #[expect(clippy::struct_excessive_bools, reason = "each is a constant of the shader")]
 pub(crate) struct Features {
     pub(crate) stack: u32,
+    /// The number of triangles in the first of two buffers.
+    pub(crate) split: u32,
+    /// Points on emitters of which the best is asked.
+    pub(crate) candidates: u32,
     pub(crate) has_textures: bool,
     pub(crate) has_layers: bool,
     pub(crate) is_see_through: bool,
@@ -210,12 +231,15 @@ pub(crate) struct Features {
     pub(crate) has_emitters: bool,
     pub(crate) has_panorama: bool,
     pub(crate) has_peaks: bool,
+    pub(crate) has_sensors: bool,
 }
 
 impl Features {
     /// All features.
     pub(crate) const ALL: Self = Self {
         stack: 64,
+        split: u32::MAX,
+        candidates: 1,
         has_textures: true,
         has_layers: true,
         is_see_through: true,
@@ -224,11 +248,14 @@ impl Features {
         has_emitters: true,
         has_panorama: true,
         has_peaks: true,
+        has_sensors: true,
     };
 
     pub(crate) fn set(self, shaders: &mut ShaderLibrary) {
         shaders
             .constant_u32("REFERENCE_STACK", self.stack)
+            .constant_u32("REFERENCE_SPLIT", self.split)
+            .constant_u32("REFERENCE_CANDIDATES", self.candidates)
             .constant_u32("REFERENCE_HAS_TEXTURES", self.has_textures.into())
             .constant_u32("REFERENCE_HAS_LAYERS", self.has_layers.into())
             .constant_u32("REFERENCE_SEE_THROUGH", self.is_see_through.into())
@@ -236,19 +263,22 @@ impl Features {
             .constant_u32("REFERENCE_HAS_DISCS", self.has_discs.into())
             .constant_u32("REFERENCE_HAS_EMITTERS", self.has_emitters.into())
             .constant_u32("REFERENCE_HAS_PANORAMA", self.has_panorama.into())
-            .constant_u32("REFERENCE_HAS_PEAKS", self.has_peaks.into());
+            .constant_u32("REFERENCE_HAS_PEAKS", self.has_peaks.into())
+            .constant_u32("REFERENCE_HAS_SENSORS", self.has_sensors.into());
     }
 }
 
 /// The layout of group 0: the eight storage buffers that WebGPU allows, and textures.
 pub(super) fn layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     let texels = wgpu::TextureSampleType::Float { filterable: false };
-    (0..7)
-        .fold(LayoutBuilder::compute(), |layout, _| layout.storage())
+    (0..6)
+        .fold(LayoutBuilder::compute().uniform(), |layout, _| layout.storage())
         .storage_mut()
         .texture(wgpu::TextureViewDimension::D2Array, texels)
         .texture_2d_unfilterable()
         .texture_2d_unfilterable()
+        .texture_2d_unfilterable()
+        .storage()
         .texture_2d_unfilterable()
         .build(device, "path tracer")
 }

@@ -3,6 +3,7 @@
 // Everything is in the world's axes with the middle of the scene as origin, where f32 is most
 // precise, in metres and in multiples of the renderer's unit of radiance.
 
+import package::constants::REFERENCE_SPLIT;
 import package::light::lights::Light;
 import package::render::scene::material::Material;
 
@@ -109,7 +110,7 @@ const DOUBLE_SIDED: u32 = 0x80000000u;
 const SEE_THROUGH: u32 = 0x40000000u;
 const VERTEX_INDEX: u32 = 0x3fffffffu;
 
-@group(0) @binding(0) var<storage, read> world: World;
+@group(0) @binding(0) var<uniform> world: World;
 @group(0) @binding(1) var<storage, read> nodes: array<Node>;
 @group(0) @binding(2) var<storage, read> triangles: array<Triangle>;
 @group(0) @binding(3) var<storage, read> vertices: array<Vertex>;
@@ -122,3 +123,12 @@ const VERTEX_INDEX: u32 = 0x3fffffffu;
 @group(0) @binding(9) var panorama: texture_2d<f32>;
 // One column: the probability of this row or one above it.
 @group(0) @binding(10) var panorama_rows: texture_2d<f32>;
+// The triangles from REFERENCE_SPLIT on: a buffer holds only so many bytes.
+@group(0) @binding(12) var<storage, read> more_triangles: array<Triangle>;
+
+fn triangle_at(index: u32) -> Triangle {
+    if index >= REFERENCE_SPLIT {
+        return more_triangles[index - REFERENCE_SPLIT];
+    }
+    return triangles[index];
+}

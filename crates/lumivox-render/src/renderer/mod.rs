@@ -3,6 +3,7 @@
 pub(crate) mod beside;
 mod change;
 pub(crate) mod estimate;
+mod faces;
 mod figures;
 mod moving;
 mod overlay;
@@ -24,6 +25,7 @@ use crate::passes::gbuffer;
 use crate::passes::targets::Targets;
 use crate::scene::{GpuScene, Lighting, radiance_unit_within};
 use crate::{Gpu, Picture, RenderError, RenderSettings, View};
+pub use faces::VoxelFace;
 pub use figures::TraceFigures;
 use moving::Following;
 use passes::Passes;

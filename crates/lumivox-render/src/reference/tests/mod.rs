@@ -13,6 +13,7 @@ mod rays;
 mod robust;
 mod same;
 mod sampling;
+mod sensors;
 mod techniques;
 mod transparency;
 
@@ -43,7 +44,7 @@ fn tracer_with(
     let mut scene = scene.clone();
     scene.validate().expect("a valid scene");
     let gpu = gpu();
-    let made = PathTracer::with_features(&gpu, &scene, None, settings.clone(), adjust);
+    let made = PathTracer::with_features(&gpu, &scene, None, settings.clone(), &[], adjust);
     pollster::block_on(made).expect("a path tracer")
 }
 

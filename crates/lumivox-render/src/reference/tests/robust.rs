@@ -86,10 +86,10 @@ fn scenes_beyond_the_device_are_refused_before_work_is_done() {
     let mut mesh = pane(0.0);
     mesh.indices = [0, 1, 2].repeat(2000);
     add(&mut scene, mesh, Material::diffuse("many", Vec3::ONE));
-    scene.instances = vec![scene.instances[0].clone(); 2000];
+    scene.instances = vec![scene.instances[0].clone(); 3000];
     let gpu = gpu();
     let made = PathTracer::new(&gpu, &scene, None, settings(4, 4));
-    let error = pollster::block_on(made).expect_err("four million triangles are too many");
+    let error = pollster::block_on(made).expect_err("six million triangles are too many");
     let RenderError::Limit { needed, available, .. } = error else { panic!("{error}") };
     assert!(needed > available, "{needed} of {available} bytes");
 }

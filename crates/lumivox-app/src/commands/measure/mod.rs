@@ -1,0 +1,158 @@
+//! `lumivox measure`: light as numbers, by cones or by the path tracer.
+//!
+//! | file | is |
+//! | --- | --- |
+//! | `places.rs` | the points, rays or pixels that are measured |
+//! | `readings.rs` | the light there, by either method |
+//! | `report.rs` | tables, JSON and the sentence at the end |
+
+mod places;
+mod readings;
+mod report;
+
+use std::io::Write as _;
+use std::path::Path;
+use std::time::Instant;
+
+use lumivox_console::report::AdapterReport;
+use lumivox_console::{Failure, SourceArgs};
+use lumivox_render::measure::Summary;
+use lumivox_scene::write_atomically;
+
+use super::staged::stage;
+use super::{light, settings};
+use crate::args::{output, scene};
+use crate::cli::{MeasureArgs, Method};
+use crate::host::Host;
+use crate::progress::ProgressDisplay;
+use crate::quality::{FalseColor, false_color_png};
+use places::Places;
+use report::Report;
+
+/// The kind of an output file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Csv,
+    Json,
+    Png,
+}
+
+/// Measures, writes and reports.
+///
+/// # Errors
+/// When anything that the arguments ask for cannot be done; the message says what.
+pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
+    let kinds = args.output.iter().map(|file| check(file, args)).collect::<Result<Vec<_>, _>>()?;
+    if args.rays.is_some() && args.method == Method::Cones {
+        return Err(Failure::input(
+            "--rays: cones have no single lines of sight; add --method paths, or measure a --picture",
+        )
+        .into());
+    }
+    for (option, is_given) in
+        [("--area", args.area.is_some()), ("--spacing", args.spacing.is_some())]
+    {
+        if is_given && args.workplane.is_none() {
+            let reason =
+                format!("{option}: only a workplane has one; give its height with --workplane");
+            return Err(Failure::input(reason).into());
+        }
+    }
+    let places = Places::read(args)?;
+    let given = [args.voxels.given(), args.light.given(), args.cones.settings.given()].concat();
+    let settings = settings::of(args.cones.preset(), args.size, &given)?;
+    scene::check(&args.scene.scene)?;
+    light::check(&args.sources)?;
+    let start = Instant::now();
+    let mut progress = ProgressDisplay::start(host, "loading");
+    let gpu = host.open_gpu(&args.gpu)?;
+    // Light is measured as the scene has it.
+    let adds = args.sources.surroundings.is_some();
+    let sources = SourceArgs { no_default_light: !adds, ..args.sources.clone() };
+    let (scene, camera) =
+        stage(&args.scene.scene, &args.scene.load, &sources, &args.view, args.size, &progress)?;
+    let places = places.of_scene(&scene, args)?;
+    progress.stop_on_interrupt(host)?;
+    let bounces = given.iter().any(|(parameter, _)| parameter.name == "bounces");
+    let bounces = bounces.then_some(settings.bounces);
+    let task = readings::Task { gpu: &gpu, scene: &scene, camera: &camera, progress: &progress };
+    let readings = match args.method {
+        Method::Cones => task.by_cones(&places, settings, args.frames)?,
+        Method::Paths => task.by_paths(&places, args, bounces)?,
+    };
+    progress.set("writing", 0, 1);
+    let values: Vec<f32> = readings.iter().map(|reading| reading.value).collect();
+    let report = Report {
+        scene: scene.name.clone(),
+        what: places.what(),
+        unit: places.unit(),
+        size: places.size.map(|size| size.to_array()),
+        method: match args.method {
+            Method::Cones => "cones",
+            Method::Paths => "paths",
+        },
+        frames: (args.method == Method::Cones).then_some(args.frames),
+        samples: (args.method == Method::Paths).then_some(args.samples),
+        summary: Summary::of(&values),
+        seconds: start.elapsed().as_secs_f64(),
+        adapter: AdapterReport::new(&gpu.adapter_info),
+        places: &places,
+        readings: &readings,
+    };
+    for (file, kind) in args.output.iter().zip(kinds) {
+        let bytes = match kind {
+            Kind::Csv => report.csv().into_bytes(),
+            Kind::Json => report.json().to_string().into_bytes(),
+            Kind::Png => picture(&report, &values, args.scale)?,
+        };
+        write(file, &bytes)?;
+    }
+    drop(progress);
+    if args.json { host.print_json(&report.json()) } else { host.print(&report.text(&args.output)) }
+}
+
+/// The kind of an output file, and that it can be written.
+fn check(file: &Path, args: &MeasureArgs) -> anyhow::Result<Kind> {
+    let ending = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let kind = match ending.as_str() {
+        "csv" => Kind::Csv,
+        "json" => Kind::Json,
+        "png" if args.points.is_some() || args.rays.is_some() => {
+            return Err(Failure::input(format!(
+                "{}: points and rays have no picture; write .csv or .json, or measure a --workplane or a --picture",
+                file.display()
+            ))
+            .into());
+        }
+        "png" => Kind::Png,
+        _ => {
+            return Err(Failure::input(format!(
+                "{}: unknown kind of file; end the name in .csv, .json or .png",
+                file.display()
+            ))
+            .into());
+        }
+    };
+    output::check_folder(file, &output::folder_of(file))?;
+    Ok(kind)
+}
+
+/// The picture in false colours, as PNG.
+fn picture(
+    report: &Report<'_>,
+    values: &[f32],
+    range: Option<(f32, f32)>,
+) -> anyhow::Result<Vec<u8>> {
+    let size = report.places.size.unwrap_or_default();
+    let (title, figures) = (report.title(), report.figures());
+    let (title, figures, unit) = (title.as_str(), figures.as_str(), report.unit);
+    Ok(false_color_png(&FalseColor { title, figures, values, size, unit, range })?)
+}
+
+/// Writes a file, complete or not at all.
+fn write(file: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write_atomically(file, |out| out.write_all(bytes)).map_err(|error| {
+        let reason = format!("{}: cannot write the readings: {error}", file.display());
+        Failure::output(reason + "; check the folder and its permissions").into()
+    })
+}

@@ -1,0 +1,146 @@
+//! The light at places, by cones or by the path tracer.
+
+use std::ops::ControlFlow;
+
+use glam::UVec2;
+use lumivox_console::Failure;
+use lumivox_render::measure::photometric;
+use lumivox_render::reference::{
+    LightMeter, MeterSettings, PathTracer, ReferenceProgress, ReferenceSettings,
+};
+use lumivox_render::{Gpu, RenderProgress, RenderSettings, Renderer};
+use lumivox_scene::{Camera, Scene};
+
+use super::Places;
+use crate::cli::MeasureArgs;
+use crate::progress::{ProgressDisplay, words};
+
+/// The light at a place, in lux or cd/m².
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// All of it.
+    pub value: f32,
+    /// The standard error, if it is known.
+    pub standard_error: Option<f32>,
+    /// The share straight from lamps and suns, of an illuminance.
+    pub direct: Option<f32>,
+    /// The open share of the hemisphere, of an illuminance.
+    pub openness: Option<f32>,
+}
+
+/// A scene to measure.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    /// The device.
+    pub gpu: &'a Gpu,
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The camera of a picture.
+    pub camera: &'a Camera,
+    /// The progress that is told.
+    pub progress: &'a ProgressDisplay,
+}
+
+impl Task<'_> {
+    /// Measures by cones.
+    ///
+    /// # Errors
+    /// When the device fails, or the user stops it.
+    pub fn by_cones(
+        self,
+        places: &Places,
+        settings: RenderSettings,
+        frames: u32,
+    ) -> anyhow::Result<Vec<Reading>> {
+        // Points need no picture.
+        let size = places.size.filter(|_| places.at.is_empty()).unwrap_or(UVec2::splat(16));
+        let settings = RenderSettings { size, frames, ..settings };
+        settings.validate(&self.gpu.device.limits())?;
+        let mut tell = |step: RenderProgress| {
+            self.progress.set(words(step.stage), step.done, step.total);
+        };
+        let renderer = Renderer::new(self.gpu, self.scene, Some(self.camera), settings, &mut tell);
+        let mut renderer = pollster::block_on(renderer)?;
+        self.check()?;
+        if places.at.is_empty() {
+            while !renderer.is_complete() {
+                pollster::block_on(renderer.render_frame())?;
+                self.gpu.wait("rendering a frame")?;
+                self.progress.set("frame", renderer.frame_count(), frames);
+                self.check()?;
+            }
+            let mean = pollster::block_on(renderer.read_mean())?;
+            let reading = |&[r, g, b, _]: &[f32; 4]| Reading::of_luminance([r, g, b], None);
+            return Ok(mean.iter().map(reading).collect());
+        }
+        self.progress.set("gathering", 0, 1);
+        let (points, normals): (Vec<_>, Vec<_>) = places.at.iter().copied().unzip();
+        let gathered = pollster::block_on(renderer.irradiance(&points, &normals, frames))?;
+        let reading = |light: &lumivox::Irradiance| Reading {
+            value: photometric(light.total().to_array()),
+            standard_error: None,
+            direct: Some(photometric(light.direct.to_array())),
+            openness: Some(light.openness),
+        };
+        Ok(gathered.iter().map(reading).collect())
+    }
+
+    /// Measures by the path tracer.
+    ///
+    /// # Errors
+    /// When the device fails, or the user stops it.
+    pub fn by_paths(
+        self,
+        places: &Places,
+        args: &MeasureArgs,
+        bounces: Option<u32>,
+    ) -> anyhow::Result<Vec<Reading>> {
+        let (samples, seed) = (args.samples, args.seed);
+        let mut tell = |step: ReferenceProgress| -> ControlFlow<()> {
+            let share = step.samples.fract();
+            self.progress.set_within("sample", step.samples as u32, step.total, share);
+            self.progress.goes_on()
+        };
+        let known = |error: f32| Some(error).filter(|error| error.is_finite());
+        if places.at.is_empty() {
+            let size = places.size.unwrap_or_default();
+            let settings = ReferenceSettings { size, samples, seed, bounces, ..Default::default() };
+            let tracer = PathTracer::new(self.gpu, self.scene, Some(self.camera), settings);
+            let mut tracer = pollster::block_on(tracer)?;
+            pollster::block_on(tracer.render(&mut tell))?;
+            self.check()?;
+            let layers = tracer.layers();
+            let pixels = layers.radiance.iter().zip(&layers.radiance_variance);
+            return Ok(pixels
+                .map(|(rgb, variance)| Reading::of_luminance(*rgb, known(variance.sqrt())))
+                .collect());
+        }
+        let settings = MeterSettings { samples, seed, bounces };
+        let sensors = places.sensors();
+        let meter = LightMeter::new(self.gpu, self.scene, &sensors, settings);
+        let mut meter = pollster::block_on(meter)?;
+        pollster::block_on(meter.measure(&mut tell))?;
+        self.check()?;
+        let is_ray = places.is_luminance();
+        let readings = meter.readings().into_iter().map(|light| Reading {
+            value: light.value,
+            standard_error: known(light.standard_error),
+            direct: (!is_ray).then(|| photometric(light.direct)),
+            openness: (!is_ray).then_some(light.openness),
+        });
+        Ok(readings.collect())
+    }
+
+    fn check(self) -> Result<(), Failure> {
+        if self.progress.is_stopped() {
+            return Err(Failure::stopped("stopped; nothing was written"));
+        }
+        Ok(())
+    }
+}
+
+impl Reading {
+    fn of_luminance(rgb: [f32; 3], standard_error: Option<f32>) -> Self {
+        Self { value: photometric(rgb), standard_error, direct: None, openness: None }
+    }
+}

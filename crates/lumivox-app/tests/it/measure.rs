@@ -1,0 +1,148 @@
+//! `lumivox measure`: its figures, its files, and mistakes.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::common::{INPUT, OUTPUT, USAGE, expect_error, folder, glb, lumivox, names};
+
+/// Quick voxels.
+const SMALL: &str = "--resolution 32 --frames 4 --bounces 1";
+
+/// A floor of 8 m by 8 m under the lamp of [`glb`], 100 cd at 0.2, 2, 0.3.
+fn floor(folder: &Path) {
+    let corner = |x: f32, z: f32| [4.0 * x, 0.0, 4.0 * z];
+    let (a, b, c, d) = (corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0));
+    fs::write(folder.join("floor.glb"), glb(&[a, b, c, a, c, d])).unwrap();
+}
+
+fn numbers(report: &Value, column: &str) -> Vec<f64> {
+    let values = report["readings"][column].as_array().unwrap();
+    values.iter().map(|value| value.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn points_read_the_inverse_square_of_their_lamp() {
+    let folder = folder();
+    let path = folder.path();
+    floor(path);
+    let points = "name,x,y,z,nx,ny,nz\nbelow,0.2,0.5,0.3,0,1,0\naside,1.2,0.5,0.3,0,2,0\ndown,0.2,1,0.3,0,-1,0\n";
+    fs::write(path.join("points.csv"), points).unwrap();
+    let beside = 100.0 * 1.5 / (1.0_f64 + 1.5 * 1.5).powf(1.5);
+    for method in ["cones", "paths --samples 64"] {
+        let line = format!("measure floor.glb --points points.csv {SMALL} --method {method}");
+        let report = lumivox(path, &format!("{line} --json -o lux.csv")).expect_ok().json();
+        assert_eq!((&report["unit"], &report["count"]), (&"lux".into(), &3.into()));
+        let direct = numbers(&report, "direct_lux");
+        for (found, expected) in direct.iter().zip([100.0 / 2.25, beside, 0.0]) {
+            assert!((found - expected).abs() <= 1e-4 * expected, "{method}: {found}, {expected}");
+        }
+        let lux = numbers(&report, "lux");
+        assert!(lux[2] > 0.0, "{method}: the floor reflects to what faces down");
+        let is_traced = method != "cones";
+        assert_eq!(report["readings"]["standard_error_lux"].is_array(), is_traced);
+        // The table has the same numbers.
+        let table = fs::read_to_string(path.join("lux.csv")).unwrap();
+        let mut lines = table.lines();
+        assert!(lines.next().unwrap().starts_with("x,y,z,nx,ny,nz,lux,"), "{table}");
+        for (line, lux) in lines.zip(lux) {
+            let cell: f64 = line.split(',').nth(6).unwrap().parse().unwrap();
+            assert!((cell - lux).abs() < 1e-6 * lux.max(1.0), "{line}: {lux}");
+        }
+        let text = lumivox(path, &line).expect_ok().stdout;
+        assert!(text.contains("0.2,0.5,0.3: 44.4"), "{text}");
+    }
+}
+
+#[test]
+fn a_workplane_is_a_table_an_object_and_a_picture() {
+    let folder = folder();
+    let path = folder.path();
+    floor(path);
+    let line = format!(
+        "measure floor.glb {SMALL} --workplane 0.5 --area -2,-1,2,1 --spacing 0.5 --scale 0..50 -o plane.csv -o \
+         plane.json -o plane.png"
+    );
+    let text = lumivox(path, &line).expect_ok().stdout;
+    assert!(text.contains("workplane at 0.5 m; cones, 4 frames (32 places)"), "{text}");
+    assert_eq!(names(path), ["floor.glb", "plane.csv", "plane.json", "plane.png"]);
+    let report: Value =
+        serde_json::from_slice(&fs::read(path.join("plane.json")).unwrap()).unwrap();
+    assert_eq!(report["size"], serde_json::json!([8, 4]));
+    let (x, z) = (numbers(&report, "x"), numbers(&report, "z"));
+    assert_eq!((x[0], z[0], x[7], z[31]), (-1.75, -0.75, 1.75, 0.75));
+    let lux = numbers(&report, "lux");
+    let mean = lux.iter().sum::<f64>() / 32.0;
+    let least = lux.iter().copied().fold(f64::INFINITY, f64::min);
+    let near = |name: &str, value: f64| {
+        let told = report[name].as_f64().unwrap();
+        assert!((told - value).abs() < 1e-6 * value, "{name}: {told}, {value}");
+    };
+    near("mean", mean);
+    near("minimum", least);
+    near("uniformity", least / mean);
+    let table = fs::read_to_string(path.join("plane.csv")).unwrap();
+    assert_eq!(table.lines().count(), 33);
+    let picture = image::open(path.join("plane.png")).unwrap();
+    assert!(picture.width() > 480 && picture.height() > 400);
+    // Measured again, all of it has the same bits.
+    let before = fs::read(path.join("plane.png")).unwrap();
+    lumivox(path, &line).expect_ok();
+    assert!(before == fs::read(path.join("plane.png")).unwrap());
+    assert_eq!(table, fs::read_to_string(path.join("plane.csv")).unwrap());
+}
+
+#[test]
+fn pictures_and_rays_read_luminance() {
+    let folder = folder();
+    let path = folder.path();
+    fs::write(path.join("rays.csv"), "0,0.5,3,0,0,-1\n0,3,0,0,1,0\n").unwrap();
+    let sky = "--environment 300,300,300";
+    let line =
+        format!("measure builtin:panel --rays rays.csv --method paths --samples 32 {sky} --json");
+    let report = lumivox(path, &line).expect_ok().json();
+    assert_eq!(report["unit"], "cd/m2");
+    let sky = numbers(&report, "cd_m2")[1];
+    assert!((sky - 300.0).abs() < 0.01, "{sky}");
+    for method in ["cones --frames 2 --resolution 32", "paths --samples 32"] {
+        let line = format!("measure builtin:cornell --picture --size 32x18 --method {method}");
+        let report = lumivox(path, &format!("{line} --json -o a.png")).expect_ok().json();
+        assert_eq!((&report["count"], &report["what"]), (&576.into(), &"picture".into()));
+        assert!(report["mean"].as_f64().unwrap() > 0.1, "{report}");
+        assert_eq!(report["noise_percent"].is_number(), method.starts_with("paths"));
+    }
+    // Nothing is added to a scene without light, unless that is asked for.
+    fs::write(path.join("up.csv"), "0,1.5,0\n").unwrap();
+    let line = format!("measure builtin:panel --points up.csv {SMALL} --json");
+    assert_eq!(lumivox(path, &line).expect_ok().json()["mean"], 0.0);
+    let lit = lumivox(path, &format!("{line} --surroundings sky")).expect_ok().json();
+    assert!(lit["mean"].as_f64().unwrap() > 1000.0, "{lit}");
+}
+
+#[test]
+fn mistakes_are_told() {
+    let folder = folder();
+    let path = folder.path();
+    fs::write(path.join("p.csv"), "x,y,z\n0,0,0\n0,nan,0\n").unwrap();
+    fs::write(path.join("r.csv"), "0,0,0,0,0,1\n").unwrap();
+    let box_of = "measure builtin:cornell";
+    for (options, code, needles) in [
+        ("", USAGE, &["--points <FILE>", "--workplane"][..]),
+        ("--picture --workplane 1", USAGE, &["cannot be used with"]),
+        ("--points none.csv", INPUT, &["none.csv", "cannot read the places"]),
+        ("--points p.csv", INPUT, &["p.csv", "line 3, column y", "\"nan\""]),
+        ("--rays r.csv", INPUT, &["--method paths"]),
+        ("--points r.csv -o a.png", INPUT, &["a.png", "no picture"]),
+        ("--picture -o a.txt", INPUT, &["a.txt", ".csv, .json or .png"]),
+        ("--picture -o no/a.png", OUTPUT, &["there is no folder no"]),
+        ("--workplane 1 --spacing 0", INPUT, &["spacing"]),
+        ("--workplane 0.5 --spacing 0.001", INPUT, &["points", "at most 1048576"]),
+        ("--workplane 1 --area 0,0,0,1", INPUT, &["two corners"]),
+        ("--workplane 1 --scale 5..1 -o a.png", INPUT, &["LOW..HIGH"]),
+        ("--picture --area 0,0,1,1", INPUT, &["--area", "--workplane"]),
+        ("--picture --size 0x4", INPUT, &["width and height"]),
+    ] {
+        expect_error(path, &format!("{box_of} {options}"), code, needles);
+    }
+}

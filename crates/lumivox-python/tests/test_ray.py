@@ -1,0 +1,110 @@
+"""Ray: two workers on this machine, of which one dies in the middle."""
+
+from __future__ import annotations
+
+import logging
+import os
+import pickle
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lumivox
+from lumivox import Camera, InputError, Scene
+
+from conftest import SMALL
+
+import ray
+
+import lumivox.ray
+
+SIZE = (16, 12)
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[None]:
+    # Two workers at a time; the object store holds small pictures.
+    ray.init(num_cpus=2, num_gpus=0, include_dashboard=False, object_store_memory=100 << 20, logging_level=logging.ERROR)
+    yield
+    ray.shutdown()
+
+
+def test_a_scene_travels_whole(cornell: Scene) -> None:
+    scene = cornell.copy()
+    scene.set_sky(elevation_deg=30)
+    again = pickle.loads(pickle.dumps(scene))
+    parts = [
+        lumivox.reference_part(each, size=SIZE, batches=(number, number + 1), surroundings="none")
+        for number, each in enumerate((scene, again))
+    ]
+    # Parts of another scene would be refused, by the fingerprint of all that is uploaded.
+    merged = lumivox.merge(parts)
+    assert (merged.radiance == lumivox.reference(scene, size=SIZE, samples=32, surroundings="none").radiance).all()
+
+
+def test_a_worker_dies_and_the_bits_stay(cluster: None, cornell: Scene, tmp_path: Path) -> None:
+    told: list[tuple[int, int]] = []
+    folder = str(tmp_path)
+
+    def make_scene() -> Scene:
+        # Each process that holds the scene leaves a file of its number.
+        (Path(folder) / str(os.getpid())).touch()
+        return Scene.builtin("cornell")
+
+    def progress(stage: str, done: float, total: int) -> None:
+        assert stage == "pieces"
+        told.append((int(done), total))
+        if len(told) == 2:
+            workers = [int(file.name) for file in tmp_path.iterdir()]
+            assert len(workers) == 2 and os.getpid() not in workers
+            os.kill(workers[0], signal.SIGKILL)
+
+    truth = lumivox.ray.reference(
+        make_scene, size=SIZE, samples=10 * 16, batches=1, workers=2, progress=progress
+    )
+    assert told == [(number, 10) for number in range(1, 11)]
+    assert len(list(tmp_path.iterdir())) == 3, "one took the place of the dead"
+    whole = lumivox.reference(cornell, size=SIZE, samples=160)
+    for name, layer in whole.layers.items():
+        assert (truth.layers[name] == layer).all(), name
+    assert (truth.radiance == whole.radiance).all()
+
+
+def test_a_worker_that_always_dies_is_told(cluster: None) -> None:
+    def dies() -> Scene:
+        os._exit(1)
+
+    with pytest.raises(lumivox.Error, match="a worker could not start"):
+        lumivox.ray.reference(dies, size=SIZE, samples=16, retries=1)
+
+
+def test_many_views_are_those_of_one_machine(cluster: None, cornell: Scene) -> None:
+    cameras = [Camera.look_at((0, 1, 3), (0.1 * x, 0.5, 0)) for x in range(5)]
+    options: dict[str, Any] = {**SMALL, "layers": ["depth"]}
+    views = lumivox.ray.render_many(cornell, cameras, (24, 16), views=2, workers=2, **options)
+    alone = lumivox.render_many(cornell, cameras, (24, 16), **options)
+    assert set(views) == set(alone)
+    for name, array in alone.items():
+        assert (views[name] == array).all(), name
+    assert not np.array_equal(alone["radiance"][0], alone["radiance"][4])
+
+
+def test_mistakes_are_told(cluster: None, cornell: Scene) -> None:
+    for arguments, message in (
+        ({"samples": 20}, "samples: is 20, but must be a multiple of 16"),
+        ({"batches": 0}, "batches: is 0"),
+        ({"workers": 0}, "workers: is 0"),
+    ):
+        with pytest.raises(InputError, match=message):
+            lumivox.ray.reference(cornell, **arguments)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="scene: is a str"):
+        lumivox.ray.reference("cornell")  # type: ignore[arg-type]
+    # What a retry does not mend comes back at once, as the exception that it is.
+    with pytest.raises(InputError, match="camera"):
+        lumivox.ray.reference(cornell, "no such camera", size=SIZE, samples=16)
+    with pytest.raises(InputError, match="cameras: has none"):
+        lumivox.ray.render_many(cornell, [])
