@@ -91,6 +91,9 @@ pub struct Draw {
     /// ([`Gi::voxelize_dynamic`](crate::Gi::voxelize_dynamic)). Where all draws are alike in this, the mark costs
     /// nothing and gains nothing.
     pub is_static: bool,
+    /// The opposite corners of a box around its positions, before the transform; `None` (the default): not known. With
+    /// cascades, triangles are not even looked at where their box is outside of what is voxelized.
+    pub bounds: Option<[Vec3; 2]>,
 }
 
 impl Draw {
@@ -103,6 +106,7 @@ impl Draw {
             material,
             world_from_local: Mat4::IDENTITY,
             is_static: false,
+            bounds: None,
         }
     }
 }

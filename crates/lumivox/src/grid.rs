@@ -171,7 +171,18 @@ impl Grid {
         uniform_buffer(device, "grid", &self.to_gpu())
     }
 
+    /// The uniform for walks over what has entered the boxes since they were where those of another grid are.
+    pub(crate) fn uniform_of_entered(&self, before: &Self, device: &wgpu::Device) -> Buffer {
+        let mut uniform = self.to_gpu();
+        if let Some(own) = &self.cascades {
+            [uniform.walked_low, uniform.walked_high] = own.walked_bounds(before.cascades.as_ref());
+        }
+        uniform_buffer(device, "grid", &uniform)
+    }
+
     pub(crate) fn to_gpu(self) -> GridUniform {
+        let walked =
+            self.cascades.map_or([[[0; 4]; MAX_CASCADES]; 2], |own| own.walked_bounds(None));
         GridUniform {
             origin_in_world: self.origin_in_world.to_array(),
             voxel_size_m: self.voxel_size_m,
@@ -179,6 +190,8 @@ impl Grid {
             levels: self.levels,
             lowest: self.cascades.map_or([[0; 4]; MAX_CASCADES], |own| own.lowest_of_all()),
             boxes: self.cascades.map_or([[0.0; 4]; MAX_CASCADES], |own| own.boxes()),
+            walked_low: walked[0],
+            walked_high: walked[1],
         }
     }
 }
@@ -193,4 +206,6 @@ pub(crate) struct GridUniform {
     pub(crate) levels: u32,
     pub(crate) lowest: [[i32; 4]; MAX_CASCADES],
     pub(crate) boxes: [[f32; 4]; MAX_CASCADES],
+    pub(crate) walked_low: [[i32; 4]; MAX_CASCADES],
+    pub(crate) walked_high: [[i32; 4]; MAX_CASCADES],
 }

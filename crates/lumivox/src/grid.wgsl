@@ -12,6 +12,10 @@ struct Grid {
     lowest: array<vec4i, MAX_CASCADES>,
     // The middle of each cascade, and in w half of its edge, in the finest voxels.
     boxes: array<vec4f, MAX_CASCADES>,
+    // Of each the voxels that walks over triangles go over, from the first to that behind the last, in its own voxels: all,
+    // or those that have entered the box.
+    walked_low: array<vec4i, MAX_CASCADES>,
+    walked_high: array<vec4i, MAX_CASCADES>,
 }
 
 @group(0) @binding(0) var<uniform> grid: Grid;

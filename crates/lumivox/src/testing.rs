@@ -39,6 +39,10 @@ impl SceneBuilder {
             material: self.materials.len() as u32,
             world_from_local: Mat4::IDENTITY,
             is_static: false,
+            bounds: Some([
+                corners.into_iter().fold(corner, Vec3::min),
+                corners.into_iter().fold(corner, Vec3::max),
+            ]),
         });
         self.positions.extend(corners.map(|corner| corner.to_array()));
         self.materials.push(material);

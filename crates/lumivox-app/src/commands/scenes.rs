@@ -20,8 +20,7 @@ fn text() -> String {
     for name in plain {
         text += &format!("  {name:<width$}  {}\n", about(name));
     }
-    text +=
-        "\nEach exists as NAME-rotated, too: turned so that no wall is aligned with the voxels.\n";
+    text += "\nEach but city and interior exists as NAME-rotated, too: turned so that no wall is aligned\nwith the voxels.\n";
     text
 }
 
@@ -41,6 +40,10 @@ fn about(name: &str) -> &'static str {
         "glow" => "a closed room without lamps, lit by what glows in it",
         "clutter" => "three hundred small things under a lamp and a sky",
         "lacquer" => "deep colours and black that mirror more than they scatter, checkered tiles",
+        "city" => "a kilometre of streets, houses with rooms, a stadium; a fly-through",
+        "city-night" => "the same by night: lamps in the streets and in rooms",
+        "interior" => "a furnished room in the city by day",
+        "interior-night" => "the same by night, by the light of its lamp",
         _ => "",
     }
 }

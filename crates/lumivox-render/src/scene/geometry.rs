@@ -80,6 +80,33 @@ pub(crate) struct Piece {
     pub(crate) base_vertex: u32,
 }
 
+/// Neighbouring triangles of a piece: they are voxelized where their box is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Run {
+    pub(crate) piece: Piece,
+    /// The corners of the box around their positions.
+    pub(crate) bounds: [Vec3; 2],
+}
+
+/// Triangles of a run: few, so that little is looked at that is not in the box of a cascade, but far more than a draw costs.
+const RUN_TRIANGLES: u32 = 2048;
+
+/// The runs of a piece.
+pub(crate) fn runs(batch: &Batch, piece: &Piece) -> Vec<Run> {
+    let end = piece.first_index + piece.index_count;
+    let run = |first_index: u32| {
+        let index_count = (end - first_index).min(3 * RUN_TRIANGLES);
+        let indices = first_index as usize..(first_index + index_count) as usize;
+        let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        let bounds = batch.indices[indices].iter().fold(nothing, |[low, high], index| {
+            let position = Vec3::from(batch.positions[(piece.base_vertex + index) as usize]);
+            [low.min(position), high.max(position)]
+        });
+        Run { piece: Piece { first_index, index_count, ..*piece }, bounds }
+    };
+    (piece.first_index..end).step_by(3 * RUN_TRIANGLES as usize).map(run).collect()
+}
+
 impl Batch {
     /// A hash of the content, of 128 bits.
     pub(crate) fn fingerprint(&self) -> [u64; 2] {

@@ -40,7 +40,7 @@ pub(crate) use units::{radiance_unit_within, suits};
 use crate::gpu::memory::MemoryUse;
 use crate::{Gpu, RenderError};
 use draws::{InstanceKind, InstanceParts, number_records};
-use geometry::{BatchKind, BatchLimits, pack};
+use geometry::{BatchKind, BatchLimits, Run, pack, runs};
 use materials::{MaterialUpload, VertexColors};
 use motion::Motion;
 
@@ -279,6 +279,12 @@ impl Placed {
                 None => VertexBuffers::new(&gpu.device, batch, *print),
             }
         };
+        let runs_of_mesh: Vec<Vec<Run>> = pieces
+            .iter()
+            .map(|pieces| {
+                pieces.iter().flat_map(|piece| runs(&packed[piece.batch], piece)).collect()
+            })
+            .collect();
         let batches: Vec<VertexBuffers> = packed.iter().zip(&prints).map(reuse).collect();
         let mut geometry: Vec<GeometryBatch> =
             batches.iter().map(VertexBuffers::for_voxels).collect();
@@ -303,18 +309,20 @@ impl Placed {
                     is_mirrored: instance.world_from_local.determinant() < 0.0,
                     record: 0,
                 });
-                if !instance.is_voxelized {
-                    continue;
-                }
-                let of_batch = &mut geometry[piece.batch].draws;
-                voxelized.push((piece.batch, of_batch.len()));
+            }
+            for run in
+                runs_of_mesh[instance.mesh].iter().filter(|_| is_drawn && instance.is_voxelized)
+            {
+                let of_batch = &mut geometry[run.piece.batch].draws;
+                voxelized.push((run.piece.batch, of_batch.len()));
                 of_batch.push(Draw {
-                    first_index: piece.first_index,
-                    index_count: piece.index_count,
-                    base_vertex: piece.base_vertex,
+                    first_index: run.piece.first_index,
+                    index_count: run.piece.index_count,
+                    base_vertex: run.piece.base_vertex,
                     material: instance.material as u32,
                     world_from_local: instance.world_from_local,
                     is_static: instance.is_static,
+                    bounds: Some(run.bounds),
                 });
             }
             parts.push(InstanceParts { kind, draws: first..draws.len(), voxelized });

@@ -50,6 +50,7 @@ fn scenes() -> Vec<Snapshot> {
     let names = lumivox_scene::builtin::names().iter().copied();
     names
         .filter(|name| !name.ends_with("-rotated") || *name == "cornell-rotated")
+        .filter(|name| !lumivox_scene::builtin::is_large(name))
         .map(|scene| Snapshot { name: scene.to_owned(), scene, settings: small() })
         .collect()
 }

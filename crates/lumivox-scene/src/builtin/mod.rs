@@ -14,12 +14,15 @@
 //! | `glow` | a closed room without lamps, lit by what glows in it |
 //! | `clutter` | three hundred small things under a lamp and a sky |
 //! | `lacquer` | deep colours and black that mirror more than they scatter, checkered floor and ceiling |
+//! | `city`, `city-night` | a kilometre of streets, houses with rooms, a stadium; a fly-through |
+//! | `interior`, `interior-night` | the same, seen from a furnished room in it |
 //!
-//! Each also exists as `NAME-rotated`: rotated by [`ROTATION_RAD`] about the centre of its bounds,
+//! Each but the last two also exists as `NAME-rotated`: rotated by [`ROTATION_RAD`] about the centre of its bounds,
 //! so that no wall is aligned with a voxel grid. Nothing else may change in the picture.
 
 mod atrium;
 mod build;
+mod city;
 mod clutter;
 mod cornell;
 mod furnace;
@@ -42,7 +45,7 @@ pub const ROTATION_RAD: Vec3 = Vec3::new(0.5, 0.35, 0.4);
 
 const ROTATED: &str = "-rotated";
 
-const NAMES: [&str; 24] = [
+const NAMES: [&str; 28] = [
     "cornell",
     "cornell-rotated",
     "two-rooms",
@@ -67,11 +70,24 @@ const NAMES: [&str; 24] = [
     "clutter-rotated",
     "lacquer",
     "lacquer-rotated",
+    "city",
+    "city-night",
+    "interior",
+    "interior-night",
 ];
+
+/// The scenes of a kilometre.
+const LARGE: [&str; 4] = ["city", "city-night", "interior", "interior-night"];
 
 /// The names that [`scene`] knows.
 pub fn names() -> &'static [&'static str] {
     &NAMES
+}
+
+/// Whether a scene has millions of triangles over a kilometre: opened in seconds as the others are, but rendered in minutes on a
+/// processor. Whatever goes through all scenes leaves these out, or takes more time than for all others together.
+pub fn is_large(name: &str) -> bool {
+    LARGE.contains(&name)
 }
 
 /// Makes the built-in scene of that name.
@@ -79,7 +95,7 @@ pub fn names() -> &'static [&'static str] {
 /// # Errors
 /// [`SceneError::UnknownBuiltin`], which lists the names, when there is none.
 pub fn scene(name: &str) -> Result<Scene, SceneError> {
-    let plain = name.strip_suffix(ROTATED).unwrap_or(name);
+    let plain = name.strip_suffix(ROTATED).filter(|plain| !is_large(plain)).unwrap_or(name);
     let mut scene = match plain {
         "cornell" => cornell::scene(),
         "two-rooms" => two_rooms::scene(true),
@@ -93,6 +109,10 @@ pub fn scene(name: &str) -> Result<Scene, SceneError> {
         "glow" => glow::scene(),
         "clutter" => clutter::scene(),
         "lacquer" => lacquer::scene(),
+        "city" => city::scene(false, false)?,
+        "city-night" => city::scene(true, false)?,
+        "interior" => city::scene(false, true)?,
+        "interior-night" => city::scene(true, true)?,
         _ => {
             return Err(SceneError::UnknownBuiltin {
                 name: name.to_owned(),

@@ -35,6 +35,27 @@ fn level_count() -> u32 {
     return grid.levels + box_count() - 1u;
 }
 
+// The first voxel of a box that walks over triangles go over, and the one behind the last.
+fn walked_low(cascade: u32) -> vec3i {
+    if CASCADES == 0u {
+        return vec3i(0);
+    }
+    return grid.walked_low[cascade].xyz;
+}
+
+fn walked_high(cascade: u32) -> vec3i {
+    if CASCADES == 0u {
+        return vec3i(grid.dimensions);
+    }
+    return grid.walked_high[cascade].xyz;
+}
+
+// Whether a stored voxel is one of them.
+fn is_walked(stored: vec3u) -> bool {
+    let own = voxel_of(stored);
+    return all(own.voxel >= walked_low(own.cascade)) && all(own.voxel < walked_high(own.cascade));
+}
+
 // The corners of the outermost box in the grid's coordinates.
 fn outer_low() -> vec3f {
     return vec3f(lowest_voxel(box_count() - 1u)) * exp2(f32(box_count() - 1u));

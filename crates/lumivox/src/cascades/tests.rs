@@ -431,6 +431,47 @@ fn moved_boxes_arrive_at_those_of_a_new_clipmap() {
     assert!(against(&on_arrival, &before).abs() < 0.01);
 }
 
+/// Of moved boxes only what has entered them is walked over. Whatever the way, the voxels are those of a new clipmap there.
+#[test]
+fn only_what_enters_the_boxes_is_walked() {
+    let (device, _) = device();
+    let floor = || {
+        let size = Vec3::new(6.0, 0.0, 6.0);
+        let [x, z] = [Vec3::X * size.x, Vec3::Z * size.z];
+        room().quad(ROOM - 0.5 * size - 0.1 * Vec3::Y, z, x, lambert(0.5, 0.0)).fixed()
+    };
+    let start = ROOM + Vec3::new(0.5, 0.35, 0.45);
+    let stride = STRIDE as f32 * VOXEL_M;
+    let mut lit = Lit::new(floor(), cascades(start, 3, 64), &[], Vec3::ONE, 1);
+    let geometry = floor().build(&device);
+    pollster::block_on(lit.gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+    // The first move walks over all, since nothing is kept of static surface that nobody asks for.
+    lit.follow(&geometry, start + stride * Vec3::X);
+    let all = lit.gi.static_items();
+    let offsets = [
+        ([2.0, 0.0, 0.0], 4),
+        ([2.0, 0.0, 1.0], 4),
+        ([-2.0, 1.0, 0.0], 1),
+        ([-1.0, 0.0, -4.0], 1),
+        ([14.0, 0.0, 0.0], 0),
+        ([0.0, 0.0, 0.0], 0),
+    ];
+    for (offset, less) in offsets {
+        let place = start + stride * Vec3::from(offset);
+        let frames = lit.follow(&geometry, place);
+        let items = lit.gi.static_items();
+        println!("{items} of {all} items after {frames} frames");
+        assert!(items * less <= all, "{items} of {all} at {offset:?}");
+        let fresh = Lit::new(floor(), cascades(place, 3, 64), &[], Vec3::ONE, 0).faces();
+        let moved = lit.faces();
+        assert_eq!(moved.len(), fresh.len(), "{offset:?}");
+        for (key, face) in &fresh {
+            let same = bytemuck::bytes_of(&moved[key]) == bytemuck::bytes_of(face);
+            assert!(same, "{offset:?} {key:?}: {:?}, not {face:?}", moved[key]);
+        }
+    }
+}
+
 /// Where a box has moved by its whole edge, other voxels are stored in the places of the former ones. They take nothing of
 /// their light: a closed room without any stays dark.
 #[test]

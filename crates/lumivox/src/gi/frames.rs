@@ -104,8 +104,9 @@ impl Gi {
     /// what [`Self::light`] gives with very many bounces. Some 32 gathers after the last change it has settled, and nothing is
     /// recorded any more.
     ///
-    /// `faces_per_frame` is the most faces that gather in a frame; `None`: all. With fewer than there are they take
-    /// turns, in the same order in every run.
+    /// `faces_per_frame` is the most faces that gather in a frame; `None`: all, or with cascades those of the finest in every
+    /// frame, of the next one in every second, then in every fourth, and of all others in every eighth. With fewer than there
+    /// are they take turns, in the same order in every run.
     ///
     /// ```
     /// # pollster::block_on(async {

@@ -20,6 +20,12 @@ impl Gi {
         grid.center_on(place)?;
         Ok(self.scene.move_to(grid))
     }
+
+    /// Work items of the last walks over static draws.
+    #[cfg(test)]
+    pub(crate) fn static_items(&self) -> u64 {
+        self.scene.static_items()
+    }
 }
 
 /// Lets light and volume go on with the grid of a list that is about to be taken.

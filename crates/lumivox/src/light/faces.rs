@@ -1,5 +1,6 @@
 //! The faces of a voxel list with their light, and the kernels that run over them.
 
+use super::turns::Turn;
 use crate::GiError;
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
@@ -87,28 +88,28 @@ impl LightKernels {
         Kernel::new(device, shaders, "light::direct", "main", &groups)
     }
 
-    /// Gathers of so many faces, whose turn it is, and of those that never have.
+    /// Gathers of the faces whose turn it is, and of those that never have.
     pub fn gather(
         &self,
         recorder: &mut Recorder<'_>,
         [globals, lights]: [&BindGroup; 2],
         faces: &Faces,
-        count: u64,
+        turn: Turn,
     ) {
-        run_turn(recorder, "light::bounce", &self.bounce, [globals, lights], faces, count);
+        run_turn(recorder, "light::bounce", &self.bounce, [globals, lights], faces, turn);
     }
 
-    /// Computes what so many faces, whose turn it is, and those that never have gathered, get straight from emitters, if there
-    /// are any.
+    /// Computes what the faces whose turn it is, and those that never have gathered, get straight from emitters, if there are
+    /// any.
     pub fn shine(
         &self,
         recorder: &mut Recorder<'_>,
         groups: [&BindGroup; 2],
         faces: &Faces,
-        count: u64,
+        turn: Turn,
     ) {
         if faces.has_emission {
-            run_turn(recorder, "light::shine", &self.shine, groups, faces, count);
+            run_turn(recorder, "light::shine", &self.shine, groups, faces, turn);
         }
     }
 
@@ -143,20 +144,22 @@ impl LightKernels {
     }
 }
 
-/// Runs kernels for so many faces, whose turn it is, and for those that have never gathered.
+/// Runs kernels for the faces whose turn it is, and for those that have never gathered.
 fn run_turn(
     recorder: &mut Recorder<'_>,
     label: &str,
     [in_turn, fresh]: &[Kernel; 2],
     [globals, lights]: [&BindGroup; 2],
     faces: &Faces,
-    count: u64,
+    turn: Turn,
 ) {
     let groups = [globals, &faces.bounce, lights];
+    let count = faces.capacity.min(turn.faces.into());
+    let fresh_count = if turn.is_list_new { faces.capacity } else { faces.moving_capacity };
     recorder.compute(label, |pass| {
-        in_turn.dispatch_linear(pass, &groups, count.min(faces.capacity));
-        if count < faces.capacity {
-            fresh.dispatch_linear(pass, &groups, faces.moving_capacity);
+        in_turn.dispatch_linear(pass, &groups, count);
+        if count < faces.capacity || turn.is_by_cascade {
+            fresh.dispatch_linear(pass, &groups, fresh_count);
         }
     });
 }

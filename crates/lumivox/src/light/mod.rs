@@ -32,7 +32,7 @@ use crate::voxels::VoxelList;
 use crate::{GiConfig, GiError, Grid};
 
 use faces::{Faces, LightKernels};
-use turns::Turns;
+use turns::{Turn, Turns};
 
 pub use injection::{FaceLight, Injection, InjectionParts, Injector};
 pub(crate) use lights::{
@@ -71,6 +71,10 @@ pub(crate) struct BounceSettings {
     pub(crate) faces_at_a_time: u32,
     pub(crate) turn: u32,
     pub(crate) has_emitters: u32,
+    pub(crate) by_cascade: u32,
+    pub(crate) is_list_new: u32,
+    pub(crate) padding_1: u32,
+    pub(crate) padding_2: u32,
 }
 
 /// Lights the faces of a voxel list.
@@ -127,7 +131,7 @@ impl Lighting {
             grid,
             settings: Staged::new(device, "bounce settings", bytes),
             faces: None,
-            turns: Turns::default(),
+            turns: Turns::new(&config.grid),
             has_emission: false,
             is_lit: false,
         })
@@ -157,7 +161,7 @@ impl Lighting {
         self.kernels.follow(recorder, &self.grid, &faces);
         if faces.is_inheriting() {
             // Faces that were not in the former list have gathered nothing.
-            self.turns.gather_all();
+            self.turns.gather_fresh();
         }
         self.faces = Some(faces);
         true
@@ -254,7 +258,7 @@ impl Lighting {
         if has_emission {
             emitters.wake(recorder, volume.late_word());
         }
-        set_bounce(&mut self.settings, recorder, cones, (u32::MAX, 0), has_emission);
+        set_bounce(&mut self.settings, recorder, cones, Turn::OF_ALL, has_emission);
         recorder.clear(faces.irradiance());
         self.turns.solved(lights, gathers);
         if gathers == 0 {
@@ -270,11 +274,11 @@ impl Lighting {
         let groups = [volume.globals(), &lights.group];
         if gathers > 0 {
             recorder.stage("bounce");
-            self.kernels.shine(recorder, groups, faces, u64::MAX);
+            self.kernels.shine(recorder, groups, faces, Turn::OF_ALL);
         }
         for _ in 0..gathers {
             recorder.stage("bounce");
-            self.kernels.gather(recorder, groups, faces, u64::MAX);
+            self.kernels.gather(recorder, groups, faces, Turn::OF_ALL);
             self.kernels.reflect(recorder, &self.grid, faces);
             recorder.stage("filter");
             volume.update(recorder, changed);
@@ -302,7 +306,7 @@ impl Lighting {
         if has_emission {
             emitters.wake(recorder, volume.late_word());
         }
-        set_bounce(&mut self.settings, recorder, cones, (turn.faces, turn.number), has_emission);
+        set_bounce(&mut self.settings, recorder, cones, turn, has_emission);
         let is_concealed = self.conceal(recorder, (volume, changes));
         let Some(faces) = &self.faces else { return false };
         if turn.is_direct_new {
@@ -315,16 +319,14 @@ impl Lighting {
                 volume.update(recorder, changed);
             }
         }
-        if turn.faces > 0 {
-            recorder.stage("bounce");
-            let groups = [volume.globals(), &lights.group];
-            self.kernels.shine(recorder, groups, faces, turn.faces.into());
-            self.kernels.gather(recorder, groups, faces, turn.faces.into());
-            self.kernels.reflect(recorder, &self.grid, faces);
-            recorder.stage("filter");
-            if let Some(changed) = changes.find(recorder) {
-                volume.update(recorder, changed);
-            }
+        recorder.stage("bounce");
+        let groups = [volume.globals(), &lights.group];
+        self.kernels.shine(recorder, groups, faces, turn);
+        self.kernels.gather(recorder, groups, faces, turn);
+        self.kernels.reflect(recorder, &self.grid, faces);
+        recorder.stage("filter");
+        if let Some(changed) = changes.find(recorder) {
+            volume.update(recorder, changed);
         }
         self.emit(recorder, (volume, changes));
         true
@@ -389,16 +391,20 @@ fn set_bounce(
     buffer: &mut Staged,
     recorder: &mut Recorder<'_>,
     (settings, model_values): (&TraceSettings, [f32; 4]),
-    (faces_at_a_time, turn): (u32, u32),
+    turn: Turn,
     has_emission: bool,
 ) {
     let settings = BounceSettings {
         // Occlusion is not read, so its distance needs no unit.
         cones: settings.cones(1.0, model_values),
         cone_count: settings.diffuse_cones,
-        faces_at_a_time,
-        turn,
+        faces_at_a_time: turn.faces,
+        turn: turn.number,
         has_emitters: u32::from(has_emission),
+        by_cascade: u32::from(turn.is_by_cascade),
+        is_list_new: u32::from(turn.is_list_new),
+        padding_1: 0,
+        padding_2: 0,
     };
     buffer.set(recorder, bytemuck::bytes_of(&settings));
 }

@@ -6,7 +6,9 @@ import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::emitters::gather::gather_emitters;
 import package::gpu::dispatch::linear_index;
 import package::gpu::random::{hash, random_pair};
-import package::light::turn::{counts, face_in_turn, faces, from_emitters, is_fresh, settings};
+import package::light::turn::{
+    counts, face_in_turn, faces, first_fresh, from_emitters, is_fresh, settings,
+};
 import package::voxels::morton::morton_decode;
 
 // Points on emitters that a face looks at. Faces look at the same ones in every gather, so their noise stays, but a cone
@@ -38,13 +40,13 @@ fn main(
     }
 }
 
-// Faces of voxels that dynamic surface touches, which have never gathered and whose turn it is not.
+// Faces that have never gathered and whose turn it is not: of voxels that dynamic surface touches, or of a new list.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn fresh(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let index = counts.fixed_faces + linear_index(invocation, workgroups);
+    let index = first_fresh() + linear_index(invocation, workgroups);
     if is_fresh(index) {
         shine_on(index);
     }

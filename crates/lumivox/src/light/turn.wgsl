@@ -1,8 +1,10 @@
 // Whose turn it is: faces gather a share at a time.
 
+import package::cascades::cascade_of;
 import package::cones::cone::ConeSettings;
 import package::voxels::counts::ListCounts;
 import package::voxels::list::Face;
+import package::voxels::morton::morton_decode;
 
 struct BounceSettings {
     cones: ConeSettings,
@@ -12,6 +14,12 @@ struct BounceSettings {
     turn: u32,
     // Whether there are emitters.
     has_emitters: u32,
+    // Whether the faces of a cascade take their turns together, those of coarse ones less often.
+    by_cascade: u32,
+    // Whether other faces than those of dynamic surface may never have gathered.
+    is_list_new: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: BounceSettings;
@@ -22,20 +30,40 @@ struct BounceSettings {
 // The part of it that comes straight from emitters.
 @group(1) @binding(4) var<storage, read_write> from_emitters: array<vec4f>;
 
-// How many turns there are until all faces have gathered.
+// The most turns from a cascade's gather to its next one, as a power of two.
+const RAREST = 3u;
+
+// How many turns there are until all faces have gathered, where they take them one after another.
 fn turns() -> u32 {
     let most = max(settings.faces_at_a_time, 1u);
     return max((counts.faces + most - 1u) / most, 1u);
 }
 
-// Of the faces whose turn it is; beyond the last one there may be more.
+// Whether it is the turn of a face: of a cascade's faces in each turn, every second, fourth, ...
+fn is_in_turn(face: u32) -> bool {
+    if settings.by_cascade != 0u {
+        let cascade = cascade_of(morton_decode(faces[face].cell));
+        return (settings.turn + cascade) % (1u << min(cascade, RAREST)) == 0u;
+    }
+    let all = turns();
+    return face % all == settings.turn % all;
+}
+
+// The face of a place among those whose turn it is; one that does not exist for a place too many.
 fn face_in_turn(place: u32) -> u32 {
+    if settings.by_cascade != 0u {
+        return select(counts.faces, place, place < counts.faces && is_in_turn(place));
+    }
     let all = turns();
     return place * all + settings.turn % all;
 }
 
+// The first face that may never have gathered.
+fn first_fresh() -> u32 {
+    return select(counts.fixed_faces, 0u, settings.is_list_new != 0u);
+}
+
 // Whether a face has never gathered, though it is not its turn.
 fn is_fresh(face: u32) -> bool {
-    let all = turns();
-    return face < counts.faces && face % all != settings.turn % all && irradiance[face].w == 0.0;
+    return face < counts.faces && irradiance[face].w == 0.0 && !is_in_turn(face);
 }

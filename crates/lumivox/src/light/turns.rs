@@ -1,21 +1,39 @@
 //! Who gathers when: faces take turns, from each change until the light has settled.
 
-use crate::Lights;
 use crate::cones::TraceSettings;
+use crate::{Grid, Lights};
 
 /// Gathers of every face after a change. In a closed room whose walls reflect 80 %, less than a thousandth of the change
 /// is left then; in most rooms far less.
 const SETTLING_GATHERS: u32 = 32;
+
+/// The most frames from a cascade's gather to its next one (`RAREST` of `turn.wgsl`).
+const RAREST_CASCADE: u64 = 8;
 
 /// The work of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
     /// Direct light is not what it was.
     pub is_direct_new: bool,
-    /// The most faces that gather; none: only direct light has changed.
+    /// The most faces that gather.
     pub faces: u32,
+    /// The faces of a cascade take turns together, those of coarse ones less often.
+    pub is_by_cascade: bool,
+    /// Faces of any place in the list may never have gathered.
+    pub is_list_new: bool,
     /// Counts up.
     pub number: u32,
+}
+
+impl Turn {
+    /// All faces gather.
+    pub const OF_ALL: Self = Self {
+        is_direct_new: true,
+        faces: u32::MAX,
+        is_by_cascade: false,
+        is_list_new: false,
+        number: 0,
+    };
 }
 
 /// The frames since the last change.
@@ -25,21 +43,28 @@ pub(super) struct Turns {
     /// Frames until the light has settled.
     left: u64,
     is_disturbed: bool,
-    /// All faces gather in the next frame.
-    is_whole: bool,
+    /// The list has come in the place of another, or of none.
+    is_list_new: bool,
+    /// There are cascades.
+    has_cascades: bool,
     lights: Option<u64>,
     cones: Option<(TraceSettings, [f32; 4])>,
 }
 
 impl Turns {
+    /// For the faces of a grid.
+    pub fn new(grid: &Grid) -> Self {
+        Self { has_cascades: grid.cascades.is_some(), ..Self::default() }
+    }
+
     /// Geometry has changed.
     pub fn disturb(&mut self) {
         self.is_disturbed = true;
     }
 
-    /// In the next frame all faces gather, whatever the budget.
-    pub fn gather_all(&mut self) {
-        self.is_whole = true;
+    /// In the next frame all faces gather that never have, whatever the budget.
+    pub fn gather_fresh(&mut self) {
+        self.is_list_new = true;
     }
 
     /// Light came from darkness by so many gathers.
@@ -48,7 +73,7 @@ impl Turns {
         self.cones = None;
         // Others will go on where these stopped.
         self.is_disturbed = gathers < SETTLING_GATHERS;
-        self.is_whole = false;
+        self.is_list_new = false;
     }
 
     /// The work of the next frame; none once the light has settled.
@@ -62,15 +87,20 @@ impl Turns {
         let cones = Some((*settings, values));
         let is_direct_new = self.is_disturbed || self.lights != Some(lights.version);
         if is_direct_new || self.cones != cones {
-            let most = budget.map_or(u64::MAX, |budget| u64::from(budget.max(1)));
-            self.left = u64::from(SETTLING_GATHERS) * capacity.div_ceil(most);
+            let rarest = if self.has_cascades { RAREST_CASCADE } else { 1 };
+            let turns = budget.map_or(rarest, |budget| capacity.div_ceil(budget.max(1).into()));
+            self.left = u64::from(SETTLING_GATHERS) * turns;
         }
         self.is_disturbed = false;
         (self.lights, self.cones) = (Some(lights.version), cones);
         self.left = self.left.checked_sub(1)?;
         self.number = self.number.wrapping_add(1);
-        let is_whole = std::mem::take(&mut self.is_whole);
-        let faces = if is_whole { u32::MAX } else { budget.unwrap_or(u32::MAX).max(1) };
-        Some(Turn { is_direct_new, faces, number: self.number })
+        Some(Turn {
+            is_direct_new,
+            faces: budget.unwrap_or(u32::MAX).max(1),
+            is_by_cascade: self.has_cascades && budget.is_none(),
+            is_list_new: std::mem::take(&mut self.is_list_new),
+            number: self.number,
+        })
     }
 }

@@ -4,8 +4,8 @@
 // "Walk order" names the axes (u, v, w): w is the dominant axis, and the turn is cyclic, so that it keeps the
 // side that a triangle faces. Since w is dominant, the plane's slope along u and v is at most 1.
 
-import package::cascades::{box_size, lowest_voxel};
-import package::constants::TILE_EDGE;
+import package::cascades::{walked_high, walked_low};
+import package::constants::{CASCADES, TILE_EDGE};
 import package::voxelize::reproducible::{cross_fused, is_finite};
 import package::voxelize::triangles::Triangle;
 
@@ -21,7 +21,7 @@ struct Footprint {
     axis: u32,
     // In walk order, of twice the triangle's area.
     normal: vec3f,
-    // The voxels of the triangle's box inside the cascade, in walk order, both ends included.
+    // The voxels of the triangle's box inside of what is walked of the cascade, in walk order, both ends included.
     first: vec3i,
     last: vec3i,
     // No area, or not finite.
@@ -75,8 +75,8 @@ fn footprint_in(triangle: Triangle, cascade: u32) -> Footprint {
     // Voxels are closed boxes here: what touches a boundary belongs to the voxels on both sides of it.
     let low = min(triangle.a, min(triangle.b, triangle.c));
     let high = max(triangle.a, max(triangle.b, triangle.c));
-    let lowest = vec3f(lowest_voxel(cascade));
-    let end = lowest + vec3f(box_size());
+    let lowest = vec3f(walked_low(cascade));
+    let end = vec3f(walked_high(cascade));
     let first = clamp(ceil(low) - 1.0, lowest, end);
     let last = clamp(floor(high), lowest - 1.0, end - 1.0);
     result.first = vec3i(turn(first, result.axis));
@@ -85,11 +85,20 @@ fn footprint_in(triangle: Triangle, cascade: u32) -> Footprint {
     return result;
 }
 
+// The columns from which tiles are counted. In cascades they are the same wherever the box is, so that sums are the same to
+// the bit.
+fn first_tile(area: Footprint) -> vec2i {
+    if CASCADES == 0u {
+        return area.first.xy;
+    }
+    return area.first.xy & vec2i(-i32(TILE_EDGE));
+}
+
 // Tiles along u and v.
 fn tile_counts(area: Footprint) -> vec2u {
     if area.is_outside {
         return vec2u(0u);
     }
-    let columns = vec2u(area.last.xy - area.first.xy + 1);
+    let columns = vec2u(area.last.xy - first_tile(area) + 1);
     return (columns + TILE_EDGE - 1u) / TILE_EDGE;
 }

@@ -38,14 +38,17 @@ impl Voxelizer {
         recorder.stage("voxelize");
         // What is on its way gets there, so that boxes that move all the time do move.
         if scene.next.is_none() && scene.wanted.is_some() {
-            scene.next = Some(self.wanted_grid(&device, scene));
+            scene.next = scene.first_step().map(|grid| self.placed(&device, scene, grid));
             scene.rebuild = None;
         }
         let mut arrived = None;
         if let Some(next) = scene.next.clone() {
             if ShareKey::is_needed(geometry) {
-                let work = &mut self.work(recorder, &device, &next.grid, &next.globals);
-                arrived = self.rebuild(work, scene, geometry)?;
+                // What stays in the boxes is what it was.
+                let keeps = scene.has_fixed(self.method, geometry);
+                let globals = if keeps { &next.entered } else { &next.globals };
+                let work = &mut self.work(recorder, &device, &next.grid, globals);
+                arrived = self.rebuild(work, scene, geometry, keeps)?;
                 if arrived.is_some() {
                     scene.place(next);
                 }
@@ -54,7 +57,7 @@ impl Voxelizer {
             }
         }
         let grid = scene.grid;
-        let moving_input = ShareInput::new(geometry, false, &grid, &limits)?;
+        let moving_input = ShareInput::new(geometry, false, (&grid, &grid.walked(None)), &limits)?;
         let globals = scene.globals.clone();
         let mut work = self.work(recorder, &device, &grid, &globals);
         let work = &mut work;
@@ -71,7 +74,7 @@ impl Voxelizer {
             }
         } else if !scene.has_fixed(self.method, geometry) {
             is_late = true;
-            match self.rebuild(work, scene, geometry)? {
+            match self.rebuild(work, scene, geometry, false)? {
                 Some(fixed) => Self::replace(work, scene, Some(fixed))?,
                 // What moves cannot be put together with static surface that is not there.
                 None if scene.union.is_none() => return Ok(scene.frame(true)),
@@ -108,7 +111,7 @@ impl Voxelizer {
         }
         union.merge(work);
         if let Some(moving) = &scene.moving {
-            moving.collect_lobes(work);
+            moving.collect_lobes(work, None);
         }
         union.unite(work);
         scene.union = Some(union);
@@ -167,20 +170,25 @@ impl Voxelizer {
         Ok(scene.lacks_room)
     }
 
-    /// Goes on with static surface that is not what it was, a step a call. Once it is there, it is returned.
+    /// Goes on with static surface that is not what it was, a step a call. Once it is there, it is returned. If `keeps`, only
+    /// what has entered the boxes of a clipmap is walked over, and the rest is taken from the share so far.
     fn rebuild(
         &self,
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
         geometry: &Geometry,
+        keeps: bool,
     ) -> Result<Option<Fixed>, GiError> {
+        let kept = scene.fixed.as_ref().filter(|_| keeps);
+        let kept_share = kept.and_then(|kept| kept.share.as_ref());
         let (device, grid) = (work.memory.device(), work.grid);
         let is_current = |rebuild: &Rebuild| rebuild.key.is_of(self.method, geometry, grid);
         let Some(mut rebuild) = scene.rebuild.take().filter(is_current) else {
-            let input = ShareInput::new(geometry, true, grid, &device.limits())?;
+            let walked = grid.walked(keeps.then_some(&scene.grid));
+            let input = ShareInput::new(geometry, true, (grid, &walked), &device.limits())?;
             let mut share = Share::new(work)?;
             share.bind(work, &scene.fallbacks, &input, geometry)?;
-            share.mark(work, input.draws());
+            share.mark(work, input.draws(), kept_share);
             let sources = share.marked_counts();
             let mut reads = LateReads::new(device, sources.iter().map(|source| source.2).sum());
             reads.record(work.recorder, &sources);
@@ -196,7 +204,7 @@ impl Voxelizer {
         if rebuild.voxels.is_none() {
             let voxels = share.take_marked(&words)?;
             share.make_room(work, voxels)?;
-            share.collect_lobes(work);
+            share.collect_lobes(work, kept_share);
             let sources = share.lobed_counts(voxels);
             rebuild.reads = LateReads::new(device, sources.iter().map(|source| source.2).sum());
             rebuild.reads.record(work.recorder, &sources);
@@ -208,9 +216,9 @@ impl Voxelizer {
         let verdict = Verdict::of_fronts(fronts);
         let verdict = uniform_buffer(device, "verdict", &verdict);
         share.make_room_for_sums(work, sums_for(faces, fronts), &verdict)?;
-        share.sum_up(work);
+        share.sum_up(work, kept_share);
         let Rebuild { key, share, .. } = rebuild;
-        let counts = share.counts;
+        let counts = kept.map_or(share.counts, |kept| kept.counts);
         Ok(Some(Fixed { key, share: Some(share), faces, counts }))
     }
 

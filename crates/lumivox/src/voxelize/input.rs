@@ -14,6 +14,7 @@ pub(crate) use check::check_materials;
 use check::{check_buffers, check_draw};
 
 use super::hook::Detail;
+use crate::cascades::Walked;
 use crate::geometry::{Draw, GeometryBatch};
 use crate::{Geometry, GiError, Grid, Indices, SurfaceMaterial, SurfaceTexture};
 
@@ -49,7 +50,7 @@ pub(crate) struct DrawRecord {
     pub position_word: u32,
     pub position_words: u32,
     pub gloss: [f32; 3],
-    padding_2: u32,
+    pub cascades: u32,
 }
 
 /// Bits of [`DrawRecord::flags`].
@@ -90,6 +91,8 @@ pub(crate) struct PreparedBatch {
 pub(crate) struct ShareInput<'a> {
     /// Batches that have triangles in this share.
     pub batches: Vec<(&'a GeometryBatch, PreparedBatch)>,
+    /// Triangles of static draws that are outside of all that is walked.
+    pub left_out: u64,
 }
 
 /// All that the static share was made of but what stands in its buffers: equal keys give equal shares, if those are as they
@@ -163,17 +166,18 @@ impl ShareKey {
 }
 
 impl<'a> ShareInput<'a> {
-    /// The share of the draws that are static, or of those that are not.
+    /// The share of the draws that are static, or of those that are not. Static ones that are nowhere in what is walked are
+    /// left out; dynamic ones stay, so that nothing is bound again when they come and go.
     ///
     /// # Errors
     /// [`GiError::Geometry`] and [`GiError::Limit`] as [`super::Voxelizer::voxelize`] says.
     pub(crate) fn new(
         geometry: &'a Geometry,
         is_static: bool,
-        grid: &Grid,
+        (grid, walked): (&Grid, &Walked),
         limits: &wgpu::Limits,
     ) -> Result<Self, GiError> {
-        Self::of_draws(geometry, |draw| draw.is_static == is_static, grid, limits)
+        Self::of_draws(geometry, |draw| draw.is_static == is_static, (grid, walked), limits)
     }
 
     /// The share of the draws that emit light, static or not.
@@ -186,22 +190,22 @@ impl<'a> ShareInput<'a> {
         limits: &wgpu::Limits,
     ) -> Result<Self, GiError> {
         let emits = |draw: &Draw| emits(&geometry.materials[draw.material as usize]);
-        Self::of_draws(geometry, emits, grid, limits)
+        Self::of_draws(geometry, emits, (grid, &Walked::default()), limits)
     }
 
     fn of_draws(
         geometry: &'a Geometry,
         is_wanted: impl Fn(&Draw) -> bool,
-        grid: &Grid,
+        place: (&Grid, &Walked),
         limits: &wgpu::Limits,
     ) -> Result<Self, GiError> {
-        let mut batches = Vec::new();
+        let mut input = Self::default();
         for (index, batch) in geometry.batches.iter().enumerate() {
-            if let Some(prepared) = prepare_batch(geometry, index, &is_wanted, grid, limits)? {
-                batches.push((batch, prepared));
-            }
+            let left_out = &mut input.left_out;
+            let prepared = prepare_batch(geometry, index, &is_wanted, (place, left_out), limits)?;
+            input.batches.extend(prepared.map(|prepared| (batch, prepared)));
         }
-        Ok(Self { batches })
+        Ok(input)
     }
 
     /// Whether there are no triangles.
@@ -235,7 +239,7 @@ fn prepare_batch(
     geometry: &Geometry,
     index: usize,
     is_wanted: &impl Fn(&Draw) -> bool,
-    grid: &Grid,
+    ((grid, walked), left_out): ((&Grid, &Walked), &mut u64),
     limits: &wgpu::Limits,
 ) -> Result<Option<PreparedBatch>, GiError> {
     let batch = &geometry.batches[index];
@@ -248,9 +252,15 @@ fn prepare_batch(
         })?;
     }
 
-    let mut order: Vec<&Draw> = batch.draws.iter().collect();
-    order.retain(|draw| draw.index_count > 0 && is_wanted(draw));
-    let triangles: u64 = order.iter().map(|draw| u64::from(draw.index_count / 3)).sum();
+    let wanted = batch.draws.iter().filter(|draw| draw.index_count > 0 && is_wanted(draw));
+    let mut order: Vec<(&Draw, u32)> =
+        wanted.map(|draw| (draw, walked.cascades_of(draw))).collect();
+    order.retain(|(draw, cascades)| {
+        let stays = *cascades != 0 || !draw.is_static;
+        *left_out += if stays { 0 } else { u64::from(draw.index_count / 3) };
+        stays
+    });
+    let triangles: u64 = order.iter().map(|(draw, _)| u64::from(draw.index_count / 3)).sum();
     // The items' starts take a word per triangle, and one more.
     let available = limits.max_storage_buffer_binding_size / 4 - 1;
     if triangles > available {
@@ -279,14 +289,14 @@ fn prepare_batch(
     }
 
     let emission_scale = emission_scale(geometry);
-    order.sort_by_key(|draw| groups[draw.material as usize]);
+    order.sort_by_key(|(draw, _)| groups[draw.material as usize]);
     let mut prepared = PreparedBatch {
         draws: Vec::with_capacity(order.len()),
         groups: Vec::new(),
         triangle_count: 0,
     };
     let mut group = None;
-    for (place, draw) in order.into_iter().enumerate() {
+    for (place, (draw, cascades)) in order.into_iter().enumerate() {
         let material = &geometry.materials[draw.material as usize];
         let first = prepared.triangle_count;
         let end = first + draw.index_count / 3;
@@ -303,7 +313,14 @@ fn prepare_batch(
             group.triangles.end = end;
             group.draws.end = place as u32 + 1;
         }
-        prepared.draws.push(draw_record(draw, material, batch, grid, emission_scale, first));
+        prepared.draws.push(draw_record(
+            (draw, cascades),
+            material,
+            batch,
+            grid,
+            emission_scale,
+            first,
+        ));
         prepared.triangle_count = end;
     }
     Ok(Some(prepared))
@@ -380,7 +397,7 @@ fn first_attribute_word(batch: &GeometryBatch) -> u32 {
 }
 
 fn draw_record(
-    draw: &Draw,
+    (draw, cascades): (&Draw, u32),
     material: &SurfaceMaterial,
     batch: &GeometryBatch,
     grid: &Grid,
@@ -425,6 +442,6 @@ fn draw_record(
         position_word: (batch.positions.offset / 4) as u32,
         position_words: batch.positions.stride / 4,
         gloss: material.gloss.to_array(),
-        padding_2: 0,
+        cascades,
     }
 }

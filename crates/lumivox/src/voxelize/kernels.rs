@@ -17,6 +17,8 @@ pub(super) struct Layouts {
     pub run: wgpu::BindGroupLayout,
     pub faces: wgpu::BindGroupLayout,
     pub resolve: wgpu::BindGroupLayout,
+    pub keep_bits: wgpu::BindGroupLayout,
+    pub keep: wgpu::BindGroupLayout,
     pub merge_bits: wgpu::BindGroupLayout,
     pub unite: wgpu::BindGroupLayout,
     pub verdict: wgpu::BindGroupLayout,
@@ -48,6 +50,8 @@ impl Layouts {
             let layout = (0..read).fold(layout, |layout, _| layout.storage());
             (0..written).fold(layout, |layout, _| layout.storage_mut()).build(device, label)
         };
+        let keep = (0..4).fold(compute(), |layout, _| layout.storage());
+        let keep = keep.storage_mut().storage().storage_mut();
         let faces = compute().storage_mut().storage_mut().storage_mut().storage();
         Self {
             grid: walk().uniform().build(device, "grid"),
@@ -59,6 +63,8 @@ impl Layouts {
             run: run.build(device, "voxelize::run"),
             faces: faces.build(device, "voxelize::faces"),
             resolve: voxels(1, 2, 2, "voxelize::resolve"),
+            keep_bits: voxels(0, 1, 1, "voxelize::keep_bits"),
+            keep: keep.build(device, "voxelize::keep"),
             merge_bits: voxels(0, 2, 1, "voxelize::merge_bits"),
             unite: voxels(0, 5, 2, "voxelize::unite"),
             verdict: voxels(1, 5, 2, "voxelize::verdict"),
@@ -97,6 +103,9 @@ pub(super) struct Kernels {
     pub count_faces: Kernel,
     pub prepare_faces: Kernel,
     pub resolve: Kernel,
+    pub keep_bits: Kernel,
+    pub keep_lobes: Kernel,
+    pub keep_faces: Kernel,
     pub merge_bits: Kernel,
     pub unite: Kernel,
     pub verdict: Kernel,
@@ -145,6 +154,9 @@ impl Kernels {
             count_faces: kernel("voxelize::faces", "count", &[&layouts.faces])?,
             prepare_faces: kernel("voxelize::faces", "prepare", &[&layouts.faces])?,
             resolve: kernel("voxelize::resolve", "main", &[&layouts.resolve])?,
+            keep_bits: kernel("voxelize::keep_bits", "main", &[&layouts.keep_bits])?,
+            keep_lobes: kernel("voxelize::keep", "lobes", &[&layouts.keep])?,
+            keep_faces: kernel("voxelize::keep", "faces", &[&layouts.keep])?,
             merge_bits: kernel("voxelize::merge_bits", "main", &[&layouts.merge_bits])?,
             unite: kernel("voxelize::unite", "main", &[&layouts.unite])?,
             verdict: kernel("voxelize::verdict", "main", &[&layouts.verdict])?,

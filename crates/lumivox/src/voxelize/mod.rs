@@ -77,6 +77,8 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("voxelize::former", include_str!("former.wgsl")),
     ("voxelize::fronts", include_str!("fronts.wgsl")),
     ("voxelize::items", include_str!("items.wgsl")),
+    ("voxelize::keep", include_str!("keep.wgsl")),
+    ("voxelize::keep_bits", include_str!("keep_bits.wgsl")),
     ("voxelize::lobes", include_str!("lobes.wgsl")),
     ("voxelize::mark", include_str!("mark.wgsl")),
     ("voxelize::merge_bits", include_str!("merge_bits.wgsl")),

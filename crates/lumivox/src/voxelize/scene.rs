@@ -52,6 +52,8 @@ pub struct VoxelizedScene {
 pub(super) struct PlacedGrid {
     pub(super) grid: Grid,
     pub(super) globals: BindGroup,
+    /// Group 0 of walks over what enters its boxes alone.
+    pub(super) entered: BindGroup,
 }
 
 /// Static surface.
@@ -136,6 +138,14 @@ impl VoxelizedScene {
         self.wanted.is_some()
     }
 
+    /// The grid to go on with first, on the way to the one that is wanted.
+    pub(super) fn first_step(&self) -> Option<Grid> {
+        let wanted = self.wanted?;
+        let cascades = self.grid.cascades.zip(wanted.cascades);
+        let cascades = cascades.map(|(own, wanted)| own.step_to(&wanted));
+        Some(Grid { cascades, ..wanted })
+    }
+
     /// Goes on with another grid.
     pub(super) fn place(&mut self, placed: PlacedGrid) {
         self.wanted = self.wanted.filter(|wanted| *wanted != placed.grid);
@@ -163,6 +173,13 @@ impl VoxelizedScene {
         if let Some(fixed) = &mut self.fixed {
             fixed.share = None;
         }
+    }
+
+    /// Work items of the last walks over static draws.
+    #[cfg(test)]
+    pub(crate) fn static_items(&self) -> u64 {
+        let share = self.fixed.as_ref().and_then(|fixed| fixed.share.as_ref());
+        share.map_or(0, |share| share.counts.items)
     }
 
     /// Bytes on the GPU of what is kept of static draws, and of what the voxels of dynamic ones are collected in.
@@ -221,13 +238,19 @@ impl Voxelizer {
         VoxelizedScene::new(device, queue, self, grid)
     }
 
-    /// The grid to go on with.
-    pub(super) fn wanted_grid(&self, device: &wgpu::Device, scene: &VoxelizedScene) -> PlacedGrid {
-        let Some(grid) = scene.wanted else {
-            return PlacedGrid { grid: scene.grid, globals: scene.globals.clone() };
+    /// A grid to go on with.
+    pub(super) fn placed(
+        &self,
+        device: &wgpu::Device,
+        scene: &VoxelizedScene,
+        grid: Grid,
+    ) -> PlacedGrid {
+        let group = |uniform: &Buffer| {
+            let group = BindGroupBuilder::new(&self.kernels.layouts.grid);
+            group.buffer(uniform).build(device, "grid")
         };
-        let globals = BindGroupBuilder::new(&self.kernels.layouts.grid);
-        PlacedGrid { grid, globals: globals.buffer(&grid.uniform(device)).build(device, "grid") }
+        let entered = group(&grid.uniform_of_entered(&scene.grid, device));
+        PlacedGrid { grid, globals: group(&grid.uniform(device)), entered }
     }
 
     pub(super) fn work<'a, 'r>(
@@ -254,7 +277,7 @@ impl Voxelizer {
         }
         if let Some(moving) = &mut scene.moving {
             moving.bind(work, &scene.fallbacks, input, geometry)?;
-            moving.mark(work, input.draws());
+            moving.mark(work, input.draws(), None);
         }
         Ok(())
     }
@@ -279,7 +302,7 @@ impl Voxelizer {
         }
         union.judge(work);
         if let Some(moving) = &scene.moving {
-            moving.sum_up(work);
+            moving.sum_up(work, None);
             union.resolve(work, emission_scale);
         }
         if let Some(moving) = union.moving() {

@@ -8,7 +8,9 @@ use super::hook::{Walk, WalkStep};
 use super::input::{DrawRecord, ShareInput};
 use super::kernels::Kernels;
 use super::{FRONT_WORDS, VoxelFaces, Voxelizer};
-use crate::gpu::{BindGroup, BindGroupBuilder, BoundScan, Buffer, Recorder, storage_buffer};
+use crate::gpu::{
+    BindGroup, BindGroupBuilder, BoundScan, Buffer, Kernel, Recorder, storage_buffer,
+};
 use crate::gpu::{Memory, Remedy};
 use crate::voxels::{BoundNodes, Cells, FaceRecord, NodeRecord, RankedBits};
 use crate::{Geometry, GiError, Grid};
@@ -215,30 +217,37 @@ impl Share {
         Ok(())
     }
 
-    /// Splits the triangles into items and marks the voxels that they touch.
+    /// Splits the triangles into items and marks the voxels that they touch, and those that stay of a share before.
     pub fn mark<'d>(
         &mut self,
         work: &mut Work<'_, '_>,
         draws: impl IntoIterator<Item = &'d [DrawRecord]>,
+        kept: Option<&Self>,
     ) {
         for (batch, draws) in self.batches.iter_mut().zip(draws) {
             batch.split(work.recorder, work.kernels, work.globals, draws);
         }
         work.recorder.clear(&self.bits.occupancy);
         self.walk(work, WalkStep::Mark, &self.mark_groups);
+        if let Some(kept) = kept {
+            self.keep_bits(work, kept);
+        }
         let (list, globals) = (&work.kernels.list, work.globals);
         list.rank(work.recorder, globals, &self.bits);
         list.fill_cells(work.recorder, globals, &self.cells);
     }
 
-    /// Collects the lobes of the voxels, and counts their faces.
-    pub fn collect_lobes(&self, work: &mut Work<'_, '_>) {
+    /// Collects the lobes of the voxels, with those that stay of a share before, and counts their faces.
+    pub fn collect_lobes(&self, work: &mut Work<'_, '_>, kept: Option<&Self>) {
         let Some(voxels) = &self.voxels else { return };
         let (kernels, globals) = (work.kernels, work.globals);
         work.recorder.clear(&voxels.faces);
         work.recorder.clear(&voxels.pieces);
         kernels.list.fill_nodes(work.recorder, globals, &voxels.bound_nodes);
         self.walk(work, WalkStep::Lobes, &voxels.walk_groups);
+        if let Some(kept) = kept {
+            self.keep(work, kept, &kernels.keep_lobes);
+        }
         let groups = [globals, &voxels.faces_group];
         kernels.count_faces.run_linear(work.recorder, &groups, voxels.capacity);
         for scan in &voxels.scans {
@@ -247,12 +256,44 @@ impl Share {
         kernels.prepare_faces.run_linear(work.recorder, &groups, voxels.capacity);
     }
 
-    /// Sums the faces up, if the verdict is that there is room.
-    pub fn sum_up(&self, work: &mut Work<'_, '_>) {
+    /// Sums the faces up, if the verdict is that there is room; those that stay of a share before keep their sums.
+    pub fn sum_up(&self, work: &mut Work<'_, '_>, kept: Option<&Self>) {
         let Some(sums) = &self.sums else { return };
         work.recorder.clear(&sums.buffer);
         self.walk(work, WalkStep::Fronts, &sums.walk_groups);
         self.walk(work, WalkStep::Accumulate, &sums.walk_groups);
+        if let Some(kept) = kept {
+            self.keep(work, kept, &work.kernels.keep_faces);
+        }
+    }
+
+    /// Takes the bits of voxels that stay of a share before.
+    fn keep_bits(&self, work: &mut Work<'_, '_>, before: &Self) {
+        let group = BindGroupBuilder::new(&work.kernels.layouts.keep_bits)
+            .buffer(&before.bits.occupancy)
+            .buffer(&self.bits.occupancy)
+            .build(work.memory.device(), "voxelize::keep_bits");
+        let words = self.bits.occupancy.size() / 4;
+        work.kernels.keep_bits.run_linear(work.recorder, &[work.globals, &group], words);
+    }
+
+    /// Runs a kernel of `keep.wgsl` over the voxels of a share before. Before there is room for sums it reads none.
+    fn keep(&self, work: &mut Work<'_, '_>, before: &Self, kernel: &Kernel) {
+        let (Some(old), Some(new)) = (&before.voxels, &self.voxels) else { return };
+        let device = work.memory.device();
+        let old_sums = before.sums.as_ref().map(|sums| &sums.buffer);
+        let unused = storage_buffer(device, "no sums", size_of::<FaceRecord>() as u64);
+        let sums = self.sums.as_ref().map_or(&unused, |sums| &sums.buffer);
+        let group = BindGroupBuilder::new(&work.kernels.layouts.keep)
+            .buffer(&before.bits.ranks)
+            .buffer(&old.nodes)
+            .buffer(&old.faces)
+            .buffer(&self.cells.buffer)
+            .buffer(&new.faces)
+            .buffer(old_sums.unwrap_or(&unused))
+            .buffer(sums)
+            .build(device, "voxelize::keep");
+        kernel.run_linear(work.recorder, &[work.globals, &group], old.capacity);
     }
 
     /// Walks over all items: bind group 2 has each batch's starts of items, and then what the step reads and writes.

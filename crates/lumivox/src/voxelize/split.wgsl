@@ -5,7 +5,7 @@ import package::cascades::box_count;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::voxelize::footprint::{footprint_in, in_cascade, tile_counts};
-import package::voxelize::triangles::load_triangle;
+import package::voxelize::triangles::{draws, load_triangle};
 
 struct SplitParams {
     triangle_count: u32,
@@ -38,11 +38,15 @@ fn main(
     let index = linear_index(invocation, workgroups);
     if index < params.triangle_count {
         let triangle = load_triangle(index, 0u, params.draw_count);
+        let cascades = draws[triangle.draw].cascades;
         var items = 0u;
         var is_degenerate = false;
-        for (var cascade = 0u; cascade < box_count(); cascade++) {
+        for (var cascade = countTrailingZeros(cascades); cascade < box_count(); cascade++) {
+            if ((cascades >> cascade) & 1u) == 0u {
+                continue;
+            }
             let area = footprint_in(in_cascade(triangle, cascade), cascade);
-            is_degenerate = is_degenerate || (cascade == 0u && area.is_degenerate);
+            is_degenerate = is_degenerate || area.is_degenerate;
             if !area.is_degenerate {
                 let tiles = tile_counts(area);
                 items += tiles.x * tiles.y;

@@ -43,7 +43,8 @@ struct Draw {
     position_words: u32,
     // What the surface mirrors (voxels::list::Face).
     gloss: vec3f,
-    padding_2: u32,
+    // A bit for each cascade of which it may touch what is walked.
+    cascades: u32,
 }
 
 @group(1) @binding(0) var<storage, read> positions: array<f32>;

@@ -2,7 +2,7 @@
 
 use super::input::{self, ShareInput, ShareKey};
 use super::room::{new_list, resized_list};
-use super::scene::{Fixed, PlacedGrid, Taken, VoxelizedScene, sums_for, with_spare};
+use super::scene::{Fixed, Taken, VoxelizedScene, sums_for, with_spare};
 use super::share::{Share, ShareCounts, Work};
 use super::union::{Union, Verdict};
 use super::{VoxelizeStats, Voxelizer};
@@ -47,17 +47,21 @@ impl Voxelizer {
     ) -> Result<VoxelizeStats, GiError> {
         input::check_materials(geometry)?;
         let device = recorder.device().clone();
-        let placed = self.wanted_grid(&device, scene);
-        let PlacedGrid { grid, globals } = placed.clone();
+        let placed = scene.wanted.map(|grid| self.placed(&device, scene, grid));
+        let (grid, globals) = match &placed {
+            Some(placed) => (placed.grid, placed.globals.clone()),
+            None => (scene.grid, scene.globals.clone()),
+        };
         let limits = device.limits();
         let is_reused = grid == scene.grid && scene.has_fixed(self.method, geometry);
+        let walked = grid.walked(None);
         // What is used again is not looked at.
         let fixed_input = if is_reused {
             ShareInput::default()
         } else {
-            ShareInput::new(geometry, true, &grid, &limits)?
+            ShareInput::new(geometry, true, (&grid, &walked), &limits)?
         };
-        let moving_input = ShareInput::new(geometry, false, &grid, &limits)?;
+        let moving_input = ShareInput::new(geometry, false, (&grid, &walked), &limits)?;
         // Whatever was on its way comes too late.
         (scene.rebuild, scene.late, scene.lacks_room) = (None, None, false);
 
@@ -70,7 +74,7 @@ impl Voxelizer {
         if !fixed_input.is_empty() {
             let mut share = Share::new(work)?;
             share.bind(work, &scene.fallbacks, &fixed_input, geometry)?;
-            share.mark(work, fixed_input.draws());
+            share.mark(work, fixed_input.draws(), None);
             fixed = Some(share);
         }
         Self::mark_moving(work, scene, &moving_input, geometry)?;
@@ -114,19 +118,21 @@ impl Voxelizer {
             });
         }
 
-        scene.place(placed);
+        if let Some(placed) = placed {
+            scene.place(placed);
+        }
 
         // Which lobes they have, and how much surface.
         if let Some(fixed) = &mut fixed {
             fixed.make_room(work, voxels)?;
-            fixed.collect_lobes(work);
+            fixed.collect_lobes(work, None);
         }
         if let Some(moving) = &mut scene.moving {
             if moving.capacity()[0] < moving_voxels.max(1) {
                 moving.make_room(work, with_spare(moving_voxels))?;
                 scene.is_bound = false;
             }
-            moving.collect_lobes(work);
+            moving.collect_lobes(work, None);
         }
         let kept = scene.fixed.as_ref().filter(|_| is_reused);
         let kept = kept.and_then(|kept| kept.share.as_ref());
@@ -154,7 +160,7 @@ impl Voxelizer {
             let verdict = Verdict::of_fronts(fronts);
             let verdict = uniform_buffer(&device, "verdict", &verdict);
             fixed.make_room_for_sums(work, sums_for(count, fronts), &verdict)?;
-            fixed.sum_up(work);
+            fixed.sum_up(work, None);
         }
         if let Some(moving) = &mut scene.moving {
             let [count, fronts] = moving.take_lobed(of_moving);
@@ -205,7 +211,7 @@ impl Voxelizer {
             walked: moving_input.triangle_count() + fixed_input.triangle_count(),
             static_reused: is_reused,
             skipped: sum(|counts| counts.degenerate),
-            outside: sum(|counts| counts.outside),
+            outside: sum(|counts| counts.outside) + fixed_input.left_out,
             work_items: sum(|counts| counts.items),
             fragments: sum(|counts| counts.pieces),
             voxels: list.voxel_count(),

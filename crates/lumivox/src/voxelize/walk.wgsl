@@ -6,16 +6,19 @@
 // pass that the triangle misses by a hair, but never the other way round.
 
 import package::cascades::{box_count, stored_cell};
-import package::constants::TILE_EDGE;
+import package::constants::{CASCADES, TILE_EDGE};
 import package::voxelize::footprint::{
-    Footprint, footprint_in, in_cascade, tile_counts, turn, turn_back_cell,
+    Footprint, first_tile, footprint_in, in_cascade, tile_counts, turn, turn_back_cell,
 };
 import package::voxelize::items::{Item, run};
-import package::voxelize::triangles::{Triangle, load_triangle};
+import package::voxelize::triangles::{Triangle, draws, load_triangle};
 
 // A sum of three products of numbers up to m, each off by its own rounding (2^-24) and by that of its factors,
 // is off by less than 8 * 2^-24 m.
 const ROUNDING = 1.0 / 2097152.0;
+
+// Farther than any voxel, and a number that `f32` still counts one by one.
+const FARTHEST = 8388608.0;
 
 // An interval test (Akenine-Möller 2001, "Fast 3D triangle-box overlap testing", section 2) along the normal m
 // of a triangle's edge in a projection: a unit square with its centre at p is apart from the triangle if
@@ -62,7 +65,8 @@ struct Walk {
     // Of the triangle, and of the cascade.
     depth_range: vec2f,
     depth_limits: vec2i,
-    // The columns of the tile: 0 to `last_column`; the current voxel, and the last one of its column.
+    // The first and the last column of the tile; the current voxel, and the last one of its column.
+    first_column: vec2i,
     last_column: vec2i,
     voxel: vec3i,
     last_depth: i32,
@@ -78,10 +82,14 @@ struct ItemInCascade {
 
 fn item_in_cascade(item: Item) -> ItemInCascade {
     let triangle = load_triangle(item.triangle, run.first_draw, run.end_draw);
-    var own = ItemInCascade(triangle, footprint_in(triangle, 0u), 0u, item.tile);
+    let cascades = draws[triangle.draw].cascades;
+    let first = min(countTrailingZeros(cascades), box_count() - 1u);
+    let in_first = in_cascade(triangle, first);
+    var own = ItemInCascade(in_first, footprint_in(in_first, first), first, item.tile);
     loop {
         let tiles = tile_counts(own.area);
-        let count = select(tiles.x * tiles.y, 0u, own.area.is_degenerate);
+        let has_none = own.area.is_degenerate || ((cascades >> own.cascade) & 1u) == 0u;
+        let count = select(tiles.x * tiles.y, 0u, has_none);
         if own.tile < count || own.cascade + 1u >= box_count() {
             break;
         }
@@ -112,8 +120,10 @@ fn walk_begin(item: Item) -> Walk {
     walk.vertices = triangle.vertices;
 
     let tiles = tile_counts(area);
-    let corner = area.first.xy + vec2i(vec2u(own.tile % tiles.x, own.tile / tiles.x) * TILE_EDGE);
+    let corner = first_tile(area) + vec2i(vec2u(own.tile % tiles.x, own.tile / tiles.x) * TILE_EDGE);
+    walk.first_column = max(area.first.xy - corner, vec2i(0));
     walk.last_column = min(area.last.xy - corner, vec2i(i32(TILE_EDGE) - 1));
+    walk.voxel = vec3i(walk.first_column - vec2i(1, 0), 0);
 
     // Depth is counted from where the plane passes the tile's middle.
     let a = turn(triangle.a, walk.axis);
@@ -122,7 +132,10 @@ fn walk_begin(item: Item) -> Walk {
     walk.slope = -walk.normal.xy / walk.normal.z;
     let middle = vec2f(corner) + 0.5 * f32(TILE_EDGE);
     let depth = a.z + dot(walk.slope, middle - a.xy);
-    walk.base = vec3i(corner, i32(clamp(depth, f32(area.first.z), f32(area.last.z))));
+    // In cascades wherever the box is.
+    let held = vec2f(vec2i(area.first.z, area.last.z));
+    let range = select(held, FARTHEST * vec2f(-1.0, 1.0), CASCADES > 0u);
+    walk.base = vec3i(corner, i32(clamp(depth, range.x, range.y)));
     walk.a = a - vec3f(walk.base);
     walk.b = b - vec3f(walk.base);
     walk.c = c - vec3f(walk.base);
@@ -160,7 +173,7 @@ fn walk_on(walk: ptr<function, Walk>) -> bool {
     loop {
         (*walk).voxel.x += 1;
         if (*walk).voxel.x > (*walk).last_column.x {
-            (*walk).voxel.x = 0;
+            (*walk).voxel.x = (*walk).first_column.x;
             (*walk).voxel.y += 1;
         }
         if (*walk).voxel.y > (*walk).last_column.y {

@@ -116,8 +116,11 @@ fn cores() -> usize {
 
 /// The names of the scenes without rotation; their rotated variants follow from them.
 fn scene_names(asked: &[String]) -> anyhow::Result<Vec<String>> {
-    let known: Vec<&str> =
-        builtin::names().iter().copied().filter(|name| !name.ends_with("-rotated")).collect();
+    let known: Vec<&str> = builtin::names()
+        .iter()
+        .copied()
+        .filter(|name| !name.ends_with("-rotated") && !builtin::is_large(name))
+        .collect();
     if let Some(name) = asked.iter().find(|name| !known.contains(&name.as_str())) {
         let known = known.join(", ");
         return Err(Failure::input(format!(

@@ -150,6 +150,13 @@ pub(super) fn check_draw(
     if end > indices {
         return Err(format!("its indices end at {end}, but the batch has {indices}"));
     }
+    if draw.bounds.is_some_and(|[low, high]| !low.cmple(high).all()) {
+        return Err(
+            "the first corner of its bounds must not be above the second, along any axis; \
+                    leave bounds out that are not known"
+                .to_owned(),
+        );
+    }
     let Some(material) = geometry.materials.get(draw.material as usize) else {
         return Err(format!(
             "it names material {}, but there are {}",

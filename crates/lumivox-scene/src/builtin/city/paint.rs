@@ -1,0 +1,139 @@
+//! Meshes with a colour for each of their parts, so that a house is a mesh of one material.
+
+use glam::Vec3;
+
+use super::super::shapes::{Faces, append, cuboid, quad};
+use crate::Mesh;
+
+/// A mesh that grows part by part.
+#[derive(Default)]
+pub(super) struct Paint {
+    pub(super) mesh: Mesh,
+}
+
+/// A rectangular hole in a wall, m: along the wall, and above its foot.
+#[derive(Clone, Copy)]
+pub(super) struct Opening {
+    pub(super) along: [f32; 2],
+    pub(super) height: [f32; 2],
+}
+
+/// An upright wall with two faces: the front looks along `along` cross +y.
+#[derive(Clone, Copy)]
+pub(super) struct Wall {
+    /// Its foot at one end, in the middle of its thickness.
+    pub(super) foot: Vec3,
+    /// A unit vector.
+    pub(super) along: Vec3,
+    pub(super) length_m: f32,
+    pub(super) height_m: f32,
+    pub(super) thickness_m: f32,
+    pub(super) front: Vec3,
+    pub(super) back: Vec3,
+}
+
+impl Paint {
+    pub(super) fn add(&mut self, part: Mesh, color: Vec3) {
+        let vertices = self.mesh.positions.len() + part.positions.len();
+        append(&mut self.mesh, part);
+        self.mesh.colors.resize(vertices, color.extend(1.0));
+    }
+
+    pub(super) fn block(&mut self, min: Vec3, max: Vec3, faces: Faces, color: Vec3) {
+        self.add(cuboid(min, max, faces), color);
+    }
+
+    /// A block that stands on something: its foot's middle, and its edges.
+    pub(super) fn stand(&mut self, foot: Vec3, size_m: Vec3, color: Vec3) {
+        let half = Vec3::new(0.5 * size_m.x, 0.0, 0.5 * size_m.z);
+        let max = foot + half + Vec3::Y * size_m.y;
+        self.block(foot - half, max, Faces::NO_BOTTOM, color);
+    }
+
+    /// A horizontal rectangle that faces upwards, or downwards: its middle, and half its edges.
+    pub(super) fn level(
+        &mut self,
+        center: Vec3,
+        half_x_m: f32,
+        half_z_m: f32,
+        up: bool,
+        color: Vec3,
+    ) {
+        let z = if up { Vec3::NEG_Z } else { Vec3::Z };
+        self.add(quad(center, Vec3::X * half_x_m, z * half_z_m), color);
+    }
+
+    /// A wall with holes, which are in order along it and do not touch.
+    pub(super) fn wall(&mut self, wall: &Wall, openings: &[Opening]) {
+        let mut from = 0.0;
+        for opening in openings {
+            self.panel(wall, [from, opening.along[0]], [0.0, wall.height_m]);
+            self.panel(wall, opening.along, [0.0, opening.height[0]]);
+            self.panel(wall, opening.along, [opening.height[1], wall.height_m]);
+            self.reveal(wall, opening);
+            from = opening.along[1];
+        }
+        self.panel(wall, [from, wall.length_m], [0.0, wall.height_m]);
+    }
+
+    /// Both faces of a part of a wall.
+    fn panel(&mut self, wall: &Wall, along: [f32; 2], height: [f32; 2]) {
+        let half_along = wall.along * (0.5 * (along[1] - along[0]));
+        let half_up = Vec3::Y * (0.5 * (height[1] - height[0]));
+        if half_along.length() < 1e-4 || half_up.length() < 1e-4 {
+            return;
+        }
+        let center = wall.at(0.5 * (along[0] + along[1]), 0.5 * (height[0] + height[1]));
+        let side = wall.half_thickness();
+        self.add(quad(center + side, half_along, half_up), wall.front);
+        self.add(quad(center - side, -half_along, half_up), wall.back);
+    }
+
+    /// The four sides of a hole.
+    fn reveal(&mut self, wall: &Wall, opening: &Opening) {
+        let [from, to] = opening.along;
+        let [low, high] = opening.height;
+        let (middle, level) = (0.5 * (from + to), 0.5 * (low + high));
+        let half_along = wall.along * (0.5 * (to - from));
+        let half_up = Vec3::Y * (0.5 * (high - low));
+        let side = wall.half_thickness();
+        self.add(quad(wall.at(from, level), half_up, side), wall.front);
+        self.add(quad(wall.at(to, level), side, half_up), wall.front);
+        self.add(quad(wall.at(middle, high), half_along, side), wall.front);
+        // Doors within a house have its floor.
+        if low > 0.0 {
+            self.add(quad(wall.at(middle, low), side, half_along), wall.front);
+        }
+    }
+}
+
+impl Wall {
+    fn at(&self, along_m: f32, height_m: f32) -> Vec3 {
+        self.foot + self.along * along_m + Vec3::Y * height_m
+    }
+
+    fn half_thickness(&self) -> Vec3 {
+        self.along.cross(Vec3::Y) * (0.5 * self.thickness_m)
+    }
+}
+
+/// A number from 0 to below 1 that belongs to these three (Jarzynski and Olano 2020, "Hash functions for GPU rendering",
+/// PCG3D).
+pub(super) fn chance(x: u32, y: u32, z: u32) -> f32 {
+    let step = |v: u32| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+    let (mut x, mut y, mut z) = (step(x), step(y), step(z));
+    for _ in 0..2 {
+        x = x.wrapping_add(y.wrapping_mul(z));
+        y = y.wrapping_add(z.wrapping_mul(x));
+        z = z.wrapping_add(x.wrapping_mul(y));
+        x ^= x >> 16;
+        y ^= y >> 16;
+        z ^= z >> 16;
+    }
+    (x >> 8) as f32 / (1 << 24) as f32
+}
+
+/// One of several things, by a number from 0 to below 1.
+pub(super) fn pick<T: Copy>(things: &[T], chance: f32) -> T {
+    things[((chance * things.len() as f32) as usize).min(things.len() - 1)]
+}

@@ -1,0 +1,68 @@
+// What stays in the boxes of a clipmap that have moved: from the static share of before to the new one, whose walks go over
+// the rest alone.
+
+import package::cascades::is_walked;
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::voxelize::face_sums::FaceSlot;
+import package::voxelize::faces::VoxelFaces;
+import package::voxels::list::Node;
+import package::voxels::lookup::bits_below;
+import package::voxels::morton::morton_decode;
+
+// Of the share before, by rank; the last one of `old_ranks` is their number.
+@group(1) @binding(0) var<storage, read> old_ranks: array<u32>;
+@group(1) @binding(1) var<storage, read> old_nodes: array<Node>;
+@group(1) @binding(2) var<storage, read> old_voxels: array<VoxelFaces>;
+// Of the new one: the occupancy bits and the rank of each word of the finest level.
+@group(1) @binding(3) var<storage, read> cells: array<vec2u>;
+@group(1) @binding(4) var<storage, read_write> voxels: array<VoxelFaces>;
+@group(1) @binding(5) var<storage, read> old_sums: array<FaceSlot>;
+@group(1) @binding(6) var<storage, read_write> sums: array<FaceSlot>;
+
+const NOTHING = 0xffffffffu;
+
+// The new index of a voxel of before; NOTHING if it has left.
+fn kept_as(old: u32) -> u32 {
+    if old >= min(old_ranks[arrayLength(&old_ranks) - 1u], arrayLength(&old_voxels)) {
+        return NOTHING;
+    }
+    let code = old_nodes[old].morton;
+    if is_walked(morton_decode(code)) {
+        return NOTHING;
+    }
+    let cell = cells[code / 32u];
+    return cell.y + bits_below(cell.x, code % 32u);
+}
+
+// Before faces are counted. Their sums are there, so that nothing of them is in front of anything any more.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn lobes(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let old = linear_index(invocation, workgroups);
+    let kept = kept_as(old);
+    if kept != NOTHING {
+        voxels[kept] = VoxelFaces(old_voxels[old].lobes, 1u, 0u, 0u);
+    }
+}
+
+// Once they have their places: their sums, and the scale of these.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn faces(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let old = linear_index(invocation, workgroups);
+    let kept = kept_as(old);
+    if kept == NOTHING {
+        return;
+    }
+    let before = old_voxels[old];
+    voxels[kept].area_low = before.area_low;
+    let first = voxels[kept].first_face;
+    for (var i = 0u; i < countOneBits(before.lobes); i++) {
+        sums[first + i] = old_sums[before.first_face + i];
+    }
+}
