@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use lumivox::gpu::StageTime;
 use lumivox::{Gi, Grid};
-use lumivox_render::{MemoryUse, describe};
+use lumivox_render::{MemoryUse, Renderer, StreamedGeometry, describe};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
@@ -253,6 +253,40 @@ impl GridReport {
                 self.voxel_size_m
             ),
         }
+    }
+}
+
+/// How much of a scene's geometry is on the GPU, if not all is to be.
+#[derive(Clone, Debug, Serialize)]
+pub struct GeometryReport {
+    /// Bytes of all vertices and indices.
+    pub bytes: u64,
+    /// Those on the GPU.
+    pub resident_bytes: u64,
+    /// Triangles of all meshes, each counted once.
+    pub triangles: u64,
+    /// Those on the GPU: what is nearest to the camera.
+    pub resident_triangles: u64,
+}
+
+impl GeometryReport {
+    /// The report on a renderer; `None` without a budget of geometry.
+    pub fn new(renderer: &Renderer) -> Option<Self> {
+        let StreamedGeometry { bytes, resident_bytes, triangles, resident_triangles, .. } =
+            renderer.streamed()?;
+        Some(Self { bytes, resident_bytes, triangles, resident_triangles })
+    }
+
+    /// In words.
+    pub fn line(&self) -> String {
+        let lacking = self.triangles - self.resident_triangles;
+        format!(
+            "{} of {} on the GPU: {} of {} triangles of meshes are too far away, and left out",
+            bytes(self.resident_bytes),
+            bytes(self.bytes),
+            count(lacking),
+            count(self.triangles)
+        )
     }
 }
 

@@ -72,6 +72,9 @@ impl Explorer {
     ) -> Result<(), ExplorerError> {
         let Some(opened) = &self.opened else { return Ok(()) };
         let scene = &opened.scene;
+        // Other vertices are on the GPU then, from the start.
+        let budget = self.settings.geometry_budget;
+        self.renderer.take_if(|renderer| renderer.settings().geometry_budget != budget);
         let Some(renderer) = &mut self.renderer else {
             // An object that is hidden or moved later must not change the grid: light would
             // flicker.

@@ -65,7 +65,7 @@ pub use renderer::estimate::MemoryEstimate;
 pub use renderer::{
     Photometry, RenderProgress, Renderer, TraceFigures, VoxelFace, global_illumination,
 };
-pub use scene::{GpuScene, Lighting, radiance_unit};
+pub use scene::{GeometryBudget, GpuScene, Lighting, StreamedGeometry, radiance_unit};
 pub use settings::parameters;
 pub use settings::preset::{AddedPreset, Companions, PresetChoice};
 pub use settings::{

@@ -1,6 +1,6 @@
 //! What an engine hands to the voxelizer: its own vertex and index buffers, materials and textures.
 
-use glam::{Affine2, Mat4, Vec3, Vec4};
+use glam::{Affine2, Mat3, Mat4, Vec3, Vec4};
 
 use crate::Gloss;
 
@@ -79,7 +79,7 @@ impl SurfaceTexture {
 pub struct Draw {
     /// The first index, counted from where the batch's indices start ([`Indices::offset`]).
     pub first_index: u32,
-    /// How many indices, a multiple of three.
+    /// How many indices, a multiple of three; of 0, nothing is voxelized, wherever they would be.
     pub index_count: u32,
     /// Added to every index.
     pub base_vertex: u32,
@@ -92,7 +92,8 @@ pub struct Draw {
     /// nothing and gains nothing.
     pub is_static: bool,
     /// The opposite corners of a box around its positions, before the transform; `None` (the default): not known. With
-    /// cascades, triangles are not even looked at where their box is outside of what is voxelized.
+    /// cascades, triangles are not even looked at where their box is outside of what is voxelized, and when static draws come
+    /// or go, only what is in their boxes is voxelized again.
     pub bounds: Option<[Vec3; 2]>,
 }
 
@@ -108,6 +109,29 @@ impl Draw {
             is_static: false,
             bounds: None,
         }
+    }
+
+    /// All that it is, to find its like by.
+    pub(crate) fn bits(&self) -> [u32; 28] {
+        let bounds =
+            self.bounds.map(|bounds| bounds.map(|corner| corner.to_array().map(f32::to_bits)));
+        let [low, high] = bounds.unwrap_or_default();
+        let numbers = [self.first_index, self.index_count, self.base_vertex, self.material];
+        let marks = [u32::from(self.is_static), u32::from(bounds.is_some())];
+        let places = self.world_from_local.to_cols_array().map(f32::to_bits);
+        let all = numbers.into_iter().chain(marks).chain(places).chain(low).chain(high);
+        let mut bits = [0; 28];
+        bits.iter_mut().zip(all).for_each(|(bit, value)| *bit = value);
+        bits
+    }
+
+    /// The opposite corners of a box around it in the world, m; `None`: not known.
+    pub(crate) fn bounds_in_world(&self) -> Option<[Vec3; 2]> {
+        let [low, high] = self.bounds?;
+        let linear = Mat3::from_mat4(self.world_from_local).to_cols_array();
+        let middle = self.world_from_local.transform_point3(0.5 * (low + high));
+        let reach = Mat3::from_cols_array(&linear.map(f32::abs)) * (0.5 * (high - low));
+        Some([middle - reach, middle + reach])
     }
 }
 

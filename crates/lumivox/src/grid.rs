@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, UVec3, Vec3};
 
 use crate::GiError;
-use crate::cascades::{Cascades, MAX_CASCADES};
+use crate::cascades::{Cascades, MAX_CASCADES, Walked};
 use crate::gpu::{Buffer, uniform_buffer};
 
 /// The smallest resolution of the longest axis.
@@ -171,18 +171,14 @@ impl Grid {
         uniform_buffer(device, "grid", &self.to_gpu())
     }
 
-    /// The uniform for walks over what has entered the boxes since they were where those of another grid are.
-    pub(crate) fn uniform_of_entered(&self, before: &Self, device: &wgpu::Device) -> Buffer {
-        let mut uniform = self.to_gpu();
-        if let Some(own) = &self.cascades {
-            [uniform.walked_low, uniform.walked_high] = own.walked_bounds(before.cascades.as_ref());
-        }
-        uniform_buffer(device, "grid", &uniform)
+    /// The uniform for walks over parts of the boxes alone.
+    pub(crate) fn uniform_of_walked(&self, walked: &Walked, device: &wgpu::Device) -> Buffer {
+        let [walked_low, walked_high] = walked.to_gpu();
+        uniform_buffer(device, "grid", &GridUniform { walked_low, walked_high, ..self.to_gpu() })
     }
 
     pub(crate) fn to_gpu(self) -> GridUniform {
-        let walked =
-            self.cascades.map_or([[[0; 4]; MAX_CASCADES]; 2], |own| own.walked_bounds(None));
+        let [walked_low, walked_high] = Walked::all(&self).to_gpu();
         GridUniform {
             origin_in_world: self.origin_in_world.to_array(),
             voxel_size_m: self.voxel_size_m,
@@ -190,8 +186,8 @@ impl Grid {
             levels: self.levels,
             lowest: self.cascades.map_or([[0; 4]; MAX_CASCADES], |own| own.lowest_of_all()),
             boxes: self.cascades.map_or([[0.0; 4]; MAX_CASCADES], |own| own.boxes()),
-            walked_low: walked[0],
-            walked_high: walked[1],
+            walked_low,
+            walked_high,
         }
     }
 }

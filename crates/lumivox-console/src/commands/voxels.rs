@@ -8,7 +8,9 @@ use lumivox_scene::Bounds;
 use crate::arguments::{PLACE, commas, number, on_or_off, toggled, vector, wrong};
 use crate::command::Run::{Now, Waits};
 use crate::command::{Command, Group, PLAIN, Takes};
-use crate::report::{GridReport, MemoryReport, OctreeReport, count, counted, memory_table};
+use crate::report::{
+    GeometryReport, GridReport, MemoryReport, OctreeReport, count, counted, memory_table,
+};
 use crate::{Console, Failure, Reply, nothing_to_show, shown};
 
 const VOXELS: Command = Command { group: Group::Voxels, takes: &[Takes::Anything], ..PLAIN };
@@ -277,6 +279,9 @@ async fn stats(console: &mut Console) -> anyhow::Result<Reply> {
         ),
         format!("GPU      {}", lumivox_render::describe(&explorer.gpu().adapter_info)),
     ];
+    if let Some(geometry) = GeometryReport::new(renderer) {
+        lines.insert(1, format!("geometry {}", geometry.line()));
+    }
     if let Some(report) = OctreeReport::new(renderer.gi()) {
         lines.insert(2, report.line());
     }

@@ -78,6 +78,13 @@ impl Renderer {
             return Ok(());
         }
         validate(&settings, &self.gpu)?;
+        if settings.geometry_budget != self.settings.geometry_budget {
+            return Err(RenderError::Setting {
+                name: "geometry_budget",
+                value: "another one".to_owned(),
+                expected: "the one that the renderer was made with: make a new renderer".to_owned(),
+            });
+        }
         let bounds = settings.grid_bounds.unwrap_or(self.scene_bounds);
         let grid = settings.grid(bounds, self.camera.position)?;
         validate_level(&settings, &grid)?;
@@ -233,7 +240,8 @@ impl Renderer {
         let was_tinted = self.scene.is_tinted();
         let keeps_textures = is_same_unit && self.scene.set_materials(&self.gpu, scene, &lighting);
         if !keeps_textures {
-            self.scene = upload(&self.gpu, scene, &lighting, unit, &self.settings).await?;
+            let place = self.camera.position;
+            self.scene = upload(&self.gpu, scene, &lighting, unit, &self.settings, place).await?;
             self.passes = Passes::new(&self.gpu, &self.gi, &self.scene, &self.settings)?;
         }
         if !keeps_textures || was_tinted != self.scene.is_tinted() {

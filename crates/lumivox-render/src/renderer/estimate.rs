@@ -55,6 +55,7 @@ impl MemoryEstimate {
         let grid = settings.grid(bounds, camera)?;
         let vertices: usize = scene.meshes.iter().map(|mesh| mesh.positions.len()).sum();
         let indices: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
+        let vertex_bytes = vertices as u64 * VERTEX_BYTES + indices as u64 * 4;
         let pixels = u64::from(settings.size.x) * u64::from(settings.size.y);
         let voxels = voxel_count(scene, &grid, |_| true);
         // If instances may move, the static and the moving share are kept in buffers of their own.
@@ -69,7 +70,10 @@ impl MemoryEstimate {
         let overlay = if settings.overlay.is_on() { OVERLAY_BYTES_PER_PIXEL } else { 0 };
         let cones = trace_bytes(&settings.trace, settings.size);
         let parts = [
-            ("vertices and indices", vertices as u64 * VERTEX_BYTES + indices as u64 * 4),
+            (
+                "vertices and indices",
+                vertex_bytes.min(settings.geometry_budget.unwrap_or(u64::MAX)),
+            ),
             ("textures", texture_bytes(scene)),
             ("instances", (scene.shown().count() * size_of::<DrawRecord>()) as u64),
             ("shadow maps", shadow_bytes(scene, settings)),
@@ -116,7 +120,8 @@ impl MemoryEstimate {
             "textures" => "allow less memory for textures, so that they are shrunk",
             "picture" => "ask for a smaller picture",
             "shadow maps" => "lower the shadow maps' resolution",
-            "vertices and indices" | "instances" => "simplify the scene",
+            "vertices and indices" => "keep fewer of them on the GPU (--geometry-budget)",
+            "instances" => "simplify the scene",
             _ => self.voxel_remedy,
         };
         let what = format!("the scene \"{}\" ({})", self.name, largest.join(", "));

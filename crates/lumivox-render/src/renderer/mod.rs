@@ -23,7 +23,7 @@ use crate::gpu::times::StageTimes;
 use crate::look::{LookFrame, LookParts, LookPasses, LookScene};
 use crate::passes::gbuffer;
 use crate::passes::targets::Targets;
-use crate::scene::{GpuScene, Lighting, radiance_unit_within};
+use crate::scene::{GpuScene, Lighting, StreamedGeometry, radiance_unit_within};
 use crate::{Gpu, Picture, RenderError, RenderSettings, View};
 pub use faces::VoxelFace;
 pub use figures::TraceFigures;
@@ -115,7 +115,7 @@ impl Renderer {
         let unit = radiance_unit_within(bounds, scene, &lighting);
         let look_scene = LookScene::of(scene);
         let given = scene;
-        let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
+        let mut scene = upload(gpu, scene, &lighting, unit, &settings, camera.position).await?;
         let shown_bounds = scene.bounds;
         scene.bounds = bounds.union(shown_bounds);
         progress(RenderProgress { stage: "upload", done: 1, total: 1 });
@@ -410,7 +410,9 @@ impl Renderer {
     /// Whether the picture has all frames that the settings ask for. While voxels are late for what has moved, frames
     /// lack that.
     pub fn is_complete(&self) -> bool {
-        self.frame_count() >= self.settings.frames && !self.following.surfaces
+        self.frame_count() >= self.settings.frames
+            && !self.following.surfaces
+            && !self.scene.is_streaming()
     }
 
     /// Moves the camera; the mean starts again.
@@ -453,6 +455,11 @@ impl Renderer {
     /// Makes the next lighting store and filter all voxels, even unchanged ones, for measurements.
     pub fn forget_light(&mut self) {
         self.gi.forget_light();
+    }
+
+    /// How much of the scene is on the GPU; `None` without a budget ([`RenderSettings::geometry_budget`]): all.
+    pub fn streamed(&self) -> Option<StreamedGeometry> {
+        self.scene.streamed()
     }
 
     /// GPU memory by its use.

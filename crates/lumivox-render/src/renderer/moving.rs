@@ -13,6 +13,9 @@ use crate::{Picture, RenderSettings};
 /// gathered from darkness at each change.
 const MANY_BOUNCES: u32 = 8;
 
+/// Vertices that are uploaded in a frame, where they come and go with the camera.
+const UPLOADED_BYTES: u64 = 4 << 20;
+
 /// Frames after a change until less than a hundredth of it is still to come, at one bounce a frame.
 const SETTLING_FRAMES: u32 = 8;
 
@@ -120,14 +123,19 @@ impl Renderer {
         self.targets.accumulate.reset();
     }
 
-    /// Lets cascades follow the camera: over the next frames, or at once where nothing else follows frame by frame. Where
-    /// there is no surface any more, they stay.
+    /// Lets cascades follow the camera, and vertices that come and go with it: over the next frames, or at once where nothing else
+    /// follows frame by frame. Where there is no surface any more, voxels stay.
     pub(super) async fn follow_camera(&mut self) -> Result<(), RenderError> {
-        if !self.gi.center_on(self.camera.position)? {
+        let follows = self.settings.follows();
+        let most_bytes = if follows { UPLOADED_BYTES } else { u64::MAX };
+        let has_streamed = self.scene.stream(&self.gpu, self.camera.position, most_bytes);
+        if !self.gi.center_on(self.camera.position)? && !has_streamed {
             return Ok(());
         }
-        if self.settings.follows() {
+        if follows {
             self.following.surfaces = true;
+            // What comes casts shadows.
+            self.following.lights |= has_streamed;
             return Ok(());
         }
         match self.gi.voxelize(&self.scene.geometry, self.settings.timing).await {

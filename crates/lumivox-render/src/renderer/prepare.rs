@@ -12,7 +12,7 @@ use lumivox_scene::{Bounds, Scene};
 use super::RenderProgress;
 use crate::passes::shadow_maps::ShadowMapPass;
 use crate::renderer::estimate::MemoryEstimate;
-use crate::scene::{GpuScene, Lighting, corners};
+use crate::scene::{GeometryBudget, GpuScene, Lighting, corners};
 use crate::{Gpu, RenderError, RenderSettings};
 
 /// Uploads a scene, if it is known to fit.
@@ -22,11 +22,13 @@ pub(super) async fn upload(
     lighting: &Lighting,
     radiance_unit: f32,
     settings: &RenderSettings,
+    camera: glam::Vec3,
 ) -> Result<GpuScene, RenderError> {
     let estimate = MemoryEstimate::new(scene, settings)?;
     estimate.check(gpu)?;
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-    let uploaded = GpuScene::new(gpu, scene, lighting, radiance_unit);
+    let budget = settings.geometry_budget.map(|bytes| GeometryBudget { bytes, camera });
+    let uploaded = GpuScene::new(gpu, scene, lighting, radiance_unit, budget);
     if scope.pop().await.is_some() {
         return Err(estimate.too_large(gpu));
     }

@@ -9,6 +9,7 @@ mod mips;
 mod motion;
 mod reference_white;
 mod sheen;
+mod streaming;
 mod textures;
 mod units;
 
@@ -34,6 +35,7 @@ pub(crate) use materials::{Presence, material_layout};
 pub(crate) use mips::{Alpha, Encoding, Level, mip_chain};
 pub(crate) use reference_white::reference_white;
 pub(crate) use sheen::{EDGE as SHEEN_EDGE, table as sheen_table};
+pub use streaming::{GeometryBudget, StreamedGeometry};
 pub use units::radiance_unit;
 pub(crate) use units::{radiance_unit_within, suits};
 
@@ -43,6 +45,7 @@ use draws::{InstanceKind, InstanceParts, number_records};
 use geometry::{BatchKind, BatchLimits, Run, pack, runs};
 use materials::{MaterialUpload, VertexColors};
 use motion::Motion;
+use streaming::Streaming;
 
 /// Adds the shaders that read a scene: materials, their layers and textures, and points of surfaces.
 pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
@@ -99,6 +102,8 @@ pub struct GpuScene {
     pub material_layout: wgpu::BindGroupLayout,
     /// The draws that have moved since the last frame.
     pub(crate) motion: Motion,
+    /// What is not on the GPU, if not all is to be.
+    streaming: Option<Streaming>,
     pub(crate) memory: Vec<MemoryUse>,
 }
 
@@ -112,6 +117,7 @@ struct Placed {
     parts: Vec<InstanceParts>,
     boxes: InstanceBounds,
     draw_records: Buffer,
+    streaming: Option<Streaming>,
     memory: [MemoryUse; 2],
 }
 
@@ -120,7 +126,7 @@ impl GpuScene {
     ///
     /// `lighting` decides the brightness of unlit surfaces. `radiance_unit` is the unit of
     /// emission, cd/m²; [`radiance_unit`] chooses it. Mips of textures are made here, on all cores
-    /// of the CPU.
+    /// of the CPU. With a `budget`, only the vertices nearest to the camera are uploaded.
     ///
     /// # Errors
     /// [`RenderError::Limit`] when the scene has more instances than the device can bind.
@@ -129,6 +135,7 @@ impl GpuScene {
         scene: &Scene,
         lighting: &Lighting,
         radiance_unit: f32,
+        budget: Option<GeometryBudget>,
     ) -> Result<Self, RenderError> {
         let material_layout = material_layout(&gpu.pipelines);
         let white = reference_white(scene, lighting);
@@ -142,9 +149,9 @@ impl GpuScene {
             .unzip();
         let texture_bytes = upload.texture_bytes();
 
-        let placed = Placed::new(gpu, scene, &materials, Vec::new())?;
+        let placed = Placed::new(gpu, scene, &materials, Vec::new(), budget)?;
         let [vertices, instances] = placed.memory;
-        Ok(Self {
+        let mut uploaded = Self {
             geometry: Geometry { batches: placed.geometry, materials: surfaces },
             bounds: placed.boxes.all(scene),
             radiance_unit,
@@ -158,8 +165,18 @@ impl GpuScene {
             materials,
             material_layout,
             motion: Motion::default(),
+            streaming: placed.streaming,
             memory: vec![vertices, MemoryUse::new("textures", texture_bytes), instances],
-        })
+        };
+        uploaded.stream_anew(gpu);
+        Ok(uploaded)
+    }
+
+    /// Uploads what is nearest to the camera, as much as the budget allows.
+    fn stream_anew(&mut self, gpu: &Gpu) {
+        if let Some(budget) = self.budget() {
+            self.stream(gpu, budget.camera, u64::MAX);
+        }
     }
 
     /// Uploads the vertices and transforms of the same scene in another pose. Materials, textures
@@ -180,7 +197,8 @@ impl GpuScene {
         let draws = std::mem::take(&mut self.draws);
         let earlier = std::mem::take(&mut self.batches);
         let positions = self.motion.keep(&earlier);
-        let placed = Placed::new(gpu, scene, &self.materials, earlier)?;
+        let budget = self.budget();
+        let placed = Placed::new(gpu, scene, &self.materials, earlier, budget)?;
         self.geometry.batches = placed.geometry;
         self.batches = placed.batches;
         self.draws = placed.draws;
@@ -188,9 +206,11 @@ impl GpuScene {
         (self.runs, self.order) = (placed.runs, placed.order);
         (self.parts, self.boxes) = (placed.parts, placed.boxes);
         self.draw_records = placed.draw_records;
+        self.streaming = placed.streaming;
         let [vertices, instances] = placed.memory;
         self.memory[0] = vertices;
         self.memory[2] = instances;
+        self.stream_anew(gpu);
         Ok(())
     }
 
@@ -265,10 +285,13 @@ impl Placed {
         scene: &Scene,
         materials: &[GpuMaterial],
         mut earlier: Vec<VertexBuffers>,
+        budget: Option<GeometryBudget>,
     ) -> Result<Self, RenderError> {
         let limits = gpu.device.limits();
         let kinds = batch_kinds(scene);
-        let (packed, pieces) = pack(&scene.meshes, &kinds, BatchLimits::of_device(&limits));
+        let most = BatchLimits::of_device(&limits);
+        let most = if budget.is_some() { GeometryBudget::limits(most) } else { most };
+        let (packed, pieces) = pack(&scene.meshes, &kinds, most);
         let prints: Vec<_> = packed.iter().map(geometry::Batch::fingerprint).collect();
         // Dropped first: two poses at a time could exceed the device's memory.
         earlier.retain(|buffers| prints.contains(&buffers.fingerprint));
@@ -276,6 +299,7 @@ impl Placed {
             let place = earlier.iter().position(|buffers| buffers.fingerprint == *print);
             match place {
                 Some(place) => earlier.swap_remove(place),
+                None if budget.is_some() => GeometryBudget::absent(&gpu.device, batch),
                 None => VertexBuffers::new(&gpu.device, batch, *print),
             }
         };
@@ -346,6 +370,10 @@ impl Placed {
             });
         }
         let vertex_bytes = batches.iter().map(VertexBuffers::bytes).sum();
+        let streaming = budget.map(|budget| {
+            let packed = packed.into_iter().zip(prints).collect();
+            Streaming::new(budget, packed, &batches, (&mut draws, &mut geometry))
+        });
         Ok(Self {
             geometry,
             batches,
@@ -355,6 +383,7 @@ impl Placed {
             parts,
             boxes,
             draw_records: lumivox::gpu::upload(&gpu.device, "draws", &records),
+            streaming,
             memory: [
                 MemoryUse::new("vertices and indices", vertex_bytes),
                 MemoryUse::new("instances", draw_bytes),

@@ -113,6 +113,9 @@ pub struct RenderSettings {
     pub octree_builder: Option<Arc<dyn OctreeBuilding>>,
     /// The most bytes of the volume. Default: `None`, the device's limit.
     pub volume_memory: Option<u64>,
+    /// The most bytes of vertices and indices on the GPU. Default: `None`, all. Of larger scenes what is nearest to the camera is
+    /// there, and comes and goes with it; nothing is drawn or voxelized of the rest ([`Renderer::streamed`](crate::Renderer::streamed)).
+    pub geometry_budget: Option<u64>,
     /// How triangles become voxels. Default: `None`, exactly.
     pub voxelizer: Option<Arc<dyn Voxelization>>,
     /// How the light of lamps and sun comes into the voxels. Default: `None`, directly, face by face.
@@ -167,6 +170,7 @@ impl Default for RenderSettings {
             cascades: CascadeOptions::default(),
             octree_builder: None,
             volume_memory: None,
+            geometry_budget: None,
             voxelizer: None,
             injection: None,
             look: None,
@@ -283,6 +287,14 @@ impl RenderSettings {
                     "a view of single frames; history and disocclusion are those of the light of \
                            earlier frames (--temporal on, or --preset realtime)"
                         .to_owned(),
+            });
+        }
+        if self.geometry_budget.is_some() && self.look_name() != PHYSICAL {
+            return Err(RenderError::Setting {
+                name: "geometry_budget",
+                value: format!("with the look {}", self.look_name()),
+                expected: "unlimited, or with the look physical: others draw all of a scene"
+                    .to_owned(),
             });
         }
         beside::validate(self)?;

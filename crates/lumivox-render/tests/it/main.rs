@@ -15,6 +15,7 @@ mod render;
 mod scale;
 mod shown;
 mod snapshots;
+mod streaming;
 mod surfaces;
 mod temporal;
 mod truth;

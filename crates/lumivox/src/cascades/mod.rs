@@ -20,8 +20,9 @@
 //!
 //! They follow a place ([`Gi::center_on`](crate::Gi::center_on)): the voxels of moved boxes are made while the list stays what
 //! it was, and take its place a few frames later, with the light that the same voxels have gathered so far
-//! (`light/inherit.wgsl`). Of static surface only what has entered a box is walked (`Walked`), and of the rest sums are kept
-//! (`voxelize/keep.wgsl`): a box moves along one axis at a time, so that what enters it is a slab. Only faces of new voxels have to
+//! (`light/inherit.wgsl`). Of static surface only what has entered a box is walked (`walked.rs`), and of the rest sums are kept
+//! (`voxelize/keep.wgsl`): a box moves along one axis at a time, so that what enters it is a slab. So it is with draws that come and
+//! go: the boxes around them are walked. Only faces of new voxels have to
 //! gather at once; of others, those of coarse cascades do so less often (`light/turn.wgsl`).
 //!
 //! Memory: with six lobes 72 bytes a voxel, and a seventh more for the pyramid: 20 MiB for 64 voxels along an axis, 160 MiB for
@@ -30,11 +31,14 @@
 
 #[cfg(test)]
 mod tests;
+mod walked;
 
-use glam::{IVec3, Mat3, UVec3, Vec3};
+pub(crate) use walked::Walked;
+
+use glam::{IVec3, UVec3, Vec3};
 
 use crate::gpu::ShaderLibrary;
-use crate::{Directionality, Draw, GiError, Grid, VolumeKind, dense_volume_bytes};
+use crate::{Directionality, GiError, Grid, VolumeKind, dense_volume_bytes};
 
 /// The most cascades.
 pub const MAX_CASCADES: usize = 16;
@@ -162,41 +166,6 @@ impl Cascades {
         self.lowest.map(|lowest| lowest.extend(0).to_array())
     }
 
-    /// Of each cascade the first voxel that walks over triangles go over, and the one behind the last: of the whole box, or
-    /// of what has entered it since it was at another place.
-    fn walked(&self, before: Option<&Self>) -> [[IVec3; 2]; MAX_CASCADES] {
-        let walked = |cascade: usize| {
-            let low = self.lowest[cascade];
-            let high = low + self.resolution as i32;
-            let Some(before) = before.filter(|before| self.keeps_of(before, cascade)) else {
-                return [low, high];
-            };
-            let by = low - before.lowest[cascade];
-            let is_moved = by.cmpne(IVec3::ZERO);
-            if !is_moved.any() {
-                return [low, low];
-            }
-            // Along one axis alone.
-            let first = IVec3::select(by.cmpgt(IVec3::ZERO), high - by, low);
-            let end = IVec3::select(by.cmplt(IVec3::ZERO), low - by, high);
-            [first, end]
-        };
-        std::array::from_fn(walked)
-    }
-
-    /// The same as shaders see it: first all first ones.
-    pub(crate) fn walked_bounds(&self, before: Option<&Self>) -> [[[i32; 4]; MAX_CASCADES]; 2] {
-        let bounds = self.walked(before);
-        [0, 1].map(|end| bounds.map(|bounds| bounds[end].extend(0).to_array()))
-    }
-
-    /// Whether a cascade holds a part of what it held at another place, and what has entered is one box.
-    fn keeps_of(&self, before: &Self, cascade: usize) -> bool {
-        let by = (self.lowest[cascade] - before.lowest[cascade]).abs();
-        let axes = by.to_array().into_iter().filter(|by| *by > 0).count();
-        axes <= 1 && by.max_element() < self.resolution as i32
-    }
-
     /// The boxes after the first step on the way to others: each moves along one axis, so that what enters it is one box, or
     /// to its end at once where nothing of it would stay.
     pub(crate) fn step_to(&self, end: &Self) -> Self {
@@ -287,44 +256,6 @@ impl Grid {
             *lowest = (corner / STRIDE as f32).round().as_ivec3() * STRIDE;
         }
         Ok(cascades.lowest != before)
-    }
-}
-
-impl Grid {
-    /// The parts of all cascades that walks over triangles go over: the whole boxes, or what has entered them since they were
-    /// where those of another grid are.
-    pub(crate) fn walked(&self, before: Option<&Self>) -> Walked {
-        let Some(cascades) = &self.cascades else { return Walked::default() };
-        let bounds = cascades.walked(before.and_then(|before| before.cascades.as_ref()));
-        let part = |(cascade, [low, high]): (i32, &[IVec3; 2])| {
-            let is_empty = low.cmpge(*high).any();
-            // A voxel more on all sides, for what rounding does.
-            let corner =
-                |voxel: IVec3| self.world_from_grid(voxel.as_vec3() * 2.0_f32.powi(cascade));
-            (!is_empty).then(|| [corner(low - 1), corner(high + 1)])
-        };
-        Walked((0..).zip(&bounds[..cascades.count as usize]).map(part).collect())
-    }
-}
-
-/// The parts of cascades that walks over triangles go over: opposite corners in the world, m. Without cascades there are none,
-/// and nothing is left out.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Walked(Vec<Option<[Vec3; 2]>>);
-
-impl Walked {
-    /// A bit for each cascade of which a draw may touch what is walked.
-    pub(crate) fn cascades_of(&self, draw: &Draw) -> u32 {
-        let Some([low, high]) = draw.bounds.filter(|_| !self.0.is_empty()) else { return u32::MAX };
-        let linear = Mat3::from_mat4(draw.world_from_local);
-        let middle = draw.world_from_local.transform_point3(0.5 * (low + high));
-        let reach =
-            Mat3::from_cols_array(&linear.to_cols_array().map(f32::abs)) * (0.5 * (high - low));
-        let [low, high] = [middle - reach, middle + reach];
-        let meets = |part: &[Vec3; 2]| !(high.cmplt(part[0]).any() || low.cmpgt(part[1]).any());
-        let bits = (0..).zip(&self.0);
-        let bits = bits.filter(|(_, part)| part.as_ref().is_some_and(meets));
-        bits.map(|(cascade, _)| 1 << cascade).sum()
     }
 }
 

@@ -1,5 +1,7 @@
 //! Cascades against dense volumes of the same boxes, and against closed forms.
 
+mod walked;
+
 use std::collections::BTreeMap;
 use std::f32::consts::PI;
 
@@ -10,8 +12,8 @@ use crate::gpu::{Recorder, Timing};
 use crate::testing::{SceneBuilder, busy_room, device, lambert, morton_decode, read};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{
-    GatherSettings, Geometry, Gi, GiConfig, GiError, Grid, Light, LightSource, Lights, Shadow,
-    TraceSettings, VolumeKind,
+    FrameVoxels, GatherSettings, Geometry, Gi, GiConfig, GiError, Grid, Light, LightSource, Lights,
+    Shadow, TraceSettings, VolumeKind,
 };
 
 /// Where the room stands: the seam of the store, the multiples of 64 voxels, goes through it.
@@ -25,12 +27,15 @@ struct Lit {
 
 impl Lit {
     fn new(scene: SceneBuilder, grid: Grid, lights: &[Light], sky: Vec3, bounces: u32) -> Self {
+        Self::of(&scene.build(&device().0), grid, lights, sky, bounces)
+    }
+
+    fn of(geometry: &Geometry, grid: Grid, lights: &[Light], sky: Vec3, bounces: u32) -> Self {
         let (device, queue) = device();
         let volume = if grid.cascades.is_some() { VolumeKind::Cascades } else { VolumeKind::Dense };
         let config = GiConfig { volume, ..GiConfig::new(grid) };
         let mut gi = Gi::with_pipelines(&device, &queue, config).expect("it fits");
-        let geometry = scene.build(&device);
-        pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+        pollster::block_on(gi.voxelize(geometry, Timing::Off)).expect("there are voxels");
         let lights = gi.bind_lights(lights, sky, None);
         let mut recorder = Recorder::new(&device, &queue);
         gi.light(&mut recorder, &lights, bounces, &TraceSettings::default()).expect("valid");
@@ -46,17 +51,23 @@ impl Lit {
         gathered.iter().map(|point| point.total().element_sum() / 3.0).collect()
     }
 
+    /// Records a frame.
+    fn frame(&mut self, geometry: &Geometry) -> FrameVoxels {
+        let (device, queue) = device();
+        let mut recorder = Recorder::new(&device, &queue);
+        let voxels = self.gi.voxelize_frame(&mut recorder, geometry).expect("there is room");
+        let settings = TraceSettings::default();
+        self.gi.light_frame(&mut recorder, &self.lights, None, &settings).expect("valid");
+        recorder.submit();
+        let _ = device.poll(wgpu::PollType::wait_indefinitely());
+        voxels
+    }
+
     /// Records frames until the boxes are around a place, and all is known of their voxels. How many is returned.
     fn follow(&mut self, geometry: &Geometry, to: Vec3) -> u32 {
-        let (device, queue) = device();
         for frame in 1..20 {
             assert!(self.gi.center_on(to).is_ok());
-            let mut recorder = Recorder::new(&device, &queue);
-            let voxels = self.gi.voxelize_frame(&mut recorder, geometry).expect("there is room");
-            let settings = TraceSettings::default();
-            self.gi.light_frame(&mut recorder, &self.lights, None, &settings).expect("valid");
-            recorder.submit();
-            let _ = device.poll(wgpu::PollType::wait_indefinitely());
+            let voxels = self.frame(geometry);
             let has_moved = !self.gi.center_on(to).expect("it is near");
             if has_moved && !voxels.is_late {
                 return frame;
@@ -429,47 +440,6 @@ fn moved_boxes_arrive_at_those_of_a_new_clipmap() {
     // 0.0034.
     assert!(against(&settled, &before).abs() < 0.01);
     assert!(against(&on_arrival, &before).abs() < 0.01);
-}
-
-/// Of moved boxes only what has entered them is walked over. Whatever the way, the voxels are those of a new clipmap there.
-#[test]
-fn only_what_enters_the_boxes_is_walked() {
-    let (device, _) = device();
-    let floor = || {
-        let size = Vec3::new(6.0, 0.0, 6.0);
-        let [x, z] = [Vec3::X * size.x, Vec3::Z * size.z];
-        room().quad(ROOM - 0.5 * size - 0.1 * Vec3::Y, z, x, lambert(0.5, 0.0)).fixed()
-    };
-    let start = ROOM + Vec3::new(0.5, 0.35, 0.45);
-    let stride = STRIDE as f32 * VOXEL_M;
-    let mut lit = Lit::new(floor(), cascades(start, 3, 64), &[], Vec3::ONE, 1);
-    let geometry = floor().build(&device);
-    pollster::block_on(lit.gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
-    // The first move walks over all, since nothing is kept of static surface that nobody asks for.
-    lit.follow(&geometry, start + stride * Vec3::X);
-    let all = lit.gi.static_items();
-    let offsets = [
-        ([2.0, 0.0, 0.0], 4),
-        ([2.0, 0.0, 1.0], 4),
-        ([-2.0, 1.0, 0.0], 1),
-        ([-1.0, 0.0, -4.0], 1),
-        ([14.0, 0.0, 0.0], 0),
-        ([0.0, 0.0, 0.0], 0),
-    ];
-    for (offset, less) in offsets {
-        let place = start + stride * Vec3::from(offset);
-        let frames = lit.follow(&geometry, place);
-        let items = lit.gi.static_items();
-        println!("{items} of {all} items after {frames} frames");
-        assert!(items * less <= all, "{items} of {all} at {offset:?}");
-        let fresh = Lit::new(floor(), cascades(place, 3, 64), &[], Vec3::ONE, 0).faces();
-        let moved = lit.faces();
-        assert_eq!(moved.len(), fresh.len(), "{offset:?}");
-        for (key, face) in &fresh {
-            let same = bytemuck::bytes_of(&moved[key]) == bytemuck::bytes_of(face);
-            assert!(same, "{offset:?} {key:?}: {:?}, not {face:?}", moved[key]);
-        }
-    }
 }
 
 /// Where a box has moved by its whole edge, other voxels are stored in the places of the former ones. They take nothing of

@@ -114,10 +114,17 @@ fn gather_emitters(
     let ahead = kept.position + clearance * kept.normal;
     let moved = clear_of_walls(ahead, kept.normal, at_emitter) - ahead;
     let aside = moved - dot(moved, kept.normal) * kept.normal;
-    let to_point = kept.position + aside - origin;
+    // The ray ends a clearance before the emitter, and clear of the emitter's plane at any angle: straight ahead it goes to the
+    // point itself, since shadows would move otherwise; along the plane it goes to a place in front of it, since a wall is on the
+    // rest of the way.
+    let away = origin - kept.position;
+    let height = dot(away, kept.normal);
+    let slant = 1.0 - height / max(length(away), 1e-6);
+    let lift = clamp(clearance * slant, 0.0, max(0.5 * height, 0.0));
+    let to_point = kept.position + aside + lift * kept.normal - origin;
     let distance = length(to_point);
     let direction = to_point / max(distance, 1e-6);
-    let reach = distance - clearance / max(abs(dot(direction, kept.normal)), 1e-3);
+    let reach = distance - clearance;
     let ray = Cone(origin, direction, 0.0, reach, 0.0, level);
     let traced = trace_cone(ray, ray_settings(settings));
     // It may be below zero, which makes up for what other rays leak (cones::cone).

@@ -6,6 +6,7 @@ use super::room::{new_list, resized_list};
 use super::scene::{Fixed, FrameVoxels, Rebuild, Taken, VoxelizedScene, sums_for, with_spare};
 use super::share::{Share, Work};
 use super::union::{NO_ROOM_FOR_VOXELS, Union, Verdict};
+use crate::cascades::Walked;
 use crate::gpu::{LateReads, Recorder, uniform_buffer};
 use crate::voxels::{VoxelList, count_bytes};
 use crate::{Geometry, GiError, Grid};
@@ -38,26 +39,24 @@ impl Voxelizer {
         recorder.stage("voxelize");
         // What is on its way gets there, so that boxes that move all the time do move.
         if scene.next.is_none() && scene.wanted.is_some() {
-            scene.next = scene.first_step().map(|grid| self.placed(&device, scene, grid));
+            scene.next = scene.first_step().map(|grid| self.placed(&device, grid));
             scene.rebuild = None;
         }
+        let is_needed = ShareKey::is_needed(geometry);
         let mut arrived = None;
         if let Some(next) = scene.next.clone() {
-            if ShareKey::is_needed(geometry) {
-                // What stays in the boxes is what it was.
-                let keeps = scene.has_fixed(self.method, geometry);
-                let globals = if keeps { &next.entered } else { &next.globals };
-                let work = &mut self.work(recorder, &device, &next.grid, globals);
-                arrived = self.rebuild(work, scene, geometry, keeps)?;
-                if arrived.is_some() {
-                    scene.place(next);
-                }
-            } else {
+            if is_needed {
+                arrived = self.rebuild(recorder, scene, geometry, &next.grid)?;
+            }
+            if arrived.is_some() || !is_needed {
                 scene.place(next);
             }
+        } else if is_needed && !scene.has_fixed(self.method, geometry) {
+            arrived = self.rebuild(recorder, scene, geometry, &scene.grid.clone())?;
         }
         let grid = scene.grid;
-        let moving_input = ShareInput::new(geometry, false, (&grid, &grid.walked(None)), &limits)?;
+        let all = Walked::all(&grid);
+        let moving_input = ShareInput::new(geometry, false, (&grid, &all), &limits)?;
         let globals = scene.globals.clone();
         let mut work = self.work(recorder, &device, &grid, &globals);
         let work = &mut work;
@@ -67,18 +66,16 @@ impl Voxelizer {
             Self::replace(work, scene, Some(fixed))?;
         } else if scene.next.is_some() {
             // The list stays what it was until then.
-        } else if !ShareKey::is_needed(geometry) {
+        } else if !is_needed {
             scene.rebuild = None;
             if scene.fixed.is_some() {
                 Self::replace(work, scene, None)?;
             }
-        } else if !scene.has_fixed(self.method, geometry) {
+        } else if scene.rebuild.is_some() {
             is_late = true;
-            match self.rebuild(work, scene, geometry, false)? {
-                Some(fixed) => Self::replace(work, scene, Some(fixed))?,
-                // What moves cannot be put together with static surface that is not there.
-                None if scene.union.is_none() => return Ok(scene.frame(true)),
-                None => {}
+            // What moves cannot be put together with static surface that is not there.
+            if scene.union.is_none() {
+                return Ok(scene.frame(true));
             }
         }
         Self::mark_moving(work, scene, &moving_input, geometry)?;
@@ -170,32 +167,46 @@ impl Voxelizer {
         Ok(scene.lacks_room)
     }
 
-    /// Goes on with static surface that is not what it was, a step a call. Once it is there, it is returned. If `keeps`, only
-    /// what has entered the boxes of a clipmap is walked over, and the rest is taken from the share so far.
+    /// Goes on with static surface that is not what it was, a step a call. Once it is there, it is returned. With cascades, only
+    /// what has entered their boxes is walked over, and what is near draws that have come or gone; the rest is taken from the
+    /// share so far. What is on its way gets there though draws have changed again, so that it does where they always do.
     fn rebuild(
         &self,
-        work: &mut Work<'_, '_>,
+        recorder: &mut Recorder<'_>,
         scene: &mut VoxelizedScene,
         geometry: &Geometry,
-        keeps: bool,
+        grid: &Grid,
     ) -> Result<Option<Fixed>, GiError> {
-        let kept = scene.fixed.as_ref().filter(|_| keeps);
-        let kept_share = kept.and_then(|kept| kept.share.as_ref());
-        let (device, grid) = (work.memory.device(), work.grid);
-        let is_current = |rebuild: &Rebuild| rebuild.key.is_of(self.method, geometry, grid);
+        let device = recorder.device().clone();
+        let device = &device;
+        let kept = scene.fixed.as_ref().filter(|fixed| fixed.share.is_some());
+        let is_current = |rebuild: &Rebuild| rebuild.key.suits(self.method, geometry, grid);
         let Some(mut rebuild) = scene.rebuild.take().filter(is_current) else {
-            let walked = grid.walked(keeps.then_some(&scene.grid));
+            let kept = kept.filter(|kept| grid.cascades.is_some() && kept.key.is_by(self.method));
+            let changes = kept.and_then(|kept| kept.key.changes(geometry));
+            let keeps = changes.is_some();
+            let walked = changes.map_or_else(
+                || Walked::all(grid),
+                |boxes| Walked::changed(grid, &scene.grid, &boxes),
+            );
+            let globals = self.group_of(device, &grid.uniform_of_walked(&walked, device));
+            let work = &mut self.work(recorder, device, grid, &globals);
             let input = ShareInput::new(geometry, true, (grid, &walked), &device.limits())?;
             let mut share = Share::new(work)?;
             share.bind(work, &scene.fallbacks, &input, geometry)?;
-            share.mark(work, input.draws(), kept_share);
+            let kept = kept.filter(|_| keeps).and_then(|kept| kept.share.as_ref());
+            share.mark(work, input.draws(), kept);
             let sources = share.marked_counts();
             let mut reads = LateReads::new(device, sources.iter().map(|source| source.2).sum());
             reads.record(work.recorder, &sources);
             let key = ShareKey::new(self.method, geometry, grid);
-            scene.rebuild = Some(Rebuild { key, share, voxels: None, reads });
+            scene.rebuild = Some(Rebuild { key, globals, keeps, share, voxels: None, reads });
             return Ok(None);
         };
+        let kept = kept.filter(|_| rebuild.keeps);
+        let kept_share = kept.and_then(|kept| kept.share.as_ref());
+        let globals = rebuild.globals.clone();
+        let work = &mut self.work(recorder, device, grid, &globals);
         let Some(words) = rebuild.reads.latest(device) else {
             scene.rebuild = Some(rebuild);
             return Ok(None);

@@ -4,14 +4,14 @@
 //! triangles and one dispatch; materials without textures are one group.
 
 mod check;
-
-use std::collections::BTreeSet;
+mod key;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine2, Mat4, Vec3};
 
 pub(crate) use check::check_materials;
 use check::{check_buffers, check_draw};
+pub(crate) use key::ShareKey;
 
 use super::hook::Detail;
 use crate::cascades::Walked;
@@ -93,76 +93,6 @@ pub(crate) struct ShareInput<'a> {
     pub batches: Vec<(&'a GeometryBatch, PreparedBatch)>,
     /// Triangles of static draws that are outside of all that is walked.
     pub left_out: u64,
-}
-
-/// All that the static share was made of but what stands in its buffers: equal keys give equal shares, if those are as they
-/// were. It holds what the caller gave, and not what is made of it, so that what has not changed is only compared.
-#[derive(Clone, Debug)]
-pub(crate) struct ShareKey {
-    /// The name of the voxelization.
-    method: &'static str,
-    grid: Grid,
-    /// With the static draws that have triangles.
-    batches: Vec<GeometryBatch>,
-    /// Those that the draws have, with their numbers.
-    materials: Vec<(u32, SurfaceMaterial)>,
-    emission_scale: f32,
-}
-
-/// The static draws of a batch that have triangles.
-fn static_draws(batch: &GeometryBatch) -> impl Iterator<Item = &Draw> {
-    batch.draws.iter().filter(|draw| draw.is_static && draw.index_count > 0)
-}
-
-impl ShareKey {
-    /// Whether there are static draws at all.
-    pub(crate) fn is_needed(geometry: &Geometry) -> bool {
-        geometry.batches.iter().any(|batch| static_draws(batch).next().is_some())
-    }
-
-    /// Of the static draws.
-    pub(crate) fn new(method: &'static str, geometry: &Geometry, grid: &Grid) -> Self {
-        let key = |batch: &GeometryBatch| {
-            let draws = static_draws(batch).copied().collect();
-            // Not a copy of all draws, which may be many.
-            let (positions, indices) = (batch.positions.clone(), batch.indices.clone());
-            GeometryBatch { positions, attributes: batch.attributes.clone(), indices, draws }
-        };
-        let mut batches: Vec<GeometryBatch> = geometry.batches.iter().map(key).collect();
-        batches.retain(|batch| !batch.draws.is_empty());
-        let used: BTreeSet<u32> =
-            batches.iter().flat_map(|batch| &batch.draws).map(|draw| draw.material).collect();
-        let materials = used
-            .into_iter()
-            .filter_map(|number| Some((number, geometry.materials.get(number as usize)?.clone())));
-        Self {
-            method,
-            grid: *grid,
-            batches,
-            materials: materials.collect(),
-            emission_scale: emission_scale(geometry),
-        }
-    }
-
-    /// Whether it is that of these static draws.
-    pub(crate) fn is_of(&self, method: &str, geometry: &Geometry, grid: &Grid) -> bool {
-        let mut known = self.batches.iter();
-        let is_same_batch = |batch: &GeometryBatch| {
-            let mut draws = static_draws(batch).peekable();
-            draws.peek().is_none()
-                || known
-                    .next()
-                    .is_some_and(|key| key.is_same_but_draws(batch) && draws.eq(&key.draws))
-        };
-        self.method == method
-            && self.grid == *grid
-            && self.emission_scale.to_bits() == emission_scale(geometry).to_bits()
-            && geometry.batches.iter().all(is_same_batch)
-            && known.next().is_none()
-            && self.materials.iter().all(|(number, material)| {
-                geometry.materials.get(*number as usize) == Some(material)
-            })
-    }
 }
 
 impl<'a> ShareInput<'a> {

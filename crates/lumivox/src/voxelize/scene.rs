@@ -52,8 +52,6 @@ pub struct VoxelizedScene {
 pub(super) struct PlacedGrid {
     pub(super) grid: Grid,
     pub(super) globals: BindGroup,
-    /// Group 0 of walks over what enters its boxes alone.
-    pub(super) entered: BindGroup,
 }
 
 /// Static surface.
@@ -70,6 +68,10 @@ pub(super) struct Fixed {
 #[derive(Debug)]
 pub(super) struct Rebuild {
     pub(super) key: ShareKey,
+    /// Group 0 of its walks.
+    pub(super) globals: BindGroup,
+    /// It goes on from the static surface so far: only what has changed is walked.
+    pub(super) keeps: bool,
     pub(super) share: Share,
     /// Once its voxels are counted.
     pub(super) voxels: Option<u64>,
@@ -173,6 +175,7 @@ impl VoxelizedScene {
         if let Some(fixed) = &mut self.fixed {
             fixed.share = None;
         }
+        self.rebuild = None;
     }
 
     /// Work items of the last walks over static draws.
@@ -239,18 +242,13 @@ impl Voxelizer {
     }
 
     /// A grid to go on with.
-    pub(super) fn placed(
-        &self,
-        device: &wgpu::Device,
-        scene: &VoxelizedScene,
-        grid: Grid,
-    ) -> PlacedGrid {
-        let group = |uniform: &Buffer| {
-            let group = BindGroupBuilder::new(&self.kernels.layouts.grid);
-            group.buffer(uniform).build(device, "grid")
-        };
-        let entered = group(&grid.uniform_of_entered(&scene.grid, device));
-        PlacedGrid { grid, globals: group(&grid.uniform(device)), entered }
+    pub(super) fn placed(&self, device: &wgpu::Device, grid: Grid) -> PlacedGrid {
+        PlacedGrid { grid, globals: self.group_of(device, &grid.uniform(device)) }
+    }
+
+    /// Group 0 with the uniform of a grid.
+    pub(super) fn group_of(&self, device: &wgpu::Device, uniform: &Buffer) -> BindGroup {
+        BindGroupBuilder::new(&self.kernels.layouts.grid).buffer(uniform).build(device, "grid")
     }
 
     pub(super) fn work<'a, 'r>(

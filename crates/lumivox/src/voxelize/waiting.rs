@@ -6,6 +6,7 @@ use super::scene::{Fixed, Taken, VoxelizedScene, sums_for, with_spare};
 use super::share::{Share, ShareCounts, Work};
 use super::union::{Union, Verdict};
 use super::{VoxelizeStats, Voxelizer};
+use crate::cascades::Walked;
 use crate::gpu::{
     Buffer, Memory, Recorder, StageTime, Timing, read_buffer, storage_buffer, uniform_buffer,
 };
@@ -47,14 +48,14 @@ impl Voxelizer {
     ) -> Result<VoxelizeStats, GiError> {
         input::check_materials(geometry)?;
         let device = recorder.device().clone();
-        let placed = scene.wanted.map(|grid| self.placed(&device, scene, grid));
+        let placed = scene.wanted.map(|grid| self.placed(&device, grid));
         let (grid, globals) = match &placed {
             Some(placed) => (placed.grid, placed.globals.clone()),
             None => (scene.grid, scene.globals.clone()),
         };
         let limits = device.limits();
         let is_reused = grid == scene.grid && scene.has_fixed(self.method, geometry);
-        let walked = grid.walked(None);
+        let walked = Walked::all(&grid);
         // What is used again is not looked at.
         let fixed_input = if is_reused {
             ShareInput::default()

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use lumivox_console::report::{
-    AdapterReport, GridReport, MemoryReport, SceneCounts, TimesReport, bytes, count, counted,
-    memory_table, total_bytes,
+    AdapterReport, GeometryReport, GridReport, MemoryReport, SceneCounts, TimesReport, bytes,
+    count, counted, memory_table, total_bytes,
 };
 use lumivox_console::shown;
 use lumivox_render::{ExposureWarning, Gpu, Picture, RenderSettings, Renderer};
@@ -78,6 +78,9 @@ pub struct RendererReport {
     pub voxels: u32,
     /// Faces: lobes of voxels that have surface.
     pub faces: u32,
+    /// Only with a budget of geometry.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub geometry: Option<GeometryReport>,
     pub memory: Vec<MemoryReport>,
     pub memory_bytes: u64,
     /// Times on the GPU in milliseconds; for passes of frames the mean of a frame.
@@ -93,6 +96,7 @@ impl RendererReport {
             grid: GridReport::new(renderer.gi().grid()),
             voxels: renderer.voxel_stats().voxels,
             faces: renderer.voxel_stats().faces,
+            geometry: GeometryReport::new(renderer),
             memory_bytes: total_bytes(&memory),
             memory,
             times: TimesReport::new(&renderer.times()),
@@ -176,6 +180,9 @@ impl Report {
             counted(*faces as usize, "face", "faces"),
             grid.size()
         );
+        if let Some(geometry) = &renderer.geometry {
+            text += &format!("  geometry {}\n", geometry.line());
+        }
         text += &format!("  memory   {} on the GPU\n", bytes(renderer.memory_bytes));
         text += &format!(
             "  time     {:.2} s: loading {:.2}, preparing {:.2}, rendering {:.2} \

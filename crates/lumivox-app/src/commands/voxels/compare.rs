@@ -53,7 +53,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     progress.set("uploading", 0, 1);
     let lighting = Lighting::of(&scene);
     let unit = radiance_unit(&scene, &lighting);
-    let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
+    let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit, None)?;
     gpu.wait("uploading the scene")?;
 
     let Kind::Choice(methods) = voxelizers().kind else { unreachable!("they are choices") };

@@ -48,7 +48,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     progress.set("uploading", 0, 1);
     let lighting = Lighting::of(&scene);
     let unit = radiance_unit(&scene, &lighting);
-    let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
+    let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit, None)?;
     let config = settings.gi_config(grid);
     if args.dynamic_share.is_some() {
         let report = dynamic::measure(&gpu, &scene, &uploaded, &config, args.moves, &progress)?;

@@ -264,6 +264,21 @@ pub(super) const VOLUME: &[Row] = &[
         set: |s, v| s.volume_memory = v.number().map(|mib| (mib * MIB) as u64),
         ..Row::ROW
     },
+    Row {
+        name: "geometry_budget",
+        unit: "MiB",
+        summary: "The most memory on the GPU for vertices and indices",
+        help: "Of larger scenes what is nearest to the camera is there, and comes and goes with it; nothing of the rest is drawn or \
+               voxelized. The scene is uploaded again when it changes.",
+        kind: Kind::Number { low: 1.0, high: 1_048_576.0, words: &[UNLIMITED], off: None },
+        redoes: Redoes::Voxels,
+        get: |s| match s.geometry_budget {
+            None => Value::Word(UNLIMITED),
+            Some(bytes) => Value::Number(bytes as f32 / MIB),
+        },
+        set: |s, v| s.geometry_budget = v.number().map(|mib| (mib * MIB) as u64),
+        ..Row::ROW
+    },
 ];
 
 /// Light in the voxels, and shadows.

@@ -147,7 +147,7 @@ pub(super) fn check_draw(
     let end = u64::from(draw.first_index) + u64::from(draw.index_count);
     let Indices { buffer, offset, .. } = &batch.indices;
     let indices = buffer.size().saturating_sub(*offset) / index_bytes(&batch.indices);
-    if end > indices {
+    if end > indices && draw.index_count > 0 {
         return Err(format!("its indices end at {end}, but the batch has {indices}"));
     }
     if draw.bounds.is_some_and(|[low, high]| !low.cmple(high).all()) {
