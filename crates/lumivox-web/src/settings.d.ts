@@ -40,6 +40,8 @@ export interface Settings {
   cascade_voxel?: number;
   /** The most memory of the volume: a number from 0 to 1048576, or unlimited, MiB. Default: unlimited. */
   volume_memory?: number | "unlimited";
+  /** The most memory on the GPU for vertices and indices: a number from 1 to 1048576, or unlimited, MiB. Default: unlimited. */
+  geometry_budget?: number | "unlimited";
   /** How triangles become voxels: exact, dominant-axis, conservative or three-plane. Default: exact. */
   voxelizer?: "exact" | "dominant-axis" | "conservative" | "three-plane";
   /** How light comes into the voxels: direct or photons. Default: direct. */
