@@ -17,6 +17,7 @@ import lumivox
 from lumivox import Camera, InputError, Scene
 
 from conftest import SMALL
+from test_sequences import VIEW, moving
 
 import ray
 
@@ -91,6 +92,20 @@ def test_many_views_are_those_of_one_machine(cluster: None, cornell: Scene) -> N
     for name, array in alone.items():
         assert (views[name] == array).all(), name
     assert not np.array_equal(alone["radiance"][0], alone["radiance"][4])
+
+
+def test_a_sequence_is_that_of_one_machine(cluster: None, tmp_path: Path) -> None:
+    file = str(moving(tmp_path))
+    times = [0.2 * number for number in range(5)]
+    options: dict[str, Any] = {**SMALL, "layers": ["motion"], "times_s": times}
+    film = lumivox.ray.render_many(lambda: Scene.load(file), VIEW, (24, 16), views=2, workers=2, **options)
+    alone = lumivox.render_many(Scene.load(file), VIEW, (24, 16), **options)
+    for name, array in alone.items():
+        assert (film[name] == array).all(), name
+    # The first picture of a piece tells its motion since the last one of the piece before.
+    assert all((motion != 0).any() for motion in alone["motion"][1:])
+    with pytest.raises(InputError, match="scene: its animations do not travel"):
+        lumivox.ray.render_many(Scene.load(file), VIEW, times_s=times)
 
 
 def test_mistakes_are_told(cluster: None, cornell: Scene) -> None:
