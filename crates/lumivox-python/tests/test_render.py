@@ -152,7 +152,7 @@ def test_a_machine_without_a_driver_is_told() -> None:
     program = "import lumivox; lumivox.render(lumivox.Scene.builtin('cornell'), size=(8, 8))"
     run = subprocess.run([sys.executable, "-c", program], env=nowhere, capture_output=True, text=True)
     assert run.returncode == 1 and "lumivox.errors.GpuError" in run.stderr
-    assert "apt install libvulkan1 mesa-vulkan-drivers" in run.stderr.splitlines()[-1]
+    assert "mesa-vulkan-drivers" in run.stderr.splitlines()[-1]
 
 
 def test_an_unknown_gpu_is_told(cornell: Scene) -> None:
