@@ -16,6 +16,7 @@
 //! | `settings.rs` | settings by name |
 //! | `stage.rs` | a scene with its camera and the light that it lacks |
 //! | `render.rs` | a scene on the device: pictures, layers, irradiance |
+//! | `motion.rs` | the way of what is seen since the picture before |
 //! | `measure.rs` | light at points and along rays by the path tracer; workplanes |
 //! | `picture.rs` | pictures on their way to screens and files |
 //! | `reference.rs` | the path tracer, and comparison |
@@ -27,6 +28,7 @@ mod command;
 mod error;
 mod gpu;
 mod measure;
+mod motion;
 mod picture;
 mod records;
 mod reference;

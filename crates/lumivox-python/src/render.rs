@@ -4,17 +4,21 @@ use std::sync::{Arc, Mutex};
 
 use glam::{UVec2, Vec2, Vec3};
 use lumivox_render::{Gpu, RenderProgress, Renderer as Engine, VoxelFace};
-use lumivox_scene::{Camera, Picker};
+use lumivox_scene::{Bounds, Camera, Picker, Places, Scene as Model};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes};
 
 use crate::error::Fault;
 use crate::gpu::{check_process, open};
+use crate::motion::{Shot, motion};
 use crate::records::CameraRecord;
-use crate::scene::Scene;
+use crate::scene::{Scene, posed};
 use crate::settings::{Given, Layer, layer, of, texts};
 use crate::stage::{CameraArgument, Staged, camera, stage};
 use crate::work::{Progress, array, detached, lock, numbers};
+
+/// The points that irradiance is gathered at in one go.
+const POINTS_AT_ONCE: usize = 1 << 18;
 
 /// The bytes of a picture's arrays by name, each with its number of channels; the type is `f4` or `i4`.
 type Arrays<'py> = Vec<(String, Bound<'py, PyByteArray>, usize, &'static str)>;
@@ -32,6 +36,10 @@ pub struct Renderer {
 struct State {
     engine: Engine,
     staged: Staged,
+    /// Where the scene's parts are, as the device has it.
+    places: Places,
+    /// What the picture before showed, if the next one shall tell its motion since then.
+    before: Option<(Arc<Model>, Camera)>,
     /// The scene's triangles for the layers of numbers, once they were asked for.
     picker: Option<Arc<Picker>>,
 }
@@ -54,6 +62,8 @@ impl Renderer {
         given: Given,
         layers: Vec<String>,
         surroundings: String,
+        bounds: Option<[[f32; 3]; 2]>,
+        time: Option<(f32, Option<usize>)>,
         adapter: Option<String>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
@@ -68,6 +78,8 @@ impl Renderer {
             }
             let model = scene.model();
             let mut settings = of(&model, size, &given)?;
+            settings.grid_bounds =
+                bounds.map(|[min, max]| Bounds { min: min.into(), max: max.into() });
             let mut named = Vec::with_capacity(layers.len());
             for name in layers {
                 let (layer, channels) = layer(&name)?;
@@ -80,7 +92,10 @@ impl Renderer {
             settings.validate(&gpu.device.limits())?;
             let aspect = size.x as f32 / size.y as f32;
             let _ = progress.step("looking at the scene", 0.0, 1);
-            let staged = stage(&model, camera, aspect, &surroundings)?;
+            let mut staged = stage(&model, camera, aspect, &surroundings)?;
+            if let Some((time_s, animation)) = time {
+                staged.scene = Arc::new(posed(&staged.scene, time_s, animation)?);
+            }
             progress.end()?;
             let mut tell = |step: RenderProgress| {
                 let _ = progress.step(step.stage, step.done.into(), step.total);
@@ -89,7 +104,8 @@ impl Renderer {
                 Engine::new(&gpu, &staged.scene, Some(&staged.camera), settings, &mut tell);
             let engine = pollster::block_on(engine)?;
             progress.end()?;
-            let state = Mutex::new(State { engine, staged, picker: None });
+            let places = Places::of(&staged.scene);
+            let state = Mutex::new(State { engine, staged, places, before: None, picker: None });
             Ok(Self { process: std::process::id(), gpu, layers: named, surroundings, state })
         })
     }
@@ -122,8 +138,39 @@ impl Renderer {
                 let _ = progress.step(step.stage, step.done.into(), step.total);
             };
             pollster::block_on(state.engine.set_materials(&staged.scene, &mut tell))?;
+            state.places = Places::of(&staged.scene);
             (state.staged, state.picker) = (staged, None);
             progress.end()
+        })
+    }
+
+    /// Shows the scene at a time of an animation, or of all at once.
+    fn pose(&self, py: Python<'_>, time_s: f32, animation: Option<usize>) -> PyResult<()> {
+        detached(py, || {
+            check_process(self.process)?;
+            let mut state = lock(&self.state);
+            let scene = posed(&state.staged.scene, time_s, animation)?;
+            let moved = state.places.moved(&scene);
+            let tell = &mut |_| {};
+            if moved.shapes {
+                pollster::block_on(state.engine.set_scene(&scene, tell))?;
+            } else if moved.lights || !moved.instances.is_empty() {
+                let instances = &moved.instances;
+                pollster::block_on(state.engine.move_instances(&scene, instances, tell))?;
+            }
+            state.places = Places::of(&scene);
+            (state.staged.scene, state.picker) = (Arc::new(scene), None);
+            Ok(())
+        })
+    }
+
+    /// Lets the next picture tell its motion since one from this camera of the present scene, or none.
+    fn start_motion(&self, py: Python<'_>, camera: Option<CameraArgument>) -> PyResult<()> {
+        detached(py, || {
+            let mut state = lock(&self.state);
+            let camera = camera.map(|argument| state.resolve(argument)).transpose()?;
+            state.before = camera.map(|camera| (state.staged.scene.clone(), camera));
+            Ok(())
         })
     }
 
@@ -137,10 +184,18 @@ impl Renderer {
     ) -> PyResult<Bound<'py, PyByteArray>> {
         let points = numbers::<Vec3>("points", points).map_err(|fault| fault.raise(py))?;
         let normals = numbers::<Vec3>("normals", normals).map_err(|fault| fault.raise(py))?;
+        let mut progress = Progress::new(None);
         let gathered = detached(py, || {
             check_process(self.process)?;
             let state = lock(&self.state);
-            Ok(pollster::block_on(state.engine.irradiance(&points, &normals, frames))?)
+            let mut gathered = Vec::with_capacity(points.len());
+            // The library takes no more at once; Ctrl-C ends it between two of these.
+            for (at, towards) in points.chunks(POINTS_AT_ONCE).zip(normals.chunks(POINTS_AT_ONCE)) {
+                gathered.extend(pollster::block_on(state.engine.irradiance(at, towards, frames))?);
+                let _ = progress.step("points", gathered.len() as f64, points.len() as u32);
+                progress.end()?;
+            }
+            Ok(gathered)
         })?;
         let flat: Vec<[f32; 7]> = gathered
             .iter()
@@ -224,12 +279,13 @@ impl Renderer {
     ) -> Result<Vec<(String, Values, usize)>, Fault> {
         check_process(self.process)?;
         let mut state = lock(&self.state);
-        let aspect = state.aspect();
         let camera = match argument {
-            Some(argument) => camera(argument, &state.staged.scene, aspect)?,
+            Some(argument) => state.resolve(argument)?,
             None => state.engine.camera().clone(),
         };
         state.engine.set_camera(camera.clone());
+        // Nothing of the pictures before it.
+        pollster::block_on(state.engine.cut(&mut |_| {}))?;
         let total = state.engine.settings().frames;
         while !state.engine.is_complete() {
             pollster::block_on(state.engine.render_frame())?;
@@ -256,8 +312,12 @@ impl Renderer {
                 Layer::Instance | Layer::Material => {
                     Values::Numbers(state.seen(&camera, *layer == Layer::Material))
                 }
+                Layer::Motion => Values::Floats(state.motion(&camera)),
             };
             arrays.push((name.clone(), values, *count));
+        }
+        if self.layers.iter().any(|(_, layer, _)| *layer == Layer::Motion) {
+            state.before = Some((state.staged.scene.clone(), camera));
         }
         Ok(arrays)
     }
@@ -270,10 +330,31 @@ impl State {
         size.x / size.y
     }
 
+    /// The camera that is meant.
+    fn resolve(&self, argument: CameraArgument) -> Result<Camera, Fault> {
+        camera(argument, &self.staged.scene, self.aspect())
+    }
+
+    /// The triangles of the present scene.
+    fn picker(&mut self) -> Arc<Picker> {
+        let scene = &self.staged.scene;
+        self.picker.get_or_insert_with(|| Arc::new(Picker::new(scene))).clone()
+    }
+
+    /// The motion of what is seen since the picture before; none without one.
+    fn motion(&mut self, camera: &Camera) -> Vec<f32> {
+        let size = self.engine.settings().size;
+        let picker = self.picker();
+        let now = Shot { scene: &self.staged.scene, camera };
+        let before = self.before.as_ref();
+        let before = before.map_or(now, |(scene, camera)| Shot { scene, camera });
+        motion(now, before, &picker, size)
+    }
+
     /// The numbers of the instances, or of their materials, that the middles of the pixels show; -1 where there is none.
     fn seen(&mut self, camera: &Camera, is_of_materials: bool) -> Vec<i32> {
+        let picker = self.picker();
         let scene = &self.staged.scene;
-        let picker = self.picker.get_or_insert_with(|| Arc::new(Picker::new(scene)));
         let size = self.engine.settings().size;
         let pixels = (0..size.y).flat_map(|y| (0..size.x).map(move |x| UVec2::new(x, y)));
         let number = |pixel: UVec2| {

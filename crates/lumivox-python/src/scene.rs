@@ -9,8 +9,8 @@ use glam::{Vec2, Vec3};
 use lumivox_explorer::suggest;
 use lumivox_scene::sky::{SkySettings, sky};
 use lumivox_scene::{
-    Bounds, Camera, Environment, EnvironmentMap, Instance, Light, LoadOptions, LoadProgress, Mesh,
-    Scene as Model, UpAxis, builtin,
+    AnimationChoice, Bounds, Camera, Environment, EnvironmentMap, Instance, Light, LoadOptions,
+    LoadProgress, Mesh, Scene as Model, UpAxis, builtin,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -155,6 +155,23 @@ impl Scene {
         (!bounds.is_empty()).then(|| (bounds.min.into(), bounds.max.into()))
     }
 
+    /// The animations: of each its name and its duration, s.
+    #[getter]
+    fn animations(&self, py: Python<'_>) -> Vec<(String, f32)> {
+        self.read(py, |model| {
+            let known = model.animations().into_iter();
+            known.map(|animation| (animation.name, animation.duration_s)).collect()
+        })
+    }
+
+    /// Shows it at a time of an animation, or of all at once.
+    fn pose(&self, py: Python<'_>, time_s: f32, animation: Option<usize>) -> PyResult<()> {
+        self.edit(py, |model| {
+            *model = posed(model, time_s, animation)?;
+            Ok(())
+        })
+    }
+
     #[getter]
     fn cameras(&self, py: Python<'_>) -> Vec<CameraRecord> {
         self.read(py, |model| model.cameras.iter().map(Into::into).collect())
@@ -164,7 +181,7 @@ impl Scene {
         self.edit(py, |model| {
             let cameras: Vec<Camera> = cameras.into_iter().map(Into::into).collect();
             check(&model.name, Model { cameras: cameras.clone(), ..Model::default() })?;
-            model.cameras = cameras;
+            model.replace_cameras(cameras);
             Ok(())
         })
     }
@@ -181,7 +198,7 @@ impl Scene {
                 made.push(Light::try_from(light)?);
             }
             check(&model.name, Model { lights: made.clone(), ..Model::default() })?;
-            model.lights = made;
+            model.replace_lights(made);
             Ok(())
         })
     }
@@ -327,6 +344,18 @@ impl Scene {
             Ok(())
         })
     }
+}
+
+/// A scene at a time of an animation, or of all at once.
+///
+/// # Errors
+/// When there is no such animation, and where nothing is left at that time.
+pub fn posed(model: &Model, time_s: f32, animation: Option<usize>) -> Result<Model, Fault> {
+    // What fails may leave half a pose.
+    let mut posed = model.clone();
+    let choice = animation.map_or(AnimationChoice::All, AnimationChoice::One);
+    posed.pose(choice, time_s)?;
+    Ok(posed)
 }
 
 /// Checks the numbers of a material.

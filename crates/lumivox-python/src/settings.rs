@@ -105,10 +105,12 @@ pub enum Layer {
     Instance,
     /// The numbers of their materials, -1 where there is none.
     Material,
+    /// The motion since the picture before, in pixels.
+    Motion,
 }
 
 /// The layers by name, with their channels.
-pub const LAYERS: [(&str, Layer, usize); 11] = [
+pub const LAYERS: [(&str, Layer, usize); 12] = [
     ("direct", Layer::View(View::Direct), 3),
     ("indirect", Layer::View(View::Indirect), 3),
     ("irradiance", Layer::View(View::Diffuse), 3),
@@ -120,6 +122,7 @@ pub const LAYERS: [(&str, Layer, usize); 11] = [
     ("depth", Layer::View(View::Depth), 1),
     ("instance", Layer::Instance, 1),
     ("material", Layer::Material, 1),
+    ("motion", Layer::Motion, 2),
 ];
 
 /// The layer of a name, and its channels.

@@ -13,7 +13,7 @@ from lumivox import Material, Scene
 #: Settings of small pictures.
 SMALL: dict[str, Any] = {"resolution": 32, "frames": 2, "bounces": 1, "shadow_resolution": 128}
 
-BLACK = Material(base_color=0.0)  # type: ignore[arg-type]
+BLACK = Material(base_color=0.0)
 
 
 def quad(

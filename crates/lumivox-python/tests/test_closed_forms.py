@@ -61,7 +61,7 @@ def point_source() -> Case:
 def area_source() -> Case:
     scene = floor(BLACK)
     corners = square(1.5, 1.0)
-    glow = Material(base_color=0.0, emissive=1000.0)  # type: ignore[arg-type]
+    glow = Material(base_color=0.0, emissive=1000.0)
     quad(scene, corners[0], corners[1] - corners[0], corners[3] - corners[0], glow, "panel")
     points = spread()
     lux = np.array([1000 * lambert(corners, point, (0, 1, 0)) for point in points])
@@ -71,7 +71,7 @@ def area_source() -> Case:
 def reflecting_square() -> Case:
     """A square of albedo 0.5 below a sun that lights it evenly, and the points of a wall beside it."""
     scene = Scene("reflection")
-    quad(scene, (-0.5, 0, 0.5), (1, 0, 0), (0, 0, -1), Material(base_color=0.5), "square")  # type: ignore[arg-type]
+    quad(scene, (-0.5, 0, 0.5), (1, 0, 0), (0, 0, -1), Material(base_color=0.5), "square")
     # The grid of the cones ends where the scene ends.
     quad(scene, (-1.0, -0.2, 1.0), (0, 0, -2), (0, 2.4, 0), BLACK, "wall")
     scene.lights = [Light("directional", 10_000, direction=(0, -1, 0))]
@@ -86,7 +86,7 @@ def closed_room() -> Case:
     """A closed cube of one albedo: what its walls absorb is what its lamp sends, so the mean over all
     walls is the flux over the area and the absorbed share."""
     scene, albedo, edge, candela = Scene("room"), 0.5, 2.0, 100.0
-    grey = Material(base_color=albedo)  # type: ignore[arg-type]
+    grey = Material(base_color=albedo)
     points, normals = [], []
     # Gauss's rule is exact for smooth light; the middles of as many cells are 0.2 % too bright.
     nodes, weights = np.polynomial.legendre.leggauss(12)
@@ -115,7 +115,7 @@ def closed_room() -> Case:
 
 
 def _room(scene: Scene, walls: Walls) -> None:
-    black = Material(base_color=0.0, double_sided=True)  # type: ignore[arg-type]
+    black = Material(base_color=0.0, double_sided=True)
     for name, (corner, u, v) in walls.items():
         quad(scene, corner, u, v, black, name)
 

@@ -46,7 +46,7 @@ def test_a_uniform_sky() -> None:
 def test_a_luminous_polygon() -> None:
     scene = floor(BLACK)
     corners = np.array([(-0.5, 1, -0.5), (0.5, 1, -0.5), (0.5, 1, 0.5), (-0.5, 1, 0.5)])
-    glow = Material(base_color=0.0, emissive=1000.0)  # type: ignore[arg-type]
+    glow = Material(base_color=0.0, emissive=1000.0)
     quad(scene, corners[0], corners[1] - corners[0], corners[3] - corners[0], glow, "panel")
     points = np.array([(0, 0, 0), (0.4, 0, 0.3), (1.2, 0, 0), (1.5, 0, -1.5)])
     lux = lumivox.irradiance(scene, points, **{**SMALL, "frames": 256}).lux
@@ -108,10 +108,13 @@ def test_paths_have_their_standard_error(cornell: Scene) -> None:
     ):
         with pytest.raises(InputError, match=message):
             lumivox.irradiance(cornell, points, **options)
+    many = np.broadcast_to(np.float32(0), ((1 << 20) + 1, 3))
+    with pytest.raises(InputError, match="points: has 1048577 places, but must have at most 1048576"):
+        lumivox.irradiance(cornell, many, method="paths")
 
 
 def test_luminance_along_rays() -> None:
-    scene = floor(Material(base_color=0.5))  # type: ignore[arg-type]
+    scene = floor(Material(base_color=0.5))
     scene.set_environment(1000)
     origins = np.broadcast_to(np.array([0.0, 1.0, 0.0]), (2, 2, 3))
     directions = [[(0, 1, 0), (0.2, 0.5, 0.1)], [(0, -1, 0), (0.3, -1, 0.1)]]
@@ -137,7 +140,7 @@ def test_a_workplane_shows_itself(tmp_path: Path) -> None:
     assert plane.png("a floor", scale=(0, 1)) != data
     with pytest.raises(InputError, match="scale: is"):
         plane.png(scale=(5, 1))
-    with pytest.raises(lumivox.OutputError, match="cannot be written"):
+    with pytest.raises(lumivox.OutputError, match="cannot write the picture"):
         plane.to_png(tmp_path / "none" / "plane.png")
 
 
@@ -172,13 +175,18 @@ def test_the_reference_has_its_noise(cornell: Scene, tmp_path: Path) -> None:
     variance = (truth.standard_error**2 + other.standard_error**2).mean()
     assert 0.3 < difference / variance < 3
     truth.save(tmp_path / "truth.exr")
+    written = tmp_path / "written.exr"
+    options = ["--size=24x16", "--samples=32", "-o", str(written)]
+    run = [sys.executable, "-m", "lumivox", "reference", "builtin:cornell", *options]
+    subprocess.run(run, check=True, capture_output=True)
+    assert written.read_bytes() == (tmp_path / "truth.exr").read_bytes(), "that of the program"
     loaded = lumivox.Reference.load(tmp_path / "truth.exr")
     assert all((loaded.layers[name] == layer).all() for name, layer in truth.layers.items())
     with pytest.raises(InputError, match="samples: is 0"):
         lumivox.reference(cornell, samples=0)
 
 
-def test_errors_are_measured(cornell: Scene) -> None:
+def test_errors_are_measured(cornell: Scene, tmp_path: Path) -> None:
     truth = lumivox.reference(cornell, size=(48, 32), samples=64)
     same = lumivox.compare(truth, truth)
     assert (same.bias_percent, same.rmse_percent, same.flip) == (0, 0, 0)
@@ -188,6 +196,15 @@ def test_errors_are_measured(cornell: Scene) -> None:
     figures = lumivox.compare(picture, truth)
     # Cones in coarse voxels, against 64 samples.
     assert abs(figures.bias_percent) < 10 and 0 < figures.rmse_percent < 50
+    # The program tells the same of the same files.
+    truth.save(tmp_path / "truth.exr")
+    picture.to_exr(tmp_path / "picture.exr")
+    files = [str(tmp_path / name) for name in ("truth.exr", "picture.exr")]
+    run = [sys.executable, "-m", "lumivox", "compare", "--images", *files, "--json"]
+    told = json.loads(subprocess.run(run, check=True, capture_output=True).stdout)["final"]
+    # Of pictures alone, whose noise is not known.
+    for name, value in vars(lumivox.compare(picture, truth.radiance)).items():
+        assert told[name] == value, name
     with pytest.raises(InputError, match=r"picture: has the shape \(4, 4, 3\), but must have \(32, 48, 3\)"):
         lumivox.compare(np.zeros((4, 4, 3)), truth)
 

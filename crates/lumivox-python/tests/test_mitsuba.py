@@ -34,7 +34,7 @@ class Both:
     def add(self, corners: Array, quads: Any, color: Any, radiance: float = 0.0) -> None:
         """Quadrilaterals whose fronts are seen; both programs shade them flat."""
         faces = [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))]
-        material = Material(base_color=color, emissive=radiance)  # type: ignore[arg-type]
+        material = Material(base_color=color, emissive=radiance)
         self.ours.add(corners, faces, material=material)
         file = self.folder / f"mesh{len(self.theirs)}.ply"
         header = (

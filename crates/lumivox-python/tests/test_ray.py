@@ -10,13 +10,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import lumivox
-from lumivox import Camera, InputError, Scene
+from lumivox import InputError, Scene
 
 from conftest import SMALL
+from moving import VIEW, moving
 
 import ray
 
@@ -82,15 +82,20 @@ def test_a_worker_that_always_dies_is_told(cluster: None) -> None:
         lumivox.ray.reference(dies, size=SIZE, samples=16, retries=1)
 
 
-def test_many_views_are_those_of_one_machine(cluster: None, cornell: Scene) -> None:
-    cameras = [Camera.look_at((0, 1, 3), (0.1 * x, 0.5, 0)) for x in range(5)]
-    options: dict[str, Any] = {**SMALL, "layers": ["depth"]}
-    views = lumivox.ray.render_many(cornell, cameras, (24, 16), views=2, workers=2, **options)
-    alone = lumivox.render_many(cornell, cameras, (24, 16), **options)
-    assert set(views) == set(alone)
+def test_many_pictures_are_those_of_one_machine(cluster: None, tmp_path: Path) -> None:
+    file = str(moving(tmp_path))
+    times = [0.2 * number for number in range(5)]
+    options: dict[str, Any] = {**SMALL, "layers": ["motion"], "times_s": times}
+    film = lumivox.ray.render_many(lambda: Scene.load(file), VIEW, (24, 16), views=2, workers=2, **options)
+    alone = lumivox.render_many(Scene.load(file), VIEW, (24, 16), **options)
+    assert set(film) == set(alone)
     for name, array in alone.items():
-        assert (views[name] == array).all(), name
-    assert not np.array_equal(alone["radiance"][0], alone["radiance"][4])
+        assert (film[name] == array).all(), name
+    assert (alone["radiance"][0] != alone["radiance"][4]).any()
+    # The first picture of a piece tells its motion since the last one of the piece before.
+    assert all((motion != 0).any() for motion in alone["motion"][1:])
+    with pytest.raises(InputError, match="scene: its animations do not travel"):
+        lumivox.ray.render_many(Scene.load(file), VIEW, times_s=times)
 
 
 def test_mistakes_are_told(cluster: None, cornell: Scene) -> None:

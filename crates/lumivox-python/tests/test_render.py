@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import subprocess
@@ -145,6 +146,15 @@ def test_settings_are_those_of_the_table(renderer: Renderer) -> None:
     assert renderer.voxels > 0 and renderer.voxel_size_m > 0
 
 
+def test_a_machine_without_a_driver_is_told() -> None:
+    # The loader finds no driver, as on a fresh machine.
+    nowhere = {**os.environ, "VK_DRIVER_FILES": "/dev/null", "VK_ICD_FILENAMES": "/dev/null", "EGL_PLATFORM": "none"}
+    program = "import lumivox; lumivox.render(lumivox.Scene.builtin('cornell'), size=(8, 8))"
+    run = subprocess.run([sys.executable, "-c", program], env=nowhere, capture_output=True, text=True)
+    assert run.returncode == 1 and "lumivox.errors.GpuError" in run.stderr
+    assert "mesa-vulkan-drivers" in run.stderr.splitlines()[-1]
+
+
 def test_an_unknown_gpu_is_told(cornell: Scene) -> None:
     with pytest.raises(GpuError, match="no such gpu") as raised:
         Renderer(cornell, adapter="no such gpu", **SMALL)
@@ -241,6 +251,33 @@ def test_a_renderer_outlives_its_scene() -> None:
     assert (renderer.render().radiance == before).all()
 
 
+def test_work_goes_on_without_its_scene_and_renderer() -> None:
+    scene = floor()
+    kept: list[Any] = [Renderer(scene, size=(8, 8), **{**SMALL, "frames": 200}), scene]
+    expected = kept[0].render().radiance
+    results: list[Any] = []
+    begun, freed = threading.Event(), threading.Event()
+
+    def tell(stage: str, done: float, total: int) -> None:
+        begun.set()
+        assert freed.wait(60)
+
+    def work(renderer: Renderer) -> None:
+        results.append(renderer.render(progress=tell).radiance)
+
+    # The thread's argument is the only reference that is left while it renders.
+    thread = threading.Thread(target=work, args=(kept[0],))
+    thread.start()
+    assert begun.wait(60)
+    scene.set_material(0, base_color=0)
+    kept.clear()
+    del scene
+    gc.collect()
+    freed.set()
+    thread.join()
+    assert (results[0] == expected).all()
+
+
 def test_memory_stays_flat(cornell: Scene) -> None:
     def resident_mib() -> float:
         pages = int(Path("/proc/self/statm").read_text().split()[1])
@@ -270,7 +307,7 @@ def test_memory_stays_flat(cornell: Scene) -> None:
 
 
 def test_the_voxels_faces_have_their_light() -> None:
-    scene = floor(Material(base_color=0.5))  # type: ignore[arg-type]
+    scene = floor(Material(base_color=0.5))
     scene.set_environment(1000)
     flat = Renderer(scene, size=(8, 8), surroundings="none", **{**SMALL, "bounces": 2})
     faces = flat.faces()

@@ -27,9 +27,15 @@ def test_builtin_scenes_are_named() -> None:
 
 
 def test_arrays_of_any_kind_become_triangles() -> None:
-    for positions in (POSITIONS, POSITIONS.astype(np.float64), POSITIONS.tolist(), POSITIONS[:, ::-1][:, ::-1]):
-        for indices in (TRIANGLE, TRIANGLE.ravel(), TRIANGLE.astype(np.uint8), TRIANGLE.tolist()):
-            assert Scene.from_arrays(positions, indices).triangles == 1
+    every_second = np.repeat(POSITIONS, 2, axis=0)[::2]
+    backwards = np.ascontiguousarray(POSITIONS[::-1])[::-1]
+    by_columns = np.asfortranarray(POSITIONS)
+    assert not any(array.flags.c_contiguous for array in (every_second, backwards, by_columns))
+    others = (POSITIONS.astype(np.float64), POSITIONS.astype(">f4"), POSITIONS.astype(np.float16), POSITIONS.tolist())
+    for positions in (POSITIONS, every_second, backwards, by_columns, *others):
+        for indices in (TRIANGLE, TRIANGLE.ravel(), TRIANGLE.astype(np.uint8), TRIANGLE.tolist(), TRIANGLE.T.ravel()):
+            scene = Scene.from_arrays(positions, indices)
+            assert (scene.triangles, scene.bounds) == (1, ((0, 0, 0), (1, 1, 0)))
     still = POSITIONS.copy()
     still.flags.writeable = False
     assert Scene.from_arrays(still, TRIANGLE).bounds == ((0, 0, 0), (1, 1, 0))
@@ -44,6 +50,9 @@ def test_arrays_of_any_kind_become_triangles() -> None:
         ({"positions": [["a"]]}, "positions: has the dtype <U1"),
         ({"positions": POSITIONS.astype(complex)}, "positions: has the dtype complex128"),
         ({"positions": [[0, 0], [1]]}, "positions: is no array"),
+        # Terabytes, if anything copied them.
+        ({"positions": np.broadcast_to(np.float32(0), (1 << 40, 3))}, "positions: has 3298534883328 numbers, but"),
+        ({"indices": np.broadcast_to(np.uint8(0), (1 << 40, 3))}, "indices: has 3298534883328 numbers, but"),
         ({"indices": [[0, 1, 3]]}, r"indices\[0, 2\]: is 3, but there are only 3 positions"),
         ({"indices": [[0, 1, -1]]}, r"indices\[0, 2\]: is -1"),
         ({"indices": [[0.0, 1.0, 2.0]]}, "indices: has the dtype float64, but must have whole"),
@@ -137,6 +146,7 @@ def refused(edit: str, message: str) -> None:
         ("scene.lights = [Light(position=(0, np.inf, 0))]", r"position\[1\]: is inf"),
         ("scene.lights = [Light(direction=(0, 0, 0), kind='spot')]", "direction"),
         ("scene.cameras = [Camera(vertical_fov_deg=180)]", "vertical_fov_deg: is 180"),
+        ("scene.lights = [Light(intensity=float('nan'))]", "intensity: is nan, but must be finite"),
         ("scene.cameras = [Camera(up=(0, 0, 1))]", "forward, up"),
         ("scene.cameras = [Camera(near_m=0)]", "near"),
         ("scene.set_material(1, roughness=0)", "there is no material 1; the scene has 1"),

@@ -8,7 +8,7 @@ use glam::UVec2;
 use lumivox_console::SourceArgs;
 
 use super::{GpuArgs, SceneArg, ViewArgs};
-use crate::args::{Refused, number, size};
+use crate::args::{number, size};
 
 /// The arguments of `reference`.
 #[derive(Args, Debug)]
@@ -87,8 +87,8 @@ pub struct ReferenceArgs {
 
     /// The batches of 16 samples that the part has, from A to before B, numbers from 0 to 1048576
     /// [default: all batches of --samples]
-    #[arg(long, value_name = "A..B", value_parser = batches, requires = "part", conflicts_with = "output")]
-    #[arg(conflicts_with = "samples", allow_hyphen_values = true, help_heading = "Many machines")]
+    #[arg(long, value_name = "A..B", value_parser = number::range(MOST_BATCHES), requires = "part")]
+    #[arg(conflicts_with_all = ["samples", "output"], allow_hyphen_values = true, help_heading = "Many machines")]
     pub batches: Option<Range<u32>>,
 
     /// Light added to the scene.
@@ -106,34 +106,3 @@ pub struct ReferenceArgs {
 
 /// The most batches of a reference: 16777216 samples.
 const MOST_BATCHES: u32 = 1 << 20;
-
-/// A range of batches, `A..B`.
-fn batches(text: &str) -> Result<Range<u32>, Refused> {
-    let form = || Refused::Malformed("expected two whole numbers, A..B".to_owned());
-    let (first, end) = text.split_once("..").ok_or_else(form)?;
-    let read = |text: &str| text.trim().parse::<i128>().map_err(|_| form());
-    let (first, end) = (read(first)?, read(end)?);
-    if 0 <= first && first < end && end <= i128::from(MOST_BATCHES) {
-        return Ok(first as u32..end as u32);
-    }
-    Err(Refused::OutOfRange(format!(
-        "expected A..B with A from 0, and B above A and at most {MOST_BATCHES}"
-    )))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn batches_are_ranges() {
-        assert_eq!(batches("0..4").unwrap(), 0..4);
-        assert_eq!(batches("16..1048576").unwrap(), 16..1_048_576);
-        for text in ["4..4", "5..4", "-1..4", "0..1048577", "0..99999999999999999999"] {
-            assert!(matches!(batches(text), Err(Refused::OutOfRange(_))), "{text}");
-        }
-        for text in ["4", "a..b", "0...4", "..4", "0..", "1.5..2"] {
-            assert!(matches!(batches(text), Err(Refused::Malformed(_))), "{text}");
-        }
-    }
-}

@@ -1,5 +1,6 @@
 //! Options for motion, and for the pictures taken of it.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -32,6 +33,15 @@ pub struct TimelineArgs {
     /// its first key and after its last the scene does not move.
     #[arg(long, value_name = "NAME|NUMBER|all|none", value_parser = timeline::animation)]
     pub animation: Option<AnimationName>,
+
+    /// Render only these pictures of the sequence, from A to before B, numbers from 0 to 1000000
+    /// [default: all]
+    ///
+    /// For many machines, of which each renders a range: exposure and grid are those of the whole
+    /// sequence, so the pictures have the bits of one machine. A range has an index of its own.
+    #[arg(long, value_name = "A..B", value_parser = number::range(timeline::MOST_PICTURES))]
+    #[arg(allow_hyphen_values = true)]
+    pub pictures: Option<Range<u32>>,
 
     /// Orbit the camera about the centre of the scene by this many degrees, -36000 to 36000
     /// [default: none]

@@ -1,5 +1,6 @@
 //! The names of a sequence's files.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use lumivox_console::Failure;
@@ -20,6 +21,8 @@ pub struct FrameFiles {
     digits: usize,
     /// Whether the user named a folder, which may be made.
     is_folder: bool,
+    /// The pictures that are asked for; `None` are all.
+    range: Option<Range<u32>>,
 }
 
 impl FrameFiles {
@@ -62,6 +65,7 @@ impl FrameFiles {
                 suffix: ".png".to_owned(),
                 digits: LEAST_DIGITS,
                 is_folder: true,
+                range: None,
             });
         };
         let digits = name[first..].chars().take_while(|c| *c == '#').count();
@@ -80,7 +84,29 @@ impl FrameFiles {
             suffix: suffix.to_owned(),
             digits,
             is_folder: false,
+            range: None,
         })
+    }
+
+    /// Takes a part of the pictures, whose index is its own.
+    #[must_use]
+    pub fn of_range(self, range: Option<Range<u32>>) -> Self {
+        Self { range, ..self }
+    }
+
+    /// The numbers of the pictures that are asked for, of `count`.
+    ///
+    /// # Errors
+    /// A [`Failure`] of input when there is none of them.
+    pub fn numbers(&self, count: u32) -> anyhow::Result<Range<u32>> {
+        let Some(Range { start, end }) = self.range else { return Ok(0..count) };
+        if start < count {
+            return Ok(start..end.min(count));
+        }
+        Err(Failure::input(format!(
+            "--pictures {start}..{end}: the sequence has {count} pictures, numbered from 0"
+        ))
+        .into())
     }
 
     /// Makes the numbers in a folder long enough for `count` files, and checks that a name with `#`
@@ -149,7 +175,8 @@ impl FrameFiles {
 
     /// The index's file.
     pub fn index(&self) -> PathBuf {
-        let stem = format!("{}index", self.prefix);
+        let of_range = self.range.as_ref().map(|range| format!("_{}-{}", range.start, range.end));
+        let stem = format!("{}index{}", self.prefix, of_range.unwrap_or_default());
         self.folder.join(Path::new(&stem).with_extension("json"))
     }
 
@@ -201,6 +228,18 @@ mod tests {
         let error = files.fit(101).unwrap_err().to_string();
         assert!(error.contains("a_##_x.exr") && error.contains("write ###"), "{error}");
         assert_eq!(FrameFiles::new(Path::new("#.png")).unwrap().index(), Path::new("index.json"));
+    }
+
+    #[test]
+    fn a_range_has_an_index_of_its_own() {
+        let files = FrameFiles::new(Path::new("b/a_##.exr")).unwrap();
+        assert_eq!(files.numbers(9).unwrap(), 0..9);
+        let part = files.of_range(Some(6..12));
+        assert_eq!(part.index(), Path::new("b/a_index_6-12.json"));
+        assert_eq!(part.numbers(20).unwrap(), 6..12);
+        assert_eq!(part.numbers(9).unwrap(), 6..9, "the last part may be shorter");
+        let error = part.numbers(6).unwrap_err().to_string();
+        assert!(error.contains("6..12") && error.contains("has 6 pictures"), "{error}");
     }
 
     #[test]

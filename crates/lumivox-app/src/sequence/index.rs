@@ -5,6 +5,7 @@
 //! would give pictures that do not fit the existing ones: they are refused.
 
 use std::io::Write as _;
+use std::ops::Range;
 use std::path::Path;
 
 use lumivox_console::Failure;
@@ -67,24 +68,28 @@ impl Index {
         Self { frame_count, settings, exposure: None, adapter: String::new(), frames: Vec::new() }
     }
 
-    /// Reads an existing index, and decides where to continue.
+    /// Reads an existing index, and decides where to continue with the pictures of some numbers.
     ///
     /// # Errors
     /// A [`Failure`] of input when the existing index has other settings; one of output when it
     /// cannot be read, or an unlisted file is in the way. The remedy is `--restart`, which ignores
     /// the index.
-    pub fn start(mut self, files: &FrameFiles, is_restart: bool) -> anyhow::Result<Start> {
+    pub fn start(
+        mut self,
+        files: &FrameFiles,
+        numbers: Range<u32>,
+        is_restart: bool,
+    ) -> anyhow::Result<Start> {
         let file = files.index();
         let found = read(&file);
         if is_restart {
             if let Ok(Some(old)) = found {
                 old.remove_pictures(files);
             }
-            let missing = (0..self.frame_count).collect();
-            return Ok(Start { index: self, missing });
+            return Ok(Start { index: self, missing: numbers.collect() });
         }
         let Some(old) = found? else {
-            let in_the_way = (0..self.frame_count).map(|n| files.path(n)).find(|p| p.exists());
+            let in_the_way = numbers.clone().map(|n| files.path(n)).find(|p| p.exists());
             if let Some(picture) = in_the_way {
                 return Err(Failure::output(format!(
                     "{}: is there already, but there is no index {} that says how it was rendered; \
@@ -94,8 +99,7 @@ impl Index {
                 ))
                 .into());
             }
-            let missing = (0..self.frame_count).collect();
-            return Ok(Start { index: self, missing });
+            return Ok(Start { index: self, missing: numbers.collect() });
         };
         if let Some(difference) = difference(&old.settings, &self.settings) {
             return Err(Failure::input(format!(
@@ -109,7 +113,7 @@ impl Index {
         self.adapter = old.adapter;
         self.frames = old.frames;
         self.frames.retain(|frame| {
-            let is_ours = frame.number < self.frame_count && frame.file == files.name(frame.number);
+            let is_ours = numbers.contains(&frame.number) && frame.file == files.name(frame.number);
             let size = std::fs::metadata(files.path(frame.number)).map(|data| data.len());
             is_ours && size.is_ok_and(|size| size == frame.bytes)
         });
@@ -117,7 +121,7 @@ impl Index {
         self.frames.dedup_by_key(|frame| frame.number);
         let is_there =
             |number: &u32| self.frames.binary_search_by_key(number, |frame| frame.number).is_ok();
-        let missing = (0..self.frame_count).filter(|number| !is_there(number)).collect();
+        let missing = numbers.filter(|number| !is_there(number)).collect();
         Ok(Start { index: self, missing })
     }
 
@@ -210,7 +214,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let files = FrameFiles::new(folder.path()).unwrap();
         let new = || Index::new(4, settings(&json!({ "frames": 16, "scale": 0.1_f32 })));
-        let Start { mut index, missing } = new().start(&files, false).unwrap();
+        let Start { mut index, missing } = new().start(&files, 0..4, false).unwrap();
         assert_eq!(missing, [0, 1, 2, 3]);
         index.exposure = Some(-7.3);
         for number in [2, 0, 3] {
@@ -219,10 +223,10 @@ mod tests {
         // One file was truncated, one removed.
         std::fs::write(files.path(0), "pic").unwrap();
         std::fs::remove_file(files.path(3)).unwrap();
-        let start = new().start(&files, false).unwrap();
+        let start = new().start(&files, 0..4, false).unwrap();
         assert_eq!(start.missing, [0, 1, 3]);
         assert_eq!(start.index.exposure, Some(-7.3));
-        let again = new().start(&files, true).unwrap();
+        let again = new().start(&files, 0..4, true).unwrap();
         assert_eq!(again.missing, [0, 1, 2, 3]);
         assert!(again.index.frames.is_empty() && !files.path(2).exists());
     }
@@ -239,11 +243,13 @@ mod tests {
             (json!({ "frames": 16 }), "sun was null, is nothing now"),
             (json!({ "frames": 16, "sun": null, "x": 1 }), "x was nothing, is 1 now"),
         ] {
-            let error = Index::new(1, settings(&new)).start(&files, false).unwrap_err().to_string();
+            let error =
+                Index::new(1, settings(&new)).start(&files, 0..1, false).unwrap_err().to_string();
             assert!(error.contains(needle) && error.contains("--restart"), "{error}");
         }
         std::fs::write(files.index(), "{").unwrap();
-        let error = Index::new(1, settings(&old)).start(&files, false).unwrap_err().to_string();
+        let error =
+            Index::new(1, settings(&old)).start(&files, 0..1, false).unwrap_err().to_string();
         assert!(error.contains("cannot read the index"), "{error}");
     }
 
@@ -252,9 +258,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let files = FrameFiles::new(folder.path()).unwrap();
         std::fs::write(files.path(1), "a photograph").unwrap();
-        let error = Index::new(2, Map::new()).start(&files, false).unwrap_err().to_string();
+        let error = Index::new(2, Map::new()).start(&files, 0..2, false).unwrap_err().to_string();
         assert!(error.contains("0001.png") && error.contains("no index"), "{error}");
-        assert!(Index::new(1, Map::new()).start(&files, false).is_ok());
-        assert!(Index::new(2, Map::new()).start(&files, true).is_ok());
+        assert!(Index::new(1, Map::new()).start(&files, 0..1, false).is_ok());
+        assert!(Index::new(2, Map::new()).start(&files, 0..1, false).is_ok(), "nor asked for");
+        assert!(Index::new(2, Map::new()).start(&files, 0..2, true).is_ok());
     }
 }

@@ -7,7 +7,7 @@ mod schedule;
 mod spline;
 
 pub use history::{History, history};
-pub use moments::{Moments, TimeChoice, time};
+pub use moments::{MOST_PICTURES, Moments, TimeChoice, time};
 pub use path::PathFile;
 pub use schedule::{AnimationName, PictureTimes, Schedule, ScheduleOptions, animation, choose};
 

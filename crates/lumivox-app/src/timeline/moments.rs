@@ -12,7 +12,7 @@ const FORM: &str =
     "seconds, such as 1.5, or a range START..END, such as 0..4 (0.. ends with the motion)";
 
 /// The most pictures of a sequence.
-const MOST_FRAMES: f64 = 1e6;
+pub const MOST_PICTURES: u32 = 1_000_000;
 
 /// A time as the command line names it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,10 +77,10 @@ impl Moments {
         }
         // A length that is a whole number of pictures up to rounding is one.
         let count = ((end - start) * fps - 1e-6).ceil().max(1.0);
-        if count > MOST_FRAMES {
+        if count > f64::from(MOST_PICTURES) {
             return Err(Failure::input(format!(
                 "{count} pictures from {start} to {end} s at {fps} a second are more than \
-                 {MOST_FRAMES}; shorten the range or lower --fps"
+                 {MOST_PICTURES}; shorten the range or lower --fps"
             ))
             .into());
         }

@@ -103,6 +103,38 @@ fn a_film_of_an_animation_goes_on_with_the_same_bits() {
     assert!(read("kept_3.png") != read("none_3.png"));
 }
 
+/// Machines that render a range each: one grid, one exposure and one numbering, in one folder if they share it.
+#[test]
+fn ranges_of_pictures_are_those_of_one_machine() {
+    let folder = moving();
+    let path = folder.path();
+    let line = format!("render moving.glb {SMALL} --time 0..2 --fps 2 --orbit 30 --json");
+    lumivox(path, &format!("{line} -o whole_#.png")).expect_ok();
+    // The last range comes first, and reaches beyond the end.
+    for (range, pictures) in [("3..6", 1), ("0..3", 3)] {
+        let run = lumivox(path, &format!("{line} -o part_#.png --pictures {range}"));
+        let report = run.expect_ok().json();
+        assert_eq!([&report["pictures"], &report["rendered"]], [pictures, pictures], "{range}");
+    }
+    for number in 0..4 {
+        let read = |name: &str| fs::read(path.join(format!("{name}_{number}.png"))).unwrap();
+        assert!(read("whole") == read("part"), "picture {number}");
+    }
+    let last = index(path, "part_index_3-6.json");
+    assert_eq!(last["frames"].as_array().unwrap().len(), 1);
+    assert_eq!([&last["frames"][0]["number"], &last["frame_count"]], [3, 4]);
+    assert_eq!(last["exposure"], index(path, "whole_index.json")["exposure"]);
+    let again = format!("{line} -o part_#.png --pictures 0..3");
+    assert_eq!(lumivox(path, &again).expect_ok().json()["rendered"], 0, "a retry finds them");
+    for (range, needles) in [
+        ("4..5", ["--pictures 4..5", "has 4 pictures, numbered from 0"]),
+        ("3..3", ["--pictures", "B above A"]),
+    ] {
+        let line = format!("{line} -o part_#.png --pictures {range}");
+        expect_error(path, &line, INPUT, &needles);
+    }
+}
+
 /// What moves, alone: it begins at -0.9 m in the first of three pictures, and ends at 0.9 m in the last.
 #[test]
 fn the_grid_holds_all_poses() {

@@ -1,7 +1,7 @@
 //! Numbers and lists of numbers.
 
 use std::fmt;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 use std::str::FromStr;
 
 use super::Refused;
@@ -66,6 +66,24 @@ pub fn whole(
     range: RangeInclusive<u32>,
 ) -> impl Fn(&str) -> Result<u32, Refused> + Clone + Send + Sync + 'static {
     move |text| read(text.trim(), &range)
+}
+
+/// A parser of ranges of whole numbers, `A..B`: from A to before B, which is at most `most`.
+pub fn range(
+    most: u32,
+) -> impl Fn(&str) -> Result<Range<u32>, Refused> + Clone + Send + Sync + 'static {
+    move |text| {
+        let form = || Refused::Malformed("expected two whole numbers, A..B".to_owned());
+        let (first, end) = text.split_once("..").ok_or_else(form)?;
+        let read = |text: &str| text.trim().parse::<i128>().map_err(|_| form());
+        let (first, end) = (read(first)?, read(end)?);
+        if 0 <= first && first < end && end <= i128::from(most) {
+            return Ok(first as u32..end as u32);
+        }
+        Err(Refused::OutOfRange(format!(
+            "expected A..B with A from 0, and B above A and at most {most}"
+        )))
+    }
 }
 
 /// The resolution of the voxel grid: a multiple of 8 within the library's range.
@@ -173,6 +191,19 @@ mod tests {
         }
         for text in ["", "-", "1.5", "ten", "1e3"] {
             is_malformed(&frames(text));
+        }
+    }
+
+    #[test]
+    fn ranges_rise() {
+        let batches = range(1 << 20);
+        assert_eq!(batches("0..4"), Ok(0..4));
+        assert_eq!(batches("16 .. 1048576"), Ok(16..1_048_576));
+        for text in ["4..4", "5..4", "-1..4", "0..1048577", "0..99999999999999999999"] {
+            is_out_of_range(batches(text), "at most 1048576");
+        }
+        for text in ["4", "a..b", "0...4", "..4", "0..", "1.5..2"] {
+            is_malformed(&batches(text));
         }
     }
 

@@ -33,7 +33,7 @@ from .light import (
 from .picture import Picture
 from .reference import Figures, Reference, compare, merge, motion, reference, reference_part
 from .render import LAYERS, Renderer, render, render_many, settings
-from .scene import Scene
+from .scene import Animation, Scene
 
 #: The names of the built-in scenes.
 BUILTIN: tuple[str, ...] = tuple(_lumivox.builtin_names())
@@ -52,6 +52,7 @@ except PackageNotFoundError:  # The package lies in its source folder.
 __all__ = [
     "BUILTIN",
     "LAYERS",
+    "Animation",
     "Camera",
     "Error",
     "Figures",

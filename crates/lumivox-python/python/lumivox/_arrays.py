@@ -18,6 +18,10 @@ def _words(shape: Sequence[int | None]) -> str:
     return "(" + ", ".join("N" if length is None else str(length) for length in shape) + ")"
 
 
+#: The most numbers of an array: as 32-bit numbers they take 2 GiB, above what a GPU's buffer holds.
+MOST = 1 << 29
+
+
 def numbers(name: str, value: Any, *shapes: Sequence[int | None]) -> npt.NDArray[Any]:
     """``value`` as an array of real numbers of one of the shapes; ``None`` stands for any length."""
     try:
@@ -26,6 +30,8 @@ def numbers(name: str, value: Any, *shapes: Sequence[int | None]) -> npt.NDArray
         raise InputError(f"{name}: is no array: {error}") from None
     if array.dtype.kind not in "fiu" or array.dtype.itemsize > 16:
         raise InputError(f"{name}: has the dtype {array.dtype}, but must have real numbers")
+    if array.size > MOST:
+        raise InputError(f"{name}: has {array.size} numbers, but must have at most {MOST}")
     for shape in shapes:
         fits = len(shape) == array.ndim
         if fits and all(want in (None, got) for want, got in zip(shape, array.shape)):
@@ -38,14 +44,14 @@ def floats(name: str, value: Any, *shapes: Sequence[int | None]) -> Floats:
     """``value`` as a contiguous array of finite 32-bit floats of one of the shapes."""
     array = numbers(name, value, *shapes)
     with np.errstate(over="ignore", invalid="ignore"):
-        single = np.ascontiguousarray(array, dtype=np.float32)
+        # A number has the shape of a number again.
+        single = np.ascontiguousarray(array, dtype=np.float32).reshape(array.shape)
     finite = np.isfinite(single)
     if not finite.all():
         index = tuple(int(i) for i in np.argwhere(~finite)[0])
-        place = ", ".join(map(str, index))
-        raise InputError(f"{name}[{place}]: is {array[index]}, but must be finite in 32 bits")
-    # A number has the shape of a number again.
-    return single.reshape(array.shape)
+        place = f"[{', '.join(map(str, index))}]" if index else ""
+        raise InputError(f"{name}{place}: is {array[index]}, but must be finite in 32 bits")
+    return single
 
 
 def vertex_numbers(name: str, value: Any, count: int) -> npt.NDArray[np.uint32]:

@@ -7,12 +7,38 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from ._arrays import color, floats, vector
 from .errors import InputError
 
 Vector = tuple[float, float, float]
 Record = TypeVar("Record", bound="_Record")
+
+
+class _Vectors:
+    """A field that takes three numbers in any array, and has a tuple of them."""
+
+    def __init__(self, x: float, y: float, z: float) -> None:
+        self._default: Vector = (x, y, z)
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, record: Any, owner: type) -> Vector:
+        # Of the class, for dataclass: the default.
+        kept: Vector = self._default if record is None else record.__dict__[self._name]
+        return kept
+
+    def __set__(self, record: Any, value: npt.ArrayLike) -> None:
+        record.__dict__[self._name] = vector(self._name, value)
+
+
+class _Colors(_Vectors):
+    """A field that takes a colour, RGB or one number for grey, and has RGB."""
+
+    def __set__(self, record: Any, value: npt.ArrayLike) -> None:
+        record.__dict__[self._name] = color(self._name, value)
 
 
 def _number(name: str, value: Any) -> float:
@@ -27,10 +53,6 @@ class _Record:
     def _numbers(self, *names: str) -> None:
         for name in names:
             self._put(name, _number(name, getattr(self, name)))
-
-    def _vectors(self, *names: str) -> None:
-        for name in names:
-            self._put(name, vector(name, getattr(self, name)))
 
     def _record(self) -> dict[str, Any]:
         return {field.name: getattr(self, field.name) for field in fields(self)}
@@ -49,15 +71,14 @@ class Camera(_Record):
     below 180. Things nearer than ``near_m`` (above 0) are not seen.
     """
 
-    position: Vector = (0.0, 0.0, 0.0)
-    forward: Vector = (0.0, 0.0, -1.0)
-    up: Vector = (0.0, 1.0, 0.0)
+    position: _Vectors = _Vectors(0.0, 0.0, 0.0)
+    forward: _Vectors = _Vectors(0.0, 0.0, -1.0)
+    up: _Vectors = _Vectors(0.0, 1.0, 0.0)
     vertical_fov_deg: float = 45.0
     near_m: float = 0.01
     name: str = "camera"
 
     def __post_init__(self) -> None:
-        self._vectors("position", "forward", "up")
         self._numbers("vertical_fov_deg", "near_m")
         if not 0.0 < self.vertical_fov_deg < 180.0:
             raise InputError(
@@ -106,9 +127,9 @@ class Light(_Record):
 
     kind: Literal["point", "spot", "directional"] = "point"
     intensity: float = 1.0
-    position: Vector = (0.0, 0.0, 0.0)
-    direction: Vector = (0.0, -1.0, 0.0)
-    color: Vector = (1.0, 1.0, 1.0)
+    position: _Vectors = _Vectors(0.0, 0.0, 0.0)
+    direction: _Vectors = _Vectors(0.0, -1.0, 0.0)
+    color: _Colors = _Colors(1.0, 1.0, 1.0)
     radius_m: float = 0.0
     angular_radius_deg: float = 0.0
     inner_angle_deg: float = 0.0
@@ -117,8 +138,6 @@ class Light(_Record):
     name: str = "light"
 
     def __post_init__(self) -> None:
-        self._vectors("position", "direction")
-        self._put("color", color("color", self.color))
         self._numbers(
             "intensity", "radius_m", "angular_radius_deg", "inner_angle_deg", "outer_angle_deg"
         )
@@ -136,17 +155,15 @@ class Material(_Record):
     a loaded material multiply these numbers, and stay.
     """
 
-    base_color: Vector = (0.8, 0.8, 0.8)
+    base_color: _Colors = _Colors(0.8, 0.8, 0.8)
     metallic: float = 0.0
     roughness: float = 1.0
     specular: float = 0.0
-    emissive: Vector = (0.0, 0.0, 0.0)
+    emissive: _Colors = _Colors(0.0, 0.0, 0.0)
     double_sided: bool = False
     name: str = "material"
 
     def __post_init__(self) -> None:
-        self._put("base_color", color("base_color", self.base_color))
-        self._put("emissive", color("emissive", self.emissive))
         self._numbers("metallic", "roughness", "specular")
         self._put("double_sided", bool(self.double_sided))
 

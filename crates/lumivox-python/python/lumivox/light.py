@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +10,8 @@ import numpy as np
 from . import _lumivox
 from ._arrays import Floats, floats, vector, whole
 from ._records import Camera
-from .errors import InputError, OutputError
+from .errors import InputError
+from .picture import write
 
 if TYPE_CHECKING:
     from .render import Renderer
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 #: The weights of linear RGB in luminance and illuminance (ITU-R BT.709-6, section 3.2).
 LUMINANCE = (0.2126, 0.7152, 0.0722)
+
+#: The most places that the path tracer measures at once, and the most cells of a workplane.
+MOST_PLACES = 1 << 20
 
 #: The ways to measure: cones, in milliseconds, or paths, without bias and with a standard error.
 METHODS = ("cones", "paths")
@@ -140,11 +143,7 @@ class Workplane:
         scale: tuple[float, float] | None = None,
     ) -> None:
         """Writes :meth:`png`."""
-        data = self.png(title, scale)
-        try:
-            Path(path).write_bytes(data)
-        except OSError as error:
-            raise OutputError(f"{os.fspath(path)}: cannot be written: {error}") from error
+        write(path, self.png(title, scale))
 
     def _repr_png_(self) -> bytes:
         return self.png()
@@ -164,10 +163,10 @@ def workplane_points(origin: Any, along: Any, across: Any, shape: tuple[int, int
         rows, columns = (int(length) for length in shape)
     except (TypeError, ValueError):
         rows = columns = 0
-    if rows < 1 or columns < 1 or rows * columns > 1 << 20:
+    if rows < 1 or columns < 1 or rows * columns > MOST_PLACES:
         raise InputError(
             f"shape: is {shape}, but must be two whole numbers of at least 1, with a product of at "
-            f"most {1 << 20}"
+            f"most {MOST_PLACES}"
         )
     corner = vector("origin", origin)
     edges = vector("along", along), vector("across", across)
@@ -179,6 +178,7 @@ def workplane_points(origin: Any, along: Any, across: Any, shape: tuple[int, int
 
 def _trace(
     scene: Scene,
+    name: str,
     array: Floats,
     directions: Floats,
     is_along_rays: bool,
@@ -192,6 +192,8 @@ def _trace(
     """The path tracer's readings, (..., 9)."""
     from .render import _scene
 
+    if array.size > 3 * MOST_PLACES:
+        raise InputError(f"{name}: has {array.size // 3} places, but must have at most {MOST_PLACES} for paths")
     data = _lumivox.measure(
         _scene(scene),
         array.tobytes(),
@@ -246,7 +248,7 @@ def irradiance(
         light: Floats = np.zeros((*array.shape[:-1], 9), np.float32)
     else:
         options = (samples, seed, bounces, surroundings, adapter, progress)
-        light = _trace(scene, array, towards, False, *options)
+        light = _trace(scene, "points", array, towards, False, *options)
     direct = light[..., 3:6]
     return Irradiance(direct, light[..., 0:3] - direct, light[..., 8], light[..., 6], light[..., 7])
 
@@ -271,7 +273,7 @@ def luminance(
         nothing: Floats = np.zeros(array.shape[:-1], np.float32)
         return Luminance(np.zeros(array.shape, np.float32), nothing, nothing)
     options = (samples, seed, bounces, surroundings, adapter, progress)
-    light = _trace(scene, array, towards, True, *options)
+    light = _trace(scene, "origins", array, towards, True, *options)
     return Luminance(light[..., 0:3], light[..., 6], light[..., 7])
 
 

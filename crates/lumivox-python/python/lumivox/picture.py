@@ -68,14 +68,14 @@ class Picture:
         """The bytes of a PNG file of :meth:`screen`, also written to ``path`` if there is one."""
         png = self._develop()[1]
         if path is not None:
-            _write(path, png)
+            write(path, png)
         return png
 
     def to_exr(self, path: str | os.PathLike[str] | None = None) -> bytes:
         """The bytes of an OpenEXR file of the radiance, also written to ``path``."""
         exr = _lumivox.encode_exr(self.size, np.ascontiguousarray(self.radiance).tobytes())
         if path is not None:
-            _write(path, exr)
+            write(path, exr)
         return exr
 
     def _repr_png_(self) -> bytes:
@@ -90,7 +90,8 @@ class Picture:
         return f"<{type(self).__module__.split('.')[0]}.{type(self).__name__}: {width} x {height}{layers}>"
 
 
-def _write(path: str | os.PathLike[str], content: bytes) -> None:
+def write(path: str | os.PathLike[str], content: bytes) -> None:
+    """Writes a file of a picture."""
     try:
         with open(path, "wb") as file:
             file.write(content)

@@ -12,17 +12,16 @@ that dies is done by another. The result has the bits of one machine.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from ._arrays import size_of, whole
-from ._records import Camera
 from .errors import Error, InputError
 from .reference import Reference, merge, reference_part
-from .render import CameraLike, Renderer
-from .scene import Progress, Scene
+from .render import CameraLike, Cameras, Renderer, moments, of_moments
+from .scene import AnimationLike, Progress, Scene
 
 try:
     import ray
@@ -50,11 +49,15 @@ class _Worker:
     def trace(self, batches: tuple[int, int], options: dict[str, Any]) -> bytes:
         return reference_part(self._scene, batches=batches, **options)
 
-    def render(self, cameras: Sequence[CameraLike], options: dict[str, Any]) -> dict[str, Any]:
+    def render(self, numbers: tuple[int, int], options: dict[str, Any]) -> dict[str, Any]:
         # All pieces of a call have the same options, and a worker serves one call.
+        views, times, animation = options["moments"]
         if self._renderer is None:
-            self._renderer = Renderer(self._scene, cameras[0], **options)
-        return self._renderer.render_many(cameras)
+            own = options["options"]
+            self._renderer = of_moments(self._scene, views, times, animation, own)
+        first, end = numbers
+        before = (views[first - 1], times[first - 1]) if first > 0 else None
+        return self._renderer._stack(views[first:end], times[first:end], animation, before, None)
 
 
 def _options() -> dict[str, Any]:
@@ -189,9 +192,11 @@ def reference(
 
 def render_many(
     scene: SceneLike,
-    cameras: Iterable[CameraLike],
+    cameras: Cameras,
     size: tuple[int, int] = (256, 256),
     *,
+    times_s: Any = None,
+    animation: AnimationLike = 0,
     views: int = 16,
     workers: int | None = None,
     retries: int = 3,
@@ -201,23 +206,21 @@ def render_many(
 ) -> dict[str, Any]:
     """:func:`lumivox.render_many` on a Ray cluster: arrays (N, H, W, C) by name.
 
-    A worker renders pieces of ``views`` cameras, with one set of voxels for all of them. Scene and
+    A worker renders pieces of ``views`` pictures, with one set of voxels for all of them. Scene and
     workers are as for :func:`reference`, ``options`` (layers, surroundings, settings) as for
-    :class:`lumivox.Renderer`.
+    :class:`lumivox.Renderer`. Animations do not travel: with ``times_s`` the scene is a function that
+    loads it.
     """
-    cameras = list(cameras)
-    if not cameras:
-        raise InputError("cameras: has none")
-    for camera in cameras:
-        if not isinstance(camera, (Camera, str, int)):
-            raise InputError(f"cameras: has a {type(camera).__name__}, but must have cameras, names or numbers")
-    step = whole("views", views, 1)
-    pieces = [cameras[first : first + step] for first in range(0, len(cameras), step)]
-    options = {**options, "size": size_of("size", size)}
+    seen, times = moments(cameras, times_s)
+    if times_s is not None and isinstance(scene, Scene):
+        raise InputError("scene: its animations do not travel; give a function that loads it on the workers")
+    step, count = whole("views", views, 1), len(seen)
+    pieces = [(first, min(first + step, count)) for first in range(0, count, step)]
+    given = {"options": {**options, "size": size_of("size", size)}, "moments": (seen, times, animation)}
     arrays: dict[str, Any] = {}
-    for piece, parts in _work(scene, "render", pieces, options, workers, retries, worker_options, progress):
+    for piece, parts in _work(scene, "render", pieces, given, workers, retries, worker_options, progress):
         for name, part in parts.items():
             if name not in arrays:
-                arrays[name] = np.empty((len(cameras), *part.shape[1:]), part.dtype)
+                arrays[name] = np.empty((count, *part.shape[1:]), part.dtype)
             arrays[name][piece * step : piece * step + len(part)] = part
     return arrays

@@ -9,27 +9,35 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _lumivox
-from ._arrays import size_of, view, whole
+from ._arrays import floats, size_of, vector, view, whole
 from ._records import Camera
 from .errors import InputError
 from .light import Irradiance, photometric, places
 from .picture import Picture
-from .scene import Progress, Scene
+from .scene import AnimationLike, Corners, Progress, Scene, animation_number, seconds
 
 #: The layers beside the radiance. Those of the first line are in cd/m2, and ``irradiance`` is in
 #: lux; they are (H, W, 3). Then 0 to 1: ``occlusion`` and ``shadow`` (H, W), ``albedo`` (H, W, 3).
 #: ``normal`` (H, W, 3) is in the world, ``depth`` (H, W) in metres. All of these are float32, means
 #: over the frames, 0 in the background. ``instance`` and ``material`` (H, W) int32 are the numbers
-#: at the middle of the pixel, -1 in the background.
+#: at the middle of the pixel, -1 in the background. ``motion`` (H, W, 2) float32 is the way of what
+#: is seen there since the picture before, in pixels to the right and down: 0 in the first picture,
+#: NaN where it was behind the camera.
 LAYERS: tuple[str, ...] = (
     *("direct", "indirect", "specular"),
     "irradiance",
     *("occlusion", "shadow", "albedo"),
     *("normal", "depth"),
-    *("instance", "material"),
+    *("instance", "material", "motion"),
 )
 
 CameraLike = Camera | str | int
+#: Cameras, or one that stands for all.
+Cameras = CameraLike | None | Iterable[CameraLike]
+#: The cameras of N pictures, and their times, s.
+Views = Sequence[CameraLike | None]
+Times = Sequence[float | None]
+Moment = tuple[CameraLike | None, float | None]
 
 
 def settings() -> list[dict[str, str]]:
@@ -68,6 +76,31 @@ def _scene(scene: Any) -> _lumivox.Scene:
     return scene._scene
 
 
+def moments(cameras: Cameras, times_s: Any) -> tuple[Views, Times]:
+    """N cameras, and as many times or ``None``."""
+    is_one = cameras is None or isinstance(cameras, (Camera, str, int))
+    views: list[CameraLike | None] = [cameras] if is_one else list(cameras)  # type: ignore
+    for view in views:
+        _camera(view)
+    times: list[float | None] = [None] * len(views)
+    if times_s is not None:
+        times = floats("times_s", times_s, (None,)).tolist()
+        if is_one:
+            views *= len(times)
+    if len(views) != len(times):
+        raise InputError(f"times_s: has {len(times)} times, but there are {len(views)} cameras")
+    if not views:
+        raise InputError("cameras: has none")
+    return views, times
+
+
+def _corners(bounds: Any) -> Corners:
+    corners = floats("bounds", bounds, (2, 3))
+    if not (corners[0] <= corners[1]).all():
+        raise InputError("bounds: the first corner must be the lower one")
+    return vector("bounds", corners[0]), vector("bounds", corners[1])
+
+
 class Renderer:
     """A scene on the GPU, with its voxels and their light, for pictures from any number of cameras.
 
@@ -75,14 +108,17 @@ class Renderer:
     command line (``"framing"``, ``"inside"``, ``"PX,PY,PZ,TX,TY,TZ"``); by default the scene's
     first, else one that shows it well. ``size`` is (width, height). ``layers`` are names of
     :data:`LAYERS`. ``surroundings`` is ``"auto"`` (light is added if the scene has too little, as
-    the program does), ``"studio"``, ``"sky"`` or ``"none"``. ``adapter`` is part of a GPU's name.
-    ``progress`` is called with a stage, the steps done and their number.
+    the program does), ``"studio"``, ``"sky"`` or ``"none"``. ``time_s`` shows a time of an
+    ``animation``, as :meth:`pose`. ``bounds`` are two corners, m, of the box in which light is
+    computed, by default the scene's: things that move should stay in it
+    (:meth:`Scene.bounds_over`). ``adapter`` is part of a GPU's name. ``progress`` is called with a
+    stage, the steps done and their number.
 
     Further arguments are settings, with the names and values of the command line (``_`` for ``-``):
     ``frames=16``, ``resolution=128``, ``preset="high"``; :func:`settings` lists them.
 
-    The result of a picture does not depend on those before it. Threads may share a renderer; they
-    take turns.
+    The result of a picture does not depend on those before it, but for the layer ``motion``.
+    Threads may share a renderer; they take turns.
     """
 
     def __init__(
@@ -93,21 +129,29 @@ class Renderer:
         *,
         layers: Iterable[str] = (),
         surroundings: str = "auto",
+        time_s: float | None = None,
+        animation: AnimationLike = 0,
+        bounds: Any = None,
         adapter: str | None = None,
         progress: Progress | None = None,
         **settings: Any,
     ) -> None:
         names = [layers] if isinstance(layers, str) else list(layers)
+        shown = _scene(scene)
+        self._take(scene)
+        time = None if time_s is None else self._time(time_s, animation)
         given = [(name, _text(name, value)) for name, value in settings.items()]
         self._size = size_of("size", size)
         self._adapter = adapter
         self._renderer = _lumivox.Renderer(
-            _scene(scene),
+            shown,
             _camera(camera),
             self._size,
             given,
             list(dict.fromkeys(names)),
             surroundings,
+            None if bounds is None else _corners(bounds),
+            time,
             adapter,
             progress,
         )
@@ -131,19 +175,69 @@ class Renderer:
             adapter=self._adapter,
         )
 
-    def pictures(self, cameras: Iterable[CameraLike]) -> Iterator[Picture]:
-        """The pictures from many cameras, one after the other: ``tqdm(renderer.pictures(...))``."""
-        for camera in cameras:
-            yield self.render(camera)
+    def _take(self, scene: Scene) -> None:
+        self._animations = scene.animations
+        self._has_cameras = bool(scene.cameras)
+
+    def _time(self, time_s: float, animation: AnimationLike) -> tuple[float, int | None]:
+        return seconds("time_s", time_s), animation_number(self._animations, animation)
+
+    def pose(self, time_s: float, animation: AnimationLike = 0) -> None:
+        """Shows the scene at a time of an animation, as :meth:`Scene.pose`. Voxels that have not
+        moved stay."""
+        self._renderer.pose(*self._time(time_s, animation))
+
+    def pictures(
+        self, cameras: Cameras, times_s: Any = None, animation: AnimationLike = 0
+    ) -> Iterator[Picture]:
+        """The pictures from many cameras, one after the other: ``tqdm(renderer.pictures(...))``.
+
+        With ``times_s`` (N,), s, each is that of a time of an ``animation``, and one camera may stand
+        for all; a camera that is named moves as the scene's does.
+        """
+        return self._pictures(*moments(cameras, times_s), animation, None)
+
+    def _pictures(
+        self, views: Views, times_s: Times, animation: AnimationLike, before: Moment | None
+    ) -> Iterator[Picture]:
+        """``before`` is the moment that the first picture's motion is told from."""
+        self._renderer.start_motion(None)
+        if before is not None:
+            camera = self._at(*before, animation)
+            self._renderer.start_motion(_camera(self.camera if camera is None else camera))
+        for moment in zip(views, times_s):
+            yield self.render(self._at(*moment, animation))
+
+    def _at(
+        self, camera: CameraLike | None, time_s: float | None, animation: AnimationLike
+    ) -> CameraLike | None:
+        """Shows a time; the camera that is meant then."""
+        if time_s is None:
+            return camera
+        self.pose(time_s, animation)
+        return 0 if camera is None and self._has_cameras else camera
 
     def render_many(
-        self, cameras: Iterable[CameraLike], progress: Progress | None = None
+        self,
+        cameras: Cameras,
+        times_s: Any = None,
+        animation: AnimationLike = 0,
+        progress: Progress | None = None,
     ) -> dict[str, npt.NDArray[Any]]:
-        """The pictures from N cameras as arrays: ``radiance`` (N, H, W, 3), ``coverage`` and the
-        layers (N, H, W) or (N, H, W, 3). ``progress`` is called after each picture."""
-        views = list(cameras)
+        """The N pictures of :meth:`pictures` as arrays: ``radiance`` (N, H, W, 3), ``coverage`` and
+        the layers (N, H, W) or (N, H, W, C). ``progress`` is called after each picture."""
+        return self._stack(*moments(cameras, times_s), animation, None, progress)
+
+    def _stack(
+        self,
+        views: Views,
+        times_s: Times,
+        animation: AnimationLike,
+        before: Moment | None,
+        progress: Progress | None,
+    ) -> dict[str, npt.NDArray[Any]]:
         stacked: dict[str, npt.NDArray[Any]] = {}
-        for number, picture in enumerate(self.pictures(views)):
+        for number, picture in enumerate(self._pictures(views, times_s, animation, before)):
             parts = {"radiance": picture.radiance, "coverage": picture.coverage, **picture.layers}
             for name, part in parts.items():
                 if name not in stacked:
@@ -151,8 +245,6 @@ class Renderer:
                 stacked[name][number] = part
             if progress is not None:
                 progress("pictures", number + 1, len(views))
-        if not stacked:
-            raise InputError("cameras: has none")
         return stacked
 
     def irradiance(self, points: Any, normals: Any = (0.0, 1.0, 0.0), frames: int = 16) -> Irradiance:
@@ -188,6 +280,7 @@ class Renderer:
         """Shows other lights, surroundings, materials or places of instances of the same scene,
         without compiling and uploading everything again. The grid stays as it is."""
         self._renderer.update(_scene(scene), progress)
+        self._take(scene)
 
     @property
     def camera(self) -> Camera:
@@ -236,6 +329,9 @@ def render(
     *,
     layers: Iterable[str] = (),
     surroundings: str = "auto",
+    time_s: float | None = None,
+    animation: AnimationLike = 0,
+    bounds: Any = None,
     adapter: str | None = None,
     progress: Progress | None = None,
     **settings: Any,
@@ -247,6 +343,9 @@ def render(
         size,
         layers=layers,
         surroundings=surroundings,
+        time_s=time_s,
+        animation=animation,
+        bounds=bounds,
         adapter=adapter,
         progress=progress,
         **settings,
@@ -256,28 +355,28 @@ def render(
 
 def render_many(
     scene: Scene,
-    cameras: Iterable[CameraLike],
+    cameras: Cameras,
     size: tuple[int, int] = (256, 256),
     *,
-    layers: Iterable[str] = (),
-    surroundings: str = "auto",
-    adapter: str | None = None,
+    times_s: Any = None,
+    animation: AnimationLike = 0,
     progress: Progress | None = None,
-    **settings: Any,
-) -> dict[str, Any]:
-    """Pictures from N cameras as arrays (N, H, W, C), with one set of voxels for all; the
-    arguments are those of :class:`Renderer`, the result that of :meth:`Renderer.render_many`."""
-    views = list(cameras)
-    if not views:
-        raise InputError("cameras: has none")
-    renderer = Renderer(
-        scene,
-        views[0],
-        size,
-        layers=layers,
-        surroundings=surroundings,
-        adapter=adapter,
-        progress=progress,
-        **settings,
-    )
-    return renderer.render_many(views, progress)
+    **options: Any,
+) -> dict[str, npt.NDArray[Any]]:
+    """N pictures as arrays (N, H, W, C), with one set of voxels for all: those of
+    :meth:`Renderer.render_many`. ``options`` are further arguments of :class:`Renderer`. With
+    ``times_s`` light is computed in the box around all poses, unless ``bounds`` are given."""
+    views, times = moments(cameras, times_s)
+    options = {"size": size, "progress": progress, **options}
+    return of_moments(scene, views, times, animation, options)._stack(views, times, animation, None, progress)
+
+
+def of_moments(
+    scene: Scene, views: Views, times_s: Times, animation: AnimationLike, options: dict[str, Any]
+) -> Renderer:
+    """The renderer of pictures of some times: it begins with the first."""
+    _scene(scene)
+    if times_s[0] is not None:
+        around = {"time_s": times_s[0], "animation": animation}
+        options = {"bounds": scene.bounds_over(times_s, animation), **around, **options}
+    return Renderer(scene, views[0], **options)

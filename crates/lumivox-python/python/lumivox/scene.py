@@ -7,17 +7,30 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from tempfile import TemporaryDirectory
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from . import _lumivox
 from ._arrays import color, floats, numbers, vector, vertex_numbers
-from ._records import IDENTITY, Camera, Instance, Light, Material, Record
+from ._records import IDENTITY, Camera, Instance, Light, Material, Record, Vector
 from .errors import InputError
 
 Path = str | os.PathLike[str]
+#: The lower and the upper corner of a box, m.
+Corners = tuple[Vector, Vector]
 Progress = Callable[[str, float, int], object]
+
+
+class Animation(NamedTuple):
+    """An animation of a scene: its name, and its duration in seconds."""
+
+    name: str
+    duration_s: float
+
+
+#: An animation's number or name, or ``"all"`` for all at once.
+AnimationLike = int | str
 
 
 class Scene:
@@ -201,10 +214,10 @@ class Scene:
         return self._scene.warnings
 
     @property
-    def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
+    def bounds(self) -> Corners | None:
         """The lower and the upper corner of the box around it, m; ``None`` without triangles."""
         corners = self._scene.bounds
-        return None if corners is None else (tuple(corners[0]), tuple(corners[1]))
+        return None if corners is None else (vector("low", corners[0]), vector("high", corners[1]))
 
     @property
     def cameras(self) -> tuple[Camera, ...]:
@@ -214,6 +227,32 @@ class Scene:
     @cameras.setter
     def cameras(self, cameras: Iterable[Camera]) -> None:
         self._scene.set_cameras([camera._record() for camera in cameras])
+
+    @property
+    def animations(self) -> tuple[Animation, ...]:
+        """The animations of the file that it was loaded from."""
+        return tuple(Animation(*known) for known in self._scene.animations)
+
+    def pose(self, time_s: float, animation: AnimationLike = 0) -> None:
+        """Shows the scene ``time_s`` seconds into an animation: a number, a name, or ``"all"``.
+
+        Nothing repeats: before its start and after its end it stands still. The file's instances,
+        lights and cameras move; what was added, and other lights and cameras that replaced the
+        file's, stay.
+        """
+        self._scene.pose(seconds("time_s", time_s), animation_number(self.animations, animation))
+
+    def bounds_over(self, times_s: Any, animation: AnimationLike = 0) -> Corners:
+        """The box around its poses at some times (N,), s: ``bounds`` for a :class:`Renderer`."""
+        times, posed, corners = floats("times_s", times_s, (None,)), self.copy(), []
+        if times.size == 0:
+            raise InputError("times_s: has none")
+        for time_s in times.tolist():
+            posed.pose(time_s, animation)
+            corners += list(posed.bounds or ())
+        if not corners:
+            raise InputError(f"the scene {self.name!r} has no triangles")
+        return vector("low", np.min(corners, axis=0)), vector("high", np.max(corners, axis=0))
 
     @property
     def lights(self) -> tuple[Light, ...]:
@@ -295,6 +334,25 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"<lumivox.Scene {self.name!r}: {self.triangles} triangles>"
+
+
+def seconds(name: str, value: Any) -> float:
+    """``value`` as a time in seconds."""
+    return float(floats(name, value, ()))
+
+
+def animation_number(known: Sequence[Animation], which: AnimationLike) -> int | None:
+    """The number of an animation; ``None`` is all of them."""
+    if isinstance(which, str):
+        names = [animation.name for animation in known]
+        if which in names:
+            return names.index(which)
+        if which == "all" and known:
+            return None
+    elif isinstance(which, (int, np.integer)) and 0 <= which < len(known):
+        return int(which)
+    listed = ", ".join(f"{number} {item.name!r}" for number, item in enumerate(known)) or "none"
+    raise InputError(f"the scene has no animation {which!r}; there are: {listed}")
 
 
 def _of_glb(data: bytes, lights: Iterable[Light], cameras: Iterable[Camera]) -> Scene:

@@ -57,8 +57,13 @@ impl Rig {
     /// of `parts`. The rig stays with the scene if there are animations.
     pub(crate) fn install(scene: &mut Scene, parts: Parts) -> Result<(), SceneError> {
         let pose = Pose::rest(&parts.nodes);
-        let mut rig =
-            Self { parts: Arc::new(parts), world_from_file: Mat4::IDENTITY, shown: Vec::new() };
+        let mut rig = Self {
+            parts: Arc::new(parts),
+            world_from_file: Mat4::IDENTITY,
+            shown: Vec::new(),
+            has_own_lights: false,
+            has_own_cameras: false,
+        };
         show(&mut rig, &pose, scene)?;
         if !rig.parts.animations.is_empty() {
             rig.drop_what_never_moves();
@@ -110,11 +115,15 @@ fn show(rig: &mut Rig, pose: &Pose, scene: &mut Scene) -> Result<(), SceneError>
     })?;
     deform(&parts, pose, &file_from_node, scene)?;
     place_instances(rig, &parts, &file_from_node, scene)?;
-    for (light, &node) in scene.lights.iter_mut().zip(&parts.lights) {
-        place_light(light, rig.world_from_file * file_from_node[node]);
+    if !rig.has_own_lights {
+        for (light, &node) in scene.lights.iter_mut().zip(&parts.lights) {
+            place_light(light, rig.world_from_file * file_from_node[node]);
+        }
     }
-    for (camera, &node) in scene.cameras.iter_mut().zip(&parts.cameras) {
-        place_camera(camera, rig.world_from_file * file_from_node[node]);
+    if !rig.has_own_cameras {
+        for (camera, &node) in scene.cameras.iter_mut().zip(&parts.cameras) {
+            place_camera(camera, rig.world_from_file * file_from_node[node]);
+        }
     }
     Ok(())
 }

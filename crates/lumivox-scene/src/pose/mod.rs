@@ -25,7 +25,7 @@ use std::sync::Arc;
 
 use glam::Mat4;
 
-use crate::{Scene, SceneError};
+use crate::{Camera, Light, Scene, SceneError};
 
 pub(crate) use apply::weighing;
 pub(crate) use deform::{Base, Deformed, Influences, Target};
@@ -62,6 +62,9 @@ pub struct Rig {
     world_from_file: Mat4,
     /// The parts' instances that are the scene's first instances; the others are hidden.
     shown: Vec<usize>,
+    /// Whether the lights, or the cameras, are others than the file's, which stay where they are.
+    has_own_lights: bool,
+    has_own_cameras: bool,
 }
 
 impl std::fmt::Debug for Rig {
@@ -88,6 +91,26 @@ impl Scene {
             .collect()
     }
 
+    /// Takes other lights. As long as the file's come first, by their names, poses go on to move these; otherwise they leave
+    /// all lights where they are from now on.
+    pub fn replace_lights(&mut self, lights: Vec<Light>) {
+        if let Some(rig) = &mut self.rig {
+            let moved = self.lights.iter().take(rig.parts.lights.len()).map(|light| &light.name);
+            rig.has_own_lights |= !begins_with(lights.iter().map(|light| &light.name), moved);
+        }
+        self.lights = lights;
+    }
+
+    /// Takes other cameras, as [`Self::replace_lights`] does with lights.
+    pub fn replace_cameras(&mut self, cameras: Vec<Camera>) {
+        if let Some(rig) = &mut self.rig {
+            let moved =
+                self.cameras.iter().take(rig.parts.cameras.len()).map(|camera| &camera.name);
+            rig.has_own_cameras |= !begins_with(cameras.iter().map(|camera| &camera.name), moved);
+        }
+        self.cameras = cameras;
+    }
+
     /// Shows the scene `time_s` seconds into an animation. Times before 0 show its start, times
     /// beyond its duration its end; nothing repeats.
     ///
@@ -109,4 +132,12 @@ impl Scene {
     pub fn pose(&mut self, animation: AnimationChoice, time_s: f32) -> Result<(), SceneError> {
         apply::pose(self, animation, time_s)
     }
+}
+
+/// Whether a list begins with the items of another.
+fn begins_with<'a>(
+    mut list: impl Iterator<Item = &'a String>,
+    mut start: impl Iterator<Item = &'a String>,
+) -> bool {
+    start.all(|item| list.next() == Some(item))
 }

@@ -181,6 +181,23 @@ fn lights_and_cameras_go_along() {
     assert!((light.direction - Vec3::Y).length() < 1e-6, "{}", light.direction);
     assert!((camera.forward - Vec3::Y).length() < 1e-6 && (camera.up - Vec3::Z).length() < 1e-6);
     assert_eq!(scene.lights[1], own);
+
+    // The file's go along, brighter or dimmer, as long as they come first; others stay.
+    let mut brighter = scene.lights.clone();
+    brighter[0].radius_m = 0.5;
+    scene.replace_lights(brighter);
+    scene.replace_cameras(vec![own_camera()]);
+    scene.pose(AnimationChoice::All, 0.0).unwrap();
+    assert_eq!((scene.lights[0].position, scene.lights[0].radius_m), (Vec3::ZERO, 0.5));
+    assert_eq!(scene.cameras, [own_camera()]);
+    scene.replace_lights(vec![own.clone()]);
+    scene.pose(AnimationChoice::All, 1.0).unwrap();
+    assert_eq!(scene.lights, [own]);
+}
+
+fn own_camera() -> lumivox_scene::Camera {
+    let camera = lumivox_scene::Camera::look_at(Vec3::ONE, Vec3::ZERO, 0.7);
+    lumivox_scene::Camera { name: "own".to_owned(), ..camera }
 }
 
 #[test]

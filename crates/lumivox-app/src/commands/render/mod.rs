@@ -129,6 +129,9 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
 /// Whether options other than the output make it a sequence.
 fn asks_for_sequence(args: &RenderArgs) -> bool {
     let timeline = &args.timeline;
+    if timeline.pictures.is_some() {
+        return true;
+    }
     match timeline.time {
         Some(TimeChoice::Range(..)) => true,
         Some(TimeChoice::At(_)) => false,

@@ -36,14 +36,16 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
     let PictureTimes::Sequence(moments) = stage.schedule.times.clone() else {
         anyhow::bail!("a sequence without moments")
     };
-    let mut files = FrameFiles::new(&stage.args.output)?;
+    let timeline = &stage.args.timeline;
+    let mut files = FrameFiles::new(&stage.args.output)?.of_range(timeline.pictures.clone());
     files.fit(moments.count)?;
+    let asked = files.numbers(moments.count)?;
     files.make_folder()?;
     let _lock = files.lock()?;
     let history = history_of(&stage);
     let settings = settings_of(&stage, &moments, (path, history));
-    let start = Index::new(moments.count, settings).start(&files, stage.args.timeline.restart)?;
-    let Start { mut index, missing } = start;
+    let index = Index::new(moments.count, settings);
+    let Start { mut index, missing } = index.start(&files, asked.clone(), timeline.restart)?;
     if !missing.is_empty() {
         let tell = |done, total| stage.progress.set("looking at the motion", done, total);
         let bounds = stage.schedule.bounds(&mut stage.scene, &mut { tell })?;
@@ -52,10 +54,10 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
     index.adapter = lumivox_render::describe(&stage.gpu.adapter_info);
     stage.progress.stop_on_interrupt(stage.host)?;
     let stopped = |done: usize| {
-        let there = moments.count as usize - missing.len() + done;
+        let there = asked.len() - missing.len() + done;
         Failure::stopped(format!(
             "stopped: {there} of {} pictures are there; the same command continues",
-            moments.count
+            asked.len()
         ))
     };
 
@@ -74,6 +76,9 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
         let shared = index.exposure.map_or(Exposure::Auto, Exposure::Stops);
         stage.settings.exposure = shared;
         film.set_exposure(shared);
+    }
+    if history == History::None && film.renderer().is_none() && !missing.is_empty() {
+        film = begun(&mut stage, &moments)?;
     }
     let mut metering: Option<Metering> = None;
     // Light of earlier frames has come through all of them, so an interrupted sequence begins again at the first.
@@ -124,7 +129,7 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
         files: files.pattern().display().to_string(),
         index: files.index().display().to_string(),
         size: stage.args.picture.size.to_array(),
-        pictures: moments.count,
+        pictures: asked.len() as u32,
         rendered: missing.len(),
         rendered_again: numbers.len() - missing.len(),
         exposure: index.exposure,
@@ -150,7 +155,7 @@ fn meter(stage: &mut RenderJob<'_>, moments: &Moments) -> anyhow::Result<Option<
         .collect();
     numbers.dedup();
     let total = numbers.len() as u32;
-    let mut film = Film::default();
+    let mut film = begun(stage, moments)?;
     let mut stops = Vec::new();
     for (done, number) in (0..).zip(numbers) {
         if stage.progress.is_stopped() {
@@ -164,6 +169,18 @@ fn meter(stage: &mut RenderJob<'_>, moments: &Moments) -> anyhow::Result<Option<
         stops.push(Exposure::Auto.stops(&film.glimpse()?.hdr));
     }
     Ok(Some((film, median(stops))))
+}
+
+/// A film that has shown the first picture's scene, wherever it goes on: the unit of radiance is that of the scene that a
+/// renderer begins with, and must be the same in all runs.
+fn begun(stage: &mut RenderJob<'_>, moments: &Moments) -> anyhow::Result<Film> {
+    let time_s = moments.time_s(0);
+    stage.schedule.pose(&mut stage.scene, time_s)?;
+    let camera = stage.schedule.camera(&stage.scene, time_s, 0.0);
+    let step = Step { stage: "picture", progress: &stage.progress, done: 0, total: 1 };
+    let mut film = Film::default();
+    film.show(&step, stage, &camera, History::None)?;
+    Ok(film)
 }
 
 /// The median; the higher of the two middle values of an even number, and 0 without values.
