@@ -186,7 +186,9 @@ impl GpuScene {
         streaming.budget.camera = camera;
         let wanted = streaming.wanted(&self.draws);
         let mut is_wanted = vec![false; streaming.parts.len()];
-        wanted.iter().for_each(|part| is_wanted[*part] = true);
+        for part in &wanted {
+            is_wanted[*part] = true;
+        }
         let mut has_changed = false;
         for (number, part) in streaming.parts.iter_mut().enumerate() {
             if part.is_resident && !is_wanted[number] {

@@ -114,9 +114,9 @@ fn gather_emitters(
     let ahead = kept.position + clearance * kept.normal;
     let moved = clear_of_walls(ahead, kept.normal, at_emitter) - ahead;
     let aside = moved - dot(moved, kept.normal) * kept.normal;
-    // The ray ends a clearance before the emitter, and clear of the emitter's plane at any angle: straight ahead it goes to the
-    // point itself, since shadows would move otherwise; along the plane it goes to a place in front of it, since a wall is on the
-    // rest of the way.
+    // The ray ends where it comes as near as that to the emitter's plane, but leaves out no more than that or the emitter's size,
+    // since a wall may be there. Straight ahead it goes to the point itself, since shadows would move otherwise; along the plane it
+    // goes to a place in front of it.
     let away = origin - kept.position;
     let height = dot(away, kept.normal);
     let slant = 1.0 - height / max(length(away), 1e-6);
@@ -124,7 +124,8 @@ fn gather_emitters(
     let to_point = kept.position + aside + lift * kept.normal - origin;
     let distance = length(to_point);
     let direction = to_point / max(distance, 1e-6);
-    let reach = distance - clearance;
+    let near = distance * (clearance - lift) / max(height - lift, 1e-3);
+    let reach = distance - min(near, max(clearance, kept.size));
     let ray = Cone(origin, direction, 0.0, reach, 0.0, level);
     let traced = trace_cone(ray, ray_settings(settings));
     // It may be below zero, which makes up for what other rays leak (cones::cone).
