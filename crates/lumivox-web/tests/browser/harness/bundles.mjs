@@ -39,7 +39,10 @@ export async function vite(root) {
  * @returns {Promise<string>} the folder of the bundle */
 export async function webpack(folder, entry) {
     const out = join(folder, "webpack");
-    const stats = await promisify(bundler)({ mode: "production", context: folder, entry: join(folder, entry), output: { path: out } });
+    /** @type {import("webpack").Stats | undefined} */
+    const stats = await new Promise((resolve, reject) => {
+        bundler({ mode: "production", context: folder, entry: join(folder, entry), output: { path: out } }, (error, stats) => (error ? reject(error) : resolve(stats)));
+    });
     // Its advice on sizes is none that the WebAssembly could follow.
     const { errors = [] } = stats?.toJson({ all: false, errors: true }) ?? {};
     if (errors.length > 0) throw new Error(errors.map((error) => error.message).join("\n"));
