@@ -17,6 +17,12 @@ use crate::foreign::{Role, view};
 use crate::options::{self, Options};
 use crate::{device, input};
 
+/// Runs when the module is loaded: a panic, which is a defect of this project, says where it happened.
+#[wasm_bindgen(start)]
+pub fn start() {
+    console_error_panic_hook::set_once();
+}
+
 /// The global illumination of one scene.
 #[wasm_bindgen]
 #[derive(Debug)]

@@ -2,11 +2,12 @@
 
 import * as THREE from "three/webgpu";
 import { pass } from "three/tsl";
-import { createDevice, createGi } from "lumivox/three";
+import { createGi } from "lumivox/three";
 
 const SIZE = 16;
 
-const renderer = new THREE.WebGPURenderer({ device: await createDevice() });
+// The renderer's own device; the example has one of ours.
+const renderer = new THREE.WebGPURenderer();
 await renderer.init();
 renderer.setSize(SIZE, SIZE, false);
 const scene = new THREE.Scene();
