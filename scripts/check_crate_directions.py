@@ -49,6 +49,7 @@ MAY_DEPEND_ON = {
         "lumivox-render",
         "lumivox-scene",
     },
+    "lumivox-three": {"lumivox"},
     "lumivox-python": {
         "lumivox-app",
         "lumivox-console",

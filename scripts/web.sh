@@ -59,21 +59,43 @@ build_web() {
     find_web_cargo
     build_web_tools
     (cd "$root" && show_build "Building the page" "${web_cargo[@]}" build ${web_build_std[@]+"${web_build_std[@]}"} \
-        --target "$web_target" --profile "$profile" --locked -p lumivox-web --target-dir "$target_dir/web") ||
+        --target "$web_target" --profile "$profile" --locked -p lumivox-web -p lumivox-three --target-dir "$target_dir/web") ||
         die "The build for browsers failed (cargo's message is above)."
     # Whole or not at all: who looks meanwhile finds the old page.
     mkdir -p "$out"
     staging=$(mktemp -d "$out.XXXXXX")
     cp -R "$root/crates/lumivox-web/page/." "$staging/"
-    mkdir -p "$staging/lumivox"
-    "$target_dir/debug/lumivox-bindgen" "$target_dir/web/$web_target/$profile/lumivox_web.wasm" "$staging/lumivox" ||
-        die "The page's module could not be made (the message is above)."
+    make_module lumivox_web lumivox "$staging/lumivox"
+    make_module lumivox_three lumivox_three "$staging/lumivox/three"
     cp -R "$root/crates/lumivox-web/npm/." "$staging/lumivox/"
+    cp -R "$root/crates/lumivox-three/js/." "$staging/lumivox/three/"
+    make_inlined "$staging/lumivox"
     cp "$root/LICENSE-MIT" "$root/LICENSE-APACHE" "$staging/lumivox/"
     rm -rf "$out"
     mv "$staging" "$out"
     chmod 755 "$out"
     print_web_size "$out/lumivox/lumivox_bg.wasm"
+    print_web_size "$out/lumivox/three/lumivox_three_bg.wasm"
+}
+
+# make_module CRATE NAME FOLDER [OPTION]: the module of a compiled crate; needs what build_web has set.
+make_module() {
+    mkdir -p "$3"
+    "$target_dir/debug/lumivox-bindgen" "$target_dir/web/$web_target/$profile/$1.wasm" "$3" --name "$2" "${@:4}" ||
+        die "The module $2 could not be made (the message is above)."
+}
+
+# make_inlined PACKAGE: the module `lumivox/inlined`, which has its WebAssembly in it, packed: no bundler has to know of it.
+make_inlined() {
+    make_module lumivox_web lumivox "$1/inlined" --no-default-path
+    {
+        cat "$root/crates/lumivox-web/npm/inlined.js"
+        printf '\nconst packed = "'
+        gzip -9 -n -c "$1/inlined/lumivox_bg.wasm" | base64 | tr -d '\n'
+        printf '";\n'
+    } >"$1/inlined.js.new"
+    mv "$1/inlined.js.new" "$1/inlined.js"
+    rm -f "$1/inlined/lumivox_bg.wasm" "$1/inlined/lumivox_bg.wasm.d.ts"
 }
 
 # What a browser downloads.
@@ -81,8 +103,8 @@ print_web_size() {
     local bytes packed
     bytes=$(wc -c <"$1")
     packed=$(gzip -9 -c "$1" | wc -c)
-    say "$(awk -v a="$bytes" -v b="$packed" 'BEGIN {
-        printf "WASM: %.2f MB; %.2f MB as servers send it with gzip.", a / 1e6, b / 1e6 }')"
+    say "$(awk -v a="$bytes" -v b="$packed" -v name="$(basename "$1")" 'BEGIN {
+        printf name ": %.2f MB; %.2f MB as servers send it with gzip.", a / 1e6, b / 1e6 }')"
 }
 
 # The browser that the page is tested in, in `chromium`, and Node.js to drive it; fails without them.

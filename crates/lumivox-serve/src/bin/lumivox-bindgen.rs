@@ -1,4 +1,4 @@
-//! Makes a module for browsers of the compiled `lumivox-web`: what `wasm-bindgen --target web` does, without the servers
+//! Makes a module for browsers of compiled WebAssembly: what `wasm-bindgen --target web` does, without the servers
 //! and clients of its test runner, which take minutes to compile.
 
 use std::path::PathBuf;
@@ -16,17 +16,19 @@ struct Arguments {
     /// What the module is called
     #[arg(long, default_value = "lumivox")]
     name: String,
+    /// Leave out that the module looks for its WebAssembly beside itself: whoever starts it hands it over
+    #[arg(long)]
+    no_default_path: bool,
 }
 
 fn main() -> anyhow::Result<()> {
-    let Arguments { input, folder, name } = Arguments::parse();
+    let Arguments { input, folder, name, no_default_path } = Arguments::parse();
     Bindgen::new()
         .web(true)?
         .input_path(input)
         .out_name(&name)
         .typescript(true)
-        // The module finds its WebAssembly beside itself.
-        .omit_default_module_path(false)
+        .omit_default_module_path(no_default_path)
         .remove_name_section(true)
         .remove_producers_section(true)
         .generate(folder)

@@ -53,6 +53,29 @@ test("the example is the one of the package's page", async () => {
     assert.ok(script.trim().split("\n").length <= 20, "the example has at most 20 lines");
 });
 
+test("the playground runs what is written there, and tells its errors", async () => {
+    const app = await App.open(session, { path: "playground.html#let" });
+    await app.page.evaluate(() => {
+        const code = /** @type {HTMLTextAreaElement} */ (document.querySelector("textarea"));
+        if (code.value !== "let") throw new Error(`the address gives "${code.value}"`);
+        code.value = `import init, { createRenderer } from "lumivox";
+            await init();
+            const canvas = Object.assign(document.querySelector("canvas"), { width: 64, height: 36 });
+            const renderer = await createRenderer(canvas);
+            await renderer.set({ resolution: 32, frames: 2 });
+            const { name } = await renderer.loadScene("builtin:cornell");
+            while (!(await renderer.render()).complete);
+            document.querySelector("p").textContent = name;
+            await renderer.set({ resolutoin: 64 });`;
+    });
+    await app.page.getByRole("button", { name: "Run" }).click();
+    await app.page.frameLocator("iframe").getByText("cornell").waitFor({ timeout: 240_000 });
+    await app.page.getByRole("alert").getByText('did you mean "resolution"').waitFor();
+    app.messages.expect(/resolutoin/);
+    assert.match(await app.page.evaluate(() => location.hash), /^#import/);
+    await app.close();
+});
+
 test("what is wrong is an Error with a code and a remedy, and nothing has changed", async (t) => {
     const app = await App.show(session, "builtin:panel");
     app.messages.expect(/404/);

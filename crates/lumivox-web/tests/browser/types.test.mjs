@@ -36,6 +36,13 @@ test("right uses of the package compile, and wrong ones do not", async () => {
     assert.equal(await compile(options, [join(here, "types/uses.ts")]), "");
 });
 
+test("right uses of lumivox/three compile, and wrong ones do not", async () => {
+    const three = (/** @type {string} */ name) => join(here, "node_modules/@types/three/build", name);
+    const paths = { "lumivox/three": [join(page(), "lumivox/three/index.d.ts")], "three/webgpu": [three("three.webgpu.d.ts")], "three/tsl": [three("three.tsl.d.ts")] };
+    const options = { lib: ["esnext", "dom", "dom.iterable"], types: [webgpu], paths, skipLibCheck: true };
+    assert.equal(await compile(options, [join(here, "types/three.ts")]), "");
+});
+
 test("the page's modules compile", async () => {
     const modules = (await readdir(page())).filter((name) => name.endsWith(".js")).map((name) => join(page(), name));
     assert.ok(modules.length > 10);

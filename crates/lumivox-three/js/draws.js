@@ -1,0 +1,109 @@
+// What is drawn: the meshes of a scene with their matrices, and which of them have never moved.
+
+import { Matrix4 } from "three/webgpu";
+import { Geometries } from "./geometries.js";
+import { Materials, isTurned } from "./materials.js";
+
+const instance = new Matrix4();
+const placed = new Matrix4();
+
+export class Draws {
+    #shared;
+    #geometries;
+    #materials;
+    #note;
+    /** What is known of each object: where it was, when it was seen, and whether it moves. */
+    #objects = new WeakMap();
+    #frame = 0;
+    #rows = [];
+    #matrices = [];
+
+    constructor(shared, renderer, note) {
+        this.#shared = shared;
+        this.#note = note;
+        this.#geometries = new Geometries(shared, renderer, note);
+        this.#materials = new Materials(shared, renderer, note);
+    }
+
+    /** Looks at the scene, and hands over what there is now. */
+    update(scene) {
+        this.#frame += 1;
+        this.#rows.length = 0;
+        this.#matrices.length = 0;
+        scene.traverseVisible((object) => {
+            if (object.isMesh === true && object.userData.gi !== false) this.#look(object);
+        });
+        this.#geometries.submit();
+        this.#shared.setDraws(Uint32Array.from(this.#rows), Float32Array.from(this.#matrices));
+        this.#geometries.sweep(this.#frame);
+    }
+
+    #look(object) {
+        const { geometry, material } = object;
+        if (object.isBatchedMesh) {
+            this.#note("BatchedMesh is not taken; use InstancedMesh, or meshes");
+            return;
+        }
+        if (geometry?.attributes.position === undefined) return;
+        const materials = Array.isArray(material) ? material : [material];
+        const states = materials.map((each) => each && this.#materials.of(each, this.#frame));
+        const known = this.#known(object);
+        for (const { group, start, count } of parts(object, materials)) {
+            const own = materials[group];
+            if (!own || own.visible === false || own.colorWrite === false || count < 3) continue;
+            const mesh = this.#geometries.of(object, isTurned(own), this.#frame);
+            if (mesh === null) continue;
+            known.moves ||= mesh.changes || states[group].changes;
+            const row = [mesh.id, start, count, states[group].index, known.moves ? 0 : 1];
+            if (object.isInstancedMesh) this.#instances(object, row);
+            else this.#push(row, object.matrixWorld);
+        }
+    }
+
+    #instances(object, row) {
+        for (let at = 0; at < object.count; at += 1) {
+            object.getMatrixAt(at, instance);
+            this.#push(row, placed.multiplyMatrices(object.matrixWorld, instance));
+        }
+    }
+
+    #push(row, matrix) {
+        this.#rows.push(...row);
+        this.#matrices.push(...matrix.elements);
+    }
+
+    /** What moves once is taken for moving from then on: to take it for still again would cost more than it gains. */
+    #known(object) {
+        const frame = this.#frame;
+        let known = this.#objects.get(object);
+        if (known === undefined) {
+            const moves = object.isSkinnedMesh === true || object.morphTargetInfluences !== undefined;
+            known = { moves, frame, matrix: object.matrixWorld.clone(), instances: object.instanceMatrix?.version };
+            this.#objects.set(object, known);
+            return known;
+        }
+        const isGone = known.frame !== frame - 1;
+        const isInstanced = known.instances !== object.instanceMatrix?.version;
+        if (isGone || isInstanced || !known.matrix.equals(object.matrixWorld)) known.moves = true;
+        known.frame = frame;
+        known.matrix.copy(object.matrixWorld);
+        known.instances = object.instanceMatrix?.version;
+        return known;
+    }
+
+    dispose() {
+        this.#geometries.dispose();
+    }
+}
+
+/** Runs of indices with the number of their material. */
+function parts({ geometry, material }, materials) {
+    const all = geometry.index ? geometry.index.count : geometry.attributes.position.count;
+    const first = geometry.drawRange.start;
+    const last = Math.min(all, first + geometry.drawRange.count);
+    const whole = (start, end) => ({ start, count: Math.max(0, 3 * Math.floor((end - start) / 3)) });
+    if (!Array.isArray(material)) return [{ group: 0, ...whole(first, last) }];
+    return geometry.groups
+        .filter((group) => materials[group.materialIndex])
+        .map((group) => ({ group: group.materialIndex, ...whole(Math.max(first, group.start), Math.min(last, group.start + group.count)) }));
+}

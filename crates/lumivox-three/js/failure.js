@@ -1,0 +1,4 @@
+/** An error with a code, as those of the WebAssembly. */
+export function failure(code, message) {
+    return Object.assign(new Error(message), { code });
+}

@@ -1,0 +1,180 @@
+// What a page holds: the light of one scene, frame by frame.
+
+import { Box3, Matrix4, Vector2, Vector3 } from "three/webgpu";
+import { context } from "three/tsl";
+import { Environment } from "./environment.js";
+import { failure } from "./failure.js";
+import { GBuffer } from "./gbuffer.js";
+import { lightRows } from "./lights.js";
+import { LightNode, Outputs } from "./nodes.js";
+import { Draws } from "./draws.js";
+
+/** The most frames until the first voxels are there: each hears of the one before. */
+const FIRST_FRAMES = 16;
+/** Metres between the outermost surface and the end of the voxels, as a share of the scene. */
+const MARGIN = 0.01;
+const OWN = new Set(["scene", "camera", "bounds", "onProgress", "suns"]);
+
+export class Gi {
+    #renderer;
+    #shared;
+    #gbuffer = new GBuffer();
+    #draws;
+    #environment;
+    #size = new Vector2();
+    #clip = new Matrix4();
+    #camera = new Float32Array(39);
+    #notes = new Set();
+    #isFirst = true;
+    #stats = { late: true, voxels: 0, faces: 0 };
+
+    static async create(SharedGi, renderer, options) {
+        const { scene, camera, onProgress = null } = options;
+        scene.updateMatrixWorld();
+        const bounds = options.bounds ?? boundsOf(scene);
+        if (bounds.isEmpty()) throw failure("value", "the scene is empty, so that the voxels have no place; give options.bounds, a Box3 in metres");
+        const corners = Float32Array.of(...bounds.min.toArray(), ...bounds.max.toArray());
+        const chosen = Object.entries(options).filter(([name, value]) => !OWN.has(name) && value !== undefined && value !== null);
+        chosen.push(["reversed", renderer.reversedDepthBuffer === true]);
+        const [names, values] = [chosen.map(([name]) => name), chosen.map(([, value]) => String(value))];
+        const shared = await SharedGi.adopt(renderer.backend.device, corners, names, values);
+        const gi = new Gi(shared, renderer, scene, camera, bounds, options);
+        try {
+            gi.#resize();
+            await shared.compile(onProgress);
+            await gi.#environment.update();
+            await gi.#begin();
+        } catch (error) {
+            gi.dispose();
+            throw error;
+        }
+        return gi;
+    }
+
+    constructor(shared, renderer, scene, camera, bounds, { suns = true }) {
+        this.scene = scene;
+        this.camera = camera;
+        this.bounds = bounds;
+        this.#shared = shared;
+        this.#renderer = renderer;
+        this.outputs = new Outputs();
+        const note = (text) => this.#notes.add(text);
+        this.#draws = new Draws(shared, renderer, note);
+        this.#environment = new Environment(shared, renderer, scene, suns ? bounds : null, note);
+        this.note = note;
+        const light = new LightNode(this);
+        /** For `pass.contextNode`: gives all opaque materials of a pass our light. */
+        this.context = context({
+            getGI: (given, { material }) => {
+                if (material.transparent === true) return given;
+                return given === null ? light : light.add(given);
+            },
+        });
+    }
+
+    /** Texture nodes: irradiance (rgb; in a the open share of the hemisphere), and what surfaces reflect. */
+    get irradiance() {
+        return this.outputs.irradiance;
+    }
+
+    get reflection() {
+        return this.outputs.reflection;
+    }
+
+    /** What of the scene is not taken as it is, in words. */
+    get notes() {
+        return [...this.#notes];
+    }
+
+    /** Whether the last frame was behind, voxels and their faces. */
+    get stats() {
+        return this.#stats;
+    }
+
+    /** Bytes on the GPU. */
+    get memory() {
+        return this.#shared.memory() + this.#gbuffer.memory;
+    }
+
+    /** Changes a setting of the cones. */
+    set(name, value) {
+        this.#shared.setOption(name, String(value));
+    }
+
+    /** Forgets the light of earlier frames: for a cut. */
+    cut() {
+        this.#shared.cut();
+        this.#isFirst = true;
+    }
+
+    /** Computes the light of a frame. The nodes do so themselves, once a frame. */
+    update() {
+        const [renderer, shared] = [this.#renderer, this.#shared];
+        this.#resize();
+        this.#gbuffer.render(renderer, this.scene, this.camera);
+        this.#environment.watch();
+        this.#draws.update(this.scene);
+        shared.setLights(lightRows(this.scene, this.note));
+        const [late, voxels, faces] = shared.render(this.#cameraRow(), this.#environment.row());
+        // Nothing is known of a list that is about to be replaced.
+        const { voxels: lastVoxels, faces: lastFaces } = this.#stats;
+        this.#stats = { late: late === 1, voxels: voxels || lastVoxels, faces: faces || lastFaces };
+    }
+
+    /** Frees all memory on the GPU. */
+    dispose() {
+        this.#environment.dispose();
+        this.#draws.dispose();
+        this.#gbuffer.dispose();
+        this.outputs.dispose();
+        this.#shared.free();
+    }
+
+    /** Makes the first voxels, so that no frame is shown without them. */
+    async #begin() {
+        const { queue } = this.#renderer.backend.device;
+        for (let frame = 0; frame < FIRST_FRAMES && this.#stats.late; frame += 1) {
+            this.update();
+            await queue.onSubmittedWorkDone();
+        }
+        this.cut();
+    }
+
+    #resize() {
+        const { x, y } = this.#renderer.getDrawingBufferSize(this.#size);
+        if (!this.#gbuffer.setSize(this.#renderer, x, y)) return;
+        this.outputs.set(this.#shared.setScreen(x, y, this.#gbuffer.textures(this.#renderer)));
+        this.#isFirst = true;
+    }
+
+    #cameraRow() {
+        const { camera } = this;
+        const row = this.#camera;
+        const previous = row.slice(0, 16);
+        this.#clip.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).toArray(row, 0);
+        row.set(this.#isFirst ? row.subarray(0, 16) : previous, 16);
+        this.#isFirst = false;
+        new Vector3().setFromMatrixPosition(camera.matrixWorld).toArray(row, 32);
+        // TRAANode and its like shift the picture within a pixel.
+        const { view } = camera;
+        const isShifted = view?.enabled === true && view.width === view.fullWidth;
+        row[35] = isShifted ? -view.offsetX : 0;
+        row[36] = isShifted ? -view.offsetY : 0;
+        row[37] = this.#renderer.reversedDepthBuffer === true ? 1 : 0;
+        return row;
+    }
+}
+
+/** What is lit: all meshes, and a little around them. */
+function boundsOf(scene) {
+    const [bounds, own] = [new Box3(), new Box3()];
+    scene.traverseVisible((object) => {
+        if (!object.isMesh || object.userData.gi === false || object.geometry?.attributes.position === undefined) return;
+        // Skinned and instanced meshes have a box of their own.
+        const owner = object.computeBoundingBox ? object : object.geometry;
+        owner.computeBoundingBox();
+        bounds.union(own.copy(owner.boundingBox).applyMatrix4(object.matrixWorld));
+    });
+    const size = bounds.getSize(new Vector3());
+    return bounds.isEmpty() ? bounds : bounds.expandByScalar(MARGIN * Math.max(size.x, size.y, size.z));
+}

@@ -1,0 +1,63 @@
+// What cones have gathered, as nodes of TSL.
+
+import { ExternalTexture, HalfFloatType, LinearFilter, Node, NodeUpdateType, NoColorSpace } from "three/webgpu";
+import { screenUV, texture, vec3 } from "three/tsl";
+
+/** The two textures that a frame ends in. */
+export class Outputs {
+    constructor() {
+        this.irradiance = texture(wrapped(null));
+        this.reflection = texture(wrapped(null));
+    }
+
+    /** Takes those of another size. */
+    set([irradiance, reflection]) {
+        this.dispose();
+        this.irradiance.value = wrapped(irradiance);
+        this.reflection.value = wrapped(reflection);
+    }
+
+    dispose() {
+        this.irradiance.value.dispose();
+        this.reflection.value.dispose();
+    }
+}
+
+function wrapped(source) {
+    const external = new ExternalTexture(source);
+    external.type = HalfFloatType;
+    external.colorSpace = NoColorSpace;
+    external.minFilter = external.magFilter = LinearFilter;
+    external.generateMipmaps = false;
+    if (source !== null) external.image = { width: source.width, height: source.height };
+    return external;
+}
+
+/** The irradiance of a material, which adds the reflection beside it. */
+export class LightNode extends Node {
+    static get type() {
+        return "LumivoxLightNode";
+    }
+
+    constructor(gi) {
+        super("vec3");
+        this.gi = gi;
+        this.updateBeforeType = NodeUpdateType.FRAME;
+    }
+
+    updateBefore() {
+        this.gi.update();
+    }
+
+    setup(builder) {
+        const { irradiance, reflection } = this.gi;
+        const { radiance, iblIrradiance, reflectedLight } = builder.context;
+        if (reflectedLight) {
+            // The surroundings are in our light, with what stands before them.
+            radiance?.assign(vec3(0));
+            iblIrradiance?.assign(vec3(0));
+            reflectedLight.indirectSpecular.addAssign(reflection.sample(screenUV).rgb);
+        }
+        return irradiance.sample(screenUV).rgb;
+    }
+}

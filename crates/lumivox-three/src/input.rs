@@ -1,0 +1,220 @@
+//! What JavaScript hands over in rows of numbers.
+//!
+//! A row is a plain array, so that a frame with a thousand objects crosses the border in one piece. `js/rows.js` writes
+//! them; the tests here say what stands where.
+
+use glam::{Affine2, Mat4, Vec2, Vec3, Vec4};
+use lumivox::{Draw, Gloss, Light, LightSource, Shadow, SurfaceMaterial};
+
+use crate::error::PageError;
+
+/// Numbers of a material.
+pub const MATERIAL: usize = 14;
+/// Numbers of a light.
+pub const LIGHT: usize = 14;
+/// Whole numbers of a draw; its matrix has 16 more.
+pub const DRAW: usize = 5;
+/// Numbers of a camera.
+pub const CAMERA: usize = 39;
+
+/// A material: reflectance RGBA, reflectance at normal incidence and roughness of its gloss and the share of the
+/// surface that has it, emission RGB, transmission, and 1 for each of: alpha is coverage, double-sided, reserved.
+///
+/// # Errors
+/// When there are too few numbers, or one is not finite.
+pub fn material(row: &[f32]) -> Result<SurfaceMaterial, PageError> {
+    let row = row_of::<MATERIAL>(row, "material")?;
+    Ok(SurfaceMaterial {
+        reflectance: Vec4::from_slice(&row[..4]),
+        gloss: Gloss::new(row[4], row[5]).of_share(row[6]),
+        emission: Vec3::from_slice(&row[7..10]),
+        transmission: row[10],
+        alpha_is_coverage: row[11] != 0.0,
+        double_sided: row[12] != 0.0,
+        ..SurfaceMaterial::default()
+    })
+}
+
+/// Where on a texture a vertex lies: a matrix of three rows, column by column, as three.js has it.
+pub fn texture_transform(row: &[f32]) -> Affine2 {
+    match row {
+        [a, b, _, c, d, _, x, y, ..] => {
+            Affine2::from_cols(Vec2::new(*a, *b), Vec2::new(*c, *d), Vec2::new(*x, *y))
+        }
+        _ => Affine2::IDENTITY,
+    }
+}
+
+/// A draw with the number of its geometry: geometry, first index, number of indices, material, 1 if it stays; and the
+/// matrix, column by column.
+///
+/// # Errors
+/// When there are too few numbers.
+pub fn draws(rows: &[u32], matrices: &[f32]) -> Result<Vec<(u32, Draw)>, PageError> {
+    let (rows, rest) = rows.as_chunks::<DRAW>();
+    let (matrices, beyond) = matrices.as_chunks::<16>();
+    if !rest.is_empty() || !beyond.is_empty() || rows.len() != matrices.len() {
+        return Err(PageError::value(format!(
+            "there are {} draws and {} matrices; give one for each",
+            rows.len(),
+            matrices.len()
+        )));
+    }
+    let draw = |([geometry, first, count, material, stays], matrix): (&[u32; DRAW], &[f32; 16])| {
+        let world_from_local = Mat4::from_cols_array(matrix);
+        let is_static = *stays != 0;
+        // A collapsed or broken object has no surface.
+        let count = if world_from_local.is_finite() { *count } else { 0 };
+        let draw = Draw { world_from_local, is_static, ..Draw::new(*first, count, *material) };
+        (*geometry, draw)
+    };
+    Ok(rows.iter().zip(matrices).map(draw).collect())
+}
+
+/// Lights: kind (0 directional, 1 point, 2 spot), position, direction, intensity, radius (m, or rad of a directional
+/// one), range (m; 0: none), inner and outer angle of a spot (rad); the last is reserved.
+///
+/// # Errors
+/// When there are too few numbers, or one is not finite.
+pub fn lights(rows: &[f32]) -> Result<Vec<Light>, PageError> {
+    let (rows, rest) = rows.as_chunks::<LIGHT>();
+    if !rest.is_empty() {
+        return Err(PageError::value("the lights are not whole rows of numbers"));
+    }
+    rows.iter().map(light).collect()
+}
+
+fn light(row: &[f32; LIGHT]) -> Result<Light, PageError> {
+    let row = row_of::<LIGHT>(row, "light")?;
+    let position = Vec3::from_slice(&row[1..4]);
+    let direction = Vec3::from_slice(&row[4..7]).normalize_or(Vec3::NEG_Y);
+    let intensity = Vec3::from_slice(&row[7..10]);
+    let radius_m = row[10];
+    let range_m = Some(row[11]).filter(|range| *range > 0.0);
+    let source = match row[0] as u32 {
+        0 => LightSource::Directional {
+            direction,
+            irradiance: intensity,
+            angular_radius_rad: radius_m,
+        },
+        1 => LightSource::Point { position, intensity, radius_m, range_m },
+        _ => LightSource::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle_rad: row[12],
+            outer_angle_rad: row[13],
+            radius_m,
+            range_m,
+        },
+    };
+    Ok(Light { source, shadow: Shadow::Cone })
+}
+
+/// The camera of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraRow {
+    /// From the world to clip space, with reversed z.
+    pub clip_from_world: Mat4,
+    /// As it was in the frame before.
+    pub previous_clip_from_world: Mat4,
+    /// Where the camera stands, m.
+    pub position: Vec3,
+    /// Sub-pixel jitter, px.
+    pub jitter: Vec2,
+}
+
+/// A camera: matrix to clip space of this frame and of the one before, position, jitter in pixels, and 1 if z is
+/// reversed already, 0 if it grows from 0 at the near plane to 1.
+///
+/// # Errors
+/// When there are too few numbers, or one is not finite.
+pub fn camera(row: &[f32]) -> Result<CameraRow, PageError> {
+    let row = row_of::<CAMERA>(row, "camera")?;
+    // 1 - z, in clip space.
+    let reverse = if row[37] == 0.0 {
+        Mat4::from_cols(Vec4::X, Vec4::Y, -Vec4::Z, Vec4::new(0.0, 0.0, 1.0, 1.0))
+    } else {
+        Mat4::IDENTITY
+    };
+    Ok(CameraRow {
+        clip_from_world: reverse * Mat4::from_cols_slice(&row[..16]),
+        previous_clip_from_world: reverse * Mat4::from_cols_slice(&row[16..32]),
+        position: Vec3::from_slice(&row[32..35]),
+        jitter: Vec2::from_slice(&row[35..37]),
+    })
+}
+
+/// A row of so many numbers, all of them finite.
+fn row_of<'a, const N: usize>(row: &'a [f32], what: &str) -> Result<&'a [f32; N], PageError> {
+    let row: &[f32; N] = row.try_into().map_err(|_| {
+        PageError::value(format!("a {what} is {N} numbers, but there are {}", row.len()))
+    })?;
+    match row.iter().position(|number| !number.is_finite()) {
+        Some(at) => Err(PageError::value(format!("number {at} of a {what} is {}", row[at]))),
+        None => Ok(row),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_light_has_its_numbers_in_order() {
+        let mut row = [0.0; 2 * LIGHT];
+        row[..LIGHT].copy_from_slice(&[
+            2.0, 1.0, 2.0, 3.0, 0.0, -2.0, 0.0, 4.0, 5.0, 6.0, 0.1, 9.0, 0.2, 0.4,
+        ]);
+        let lights = lights(&row).unwrap();
+        let LightSource::Spot { position, direction, intensity, range_m, outer_angle_rad, .. } =
+            lights[0].source
+        else {
+            panic!("{lights:?}")
+        };
+        assert_eq!((position, direction), (Vec3::new(1.0, 2.0, 3.0), Vec3::NEG_Y));
+        assert_eq!((intensity, range_m), (Vec3::new(4.0, 5.0, 6.0), Some(9.0)));
+        assert!((outer_angle_rad - 0.4).abs() < 1e-6);
+        assert!(matches!(lights[1].source, LightSource::Directional { .. }));
+    }
+
+    #[test]
+    fn a_camera_of_three_gets_reversed_depth() {
+        // near 1, far 10, as three.js has it for WebGPU: z / w is 0 at the near plane and 1 at the far one.
+        let clip = glam::camera::rh::proj::directx::perspective(1.0, 1.0, 1.0, 10.0);
+        let mut row = [0.0; CAMERA];
+        row[..16].copy_from_slice(&clip.to_cols_array());
+        row[16..32].copy_from_slice(&clip.to_cols_array());
+        let camera = camera(&row).unwrap();
+        let depth = |z: f32| camera.clip_from_world.project_point3(Vec3::new(0.0, 0.0, z)).z;
+        assert!((depth(-1.0) - 1.0).abs() < 1e-6 && depth(-10.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn draws_that_are_broken_have_no_surface() {
+        let rows = [7, 3, 6, 1, 1, 7, 9, 6, 1, 0];
+        let mut matrices = [Mat4::IDENTITY.to_cols_array(); 2].concat();
+        matrices[20] = f32::NAN;
+        let draws = draws(&rows, &matrices).unwrap();
+        assert_eq!((draws[0].0, draws[0].1.index_count, draws[0].1.is_static), (7, 6, true));
+        assert_eq!((draws[1].1.index_count, draws[1].1.is_static), (0, false));
+        assert!(super::draws(&rows, &matrices[..16]).is_err());
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_refused() {
+        let mut row = [0.5; MATERIAL];
+        assert!(material(&row).is_ok());
+        row[8] = f32::INFINITY;
+        let error = material(&row).unwrap_err();
+        assert!(error.message.contains("number 8 of a material is inf"), "{error}");
+        assert!(material(&row[..3]).unwrap_err().message.contains("14 numbers"));
+    }
+
+    #[test]
+    fn textures_lie_where_three_puts_them() {
+        // Shifted by (0.25, 0.5) and scaled by (2, 3).
+        let place = texture_transform(&[2.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.25, 0.5, 1.0]);
+        assert_eq!(place.transform_point2(Vec2::ONE), Vec2::new(2.25, 3.5));
+    }
+}

@@ -1,0 +1,380 @@
+//! The class that `js/` calls: the library on the page's device.
+
+use std::collections::BTreeMap;
+
+use glam::{UVec2, Vec3};
+use js_sys::{Array, Function};
+use lumivox::gpu::{Buffer, Pipelines, Recorder, storage_buffer};
+use lumivox::{
+    CameraView, EnvironmentLight, EnvironmentMap, GBuffer, Geometry, GeometryBatch, Gi, Indices,
+    Light, Lights, Panorama, SurfaceMaterial, SurfaceTexture, TraceSettings, TraceTargets,
+    VertexAttributes, VertexPositions,
+};
+use wasm_bindgen::prelude::*;
+
+use crate::error::PageError;
+use crate::foreign::{Role, view};
+use crate::options::{self, Options};
+use crate::{device, input};
+
+/// Runs when the module is loaded: a panic, which is a defect of this project, says where it happened.
+#[wasm_bindgen(start)]
+pub fn start() {
+    console_error_panic_hook::set_once();
+}
+
+/// The global illumination of one scene.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct SharedGi {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    gi: Gi,
+    settings: TraceSettings,
+    faces_per_frame: Option<u32>,
+    meshes: BTreeMap<u32, Mesh>,
+    geometry: Geometry,
+    lights: Lights,
+    sources: Vec<Light>,
+    map: Option<EnvironmentMap>,
+    screen: Option<Screen>,
+    frame: u32,
+}
+
+/// The buffers of a geometry, which JavaScript fills.
+#[derive(Debug)]
+struct Mesh {
+    positions: Buffer,
+    attributes: Option<Buffer>,
+    indices: Buffer,
+    batch: GeometryBatch,
+}
+
+/// What goes with the size of the picture.
+#[derive(Debug)]
+struct Screen {
+    gbuffer: GBuffer,
+    targets: TraceTargets,
+}
+
+#[wasm_bindgen]
+impl SharedGi {
+    /// Global illumination on a device, for what is between two corners (six numbers, m).
+    #[wasm_bindgen(js_name = adopt)]
+    pub async fn adopt(
+        device: JsValue,
+        bounds: Vec<f32>,
+        names: Vec<String>,
+        values: Vec<String>,
+    ) -> Result<SharedGi, JsValue> {
+        let [low, high] = corners(&bounds)?;
+        let Options { config, settings, faces_per_frame } =
+            Options::new([low, high], &names, &values)?;
+        let (device, queue) = device::adopt(&device).await?;
+        let gi = Gi::with_pipelines(&Pipelines::new(&device), &queue, config)
+            .map_err(PageError::from)?;
+        let lights = gi.bind_lights(&[], Vec3::ZERO, None);
+        Ok(Self {
+            device,
+            queue,
+            gi,
+            settings,
+            faces_per_frame,
+            meshes: BTreeMap::new(),
+            geometry: Geometry::default(),
+            lights,
+            sources: Vec::new(),
+            map: None,
+            screen: None,
+            frame: 0,
+        })
+    }
+
+    /// Compiles what is left to compile, while the page goes on; gives the number done and the total.
+    pub async fn compile(&self, on_progress: Option<Function>) {
+        let mut report = |done: u32, total: u32| {
+            if let Some(call) = &on_progress {
+                let _ = call.call2(&JsValue::NULL, &done.into(), &total.into());
+            }
+        };
+        let pipelines = self.gi.pipelines().clone();
+        pipelines.compile(&mut report).await;
+    }
+
+    /// Makes the buffers of a geometry: bytes, stride and offset of positions; bytes and stride of other attributes, and where
+    /// among them two sets of texture coordinates and the colour stand, plus one, or 0; bytes of indices, and bytes of one.
+    /// Returns three `GPUBuffer`s to be filled, the second of them undefined without attributes.
+    pub fn mesh(&mut self, id: u32, layout: &[u32]) -> Result<Array, JsValue> {
+        let &[
+            position_bytes,
+            stride,
+            offset,
+            bytes,
+            width,
+            first,
+            second,
+            color,
+            index_bytes,
+            index,
+        ] = layout
+        else {
+            return Err(PageError::value("a geometry is described by ten numbers").into());
+        };
+        let buffer = |label, bytes: u32| storage_buffer(&self.device, label, u64::from(bytes));
+        let positions = buffer("three.js: positions", position_bytes);
+        let indices = buffer("three.js: indices", index_bytes);
+        let attributes = (bytes > 0).then(|| buffer("three.js: attributes", bytes));
+        let place = VertexPositions { buffer: (*positions).clone(), stride, offset: offset.into() };
+        let format = if index == 2 { wgpu::IndexFormat::Uint16 } else { wgpu::IndexFormat::Uint32 };
+        let numbers = Indices { buffer: (*indices).clone(), format, offset: 0 };
+        let mut batch = GeometryBatch::new(place, numbers, Vec::new());
+        batch.attributes = attributes.as_ref().map(|buffer| {
+            let mut attributes = VertexAttributes::new((**buffer).clone(), width);
+            attributes.texcoords = [first.checked_sub(1), second.checked_sub(1)];
+            attributes.color = color.checked_sub(1);
+            attributes
+        });
+        let handle = |buffer: &Buffer| {
+            buffer.as_webgpu().map_or(JsValue::UNDEFINED, |buffer| buffer.clone().into())
+        };
+        let handles = Array::new();
+        handles.push(&handle(&positions));
+        handles.push(&attributes.as_ref().map_or(JsValue::UNDEFINED, handle));
+        handles.push(&handle(&indices));
+        self.meshes.insert(id, Mesh { positions, attributes, indices, batch });
+        Ok(handles)
+    }
+
+    /// Frees the buffers of a geometry that no draw uses any more.
+    #[wasm_bindgen(js_name = removeMesh)]
+    pub fn remove_mesh(&mut self, id: u32) {
+        self.meshes.remove(&id);
+    }
+
+    /// Sets a material, whose number is at most one above those that are there. A texture is `null` or a `GPUTexture`;
+    /// its numbers are the set of texture coordinates, how it is wrapped in x and y (0 clamped, 1 repeated, 2 mirrored), and a matrix of nine.
+    #[wasm_bindgen(js_name = setMaterial)]
+    pub fn set_material(
+        &mut self,
+        index: usize,
+        row: &[f32],
+        textures: Vec<JsValue>,
+        places: &[f32],
+    ) -> Result<(), JsValue> {
+        let mut material = input::material(row)?;
+        let (places, _) = places.as_chunks::<12>();
+        let mut images = [const { None }; 3];
+        for (image, (texture, place)) in images.iter_mut().zip(textures.iter().zip(places)) {
+            if !texture.is_null() && !texture.is_undefined() {
+                *image = Some(self.surface_texture(texture, place)?);
+            }
+        }
+        [material.reflectance_texture, material.emission_texture, material.transmission_texture] =
+            images;
+        let materials = &mut self.geometry.materials;
+        if index >= materials.len() {
+            materials.resize(index + 1, SurfaceMaterial::default());
+        }
+        materials[index] = material;
+        Ok(())
+    }
+
+    fn surface_texture(
+        &self,
+        texture: &JsValue,
+        place: &[f32; 12],
+    ) -> Result<SurfaceTexture, PageError> {
+        let wrap = |number: f32| match number as u32 {
+            1 => wgpu::AddressMode::Repeat,
+            2 => wgpu::AddressMode::MirrorRepeat,
+            _ => wgpu::AddressMode::ClampToEdge,
+        };
+        let sampler = self.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("three.js: image"),
+            address_mode_u: wrap(place[1]),
+            address_mode_v: wrap(place[2]),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        });
+        let view = view(&self.device, texture, Role::Image)?;
+        let mut surface = SurfaceTexture::new(view, sampler);
+        surface.texcoord_set = place[0] as u32;
+        surface.transform = input::texture_transform(&place[3..]);
+        Ok(surface)
+    }
+
+    /// Sets what is drawn; `input.rs` has the numbers.
+    #[wasm_bindgen(js_name = setDraws)]
+    pub fn set_draws(&mut self, rows: &[u32], matrices: &[f32]) -> Result<(), JsValue> {
+        let draws = input::draws(rows, matrices)?;
+        let mut by_mesh: BTreeMap<u32, Vec<lumivox::Draw>> = BTreeMap::new();
+        for (mesh, draw) in draws {
+            by_mesh.entry(mesh).or_default().push(draw);
+        }
+        let mut batches = Vec::with_capacity(by_mesh.len());
+        for (id, draws) in by_mesh {
+            let Some(mesh) = self.meshes.get(&id) else {
+                return Err(PageError::value(format!("there is no geometry {id}")).into());
+            };
+            let mut batch = mesh.batch.clone();
+            batch.draws = draws;
+            batches.push(batch);
+        }
+        self.geometry.batches = batches;
+        Ok(())
+    }
+
+    /// Sets the lights; `input.rs` has the numbers.
+    #[wasm_bindgen(js_name = setLights)]
+    pub fn set_lights(&mut self, rows: &[f32]) -> Result<(), JsValue> {
+        self.sources = input::lights(rows)?;
+        Ok(())
+    }
+
+    /// Sets a picture of the surroundings, three numbers a texel, or none where the width is 0. Returns its suns: for
+    /// each the direction in which its light travels, its irradiance, and half its angle (rad).
+    #[wasm_bindgen(js_name = setEnvironment)]
+    pub fn set_environment(
+        &mut self,
+        width: u32,
+        height: u32,
+        rgb: &[f32],
+    ) -> Result<Vec<f32>, JsValue> {
+        if width == 0 {
+            self.map = None;
+            return Ok(Vec::new());
+        }
+        let (rgb, _) = rgb.as_chunks::<3>();
+        let map = EnvironmentMap::new(&self.device, &self.queue, Panorama { width, height, rgb })
+            .map_err(PageError::from)?;
+        let suns = map.peaks().iter().flat_map(|peak| {
+            let [a, b, c] = (-peak.direction).to_array();
+            let [red, green, blue] = peak.irradiance.to_array();
+            [a, b, c, red, green, blue, peak.angular_radius_rad]
+        });
+        let suns = suns.collect();
+        self.map = Some(map);
+        Ok(suns)
+    }
+
+    /// Takes the G-buffer of a picture of this size: depth, normals, specular reflectance, motion (`gbuffer.wgsl`).
+    /// Returns two `GPUTexture`s: irradiance (in a the open share of the hemisphere), and reflected radiance.
+    #[wasm_bindgen(js_name = setScreen)]
+    pub fn set_screen(
+        &mut self,
+        width: u32,
+        height: u32,
+        textures: Vec<JsValue>,
+    ) -> Result<Array, JsValue> {
+        let [depth, others @ ..] = textures.as_slice() else {
+            return Err(PageError::value("the G-buffer has four textures").into());
+        };
+        let mut resources = vec![view(&self.device, depth, Role::Depth)?.into()];
+        for texture in others {
+            resources.push(view(&self.device, texture, Role::GBuffer)?.into());
+        }
+        let size = UVec2::new(width, height);
+        let view = CameraView::new(glam::Mat4::IDENTITY, Vec3::ZERO, size);
+        let gbuffer = self.gi.bind_own_gbuffer(&resources, view);
+        let targets = self.gi.targets(size, &self.settings);
+        let handles = Array::new();
+        for output in [&targets.irradiance, &targets.specular] {
+            let texture = output.texture();
+            handles.push(
+                &texture.as_webgpu().map_or(JsValue::UNDEFINED, |texture| texture.clone().into()),
+            );
+        }
+        self.screen = Some(Screen { gbuffer, targets });
+        Ok(handles)
+    }
+
+    /// Changes one of the cones' settings.
+    #[wasm_bindgen(js_name = setOption)]
+    pub fn set_option(&mut self, name: &str, value: &str) -> Result<(), JsValue> {
+        let mut settings = self.settings;
+        options::set(&mut settings, name, value)?;
+        let has_other_targets = settings.temporal != self.settings.temporal
+            || settings.resolution != self.settings.resolution;
+        if has_other_targets {
+            return Err(
+                PageError::value(format!("{name} cannot be changed; make another one")).into()
+            );
+        }
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// Records and submits a frame: voxels, their light (one bounce further), cones. `sky` is the radiance of the
+    /// surroundings or the factor of their picture, and their rotation (rad). Returns 1 if something is late and the frame should be repeated,
+    /// voxels, and faces.
+    pub fn render(&mut self, camera: &[f32], sky: &[f32]) -> Result<Vec<u32>, JsValue> {
+        let camera = input::camera(camera)?;
+        let &[red, green, blue, rotation_rad] = sky else {
+            return Err(PageError::value("the sky is four numbers").into());
+        };
+        let radiance = Vec3::new(red, green, blue);
+        let mut sources = self.sources.clone();
+        if let Some(map) = &self.map {
+            sources.extend(map.lights(radiance, rotation_rad));
+        }
+        let environment = EnvironmentLight { radiance, map: self.map.as_ref(), rotation_rad };
+        self.lights.update(&self.queue, &sources, environment, None);
+        let Some(screen) = &self.screen else {
+            return Err(PageError::value("there is no G-buffer yet").into());
+        };
+        let mut view =
+            CameraView::new(camera.clip_from_world, camera.position, screen.gbuffer.size);
+        view.previous_clip_from_world = camera.previous_clip_from_world;
+        view.jitter = camera.jitter;
+        view.frame = self.frame;
+        self.frame = self.frame.wrapping_add(1);
+        screen.gbuffer.set_camera(&self.queue, view);
+        let mut encoder =
+            self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut recorder = Recorder::on(&self.device, &self.queue, &mut encoder);
+        let (settings, lights) = (&self.settings, &self.lights);
+        let voxels =
+            self.gi.voxelize_frame(&mut recorder, &self.geometry).map_err(PageError::from)?;
+        self.gi
+            .light_frame(&mut recorder, lights, self.faces_per_frame, settings)
+            .and_then(|()| {
+                self.gi.trace(&mut recorder, &screen.gbuffer, lights, settings, &screen.targets)
+            })
+            .map_err(PageError::from)?;
+        drop(recorder);
+        self.queue.submit([encoder.finish()]);
+        Ok(vec![u32::from(voxels.is_late), voxels.voxels, voxels.faces])
+    }
+
+    /// Forgets the light of earlier frames: for a cut.
+    pub fn cut(&self) {
+        if let Some(screen) = &self.screen {
+            screen.targets.forget();
+        }
+    }
+
+    /// Bytes on the GPU.
+    pub fn memory(&self) -> f64 {
+        let gi: u64 = self.gi.memory().iter().map(|(_, bytes)| bytes).sum();
+        let screen = self.screen.as_ref().map_or(0, |screen| screen.targets.memory());
+        let map = self.map.as_ref().map_or(0, EnvironmentMap::memory);
+        let meshes: u64 = self.meshes.values().map(Mesh::bytes).sum();
+        (gi + screen + map + meshes) as f64
+    }
+}
+
+impl Mesh {
+    fn bytes(&self) -> u64 {
+        let attributes = self.attributes.as_ref().map_or(0, |buffer| buffer.size());
+        self.positions.size() + attributes + self.indices.size()
+    }
+}
+
+fn corners(bounds: &[f32]) -> Result<[Vec3; 2], PageError> {
+    match bounds {
+        [a, b, c, d, e, f] => Ok([Vec3::new(*a, *b, *c), Vec3::new(*d, *e, *f)]),
+        _ => Err(PageError::value("bounds are six numbers")),
+    }
+}

@@ -1,0 +1,66 @@
+// A page whose code can be changed: each run gets a document of its own, so that nothing of the last one is left.
+
+const EXAMPLE = `import init, { createRenderer } from "lumivox";
+
+const canvas = document.querySelector("canvas");
+const say = (text) => (document.querySelector("p").textContent = text);
+
+await init();
+const renderer = await createRenderer(canvas);
+await renderer.set({ resolution: 64, frames: 32 });
+const scene = await renderer.loadScene("builtin:cornell", ({ stage, done, total }) =>
+  say(\`\${stage} \${done} of \${total}\`),
+);
+
+// Change anything: "builtin:atrium", { view: "voxels" }, await renderer.run("lights 0 intensity 500") ...
+while (!(await renderer.render()).complete) await new Promise(requestAnimationFrame);
+say(\`\${scene.name}: \${scene.triangles} triangles\`);
+`;
+
+const code = /** @type {HTMLTextAreaElement} */ (document.querySelector("textarea"));
+const frame = /** @type {HTMLIFrameElement} */ (document.querySelector("iframe"));
+const alert = /** @type {HTMLElement} */ (document.querySelector("[role=alert]"));
+
+/** The document that runs a text. Errors are told to this page. @param {string} text */
+function pageOf(text) {
+    const imports = JSON.stringify({ imports: { lumivox: new URL("lumivox/lumivox.js", location.href).href } });
+    // Within a script only its own end would end it.
+    const safe = text.replaceAll("</script", "<\\/script");
+    return `<!doctype html><meta charset="utf-8">
+<style>body { margin: 0.75rem; color: #e8e8ea; font: 15px system-ui; } canvas { max-width: 100%; }</style>
+<canvas width="640" height="360"></canvas><p></p>
+<script>
+const tell = (message) => parent.postMessage({ lumivox: String(message) }, "*");
+addEventListener("error", (event) => tell(event.message));
+addEventListener("unhandledrejection", (event) => tell(event.reason?.message ?? event.reason));
+</script>
+<script type="importmap">${imports}</script>
+<script type="module">
+${safe}
+</script>`;
+}
+
+function run() {
+    alert.textContent = "";
+    // What was changed comes back with the address.
+    history.replaceState(null, "", code.value === EXAMPLE ? location.pathname : `#${encodeURIComponent(code.value)}`);
+    frame.srcdoc = pageOf(code.value);
+}
+
+addEventListener("message", ({ data, source }) => {
+    if (source === frame.contentWindow && typeof data?.lumivox === "string") alert.textContent = data.lumivox;
+});
+document.querySelector("#run")?.addEventListener("click", run);
+code.addEventListener("keydown", (event) => {
+    if (event.key === "Enter" && event.ctrlKey) run();
+});
+
+let given = "";
+try {
+    given = decodeURIComponent(location.hash.slice(1));
+} catch {
+    alert.textContent = "The code in this address cannot be read; this is the example.";
+}
+code.value = given || EXAMPLE;
+// Code of others runs when somebody has seen it and asks for it.
+if (!given) run();

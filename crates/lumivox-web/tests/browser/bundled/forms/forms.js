@@ -1,0 +1,181 @@
+// Scenes of three.js whose light has a closed form, and what Lumivox gathers in them.
+
+import * as THREE from "three/webgpu";
+import { pass } from "three/tsl";
+import { createGi } from "lumivox/three";
+
+const SIZE = 16;
+
+// The renderer's own device; the example has one of ours.
+const renderer = new THREE.WebGPURenderer();
+await renderer.init();
+renderer.setSize(SIZE, SIZE, false);
+const scene = new THREE.Scene();
+const camera = new THREE.PerspectiveCamera(60, 1, 0.05, 20);
+const bounds = new THREE.Box3(new THREE.Vector3(-1.2, -1.2, -1.2), new THREE.Vector3(1.2, 1.2, 1.2));
+const gi = await createGi(renderer, { scene, camera, bounds, resolution: 32, preset: "balanced" });
+const view = pass(scene, camera, { samples: 0 });
+view.contextNode = gi.context;
+const pipeline = new THREE.RenderPipeline(renderer, view);
+pipeline.outputColorTransform = false;
+const target = new THREE.RenderTarget(SIZE, SIZE, { type: THREE.FloatType });
+
+/** Means of red, green, blue over the picture, after so many frames; over the last half of them. */
+async function picture(frames = 24) {
+    const sum = [0, 0, 0];
+    for (let frame = 0; frame < frames; frame += 1) {
+        renderer.setRenderTarget(target);
+        // What the animation loop does.
+        renderer._nodes.nodeFrame.update();
+        pipeline.render();
+        renderer.setRenderTarget(null);
+        await renderer.backend.device.queue.onSubmittedWorkDone();
+        if (frame < frames / 2) continue;
+        const texels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, SIZE, SIZE);
+        for (let at = 0; at < texels.length; at += 1) if (at % 4 < 3) sum[at % 4] += texels[at] / (SIZE * SIZE * (frames - Math.ceil(frames / 2)));
+    }
+    return sum;
+}
+
+function look(from, to) {
+    camera.position.set(...from);
+    camera.lookAt(...to);
+}
+
+/** Puts objects into the empty scene, measures, and takes them away. */
+async function during(objects, measure) {
+    for (const object of objects) scene.add(object);
+    try {
+        return await measure();
+    } finally {
+        for (const object of objects) scene.remove(object);
+        scene.environment = null;
+    }
+}
+
+const matte = (options) => new THREE.MeshLambertMaterial(options);
+
+/** A sky that is bright in the half towards +x. */
+function halfSky(dark, bright) {
+    const [width, height] = [32, 16];
+    const data = new Float32Array(4 * width * height);
+    for (let at = 0; at < width * height; at += 1) {
+        // As three.js reads it, +x is in the middle.
+        const isBright = Math.abs((at % width) + 0.5 - width / 2) < width / 4;
+        data.fill(isBright ? bright : dark, 4 * at, 4 * at + 3);
+        data[4 * at + 3] = 1;
+    }
+    const texture = new THREE.DataTexture(data, width, height, THREE.RGBAFormat, THREE.FloatType);
+    texture.mapping = THREE.EquirectangularReflectionMapping;
+    texture.needsUpdate = true;
+    return texture;
+}
+
+async function withSky(sky) {
+    scene.environment = sky;
+    // It is read in the background.
+    for (let tries = 0; tries < 20; tries += 1) {
+        await picture(1);
+        await new Promise((resolve) => setTimeout(resolve, 50));
+    }
+}
+
+const wall = (turn, color = 0xffffff) => {
+    const made = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), matte({ color }));
+    made.rotation.y = turn;
+    return made;
+};
+
+/** Radiance of a wall that faces +x (turn 90°) or -z (turn 180°), from half a metre before it. */
+async function wallIn(sky, turn, environmentTurn) {
+    const made = wall(turn);
+    const normal = new THREE.Vector3(0, 0, 1).applyAxisAngle(new THREE.Vector3(0, 1, 0), turn);
+    look(normal.toArray(), [0, 0, 0]);
+    scene.environmentRotation.y = environmentTurn;
+    return during([made], async () => {
+        await withSky(sky);
+        return (await picture(8))[0];
+    });
+}
+
+const forms = {
+    /** A closed room that reflects half and emits 1: its radiance is 2 everywhere. */
+    async furnace() {
+        look([0.3, 0.2, 0.1], [-1, -0.4, -0.7]);
+        const room = new THREE.Mesh(new THREE.BoxGeometry(2, 2, 2), matte({ color: new THREE.Color(0.5, 0.5, 0.5), emissive: 0xffffff, side: THREE.BackSide }));
+        return during([room], () => picture());
+    },
+    /** A ball from within, which reflects half, with a lamp of pi candela in its middle: its radiance is 0.5 (direct) + 0.5. */
+    async ball() {
+        look([0, 0, 0.02], [-1, 0.3, -0.7]);
+        const ball = new THREE.Mesh(new THREE.SphereGeometry(1, 48, 32), matte({ color: new THREE.Color(0.5, 0.5, 0.5), side: THREE.BackSide }));
+        return during([ball, new THREE.PointLight(0xffffff, Math.PI)], () => picture(48));
+    },
+    /** A white wall under a sky of radiance 3: it has that of the sky. */
+    sky: () => wallIn(halfSky(3, 3), Math.PI / 2, 0),
+    /** Under half a sky towards +x: walls that face it, and -z, before and after a quarter turn about y. */
+    async turnedSky() {
+        const sky = halfSky(0, 1);
+        return { toX: await wallIn(sky, Math.PI / 2, 0), toZ: await wallIn(sky, Math.PI, 0), turnedToX: await wallIn(sky, Math.PI / 2, Math.PI / 2), turnedToZ: await wallIn(sky, Math.PI, Math.PI / 2) };
+    },
+    /** What three.js shows of the turned sky towards -z: the convention of the turn. */
+    async background() {
+        look([0, 0, 0], [0, 0, -1]);
+        const sky = halfSky(0, 1);
+        scene.background = sky;
+        scene.backgroundRotation.y = Math.PI / 2;
+        const [red] = await during([], () => picture(2));
+        scene.background = null;
+        return red;
+    },
+    /** A sheet on a bone that shines on a wall, before and after the bone has turned it away. */
+    async bone() {
+        const floor = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), matte({ color: 0xffffff }));
+        floor.rotation.x = -Math.PI / 2;
+        floor.position.y = -1;
+        const sheet = new THREE.PlaneGeometry(0.8, 0.8);
+        sheet.rotateX(Math.PI / 2).translate(0, 0, 0.6);
+        const { count } = sheet.attributes.position;
+        sheet.setAttribute("skinIndex", new THREE.Uint16BufferAttribute(new Array(4 * count).fill(0), 4));
+        sheet.setAttribute("skinWeight", new THREE.Float32BufferAttribute(Array.from({ length: 4 * count }, (_, at) => (at % 4 === 0 ? 1 : 0)), 4));
+        const lamp = new THREE.SkinnedMesh(sheet, matte({ color: 0x000000, emissive: 0xffffff, emissiveIntensity: 4 }));
+        const bone = new THREE.Bone();
+        lamp.add(bone);
+        lamp.bind(new THREE.Skeleton([bone]));
+        lamp.frustumCulled = false;
+        look([0.9, 0, -0.9], [0.5, -1, -0.5]);
+        return during([floor, lamp], async () => {
+            const [before] = await picture(16);
+            bone.rotation.y = Math.PI;
+            const [after] = await picture(16);
+            return { before, after };
+        });
+    },
+    /** A wall whose image is red, and the same in green once it was changed: light that a white wall beside it gets. */
+    async image() {
+        const texture = new THREE.DataTexture(new Uint8Array(Array(16).fill([255, 0, 0, 255]).flat()), 4, 4);
+        texture.colorSpace = THREE.SRGBColorSpace;
+        texture.generateMipmaps = true;
+        texture.minFilter = THREE.LinearMipmapLinearFilter;
+        texture.needsUpdate = true;
+        const shining = new THREE.Mesh(new THREE.PlaneGeometry(1.6, 1.6), matte({ color: 0x000000, emissive: 0xffffff, emissiveMap: texture, emissiveIntensity: 2 }));
+        shining.position.z = -0.8;
+        const white = wall(Math.PI);
+        white.position.z = 0.8;
+        look([0, 0, 0], [0, 0, 1]);
+        return during([shining, white], () => picture(16));
+    },
+    notes: () => gi.notes,
+    async wrong() {
+        const say = (promise) => promise.then(() => "nothing", ({ code, message }) => `${code}: ${message}`);
+        return {
+            scene: await say(createGi(renderer, { camera })),
+            empty: await say(createGi(renderer, { scene: new THREE.Scene(), camera })),
+            resolution: await say(createGi(renderer, { scene, camera, bounds, resolution: 63 })),
+            option: await say(createGi(renderer, { scene, camera, bounds, glow: 3 })),
+            webgl: await say((async () => createGi(new THREE.WebGPURenderer({ forceWebGL: true }), { scene, camera, bounds }))()),
+        };
+    },
+};
+globalThis.forms = forms;
+document.documentElement.dataset.state = "ready";

@@ -1,0 +1,103 @@
+// The package in bundlers, and `lumivox/three`: scenes of three.js whose light is known, and its example.
+
+import assert from "node:assert/strict";
+import { after, before, describe, test } from "node:test";
+import { join } from "node:path";
+import { App } from "./harness/app.mjs";
+import { Session } from "./harness/browser.mjs";
+import { filesOf, project, vite, webpack } from "./harness/bundles.mjs";
+
+/** Compiling for SwiftShader takes that long. */
+const COMPILED_MS = 240_000;
+
+/** @type {Session} */
+let session;
+before(async () => {
+    const folder = await project();
+    const bundles = [
+        await filesOf(await vite(join(folder, "forms")), "forms"),
+        await filesOf(await vite(join(folder, "example")), "hall"),
+        await filesOf(await webpack(folder, "cornell.js"), "webpack"),
+    ];
+    session = await Session.start({ beside: bundles.flat() });
+});
+after(() => session?.end());
+
+test("webpack bundles the entry with inlined WebAssembly, and its page shows the scene", async () => {
+    const app = await App.open(session, { path: "webpack/index.html" });
+    await app.page.locator("p").getByText("cornell: 40 triangles").waitFor({ timeout: COMPILED_MS });
+    await app.check();
+    await app.close();
+});
+
+describe("scenes of three.js whose light is known, in a bundle of Vite", () => {
+    /** @type {App} */
+    let app;
+    before(async () => {
+        app = await App.open(session, { path: "forms/index.html" });
+        await app.page.waitForSelector("html[data-state=ready]", { state: "attached", timeout: COMPILED_MS });
+    });
+    after(() => app?.close());
+
+    /** @param {string} form @returns {Promise<any>} */
+    // @ts-ignore: the page leaves it there
+    const light = (form) => app.page.evaluate((form) => globalThis.forms[form](), form);
+    /** @param {number} value @param {number} exact @param {number} error a share */
+    const isNear = (value, exact, error) => assert.ok(Math.abs(value / exact - 1) < error, `${value}, not ${exact}`);
+
+    test("a closed room that reflects half of what it emits is twice as bright", async () => {
+        const [red, , blue] = await light("furnace");
+        console.log(`furnace: ${red}`);
+        isNear(red, 2, 0.05);
+        isNear(blue, red, 0.001);
+    });
+
+    test("a lamp in a ball has the candela of three.js", async () => {
+        const [red] = await light("ball");
+        console.log(`ball: ${red}`);
+        isNear(red, 1, 0.06);
+    });
+
+    test("a wall has the radiance of the sky that it faces, which turns as three.js turns it", async () => {
+        isNear(await light("sky"), 3, 0.04);
+        const { toX, toZ, turnedToX, turnedToZ } = await light("turnedSky");
+        console.log(`half a sky: ${toX} ${toZ}; turned: ${turnedToX} ${turnedToZ}`);
+        isNear(toX, 1, 0.05);
+        isNear(toZ, 0.5, 0.1);
+        isNear(turnedToX, 0.5, 0.1);
+        assert.ok((await light("background")) > 0.99, "three.js turns +x to -z");
+        isNear(turnedToZ, 1, 0.05);
+    });
+
+    test("light follows a skinned mesh", async () => {
+        const { before, after } = await light("bone");
+        console.log(`before ${before}, after ${after}`);
+        // Nearer by half of the way, and from above.
+        assert.ok(after > 1.6 * before, `${before}, then ${after}`);
+    });
+
+    test("an image that shines gives its colour", async () => {
+        const [red, green] = await light("image");
+        assert.ok(red > 0.3 && green < 0.01 * red, `${red} ${green}`);
+    });
+
+    test("what is wrong is an error with a code and a remedy", async () => {
+        const said = await light("wrong");
+        assert.match(said.scene, /^value: .*createGi\(renderer, \{ scene, camera \}\)/);
+        assert.match(said.empty, /^value: .*options\.bounds/);
+        assert.match(said.resolution, /^value: .*multiple of 8/);
+        assert.match(said.option, /^value: there is no option "glow"/);
+        assert.match(said.webgl, /^no-webgpu: /);
+        assert.deepEqual(await light("notes"), []);
+    });
+
+    test("the console stays silent", () => app.check());
+});
+
+test("the example shows its hall", async () => {
+    const app = await App.open(session, { path: "hall/index.html", context: { viewport: { width: 96, height: 54 } } });
+    await app.page.locator("p").getByText(/voxels, /).waitFor({ timeout: COMPILED_MS });
+    assert.match(await app.page.locator("p").innerText(), /ms a frame; \d{4,} voxels/);
+    await app.check();
+    await app.close();
+});

@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+#
+# scripts/release.sh VERSION: everything that must be true before a release is published, and the refusal if anything is
+# not. docs/releasing.md has the steps around it. It publishes nothing itself.
+
+set -euo pipefail
+
+root=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
+# shellcheck source=scripts/setup.sh
+source "$root/scripts/setup.sh"
+# shellcheck source=scripts/packages.sh
+source "$root/scripts/packages.sh"
+
+usage() {
+    cat <<'TEXT'
+Usage: scripts/release.sh [--quick] VERSION
+
+Refuses, with all reasons at once, unless the tree is ready to be released as VERSION: versions, changelog,
+address of the source, pages of measurements, toolchain. Then it packs the crates, and runs ./test --full.
+At the end it prints the commands that publish.
+
+  --quick     only what takes seconds: not the packages, and not the tests
+  -h, --help  show this text
+TEXT
+}
+
+quick='' version=''
+while (($# > 0)); do
+    case $1 in
+    --quick) quick=1 ;;
+    -h | --help) usage && exit ;;
+    -*) usage >&2 && die "Unknown option '$1'." ;;
+    *) version=$1 ;;
+    esac
+    shift
+done
+[[ $version =~ ^[0-9]+\.[0-9]+\.[0-9]+$ ]] || { usage >&2 && die "VERSION is three numbers, such as 0.2.0; got '$version'."; }
+cd "$root"
+
+reasons=()
+refuse() { reasons+=("$1"); }
+
+# workspace_field NAME: a text of [workspace.package] in Cargo.toml.
+workspace_field() { sed -n '/^\[workspace.package\]/,/^\[/ s/^'"$1"' = "\(.*\)"$/\1/p' Cargo.toml; }
+
+# --- the versions -------------------------------------------------------------------------------
+
+same_version() { [[ $1 == "$version" ]] || refuse "$2 has version '$1', not $version"; }
+same_version "$(workspace_field version)" "[workspace.package] of Cargo.toml"
+while read -r line; do
+    own=${line#*version = \"}
+    same_version "${own%%\"*}" "the dependency ${line%% *} in Cargo.toml"
+done < <(grep -E '^lumivox[a-z-]* = \{ path = ' Cargo.toml)
+same_version "$(sed -n 's/^ *"version": "\(.*\)",$/\1/p' crates/lumivox-web/npm/package.json)" "the npm package"
+grep -q "\"lumivox\": \"^$version\"" crates/lumivox-three/example/package.json ||
+    refuse "crates/lumivox-three/example/package.json asks for another version of lumivox than ^$version"
+git rev-parse -q --verify "refs/tags/v$version" >/dev/null && refuse "the tag v$version is there already"
+
+# --- what readers are told ------------------------------------------------------------------------
+
+grep -qE "^## \[${version//./\\.}\] - [0-9]{4}-[0-9]{2}-[0-9]{2}$" CHANGELOG.md ||
+    refuse "CHANGELOG.md has no section '## [$version] - YYYY-MM-DD'"
+unreleased=$(sed -n '/^## \[Unreleased\]/,/^## \[[0-9]/p' CHANGELOG.md | grep -c '^- ' || true)
+((unreleased == 0)) || refuse "CHANGELOG.md has $unreleased changes under Unreleased: they belong to a version"
+[[ -n $(workspace_field repository) ]] ||
+    refuse "[workspace.package] of Cargo.toml has an empty repository: registries and cargo binstall need its address"
+
+# made_after PAGE COMMAND PATHS...: nothing that a page of measurements depends on has changed since it was made.
+made_after() {
+    local page=$1 command=$2 made changed
+    made=$(git log -1 --format=%H -- "$page")
+    [[ -n $made ]] || { refuse "$page is not there: $command" && return; }
+    changed=$(git rev-list --count "$made..HEAD" -- "${@:3}")
+    ((changed == 0)) || refuse "$page is older than $changed changes of the code that it measures: $command"
+}
+light=(crates/lumivox/src crates/lumivox-render/src)
+made_after docs/quality.md "lumivox quality docs" "${light[@]}"
+made_after docs/motion.md "lumivox motion --doc docs" "${light[@]}"
+made_after docs/speed.md "lumivox bench" "${light[@]}"
+
+# --- the tree and the tools -----------------------------------------------------------------------
+
+[[ -z $(git status --porcelain) ]] || refuse "the tree has changes: commit them, or take them back"
+need_rust
+minimum=$(workspace_field rust-version)
+[[ $(rustc --version) == "rustc $minimum."* ]] ||
+    refuse "the tests must run with the oldest Rust that Cargo.toml admits: RUSTUP_TOOLCHAIN=$minimum (this is $(rustc --version))"
+
+if ((${#reasons[@]} > 0)); then
+    printf '\nNot ready to be released as %s:\n' "$version" >&2
+    printf '  - %s\n' "${reasons[@]}" >&2
+    exit 1
+fi
+say "What can be seen at once is ready for $version."
+[[ -z $quick ]] || exit 0
+
+set_target_dir
+check_packages --locked || die "The packages are not fit to be published (the reasons are above)."
+LUMIVOX_NEED_ADVISORIES=1 CI=true ./test --full || die "A check failed (its message is above)."
+
+cat <<TEXT
+
+Ready. These publish it (docs/releasing.md):
+  git tag -s v$version -m "Lumivox $version" && git push origin v$version
+  cargo publish --workspace --locked
+  npm publish PAGE/lumivox                 # ./lumivox web --no-serve --out PAGE
+  python -m maturin publish -m crates/lumivox-python/Cargo.toml
+TEXT
