@@ -1,0 +1,118 @@
+//! Global illumination through Bevy against Lumivox's own renderer, both against the path tracer.
+//!
+//! What is compared is indirect light: the picture with global illumination minus that without, where direct light is Bevy's
+//! own (whose diffuse BRDF is Burley's, not Lambert's).
+
+#[path = "../examples/common/mod.rs"]
+mod common;
+
+use std::ops::ControlFlow;
+
+use bevy::camera::Exposure;
+use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
+use bevy::light::GlobalAmbientLight;
+use bevy::prelude::*;
+use bevy_lumivox::{GiQuality, GiVolume, LumivoxGi, LumivoxPlugin};
+use common::{headless, scene};
+use lumivox_render::compare::{ErrorFigures, LinearPicture};
+use lumivox_render::reference::{PathTracer, ReferenceSettings};
+use lumivox_render::{Gpu, GpuOptions, RenderSettings, Renderer, View};
+use lumivox_scene::Scene;
+
+const SIZE: UVec2 = UVec2::new(64, 48);
+const RESOLUTION: u32 = 64;
+/// Frames whose mean is compared.
+const FRAMES: u32 = 16;
+/// Frames in which light settles.
+const SETTLING: u32 = 32;
+
+/// Indirect light on screen through Bevy, cd/m².
+fn through_bevy(given: &Scene) -> LinearPicture {
+    let mut app = App::new();
+    app.add_plugins((headless::plugins(), LumivoxPlugin::default()));
+    app.insert_resource(ClearColor(Color::BLACK));
+    app.insert_resource(GlobalAmbientLight::NONE);
+    headless::start(&mut app);
+    scene::spawn(app.world_mut(), given);
+    let (transform, projection) = scene::camera(given);
+    let (image, target) = headless::target(&mut app, SIZE);
+    let gi = LumivoxGi {
+        quality: GiQuality::Balanced,
+        volume: GiVolume::Scene { resolution: RESOLUTION },
+        faces_per_frame: 0,
+        ..LumivoxGi::default()
+    };
+    let exposure = Exposure { ev100: 4.0 };
+    let look = (Tonemapping::None, DebandDither::Disabled, exposure);
+    let camera = (Camera3d::default(), target, transform, projection, look, gi);
+    let camera = app.world_mut().spawn(camera).id();
+    headless::wait_until_ready(&mut app);
+    for _ in 0..SETTLING {
+        app.update();
+    }
+    let lit = headless::mean_shot(&mut app, &image, FRAMES);
+    app.world_mut().entity_mut(camera).remove::<LumivoxGi>();
+    let direct = headless::mean_shot(&mut app, &image, 2);
+    let name = format!("target/pictures/{}", given.name);
+    lit.save(format!("{name}-bevy.png"), 2.0);
+    direct.save(format!("{name}-bevy-direct.png"), 2.0);
+    let pixels = lit.rgb.iter().zip(&direct.rgb);
+    let rgb = pixels.map(|(lit, direct)| ((*lit - *direct) / exposure.exposure()).to_array());
+    LinearPicture { size: SIZE, rgb: rgb.collect() }
+}
+
+/// Indirect light through Lumivox's own renderer, and the albedo of each pixel.
+fn through_lumivox(gpu: &Gpu, given: &Scene) -> (LinearPicture, LinearPicture) {
+    pollster::block_on(async {
+        let settings = RenderSettings {
+            size: SIZE,
+            resolution: RESOLUTION,
+            frames: FRAMES,
+            view: View::Indirect,
+            ..RenderSettings::default()
+        };
+        let mut renderer =
+            Renderer::new(gpu, given, None, settings, &mut |_| {}).await.expect("a renderer");
+        let picture = renderer.render(&mut |_| {}).await.expect("a picture");
+        renderer.set_view(View::Albedo, 0).expect("a view");
+        let albedo = renderer.render(&mut |_| {}).await.expect("a picture");
+        (LinearPicture::from(&picture), LinearPicture::from(&albedo))
+    })
+}
+
+/// Indirect light of matt surfaces as it is, with its variance.
+fn truth(gpu: &Gpu, given: &Scene, albedo: &LinearPicture) -> (LinearPicture, Vec<f32>) {
+    let settings = ReferenceSettings { size: SIZE, samples: 128, ..ReferenceSettings::default() };
+    let tracer = PathTracer::new(gpu, given, None, settings);
+    let mut tracer = pollster::block_on(tracer).expect("a path tracer");
+    pollster::block_on(tracer.render(&mut |_| ControlFlow::Continue(()))).expect("traced");
+    let layers = tracer.layers();
+    let share = |rgb: &[f32; 3]| Vec3::from(*rgb) / std::f32::consts::PI;
+    let pixels = layers.full.iter().zip(&albedo.rgb);
+    let rgb = pixels.map(|(light, albedo)| (Vec3::from(*light) * share(albedo)).to_array());
+    let shares = layers.full_variance.iter().zip(&albedo.rgb);
+    let variance = shares.map(|(variance, albedo)| variance * headless::luminance(share(albedo)).powi(2));
+    (LinearPicture { size: SIZE, rgb: rgb.collect() }, variance.collect())
+}
+
+/// Errors of the two, in per cent.
+fn errors(name: &str) -> [ErrorFigures; 2] {
+    let given = scene::builtin(name);
+    let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
+    let bevy = through_bevy(&given);
+    let (own, albedo) = through_lumivox(&gpu, &given);
+    let (truth, variance) = truth(&gpu, &given, &albedo);
+    let errors = [&bevy, &own]
+        .map(|ours| ErrorFigures::new(&truth, Some(&variance), ours).expect("comparable"));
+    println!("{name}: through Bevy {:.2?}, through Lumivox {:.2?}", errors[0], errors[1]);
+    errors
+}
+
+#[test]
+fn the_cornell_box_is_as_bright_as_it_is() {
+    for name in ["cornell", "cornell-rotated"] {
+        let [bevy, own] = errors(name);
+        assert!(bevy.rmse_percent <= 1.1 * own.rmse_percent, "{name}");
+        assert!(bevy.bias_percent.abs() <= own.bias_percent.abs() + 1.0, "{name}");
+    }
+}
