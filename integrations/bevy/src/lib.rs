@@ -10,6 +10,7 @@ mod report;
 mod scene;
 mod screen;
 mod settings;
+mod shadows;
 mod surfaces;
 mod textures;
 mod views;
@@ -18,13 +19,12 @@ mod volumes;
 use std::marker::PhantomData;
 
 use bevy::core_pipeline::core_3d::{main_opaque_pass_3d, main_transparent_pass_3d};
-use bevy::core_pipeline::schedule::camera_driver;
 use bevy::core_pipeline::{Core3d, Core3dSystems};
 use bevy::pbr::DefaultOpaqueRendererMethod;
 use bevy::prelude::*;
 use bevy::render::mesh::allocator::MeshAllocatorSettings;
 use bevy::render::render_resource::BufferUsages;
-use bevy::render::renderer::{RenderDevice, RenderGraph, RenderGraphSystems};
+use bevy::render::renderer::RenderDevice;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderSystems};
 
 pub use lumivox;
@@ -126,12 +126,9 @@ impl Plugin for LumivoxPlugin {
                 ),
             )
             .add_systems(
-                RenderGraph,
-                volumes::record_volumes.in_set(RenderGraphSystems::Render).before(camera_driver),
-            )
-            .add_systems(
                 Core3d,
-                screen::light_screen
+                (volumes::record_volume, screen::light_screen)
+                    .chain()
                     .after(main_opaque_pass_3d)
                     .before(main_transparent_pass_3d)
                     .in_set(Core3dSystems::MainPass),

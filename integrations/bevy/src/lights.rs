@@ -5,6 +5,7 @@ use bevy::color::LinearRgba;
 use bevy::light::{DirectionalLight, PointLight, RectLight, SpotLight, SunDisk};
 use bevy::prelude::*;
 use bevy::render::Extract;
+use bevy::render::sync_world::RenderEntity;
 use lumivox::{Light, LightSource, Shadow};
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -13,18 +14,26 @@ use crate::report::{LumivoxEvent, Reports};
 /// Half the sun's angular diameter seen from the earth, rad.
 const SUN_RADIUS: f32 = 0.004_65;
 
-/// The lights of a frame, in lux and candela.
+/// A light, in lux or candela.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SceneLight {
+    pub(crate) light: Light,
+    /// In the render world; none of a sun, whose maps are not read.
+    pub(crate) entity: Option<Entity>,
+}
+
+/// The lights of a frame.
 #[derive(Resource, Default)]
 pub(crate) struct SceneLights {
-    pub(crate) lights: Vec<Light>,
+    pub(crate) lights: Vec<SceneLight>,
 }
 
 /// Reads all lights. They are few, so that those that stand still are no case of their own.
 pub(crate) fn extract_scene_lights(
     mut scene: ResMut<SceneLights>,
     suns: Extract<Query<(&DirectionalLight, &GlobalTransform, &InheritedVisibility, Option<&SunDisk>)>>,
-    points: Extract<Query<(&PointLight, &GlobalTransform, &InheritedVisibility)>>,
-    spots: Extract<Query<(&SpotLight, &GlobalTransform, &InheritedVisibility)>>,
+    points: Extract<Query<(RenderEntity, &PointLight, &GlobalTransform, &InheritedVisibility)>>,
+    spots: Extract<Query<(RenderEntity, &SpotLight, &GlobalTransform, &InheritedVisibility)>>,
     rects: Extract<Query<(), With<RectLight>>>,
     reports: Res<Reports>,
 ) {
@@ -36,9 +45,9 @@ pub(crate) fn extract_scene_lights(
             irradiance,
             angular_radius_rad: disk.map_or(SUN_RADIUS, |disk| (0.5 * disk.angular_size).max(SUN_RADIUS)),
         };
-        scene.add(source, irradiance, light.shadow_maps_enabled, visibility);
+        scene.add(source, irradiance, (None, light.shadow_maps_enabled), visibility);
     }
-    for (light, transform, visibility) in &points {
+    for (entity, light, transform, visibility) in &points {
         // Lumen over the whole sphere.
         let intensity = rgb(light.color) * light.intensity / (4.0 * PI);
         let source = LightSource::Point {
@@ -47,9 +56,9 @@ pub(crate) fn extract_scene_lights(
             radius_m: light.radius.max(0.0),
             range_m: Some(light.range),
         };
-        scene.add(source, intensity, light.shadow_maps_enabled, visibility);
+        scene.add(source, intensity, (Some(entity), light.shadow_maps_enabled), visibility);
     }
-    for (light, transform, visibility) in &spots {
+    for (entity, light, transform, visibility) in &spots {
         // As a point light of which the rest is covered: that is Bevy's meaning.
         let intensity = rgb(light.color) * light.intensity / (4.0 * PI);
         let outer = light.outer_angle.clamp(0.0, FRAC_PI_2 - 1e-4);
@@ -62,7 +71,7 @@ pub(crate) fn extract_scene_lights(
             radius_m: light.radius.max(0.0),
             range_m: Some(light.range),
         };
-        scene.add(source, intensity, light.shadow_maps_enabled, visibility);
+        scene.add(source, intensity, (Some(entity), light.shadow_maps_enabled), visibility);
     }
     if !rects.is_empty() {
         reports.once(LumivoxEvent::LightLeftOut { kind: "RectLight" });
@@ -70,13 +79,19 @@ pub(crate) fn extract_scene_lights(
 }
 
 impl SceneLights {
-    fn add(&mut self, source: LightSource, strength: Vec3, has_shadows: bool, visibility: &InheritedVisibility) {
+    fn add(
+        &mut self,
+        source: LightSource,
+        strength: Vec3,
+        (entity, has_shadows): (Option<Entity>, bool),
+        visibility: &InheritedVisibility,
+    ) {
         if !visibility.get() || !strength.is_finite() || strength.max_element() <= 0.0 {
             return;
         }
         // A light that passes through walls on screen does so in the voxels.
         let shadow = if has_shadows { Shadow::Cone } else { Shadow::None };
-        self.lights.push(Light { source, shadow });
+        self.lights.push(SceneLight { light: Light { source, shadow }, entity });
     }
 }
 

@@ -2,11 +2,15 @@
 
 use bevy::prelude::*;
 use bevy::render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
-use bevy::render::renderer::{PendingCommandBuffers, RenderDevice, RenderQueue};
+use bevy::pbr::ViewShadowBindings;
+use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task};
 use lumivox::gpu::{Pipelines, Recorder};
-use lumivox::{EnvironmentLight, Gi, GiConfig, GiError, Grid, Light, Lights, wgpu};
+use lumivox::hooks::Resource as Bound;
+use lumivox::{
+    EnvironmentLight, Gi, GiConfig, GiError, Grid, Light, Lights, Shadow, ShadowSource, wgpu,
+};
 
 use crate::compose::Compose;
 use crate::geometry::SceneGeometry;
@@ -15,10 +19,14 @@ use crate::instances::Instances;
 use crate::lights::{SceneLights, scaled};
 use crate::report::{LumivoxEvent, Reports};
 use crate::settings::{GiVolume, LumivoxGi};
+use crate::shadows::{self, BevyShadows, ShadowMaps};
 use crate::views::{GiView, GiViews};
 
 /// Frames in which new voxels are lit before they are shown.
 const FRAMES_TO_LIGHT: u32 = 8;
+/// Frames after a change in which lights with shadow maps are evaluated again: Bevy draws a map once its pipelines are
+/// compiled, and does not tell.
+const FRAMES_OF_NEW_MAPS: [u32; 3] = [2, 16, 120];
 /// Frames for which a volume that no camera uses is kept.
 const FRAMES_TO_KEEP: u32 = 120;
 /// How far meshes may reach out of a box that was fitted to them, as a share of its longest edge, before it is fitted anew.
@@ -49,10 +57,13 @@ pub(crate) struct Voxels {
     pub(crate) number: u64,
     /// What the lights were set to.
     lit_by: (Vec<Light>, Vec3),
+    bound_maps: Option<[Bound; 4]>,
     /// The geometry that they were made of.
     version: Option<u64>,
     is_late: bool,
     frames_lit: u32,
+    /// Frames since lights or geometry have changed.
+    frames_at_rest: u32,
     /// The box that the scene was in when they were fitted to it.
     fitted: Option<[Vec3; 2]>,
     /// A version of the geometry that is refused.
@@ -68,6 +79,8 @@ struct Held {
     /// What could not be made, so that it is not tried in each frame.
     failed: Option<Option<[Vec3; 2]>>,
     unused: u32,
+    /// In this frame.
+    is_recorded: bool,
 }
 
 /// What a task makes.
@@ -86,8 +99,9 @@ pub(crate) struct Volumes {
     unit: f32,
     /// Of the first camera.
     exposure: f32,
-    /// Shared scratch for the lights of a frame.
+    /// Scratch for the lights of a frame.
     lights: Vec<Light>,
+    shadow_maps: Option<ShadowMaps>,
 }
 
 impl Volumes {
@@ -152,7 +166,9 @@ impl Volumes {
             if std::mem::take(&mut held.unused) > 0 {
                 held.make(view, instances, (&pipelines, queue), reports);
             }
-            held.take_made(&mut self.numbers, ambient, reports);
+            let maps = self.shadow_maps.get_or_insert_with(|| ShadowMaps::none(device.wgpu_device()));
+            held.take_made(&mut self.numbers, (ambient, maps), reports);
+            held.show(reports);
         }
         self.held.retain(|held| held.unused < FRAMES_TO_KEEP);
     }
@@ -160,7 +176,7 @@ impl Volumes {
 
 impl Held {
     fn new(key: VolumeKey) -> Self {
-        Self { key, shown: None, coming: None, making: None, failed: None, unused: 1 }
+        Self { key, shown: None, coming: None, making: None, failed: None, unused: 1, is_recorded: false }
     }
 
     /// Begins to make voxels if there are none, or if the scene has outgrown them.
@@ -196,13 +212,29 @@ impl Held {
         }
     }
 
+    /// Shows new voxels once they are lit.
+    fn show(&mut self, reports: &Reports) {
+        self.is_recorded = false;
+        if self.coming.as_ref().is_some_and(|coming| coming.is_lit()) {
+            if self.shown.is_none() {
+                reports.tell(LumivoxEvent::Ready);
+            }
+            self.shown = self.coming.take();
+        }
+    }
+
     fn fail(&mut self, error: &GiError, bounds: Option<[Vec3; 2]>, reports: &Reports) {
         self.failed = Some(bounds);
         reports.tell(LumivoxEvent::Failed { error: error.to_string() });
     }
 
     /// Takes what a task has made.
-    fn take_made(&mut self, numbers: &mut u64, ambient: Vec3, reports: &Reports) {
+    fn take_made(
+        &mut self,
+        numbers: &mut u64,
+        (ambient, maps): (Vec3, &ShadowMaps),
+        reports: &Reports,
+    ) {
         let Some((task, bounds)) = &mut self.making else { return };
         let bounds = *bounds;
         let Some(made) = check_ready(task) else { return };
@@ -210,16 +242,18 @@ impl Held {
         match made {
             Ok(Made { gi, compose }) => {
                 *numbers += 1;
-                let lights = gi.bind_lights(&[], ambient, None);
+                let lights = gi.bind_lights(&[], ambient, ShadowSource::Own(&maps.bound));
                 self.coming = Some(Box::new(Voxels {
                     gi,
                     lights,
                     compose,
                     number: *numbers,
                     lit_by: (Vec::new(), ambient),
+                    bound_maps: None,
                     version: None,
                     is_late: false,
                     frames_lit: 0,
+                    frames_at_rest: 0,
                     fitted: bounds,
                     refused: None,
                 }));
@@ -262,7 +296,11 @@ fn make(
 ) -> Task<Result<Made, GiError>> {
     let (pipelines, queue) = (pipelines.clone(), queue.clone());
     let link = move || -> Result<(Pipelines, Made), GiError> {
-        let config = GiConfig { gbuffer: Some(gbuffer::module()), ..GiConfig::new(grid) };
+        let config = GiConfig {
+            gbuffer: Some(gbuffer::module()),
+            shadow_maps: Some(shadows::module()),
+            ..GiConfig::new(grid)
+        };
         let gi = Gi::with_pipelines(&pipelines, &queue, config)?;
         // Kernels of these settings are compiled with all others.
         gi.targets(UVec2::splat(8), &settings.trace_settings());
@@ -284,50 +322,49 @@ fn make(
     AsyncComputeTaskPool::get().spawn(task)
 }
 
-/// Records the work of all volumes, before that of the cameras.
-pub(crate) fn record_volumes(
+/// Records the work of a camera's volume, once in a frame: after the shadow maps of the first camera that shares it.
+pub(crate) fn record_volume(
+    view: ViewQuery<(Entity, Option<&ViewShadowBindings>)>,
+    mut context: RenderContext,
     mut volumes: ResMut<Volumes>,
-    views: Res<GiViews>,
-    scene: Res<SceneGeometry>,
-    scene_lights: Res<SceneLights>,
-    instances: Res<Instances>,
-    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    (gi_views, scene, mut scene_lights, instances): (
+        Res<GiViews>,
+        Res<SceneGeometry>,
+        ResMut<SceneLights>,
+        Res<Instances>,
+    ),
+    shadows: BevyShadows,
+    queue: Res<RenderQueue>,
     diagnostics: Option<Res<DiagnosticsRecorder>>,
-    mut pending: ResMut<PendingCommandBuffers>,
     reports: Res<Reports>,
 ) {
+    let (entity, maps) = view.into_inner();
+    let Some(view) = gi_views.views.iter().find(|view| view.entity == entity) else { return };
+    let device = context.render_device().wgpu_device().clone();
     let volumes = &mut *volumes;
     let share = 1.0 / volumes.unit();
+    let Some(held) = volumes.held.iter_mut().find(|held| held.key == view.key) else { return };
+    if std::mem::replace(&mut held.is_recorded, true) {
+        return;
+    }
+    let shadow_maps = volumes.shadow_maps.get_or_insert_with(|| ShadowMaps::none(&device));
+    if let Some(maps) = maps {
+        shadow_maps.follow((&device, &queue), maps, &shadows, &mut scene_lights.lights);
+    }
     volumes.lights.clear();
-    volumes.lights.extend(scene_lights.lights.iter().map(|light| scaled(*light, share)));
-    for held in volumes.held.iter_mut().filter(|held| held.unused == 0) {
-        let Some(view) = views.views.iter().find(|view| view.key == held.key) else { continue };
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
-            label: Some("lumivox voxels"),
-        });
-        let frame = Frame {
-            view,
-            scene: &scene,
-            has_deforming: instances.has_deforming,
-            lights: &volumes.lights,
-            ambient: view.ambient * share,
-            diagnostics: diagnostics.as_deref(),
-        };
-        let mut is_recorded = false;
-        for voxels in held.shown.iter_mut().chain(&mut held.coming) {
-            match voxels.record((&device, &queue), &mut encoder, &frame) {
-                Ok(recorded) => is_recorded |= recorded,
-                Err(error) => reports.tell(LumivoxEvent::Failed { error: error.to_string() }),
-            }
-        }
-        if is_recorded {
-            pending.push_encoder(encoder, "lumivox voxels");
-        }
-        if held.coming.as_ref().is_some_and(|coming| coming.is_lit()) {
-            if held.shown.is_none() {
-                reports.tell(LumivoxEvent::Ready);
-            }
-            held.shown = held.coming.take();
+    volumes.lights.extend(scene_lights.lights.iter().map(|light| scaled(light.light, share)));
+    let frame = Frame {
+        view,
+        scene: &scene,
+        has_deforming: instances.has_deforming,
+        lights: &volumes.lights,
+        shadow_maps,
+        ambient: view.ambient * share,
+        diagnostics: diagnostics.as_deref(),
+    };
+    for voxels in held.shown.iter_mut().chain(&mut held.coming) {
+        if let Err(error) = voxels.record((&device, &queue), context.command_encoder(), &frame) {
+            reports.tell(LumivoxEvent::Failed { error: error.to_string() });
         }
     }
 }
@@ -338,39 +375,62 @@ struct Frame<'a> {
     scene: &'a SceneGeometry,
     has_deforming: bool,
     lights: &'a [Light],
+    shadow_maps: &'a ShadowMaps,
     ambient: Vec3,
     diagnostics: Option<&'a DiagnosticsRecorder>,
 }
 
+impl Frame<'_> {
+    fn has_mapped_lights(&self) -> bool {
+        self.lights.iter().any(|light| matches!(light.shadow, Shadow::Map { .. }))
+    }
+}
+
 impl Voxels {
+    /// Sets the lights, if they have changed.
+    fn follow_lights(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>) {
+        let bound = &frame.shadow_maps.bound;
+        let is_known = self.lit_by.0 == frame.lights
+            && self.lit_by.1 == frame.ambient
+            && self.bound_maps.as_ref() == Some(bound);
+        if is_known {
+            return;
+        }
+        self.frames_at_rest = 0;
+        self.lit_by.0.clear();
+        self.lit_by.0.extend_from_slice(frame.lights);
+        self.lit_by.1 = frame.ambient;
+        self.bound_maps = Some(bound.clone());
+        let environment = EnvironmentLight::from(frame.ambient);
+        self.lights.update(queue, frame.lights, environment, ShadowSource::Own(bound));
+    }
+
     /// Whether they may be seen.
     fn is_lit(&self) -> bool {
         self.gi.voxels().is_some() && !self.is_late && self.frames_lit >= FRAMES_TO_LIGHT
     }
 
-    /// Follows geometry and lights. Whether anything was recorded is returned.
+    /// Follows geometry and lights.
     fn record(
         &mut self,
-        (device, queue): (&RenderDevice, &wgpu::Queue),
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame<'_>,
-    ) -> Result<bool, GiError> {
+    ) -> Result<(), GiError> {
         let version = frame.scene.version;
         if self.refused == Some(version) {
-            return Ok(false);
+            return Ok(());
         }
-        if self.lit_by.0 != frame.lights || self.lit_by.1 != frame.ambient {
-            self.lit_by.0.clear();
-            self.lit_by.0.extend_from_slice(frame.lights);
-            self.lit_by.1 = frame.ambient;
-            let environment = EnvironmentLight::from(frame.ambient);
-            self.lights.update(queue, frame.lights, environment, None);
+        self.follow_lights(queue, frame);
+        if frame.has_mapped_lights() && FRAMES_OF_NEW_MAPS.contains(&self.frames_at_rest) {
+            self.gi.forget_light();
         }
+        self.frames_at_rest = self.frames_at_rest.saturating_add(1);
         let moves = frame.view.gi.volume.cascades().is_some() && self.gi.center_on(frame.view.position)?;
         let is_due = self.version != Some(version) || frame.has_deforming || self.is_late || moves;
         if is_due {
             let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/voxelize"));
-            let mut recorder = Recorder::on(device.wgpu_device(), queue, encoder);
+            let mut recorder = Recorder::on(device, queue, encoder);
             let voxelized = self.gi.voxelize_frame(&mut recorder, &frame.scene.geometry);
             drop(recorder);
             if let Some(span) = span {
@@ -384,12 +444,13 @@ impl Voxels {
                 }
             }
             self.version = Some(version);
+            self.frames_at_rest = 0;
         }
         if self.gi.voxels().is_none() {
-            return Ok(is_due);
+            return Ok(());
         }
         let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/light"));
-        let mut recorder = Recorder::on(device.wgpu_device(), queue, encoder);
+        let mut recorder = Recorder::on(device, queue, encoder);
         let settings = frame.view.gi.trace_settings();
         let lit = self.gi.light_frame(&mut recorder, &self.lights, frame.view.gi.face_budget(), &settings);
         drop(recorder);
@@ -398,6 +459,6 @@ impl Voxels {
         }
         lit?;
         self.frames_lit = self.frames_lit.saturating_add(1);
-        Ok(true)
+        Ok(())
     }
 }

@@ -8,7 +8,7 @@ mod common;
 
 use std::ops::ControlFlow;
 
-use bevy::camera::Exposure;
+use bevy::camera::{Exposure, SubCameraView};
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy::light::GlobalAmbientLight;
 use bevy::prelude::*;
@@ -50,15 +50,29 @@ fn through_bevy(given: &Scene) -> LinearPicture {
     for _ in 0..SETTLING {
         app.update();
     }
-    let lit = headless::mean_shot(&mut app, &image, FRAMES);
+    let lit = antialiased(&mut app, camera, &image);
     app.world_mut().entity_mut(camera).remove::<LumivoxGi>();
-    let direct = headless::mean_shot(&mut app, &image, 2);
+    let direct = antialiased(&mut app, camera, &image);
     let name = format!("target/pictures/{}", given.name);
     lit.save(format!("{name}-bevy.png"), 2.0);
     direct.save(format!("{name}-bevy-direct.png"), 2.0);
     let pixels = lit.rgb.iter().zip(&direct.rgb);
     let rgb = pixels.map(|(lit, direct)| ((*lit - *direct) / exposure.exposure()).to_array());
     LinearPicture { size: SIZE, rgb: rgb.collect() }
+}
+
+/// The mean of frames that each see other places of their pixels.
+fn antialiased(app: &mut App, camera: Entity, image: &Handle<Image>) -> headless::Shot {
+    let mut frame = 0;
+    headless::mean_of(app, image, FRAMES, |app| {
+        // The R2 sequence: Roberts 2018, "The unreasonable effectiveness of quasirandom sequences".
+        frame += 1;
+        let place = frame as f32 * Vec2::new(0.754_877_7, 0.569_840_3);
+        let mut camera = app.world_mut().get_mut::<Camera>(camera).expect("a camera");
+        let full_size = SIZE;
+        camera.sub_camera_view =
+            Some(SubCameraView { full_size, offset: place.fract() - 0.5, size: SIZE });
+    })
 }
 
 /// Indirect light through Lumivox's own renderer, and the albedo of each pixel.
@@ -104,6 +118,12 @@ fn errors(name: &str) -> [ErrorFigures; 2] {
     let (truth, variance) = truth(&gpu, &given, &albedo);
     let errors = [&bevy, &own]
         .map(|ours| ErrorFigures::new(&truth, Some(&variance), ours).expect("comparable"));
+    for (label, picture) in [("bevy", &bevy), ("own", &own), ("truth", &truth)] {
+        let rgb = picture.rgb.iter().map(|rgb| Vec3::from(*rgb)).collect();
+        let shot = headless::Shot { size: SIZE, rgb };
+        println!("{label}: {:.3}", shot.mean_luminance());
+        shot.save(format!("target/pictures/{name}-indirect-{label}.png"), 0.15);
+    }
     println!("{name}: through Bevy {:.2?}, through Lumivox {:.2?}", errors[0], errors[1]);
     errors
 }

@@ -116,8 +116,19 @@ pub fn shot(app: &App, image: &Handle<Image>) -> Shot {
 
 /// The mean of the pictures of some frames.
 pub fn mean_shot(app: &mut App, image: &Handle<Image>, frames: u32) -> Shot {
+    mean_of(app, image, frames, |_| ())
+}
+
+/// The mean of the pictures of some frames, each after a change.
+pub fn mean_of(
+    app: &mut App,
+    image: &Handle<Image>,
+    frames: u32,
+    mut change: impl FnMut(&mut App),
+) -> Shot {
     let mut sum: Option<Shot> = None;
     for _ in 0..frames {
+        change(app);
         app.update();
         let next = shot(app, image);
         match &mut sum {
