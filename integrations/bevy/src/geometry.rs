@@ -8,9 +8,11 @@ use bevy::render::mesh::allocator::MeshAllocator;
 use bevy::render::mesh::{RenderMesh, RenderMeshBufferInfo};
 use bevy::render::render_asset::RenderAssets;
 use lumivox::{
-    Draw, Geometry, GeometryBatch, Indices, VertexAttributes, VertexPositions, gpu, wgpu,
+    Draw, Geometry, GeometryBatch, Indices, VertexAttributes, VertexPositions, wgpu,
 };
+use wgpu::util::DeviceExt as _;
 
+use crate::deform::{Deformation, Deformer, Wanted};
 use crate::instances::{Instance, Instances};
 use crate::report::{LumivoxEvent, Reports};
 use crate::surfaces::SurfaceTable;
@@ -30,6 +32,20 @@ struct VertexPlaces {
     stride: u32,
     position: u32,
     texcoords: [Option<u32>; 2],
+    /// Indices and weights.
+    joints: Option<[u32; 2]>,
+}
+
+/// Where Bevy has a mesh.
+struct MeshSource {
+    vertices: wgpu::Buffer,
+    first_vertex: u32,
+    vertex_count: u32,
+    layout: VertexPlaces,
+    indices: wgpu::Buffer,
+    index_format: wgpu::IndexFormat,
+    first_index: u32,
+    index_count: u32,
 }
 
 /// Where a mesh lies.
@@ -39,6 +55,16 @@ struct Placed {
     first_index: u32,
     index_count: u32,
     base_vertex: u32,
+}
+
+/// A mesh whose vertices move, as a batch.
+struct DeformingBatch {
+    first_position: u32,
+    attributes: Option<VertexAttributes>,
+    indices: Indices,
+    draw: Draw,
+    /// That of its instance, whose transform counts; none of a mesh with joints.
+    slot: Option<usize>,
 }
 
 /// The geometry of all instances.
@@ -51,10 +77,14 @@ pub(crate) struct SceneGeometry {
     meshes: HashMap<AssetId<Mesh>, Option<Placed>>,
     /// Indices 0, 1, 2 ... for meshes without.
     counting: Option<(wgpu::Buffer, u32)>,
+    /// In the making.
+    deforming: Vec<DeformingBatch>,
     /// Some meshes or materials are not there yet.
     waits: bool,
     /// Another number for each change.
     pub(crate) version: u64,
+    /// Vertices have moved in this frame.
+    pub(crate) is_deforming: bool,
 }
 
 /// What of the render world geometry is made of.
@@ -68,10 +98,15 @@ pub(crate) struct Sources<'a> {
 
 impl SceneGeometry {
     /// Follows the changes of a frame.
-    pub(crate) fn update(&mut self, sources: &Sources<'_>, table: &mut SurfaceTable, meshes_changed: bool) {
+    pub(crate) fn update(
+        &mut self,
+        sources: &Sources<'_>,
+        (table, deformer): (&mut SurfaceTable, &mut Deformer),
+        meshes_changed: bool,
+    ) {
         let instances = sources.instances;
         if instances.is_restructured || meshes_changed || self.waits {
-            self.rebuild(sources, table);
+            self.rebuild(sources, table, deformer);
         } else {
             for &slot in &instances.moved {
                 self.move_draw(slot, instances);
@@ -94,19 +129,27 @@ impl SceneGeometry {
     }
 
     /// Makes all draws anew, in the order of their slots.
-    fn rebuild(&mut self, sources: &Sources<'_>, table: &mut SurfaceTable) {
+    fn rebuild(
+        &mut self,
+        sources: &Sources<'_>,
+        table: &mut SurfaceTable,
+        deformer: &mut Deformer,
+    ) {
         self.version += 1;
         self.waits = false;
         self.keys.clear();
         self.meshes.clear();
         self.draws.clear();
         self.geometry.batches.clear();
+        deformer.clear();
         for (slot, instance) in sources.instances.iter() {
-            if instance.deforms {
-                continue;
+            if !instance.deforms {
+                self.add(slot, instance, sources, table);
+            } else if let Err(reason) = self.add_deforming(slot, instance, sources, (table, deformer)) {
+                sources.reports.once(LumivoxEvent::MeshLeftOut { reason });
             }
-            self.add(slot, instance, sources, table);
         }
+        self.finish_deforming(deformer.positions(sources.device).as_ref());
     }
 
     fn add(
@@ -157,22 +200,98 @@ impl SceneGeometry {
         mesh: AssetId<Mesh>,
         sources: &Sources<'_>,
     ) -> Result<Option<Placed>, String> {
+        let Some(source) = self.source(mesh, sources)? else { return Ok(None) };
+        let MeshSource { vertices, indices, index_format, layout, .. } = source;
+        let batch = self.batch(BatchKey { vertices, indices, index_format, layout });
+        Ok(Some(Placed {
+            batch,
+            first_index: source.first_index,
+            index_count: source.index_count,
+            base_vertex: source.first_vertex,
+        }))
+    }
+
+    /// Adds a mesh whose vertices move, in a batch of its own.
+    fn add_deforming(
+        &mut self,
+        slot: usize,
+        instance: &Instance,
+        sources: &Sources<'_>,
+        (table, deformer): (&mut SurfaceTable, &mut Deformer),
+    ) -> Result<(), String> {
+        let Some(material) = self.material(&instance.material, table) else { return Ok(()) };
+        let Some(source) = self.source(instance.mesh, sources)? else { return Ok(()) };
+        let layout = source.layout;
+        let [first, stride] = [source.first_vertex, layout.stride];
+        let mut deformation = Deformation::new(source.vertex_count, first, stride / 4, layout.position / 4);
+        if let Some(joints) = layout.joints {
+            [deformation.joint_indices, deformation.joint_weights] = joints.map(|offset| offset / 4);
+        }
+        let targets = morph_targets(instance.mesh, sources, &mut deformation);
+        let vertices = source.vertices.clone();
+        let wanted = Wanted { entity: instance.entity, vertices, targets, deformation };
+        let first_position = deformer.add(wanted);
+        let mut attributes = VertexAttributes::new(source.vertices, stride);
+        attributes.offset = u64::from(first) * u64::from(stride);
+        attributes.texcoords = layout.texcoords;
+        let world_from_local = match layout.joints {
+            // Joints lead to the world.
+            Some(_) => Mat4::IDENTITY,
+            None => instance.world_from_local,
+        };
+        let draw = Draw { world_from_local, ..Draw::new(source.first_index, source.index_count, material) };
+        let indices = Indices { buffer: source.indices, format: source.index_format, offset: 0 };
+        self.deforming.push(DeformingBatch {
+            first_position,
+            attributes: layout.texcoords[0].is_some().then_some(attributes),
+            indices,
+            draw,
+            slot: layout.joints.is_none().then_some(slot),
+        });
+        Ok(())
+    }
+
+    /// Makes the batches of meshes whose vertices move, once the size of their buffer is known.
+    fn finish_deforming(&mut self, positions: Option<&wgpu::Buffer>) {
+        let Some(positions) = positions else { return };
+        for batch in self.deforming.drain(..) {
+            let offset = 12 * u64::from(batch.first_position);
+            let buffer = VertexPositions { buffer: positions.clone(), stride: 12, offset };
+            let mut made = GeometryBatch::new(buffer, batch.indices, vec![batch.draw]);
+            made.attributes = batch.attributes;
+            if let Some(slot) = batch.slot {
+                self.draws.resize(self.draws.len().max(slot + 1), None);
+                self.draws[slot] = Some((self.geometry.batches.len() as u32, 0));
+            }
+            self.geometry.batches.push(made);
+        }
+    }
+
+    /// Finds a mesh in Bevy's slabs; `None` where it is not there yet, or has no surface.
+    fn source(
+        &mut self,
+        mesh: AssetId<Mesh>,
+        sources: &Sources<'_>,
+    ) -> Result<Option<MeshSource>, String> {
         let (Some(render_mesh), Some(vertices)) =
             (sources.meshes.get(mesh), sources.allocator.mesh_vertex_slice(&mesh))
         else {
             self.waits = true;
             return Ok(None);
         };
-        if render_mesh.primitive_topology() != PrimitiveTopology::TriangleList {
-            return match render_mesh.primitive_topology() {
-                PrimitiveTopology::TriangleStrip => {
-                    Err("triangle strips are not read; give them as triangle lists".to_owned())
-                }
-                _ => Ok(None),
-            };
+        match render_mesh.primitive_topology() {
+            PrimitiveTopology::TriangleList => {}
+            PrimitiveTopology::TriangleStrip => {
+                return Err("triangle strips are not read; give them as triangle lists".to_owned());
+            }
+            _ => return Ok(None),
+        }
+        if !vertices.buffer.usage().contains(wgpu::BufferUsages::STORAGE) {
+            let error = "their buffers lack `BufferUsages::STORAGE`; add `LumivoxPlugin` before the app is finished";
+            return Err(error.to_owned());
         }
         let layout = vertex_places(&render_mesh.layout)?;
-        let (indices, index_format, first_index, index_count) = match render_mesh.buffer_info {
+        let (indices, index_format, first_index, count) = match render_mesh.buffer_info {
             RenderMeshBufferInfo::Indexed { count, index_format } => {
                 let Some(slice) = sources.allocator.mesh_index_slice(&mesh) else {
                     self.waits = true;
@@ -185,16 +304,16 @@ impl SceneGeometry {
                 (self.counting(sources.device, count), wgpu::IndexFormat::Uint32, 0, count)
             }
         };
-        if !vertices.buffer.usage().contains(wgpu::BufferUsages::STORAGE) {
-            return Err("their buffers were made without `BufferUsages::STORAGE`; add `LumivoxPlugin` before \
-                        the app is finished"
-                .to_owned());
-        }
-        let key = BatchKey { vertices: (**vertices.buffer).clone(), indices, index_format, layout };
-        let batch = self.batch(key);
-        let index_count = index_count - index_count % 3;
-        let base_vertex = vertices.range.start;
-        Ok(Some(Placed { batch, first_index, index_count, base_vertex }))
+        Ok(Some(MeshSource {
+            vertices: (**vertices.buffer).clone(),
+            first_vertex: vertices.range.start,
+            vertex_count: render_mesh.vertex_count,
+            layout,
+            indices,
+            index_format,
+            first_index,
+            index_count: count - count % 3,
+        }))
     }
 
     /// A buffer that counts, at least this far.
@@ -206,7 +325,11 @@ impl SceneGeometry {
         }
         let room = count.next_power_of_two();
         let numbers: Vec<u32> = (0..room).collect();
-        let buffer = (*gpu::upload(device, "counting indices", &numbers)).clone();
+        let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("counting indices"),
+            contents: bytemuck::cast_slice(&numbers),
+            usage: wgpu::BufferUsages::STORAGE,
+        });
         self.counting = Some((buffer.clone(), room));
         buffer
     }
@@ -253,5 +376,34 @@ fn vertex_places(layout: &MeshVertexBufferLayoutRef) -> Result<VertexPlaces, Str
         find(attribute)
             .and_then(|(format, offset)| (format == VertexFormat::Float32x2).then_some(offset))
     });
-    Ok(VertexPlaces { stride: layout.layout().array_stride as u32, position, texcoords })
+    let joints = find(Mesh::ATTRIBUTE_JOINT_INDEX).zip(find(Mesh::ATTRIBUTE_JOINT_WEIGHT));
+    let joints = match joints {
+        Some(((VertexFormat::Uint16x4, indices), (VertexFormat::Float32x4, weights))) => {
+            Some([indices, weights])
+        }
+        Some(_) => return Err("compressed joints are not read; give weights as Float32x4".to_owned()),
+        None => None,
+    };
+    Ok(VertexPlaces { stride: layout.layout().array_stride as u32, position, texcoords, joints })
+}
+
+/// The morph targets of a mesh, in the buffer that is returned.
+#[cfg(feature = "morph")]
+fn morph_targets(
+    mesh: AssetId<Mesh>,
+    sources: &Sources<'_>,
+    deformation: &mut Deformation,
+) -> Option<wgpu::Buffer> {
+    let slice = sources.allocator.mesh_morph_target_slice(&mesh)?;
+    if !slice.buffer.usage().contains(wgpu::BufferUsages::STORAGE) || deformation.vertex_count == 0 {
+        return None;
+    }
+    deformation.first_target = slice.range.start;
+    deformation.target_count = slice.range.len() as u32 / deformation.vertex_count;
+    Some((**slice.buffer).clone())
+}
+
+#[cfg(not(feature = "morph"))]
+fn morph_targets(_: AssetId<Mesh>, _: &Sources<'_>, _: &mut Deformation) -> Option<wgpu::Buffer> {
+    None
 }

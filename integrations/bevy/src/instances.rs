@@ -49,7 +49,6 @@ pub(crate) struct Instances {
     pub(crate) is_restructured: bool,
     /// Slots of which only the transform has changed.
     pub(crate) moved: Vec<usize>,
-    pub(crate) has_deforming: bool,
     /// Frames for which meshes, which are uploaded a few a frame, may still change their place.
     unsettled: u32,
 }
@@ -247,14 +246,6 @@ pub(crate) fn extract_instances<M: LumivoxMaterial>(
             is_static: false,
             changed: instances.frame,
         });
-    }
-}
-
-/// Whether any mesh deforms is known once all are extracted.
-pub(crate) fn end_instances(mut instances: ResMut<Instances>) {
-    if instances.is_restructured {
-        let has_deforming = instances.iter().any(|(_, instance)| instance.deforms);
-        instances.has_deforming = has_deforming;
     }
 }
 

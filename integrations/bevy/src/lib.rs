@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod compose;
+mod deform;
 mod gbuffer;
 mod geometry;
 mod instances;
@@ -77,7 +78,6 @@ impl<M: LumivoxMaterial> Default for LumivoxMaterialPlugin<M> {
 enum Extraction {
     Begin,
     Read,
-    End,
 }
 
 impl Plugin for LumivoxPlugin {
@@ -101,11 +101,13 @@ impl Plugin for LumivoxPlugin {
             .init_resource::<surfaces::SurfaceTable>()
             .init_resource::<textures::TextureCopies>()
             .init_resource::<geometry::SceneGeometry>()
+            .init_resource::<deform::Deformer>()
+            .init_resource::<deform::SceneMorphs>()
             .init_resource::<scene::ChangedImages>()
             .init_resource::<volumes::Volumes>()
             .configure_sets(
                 ExtractSchedule,
-                (Extraction::Begin, Extraction::Read, Extraction::End).chain(),
+                (Extraction::Begin, Extraction::Read).chain(),
             )
             .add_systems(
                 ExtractSchedule,
@@ -113,8 +115,8 @@ impl Plugin for LumivoxPlugin {
                     instances::begin_instances.in_set(Extraction::Begin),
                     views::extract_views.in_set(Extraction::Read),
                     lights::extract_scene_lights.in_set(Extraction::Read),
+                    deform::extract_morphs.in_set(Extraction::Read),
                     scene::extract_changed_images.in_set(Extraction::Read),
-                    instances::end_instances.in_set(Extraction::End),
                 ),
             )
             .add_systems(

@@ -1,5 +1,6 @@
 //! Brings the scene of a frame together: materials, geometry, volumes.
 
+use bevy::pbr::SkinUniforms;
 use bevy::prelude::*;
 use bevy::render::Extract;
 use bevy::render::mesh::RenderMesh;
@@ -8,6 +9,7 @@ use bevy::render::render_asset::RenderAssets;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::texture::GpuImage;
 
+use crate::deform::{Deformer, SceneMorphs};
 use crate::geometry::{SceneGeometry, Sources};
 use crate::instances::Instances;
 use crate::material::Surfaces;
@@ -44,6 +46,7 @@ pub(crate) fn update_scene(
     mut surfaces: ResMut<Surfaces>,
     mut changed_images: ResMut<ChangedImages>,
     mut copies: ResMut<TextureCopies>,
+    (mut deformer, morphs, skins): (ResMut<Deformer>, Res<SceneMorphs>, Option<Res<SkinUniforms>>),
     views: Res<GiViews>,
     (meshes, allocator, images): (
         Res<RenderAssets<RenderMesh>>,
@@ -79,7 +82,9 @@ pub(crate) fn update_scene(
         allocator: &allocator,
         reports: &reports,
     };
-    scene.update(&sources, &mut table, are_displaced);
+    scene.update(&sources, (&mut table, &mut deformer), are_displaced);
+    let (device_and_queue, skins) = ((device.wgpu_device(), &**queue), skins.as_deref());
+    scene.is_deforming = deformer.follow(device_and_queue, skins, &morphs);
     volumes.follow(&views.views, &instances, (&device, &queue), &reports);
     instances.take_changes();
     surfaces.are_changed = false;

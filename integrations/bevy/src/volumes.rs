@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy::render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
-use bevy::pbr::ViewShadowBindings;
+use bevy::pbr::{SkinUniforms, ViewShadowBindings};
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task};
@@ -13,6 +13,7 @@ use lumivox::{
 };
 
 use crate::compose::Compose;
+use crate::deform::{Deformer, SceneMorphs};
 use crate::geometry::SceneGeometry;
 use crate::gbuffer;
 use crate::instances::Instances;
@@ -327,12 +328,8 @@ pub(crate) fn record_volume(
     view: ViewQuery<(Entity, Option<&ViewShadowBindings>)>,
     mut context: RenderContext,
     mut volumes: ResMut<Volumes>,
-    (gi_views, scene, mut scene_lights, instances): (
-        Res<GiViews>,
-        Res<SceneGeometry>,
-        ResMut<SceneLights>,
-        Res<Instances>,
-    ),
+    (gi_views, scene, mut scene_lights): (Res<GiViews>, Res<SceneGeometry>, ResMut<SceneLights>),
+    (mut deformer, skins, morphs): (ResMut<Deformer>, Option<Res<SkinUniforms>>, Res<SceneMorphs>),
     shadows: BevyShadows,
     queue: Res<RenderQueue>,
     diagnostics: Option<Res<DiagnosticsRecorder>>,
@@ -356,12 +353,17 @@ pub(crate) fn record_volume(
     let frame = Frame {
         view,
         scene: &scene,
-        has_deforming: instances.has_deforming,
         lights: &volumes.lights,
         shadow_maps,
         ambient: view.ambient * share,
         diagnostics: diagnostics.as_deref(),
     };
+    if let Some(pipelines) = &volumes.pipelines {
+        let mut recorder = Recorder::on(&device, &queue, context.command_encoder());
+        if let Err(error) = deformer.record(pipelines, &mut recorder, skins.as_deref(), &morphs) {
+            reports.once(LumivoxEvent::Failed { error: error.to_string() });
+        }
+    }
     for voxels in held.shown.iter_mut().chain(&mut held.coming) {
         if let Err(error) = voxels.record((&device, &queue), context.command_encoder(), &frame) {
             reports.tell(LumivoxEvent::Failed { error: error.to_string() });
@@ -373,7 +375,6 @@ pub(crate) fn record_volume(
 struct Frame<'a> {
     view: &'a GiView,
     scene: &'a SceneGeometry,
-    has_deforming: bool,
     lights: &'a [Light],
     shadow_maps: &'a ShadowMaps,
     ambient: Vec3,
@@ -427,7 +428,7 @@ impl Voxels {
         }
         self.frames_at_rest = self.frames_at_rest.saturating_add(1);
         let moves = frame.view.gi.volume.cascades().is_some() && self.gi.center_on(frame.view.position)?;
-        let is_due = self.version != Some(version) || frame.has_deforming || self.is_late || moves;
+        let is_due = self.version != Some(version) || frame.scene.is_deforming || self.is_late || moves;
         if is_due {
             let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/voxelize"));
             let mut recorder = Recorder::on(device, queue, encoder);

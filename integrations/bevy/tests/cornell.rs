@@ -19,10 +19,10 @@ use lumivox_render::reference::{PathTracer, ReferenceSettings};
 use lumivox_render::{Gpu, GpuOptions, RenderSettings, Renderer, View};
 use lumivox_scene::Scene;
 
-const SIZE: UVec2 = UVec2::new(64, 48);
+const SIZE: UVec2 = UVec2::new(48, 36);
 const RESOLUTION: u32 = 64;
 /// Frames whose mean is compared.
-const FRAMES: u32 = 16;
+const FRAMES: u32 = 32;
 /// Frames in which light settles.
 const SETTLING: u32 = 32;
 
@@ -65,14 +65,24 @@ fn through_bevy(given: &Scene) -> LinearPicture {
 fn antialiased(app: &mut App, camera: Entity, image: &Handle<Image>) -> headless::Shot {
     let mut frame = 0;
     headless::mean_of(app, image, FRAMES, |app| {
-        // The R2 sequence: Roberts 2018, "The unreasonable effectiveness of quasirandom sequences".
+        // As Lumivox's renderer: Halton 1960, in the bases 2 and 3.
         frame += 1;
-        let place = frame as f32 * Vec2::new(0.754_877_7, 0.569_840_3);
+        let place = Vec2::new(radical_inverse(frame, 2), radical_inverse(frame, 3));
         let mut camera = app.world_mut().get_mut::<Camera>(camera).expect("a camera");
         let full_size = SIZE;
         camera.sub_camera_view =
-            Some(SubCameraView { full_size, offset: place.fract() - 0.5, size: SIZE });
+            Some(SubCameraView { full_size, offset: 0.5 - place, size: SIZE });
     })
+}
+
+fn radical_inverse(mut index: u32, base: u32) -> f32 {
+    let (mut inverse, mut digit_value) = (0.0, 1.0 / base as f32);
+    while index > 0 {
+        inverse += (index % base) as f32 * digit_value;
+        index /= base;
+        digit_value /= base as f32;
+    }
+    inverse
 }
 
 /// Indirect light through Lumivox's own renderer, and the albedo of each pixel.
