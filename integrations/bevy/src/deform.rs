@@ -134,7 +134,8 @@ impl Deformer {
         }
         let bytes = 12 * u64::from(self.position_count);
         if self.positions.as_ref().is_none_or(|positions| positions.size() < bytes) {
-            self.positions = Some(storage_buffer(device, "deformed positions", bytes.next_power_of_two()));
+            self.positions =
+                Some(storage_buffer(device, "deformed positions", bytes.next_power_of_two()));
         }
         self.positions.as_ref().map(|positions| (**positions).clone())
     }
@@ -151,8 +152,10 @@ impl Deformer {
         }
         let joints = skins.map_or(&[] as &[Mat4], |skins| &skins.current_staging_buffer);
         let (jobs, known) = (&mut self.jobs, &mut self.known_joints);
-        let mut has_moved = follow((device, queue), ("joints", joints), known, &mut self.joints, jobs);
-        let (weights, known) = (("morph weights", morphs.weights.as_slice()), &mut self.known_weights);
+        let mut has_moved =
+            follow((device, queue), ("joints", joints), known, &mut self.joints, jobs);
+        let (weights, known) =
+            (("morph weights", morphs.weights.as_slice()), &mut self.known_weights);
         has_moved |= follow((device, queue), weights, known, &mut self.weights, jobs);
         for job in &mut self.jobs {
             let deformation = job.deformation.of_frame(job.entity, skins, morphs);
@@ -232,7 +235,12 @@ impl Deformer {
 
 impl Deformation {
     /// With the places of the joints and weights of a frame.
-    fn of_frame(mut self, entity: Entity, skins: Option<&SkinUniforms>, morphs: &SceneMorphs) -> Self {
+    fn of_frame(
+        mut self,
+        entity: Entity,
+        skins: Option<&SkinUniforms>,
+        morphs: &SceneMorphs,
+    ) -> Self {
         let skin = skins.and_then(|skins| skins.skin_index(MainEntity::from(entity)));
         self.first_joint = skin.unwrap_or_default();
         let (first, count) = morphs.first.get(&entity).copied().unwrap_or_default();

@@ -7,9 +7,7 @@ use bevy::prelude::*;
 use bevy::render::mesh::allocator::MeshAllocator;
 use bevy::render::mesh::{RenderMesh, RenderMeshBufferInfo};
 use bevy::render::render_asset::RenderAssets;
-use lumivox::{
-    Draw, Geometry, GeometryBatch, Indices, VertexAttributes, VertexPositions, wgpu,
-};
+use lumivox::{Draw, Geometry, GeometryBatch, Indices, VertexAttributes, VertexPositions, wgpu};
 use wgpu::util::DeviceExt as _;
 
 use crate::deform::{Deformation, Deformer, Wanted};
@@ -118,6 +116,13 @@ impl SceneGeometry {
         }
     }
 
+    /// Lets go of Bevy's buffers.
+    pub(crate) fn clear(&mut self, deformer: &mut Deformer) {
+        let version = self.version + 1;
+        *self = Self { version, ..Self::default() };
+        deformer.clear();
+    }
+
     /// Sets the transform of a draw, which stays what it is otherwise.
     fn move_draw(&mut self, slot: usize, instances: &Instances) {
         let place = self.draws.get(slot).copied().flatten();
@@ -145,7 +150,9 @@ impl SceneGeometry {
         for (slot, instance) in sources.instances.iter() {
             if !instance.deforms {
                 self.add(slot, instance, sources, table);
-            } else if let Err(reason) = self.add_deforming(slot, instance, sources, (table, deformer)) {
+            } else if let Err(reason) =
+                self.add_deforming(slot, instance, sources, (table, deformer))
+            {
                 sources.reports.once(LumivoxEvent::MeshLeftOut { reason });
             }
         }
@@ -223,9 +230,11 @@ impl SceneGeometry {
         let Some(source) = self.source(instance.mesh, sources)? else { return Ok(()) };
         let layout = source.layout;
         let [first, stride] = [source.first_vertex, layout.stride];
-        let mut deformation = Deformation::new(source.vertex_count, first, stride / 4, layout.position / 4);
+        let mut deformation =
+            Deformation::new(source.vertex_count, first, stride / 4, layout.position / 4);
         if let Some(joints) = layout.joints {
-            [deformation.joint_indices, deformation.joint_weights] = joints.map(|offset| offset / 4);
+            [deformation.joint_indices, deformation.joint_weights] =
+                joints.map(|offset| offset / 4);
         }
         let targets = morph_targets(instance.mesh, sources, &mut deformation);
         let vertices = source.vertices.clone();
@@ -239,7 +248,10 @@ impl SceneGeometry {
             Some(_) => Mat4::IDENTITY,
             None => instance.world_from_local,
         };
-        let draw = Draw { world_from_local, ..Draw::new(source.first_index, source.index_count, material) };
+        let draw = Draw {
+            world_from_local,
+            ..Draw::new(source.first_index, source.index_count, material)
+        };
         let indices = Indices { buffer: source.indices, format: source.index_format, offset: 0 };
         self.deforming.push(DeformingBatch {
             first_position,
@@ -381,7 +393,9 @@ fn vertex_places(layout: &MeshVertexBufferLayoutRef) -> Result<VertexPlaces, Str
         Some(((VertexFormat::Uint16x4, indices), (VertexFormat::Float32x4, weights))) => {
             Some([indices, weights])
         }
-        Some(_) => return Err("compressed joints are not read; give weights as Float32x4".to_owned()),
+        Some(_) => {
+            return Err("compressed joints are not read; give weights as Float32x4".to_owned());
+        }
         None => None,
     };
     Ok(VertexPlaces { stride: layout.layout().array_stride as u32, position, texcoords, joints })
@@ -395,7 +409,8 @@ fn morph_targets(
     deformation: &mut Deformation,
 ) -> Option<wgpu::Buffer> {
     let slice = sources.allocator.mesh_morph_target_slice(&mesh)?;
-    if !slice.buffer.usage().contains(wgpu::BufferUsages::STORAGE) || deformation.vertex_count == 0 {
+    if !slice.buffer.usage().contains(wgpu::BufferUsages::STORAGE) || deformation.vertex_count == 0
+    {
         return None;
     }
     deformation.first_target = slice.range.start;

@@ -83,6 +83,7 @@ impl Instances {
     }
 
     /// How many there are, and how many there is room for.
+    #[cfg(test)]
     pub(crate) fn counts(&self) -> [usize; 2] {
         [self.by_entity.len(), self.slots.len()]
     }
@@ -94,7 +95,9 @@ impl Instances {
             let Some(bounds) = &instance.bounds else { continue };
             let (center, half) = (Vec3::from(bounds.center), Vec3::from(bounds.half_extents));
             let axes = Mat3::from_mat4(instance.world_from_local);
-            let reach = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
+            let reach = axes.x_axis.abs() * half.x
+                + axes.y_axis.abs() * half.y
+                + axes.z_axis.abs() * half.z;
             let center = instance.world_from_local.transform_point3(center);
             let [min, max] = around.unwrap_or([Vec3::INFINITY, Vec3::NEG_INFINITY]);
             if center.is_finite() && reach.is_finite() {

@@ -105,10 +105,7 @@ impl Plugin for LumivoxPlugin {
             .init_resource::<deform::SceneMorphs>()
             .init_resource::<scene::ChangedImages>()
             .init_resource::<volumes::Volumes>()
-            .configure_sets(
-                ExtractSchedule,
-                (Extraction::Begin, Extraction::Read).chain(),
-            )
+            .configure_sets(ExtractSchedule, (Extraction::Begin, Extraction::Read).chain())
             .add_systems(
                 ExtractSchedule,
                 (
@@ -147,7 +144,9 @@ impl Plugin for LumivoxPlugin {
         };
         // Voxelization reads meshes where Bevy has them. A slab is bound as a whole.
         let limits = render_app.world().get_resource::<RenderDevice>().map(RenderDevice::limits);
-        if let Some(mut settings) = render_app.world_mut().get_resource_mut::<MeshAllocatorSettings>() {
+        if let Some(mut settings) =
+            render_app.world_mut().get_resource_mut::<MeshAllocatorSettings>()
+        {
             settings.extra_buffer_usages |= BufferUsages::STORAGE;
             if let Some(limits) = limits {
                 let most = limits.max_storage_buffer_binding_size;

@@ -31,7 +31,9 @@ pub(crate) struct SceneLights {
 /// Reads all lights. They are few, so that those that stand still are no case of their own.
 pub(crate) fn extract_scene_lights(
     mut scene: ResMut<SceneLights>,
-    suns: Extract<Query<(&DirectionalLight, &GlobalTransform, &InheritedVisibility, Option<&SunDisk>)>>,
+    suns: Extract<
+        Query<(&DirectionalLight, &GlobalTransform, &InheritedVisibility, Option<&SunDisk>)>,
+    >,
     points: Extract<Query<(RenderEntity, &PointLight, &GlobalTransform, &InheritedVisibility)>>,
     spots: Extract<Query<(RenderEntity, &SpotLight, &GlobalTransform, &InheritedVisibility)>>,
     rects: Extract<Query<(), With<RectLight>>>,
@@ -43,7 +45,8 @@ pub(crate) fn extract_scene_lights(
         let source = LightSource::Directional {
             direction: transform.forward().into(),
             irradiance,
-            angular_radius_rad: disk.map_or(SUN_RADIUS, |disk| (0.5 * disk.angular_size).max(SUN_RADIUS)),
+            angular_radius_rad: disk
+                .map_or(SUN_RADIUS, |disk| (0.5 * disk.angular_size).max(SUN_RADIUS)),
         };
         scene.add(source, irradiance, (None, light.shadow_maps_enabled), visibility);
     }

@@ -2,9 +2,9 @@
 
 use bevy::asset::UntypedAssetId;
 use bevy::color::LinearRgba;
+use bevy::material::OpaqueRendererMethod;
 use bevy::math::Affine2;
 use bevy::mesh::UvChannel;
-use bevy::material::OpaqueRendererMethod;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy::render::Extract;
@@ -184,10 +184,6 @@ pub(crate) struct Surfaces {
 impl Surfaces {
     pub(crate) fn get(&self, id: &UntypedAssetId) -> Option<&GiSurface> {
         self.by_id.get(id)
-    }
-
-    pub(crate) fn len(&self) -> usize {
-        self.by_id.len()
     }
 }
 

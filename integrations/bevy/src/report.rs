@@ -71,9 +71,13 @@ impl LumivoxEvent {
             Self::Ready => info!("Lumivox is ready."),
             Self::Failed { error } => error!("Lumivox: {error}"),
             Self::Unsupported { missing } => error!("Lumivox does not run here: {missing}"),
-            Self::MeshLeftOut { reason } => warn!("Lumivox leaves meshes out of the voxels: {reason}"),
+            Self::MeshLeftOut { reason } => {
+                warn!("Lumivox leaves meshes out of the voxels: {reason}")
+            }
             Self::LightLeftOut { kind } => {
-                warn!("Lumivox gives no light of {kind} to the voxels: only its direct light is seen.");
+                warn!(
+                    "Lumivox gives no light of {kind} to the voxels: only its direct light is seen."
+                );
             }
             Self::NotLit { material } => warn!(
                 "Lumivox lights pixels that are drawn deferred: opaque {material}s with the forward method get no indirect light."

@@ -59,6 +59,10 @@ pub(crate) fn update_scene(
     // Without a camera nothing is followed, and nothing forgotten.
     if views.views.is_empty() {
         instances.skip();
+        volumes.follow(&[], &instances, (&device, &queue), &reports);
+        if volumes.are_gone() {
+            scene.clear(&mut deformer);
+        }
         return;
     }
     let exposure_changed = volumes.choose_unit(&views.views);

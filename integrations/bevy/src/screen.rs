@@ -1,8 +1,8 @@
 //! Cones from the pixels of a camera, and their light in its picture.
 
+use bevy::camera::MainPassResolutionOverride;
 use bevy::core_pipeline::prepass::ViewPrepassTextures;
 use bevy::prelude::*;
-use bevy::camera::MainPassResolutionOverride;
 use bevy::render::camera::{ExtractedCamera, TemporalJitter};
 use bevy::render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
 use bevy::render::render_resource::TextureViewId;
@@ -15,7 +15,7 @@ use lumivox::{CameraView, GBuffer, TraceSettings, TraceTargets, wgpu};
 use crate::compose::{ComposeView, PICTURE_FORMAT};
 use crate::report::{LumivoxEvent, Reports};
 use crate::views::GiViews;
-use crate::volumes::{Volumes, VolumeKey, Voxels};
+use crate::volumes::{VolumeKey, Volumes, Voxels};
 
 /// What a view keeps from frame to frame.
 #[derive(Component)]
@@ -102,7 +102,8 @@ pub(crate) fn prepare_screens(
         commands.entity(entity).remove::<Screen>();
     }
     for gi_view in &gi_views.views {
-        let Ok((view, target, textures, jitter, size, screen)) = views.get_mut(gi_view.entity) else {
+        let Ok((view, target, textures, jitter, size, screen)) = views.get_mut(gi_view.entity)
+        else {
             continue;
         };
         let Some(voxels) = volumes.shown(&gi_view.key) else { continue };
@@ -233,7 +234,8 @@ pub(crate) fn light_screen(
     if !std::mem::take(&mut screen.is_ready) {
         return;
     }
-    let Some(voxels) = volumes.shown(&screen.key).filter(|voxels| voxels.number == screen.number) else {
+    let Some(voxels) = volumes.shown(&screen.key).filter(|voxels| voxels.number == screen.number)
+    else {
         return;
     };
     let device = context.render_device().wgpu_device().clone();
@@ -253,7 +255,8 @@ pub(crate) fn light_screen(
             recorder.render("lumivox compose", &picture, None, |pass| {
                 if let Some(viewport) = &camera.viewport {
                     let (place, size) = (viewport.physical_position, viewport.physical_size);
-                    let [x, y, width, height] = [place.x, place.y, size.x, size.y].map(|n| n as f32);
+                    let [x, y, width, height] =
+                        [place.x, place.y, size.x, size.y].map(|n| n as f32);
                     pass.set_viewport(x, y, width, height, 0.0, 1.0);
                 }
                 voxels.compose.draw(pass, &screen.compose, &screen.gbuffer);

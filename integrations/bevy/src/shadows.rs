@@ -79,7 +79,11 @@ impl ShadowMaps {
             compare: Some(wgpu::CompareFunction::GreaterEqual),
             ..wgpu::SamplerDescriptor::default()
         });
-        let buffer = upload(device, "Bevy's shadow layers", &[<ShadowLayer as bytemuck::Zeroable>::zeroed()]);
+        let buffer = upload(
+            device,
+            "Bevy's shadow layers",
+            &[<ShadowLayer as bytemuck::Zeroable>::zeroed()],
+        );
         let nothing = array_view(&nothing);
         let bound =
             [(*buffer).clone().into(), nothing.clone().into(), nothing.into(), sampler.into()];
@@ -132,15 +136,20 @@ impl ShadowMaps {
             return;
         }
         light.light.shadow = Shadow::Cone;
-        let Some((extracted, views)) = light.entity.and_then(|entity| known.lights.get(entity).ok()) else {
+        let Some((extracted, views)) =
+            light.entity.and_then(|entity| known.lights.get(entity).ok())
+        else {
             return;
         };
-        let index = light.entity.and_then(|entity| known.order.as_ref()?.entity_to_index.get(&entity));
+        let index =
+            light.entity.and_then(|entity| known.order.as_ref()?.entity_to_index.get(&entity));
         let Some(&index) = index.filter(|_| extracted.shadow_maps_enabled) else { return };
         let is_spot = extracted.spot_light_angles.is_some();
         let layer = if is_spot { first_spot.layer_of(index) } else { Some(6 * index as u32) };
         let (size, faces) = if is_spot { (flat, 1) } else { (cubes, 6) };
-        let Some(layer) = layer.filter(|layer| layer + faces <= size.depth_or_array_layers) else { return };
+        let Some(layer) = layer.filter(|layer| layer + faces <= size.depth_or_array_layers) else {
+            return;
+        };
         if views.len() != faces as usize {
             return;
         }

@@ -60,7 +60,11 @@ impl SurfaceTable {
     }
 
     /// Follows changes of materials and images. Whether draws have to be made anew is returned.
-    pub(crate) fn update(&mut self, sources: &SurfaceSources<'_>, prepared: &mut Prepared<'_>) -> bool {
+    pub(crate) fn update(
+        &mut self,
+        sources: &SurfaceSources<'_>,
+        prepared: &mut Prepared<'_>,
+    ) -> bool {
         let mut restructures = false;
         for id in std::mem::take(&mut self.missing) {
             if sources.surfaces.get(&id).is_none() {
@@ -119,7 +123,8 @@ impl SurfaceTable {
                 ..SurfaceTexture::new(view, sampler)
             })
         };
-        let reflectance_texture = texture(&surface.base_color_texture, TextureUse::Color { cutoff });
+        let reflectance_texture =
+            texture(&surface.base_color_texture, TextureUse::Color { cutoff });
         let emission_texture = texture(&surface.emissive_texture, TextureUse::Emission);
         let weight = surface.emissive_exposure_weight.clamp(0.0, 1.0);
         // As Bevy's shader, whose result is luminance times exposure.

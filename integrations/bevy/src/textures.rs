@@ -35,7 +35,6 @@ pub(crate) struct TextureCopies {
 struct Copy {
     source: wgpu::TextureView,
     view: wgpu::TextureView,
-    bytes: u64,
     used: u32,
 }
 
@@ -55,13 +54,6 @@ struct Reduction {
     cutoff: f32,
     max_footprint: u32,
     padding: [u32; 2],
-}
-
-impl TextureCopies {
-    /// Bytes on the GPU.
-    pub(crate) fn bytes(&self) -> u64 {
-        self.copies.values().map(|copy| copy.bytes).sum()
-    }
 }
 
 impl Prepared<'_> {
@@ -119,8 +111,8 @@ impl Prepared<'_> {
         } else {
             wgpu::TextureFormat::Rgba8UnormSrgb
         };
-        let (view, bytes) = self.reduce(texture, &source, copy_format, cutoff)?;
-        self.copies.copies.insert(key, Copy { source, view: view.clone(), bytes, used: round });
+        let view = self.reduce(texture, &source, copy_format, cutoff)?;
+        self.copies.copies.insert(key, Copy { source, view: view.clone(), used: round });
         Some((view, sampler))
     }
 
@@ -131,7 +123,7 @@ impl Prepared<'_> {
         source: &wgpu::TextureView,
         format: wgpu::TextureFormat,
         cutoff: Option<f32>,
-    ) -> Option<(wgpu::TextureView, u64)> {
+    ) -> Option<wgpu::TextureView> {
         let device = self.pipelines.device();
         let source_size = [texture.width(), texture.height()];
         let longest = source_size[0].max(source_size[1]);
@@ -171,10 +163,8 @@ impl Prepared<'_> {
         let pipeline = self.pipelines.draw(plan);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut from = (source.clone(), source_size);
-        let mut bytes = 0;
         for level in 0..levels {
             let size = size.map(|edge| (edge >> level).max(1));
-            bytes += u64::from(size[0]) * u64::from(size[1]) * u64::from(format.block_copy_size(None).unwrap_or(4));
             let reduction = Reduction {
                 source_size: from.1,
                 size,
@@ -216,6 +206,6 @@ impl Prepared<'_> {
             from = (to, size);
         }
         self.queue.submit([encoder.finish()]);
-        Some((copy.create_view(&wgpu::TextureViewDescriptor::default()), bytes))
+        Some(copy.create_view(&wgpu::TextureViewDescriptor::default()))
     }
 }

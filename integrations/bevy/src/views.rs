@@ -55,7 +55,8 @@ pub(crate) fn extract_views(
 ) {
     gi_views.views.clear();
     for (camera_entity, entity, camera, gi, transform, exposure, ambient) in &cameras {
-        let has_picture = camera.physical_viewport_size().is_some_and(|size| size.min_element() > 0);
+        let has_picture =
+            camera.physical_viewport_size().is_some_and(|size| size.min_element() > 0);
         if !camera.is_active || !has_picture {
             continue;
         }

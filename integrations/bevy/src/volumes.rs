@@ -1,8 +1,8 @@
 //! The voxels: made in the background, filled and lit in each frame without waiting.
 
+use bevy::pbr::{SkinUniforms, ViewShadowBindings};
 use bevy::prelude::*;
 use bevy::render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
-use bevy::pbr::{SkinUniforms, ViewShadowBindings};
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task};
@@ -14,8 +14,8 @@ use lumivox::{
 
 use crate::compose::Compose;
 use crate::deform::{Deformer, SceneMorphs};
-use crate::geometry::SceneGeometry;
 use crate::gbuffer;
+use crate::geometry::SceneGeometry;
 use crate::instances::Instances;
 use crate::lights::{SceneLights, scaled};
 use crate::report::{LumivoxEvent, Reports};
@@ -140,10 +140,9 @@ impl Volumes {
         true
     }
 
-    /// Bytes on the GPU, of all volumes.
-    pub(crate) fn bytes(&self) -> u64 {
-        let voxels = self.held.iter().flat_map(|held| held.shown.iter().chain(&held.coming));
-        voxels.flat_map(|voxels| voxels.gi.memory()).map(|(_, bytes)| bytes).sum()
+    /// Whether nothing is left of any.
+    pub(crate) fn are_gone(&self) -> bool {
+        self.held.is_empty()
     }
 
     /// Finds or begins the volumes that cameras need, and gives up those that none does.
@@ -163,11 +162,14 @@ impl Volumes {
             }
             let pipelines = self.pipelines(device);
             let ambient = view.ambient / self.unit();
-            let Some(held) = self.held.iter_mut().find(|held| held.key == view.key) else { continue };
+            let Some(held) = self.held.iter_mut().find(|held| held.key == view.key) else {
+                continue;
+            };
             if std::mem::take(&mut held.unused) > 0 {
                 held.make(view, instances, (&pipelines, queue), reports);
             }
-            let maps = self.shadow_maps.get_or_insert_with(|| ShadowMaps::none(device.wgpu_device()));
+            let maps =
+                self.shadow_maps.get_or_insert_with(|| ShadowMaps::none(device.wgpu_device()));
             held.take_made(&mut self.numbers, (ambient, maps), reports);
             held.show(reports);
         }
@@ -177,7 +179,15 @@ impl Volumes {
 
 impl Held {
     fn new(key: VolumeKey) -> Self {
-        Self { key, shown: None, coming: None, making: None, failed: None, unused: 1, is_recorded: false }
+        Self {
+            key,
+            shown: None,
+            coming: None,
+            making: None,
+            failed: None,
+            unused: 1,
+            is_recorded: false,
+        }
     }
 
     /// Begins to make voxels if there are none, or if the scene has outgrown them.
@@ -280,7 +290,9 @@ fn grid(volume: &GiVolume, bounds: Option<[Vec3; 2]>, camera: Vec3) -> Result<Gr
             let least = 1e-3 * (max - min).max_element().max(1e-3);
             Grid::fit(min, max.max(min + least), resolution, Vec3::ZERO)
         }
-        (GiVolume::Scene { resolution }, None) => Grid::fit(Vec3::ZERO, Vec3::ONE, resolution, Vec3::ZERO),
+        (GiVolume::Scene { resolution }, None) => {
+            Grid::fit(Vec3::ZERO, Vec3::ONE, resolution, Vec3::ZERO)
+        }
         (GiVolume::Cascades { .. }, _) => {
             let options = volume.cascades().unwrap_or_default();
             Grid::cascades(camera, &options, Vec3::ZERO)
@@ -427,8 +439,10 @@ impl Voxels {
             self.gi.forget_light();
         }
         self.frames_at_rest = self.frames_at_rest.saturating_add(1);
-        let moves = frame.view.gi.volume.cascades().is_some() && self.gi.center_on(frame.view.position)?;
-        let is_due = self.version != Some(version) || frame.scene.is_deforming || self.is_late || moves;
+        let moves =
+            frame.view.gi.volume.cascades().is_some() && self.gi.center_on(frame.view.position)?;
+        let is_due =
+            self.version != Some(version) || frame.scene.is_deforming || self.is_late || moves;
         if is_due {
             let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/voxelize"));
             let mut recorder = Recorder::on(device, queue, encoder);
@@ -453,7 +467,12 @@ impl Voxels {
         let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/light"));
         let mut recorder = Recorder::on(device, queue, encoder);
         let settings = frame.view.gi.trace_settings();
-        let lit = self.gi.light_frame(&mut recorder, &self.lights, frame.view.gi.face_budget(), &settings);
+        let lit = self.gi.light_frame(
+            &mut recorder,
+            &self.lights,
+            frame.view.gi.face_budget(),
+            &settings,
+        );
         drop(recorder);
         if let Some(span) = span {
             span.end(encoder);

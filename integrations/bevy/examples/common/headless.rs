@@ -5,6 +5,7 @@ use std::path::Path;
 use bevy::app::PluginsState;
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::RenderTarget;
+use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::render::RenderPlugin;
@@ -23,7 +24,7 @@ pub struct Shot {
     pub rgb: Vec<Vec3>,
 }
 
-/// The plugins of an app without a window.
+/// The plugins of an app without a window and a log.
 pub fn plugins() -> impl PluginGroup {
     DefaultPlugins
         .set(WindowPlugin {
@@ -31,6 +32,8 @@ pub fn plugins() -> impl PluginGroup {
             exit_condition: ExitCondition::DontExit,
             ..WindowPlugin::default()
         })
+        .build()
+        .disable::<LogPlugin>()
         .set(RenderPlugin { synchronous_pipeline_compilation: true, ..RenderPlugin::default() })
 }
 

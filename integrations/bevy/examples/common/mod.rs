@@ -2,5 +2,7 @@
 //! built-in scenes as entities.
 #![allow(dead_code, reason = "every program uses another part of it")]
 
+#[cfg(not(feature = "window"))]
 pub mod headless;
+pub mod run;
 pub mod scene;

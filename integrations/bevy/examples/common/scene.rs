@@ -161,6 +161,8 @@ fn light(world: &mut World, given: &lumivox::Light) -> Entity {
                 intensity: 4.0 * PI * intensity_cd,
                 range: range_m.unwrap_or(1e3),
                 radius: given.radius_m,
+                // Lamps hang nearer below their bodies than Bevy's default of 0.1 m.
+                shadow_map_near_z: 0.01,
                 shadow_maps_enabled: true,
                 ..PointLight::default()
             };
@@ -174,6 +176,7 @@ fn light(world: &mut World, given: &lumivox::Light) -> Entity {
                 radius: given.radius_m,
                 inner_angle: inner_angle_rad,
                 outer_angle: outer_angle_rad,
+                shadow_map_near_z: 0.01,
                 shadow_maps_enabled: true,
                 ..SpotLight::default()
             };

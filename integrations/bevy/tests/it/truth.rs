@@ -3,21 +3,18 @@
 //! What is compared is indirect light: the picture with global illumination minus that without, where direct light is Bevy's
 //! own (whose diffuse BRDF is Burley's, not Lambert's).
 
-#[path = "../examples/common/mod.rs"]
-mod common;
-
 use std::ops::ControlFlow;
 
 use bevy::camera::{Exposure, SubCameraView};
-use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
-use bevy::light::GlobalAmbientLight;
 use bevy::prelude::*;
-use bevy_lumivox::{GiQuality, GiVolume, LumivoxGi, LumivoxPlugin};
-use common::{headless, scene};
+use bevy_lumivox::{GiQuality, GiVolume, LumivoxGi};
 use lumivox_render::compare::{ErrorFigures, LinearPicture};
 use lumivox_render::reference::{PathTracer, ReferenceSettings};
 use lumivox_render::{Gpu, GpuOptions, RenderSettings, Renderer, View};
 use lumivox_scene::Scene;
+
+use crate::common::{headless, scene};
+use crate::stage::Stage;
 
 const SIZE: UVec2 = UVec2::new(48, 36);
 const RESOLUTION: u32 = 64;
@@ -28,31 +25,20 @@ const SETTLING: u32 = 32;
 
 /// Indirect light on screen through Bevy, cd/m².
 fn through_bevy(given: &Scene) -> LinearPicture {
-    let mut app = App::new();
-    app.add_plugins((headless::plugins(), LumivoxPlugin::default()));
-    app.insert_resource(ClearColor(Color::BLACK));
-    app.insert_resource(GlobalAmbientLight::NONE);
-    headless::start(&mut app);
-    scene::spawn(app.world_mut(), given);
-    let (transform, projection) = scene::camera(given);
-    let (image, target) = headless::target(&mut app, SIZE);
+    let mut stage = Stage::of(given, SIZE);
+    let exposure = Exposure { ev100: 4.0 };
     let gi = LumivoxGi {
         quality: GiQuality::Balanced,
         volume: GiVolume::Scene { resolution: RESOLUTION },
         faces_per_frame: 0,
         ..LumivoxGi::default()
     };
-    let exposure = Exposure { ev100: 4.0 };
-    let look = (Tonemapping::None, DebandDither::Disabled, exposure);
-    let camera = (Camera3d::default(), target, transform, projection, look, gi);
-    let camera = app.world_mut().spawn(camera).id();
-    headless::wait_until_ready(&mut app);
-    for _ in 0..SETTLING {
-        app.update();
-    }
-    let lit = antialiased(&mut app, camera, &image);
-    app.world_mut().entity_mut(camera).remove::<LumivoxGi>();
-    let direct = antialiased(&mut app, camera, &image);
+    stage.app.world_mut().entity_mut(stage.camera).insert((exposure, gi));
+    headless::wait_until_ready(&mut stage.app);
+    stage.frames(SETTLING);
+    let lit = antialiased(&mut stage);
+    stage.app.world_mut().entity_mut(stage.camera).remove::<LumivoxGi>();
+    let direct = antialiased(&mut stage);
     let name = format!("target/pictures/{}", given.name);
     lit.save(format!("{name}-bevy.png"), 2.0);
     direct.save(format!("{name}-bevy-direct.png"), 2.0);
@@ -62,16 +48,15 @@ fn through_bevy(given: &Scene) -> LinearPicture {
 }
 
 /// The mean of frames that each see other places of their pixels.
-fn antialiased(app: &mut App, camera: Entity, image: &Handle<Image>) -> headless::Shot {
-    let mut frame = 0;
-    headless::mean_of(app, image, FRAMES, |app| {
+fn antialiased(stage: &mut Stage) -> headless::Shot {
+    let (camera, image, mut frame) = (stage.camera, stage.image.clone(), 0);
+    headless::mean_of(&mut stage.app, &image, FRAMES, |app| {
         // As Lumivox's renderer: Halton 1960, in the bases 2 and 3.
         frame += 1;
         let place = Vec2::new(radical_inverse(frame, 2), radical_inverse(frame, 3));
         let mut camera = app.world_mut().get_mut::<Camera>(camera).expect("a camera");
         let full_size = SIZE;
-        camera.sub_camera_view =
-            Some(SubCameraView { full_size, offset: 0.5 - place, size: SIZE });
+        camera.sub_camera_view = Some(SubCameraView { full_size, offset: 0.5 - place, size: SIZE });
     })
 }
 
@@ -115,7 +100,8 @@ fn truth(gpu: &Gpu, given: &Scene, albedo: &LinearPicture) -> (LinearPicture, Ve
     let pixels = layers.full.iter().zip(&albedo.rgb);
     let rgb = pixels.map(|(light, albedo)| (Vec3::from(*light) * share(albedo)).to_array());
     let shares = layers.full_variance.iter().zip(&albedo.rgb);
-    let variance = shares.map(|(variance, albedo)| variance * headless::luminance(share(albedo)).powi(2));
+    let variance =
+        shares.map(|(variance, albedo)| variance * headless::luminance(share(albedo)).powi(2));
     (LinearPicture { size: SIZE, rgb: rgb.collect() }, variance.collect())
 }
 
@@ -140,6 +126,7 @@ fn errors(name: &str) -> [ErrorFigures; 2] {
 
 #[test]
 fn the_cornell_box_is_as_bright_as_it_is() {
+    let _alone = crate::stage::alone();
     for name in ["cornell", "cornell-rotated"] {
         let [bevy, own] = errors(name);
         assert!(bevy.rmse_percent <= 1.1 * own.rmse_percent, "{name}");

@@ -1,0 +1,10 @@
+//! Lumivox through Bevy, on the software GPU: pictures, changes, and what must not go wrong.
+
+#[path = "../../examples/common/mod.rs"]
+mod common;
+
+mod changes;
+mod deforming;
+mod limits;
+mod stage;
+mod truth;
