@@ -40,9 +40,6 @@ impl Stage {
         app.add_plugins((headless::plugins(), LumivoxPlugin::default()));
         app.insert_resource(ClearColor(Color::BLACK));
         app.insert_resource(GlobalAmbientLight::NONE);
-        // The software GPU clears and fills them in each frame.
-        app.insert_resource(PointLightShadowMap { size: 256 });
-        app.insert_resource(DirectionalLightShadowMap { size: 256 });
         headless::start(&mut app);
         let spawned = scene::spawn(app.world_mut(), given);
         let (transform, projection) = scene::camera(given);
@@ -57,6 +54,9 @@ impl Stage {
     /// The Cornell box with global illumination, ready.
     pub fn cornell() -> Self {
         let mut stage = Self::of(&scene::builtin("cornell"), UVec2::new(48, 36));
+        // The software GPU clears and fills them in each frame.
+        stage.app.insert_resource(PointLightShadowMap { size: 256 });
+        stage.app.insert_resource(DirectionalLightShadowMap { size: 256 });
         stage.app.world_mut().entity_mut(stage.camera).insert(quick());
         headless::wait_until_ready(&mut stage.app);
         stage
