@@ -2,7 +2,6 @@
 //!
 //! Each option states its unit, range and default; the tests below check that.
 
-mod bake;
 mod bench;
 mod compare;
 mod cones;
@@ -27,7 +26,6 @@ use clap::{ArgAction, Args, Parser, Subcommand};
 use lumivox_console::{Failure, SceneSource};
 use lumivox_render::RenderSettings;
 
-pub use bake::BakeArgs;
 pub use bench::BenchArgs;
 pub use compare::CompareArgs;
 pub use cones::ConeArgs;
@@ -146,9 +144,6 @@ pub enum Command {
     /// Measure memory, build time and trace time of dense and octree volumes
     #[command(after_help = volumes::EXAMPLES)]
     Volumes(Box<VolumesArgs>),
-    /// Bake the indirect light of a scene into a volume of probes: Bevy's IrradianceVolume, as KTX2
-    #[command(after_help = bake::EXAMPLES)]
-    Bake(Box<BakeArgs>),
     /// Measure the speed of standard cases, beside published figures: a report to read or to send in
     #[command(after_help = bench::EXAMPLES)]
     Bench(Box<BenchArgs>),

@@ -86,7 +86,6 @@ pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
         Some(Command::Info(args)) => commands::info::run(args, host),
         Some(Command::Volumes(args)) => commands::volumes::run(args, host),
         Some(Command::Voxels(args)) => commands::voxels::run(args, host),
-        Some(Command::Bake(args)) => commands::bake::run(args, host),
         Some(Command::Bench(args)) => commands::bench::run(args, host),
         Some(Command::Convert(args)) => commands::convert::run(args, host),
         Some(Command::Compare(args)) => commands::compare::run(args, host),

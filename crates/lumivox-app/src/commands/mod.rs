@@ -1,6 +1,5 @@
 //! The commands of the program, one module each.
 
-pub mod bake;
 pub mod bench;
 pub mod compare;
 pub mod convert;

@@ -1,10 +1,6 @@
-//! Lumivox through Bevy, on the software GPU: pictures, changes, and what must not go wrong.
-
-#[path = "../../examples/common/mod.rs"]
-mod common;
+//! Lumivox through Bevy, on the software GPU: pictures and changes.
 
 mod changes;
-mod deforming;
-mod limits;
+mod common;
 mod stage;
 mod truth;

@@ -127,9 +127,7 @@ fn errors(name: &str) -> [ErrorFigures; 2] {
 #[test]
 fn the_cornell_box_is_as_bright_as_it_is() {
     let _alone = crate::stage::alone();
-    for name in ["cornell", "cornell-rotated"] {
-        let [bevy, own] = errors(name);
-        assert!(bevy.rmse_percent <= 1.1 * own.rmse_percent, "{name}");
-        assert!(bevy.bias_percent.abs() <= own.bias_percent.abs() + 1.0, "{name}");
-    }
+    let [bevy, own] = errors("cornell");
+    assert!(bevy.rmse_percent <= 1.1 * own.rmse_percent);
+    assert!(bevy.bias_percent.abs() <= own.bias_percent.abs() + 1.0);
 }
