@@ -24,6 +24,7 @@ fn a_block_that_has_moved_looks_as_if_it_had_been_there_always() {
     let matrix = &mut instance.expect("the block").world_from_local;
     matrix.w_axis.x = -0.33 + 0.03 * 19.0;
     let mut fresh = Stage::of(&there, UVec2::new(48, 36));
+    fresh.use_small_shadow_maps();
     fresh.app.world_mut().entity_mut(fresh.camera).insert(quick());
     headless::wait_until_ready(&mut fresh.app);
     let always = fresh.settled();

@@ -54,12 +54,16 @@ impl Stage {
     /// The Cornell box with global illumination, ready.
     pub fn cornell() -> Self {
         let mut stage = Self::of(&scene::builtin("cornell"), UVec2::new(48, 36));
-        // The software GPU clears and fills them in each frame.
-        stage.app.insert_resource(PointLightShadowMap { size: 256 });
-        stage.app.insert_resource(DirectionalLightShadowMap { size: 256 });
+        stage.use_small_shadow_maps();
         stage.app.world_mut().entity_mut(stage.camera).insert(quick());
         headless::wait_until_ready(&mut stage.app);
         stage
+    }
+
+    /// The software GPU clears and fills them in each frame.
+    pub fn use_small_shadow_maps(&mut self) {
+        self.app.insert_resource(PointLightShadowMap { size: 256 });
+        self.app.insert_resource(DirectionalLightShadowMap { size: 256 });
     }
 
     /// The entity of an instance of a scene, by its name.
