@@ -80,8 +80,8 @@ impl Stage {
 
     /// The mean of frames once light has settled.
     pub fn settled(&mut self) -> headless::Shot {
-        self.frames(36);
-        headless::mean_shot(&mut self.app, &self.image.clone(), 4)
+        self.frames(40);
+        headless::mean_shot(&mut self.app, &self.image.clone(), 8)
     }
 }
 
