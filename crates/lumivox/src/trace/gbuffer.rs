@@ -106,7 +106,9 @@ pub struct GBuffer {
 
 /// The layout of group 3: the camera, and what the caller's module binds or Lumivox's own.
 pub fn gbuffer_layout(device: &Pipelines, own: Option<&Mounted>) -> wgpu::BindGroupLayout {
-    let camera = LayoutBuilder::compute().storage();
+    // Fragment shaders of the caller's may read it as well.
+    let stages = wgpu::ShaderStages::COMPUTE | wgpu::ShaderStages::FRAGMENT;
+    let camera = LayoutBuilder::new(stages).storage();
     let layout = match own {
         Some(own) => own.bindings.iter().fold(camera, |layout, ty| layout.binding(*ty)),
         None => (0..5).fold(camera.depth_2d(), |layout, _| layout.texture_2d_unfilterable()),

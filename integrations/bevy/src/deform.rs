@@ -1,0 +1,275 @@
+//! Meshes whose vertices move: their positions of a frame, computed as Bevy's vertex shader does.
+
+use bevy::ecs::entity::EntityHashMap;
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::pbr::SkinUniforms;
+use bevy::prelude::*;
+use bevy::render::Extract;
+use bevy::render::sync_world::MainEntity;
+use lumivox::gpu::{
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    storage_buffer, upload,
+};
+use lumivox::{GiError, wgpu};
+
+/// Of a mesh without joints.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// `Deformation` of `deform.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Deformation {
+    pub(crate) vertex_count: u32,
+    pub(crate) first_vertex: u32,
+    pub(crate) stride: u32,
+    pub(crate) position: u32,
+    pub(crate) joint_indices: u32,
+    pub(crate) joint_weights: u32,
+    first_joint: u32,
+    pub(crate) first_target: u32,
+    pub(crate) target_count: u32,
+    first_weight: u32,
+    first_position: u32,
+    padding: u32,
+}
+
+impl Deformation {
+    /// Vertices of a slab, without joints and morph targets; words.
+    pub(crate) fn new(vertex_count: u32, first_vertex: u32, stride: u32, position: u32) -> Self {
+        Self {
+            vertex_count,
+            first_vertex,
+            stride,
+            position,
+            joint_indices: NONE,
+            joint_weights: NONE,
+            first_joint: 0,
+            first_target: 0,
+            target_count: 0,
+            first_weight: 0,
+            first_position: 0,
+            padding: 0,
+        }
+    }
+}
+
+/// The weights of all meshes with morph targets, in the render world.
+#[derive(Resource, Default)]
+pub(crate) struct SceneMorphs {
+    first: EntityHashMap<(u32, u32)>,
+    weights: Vec<f32>,
+}
+
+pub(crate) fn extract_morphs(
+    mut morphs: ResMut<SceneMorphs>,
+    meshes: Extract<Query<(Entity, &MeshMorphWeights)>>,
+    shared: Extract<Query<&MorphWeights>>,
+) {
+    morphs.first.clear();
+    morphs.weights.clear();
+    for (entity, weights) in &meshes {
+        let weights = match weights {
+            MeshMorphWeights::Value { weights } => weights.as_slice(),
+            MeshMorphWeights::Reference(other) => {
+                shared.get(*other).map(MorphWeights::weights).unwrap_or_default()
+            }
+        };
+        let range = (morphs.weights.len() as u32, weights.len() as u32);
+        morphs.first.insert(entity, range);
+        morphs.weights.extend_from_slice(weights);
+    }
+}
+
+/// A mesh that is deformed in each frame.
+struct Job {
+    entity: Entity,
+    deformation: Deformation,
+    uniform: Buffer,
+    group: BindGroup,
+}
+
+/// A mesh to be deformed.
+pub(crate) struct Wanted {
+    pub(crate) entity: Entity,
+    pub(crate) vertices: wgpu::Buffer,
+    pub(crate) targets: Option<wgpu::Buffer>,
+    pub(crate) deformation: Deformation,
+}
+
+/// All of them.
+#[derive(Resource, Default)]
+pub(crate) struct Deformer {
+    wanted: Vec<Wanted>,
+    jobs: Vec<Job>,
+    kernel: Option<(Kernel, wgpu::BindGroupLayout)>,
+    positions: Option<Buffer>,
+    position_count: u32,
+    joints: Option<Buffer>,
+    weights: Option<Buffer>,
+    known_joints: Vec<Mat4>,
+    known_weights: Vec<f32>,
+    is_due: bool,
+}
+
+impl Deformer {
+    pub(crate) fn clear(&mut self) {
+        self.wanted.clear();
+        self.jobs.clear();
+        self.position_count = 0;
+    }
+
+    /// Plans a mesh. Its number of the first position is returned.
+    pub(crate) fn add(&mut self, mut wanted: Wanted) -> u32 {
+        let first = self.position_count;
+        wanted.deformation.first_position = first;
+        self.position_count += wanted.deformation.vertex_count;
+        self.wanted.push(wanted);
+        first
+    }
+
+    /// The buffer that the results of all planned meshes go to, three `f32` each.
+    pub(crate) fn positions(&mut self, device: &wgpu::Device) -> Option<wgpu::Buffer> {
+        if self.position_count == 0 {
+            return None;
+        }
+        let bytes = 12 * u64::from(self.position_count);
+        if self.positions.as_ref().is_none_or(|positions| positions.size() < bytes) {
+            self.positions =
+                Some(storage_buffer(device, "deformed positions", bytes.next_power_of_two()));
+        }
+        self.positions.as_ref().map(|positions| (**positions).clone())
+    }
+
+    /// Takes the joints and weights of a frame. Whether anything has moved is returned.
+    pub(crate) fn follow(
+        &mut self,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        skins: Option<&SkinUniforms>,
+        morphs: &SceneMorphs,
+    ) -> bool {
+        if self.wanted.is_empty() {
+            return false;
+        }
+        let joints = skins.map_or(&[] as &[Mat4], |skins| &skins.current_staging_buffer);
+        let (jobs, known) = (&mut self.jobs, &mut self.known_joints);
+        let mut has_moved =
+            follow((device, queue), ("joints", joints), known, &mut self.joints, jobs);
+        let (weights, known) =
+            (("morph weights", morphs.weights.as_slice()), &mut self.known_weights);
+        has_moved |= follow((device, queue), weights, known, &mut self.weights, jobs);
+        for job in &mut self.jobs {
+            let deformation = job.deformation.of_frame(job.entity, skins, morphs);
+            if deformation != job.deformation {
+                job.deformation = deformation;
+                queue.write_buffer(&job.uniform, 0, bytemuck::bytes_of(&deformation));
+                has_moved = true;
+            }
+        }
+        self.is_due |= has_moved || self.jobs.is_empty();
+        self.is_due
+    }
+
+    /// Records the deformation of all meshes, if anything has moved.
+    pub(crate) fn record(
+        &mut self,
+        pipelines: &Pipelines,
+        recorder: &mut Recorder<'_>,
+        skins: Option<&SkinUniforms>,
+        morphs: &SceneMorphs,
+    ) -> Result<(), GiError> {
+        if !std::mem::take(&mut self.is_due) {
+            return Ok(());
+        }
+        self.plan(pipelines, skins, morphs)?;
+        let Some((kernel, _)) = &self.kernel else { return Ok(()) };
+        recorder.stage("deform");
+        for job in &self.jobs {
+            kernel.run(recorder, &[&job.group], [job.deformation.vertex_count, 1, 1]);
+        }
+        Ok(())
+    }
+
+    /// Binds the meshes that were planned since.
+    fn plan(
+        &mut self,
+        pipelines: &Pipelines,
+        skins: Option<&SkinUniforms>,
+        morphs: &SceneMorphs,
+    ) -> Result<(), GiError> {
+        if !self.jobs.is_empty() {
+            return Ok(());
+        }
+        if self.kernel.is_none() {
+            let mut layout = LayoutBuilder::compute();
+            for _ in 0..5 {
+                layout = layout.storage();
+            }
+            let layout = layout.storage_mut().build(pipelines, "deform");
+            let mut library = ShaderLibrary::default();
+            library.add("bevy::deform", include_str!("shaders/deform.wgsl"));
+            let kernel = Kernel::new(pipelines, &library, "bevy::deform", "main", &[&layout])?;
+            self.kernel = Some((kernel, layout));
+        }
+        let (Some((_, layout)), Some(joints), Some(weights), Some(positions)) =
+            (&self.kernel, &self.joints, &self.weights, &self.positions)
+        else {
+            return Ok(());
+        };
+        for Wanted { entity, vertices, targets, deformation } in &self.wanted {
+            let deformation = deformation.of_frame(*entity, skins, morphs);
+            let uniform = upload(pipelines.device(), "deformation", &[deformation]);
+            let targets = targets.as_ref().unwrap_or(weights);
+            let group = BindGroupBuilder::new(layout)
+                .buffer(&uniform)
+                .resource(vertices.as_entire_binding())
+                .buffer(joints)
+                .resource(targets.as_entire_binding())
+                .buffer(weights)
+                .buffer(positions)
+                .build(pipelines.device(), "deform");
+            self.jobs.push(Job { entity: *entity, deformation, uniform, group });
+        }
+        Ok(())
+    }
+}
+
+impl Deformation {
+    /// With the places of the joints and weights of a frame.
+    fn of_frame(
+        mut self,
+        entity: Entity,
+        skins: Option<&SkinUniforms>,
+        morphs: &SceneMorphs,
+    ) -> Self {
+        let skin = skins.and_then(|skins| skins.skin_index(MainEntity::from(entity)));
+        self.first_joint = skin.unwrap_or_default();
+        let (first, count) = morphs.first.get(&entity).copied().unwrap_or_default();
+        (self.first_weight, self.target_count) = (first, self.target_count.min(count));
+        self
+    }
+}
+
+/// Uploads a list if it has changed; whether it has is returned. Jobs that are bound to a smaller buffer are dropped.
+fn follow<T: bytemuck::Pod + PartialEq>(
+    (device, queue): (&wgpu::Device, &wgpu::Queue),
+    (label, now): (&'static str, &[T]),
+    known: &mut Vec<T>,
+    buffer: &mut Option<Buffer>,
+    jobs: &mut Vec<Job>,
+) -> bool {
+    if buffer.is_some() && known == now {
+        return false;
+    }
+    known.clear();
+    known.extend_from_slice(now);
+    let bytes: &[u8] = bytemuck::cast_slice(now);
+    if buffer.as_ref().is_none_or(|buffer| buffer.size() < bytes.len() as u64) {
+        let room = (bytes.len() as u64).next_power_of_two().max(64);
+        *buffer = Some(storage_buffer(device, label, room));
+        jobs.clear();
+    }
+    if let Some(buffer) = buffer {
+        queue.write_buffer(buffer, 0, bytes);
+    }
+    true
+}

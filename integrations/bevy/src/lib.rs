@@ -1,0 +1,171 @@
+#![doc = include_str!("../README.md")]
+
+mod compose;
+mod deform;
+mod gbuffer;
+mod geometry;
+mod instances;
+mod lights;
+mod material;
+mod report;
+mod scene;
+mod screen;
+mod settings;
+mod shadows;
+mod surfaces;
+mod textures;
+mod views;
+mod volumes;
+
+use std::marker::PhantomData;
+
+use bevy::core_pipeline::core_3d::{main_opaque_pass_3d, main_transparent_pass_3d};
+use bevy::core_pipeline::{Core3d, Core3dSystems};
+use bevy::pbr::DefaultOpaqueRendererMethod;
+use bevy::prelude::*;
+use bevy::render::mesh::allocator::MeshAllocatorSettings;
+use bevy::render::render_resource::BufferUsages;
+use bevy::render::renderer::RenderDevice;
+use bevy::render::{ExtractSchedule, Render, RenderApp, RenderSystems};
+
+pub use lumivox;
+pub use material::{GiSurface, GiTexture, LumivoxMaterial};
+pub use report::LumivoxEvent;
+pub use settings::{GiQuality, GiVolume, LumivoxGi, NotInGi};
+
+use report::Reports;
+
+/// Global illumination for cameras with [`LumivoxGi`].
+///
+/// Add it after `DefaultPlugins`. Opaque materials are drawn deferred from then on
+/// ([`DefaultOpaqueRendererMethod::deferred`]).
+///
+/// ```no_run
+/// use bevy::prelude::*;
+/// use bevy_lumivox::{LumivoxGi, LumivoxPlugin};
+///
+/// App::new()
+///     .add_plugins((DefaultPlugins, LumivoxPlugin::default()))
+///     .add_systems(Startup, |mut commands: Commands| {
+///         commands.spawn((Camera3d::default(), LumivoxGi::default()));
+///     })
+///     .run();
+/// ```
+#[derive(Debug, Default)]
+#[non_exhaustive]
+pub struct LumivoxPlugin {}
+
+/// Adds a type of material to the voxels; [`StandardMaterial`] is there already.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_lumivox::{LumivoxMaterial, LumivoxMaterialPlugin};
+/// # fn add<Rock: LumivoxMaterial>(app: &mut App) {
+/// app.add_plugins(LumivoxMaterialPlugin::<Rock>::default());
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct LumivoxMaterialPlugin<M: LumivoxMaterial>(PhantomData<M>);
+
+impl<M: LumivoxMaterial> Default for LumivoxMaterialPlugin<M> {
+    fn default() -> Self {
+        Self(PhantomData)
+    }
+}
+
+/// The systems of one frame's extraction.
+#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
+enum Extraction {
+    Begin,
+    Read,
+}
+
+impl Plugin for LumivoxPlugin {
+    fn build(&self, app: &mut App) {
+        let reports = Reports::default();
+        app.insert_resource(DefaultOpaqueRendererMethod::deferred())
+            .insert_resource(reports.clone())
+            .add_message::<LumivoxEvent>()
+            .register_type::<LumivoxGi>()
+            .register_type::<NotInGi>()
+            .add_systems(First, report::deliver);
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        render_app
+            .insert_resource(reports)
+            .init_resource::<views::GiViews>()
+            .init_resource::<lights::SceneLights>()
+            .init_resource::<instances::Instances>()
+            .init_resource::<material::Surfaces>()
+            .init_resource::<surfaces::SurfaceTable>()
+            .init_resource::<textures::TextureCopies>()
+            .init_resource::<geometry::SceneGeometry>()
+            .init_resource::<deform::Deformer>()
+            .init_resource::<deform::SceneMorphs>()
+            .init_resource::<scene::ChangedImages>()
+            .init_resource::<volumes::Volumes>()
+            .configure_sets(ExtractSchedule, (Extraction::Begin, Extraction::Read).chain())
+            .add_systems(
+                ExtractSchedule,
+                (
+                    instances::begin_instances.in_set(Extraction::Begin),
+                    views::extract_views.in_set(Extraction::Read),
+                    lights::extract_scene_lights.in_set(Extraction::Read),
+                    deform::extract_morphs.in_set(Extraction::Read),
+                    scene::extract_changed_images.in_set(Extraction::Read),
+                ),
+            )
+            .add_systems(
+                Render,
+                (
+                    views::take_ambient_over.in_set(RenderSystems::PrepareAssets),
+                    scene::update_scene.in_set(RenderSystems::PrepareResources),
+                    screen::prepare_screens.in_set(RenderSystems::PrepareBindGroups),
+                ),
+            )
+            .add_systems(
+                Core3d,
+                (volumes::record_volume, screen::light_screen)
+                    .chain()
+                    .after(main_opaque_pass_3d)
+                    .before(main_transparent_pass_3d)
+                    .in_set(Core3dSystems::MainPass),
+            );
+        app.add_plugins(LumivoxMaterialPlugin::<StandardMaterial>::default());
+    }
+
+    fn finish(&self, app: &mut App) {
+        let reports = app.world().resource::<Reports>().clone();
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            let missing = "there is no renderer: add `RenderPlugin` with a backend".to_owned();
+            reports.once(LumivoxEvent::Unsupported { missing });
+            return;
+        };
+        // Voxelization reads meshes where Bevy has them. A slab is bound as a whole.
+        let limits = render_app.world().get_resource::<RenderDevice>().map(RenderDevice::limits);
+        if let Some(mut settings) =
+            render_app.world_mut().get_resource_mut::<MeshAllocatorSettings>()
+        {
+            settings.extra_buffer_usages |= BufferUsages::STORAGE;
+            if let Some(limits) = limits {
+                let most = limits.max_storage_buffer_binding_size;
+                let settings = &mut settings.slab_allocator_settings;
+                settings.max_slab_size = settings.max_slab_size.min(most);
+                settings.min_slab_size = settings.min_slab_size.min(most);
+            }
+        }
+    }
+}
+
+impl<M: LumivoxMaterial> Plugin for LumivoxMaterialPlugin<M> {
+    fn build(&self, app: &mut App) {
+        if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+            render_app.add_systems(
+                ExtractSchedule,
+                (instances::extract_instances::<M>, material::extract_surfaces::<M>)
+                    .in_set(Extraction::Read),
+            );
+        }
+    }
+}

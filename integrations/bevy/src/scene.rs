@@ -1,0 +1,96 @@
+//! Brings the scene of a frame together: materials, geometry, volumes.
+
+use bevy::pbr::SkinUniforms;
+use bevy::prelude::*;
+use bevy::render::Extract;
+use bevy::render::mesh::RenderMesh;
+use bevy::render::mesh::allocator::MeshAllocator;
+use bevy::render::render_asset::RenderAssets;
+use bevy::render::renderer::{RenderDevice, RenderQueue};
+use bevy::render::texture::GpuImage;
+
+use crate::deform::{Deformer, SceneMorphs};
+use crate::geometry::{SceneGeometry, Sources};
+use crate::instances::Instances;
+use crate::material::Surfaces;
+use crate::report::Reports;
+use crate::surfaces::{SurfaceSources, SurfaceTable};
+use crate::textures::{Prepared, TextureCopies};
+use crate::views::GiViews;
+use crate::volumes::Volumes;
+
+/// Frames after a change of images, which are uploaded a few a frame, in which textures are looked up again.
+const UNSETTLED_FRAMES: u32 = 4;
+
+/// Whether images may have changed.
+#[derive(Resource, Default)]
+pub(crate) struct ChangedImages {
+    unsettled: u32,
+}
+
+pub(crate) fn extract_changed_images(
+    mut changed: ResMut<ChangedImages>,
+    mut events: Extract<MessageReader<AssetEvent<Image>>>,
+) {
+    if events.read().count() > 0 {
+        changed.unsettled = UNSETTLED_FRAMES;
+    }
+}
+
+/// Follows what was extracted, once Bevy has uploaded its meshes and images.
+pub(crate) fn update_scene(
+    mut scene: ResMut<SceneGeometry>,
+    mut table: ResMut<SurfaceTable>,
+    mut volumes: ResMut<Volumes>,
+    mut instances: ResMut<Instances>,
+    mut surfaces: ResMut<Surfaces>,
+    mut changed_images: ResMut<ChangedImages>,
+    mut copies: ResMut<TextureCopies>,
+    (mut deformer, morphs, skins): (ResMut<Deformer>, Res<SceneMorphs>, Option<Res<SkinUniforms>>),
+    views: Res<GiViews>,
+    (meshes, allocator, images): (
+        Res<RenderAssets<RenderMesh>>,
+        Res<MeshAllocator>,
+        Res<RenderAssets<GpuImage>>,
+    ),
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    reports: Res<Reports>,
+) {
+    // Without a camera nothing is followed, and nothing forgotten.
+    if views.views.is_empty() {
+        instances.skip();
+        volumes.follow(&[], &instances, (&device, &queue), &reports);
+        if volumes.are_gone() {
+            scene.clear(&mut deformer);
+        }
+        return;
+    }
+    let exposure_changed = volumes.choose_unit(&views.views);
+    let pipelines = volumes.pipelines(&device);
+    let sources = SurfaceSources {
+        surfaces: &surfaces,
+        images: &images,
+        images_changed: changed_images.unsettled > 0,
+        exposure: volumes.exposure(),
+        unit: volumes.unit(),
+        exposure_changed,
+    };
+    let mut prepared = Prepared { pipelines: &pipelines, queue: &queue, copies: &mut copies };
+    let mut are_displaced = table.update(&sources, &mut prepared);
+    are_displaced |= allocator.meshes_displaced_by_slab_growth().next().is_some();
+    are_displaced |= instances.is_unsettled();
+    let sources = Sources {
+        device: device.wgpu_device(),
+        instances: &instances,
+        meshes: &meshes,
+        allocator: &allocator,
+        reports: &reports,
+    };
+    scene.update(&sources, (&mut table, &mut deformer), are_displaced);
+    let (device_and_queue, skins) = ((device.wgpu_device(), &**queue), skins.as_deref());
+    scene.is_deforming = deformer.follow(device_and_queue, skins, &morphs);
+    volumes.follow(&views.views, &instances, (&device, &queue), &reports);
+    instances.take_changes();
+    surfaces.are_changed = false;
+    changed_images.unsettled = changed_images.unsettled.saturating_sub(1);
+}

@@ -1,0 +1,271 @@
+//! Cones from the pixels of a camera, and their light in its picture.
+
+use bevy::camera::MainPassResolutionOverride;
+use bevy::core_pipeline::prepass::ViewPrepassTextures;
+use bevy::prelude::*;
+use bevy::render::camera::{ExtractedCamera, TemporalJitter};
+use bevy::render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
+use bevy::render::render_resource::TextureViewId;
+use bevy::render::renderer::{RenderContext, RenderQueue, ViewQuery};
+use bevy::render::view::{ExtractedView, ViewTarget};
+use lumivox::gpu::{Buffer, Recorder, uniform_buffer};
+use lumivox::hooks::Resource as Bound;
+use lumivox::{CameraView, GBuffer, TraceSettings, TraceTargets, wgpu};
+
+use crate::compose::{ComposeView, PICTURE_FORMAT};
+use crate::report::{LumivoxEvent, Reports};
+use crate::views::GiViews;
+use crate::volumes::{VolumeKey, Volumes, Voxels};
+
+/// What a view keeps from frame to frame.
+#[derive(Component)]
+pub(crate) struct Screen {
+    key: VolumeKey,
+    /// The voxels that it was made for.
+    number: u64,
+    settings: TraceSettings,
+    targets: TraceTargets,
+    compose: ComposeView,
+    gbuffer: GBuffer,
+    /// The textures that are bound.
+    bound: [TextureViewId; 4],
+    /// `Place` of `gbuffer.wgsl`.
+    place: Buffer,
+    origin: UVec2,
+    /// Without jitter: clip from view, and view from world.
+    previous: [Mat4; 2],
+    frame: u32,
+    /// All of it is there in this frame.
+    is_ready: bool,
+}
+
+/// `Place` of `gbuffer.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+struct Place {
+    origin: [u32; 2],
+    padding: [u32; 2],
+}
+
+/// A camera in this frame.
+struct Camera<'a> {
+    view: &'a ExtractedView,
+    jitter: Option<&'a TemporalJitter>,
+    size: UVec2,
+    origin: UVec2,
+}
+
+impl Camera<'_> {
+    /// Clip from view, with the jitter of this frame if there is any.
+    fn jittered(&self, mut clip_from_view: Mat4) -> Mat4 {
+        if let Some(jitter) = self.jitter {
+            jitter.jitter_projection(&mut clip_from_view, self.size.as_vec2());
+        }
+        clip_from_view
+    }
+
+    fn matrices(&self) -> [Mat4; 2] {
+        [self.view.clip_from_view, self.view.world_from_view.to_matrix().inverse()]
+    }
+
+    /// For Lumivox, with the matrices of the frame before.
+    fn to_lumivox(&self, [clip_from_view, view_from_world]: [Mat4; 2], frame: u32) -> CameraView {
+        let [now_clip_from_view, now_view_from_world] = self.matrices();
+        let clip_from_world = self.jittered(now_clip_from_view) * now_view_from_world;
+        let position = self.view.world_from_view.translation();
+        let mut camera = CameraView::new(clip_from_world, position, self.size);
+        camera.previous_clip_from_world = self.jittered(clip_from_view) * view_from_world;
+        camera.frame = frame;
+        camera.jitter = self.jitter.map_or(Vec2::ZERO, |jitter| -jitter.offset);
+        camera
+    }
+}
+
+/// Makes and binds what views need, once Bevy's textures of this frame are there.
+pub(crate) fn prepare_screens(
+    mut commands: Commands,
+    gi_views: Res<GiViews>,
+    volumes: Res<Volumes>,
+    mut views: Query<(
+        &ExtractedView,
+        &ViewTarget,
+        Option<&ViewPrepassTextures>,
+        Option<&TemporalJitter>,
+        Option<&MainPassResolutionOverride>,
+        Option<&mut Screen>,
+    )>,
+    mut all: Query<(Entity, &mut Screen), Without<ExtractedView>>,
+    queue: Res<RenderQueue>,
+    reports: Res<Reports>,
+) {
+    for (entity, _) in &mut all {
+        commands.entity(entity).remove::<Screen>();
+    }
+    for gi_view in &gi_views.views {
+        let Ok((view, target, textures, jitter, size, screen)) = views.get_mut(gi_view.entity)
+        else {
+            continue;
+        };
+        let Some(voxels) = volumes.shown(&gi_view.key) else { continue };
+        if target.main_texture_format() != PICTURE_FORMAT {
+            let error = "a camera's picture is not Rgba16Float; give the camera `Hdr`, and a render target that is \
+                         Rgba16Float or not high dynamic range";
+            reports.once(LumivoxEvent::Failed { error: error.to_owned() });
+            continue;
+        }
+        let Some((views, ids)) = textures.and_then(bound_textures) else { continue };
+        let viewport = view.viewport;
+        let camera = Camera {
+            view,
+            jitter,
+            size: size.map_or(UVec2::new(viewport.z, viewport.w), |size| size.0),
+            origin: UVec2::new(viewport.x, viewport.y),
+        };
+        if camera.size.min_element() == 0 {
+            continue;
+        }
+        let settings = gi_view.gi.trace_settings();
+        let is_right = |screen: &Screen| {
+            screen.number == voxels.number
+                && screen.settings.resolution == settings.resolution
+                && screen.settings.temporal == settings.temporal
+                && screen.targets.size() == camera.size
+        };
+        let factor = volumes.unit() * gi_view.exposure;
+        match screen {
+            Some(mut screen) if is_right(&screen) => {
+                screen.settings = settings;
+                screen.follow(voxels, (&views, ids), &camera, &queue);
+                screen.compose.set(&queue, factor);
+            }
+            _ => {
+                let mut screen = Screen::new(voxels, (&views, ids), &camera, settings);
+                screen.key = gi_view.key;
+                screen.compose.set(&queue, factor);
+                commands.entity(gi_view.entity).insert(screen);
+            }
+        }
+    }
+}
+
+/// The textures of the prepass in the order of the module's bindings.
+fn bound_textures(textures: &ViewPrepassTextures) -> Option<([Bound; 4], [TextureViewId; 4])> {
+    let views = [
+        textures.deferred_view()?,
+        textures.depth_only_view()?,
+        textures.normal_view()?,
+        textures.motion_vectors_view()?,
+    ];
+    Some((views.map(|view| Bound::View((**view).clone())), views.map(|view| view.id())))
+}
+
+impl Screen {
+    fn new(
+        voxels: &Voxels,
+        (views, ids): (&[Bound; 4], [TextureViewId; 4]),
+        camera: &Camera<'_>,
+        settings: TraceSettings,
+    ) -> Self {
+        let gi = &voxels.gi;
+        let targets = gi.targets(camera.size, &settings);
+        let origin = Place { origin: camera.origin.to_array(), padding: [0; 2] };
+        let place = uniform_buffer(gi.pipelines().device(), "place of the viewport", &origin);
+        let previous = camera.matrices();
+        let gbuffer = bind(voxels, views, &place, camera.to_lumivox(previous, 0));
+        let compose = voxels.compose.view(gi, &targets);
+        Self {
+            key: VolumeKey::new(&crate::GiVolume::default(), Entity::PLACEHOLDER),
+            number: voxels.number,
+            settings,
+            targets,
+            compose,
+            gbuffer,
+            bound: ids,
+            place,
+            origin: camera.origin,
+            previous,
+            frame: 0,
+            is_ready: true,
+        }
+    }
+
+    /// Another frame of the same size and settings.
+    fn follow(
+        &mut self,
+        voxels: &Voxels,
+        (views, ids): (&[Bound; 4], [TextureViewId; 4]),
+        camera: &Camera<'_>,
+        queue: &wgpu::Queue,
+    ) {
+        self.frame = self.frame.wrapping_add(1);
+        let view = camera.to_lumivox(self.previous, self.frame);
+        self.previous = camera.matrices();
+        if self.origin != camera.origin {
+            self.origin = camera.origin;
+            let place = Place { origin: camera.origin.to_array(), padding: [0; 2] };
+            queue.write_buffer(&self.place, 0, bytemuck::bytes_of(&place));
+        }
+        if self.bound == ids {
+            self.gbuffer.set_camera(queue, view);
+        } else {
+            self.gbuffer = bind(voxels, views, &self.place, view);
+            self.bound = ids;
+        }
+        self.is_ready = true;
+    }
+}
+
+fn bind(voxels: &Voxels, views: &[Bound; 4], place: &Buffer, camera: CameraView) -> GBuffer {
+    let [deferred, depth, normal, motion] = views.clone();
+    let place = Bound::Buffer((**place).clone());
+    voxels.gi.bind_own_gbuffer(&[deferred, depth, normal, motion, place], camera)
+}
+
+/// Traces the cones of a camera, and adds their light to its picture: after opaque things, before transparent ones.
+pub(crate) fn light_screen(
+    view: ViewQuery<(&ViewTarget, &ExtractedCamera, &mut Screen)>,
+    mut context: RenderContext,
+    volumes: Res<Volumes>,
+    queue: Res<RenderQueue>,
+    diagnostics: Option<Res<DiagnosticsRecorder>>,
+    reports: Res<Reports>,
+) {
+    let (target, camera, mut screen) = view.into_inner();
+    if !std::mem::take(&mut screen.is_ready) {
+        return;
+    }
+    let Some(voxels) = volumes.shown(&screen.key).filter(|voxels| voxels.number == screen.number)
+    else {
+        return;
+    };
+    let device = context.render_device().wgpu_device().clone();
+    let encoder = context.command_encoder();
+    let span = diagnostics.as_ref().map(|to| to.time_span(encoder, "lumivox/trace"));
+    let mut recorder = Recorder::on(&device, &queue, encoder);
+    let traced = voxels.gi.trace(
+        &mut recorder,
+        &screen.gbuffer,
+        &voxels.lights,
+        &screen.settings,
+        &screen.targets,
+    );
+    match traced {
+        Ok(()) => {
+            let picture = [Some(target.get_color_attachment())];
+            recorder.render("lumivox compose", &picture, None, |pass| {
+                if let Some(viewport) = &camera.viewport {
+                    let (place, size) = (viewport.physical_position, viewport.physical_size);
+                    let [x, y, width, height] =
+                        [place.x, place.y, size.x, size.y].map(|n| n as f32);
+                    pass.set_viewport(x, y, width, height, 0.0, 1.0);
+                }
+                voxels.compose.draw(pass, &screen.compose, &screen.gbuffer);
+            });
+        }
+        Err(error) => reports.once(LumivoxEvent::Failed { error: error.to_string() }),
+    }
+    drop(recorder);
+    if let Some(span) = span {
+        span.end(encoder);
+    }
+}

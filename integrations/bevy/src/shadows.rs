@@ -1,0 +1,204 @@
+//! Bevy's shadow maps of point and spot lights, for the light in voxels.
+//!
+//! Cascades of a sun hold what a camera sees, and voxels are beside and behind it, too: suns get their shadows by cones. So
+//! do lights that Bevy has no map of in a frame, because no camera sees what they light.
+
+use bevy::ecs::system::SystemParam;
+use bevy::pbr::{
+    ExtractedPointLight, GlobalClusterableObjectMeta, PointAndSpotLightViewEntities,
+    ViewShadowBindings,
+};
+use bevy::prelude::*;
+use bevy::render::render_resource::TextureId;
+use bevy::render::view::ExtractedView;
+use lumivox::gpu::{Buffer, upload};
+use lumivox::hooks::{Mounted, Resource as Bound};
+use lumivox::{Shadow, wgpu};
+
+use crate::lights::SceneLight;
+
+/// `ShadowLayer` of `shadow_maps.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+struct ShadowLayer {
+    clip_from_world: Mat4,
+    layer: u32,
+    texel_size: f32,
+    padding: [u32; 2],
+}
+
+/// The module that reads them (`shaders/shadow_maps.wgsl`), with its bindings.
+pub(crate) fn module() -> Mounted {
+    let maps = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Depth,
+        view_dimension: wgpu::TextureViewDimension::D2Array,
+        multisampled: false,
+    };
+    let layers = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: true },
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison);
+    Mounted::new(include_str!("shaders/shadow_maps.wgsl"), [layers, maps, maps, sampler])
+}
+
+/// What Bevy knows of its maps in a frame.
+#[derive(SystemParam)]
+pub(crate) struct BevyShadows<'w, 's> {
+    order: Option<Res<'w, GlobalClusterableObjectMeta>>,
+    lights: Query<'w, 's, (&'static ExtractedPointLight, &'static PointAndSpotLightViewEntities)>,
+    views: Query<'w, 's, &'static ExtractedView>,
+}
+
+/// The maps as they are bound.
+pub(crate) struct ShadowMaps {
+    textures: Option<[TextureId; 2]>,
+    layers: Vec<ShadowLayer>,
+    buffer: Buffer,
+    pub(crate) bound: [Bound; 4],
+}
+
+impl ShadowMaps {
+    /// None at all.
+    pub(crate) fn none(device: &wgpu::Device) -> Self {
+        let nothing = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("no shadow maps"),
+            size: wgpu::Extent3d::default(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Depth32Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        });
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("Bevy's shadow maps"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            compare: Some(wgpu::CompareFunction::GreaterEqual),
+            ..wgpu::SamplerDescriptor::default()
+        });
+        let buffer = upload(
+            device,
+            "Bevy's shadow layers",
+            &[<ShadowLayer as bytemuck::Zeroable>::zeroed()],
+        );
+        let nothing = array_view(&nothing);
+        let bound =
+            [(*buffer).clone().into(), nothing.clone().into(), nothing.into(), sampler.into()];
+        Self { textures: None, layers: Vec::new(), buffer, bound }
+    }
+
+    /// Follows Bevy's maps of a frame, and sets which lights have one.
+    pub(crate) fn follow(
+        &mut self,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        maps: &ViewShadowBindings,
+        known: &BevyShadows<'_, '_>,
+        lights: &mut [SceneLight],
+    ) {
+        let textures = [&maps.point_light_depth_texture, &maps.directional_light_depth_texture];
+        let ids = textures.map(|texture| texture.id());
+        if self.textures != Some(ids) {
+            let [cubes, flat] = textures.map(|texture| array_view(texture));
+            (self.bound[1], self.bound[2]) = (cubes.into(), flat.into());
+            self.textures = Some(ids);
+        }
+        let before = std::mem::take(&mut self.layers);
+        let first_spot = FirstSpot::find(known, textures[1].depth_or_array_layers());
+        for light in lights {
+            self.add(light, textures.map(|texture| texture.size()), &first_spot, known);
+        }
+        if self.layers == before || self.layers.is_empty() {
+            return;
+        }
+        let bytes: &[u8] = bytemuck::cast_slice(&self.layers);
+        if self.buffer.size() >= bytes.len() as u64 {
+            queue.write_buffer(&self.buffer, 0, bytes);
+        } else {
+            let mut room = self.layers.clone();
+            room.resize(room.len().next_power_of_two(), bytemuck::Zeroable::zeroed());
+            self.buffer = upload(device, "Bevy's shadow layers", &room);
+            self.bound[0] = (*self.buffer).clone().into();
+        }
+    }
+
+    /// Adds the layers of a light, if Bevy has drawn them.
+    fn add(
+        &mut self,
+        light: &mut SceneLight,
+        [cubes, flat]: [wgpu::Extent3d; 2],
+        first_spot: &FirstSpot,
+        known: &BevyShadows<'_, '_>,
+    ) {
+        if light.light.shadow == Shadow::None {
+            return;
+        }
+        light.light.shadow = Shadow::Cone;
+        let Some((extracted, views)) =
+            light.entity.and_then(|entity| known.lights.get(entity).ok())
+        else {
+            return;
+        };
+        let index =
+            light.entity.and_then(|entity| known.order.as_ref()?.entity_to_index.get(&entity));
+        let Some(&index) = index.filter(|_| extracted.shadow_maps_enabled) else { return };
+        let is_spot = extracted.spot_light_angles.is_some();
+        let layer = if is_spot { first_spot.layer_of(index) } else { Some(6 * index as u32) };
+        let (size, faces) = if is_spot { (flat, 1) } else { (cubes, 6) };
+        let Some(layer) = layer.filter(|layer| layer + faces <= size.depth_or_array_layers) else {
+            return;
+        };
+        if views.len() != faces as usize {
+            return;
+        }
+        let first_layer = self.layers.len() as u32;
+        for (face, view) in (0..faces).zip(views.iter()) {
+            let Ok(view) = known.views.get(*view) else {
+                self.layers.truncate(first_layer as usize);
+                return;
+            };
+            self.layers.push(ShadowLayer {
+                clip_from_world: view.clip_from_view * view.world_from_view.to_matrix().inverse(),
+                layer: layer + face,
+                // The cotangent of half the opening is in the matrix.
+                texel_size: 2.0 / (view.clip_from_view.x_axis.x * size.width as f32),
+                padding: [0; 2],
+            });
+        }
+        light.light.shadow = Shadow::Map { first_layer };
+    }
+}
+
+/// Where spot lights begin, among lights and among layers.
+struct FirstSpot {
+    light: usize,
+    layer: usize,
+}
+
+impl FirstSpot {
+    fn find(known: &BevyShadows<'_, '_>, layers: u32) -> Self {
+        let is_spot = |light: &ExtractedPointLight| light.spot_light_angles.is_some();
+        let (mut points, mut mapped_spots) = (0, 0);
+        for (light, _) in &known.lights {
+            points += usize::from(!is_spot(light));
+            mapped_spots += usize::from(is_spot(light) && light.shadow_maps_enabled);
+        }
+        // In front of them are the cascades of suns.
+        Self { light: points, layer: (layers as usize).saturating_sub(mapped_spots) }
+    }
+
+    fn layer_of(&self, index: usize) -> Option<u32> {
+        Some((index.checked_sub(self.light)? + self.layer) as u32)
+    }
+}
+
+fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        label: Some("Bevy's shadow maps"),
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        aspect: wgpu::TextureAspect::DepthOnly,
+        ..wgpu::TextureViewDescriptor::default()
+    })
+}

@@ -1,0 +1,153 @@
+//! Materials in Lumivox's form, in numbers that stay.
+
+use bevy::asset::UntypedAssetId;
+use bevy::mesh::UvChannel;
+use bevy::platform::collections::HashMap;
+use bevy::prelude::*;
+use bevy::render::render_asset::RenderAssets;
+use bevy::render::texture::GpuImage;
+use lumivox::{Gloss, SurfaceMaterial, SurfaceTexture};
+
+use crate::material::{GiSurface, GiTexture, Surfaces};
+use crate::textures::{Prepared, TextureUse};
+
+/// All materials that draws have asked for.
+#[derive(Resource, Default)]
+pub(crate) struct SurfaceTable {
+    numbers: HashMap<UntypedAssetId, u32>,
+    ids: Vec<UntypedAssetId>,
+    materials: Vec<SurfaceMaterial>,
+    are_there: Vec<bool>,
+    /// Asked for, and the asset is not there yet.
+    missing: Vec<UntypedAssetId>,
+    /// Some textures are not there yet.
+    waits_for_images: bool,
+    is_changed: bool,
+}
+
+/// What surfaces are made of.
+pub(crate) struct SurfaceSources<'a> {
+    pub(crate) surfaces: &'a Surfaces,
+    pub(crate) images: &'a RenderAssets<GpuImage>,
+    pub(crate) images_changed: bool,
+    /// The camera's, for emission that is given by what it looks like.
+    pub(crate) exposure: f32,
+    /// cd/m² of Lumivox's unit of radiance.
+    pub(crate) unit: f32,
+    pub(crate) exposure_changed: bool,
+}
+
+impl SurfaceTable {
+    /// The number of a material, from the moment on that it is there.
+    pub(crate) fn number(&mut self, id: &UntypedAssetId) -> Option<u32> {
+        let number = self.numbers.get(id).copied();
+        if number.is_none() && !self.missing.contains(id) {
+            self.missing.push(*id);
+        }
+        number
+    }
+
+    pub(crate) fn is_there(&self, number: u32) -> bool {
+        self.are_there.get(number as usize).copied().unwrap_or_default()
+    }
+
+    pub(crate) fn materials(&self) -> &Vec<SurfaceMaterial> {
+        &self.materials
+    }
+
+    pub(crate) fn take_changed(&mut self) -> bool {
+        std::mem::take(&mut self.is_changed)
+    }
+
+    /// Follows changes of materials and images. Whether draws have to be made anew is returned.
+    pub(crate) fn update(
+        &mut self,
+        sources: &SurfaceSources<'_>,
+        prepared: &mut Prepared<'_>,
+    ) -> bool {
+        let mut restructures = false;
+        for id in std::mem::take(&mut self.missing) {
+            if sources.surfaces.get(&id).is_none() {
+                continue;
+            }
+            self.numbers.insert(id, self.ids.len() as u32);
+            self.ids.push(id);
+            self.materials.push(SurfaceMaterial::default());
+            self.are_there.push(false);
+            self.waits_for_images = true;
+            restructures = true;
+        }
+        let is_due = sources.surfaces.are_changed
+            || sources.images_changed
+            || sources.exposure_changed
+            || self.waits_for_images;
+        if !is_due {
+            return restructures;
+        }
+        self.waits_for_images = false;
+        prepared.begin();
+        for number in 0..self.ids.len() {
+            let Some(surface) = sources.surfaces.get(&self.ids[number]) else { continue };
+            let material = self.convert(surface, sources, prepared);
+            let is_there = surface.is_there();
+            restructures |= std::mem::replace(&mut self.are_there[number], is_there) != is_there;
+            if self.materials[number] != material {
+                self.materials[number] = material;
+                self.is_changed = true;
+            }
+        }
+        prepared.end();
+        restructures
+    }
+
+    fn convert(
+        &mut self,
+        surface: &GiSurface,
+        sources: &SurfaceSources<'_>,
+        prepared: &mut Prepared<'_>,
+    ) -> SurfaceMaterial {
+        let cutoff = match surface.alpha_mode {
+            AlphaMode::Mask(cutoff) => Some(cutoff),
+            _ => None,
+        };
+        let mut texture = |given: &Option<GiTexture>, used| {
+            let given = given.as_ref()?;
+            let Some(image) = sources.images.get(given.image) else {
+                self.waits_for_images = true;
+                return None;
+            };
+            let (view, sampler) = prepared.texture(given.image, image, used)?;
+            Some(SurfaceTexture {
+                texcoord_set: u32::from(given.channel == UvChannel::Uv1),
+                transform: surface.uv_transform,
+                ..SurfaceTexture::new(view, sampler)
+            })
+        };
+        let reflectance_texture =
+            texture(&surface.base_color_texture, TextureUse::Color { cutoff });
+        let emission_texture = texture(&surface.emissive_texture, TextureUse::Emission);
+        let weight = surface.emissive_exposure_weight.clamp(0.0, 1.0);
+        // As Bevy's shader, whose result is luminance times exposure.
+        let luminance = (1.0 - weight) / sources.exposure + weight;
+        let emission = surface.emissive.to_vec3().max(Vec3::ZERO) * luminance / sources.unit;
+        let color = surface.base_color.to_vec3().clamp(Vec3::ZERO, Vec3::ONE);
+        let is_covering = matches!(surface.alpha_mode, AlphaMode::Opaque);
+        let alpha = match surface.alpha_mode {
+            AlphaMode::Opaque | AlphaMode::Mask(_) => 1.0,
+            _ => surface.base_color.alpha.clamp(0.0, 1.0),
+        };
+        let f0 = 0.16 * surface.reflectance * surface.reflectance;
+        let dielectric = 1.0 - surface.metallic.clamp(0.0, 1.0);
+        SurfaceMaterial {
+            reflectance: color.extend(alpha),
+            gloss: Gloss::new(f0, surface.perceptual_roughness).of_share(dielectric),
+            emission: if emission.is_finite() { emission } else { Vec3::ZERO },
+            transmission: surface.transmission.clamp(0.0, 1.0),
+            reflectance_texture,
+            emission_texture,
+            transmission_texture: None,
+            alpha_is_coverage: !is_covering,
+            double_sided: surface.double_sided,
+        }
+    }
+}

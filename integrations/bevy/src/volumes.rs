@@ -1,0 +1,484 @@
+//! The voxels: made in the background, filled and lit in each frame without waiting.
+
+use bevy::pbr::{SkinUniforms, ViewShadowBindings};
+use bevy::prelude::*;
+use bevy::render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
+use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
+use bevy::tasks::futures::check_ready;
+use bevy::tasks::{AsyncComputeTaskPool, Task};
+use lumivox::gpu::{Pipelines, Recorder};
+use lumivox::hooks::Resource as Bound;
+use lumivox::{
+    EnvironmentLight, Gi, GiConfig, GiError, Grid, Light, Lights, Shadow, ShadowSource, wgpu,
+};
+
+use crate::compose::Compose;
+use crate::deform::{Deformer, SceneMorphs};
+use crate::gbuffer;
+use crate::geometry::SceneGeometry;
+use crate::instances::Instances;
+use crate::lights::{SceneLights, scaled};
+use crate::report::{LumivoxEvent, Reports};
+use crate::settings::{GiVolume, LumivoxGi};
+use crate::shadows::{self, BevyShadows, ShadowMaps};
+use crate::views::{GiView, GiViews};
+
+/// Frames in which new voxels are lit before they are shown.
+const FRAMES_TO_LIGHT: u32 = 8;
+/// Frames after a change in which lights with shadow maps are evaluated again: Bevy draws a map once its pipelines are
+/// compiled, and does not tell.
+const FRAMES_OF_NEW_MAPS: [u32; 3] = [2, 16, 120];
+/// Frames for which a volume that no camera uses is kept.
+const FRAMES_TO_KEEP: u32 = 120;
+/// How far meshes may reach out of a box that was fitted to them, as a share of its longest edge, before it is fitted anew.
+const TOLERATED_GROWTH: f32 = 0.01;
+/// How much smaller than its box the scene may become before it is fitted anew.
+const TOLERATED_SHRINKING: f32 = 0.4;
+
+/// What cameras must have in common to share a volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct VolumeKey {
+    volume: GiVolume,
+    /// Cascades follow one camera.
+    camera: Option<Entity>,
+}
+
+impl VolumeKey {
+    pub(crate) fn new(volume: &GiVolume, camera: Entity) -> Self {
+        Self { volume: *volume, camera: volume.cascades().map(|_| camera) }
+    }
+}
+
+/// Voxels with their light.
+pub(crate) struct Voxels {
+    pub(crate) gi: Gi,
+    pub(crate) lights: Lights,
+    pub(crate) compose: Compose,
+    /// Another number for each of them.
+    pub(crate) number: u64,
+    /// What the lights were set to.
+    lit_by: (Vec<Light>, Vec3),
+    bound_maps: Option<[Bound; 4]>,
+    /// The geometry that they were made of.
+    version: Option<u64>,
+    is_late: bool,
+    frames_lit: u32,
+    /// Frames since lights or geometry have changed.
+    frames_at_rest: u32,
+    /// The box that the scene was in when they were fitted to it.
+    fitted: Option<[Vec3; 2]>,
+    /// A version of the geometry that is refused.
+    refused: Option<u64>,
+}
+
+/// A volume, and the one that takes its place.
+struct Held {
+    key: VolumeKey,
+    shown: Option<Box<Voxels>>,
+    coming: Option<Box<Voxels>>,
+    making: Option<(Task<Result<Made, GiError>>, Option<[Vec3; 2]>)>,
+    /// What could not be made, so that it is not tried in each frame.
+    failed: Option<Option<[Vec3; 2]>>,
+    unused: u32,
+    /// In this frame.
+    is_recorded: bool,
+}
+
+/// What a task makes.
+struct Made {
+    gi: Gi,
+    compose: Compose,
+}
+
+/// All of them.
+#[derive(Resource, Default)]
+pub(crate) struct Volumes {
+    held: Vec<Held>,
+    pipelines: Option<Pipelines>,
+    numbers: u64,
+    /// cd/m² of Lumivox's unit of radiance: a power of two, so that half floats hold the pictures of this exposure.
+    unit: f32,
+    /// Of the first camera.
+    exposure: f32,
+    /// Scratch for the lights of a frame.
+    lights: Vec<Light>,
+    shadow_maps: Option<ShadowMaps>,
+}
+
+impl Volumes {
+    /// The voxels to be seen through a key, if they are ready.
+    pub(crate) fn shown(&self, key: &VolumeKey) -> Option<&Voxels> {
+        self.held.iter().find(|held| held.key == *key)?.shown.as_deref()
+    }
+
+    pub(crate) fn pipelines(&mut self, device: &RenderDevice) -> Pipelines {
+        self.pipelines.get_or_insert_with(|| Pipelines::new(device.wgpu_device())).clone()
+    }
+
+    pub(crate) fn unit(&self) -> f32 {
+        if self.unit > 0.0 { self.unit } else { 1.0 }
+    }
+
+    /// The exposure that emission is seen with.
+    pub(crate) fn exposure(&self) -> f32 {
+        if self.exposure > 0.0 { self.exposure } else { 1.0 }
+    }
+
+    /// Chooses the unit of radiance; whether it or the exposure is another is returned.
+    pub(crate) fn choose_unit(&mut self, views: &[GiView]) -> bool {
+        let Some(view) = views.first() else { return false };
+        let exposure = view.exposure;
+        if !(exposure > 0.0 && exposure.is_finite()) || exposure == self.exposure {
+            return false;
+        }
+        self.exposure = exposure;
+        // A picture's white is 1 / exposure. The unit stays while that is within four stops.
+        let stops = (1.0 / exposure).log2();
+        if self.unit <= 0.0 || (stops - self.unit.log2()).abs() > 4.0 {
+            self.unit = stops.round().exp2();
+        }
+        true
+    }
+
+    /// Whether nothing is left of any.
+    pub(crate) fn are_gone(&self) -> bool {
+        self.held.is_empty()
+    }
+
+    /// Finds or begins the volumes that cameras need, and gives up those that none does.
+    pub(crate) fn follow(
+        &mut self,
+        views: &[GiView],
+        instances: &Instances,
+        (device, queue): (&RenderDevice, &wgpu::Queue),
+        reports: &Reports,
+    ) {
+        for held in &mut self.held {
+            held.unused += 1;
+        }
+        for view in views {
+            if !self.held.iter().any(|held| held.key == view.key) {
+                self.held.push(Held::new(view.key));
+            }
+            let pipelines = self.pipelines(device);
+            let ambient = view.ambient / self.unit();
+            let Some(held) = self.held.iter_mut().find(|held| held.key == view.key) else {
+                continue;
+            };
+            if std::mem::take(&mut held.unused) > 0 {
+                held.make(view, instances, (&pipelines, queue), reports);
+            }
+            let maps =
+                self.shadow_maps.get_or_insert_with(|| ShadowMaps::none(device.wgpu_device()));
+            held.take_made(&mut self.numbers, (ambient, maps), reports);
+            held.show(reports);
+        }
+        self.held.retain(|held| held.unused < FRAMES_TO_KEEP);
+    }
+}
+
+impl Held {
+    fn new(key: VolumeKey) -> Self {
+        Self {
+            key,
+            shown: None,
+            coming: None,
+            making: None,
+            failed: None,
+            unused: 1,
+            is_recorded: false,
+        }
+    }
+
+    /// Begins to make voxels if there are none, or if the scene has outgrown them.
+    fn make(
+        &mut self,
+        view: &GiView,
+        instances: &Instances,
+        (pipelines, queue): (&Pipelines, &wgpu::Queue),
+        reports: &Reports,
+    ) {
+        if self.making.is_some() || self.coming.is_some() {
+            return;
+        }
+        let fits_scene = matches!(self.key.volume, GiVolume::Scene { .. });
+        let bounds = fits_scene.then(|| instances.bounds()).flatten();
+        let is_wanted = match (&self.shown, bounds) {
+            (None, None) => !fits_scene,
+            (None, Some(_)) => true,
+            (Some(voxels), Some(bounds)) => {
+                voxels.fitted.is_some_and(|fitted| has_outgrown(fitted, bounds))
+            }
+            (Some(_), None) => false,
+        };
+        if !is_wanted || self.failed == Some(bounds) {
+            return;
+        }
+        match grid(&view.gi.volume, bounds, view.position) {
+            Ok(grid) => {
+                let task = make(pipelines, queue, grid, view.gi);
+                self.making = Some((task, bounds));
+            }
+            Err(error) => self.fail(&error, bounds, reports),
+        }
+    }
+
+    /// Shows new voxels once they are lit.
+    fn show(&mut self, reports: &Reports) {
+        self.is_recorded = false;
+        if self.coming.as_ref().is_some_and(|coming| coming.is_lit()) {
+            if self.shown.is_none() {
+                reports.tell(LumivoxEvent::Ready);
+            }
+            self.shown = self.coming.take();
+        }
+    }
+
+    fn fail(&mut self, error: &GiError, bounds: Option<[Vec3; 2]>, reports: &Reports) {
+        self.failed = Some(bounds);
+        reports.tell(LumivoxEvent::Failed { error: error.to_string() });
+    }
+
+    /// Takes what a task has made.
+    fn take_made(
+        &mut self,
+        numbers: &mut u64,
+        (ambient, maps): (Vec3, &ShadowMaps),
+        reports: &Reports,
+    ) {
+        let Some((task, bounds)) = &mut self.making else { return };
+        let bounds = *bounds;
+        let Some(made) = check_ready(task) else { return };
+        self.making = None;
+        match made {
+            Ok(Made { gi, compose }) => {
+                *numbers += 1;
+                let lights = gi.bind_lights(&[], ambient, ShadowSource::Own(&maps.bound));
+                self.coming = Some(Box::new(Voxels {
+                    gi,
+                    lights,
+                    compose,
+                    number: *numbers,
+                    lit_by: (Vec::new(), ambient),
+                    bound_maps: None,
+                    version: None,
+                    is_late: false,
+                    frames_lit: 0,
+                    frames_at_rest: 0,
+                    fitted: bounds,
+                    refused: None,
+                }));
+            }
+            Err(error) => self.fail(&error, bounds, reports),
+        }
+    }
+}
+
+/// Whether a scene needs another box than the one that was fitted to it.
+fn has_outgrown([min, max]: [Vec3; 2], [low, high]: [Vec3; 2]) -> bool {
+    let longest = (max - min).max_element();
+    let beyond = (min - low).max(high - max).max_element();
+    beyond > TOLERATED_GROWTH * longest
+        || (high - low).max_element() < TOLERATED_SHRINKING * longest
+}
+
+fn grid(volume: &GiVolume, bounds: Option<[Vec3; 2]>, camera: Vec3) -> Result<Grid, GiError> {
+    match (*volume, bounds) {
+        (GiVolume::Box { min, max, resolution }, _) => Grid::fit(min, max, resolution, Vec3::ZERO),
+        (GiVolume::Scene { resolution }, Some([min, max])) => {
+            // A scene that is a single plane has a box, too.
+            let least = 1e-3 * (max - min).max_element().max(1e-3);
+            Grid::fit(min, max.max(min + least), resolution, Vec3::ZERO)
+        }
+        (GiVolume::Scene { resolution }, None) => {
+            Grid::fit(Vec3::ZERO, Vec3::ONE, resolution, Vec3::ZERO)
+        }
+        (GiVolume::Cascades { .. }, _) => {
+            let options = volume.cascades().unwrap_or_default();
+            Grid::cascades(camera, &options, Vec3::ZERO)
+        }
+    }
+}
+
+/// Makes voxels and compiles what works on them, beside the frames.
+fn make(
+    pipelines: &Pipelines,
+    queue: &wgpu::Queue,
+    grid: Grid,
+    settings: LumivoxGi,
+) -> Task<Result<Made, GiError>> {
+    let (pipelines, queue) = (pipelines.clone(), queue.clone());
+    let link = move || -> Result<(Pipelines, Made), GiError> {
+        let config = GiConfig {
+            gbuffer: Some(gbuffer::module()),
+            shadow_maps: Some(shadows::module()),
+            ..GiConfig::new(grid)
+        };
+        let gi = Gi::with_pipelines(&pipelines, &queue, config)?;
+        // Kernels of these settings are compiled with all others.
+        gi.targets(UVec2::splat(8), &settings.trace_settings());
+        let compose = Compose::new(&gi)?;
+        Ok((pipelines, Made { gi, compose }))
+    };
+    #[cfg(not(target_arch = "wasm32"))]
+    let task = async move {
+        let (pipelines, made) = link()?;
+        bevy::tasks::block_on(pipelines.compile(&mut |_, _| ()));
+        Ok(made)
+    };
+    #[cfg(target_arch = "wasm32")]
+    let task = async move {
+        let (pipelines, made) = link()?;
+        pipelines.compile(&mut |_, _| ()).await;
+        Ok(made)
+    };
+    AsyncComputeTaskPool::get().spawn(task)
+}
+
+/// Records the work of a camera's volume, once in a frame: after the shadow maps of the first camera that shares it.
+pub(crate) fn record_volume(
+    view: ViewQuery<(Entity, Option<&ViewShadowBindings>)>,
+    mut context: RenderContext,
+    mut volumes: ResMut<Volumes>,
+    (gi_views, scene, mut scene_lights): (Res<GiViews>, Res<SceneGeometry>, ResMut<SceneLights>),
+    (mut deformer, skins, morphs): (ResMut<Deformer>, Option<Res<SkinUniforms>>, Res<SceneMorphs>),
+    shadows: BevyShadows,
+    queue: Res<RenderQueue>,
+    diagnostics: Option<Res<DiagnosticsRecorder>>,
+    reports: Res<Reports>,
+) {
+    let (entity, maps) = view.into_inner();
+    let Some(view) = gi_views.views.iter().find(|view| view.entity == entity) else { return };
+    let device = context.render_device().wgpu_device().clone();
+    let volumes = &mut *volumes;
+    let share = 1.0 / volumes.unit();
+    let Some(held) = volumes.held.iter_mut().find(|held| held.key == view.key) else { return };
+    if std::mem::replace(&mut held.is_recorded, true) {
+        return;
+    }
+    let shadow_maps = volumes.shadow_maps.get_or_insert_with(|| ShadowMaps::none(&device));
+    if let Some(maps) = maps {
+        shadow_maps.follow((&device, &queue), maps, &shadows, &mut scene_lights.lights);
+    }
+    volumes.lights.clear();
+    volumes.lights.extend(scene_lights.lights.iter().map(|light| scaled(light.light, share)));
+    let frame = Frame {
+        view,
+        scene: &scene,
+        lights: &volumes.lights,
+        shadow_maps,
+        ambient: view.ambient * share,
+        diagnostics: diagnostics.as_deref(),
+    };
+    if let Some(pipelines) = &volumes.pipelines {
+        let mut recorder = Recorder::on(&device, &queue, context.command_encoder());
+        if let Err(error) = deformer.record(pipelines, &mut recorder, skins.as_deref(), &morphs) {
+            reports.once(LumivoxEvent::Failed { error: error.to_string() });
+        }
+    }
+    for voxels in held.shown.iter_mut().chain(&mut held.coming) {
+        if let Err(error) = voxels.record((&device, &queue), context.command_encoder(), &frame) {
+            reports.tell(LumivoxEvent::Failed { error: error.to_string() });
+        }
+    }
+}
+
+/// What a frame does to voxels.
+struct Frame<'a> {
+    view: &'a GiView,
+    scene: &'a SceneGeometry,
+    lights: &'a [Light],
+    shadow_maps: &'a ShadowMaps,
+    ambient: Vec3,
+    diagnostics: Option<&'a DiagnosticsRecorder>,
+}
+
+impl Frame<'_> {
+    fn has_mapped_lights(&self) -> bool {
+        self.lights.iter().any(|light| matches!(light.shadow, Shadow::Map { .. }))
+    }
+}
+
+impl Voxels {
+    /// Sets the lights, if they have changed.
+    fn follow_lights(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>) {
+        let bound = &frame.shadow_maps.bound;
+        let is_known = self.lit_by.0 == frame.lights
+            && self.lit_by.1 == frame.ambient
+            && self.bound_maps.as_ref() == Some(bound);
+        if is_known {
+            return;
+        }
+        self.frames_at_rest = 0;
+        self.lit_by.0.clear();
+        self.lit_by.0.extend_from_slice(frame.lights);
+        self.lit_by.1 = frame.ambient;
+        self.bound_maps = Some(bound.clone());
+        let environment = EnvironmentLight::from(frame.ambient);
+        self.lights.update(queue, frame.lights, environment, ShadowSource::Own(bound));
+    }
+
+    /// Whether they may be seen.
+    fn is_lit(&self) -> bool {
+        self.gi.voxels().is_some() && !self.is_late && self.frames_lit >= FRAMES_TO_LIGHT
+    }
+
+    /// Follows geometry and lights.
+    fn record(
+        &mut self,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame<'_>,
+    ) -> Result<(), GiError> {
+        let version = frame.scene.version;
+        if self.refused == Some(version) {
+            return Ok(());
+        }
+        self.follow_lights(queue, frame);
+        if frame.has_mapped_lights() && FRAMES_OF_NEW_MAPS.contains(&self.frames_at_rest) {
+            self.gi.forget_light();
+        }
+        self.frames_at_rest = self.frames_at_rest.saturating_add(1);
+        let moves =
+            frame.view.gi.volume.cascades().is_some() && self.gi.center_on(frame.view.position)?;
+        let is_due =
+            self.version != Some(version) || frame.scene.is_deforming || self.is_late || moves;
+        if is_due {
+            let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/voxelize"));
+            let mut recorder = Recorder::on(device, queue, encoder);
+            let voxelized = self.gi.voxelize_frame(&mut recorder, &frame.scene.geometry);
+            drop(recorder);
+            if let Some(span) = span {
+                span.end(encoder);
+            }
+            match voxelized {
+                Ok(voxelized) => self.is_late = voxelized.is_late,
+                Err(error) => {
+                    self.refused = Some(version);
+                    return Err(error);
+                }
+            }
+            self.version = Some(version);
+            self.frames_at_rest = 0;
+        }
+        if self.gi.voxels().is_none() {
+            return Ok(());
+        }
+        let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/light"));
+        let mut recorder = Recorder::on(device, queue, encoder);
+        let settings = frame.view.gi.trace_settings();
+        let lit = self.gi.light_frame(
+            &mut recorder,
+            &self.lights,
+            frame.view.gi.face_budget(),
+            &settings,
+        );
+        drop(recorder);
+        if let Some(span) = span {
+            span.end(encoder);
+        }
+        lit?;
+        self.frames_lit = self.frames_lit.saturating_add(1);
+        Ok(())
+    }
+}

@@ -1,0 +1,94 @@
+//! What the tests share: an app with a scene, a camera, and a picture.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
+use bevy::light::{DirectionalLightShadowMap, GlobalAmbientLight, PointLightShadowMap};
+use bevy::prelude::*;
+use bevy_lumivox::{GiQuality, GiVolume, LumivoxGi, LumivoxPlugin};
+use lumivox_scene::Scene;
+
+use crate::common::{headless, scene};
+
+/// An app without ambient light, whose camera has no global illumination yet.
+pub struct Stage {
+    pub app: App,
+    pub camera: Entity,
+    pub image: Handle<Image>,
+    pub spawned: scene::Spawned,
+}
+
+/// Tests take turns: they count what is alive on the GPU, and each uses all cores.
+pub fn alone() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Small, quick and the same in every run.
+pub fn quick() -> LumivoxGi {
+    LumivoxGi {
+        quality: GiQuality::Realtime,
+        volume: GiVolume::Scene { resolution: 32 },
+        faces_per_frame: 0,
+        ..LumivoxGi::default()
+    }
+}
+
+impl Stage {
+    pub fn of(given: &Scene, size: UVec2) -> Self {
+        let mut app = App::new();
+        app.add_plugins((headless::plugins(), LumivoxPlugin::default()));
+        app.insert_resource(ClearColor(Color::BLACK));
+        app.insert_resource(GlobalAmbientLight::NONE);
+        headless::start(&mut app);
+        let spawned = scene::spawn(app.world_mut(), given);
+        let (transform, projection) = scene::camera(given);
+        let (image, target) = headless::target(&mut app, size);
+        let look =
+            (Tonemapping::None, DebandDither::Disabled, bevy::camera::Exposure { ev100: 4.0 });
+        let camera = (Camera3d::default(), target, transform, projection, look);
+        let camera = app.world_mut().spawn(camera).id();
+        Self { app, camera, image, spawned }
+    }
+
+    /// The Cornell box with global illumination, ready.
+    pub fn cornell() -> Self {
+        let mut stage = Self::of(&scene::builtin("cornell"), UVec2::new(48, 36));
+        stage.use_small_shadow_maps();
+        stage.app.world_mut().entity_mut(stage.camera).insert(quick());
+        headless::wait_until_ready(&mut stage.app);
+        stage
+    }
+
+    /// The software GPU clears and fills them in each frame.
+    pub fn use_small_shadow_maps(&mut self) {
+        self.app.insert_resource(PointLightShadowMap { size: 256 });
+        self.app.insert_resource(DirectionalLightShadowMap { size: 256 });
+    }
+
+    /// The entity of an instance of a scene, by its name.
+    pub fn instance(&self, given: &Scene, name: &str) -> Entity {
+        let index = given.instances.iter().position(|instance| instance.name == name);
+        self.spawned.instances[index.expect("an instance of that name")]
+    }
+
+    pub fn frames(&mut self, count: u32) {
+        for _ in 0..count {
+            self.app.update();
+        }
+    }
+
+    /// The mean of frames once light has settled.
+    pub fn settled(&mut self) -> headless::Shot {
+        self.frames(40);
+        headless::mean_shot(&mut self.app, &self.image.clone(), 8)
+    }
+}
+
+/// Root mean square of the difference of two pictures, as a share of the mean of the second.
+pub fn difference(one: &headless::Shot, other: &headless::Shot) -> f32 {
+    assert_eq!(one.size, other.size);
+    let pixels = one.rgb.iter().zip(&other.rgb);
+    let squares: f32 = pixels.map(|(one, other)| headless::luminance(*one - *other).powi(2)).sum();
+    (squares / one.rgb.len() as f32).sqrt() / other.mean_luminance()
+}

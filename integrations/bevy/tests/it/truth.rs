@@ -1,0 +1,133 @@
+//! Global illumination through Bevy against Lumivox's own renderer, both against the path tracer.
+//!
+//! What is compared is indirect light: the picture with global illumination minus that without, where direct light is Bevy's
+//! own (whose diffuse BRDF is Burley's, not Lambert's).
+
+use std::ops::ControlFlow;
+
+use bevy::camera::{Exposure, SubCameraView};
+use bevy::prelude::*;
+use bevy_lumivox::{GiQuality, GiVolume, LumivoxGi};
+use lumivox_render::compare::{ErrorFigures, LinearPicture};
+use lumivox_render::reference::{PathTracer, ReferenceSettings};
+use lumivox_render::{Gpu, GpuOptions, RenderSettings, Renderer, View};
+use lumivox_scene::Scene;
+
+use crate::common::{headless, scene};
+use crate::stage::Stage;
+
+const SIZE: UVec2 = UVec2::new(48, 36);
+const RESOLUTION: u32 = 64;
+/// Frames whose mean is compared.
+const FRAMES: u32 = 32;
+/// Frames in which light settles.
+const SETTLING: u32 = 32;
+
+/// Indirect light on screen through Bevy, cd/m².
+fn through_bevy(given: &Scene) -> LinearPicture {
+    let mut stage = Stage::of(given, SIZE);
+    let exposure = Exposure { ev100: 4.0 };
+    let gi = LumivoxGi {
+        quality: GiQuality::Balanced,
+        volume: GiVolume::Scene { resolution: RESOLUTION },
+        faces_per_frame: 0,
+        ..LumivoxGi::default()
+    };
+    stage.app.world_mut().entity_mut(stage.camera).insert((exposure, gi));
+    headless::wait_until_ready(&mut stage.app);
+    stage.frames(SETTLING);
+    let lit = antialiased(&mut stage);
+    stage.app.world_mut().entity_mut(stage.camera).remove::<LumivoxGi>();
+    let direct = antialiased(&mut stage);
+    let name = format!("target/pictures/{}", given.name);
+    lit.save(format!("{name}-bevy.png"), 2.0);
+    direct.save(format!("{name}-bevy-direct.png"), 2.0);
+    let pixels = lit.rgb.iter().zip(&direct.rgb);
+    let rgb = pixels.map(|(lit, direct)| ((*lit - *direct) / exposure.exposure()).to_array());
+    LinearPicture { size: SIZE, rgb: rgb.collect() }
+}
+
+/// The mean of frames that each see other places of their pixels.
+fn antialiased(stage: &mut Stage) -> headless::Shot {
+    let (camera, image, mut frame) = (stage.camera, stage.image.clone(), 0);
+    headless::mean_of(&mut stage.app, &image, FRAMES, |app| {
+        // As Lumivox's renderer: Halton 1960, in the bases 2 and 3.
+        frame += 1;
+        let place = Vec2::new(radical_inverse(frame, 2), radical_inverse(frame, 3));
+        let mut camera = app.world_mut().get_mut::<Camera>(camera).expect("a camera");
+        let full_size = SIZE;
+        camera.sub_camera_view = Some(SubCameraView { full_size, offset: 0.5 - place, size: SIZE });
+    })
+}
+
+fn radical_inverse(mut index: u32, base: u32) -> f32 {
+    let (mut inverse, mut digit_value) = (0.0, 1.0 / base as f32);
+    while index > 0 {
+        inverse += (index % base) as f32 * digit_value;
+        index /= base;
+        digit_value /= base as f32;
+    }
+    inverse
+}
+
+/// Indirect light through Lumivox's own renderer, and the albedo of each pixel.
+fn through_lumivox(gpu: &Gpu, given: &Scene) -> (LinearPicture, LinearPicture) {
+    pollster::block_on(async {
+        let settings = RenderSettings {
+            size: SIZE,
+            resolution: RESOLUTION,
+            frames: FRAMES,
+            view: View::Indirect,
+            ..RenderSettings::default()
+        };
+        let mut renderer =
+            Renderer::new(gpu, given, None, settings, &mut |_| {}).await.expect("a renderer");
+        let picture = renderer.render(&mut |_| {}).await.expect("a picture");
+        renderer.set_view(View::Albedo, 0).expect("a view");
+        let albedo = renderer.render(&mut |_| {}).await.expect("a picture");
+        (LinearPicture::from(&picture), LinearPicture::from(&albedo))
+    })
+}
+
+/// Indirect light of matt surfaces as it is, with its variance.
+fn truth(gpu: &Gpu, given: &Scene, albedo: &LinearPicture) -> (LinearPicture, Vec<f32>) {
+    let settings = ReferenceSettings { size: SIZE, samples: 128, ..ReferenceSettings::default() };
+    let tracer = PathTracer::new(gpu, given, None, settings);
+    let mut tracer = pollster::block_on(tracer).expect("a path tracer");
+    pollster::block_on(tracer.render(&mut |_| ControlFlow::Continue(()))).expect("traced");
+    let layers = tracer.layers();
+    let share = |rgb: &[f32; 3]| Vec3::from(*rgb) / std::f32::consts::PI;
+    let pixels = layers.full.iter().zip(&albedo.rgb);
+    let rgb = pixels.map(|(light, albedo)| (Vec3::from(*light) * share(albedo)).to_array());
+    let shares = layers.full_variance.iter().zip(&albedo.rgb);
+    let variance =
+        shares.map(|(variance, albedo)| variance * headless::luminance(share(albedo)).powi(2));
+    (LinearPicture { size: SIZE, rgb: rgb.collect() }, variance.collect())
+}
+
+/// Errors of the two, in per cent.
+fn errors(name: &str) -> [ErrorFigures; 2] {
+    let given = scene::builtin(name);
+    let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
+    let bevy = through_bevy(&given);
+    let (own, albedo) = through_lumivox(&gpu, &given);
+    let (truth, variance) = truth(&gpu, &given, &albedo);
+    let errors = [&bevy, &own]
+        .map(|ours| ErrorFigures::new(&truth, Some(&variance), ours).expect("comparable"));
+    for (label, picture) in [("bevy", &bevy), ("own", &own), ("truth", &truth)] {
+        let rgb = picture.rgb.iter().map(|rgb| Vec3::from(*rgb)).collect();
+        let shot = headless::Shot { size: SIZE, rgb };
+        println!("{label}: {:.3}", shot.mean_luminance());
+        shot.save(format!("target/pictures/{name}-indirect-{label}.png"), 0.15);
+    }
+    println!("{name}: through Bevy {:.2?}, through Lumivox {:.2?}", errors[0], errors[1]);
+    errors
+}
+
+#[test]
+fn the_cornell_box_is_as_bright_as_it_is() {
+    let _alone = crate::stage::alone();
+    let [bevy, own] = errors("cornell");
+    assert!(bevy.rmse_percent <= 1.1 * own.rmse_percent);
+    assert!(bevy.bias_percent.abs() <= own.bias_percent.abs() + 1.0);
+}
