@@ -19,7 +19,7 @@ say(\`\${scene.name}: \${scene.triangles} triangles\`);
 
 const code = /** @type {HTMLTextAreaElement} */ (document.querySelector("textarea"));
 const frame = /** @type {HTMLIFrameElement} */ (document.querySelector("iframe"));
-const alert = /** @type {HTMLElement} */ (document.querySelector("[role=alert]"));
+const errors = /** @type {HTMLElement} */ (document.querySelector("[role=alert]"));
 
 /** The document that runs a text. Errors are told to this page. @param {string} text */
 function pageOf(text) {
@@ -41,14 +41,14 @@ ${safe}
 }
 
 function run() {
-    alert.textContent = "";
+    errors.textContent = "";
     // What was changed comes back with the address.
     history.replaceState(null, "", code.value === EXAMPLE ? location.pathname : `#${encodeURIComponent(code.value)}`);
     frame.srcdoc = pageOf(code.value);
 }
 
 addEventListener("message", ({ data, source }) => {
-    if (source === frame.contentWindow && typeof data?.lumivox === "string") alert.textContent = data.lumivox;
+    if (source === frame.contentWindow && typeof data?.lumivox === "string") errors.textContent = data.lumivox;
 });
 document.querySelector("#run")?.addEventListener("click", run);
 code.addEventListener("keydown", (event) => {
@@ -59,8 +59,11 @@ let given = "";
 try {
     given = decodeURIComponent(location.hash.slice(1));
 } catch {
-    alert.textContent = "The code in this address cannot be read; this is the example.";
+    errors.textContent = "The code in this address cannot be read; this is the example.";
 }
 code.value = given || EXAMPLE;
 // Code of others runs when somebody has seen it and asks for it.
 if (!given) run();
+
+// A module, whose names are its own.
+export {};
