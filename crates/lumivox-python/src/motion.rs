@@ -37,7 +37,7 @@ pub fn motion(now: Shot<'_>, before: Shot<'_>, picker: &Picker, size: UVec2) -> 
 struct Parts<'a> {
     now: &'a Scene,
     before: &'a Scene,
-    /// Of each instance; empty if the scenes do not have the same ones.
+    /// How each instance has moved; empty if the scenes do not have the same instances.
     moves: Vec<Move>,
 }
 

@@ -38,7 +38,7 @@ struct State {
     staged: Staged,
     /// Where the scene's parts are, as the device has it.
     places: Places,
-    /// What the picture before showed, if the next one shall tell its motion since then.
+    /// Scene and camera of the former picture, if the next one has the layer `motion`.
     before: Option<(Arc<Model>, Camera)>,
     /// The scene's triangles for the layers of numbers, once they were asked for.
     picker: Option<Arc<Picker>>,

@@ -351,7 +351,7 @@ impl Scene {
 /// # Errors
 /// When there is no such animation, and where nothing is left at that time.
 pub fn posed(model: &Model, time_s: f32, animation: Option<usize>) -> Result<Model, Fault> {
-    // What fails may leave half a pose.
+    // A copy, since an animation that fails may leave half a pose.
     let mut posed = model.clone();
     let choice = animation.map_or(AnimationChoice::All, AnimationChoice::One);
     posed.pose(choice, time_s)?;

@@ -13,7 +13,7 @@ import package::trace::coat::Coat;
 struct Sensor {
     ray: Ray,
     is_there: bool,
-    // Of a luminance meter; else of a lux meter.
+    // The ray is that of a luminance meter, and not one of a lux meter.
     is_ray: bool,
 }
 

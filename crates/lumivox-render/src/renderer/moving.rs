@@ -134,7 +134,7 @@ impl Renderer {
         }
         if follows {
             self.following.surfaces = true;
-            // What comes casts shadows.
+            // Geometry that comes or goes changes the shadow maps.
             self.following.lights |= has_streamed;
             return Ok(());
         }

@@ -102,7 +102,7 @@ pub struct GpuScene {
     pub material_layout: wgpu::BindGroupLayout,
     /// The draws that have moved since the last frame.
     pub(crate) motion: Motion,
-    /// What is not on the GPU, if not all is to be.
+    /// The batches that come and go, if there is a budget of geometry.
     streaming: Option<Streaming>,
     pub(crate) memory: Vec<MemoryUse>,
 }

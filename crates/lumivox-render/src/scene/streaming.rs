@@ -16,10 +16,10 @@ use crate::Gpu;
 /// The vertices and indices of a batch: some hundred KiB, which are uploaded within a frame.
 const PART: BatchLimits = BatchLimits { vertices: 8192, indices: 3 * 16_384 };
 
-/// What is on the GPU counts as nearer by this factor, so that nothing comes and goes where a camera trembles.
+/// The distance of a batch that is on the GPU counts as this much of it, so that none comes and goes where a camera trembles.
 const STICKING: f32 = 0.8;
 
-/// The fingerprint of what is not on the GPU.
+/// The fingerprint of a batch that is not on the GPU.
 const ABSENT: [u64; 2] = [0; 2];
 
 /// How much of a scene may be on the GPU, and where it is seen from.
@@ -142,7 +142,7 @@ impl Streaming {
         let distances: Vec<f32> = self.parts.iter().map(distance).collect();
         let mut order: Vec<usize> = (0..self.parts.len()).collect();
         order.sort_by(|a, b| distances[*a].total_cmp(&distances[*b]));
-        // What nobody shows stays away.
+        // A batch without draws stays away.
         order.retain(|part| distances[*part].is_finite());
         order
     }
