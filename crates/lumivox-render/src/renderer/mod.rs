@@ -23,7 +23,7 @@ use crate::gpu::times::StageTimes;
 use crate::look::{LookFrame, LookParts, LookPasses, LookScene};
 use crate::passes::gbuffer;
 use crate::passes::targets::Targets;
-use crate::scene::{GpuScene, Lighting, StreamedGeometry, radiance_unit_within};
+use crate::scene::{GpuScene, Lighting, radiance_unit_within};
 use crate::{Gpu, Picture, RenderError, RenderSettings, View};
 pub use faces::VoxelFace;
 pub use figures::TraceFigures;
@@ -455,11 +455,6 @@ impl Renderer {
     /// Makes the next lighting store and filter all voxels, even unchanged ones, for measurements.
     pub fn forget_light(&mut self) {
         self.gi.forget_light();
-    }
-
-    /// How much of the scene is on the GPU; `None` without a budget ([`RenderSettings::geometry_budget`]): all.
-    pub fn streamed(&self) -> Option<StreamedGeometry> {
-        self.scene.streamed()
     }
 
     /// GPU memory by its use.

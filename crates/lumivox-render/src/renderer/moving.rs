@@ -7,6 +7,7 @@ use lumivox::{FrameVoxels, GiError};
 use lumivox_scene::Scene;
 
 use super::{RenderError, RenderProgress, Renderer};
+use crate::scene::StreamedGeometry;
 use crate::{Picture, RenderSettings};
 
 /// Light that follows has all bounces. Settings that ask for fewer than this many want to see just these: they are
@@ -109,6 +110,11 @@ impl Renderer {
         self.scene.motion.settle(self.targets.gbuffer_textures.motion.is_some());
         (self.drawn, self.former_camera) = (0, None);
         Ok(())
+    }
+
+    /// How much of the scene is on the GPU; `None` without a budget ([`RenderSettings::geometry_budget`]): all.
+    pub fn streamed(&self) -> Option<StreamedGeometry> {
+        self.scene.streamed()
     }
 
     /// Lets the next frame follow surfaces, and their shadows.
