@@ -1,6 +1,6 @@
 //! Playback of the scene's animations.
 
-use lumivox_scene::{AnimationChoice, InstanceBounds, Places};
+use lumivox_scene::{AnimationChoice, Camera, InstanceBounds, Places};
 use web_time::Instant;
 
 use crate::opened::PreparedScene;
@@ -63,7 +63,7 @@ impl Explorer {
         self.seek(0.0)
     }
 
-    /// Shows a time, s; beyond the end the animation starts again.
+    /// Shows a time, s; beyond the end the animation starts again. A picture from a camera of the scene is from where that camera goes.
     ///
     /// # Errors
     /// When the scene has no triangles left at that time.
@@ -74,7 +74,13 @@ impl Explorer {
         let is_within = time_s <= duration_s || duration_s <= 0.0;
         let time_s = if is_within { time_s } else { time_s.rem_euclid(duration_s) };
         let before = Places::of(&opened.scene);
+        let followed = followed(&self.camera, &opened.scene.cameras);
         opened.scene.pose(animation, time_s)?;
+        if let Some(number) = followed {
+            let moved = &opened.scene.cameras[number];
+            self.camera =
+                Camera { vertical_fov_rad: self.camera.vertical_fov_rad, ..moved.clone() };
+        }
         opened.posed = opened.scene.instances.iter().map(|i| i.world_from_local).collect();
         opened.apply_edits();
         self.playback.time_s = time_s;
@@ -91,6 +97,11 @@ impl Explorer {
         Ok(())
     }
 
+    /// Whether the camera is one of the scene's, so that it goes where the animation moves that.
+    pub fn follows_camera(&self) -> bool {
+        self.scene().is_some_and(|scene| followed(&self.camera, &scene.cameras).is_some())
+    }
+
     /// Advances the animation if it plays.
     ///
     /// # Errors
@@ -98,4 +109,16 @@ impl Explorer {
     pub fn advance(&mut self, seconds: f32) -> Result<(), ExplorerError> {
         if self.playback.is_playing { self.seek(self.playback.time_s + seconds) } else { Ok(()) }
     }
+}
+
+/// The number of the scene's camera that a camera is: of its name and in its place, whatever the angle of view, which a narrow
+/// window widens.
+fn followed(camera: &Camera, cameras: &[Camera]) -> Option<usize> {
+    /// Rounding in the numbers that a page sends, m and of a direction.
+    const ROUNDING: f32 = 1e-4;
+    cameras.iter().position(|other| {
+        other.name == camera.name
+            && other.position.abs_diff_eq(camera.position, ROUNDING)
+            && other.forward.abs_diff_eq(camera.forward, ROUNDING)
+    })
 }

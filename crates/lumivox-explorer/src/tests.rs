@@ -146,14 +146,16 @@ fn what_moves_in_realtime_is_followed_frame_by_frame() {
     }
 }
 
-/// A triangle on the ground, and a lamp above it that slides in the only animation.
+/// A triangle on the ground, and a lamp above it that slides in the only animation, with a camera on it.
 fn sliding_lamp() -> Scene {
     const GLTF: &str = r#"{
         "asset": { "version": "2.0" },
         "nodes": [
             { "mesh": 0 },
-            { "translation": [0, 1, 0], "extensions": { "KHR_lights_punctual": { "light": 0 } } }
+            { "translation": [0, 1, 0], "children": [2], "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+            { "name": "eye", "translation": [0, 0, 2], "camera": 0 }
         ],
+        "cameras": [{ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.01 } }],
         "scenes": [{ "nodes": [0, 1] }],
         "materials": [{ "doubleSided": true }],
         "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
@@ -192,10 +194,28 @@ fn a_lamp_that_moves_alone_is_followed() {
     let mut explorer = Explorer::new(gpu(), small(), PresetChoice::Cones(Preset::default()));
     let sight = SightOptions::default();
     explorer.open(PreparedScene::new(sliding_lamp(), &sight, &mut |_| {}).unwrap());
+    explorer.set_camera(Camera { name: "hand".to_owned(), ..explorer.camera().clone() });
     let first = picture(&mut explorer);
     explorer.seek(1.0).unwrap();
     let moved = picture(&mut explorer);
     assert!(moved != first && moved == fresh(&explorer));
+}
+
+#[test]
+fn a_camera_of_the_scene_goes_where_the_animation_moves_it() {
+    let mut explorer = Explorer::new(gpu(), small(), PresetChoice::Cones(Preset::default()));
+    let scene = sliding_lamp();
+    let sight = SightOptions { camera: Some(scene.cameras[0].clone()), ..SightOptions::default() };
+    explorer.open(PreparedScene::new(scene, &sight, &mut |_| {}).unwrap());
+    explorer.seek(0.5).unwrap();
+    assert!(explorer.follows_camera());
+    assert_eq!(explorer.camera().position, Vec3::new(0.25, 1.0, 2.0));
+    // A hand takes it away.
+    let by_hand = Camera { position: Vec3::new(0.0, 3.0, 3.0), ..explorer.camera().clone() };
+    explorer.set_camera(by_hand.clone());
+    explorer.seek(1.0).unwrap();
+    assert!(!explorer.follows_camera());
+    assert_eq!(*explorer.camera(), by_hand);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use lumivox_render::{Gpu, GpuOptions, RenderError};
+use lumivox_render::{Gpu, GpuOptions};
 use pyo3::prelude::*;
 
 use crate::error::Fault;
@@ -31,7 +31,7 @@ pub fn open(adapter: Option<&str>) -> Result<Gpu, Fault> {
             return Ok(known.gpu.clone());
         }
     }
-    let gpu = pollster::block_on(Gpu::new(&options)).map_err(with_remedy)?;
+    let gpu = pollster::block_on(Gpu::new(&options))?;
     opened.push(Opened { process: std::process::id(), options, gpu: gpu.clone() });
     Ok(gpu)
 }
@@ -48,18 +48,6 @@ pub fn check_process(opener: u32) -> Result<(), Fault> {
         "this process was forked after Lumivox had opened the GPU, which GPU drivers do not survive; start \
          processes with multiprocessing.get_context(\"spawn\"), or use Lumivox only in the child",
     ))
-}
-
-/// Adds to the error of a machine without adapters what to install.
-fn with_remedy(error: RenderError) -> RenderError {
-    let RenderError::Adapter { problem, remedy } = error else { return error };
-    let install = if cfg!(target_os = "linux") && !remedy.contains("mesa-vulkan-drivers") {
-        "; without a GPU, install Mesa's software driver (Debian and Ubuntu: apt install libvulkan1 \
-         mesa-vulkan-drivers)"
-    } else {
-        ""
-    };
-    RenderError::Adapter { problem, remedy: remedy + install }
 }
 
 /// The adapters of this machine, the fastest first.

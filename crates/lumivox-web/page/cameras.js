@@ -70,13 +70,16 @@ export class CameraList {
     #forget = byId("camera-forget");
     #now;
     #move;
+    #moved;
 
-    /** @param {() => Camera | null} now @param {(camera: Camera) => void} move */
-    constructor(now, move) {
+    /** @param {() => Camera | null} now @param {(camera: Camera) => void} move
+     * @param {() => Promise<Camera[]>} moved the scene's cameras where an animation has moved them */
+    constructor(now, move, moved) {
         this.#now = now;
         this.#move = move;
-        this.#list.addEventListener("change", () => this.home());
-        byId("home").addEventListener("click", () => this.home());
+        this.#moved = moved;
+        this.#list.addEventListener("change", () => void this.home());
+        byId("home").addEventListener("click", () => void this.home());
         this.#forget.addEventListener("click", () => this.#change((kept) => kept.forget(this.#chosen?.name ?? "")));
         byId("camera-form").addEventListener("submit", (event) => {
             event.preventDefault();
@@ -94,11 +97,13 @@ export class CameraList {
     }
 
     /** Moves to the chosen camera. */
-    home() {
+    async home() {
         const to = this.#chosen;
         if (!to) return;
-        this.#forget.hidden = !this.#kept?.all.includes(to);
-        this.#move(to);
+        const isKept = this.#kept?.all.includes(to) ?? false;
+        this.#forget.hidden = !isKept;
+        const moved = isKept || !to.name ? [] : await this.#moved();
+        this.#move(moved.find(({ name }) => name === to.name) ?? to);
     }
 
     /** The scene's, the one of the beginning first. @returns {Camera[]} */

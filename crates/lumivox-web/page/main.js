@@ -79,7 +79,7 @@ let preset = FIRST_PRESET;
  * @type {Set<string>} */
 const touched = new Set();
 let aspect = 1;
-const cameras = new CameraList(() => camera, (to) => moveTo(to, false));
+const cameras = new CameraList(() => camera, (to) => moveTo(to, false), async () => (await attempt(client.call("cameras"))) ?? []);
 /** Phones have more pixels than one sees. */
 const usualScale = devicePixelRatio >= 2 ? 0.5 : 1;
 
@@ -308,7 +308,7 @@ function listenForCamera() {
     canvas.addEventListener("dblclick", (event) => void pick(event));
     canvas.addEventListener("keydown", ({ code, ctrlKey, metaKey, altKey }) => {
         if (ctrlKey || metaKey || altKey) return;
-        if (code === "Home") cameras.home();
+        if (code === "Home") void cameras.home();
         if (code === "KeyF" && camera && opened) moveTo(frame(camera, chosen?.bounds ?? opened.scene.bounds), false);
         if (code === "Escape" && chosen) choose(undefined);
     });
@@ -433,7 +433,11 @@ function listenToWorker() {
         byId("hint").hidden = !report.emission_alone;
         void measure();
         [last, waitedSince] = [report, performance.now()];
-        if (asked === 0) showTime(report.time_s);
+        if (asked === 0) {
+            showTime(report.time_s);
+            // The angle is the window's.
+            if (camera && report.camera) camera = { ...camera, ...report.camera, vertical_fov_deg: camera.vertical_fov_deg };
+        }
         showStatus();
         if (state() === "loading") return;
         if (report.warning !== undefined && report.warning !== warned) {

@@ -78,7 +78,8 @@ async function frames() {
             const report = await renderer.render();
             isComplete = isComplete && report.complete;
             losses = 0;
-            tell("frame", { ...report, complete: isComplete });
+            // Where somebody has moved it since, that is where it is.
+            tell("frame", { ...report, camera: place ? undefined : report.camera, complete: isComplete });
         } catch (error) {
             isComplete = true;
             // A lost device makes the frame fail before it reports itself.
@@ -295,6 +296,10 @@ const calls = {
         image.data.set(data);
         context.putImageData(image, 0, 0);
         return canvas.convertToBlob({ type: "image/png" });
+    },
+    /** The scene's cameras, where an animation has moved them. @returns {Promise<Camera[]>} */
+    async cameras() {
+        return /** @type {SceneInfo} */ (await renderer.scene())?.cameras ?? [];
     },
     /** @returns {Promise<Memory[]>} */
     async memory() {

@@ -58,6 +58,7 @@ impl Session {
             scale: pacing.scale(),
             samples_per_pixel: figures.map(|figures| figures.samples_per_pixel),
             history_frames: figures.and_then(|figures| figures.history_frames),
+            camera: self.console.explorer.follows_camera().then(|| self.camera()),
             time_s: self
                 .console
                 .explorer

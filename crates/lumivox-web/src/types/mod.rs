@@ -171,6 +171,10 @@ pub struct FrameReport {
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub history_frames: Option<f32>,
+    /// The camera, while it is one of the scene's: an animation may have moved it.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<Camera>,
     /// The time of the animation in seconds; undefined if nothing moves.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -212,6 +212,35 @@ test("the slider of the time follows what plays", async () => {
     await app.close();
 });
 
+test("a camera of the scene goes where the animation moves it", async () => {
+    const app = await App.show(session, "builtin:cornell");
+    await app.drop([{ name: "swing.gltf", bytes: swing() }]);
+    await app.page.waitForSelector(`#title:text-is("swing")`, { state: "attached" });
+    await app.complete();
+    const at = async (/** @type {number} */ share) => {
+        await app.page.locator("#time").evaluate((/** @type {HTMLInputElement} */ input, share) => {
+            input.valueAsNumber = share * Number(input.max);
+            input.dispatchEvent(new Event("input", { bubbles: true }));
+        }, share);
+        await app.settled();
+        return (await app.call("camera")).position.map((/** @type {number} */ place) => Math.round(place * 100) / 100 + 0);
+    };
+    // A turn by 180 degrees about z.
+    assert.deepEqual(await at(0.5), [0, 1, 3]);
+    assert.deepEqual(await at(1), [-1, 0, 3]);
+    // The list leads to where it is now, and a hand moves it from there for good.
+    await app.page.locator("canvas").first().press("Home");
+    await app.settled();
+    assert.deepEqual(await at(0.5), [0, 1, 3]);
+    await app.page.locator("canvas").first().hover();
+    await app.page.mouse.wheel(0, 100);
+    await app.settled();
+    const byHand = await at(1);
+    assert.ok(Math.abs(byHand[0]) < 0.5 && byHand[1] > 0.5 && byHand[2] !== 3, `${byHand}`);
+    await app.check();
+    await app.close();
+});
+
 test("the picture fills the screen, and comes back", async () => {
     const app = await App.show(session, "builtin:cornell");
     const button = app.page.locator("#fullscreen");
@@ -370,7 +399,7 @@ test("a first, coarse picture comes before the one that was asked for", async ()
     await app.close();
 });
 
-/** A triangle that swings for a hundred seconds (Khronos, glTF 2.0). */
+/** A triangle that swings for a hundred seconds, with a camera on it (Khronos, glTF 2.0). */
 function swing() {
     const floats = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 100, 0, 0, 0, 1, 0, 0, 1, 0];
     const bytes = Buffer.from(new Float32Array(floats).buffer);
@@ -379,7 +408,8 @@ function swing() {
         asset: { version: "2.0" },
         scene: 0,
         scenes: [{ nodes: [0] }],
-        nodes: [{ mesh: 0 }],
+        nodes: [{ mesh: 0, children: [1] }, { name: "eye", camera: 0, translation: [1, 0, 3] }],
+        cameras: [{ type: "perspective", perspective: { yfov: 1, znear: 0.01 } }],
         meshes: [{ primitives: [{ attributes: { POSITION: 0 }, material: 0 }] }],
         materials: [{ doubleSided: true, emissiveFactor: [1, 1, 1] }],
         animations: [{ channels: [{ sampler: 0, target: { node: 0, path: "rotation" } }], samplers: [{ input: 1, output: 2 }] }],
