@@ -33,9 +33,9 @@ def lumivox(program, scene, output, *options):
 def pictures(program):
     for scene, name, *options in [
         ("city", "street", "--camera", "street", "--frames", "16"),
-        ("city-night", "street-night", "--camera", "street", "--frames", "32"),
+        ("city-night", "street-night", "--camera", "street", "--frames", "96"),
         ("interior", "interior", "--frames", "16"),
-        ("interior-night", "interior-night", "--frames", "32"),
+        ("interior-night", "interior-night", "--frames", "96"),
         ("city", "borders", "--camera", "above", "--frames", "4", "--show-grid"),
     ]:
         lumivox(program, scene, f"{IMAGES}/{name}.png", *options, "--size", "384x216", "--bounces", "4")

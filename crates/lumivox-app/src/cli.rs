@@ -2,6 +2,7 @@
 //!
 //! Each option states its unit, range and default; the tests below check that.
 
+mod bake;
 mod bench;
 mod compare;
 mod cones;
@@ -27,6 +28,7 @@ use clap::{ArgAction, Args, Parser, Subcommand};
 use lumivox_console::{Failure, SceneSource};
 use lumivox_render::RenderSettings;
 
+pub use bake::BakeArgs;
 pub use bench::BenchArgs;
 pub use compare::CompareArgs;
 pub use cones::ConeArgs;
@@ -165,6 +167,9 @@ pub enum Command {
     /// Measure light: lux at points or on a workplane, cd/m2 along rays or in a picture
     #[command(after_help = measure::EXAMPLES, mut_arg("surroundings", measure::of_measurements))]
     Measure(Box<MeasureArgs>),
+    /// Bake the indirect light at a grid of probes into a file: an irradiance volume of Bevy
+    #[command(after_help = bake::EXAMPLES, mut_arg("surroundings", measure::of_measurements))]
+    Bake(Box<BakeArgs>),
     /// Measure errors, flicker, delay and cost while camera, light or things move, one frame a step
     #[command(after_help = motion::EXAMPLES)]
     Motion(Box<MotionArgs>),

@@ -84,6 +84,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
         Some(Command::Merge(args)) => commands::merge::run(args, host),
         Some(Command::Quality(args)) => commands::quality::run(args, host),
         Some(Command::Measure(args)) => commands::measure::run(args, host),
+        Some(Command::Bake(args)) => commands::bake::run(args, host),
         Some(Command::Motion(args)) => commands::motion::run(args, host),
         Some(Command::Info(args)) => commands::info::run(args, host),
         Some(Command::Volumes(args)) => commands::volumes::run(args, host),

@@ -32,6 +32,7 @@
 pub mod compare;
 mod error;
 mod gpu;
+pub mod irradiance_volume;
 pub mod look;
 pub mod measure;
 mod passes;

@@ -1,5 +1,6 @@
 //! The commands of the program, one module each.
 
+pub mod bake;
 pub mod bench;
 pub mod compare;
 pub mod convert;

@@ -8,6 +8,7 @@
 
 mod animations;
 mod bad_input;
+mod bake;
 mod bench;
 mod cli;
 mod common;

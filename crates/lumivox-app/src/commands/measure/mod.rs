@@ -27,6 +27,7 @@ use crate::host::Host;
 use crate::progress::ProgressDisplay;
 use crate::quality::{FalseColor, false_color_png};
 use places::Places;
+pub use readings::Task;
 use report::Report;
 
 /// The kind of an output file.
@@ -75,7 +76,7 @@ pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
     progress.stop_on_interrupt(host)?;
     let bounces = given.iter().any(|(parameter, _)| parameter.name == "bounces");
     let bounces = bounces.then_some(settings.bounces);
-    let task = readings::Task { gpu: &gpu, scene: &scene, camera: &camera, progress: &progress };
+    let task = Task { gpu: &gpu, scene: &scene, camera: &camera, progress: &progress };
     let readings = match args.method {
         Method::Cones => task.by_cones(&places, settings, args.frames)?,
         Method::Paths => task.by_paths(&places, args, bounces)?,

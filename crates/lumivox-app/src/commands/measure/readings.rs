@@ -2,11 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 use lumivox_console::Failure;
 use lumivox_render::measure::photometric;
 use lumivox_render::reference::{
-    LightMeter, MeterSettings, PathTracer, ReferenceProgress, ReferenceSettings,
+    LightMeter, MeterSettings, PathTracer, ReferenceProgress, ReferenceSettings, Sensor,
 };
 use lumivox_render::{Gpu, RenderProgress, RenderSettings, Renderer};
 use lumivox_scene::{Camera, Scene};
@@ -14,6 +14,9 @@ use lumivox_scene::{Camera, Scene};
 use super::Places;
 use crate::cli::MeasureArgs;
 use crate::progress::{ProgressDisplay, words};
+
+/// Points that are gathered between two reports of progress.
+const AT_ONCE: usize = 1 << 14;
 
 /// The light at a place, in lux or cd/m².
 #[derive(Clone, Copy, Debug)]
@@ -52,37 +55,61 @@ impl Task<'_> {
         settings: RenderSettings,
         frames: u32,
     ) -> anyhow::Result<Vec<Reading>> {
+        if !places.at.is_empty() {
+            let reading = |light: lumivox::Irradiance| Reading {
+                value: photometric(light.total().to_array()),
+                standard_error: None,
+                direct: Some(photometric(light.direct.to_array())),
+                openness: Some(light.openness),
+            };
+            let gathered = self.gathered(&places.at, settings, frames)?;
+            return Ok(gathered.into_iter().map(reading).collect());
+        }
+        let size = places.size.unwrap_or_default();
+        let mut renderer = self.renderer(RenderSettings { size, frames, ..settings })?;
+        while !renderer.is_complete() {
+            pollster::block_on(renderer.render_frame())?;
+            self.gpu.wait("rendering a frame")?;
+            self.progress.set("frame", renderer.frame_count(), frames);
+            self.check()?;
+        }
+        let mean = pollster::block_on(renderer.read_mean())?;
+        let reading = |&[r, g, b, _]: &[f32; 4]| Reading::of_luminance([r, g, b], None);
+        Ok(mean.iter().map(reading).collect())
+    }
+
+    /// Gathers the light at places and towards directions by cones.
+    ///
+    /// # Errors
+    /// When the device fails, or the user stops it.
+    pub fn gathered(
+        self,
+        places: &[(Vec3, Vec3)],
+        settings: RenderSettings,
+        frames: u32,
+    ) -> anyhow::Result<Vec<lumivox::Irradiance>> {
         // Points need no picture.
-        let size = places.size.filter(|_| places.at.is_empty()).unwrap_or(UVec2::splat(16));
-        let settings = RenderSettings { size, frames, ..settings };
+        let size = UVec2::splat(16);
+        let renderer = self.renderer(RenderSettings { size, frames, ..settings })?;
+        let mut gathered = Vec::with_capacity(places.len());
+        for some in places.chunks(AT_ONCE) {
+            self.progress.set("gathering", gathered.len() as u32, places.len() as u32);
+            self.check()?;
+            let (points, normals): (Vec<_>, Vec<_>) = some.iter().copied().unzip();
+            gathered.extend(pollster::block_on(renderer.irradiance(&points, &normals, frames))?);
+        }
+        Ok(gathered)
+    }
+
+    fn renderer(self, settings: RenderSettings) -> anyhow::Result<Renderer> {
         settings.validate(&self.gpu.device.limits())?;
         let mut tell = |step: RenderProgress| {
             self.progress.set(words(step.stage), step.done, step.total);
         };
         let renderer = Renderer::new(self.gpu, self.scene, Some(self.camera), settings, &mut tell);
-        let mut renderer = pollster::block_on(renderer)?;
+        let renderer = pollster::block_on(renderer)?;
         self.check()?;
-        if places.at.is_empty() {
-            while !renderer.is_complete() {
-                pollster::block_on(renderer.render_frame())?;
-                self.gpu.wait("rendering a frame")?;
-                self.progress.set("frame", renderer.frame_count(), frames);
-                self.check()?;
-            }
-            let mean = pollster::block_on(renderer.read_mean())?;
-            let reading = |&[r, g, b, _]: &[f32; 4]| Reading::of_luminance([r, g, b], None);
-            return Ok(mean.iter().map(reading).collect());
-        }
-        self.progress.set("gathering", 0, 1);
-        let (points, normals): (Vec<_>, Vec<_>) = places.at.iter().copied().unzip();
-        let gathered = pollster::block_on(renderer.irradiance(&points, &normals, frames))?;
-        let reading = |light: &lumivox::Irradiance| Reading {
-            value: photometric(light.total().to_array()),
-            standard_error: None,
-            direct: Some(photometric(light.direct.to_array())),
-            openness: Some(light.openness),
-        };
-        Ok(gathered.iter().map(reading).collect())
+        Ok(renderer)
     }
 
     /// Measures by the path tracer.
@@ -96,18 +123,13 @@ impl Task<'_> {
         bounces: Option<u32>,
     ) -> anyhow::Result<Vec<Reading>> {
         let (samples, seed) = (args.samples, args.seed);
-        let mut tell = |step: ReferenceProgress| -> ControlFlow<()> {
-            let share = step.samples.fract();
-            self.progress.set_within("sample", step.samples as u32, step.total, share);
-            self.progress.goes_on()
-        };
         let known = |error: f32| Some(error).filter(|error| error.is_finite());
         if places.at.is_empty() {
             let size = places.size.unwrap_or_default();
             let settings = ReferenceSettings { size, samples, seed, bounces, ..Default::default() };
             let tracer = PathTracer::new(self.gpu, self.scene, Some(self.camera), settings);
             let mut tracer = pollster::block_on(tracer)?;
-            pollster::block_on(tracer.render(&mut tell))?;
+            pollster::block_on(tracer.render(&mut |step| self.tell_sample(&step)))?;
             self.check()?;
             let layers = tracer.layers();
             let pixels = layers.radiance.iter().zip(&layers.radiance_variance);
@@ -115,20 +137,37 @@ impl Task<'_> {
                 .map(|(rgb, variance)| Reading::of_luminance(*rgb, known(variance.sqrt())))
                 .collect());
         }
-        let settings = MeterSettings { samples, seed, bounces };
-        let sensors = places.sensors();
-        let meter = LightMeter::new(self.gpu, self.scene, &sensors, settings);
-        let mut meter = pollster::block_on(meter)?;
-        pollster::block_on(meter.measure(&mut tell))?;
-        self.check()?;
         let is_ray = places.is_luminance();
-        let readings = meter.readings().into_iter().map(|light| Reading {
+        let reading = |light: lumivox_render::reference::Reading| Reading {
             value: light.value,
             standard_error: known(light.standard_error),
             direct: (!is_ray).then(|| photometric(light.direct)),
             openness: (!is_ray).then_some(light.openness),
-        });
-        Ok(readings.collect())
+        };
+        let read = self.traced(&places.sensors(), MeterSettings { samples, seed, bounces })?;
+        Ok(read.into_iter().map(reading).collect())
+    }
+
+    /// Traces the light at sensors.
+    ///
+    /// # Errors
+    /// When the device fails, or the user stops it.
+    pub fn traced(
+        self,
+        sensors: &[Sensor],
+        settings: MeterSettings,
+    ) -> anyhow::Result<Vec<lumivox_render::reference::Reading>> {
+        let meter = LightMeter::new(self.gpu, self.scene, sensors, settings);
+        let mut meter = pollster::block_on(meter)?;
+        pollster::block_on(meter.measure(&mut |step| self.tell_sample(&step)))?;
+        self.check()?;
+        Ok(meter.readings())
+    }
+
+    fn tell_sample(self, step: &ReferenceProgress) -> ControlFlow<()> {
+        let share = step.samples.fract();
+        self.progress.set_within("sample", step.samples as u32, step.total, share);
+        self.progress.goes_on()
     }
 
     fn check(self) -> Result<(), Failure> {

@@ -1,0 +1,120 @@
+//! The arguments of `bake`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use glam::Vec3;
+use lumivox_console::SourceArgs;
+
+use super::{ConeArgs, GpuArgs, Method, SceneArg, ViewArgs};
+use crate::args::settings::{LightGroups, SettingArgs, VolumeGroups};
+use crate::args::{Refused, number};
+
+/// Examples for the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  Light for all of a level, from probes 1 m apart, in seconds:
+    lumivox bake level.glb -o level.ktx2 --spacing 1
+  A room of it, finely and without bias:
+    lumivox bake level.glb -o room.ktx2 --box 0,0,0,6,3,4 --spacing 0.25 --method paths --samples 4096
+";
+
+/// The arguments of `bake`.
+#[derive(Args, Debug)]
+pub struct BakeArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArg,
+
+    /// File for the volume, ending in .ktx2
+    #[arg(short, long, value_name = "FILE", help_heading = "Probes")]
+    pub output: PathBuf,
+
+    /// Distance between probes in metres, 1e-3 to 1e6 [default: a 24th of the box's longest edge]
+    ///
+    /// At most half the width of the smallest room, so that each has a probe.
+    #[arg(long, value_name = "METRES", value_parser = number::number(1e-3..=1e6))]
+    #[arg(allow_negative_numbers = true, help_heading = "Probes")]
+    pub spacing: Option<f32>,
+
+    /// Two corners of the box of probes, in metres [default: all of the scene]
+    #[arg(id = "box", long = "box", value_name = "X,Y,Z,X,Y,Z", value_parser = corners)]
+    #[arg(allow_hyphen_values = true, help_heading = "Probes")]
+    pub corners: Option<(Vec3, Vec3)>,
+
+    /// The method: cones in voxels, or paths, each with its noise
+    #[arg(long, value_name = "NAME", value_enum, default_value = "cones")]
+    #[arg(help_heading = "Probes")]
+    pub method: Method,
+
+    /// Frames of the cones' mean, 1 to 65536
+    #[arg(long, value_name = "FRAMES", value_parser = number::whole(1..=65_536))]
+    #[arg(help_heading = "Probes", default_value = "256", allow_negative_numbers = true)]
+    pub frames: u32,
+
+    /// Samples of the path tracer for each direction of a probe, a number from 1 to 16777216
+    #[arg(long, visible_alias = "spp", value_name = "SAMPLES")]
+    #[arg(value_parser = number::whole(1..=1 << 24), help_heading = "Probes")]
+    #[arg(default_value = "1024", allow_negative_numbers = true)]
+    pub samples: u32,
+
+    /// Seed of the path tracer's random numbers, 0 to 4294967295
+    #[arg(long, value_name = "NUMBER", value_parser = number::whole(0..=u32::MAX))]
+    #[arg(help_heading = "Probes", default_value = "0", allow_negative_numbers = true)]
+    pub seed: u32,
+
+    /// The time; the camera counts only for the voxels of cascades.
+    #[command(flatten)]
+    pub view: ViewArgs,
+
+    /// The voxels.
+    #[command(flatten)]
+    pub voxels: SettingArgs<VolumeGroups>,
+
+    /// Light added to the scene.
+    #[command(flatten)]
+    pub sources: SourceArgs,
+
+    /// How light is found.
+    #[command(flatten)]
+    pub light: SettingArgs<LightGroups>,
+
+    /// The cones.
+    #[command(flatten)]
+    pub cones: ConeArgs,
+
+    /// The GPU.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
+
+    /// Print one JSON object about the volume instead of text [default: off]
+    #[arg(long, help_heading = "Messages")]
+    pub json: bool,
+}
+
+/// The least and the greatest coordinates of a box.
+fn corners(text: &str) -> Result<(Vec3, Vec3), Refused> {
+    let numbers: [f32; 6] = number::list(text, "X,Y,Z,X,Y,Z")?;
+    let [one, other] = [0, 3].map(|at| Vec3::from_slice(&numbers[at..]));
+    let (min, max) = (one.min(other), one.max(other));
+    if numbers.iter().any(|number| number.abs() > 1e6) || !(max - min).cmpgt(Vec3::ZERO).all() {
+        let rule = "expected two corners that differ in all three numbers, each from -1e6 to 1e6";
+        return Err(Refused::OutOfRange(rule.to_owned()));
+    }
+    Ok((min, max))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_are_checked() {
+        assert_eq!(
+            corners("2,3,-1,0,4,5"),
+            Ok((Vec3::new(0.0, 3.0, -1.0), Vec3::new(2.0, 4.0, 5.0)))
+        );
+        assert!(matches!(corners("1,2,3,4,2,6"), Err(Refused::OutOfRange(_))));
+        assert!(matches!(corners("1,2,3"), Err(Refused::Malformed(_))));
+    }
+}

@@ -1,0 +1,197 @@
+//! `lumivox bake`: a volume of indirect light at probes, for renderers without global illumination of their own.
+
+use std::io::Write as _;
+use std::path::Path;
+use std::time::Instant;
+
+use glam::Vec3;
+use lumivox_console::report::AdapterReport;
+use lumivox_console::{Failure, SourceArgs};
+use lumivox_render::irradiance_volume::{DIRECTIONS, IrradianceVolume, ProbeGrid, buried};
+use lumivox_render::reference::{MeterSettings, Sensor};
+use lumivox_scene::{Scene, write_atomically};
+use serde_json::{Value, json};
+
+use super::measure::Task;
+use super::staged::stage;
+use super::{light, settings};
+use crate::args::{output, scene};
+use crate::cli::{BakeArgs, Method};
+use crate::host::Host;
+use crate::progress::ProgressDisplay;
+
+/// The most probes.
+const MOST: f64 = (1 << 18) as f64;
+/// The most texels of the texture along an edge: what GPUs have at least.
+const LONGEST: u32 = 2048;
+/// Probes along the longest edge of a box without a spacing.
+const CELLS: f32 = 24.0;
+/// What a box over all of a scene is wider, as a share of its longest edge: what lies on its sides is in it.
+const MARGIN: f32 = 1e-3;
+
+/// Bakes, writes and reports.
+///
+/// # Errors
+/// When anything that the arguments ask for cannot be done; the message says what.
+pub fn run(args: &BakeArgs, host: &Host) -> anyhow::Result<()> {
+    if args.output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("ktx2")) {
+        let file = args.output.display();
+        return Err(
+            Failure::input(format!("{file}: unknown kind of file; end the name in .ktx2")).into()
+        );
+    }
+    output::check_folder(&args.output, &output::folder_of(&args.output))?;
+    let given = [args.voxels.given(), args.light.given(), args.cones.settings.given()].concat();
+    let size = glam::UVec2::splat(16);
+    let settings = settings::of(args.cones.preset(), size, &given)?;
+    scene::check(&args.scene.scene)?;
+    light::check(&args.sources)?;
+    let start = Instant::now();
+    let mut progress = ProgressDisplay::start(host, "loading");
+    let gpu = host.open_gpu(&args.gpu)?;
+    // Light is baked as the scene has it.
+    let adds = args.sources.surroundings.is_some();
+    let sources = SourceArgs { no_default_light: !adds, ..args.sources.clone() };
+    let (scene, camera) =
+        stage(&args.scene.scene, &args.scene.load, &sources, &args.view, size, &progress)?;
+    let grid = grid(&scene, args)?;
+    progress.stop_on_interrupt(host)?;
+    progress.set("looking around probes", 0, 1);
+    let probes = grid.probes();
+    let buried = buried(&scene, &probes);
+    let places: Vec<(Vec3, Vec3)> =
+        probes.iter().flat_map(|&probe| DIRECTIONS.map(|direction| (probe, direction))).collect();
+    let task = Task { gpu: &gpu, scene: &scene, camera: &camera, progress: &progress };
+    // Lamps and suns shine directly where the volume is used.
+    let irradiance: Vec<Vec3> = match args.method {
+        Method::Cones => {
+            let gathered = task.gathered(&places, settings, args.frames)?;
+            gathered.iter().map(|light| light.indirect).collect()
+        }
+        Method::Paths => {
+            let bounces = given.iter().any(|(parameter, _)| parameter.name == "bounces");
+            let bounces = bounces.then_some(settings.bounces);
+            let settings = MeterSettings { samples: args.samples, seed: args.seed, bounces };
+            let sensor = |&(at, normal): &(Vec3, Vec3)| Sensor::Irradiance { at, normal };
+            let read = task.traced(&places.iter().map(sensor).collect::<Vec<_>>(), settings)?;
+            let indirect = |light: &lumivox_render::reference::Reading| {
+                (Vec3::from(light.total) - Vec3::from(light.direct)).max(Vec3::ZERO)
+            };
+            read.iter().map(indirect).collect()
+        }
+    };
+    progress.set("writing", 0, 1);
+    let (sides, _) = irradiance.as_chunks::<6>();
+    let volume = IrradianceVolume::new(grid, sides, &buried);
+    let (bytes, intensity) = volume.to_ktx2();
+    write(&args.output, &bytes)?;
+    drop(progress);
+    let report = Report {
+        scene: &scene.name,
+        file: &args.output,
+        grid,
+        buried: buried.iter().filter(|is_buried| **is_buried).count(),
+        bytes: bytes.len(),
+        intensity,
+        seconds: start.elapsed().as_secs_f64(),
+        adapter: AdapterReport::new(&gpu.adapter_info),
+    };
+    if args.json { host.print_json(&report.json()) } else { host.print(&report.text()) }
+}
+
+/// The grid of probes that the arguments ask for.
+fn grid(scene: &Scene, args: &BakeArgs) -> anyhow::Result<ProbeGrid> {
+    let bounds = scene.bounds();
+    let margin = MARGIN * (bounds.max - bounds.min).max_element();
+    let (min, max) = args.corners.unwrap_or((bounds.min - margin, bounds.max + margin));
+    let longest = (max - min).max_element();
+    let spacing = args.spacing.unwrap_or(longest / CELLS);
+    let cells = ((max - min) / spacing).round().max(Vec3::ONE);
+    let count: f64 = cells.to_array().into_iter().map(f64::from).product();
+    let refuse = |reason: String| -> anyhow::Error {
+        Failure::input(format!(
+            "--spacing {spacing}: {reason}; use a greater one, or a smaller --box"
+        ))
+        .into()
+    };
+    if !(count <= MOST) {
+        return Err(refuse(format!(
+            "the box would have {count:.0} probes, but at most {MOST} are baked"
+        )));
+    }
+    let texels = (cells * Vec3::new(1.0, 2.0, 3.0)).as_uvec3();
+    if texels.max_element() > LONGEST {
+        return Err(refuse(format!(
+            "the texture would have {} x {} x {} texels, but GPUs take {LONGEST} along an edge",
+            texels.x, texels.y, texels.z
+        )));
+    }
+    Ok(ProbeGrid::over(min, max, spacing))
+}
+
+/// Writes the file, complete or not at all.
+fn write(file: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write_atomically(file, |out| out.write_all(bytes)).map_err(|error| {
+        let reason = format!("{}: cannot write the volume: {error}", file.display());
+        Failure::output(reason + "; check the folder and its permissions").into()
+    })
+}
+
+/// What was baked.
+struct Report<'a> {
+    scene: &'a str,
+    file: &'a Path,
+    grid: ProbeGrid,
+    buried: usize,
+    bytes: usize,
+    intensity: f32,
+    seconds: f64,
+    adapter: AdapterReport,
+}
+
+impl Report<'_> {
+    fn json(&self) -> Value {
+        let ProbeGrid { size, cells, .. } = self.grid;
+        json!({
+            "scene": self.scene,
+            "output": self.file.display().to_string(),
+            "cells": cells.to_array(),
+            "center_m": self.grid.center().to_array(),
+            "size_m": size.to_array(),
+            "probes": self.grid.count(),
+            "buried": self.buried,
+            "bytes": self.bytes,
+            "intensity": self.intensity,
+            "seconds": self.seconds,
+            "adapter": self.adapter,
+        })
+    }
+
+    fn text(&self) -> String {
+        let ProbeGrid { size, cells, .. } = self.grid;
+        // Tenths of millimetres, so that no rounding is told.
+        let tidy = |place: Vec3| (place * 1e4).round() / 1e4;
+        let (center, size) = (tidy(self.grid.center()), tidy(size));
+        let name = self.file.file_name().unwrap_or_default().to_string_lossy();
+        format!(
+            "{}: {} x {} x {} probes, {} of them in solid things, {} KiB, {:.1} s\n\n\
+             In Bevy, where lights shine by themselves and the camera has no other indirect light:\n\n\
+             commands.spawn((\n    IrradianceVolume {{\n        voxels: assets.load({name:?}),\n        \
+             intensity: {:?},\n        ..default()\n    }},\n    Transform::from_xyz({:?}, {:?}, {:?}).with_scale(vec3({:?}, {:?}, {:?})),\n));\n",
+            self.file.display(),
+            cells.x,
+            cells.y,
+            cells.z,
+            self.buried,
+            self.bytes.div_ceil(1024),
+            self.seconds,
+            self.intensity,
+            center.x,
+            center.y,
+            center.z,
+            size.x,
+            size.y,
+            size.z,
+        )
+    }
+}

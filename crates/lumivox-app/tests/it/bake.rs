@@ -1,0 +1,92 @@
+//! `lumivox bake`: its file, its figures, and mistakes.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::{INPUT, OUTPUT, USAGE, expect_error, folder, lumivox, names};
+
+/// The light of a volume's file: of each of its texels, red.
+fn texels(file: &Path) -> ([u32; 3], Vec<f32>) {
+    let file = ktx2::Reader::new(fs::read(file).unwrap()).unwrap();
+    let header = file.header();
+    let size = [header.pixel_width, header.pixel_height, header.pixel_depth];
+    let level = file.levels().next().unwrap();
+    let red = |texel: &[u8]| half::f16::from_le_bytes([texel[0], texel[1]]).to_f32();
+    (size, level.data.chunks(8).map(red).collect())
+}
+
+#[test]
+fn probes_in_a_furnace_see_its_light_from_all_sides() {
+    let folder = folder();
+    let path = folder.path();
+    for (method, tolerance) in
+        [("cones --resolution 64 --frames 64", 0.1), ("paths --samples 64", 0.02)]
+    {
+        let line = format!(
+            "bake builtin:furnace -o light.ktx2 --box -0.4,-0.4,-0.4,0.4,0.2,0.4 --spacing 0.2 --method {method}"
+        );
+        let text = lumivox(path, &line).expect_ok().stdout;
+        assert!(text.contains("4 x 3 x 4 probes, 0 of them in solid things"), "{text}");
+        assert!(
+            text.contains("Transform::from_xyz(0.0, -0.1, 0.0).with_scale(vec3(0.8, 0.6, 0.8))"),
+            "{text}"
+        );
+        let (size, light) = texels(&path.join("light.ktx2"));
+        assert_eq!((size, light.len()), ([4, 6, 12], 288));
+        // It glows with 1 cd/m2, and reflects half of what arrives: 2 everywhere.
+        for (texel, light) in light.into_iter().enumerate() {
+            assert!((light / 2.0 - 1.0).abs() < tolerance, "{method}: {light} at {texel}");
+        }
+    }
+}
+
+#[test]
+fn the_side_of_a_red_wall_is_red() {
+    let folder = folder();
+    let path = folder.path();
+    let line = "bake builtin:cornell -o box.ktx2 --spacing 0.5 --json";
+    let report = lumivox(path, &format!("{line} --resolution 32 --frames 8")).expect_ok().json();
+    assert_eq!(report["cells"], serde_json::json!([4, 4, 4]));
+    assert_eq!((&report["probes"], &report["intensity"]), (&64.into(), &1.0.into()));
+    let file = ktx2::Reader::new(fs::read(path.join("box.ktx2")).unwrap()).unwrap();
+    let level = file.levels().next().unwrap();
+    // The red wall is at the least x, the green one at the greatest: the light of probes in the middle of the box, over all
+    // that face them.
+    let color = |is_against: bool| {
+        let mut sum = [0.0; 3];
+        for (z, y, x) in
+            (0..4).flat_map(|z| (1..3).flat_map(move |y| (1..3).map(move |x| (z, y, x))))
+        {
+            let at = 8 * ((z * 8 + y + if is_against { 4 } else { 0 }) * 4 + x);
+            for (channel, sum) in sum.iter_mut().enumerate() {
+                let bytes = &level.data[at + 2 * channel..at + 2 * channel + 2];
+                *sum += half::f16::from_le_bytes([bytes[0], bytes[1]]).to_f32();
+            }
+        }
+        sum[0] / sum[1]
+    };
+    let (towards_green, towards_red) = (color(false), color(true));
+    assert!(towards_red > 2.0 * towards_green, "{towards_red}, {towards_green}");
+}
+
+#[test]
+fn mistakes_are_told() {
+    let folder = folder();
+    let path = folder.path();
+    let long = "--box 0,0,0,1,1,400 --spacing 0.5";
+    for (line, exit, needle) in [
+        ("-o light.png", INPUT, "light.png: unknown kind of file; end the name in .ktx2"),
+        (
+            "-o light.ktx2 --spacing 0.001",
+            INPUT,
+            "at most 262144 are baked; use a greater one, or a smaller --box",
+        ),
+        (&format!("-o light.ktx2 {long}"), INPUT, "GPUs take 2048 along an edge"),
+        ("-o light.ktx2 --box 0,0,0,1,0,1", INPUT, "two corners that differ in all three numbers"),
+        ("-o nowhere/light.ktx2", OUTPUT, "nowhere"),
+        ("", USAGE, "--output"),
+    ] {
+        expect_error(path, &format!("bake builtin:cornell {line}"), exit, &[needle]);
+    }
+    assert!(names(path).is_empty());
+}
