@@ -88,7 +88,8 @@ impl Plugin for LumivoxPlugin {
             .add_message::<LumivoxEvent>()
             .register_type::<LumivoxGi>()
             .register_type::<NotInGi>()
-            .add_systems(First, report::deliver);
+            .add_systems(First, report::deliver.after(bevy::ecs::message::MessageUpdateSystems))
+            .add_observer(settings::draw_deferred);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };

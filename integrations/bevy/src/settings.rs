@@ -116,6 +116,11 @@ fn turn_multisampling_off(mut world: DeferredWorld, context: HookContext) {
     world.commands().entity(context.entity).insert(Msaa::Off);
 }
 
+/// Opaque materials are drawn deferred, for cameras without global illumination as well: others would not see them.
+pub(crate) fn draw_deferred(added: On<Add<Camera3d>>, mut commands: Commands) {
+    commands.entity(added.entity).insert_if_new((DepthPrepass, DeferredPrepass)).insert(Msaa::Off);
+}
+
 impl LumivoxGi {
     /// What the cones of it are traced with.
     pub(crate) fn trace_settings(&self) -> TraceSettings {

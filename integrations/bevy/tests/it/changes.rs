@@ -1,6 +1,11 @@
-//! Things that move.
+//! Things that move, come, go, and are replaced.
 
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::{RenderTarget, Viewport};
 use bevy::prelude::*;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy_lumivox::lumivox::gpu::{LiveResources, MadeResources};
+use bevy_lumivox::{GiVolume, LumivoxGi, NotInGi};
 
 use crate::common::{headless, scene};
 use crate::stage::{Stage, alone, difference, quick};
@@ -31,4 +36,201 @@ fn a_block_that_has_moved_looks_as_if_it_had_been_there_always() {
     let [from_always, from_before] = [&always, &before].map(|other| difference(&moved, other));
     println!("from always {from_always}, from before {from_before}");
     assert!(from_always < 0.04 && from_before > 0.2, "{from_always} {from_before}");
+}
+
+#[test]
+fn steady_frames_make_nothing_on_the_gpu() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    stage.settled();
+    let before = MadeResources::now();
+    stage.frames(30);
+    let after = MadeResources::now();
+    let made = [
+        after.buffers - before.buffers,
+        after.textures - before.textures,
+        after.bind_groups - before.bind_groups,
+    ];
+    assert_eq!(made, [0; 3]);
+}
+
+#[test]
+fn crowds_leave_nothing_behind() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let empty = stage.settled();
+    let world = stage.app.world_mut();
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(0.01));
+    let material = world.resource_mut::<Assets<StandardMaterial>>().add(Color::WHITE);
+    let mut bytes = Vec::new();
+    for _ in 0..3 {
+        let crowd: Vec<Entity> = (0..10_000)
+            .map(|number| {
+                let place = UVec3::new(number % 22, (number / 22) % 22, number / 484).as_vec3();
+                let transform =
+                    Transform::from_translation(place * 0.08 + Vec3::new(-0.9, 0.1, -0.9));
+                let parts = (Mesh3d(mesh.clone()), MeshMaterial3d(material.clone()), transform);
+                stage.app.world_mut().spawn(parts).id()
+            })
+            .collect();
+        stage.frames(12);
+        for entity in crowd {
+            stage.app.world_mut().despawn(entity);
+        }
+        stage.frames(12);
+        bytes.push(LiveResources::now().buffer_bytes);
+    }
+    println!("{bytes:?} bytes");
+    assert!(bytes[2] <= bytes[1], "memory grows: {bytes:?}");
+    let left = stage.settled();
+    let change = difference(&left, &empty);
+    assert!(change < 0.03, "{change}");
+}
+
+#[test]
+fn assets_may_come_late_and_be_replaced() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let empty = stage.settled();
+    let world = stage.app.world_mut();
+    let mesh = world.resource::<Assets<Mesh>>().reserve_handle();
+    let image = world.resource::<Assets<Image>>().reserve_handle();
+    let material = StandardMaterial {
+        base_color_texture: Some(image.clone()),
+        emissive: LinearRgba::rgb(0.0, 0.0, 0.0),
+        perceptual_roughness: 1.0,
+        ..StandardMaterial::default()
+    };
+    let material = world.resource_mut::<Assets<StandardMaterial>>().add(material);
+    let transform = Transform::from_xyz(0.0, 1.0, -0.5);
+    let parts = (Mesh3d(mesh.clone()), MeshMaterial3d(material.clone()), transform);
+    let ball = world.spawn(parts).id();
+    stage.frames(10);
+    let size = Extent3d { width: 2, height: 2, depth_or_array_layers: 1 };
+    let pixels = [255, 20, 20, 255].repeat(4);
+    let format = TextureFormat::Rgba8UnormSrgb;
+    let red = Image::new(size, TextureDimension::D2, pixels, format, RenderAssetUsages::all());
+    let world = stage.app.world_mut();
+    world.resource_mut::<Assets<Mesh>>().insert(&mesh, Sphere::new(0.4).into()).expect("new");
+    world.resource_mut::<Assets<Image>>().insert(&image, red).expect("new");
+    let with_ball = stage.settled();
+    assert!(difference(&with_ball, &empty) > 0.1);
+    // Another mesh in the same asset: a plate that is hardly there.
+    let world = stage.app.world_mut();
+    let plate = Mesh::from(Cuboid::new(0.001, 0.001, 0.001));
+    world.resource_mut::<Assets<Mesh>>().insert(&mesh, plate).expect("there");
+    let small = stage.settled();
+    for (name, shot) in [("empty", &empty), ("ball", &with_ball), ("small", &small)] {
+        shot.save(format!("target/pictures/late-{name}.png"), 2.0);
+    }
+    let change = difference(&small, &empty);
+    assert!(change < 0.03, "{change}");
+    stage.app.world_mut().despawn(ball);
+    // The material shines now, but nothing is left that has it.
+    let world = stage.app.world_mut();
+    let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+    materials.get_mut(&material).expect("there").emissive = LinearRgba::rgb(10.0, 10.0, 10.0);
+    let gone = stage.settled();
+    let change = difference(&gone, &empty);
+    assert!(change < 0.03, "{change}");
+}
+
+#[test]
+fn what_is_hidden_or_left_out_lends_no_light() {
+    let _alone = alone();
+    let given = scene::builtin("cornell");
+    let mut stage = Stage::cornell();
+    let red = stage.instance(&given, "left wall");
+    let redness = |shot: &headless::Shot| {
+        let [red, green] =
+            [0, 1].map(|channel| shot.rgb.iter().map(|rgb| rgb[channel]).sum::<f32>());
+        red / green
+    };
+    let with_wall = redness(&stage.settled());
+    stage.app.world_mut().entity_mut(red).insert(NotInGi);
+    let left_out = redness(&stage.settled());
+    stage.app.world_mut().entity_mut(red).remove::<NotInGi>();
+    let again = redness(&stage.settled());
+    stage.app.world_mut().entity_mut(red).insert(Visibility::Hidden);
+    let hidden = redness(&stage.settled());
+    println!("{with_wall} {left_out} {again} {hidden}");
+    assert!(left_out < with_wall - 0.02 && hidden < left_out);
+    assert!((again - with_wall).abs() < 0.01);
+}
+
+#[test]
+fn cameras_come_resize_and_go() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let whole = stage.settled();
+    // The same view in the right half of a wider picture.
+    let (image, target) = headless::target(&mut stage.app, UVec2::new(112, 36));
+    let world = stage.app.world_mut();
+    let camera = world.entity(stage.camera);
+    let parts = (
+        *camera.get::<Transform>().expect("a transform"),
+        camera.get::<Projection>().expect("a lens").clone(),
+        *camera.get::<bevy::camera::Exposure>().expect("an exposure"),
+        *camera.get::<LumivoxGi>().expect("global illumination"),
+        bevy::core_pipeline::tonemapping::Tonemapping::None,
+        bevy::core_pipeline::tonemapping::DebandDither::Disabled,
+    );
+    let viewport = Viewport {
+        physical_position: UVec2::new(64, 0),
+        physical_size: UVec2::new(48, 36),
+        ..Viewport::default()
+    };
+    let lens = Camera { viewport: Some(viewport), order: 1, ..Camera::default() };
+    let second = world.spawn((Camera3d::default(), lens, target, parts)).id();
+    stage.frames(30);
+    let wide = headless::mean_shot(&mut stage.app, &image, 8);
+    let rows = wide.rgb.chunks(112).flat_map(|row| row[64..].to_vec());
+    let right = headless::Shot { size: whole.size, rgb: rows.collect() };
+    right.save("target/pictures/viewport.png", 2.0);
+    let change = difference(&right, &whole);
+    assert!(change < 0.04, "{change}");
+    // A camera that is switched off for a while, and a picture of another size.
+    let world = stage.app.world_mut();
+    world.get_mut::<Camera>(second).expect("a camera").is_active = false;
+    stage.frames(3);
+    world_resize(&mut stage, UVec2::new(64, 64));
+    stage.frames(3);
+    world_resize(&mut stage, UVec2::new(48, 36));
+    let again = stage.settled();
+    let change = difference(&again, &whole);
+    assert!(change < 0.04, "{change}");
+    stage.app.world_mut().despawn(second);
+    stage.app.world_mut().despawn(stage.camera);
+    stage.frames(130);
+    let left = LiveResources::now().buffer_bytes;
+    assert!(left < 8 << 20, "{left} bytes are left after the last camera");
+}
+
+fn world_resize(stage: &mut Stage, size: UVec2) {
+    let (image, target) = headless::target(&mut stage.app, size);
+    stage.app.world_mut().entity_mut(stage.camera).insert::<RenderTarget>(target);
+    stage.image = image;
+}
+
+#[test]
+fn settings_change_at_run_time() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let before = stage.settled();
+    let camera = stage.camera;
+    let mut set = |change: fn(&mut LumivoxGi)| {
+        change(&mut stage.app.world_mut().get_mut::<LumivoxGi>(camera).expect("it is there"));
+        stage.settled()
+    };
+    let high = set(|gi| gi.quality = bevy_lumivox::GiQuality::Balanced);
+    let change = difference(&high, &before);
+    assert!(change < 0.1, "{change}");
+    // Another volume is made in the background; until then there is Bevy's ambient light, which is none here.
+    let min = Vec3::new(-1.1, -0.1, -1.1);
+    stage.app.world_mut().get_mut::<LumivoxGi>(camera).expect("it is there").volume =
+        GiVolume::Box { min, max: Vec3::new(1.1, 2.1, 1.1), resolution: 40 };
+    headless::wait_until_ready(&mut stage.app);
+    let other = stage.settled();
+    let change = difference(&other, &high);
+    assert!(change < 0.1, "{change}");
 }

@@ -1,6 +1,11 @@
-//! Lumivox through Bevy, on the software GPU: pictures and changes.
+//! Lumivox through Bevy, on the software GPU: pictures, changes, and what must not go wrong.
 
-mod changes;
+#[path = "../../examples/common/mod.rs"]
 mod common;
+
+mod baked;
+mod changes;
+mod deforming;
+mod limits;
 mod stage;
 mod truth;

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy::light::{DirectionalLightShadowMap, GlobalAmbientLight, PointLightShadowMap};
 use bevy::prelude::*;
-use bevy_lumivox::{GiQuality, GiVolume, LumivoxGi, LumivoxPlugin};
+use bevy_lumivox::{GiQuality, GiVolume, LumivoxEvent, LumivoxGi, LumivoxPlugin};
 use lumivox_scene::Scene;
 
 use crate::common::{headless, scene};
@@ -82,6 +82,24 @@ impl Stage {
     pub fn settled(&mut self) -> headless::Shot {
         self.frames(40);
         headless::mean_shot(&mut self.app, &self.image.clone(), 8)
+    }
+
+    /// What was told since the app began.
+    pub fn events(&self) -> Vec<LumivoxEvent> {
+        let messages = self.app.world().resource::<Messages<LumivoxEvent>>();
+        messages.iter_current_update_messages().cloned().collect()
+    }
+
+    /// Runs frames until an event comes that is asked for.
+    pub fn wait_for(&mut self, is_it: impl Fn(&LumivoxEvent) -> bool) -> LumivoxEvent {
+        for _ in 0..300 {
+            self.app.update();
+            if let Some(event) = self.events().into_iter().find(&is_it) {
+                return event;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(2));
+        }
+        panic!("it was not told within 300 frames");
     }
 }
 

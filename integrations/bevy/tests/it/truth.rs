@@ -16,7 +16,7 @@ use lumivox_scene::Scene;
 use crate::common::{headless, scene};
 use crate::stage::Stage;
 
-const SIZE: UVec2 = UVec2::new(48, 36);
+pub const SIZE: UVec2 = UVec2::new(48, 36);
 const RESOLUTION: u32 = 64;
 /// Frames whose mean is compared.
 const FRAMES: u32 = 32;
@@ -42,13 +42,22 @@ fn through_bevy(given: &Scene) -> LinearPicture {
     let name = format!("target/pictures/{}", given.name);
     lit.save(format!("{name}-bevy.png"), 2.0);
     direct.save(format!("{name}-bevy-direct.png"), 2.0);
+    difference_of(&lit, &direct, exposure)
+}
+
+/// What light adds to a picture, cd/m².
+pub fn difference_of(
+    lit: &headless::Shot,
+    direct: &headless::Shot,
+    exposure: Exposure,
+) -> LinearPicture {
     let pixels = lit.rgb.iter().zip(&direct.rgb);
     let rgb = pixels.map(|(lit, direct)| ((*lit - *direct) / exposure.exposure()).to_array());
     LinearPicture { size: SIZE, rgb: rgb.collect() }
 }
 
 /// The mean of frames that each see other places of their pixels.
-fn antialiased(stage: &mut Stage) -> headless::Shot {
+pub fn antialiased(stage: &mut Stage) -> headless::Shot {
     let (camera, image, mut frame) = (stage.camera, stage.image.clone(), 0);
     headless::mean_of(&mut stage.app, &image, FRAMES, |app| {
         // As Lumivox's renderer: Halton 1960, in the bases 2 and 3.
@@ -71,7 +80,7 @@ fn radical_inverse(mut index: u32, base: u32) -> f32 {
 }
 
 /// Indirect light through Lumivox's own renderer, and the albedo of each pixel.
-fn through_lumivox(gpu: &Gpu, given: &Scene) -> (LinearPicture, LinearPicture) {
+pub fn through_lumivox(gpu: &Gpu, given: &Scene) -> (LinearPicture, LinearPicture) {
     pollster::block_on(async {
         let settings = RenderSettings {
             size: SIZE,
@@ -90,7 +99,7 @@ fn through_lumivox(gpu: &Gpu, given: &Scene) -> (LinearPicture, LinearPicture) {
 }
 
 /// Indirect light of matt surfaces as it is, with its variance.
-fn truth(gpu: &Gpu, given: &Scene, albedo: &LinearPicture) -> (LinearPicture, Vec<f32>) {
+pub fn truth(gpu: &Gpu, given: &Scene, albedo: &LinearPicture) -> (LinearPicture, Vec<f32>) {
     let settings = ReferenceSettings { size: SIZE, samples: 128, ..ReferenceSettings::default() };
     let tracer = PathTracer::new(gpu, given, None, settings);
     let mut tracer = pollster::block_on(tracer).expect("a path tracer");

@@ -1,0 +1,8 @@
+//! What the examples and the tests share: an app without a window whose frames and pictures are asked for, and Lumivox's
+//! built-in scenes as entities.
+#![allow(dead_code, reason = "every program uses another part of it")]
+
+#[cfg(not(feature = "window"))]
+pub mod headless;
+pub mod run;
+pub mod scene;

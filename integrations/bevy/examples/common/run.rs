@@ -1,0 +1,102 @@
+//! Runs an example: in a window with the feature `window`, else some frames of it into pictures.
+//!
+//! `cargo run --release --example NAME -- [--frames N] [--size WIDTHxHEIGHT]` saves pictures of three of the frames in
+//! `pictures/`, and prints what a frame takes with global illumination and without.
+
+use bevy::prelude::*;
+
+/// Seconds since the example began: those of frames on the wall, or a thirtieth a frame where pictures are saved.
+#[derive(Resource, Default)]
+pub struct Clock(pub f32);
+
+/// Runs it. `build` adds systems; cameras, with [`bevy_lumivox::LumivoxGi`], are spawned at startup.
+#[cfg(feature = "window")]
+pub fn run(_name: &str, build: impl FnOnce(&mut App)) {
+    let mut app = App::new();
+    app.add_plugins((DefaultPlugins, bevy_lumivox::LumivoxPlugin::default()));
+    app.init_resource::<Clock>();
+    app.add_systems(First, |mut clock: ResMut<Clock>, time: Res<Time>| {
+        clock.0 = time.elapsed_secs()
+    });
+    build(&mut app);
+    app.run();
+}
+
+/// Runs it. `build` adds systems; cameras, with [`bevy_lumivox::LumivoxGi`], are spawned at startup.
+#[cfg(not(feature = "window"))]
+pub fn run(name: &str, build: impl FnOnce(&mut App)) {
+    use std::time::Instant;
+
+    use bevy::camera::RenderTarget;
+    use bevy_lumivox::LumivoxGi;
+    use bevy_lumivox::lumivox::gpu::MadeResources;
+
+    use super::headless;
+
+    let (frames, size) = arguments();
+    let mut app = App::new();
+    app.add_plugins((headless::plugins(), bevy_lumivox::LumivoxPlugin::default()));
+    app.init_resource::<Clock>();
+    build(&mut app);
+    headless::start(&mut app);
+    let (image, target) = headless::target(&mut app, size);
+    // The first frame spawns the camera, which has no window to draw to.
+    app.update();
+    let world = app.world_mut();
+    let mut cameras = world.query_filtered::<Entity, With<Camera3d>>();
+    for camera in cameras.iter(world).collect::<Vec<_>>() {
+        app.world_mut().entity_mut(camera).insert::<RenderTarget>(target.clone());
+    }
+    headless::wait_until_ready(&mut app);
+    let timed = |app: &mut App, saves: bool| {
+        headless::wait_for_gpu(app);
+        let (start, made) = (Instant::now(), MadeResources::now());
+        for frame in 0..frames {
+            app.world_mut().resource_mut::<Clock>().0 += 1.0 / 30.0;
+            app.update();
+            let place = [frames / 3, 2 * frames / 3, frames - 1].iter().position(|at| *at == frame);
+            if let Some(place) = place.filter(|_| saves) {
+                headless::shot(app, &image).save(format!("pictures/{name}-{place}.png"), 1.0);
+            }
+        }
+        headless::wait_for_gpu(app);
+        let ms = start.elapsed().as_secs_f64() * 1e3 / f64::from(frames);
+        let now = MadeResources::now();
+        (
+            ms,
+            now.buffers + now.textures + now.bind_groups
+                - made.buffers
+                - made.textures
+                - made.bind_groups,
+        )
+    };
+    let (with, made) = timed(&mut app, true);
+    let world = app.world_mut();
+    let mut lit = world.query_filtered::<Entity, With<LumivoxGi>>();
+    for camera in lit.iter(world).collect::<Vec<_>>() {
+        app.world_mut().entity_mut(camera).remove::<LumivoxGi>();
+    }
+    app.update();
+    let (without, _) = timed(&mut app, false);
+    println!(
+        "{name}: {frames} frames of {}x{}: {with:.0} ms each, {without:.0} ms without global illumination; {made} \
+         resources made",
+        size.x, size.y
+    );
+}
+
+/// Frames, and the size of pictures.
+#[cfg(not(feature = "window"))]
+fn arguments() -> (u32, UVec2) {
+    let arguments: Vec<String> = std::env::args().collect();
+    let value = |name: &str| {
+        let place = arguments.iter().position(|argument| argument == name)?;
+        arguments.get(place + 1).cloned()
+    };
+    let frames = value("--frames").and_then(|frames| frames.parse().ok()).unwrap_or(90);
+    let size = value("--size").and_then(|size| {
+        let (width, height) = size.split_once('x')?;
+        Some(UVec2::new(width.parse().ok()?, height.parse().ok()?))
+    });
+    (frames, size.unwrap_or(UVec2::new(320, 180)))
+}

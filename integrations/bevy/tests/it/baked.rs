@@ -1,0 +1,67 @@
+//! Bevy's own irradiance volume, baked by Lumivox: light without the plugin.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::Exposure;
+use bevy::image::{CompressedImageFormats, ImageSampler, ImageType};
+use bevy::light::IrradianceVolume;
+use bevy::prelude::*;
+use lumivox_render::compare::ErrorFigures;
+use lumivox_render::irradiance_volume::{self, DIRECTIONS, ProbeGrid};
+use lumivox_render::{Gpu, GpuOptions, RenderSettings, Renderer};
+use lumivox_scene::Scene;
+
+use crate::common::scene;
+use crate::stage::Stage;
+use crate::truth;
+
+/// The volume over a scene, as a file, and its grid.
+fn baked(gpu: &Gpu, given: &Scene) -> (Vec<u8>, ProbeGrid) {
+    let bounds = given.bounds();
+    let grid = ProbeGrid::over(bounds.min - 1e-3, bounds.max + 1e-3, 0.2);
+    let probes = grid.probes();
+    let points: Vec<Vec3> = probes.iter().flat_map(|&probe| [probe; 6]).collect();
+    let normals = DIRECTIONS.repeat(probes.len());
+    let settings =
+        RenderSettings { size: UVec2::splat(16), resolution: 64, ..RenderSettings::default() };
+    let irradiance = pollster::block_on(async {
+        let renderer =
+            Renderer::new(gpu, given, None, settings, &mut |_| {}).await.expect("a renderer");
+        renderer.irradiance(&points, &normals, 64).await.expect("light")
+    });
+    let sides: Vec<Vec3> = irradiance.iter().map(|light| light.indirect).collect();
+    let buried = irradiance_volume::buried(given, &probes);
+    let volume = irradiance_volume::IrradianceVolume::new(grid, sides.as_chunks::<6>().0, &buried);
+    (volume.to_ktx2().0, grid)
+}
+
+#[test]
+fn a_baked_volume_lights_the_cornell_box_of_bevy() {
+    let _alone = crate::stage::alone();
+    let given = scene::builtin("cornell");
+    let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
+    let (file, grid) = baked(&gpu, &given);
+    let mut stage = Stage::of(&given, truth::SIZE);
+    let exposure = Exposure { ev100: 4.0 };
+    stage.app.world_mut().entity_mut(stage.camera).insert(exposure);
+    stage.frames(4);
+    let direct = truth::antialiased(&mut stage);
+    let kind = ImageType::Extension("ktx2");
+    let formats = CompressedImageFormats::NONE;
+    let usage = RenderAssetUsages::RENDER_WORLD;
+    let image = Image::from_buffer(&file, kind, formats, false, ImageSampler::linear(), usage);
+    let voxels =
+        stage.app.world_mut().resource_mut::<Assets<Image>>().add(image.expect("an image"));
+    let place = Transform::from_translation(grid.center()).with_scale(grid.size);
+    let volume = IrradianceVolume { voxels, intensity: 1.0, ..default() };
+    stage.app.world_mut().spawn((volume, place));
+    stage.frames(4);
+    let lit = truth::antialiased(&mut stage);
+    lit.save("target/pictures/cornell-baked.png", 2.0);
+    let indirect = truth::difference_of(&lit, &direct, exposure);
+    let albedo = truth::through_lumivox(&gpu, &given).1;
+    let (expected, variance) = truth::truth(&gpu, &given, &albedo);
+    let error = ErrorFigures::new(&expected, Some(&variance), &indirect).expect("comparable");
+    println!("cornell, baked: {error:.2?}");
+    // Probes every 20 cm blur the light, and no contact is darker.
+    assert!(error.bias_percent.abs() < 10.0 && error.rmse_percent < 30.0, "{error:?}");
+}

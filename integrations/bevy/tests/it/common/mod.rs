@@ -1,6 +1,0 @@
-//! What tests share: an app without a window whose frames and pictures are asked for, and Lumivox's
-//! built-in scenes as entities.
-#![allow(dead_code, reason = "every program uses another part of it")]
-
-pub mod headless;
-pub mod scene;

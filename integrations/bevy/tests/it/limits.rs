@@ -1,0 +1,96 @@
+//! What is not supported is told, and nothing panics.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::light::{AmbientLight, GlobalAmbientLight, RectLight};
+use bevy::mesh::PrimitiveTopology;
+use bevy::prelude::*;
+use bevy_lumivox::{GiVolume, LumivoxEvent, LumivoxGi};
+
+use crate::common::scene;
+use crate::stage::{Stage, alone, quick};
+
+#[test]
+fn settings_out_of_range_are_told_and_nothing_is_lit() {
+    let _alone = alone();
+    let mut stage = Stage::of(&scene::builtin("cornell"), UVec2::new(16, 16));
+    let gi = LumivoxGi { volume: GiVolume::Scene { resolution: 7 }, ..LumivoxGi::default() };
+    stage.app.world_mut().entity_mut(stage.camera).insert(gi);
+    let event = stage.wait_for(|event| matches!(event, LumivoxEvent::Failed { .. }));
+    let LumivoxEvent::Failed { error } = event else { return };
+    assert!(error.contains("resolution is 7"), "{error}");
+    // Not in each frame.
+    stage.frames(5);
+    assert_eq!(stage.events(), []);
+}
+
+#[test]
+fn what_is_left_out_is_told_once() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let world = stage.app.world_mut();
+    let strip = Mesh::new(PrimitiveTopology::TriangleStrip, RenderAssetUsages::all())
+        .with_inserted_attribute(
+            Mesh::ATTRIBUTE_POSITION,
+            vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        )
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; 3]);
+    let strip = world.resource_mut::<Assets<Mesh>>().add(strip);
+    let material = world.resource_mut::<Assets<StandardMaterial>>().add(Color::WHITE);
+    for _ in 0..2 {
+        world.spawn((Mesh3d(strip.clone()), MeshMaterial3d(material.clone())));
+    }
+    world.spawn(RectLight::default());
+    let mut told = Vec::new();
+    for _ in 0..20 {
+        stage.app.update();
+        told.extend(stage.events());
+    }
+    told.retain(|event| *event != LumivoxEvent::Ready);
+    assert_eq!(told.len(), 2, "{told:?}");
+    let is_strip = |event: &LumivoxEvent| matches!(event, LumivoxEvent::MeshLeftOut { reason } if reason.contains("strips"));
+    assert!(told.iter().any(is_strip), "{told:?}");
+    assert!(told.contains(&LumivoxEvent::LightLeftOut { kind: "RectLight" }), "{told:?}");
+}
+
+#[test]
+fn an_empty_world_waits_for_meshes() {
+    let _alone = alone();
+    let nothing = lumivox_scene::Scene {
+        cameras: scene::builtin("cornell").cameras,
+        ..lumivox_scene::Scene::default()
+    };
+    let mut stage = Stage::of(&nothing, UVec2::new(16, 16));
+    stage.app.world_mut().entity_mut(stage.camera).insert(quick());
+    stage.frames(10);
+    assert_eq!(stage.events(), []);
+    scene::spawn(stage.app.world_mut(), &scene::builtin("cornell"));
+    stage.wait_for(|event| *event == LumivoxEvent::Ready);
+}
+
+#[test]
+fn ambient_light_lights_what_is_open_and_comes_back() {
+    let _alone = alone();
+    // Closed but for its front.
+    let mut stage = Stage::cornell();
+    let dark = stage.settled().mean_luminance();
+    let ambient = GlobalAmbientLight { brightness: 5.0, ..GlobalAmbientLight::default() };
+    stage.app.insert_resource(ambient.clone());
+    let lit = stage.settled().mean_luminance();
+    stage.app.world_mut().entity_mut(stage.camera).remove::<LumivoxGi>();
+    let flat = stage.settled().mean_luminance();
+    stage.app.insert_resource(GlobalAmbientLight::NONE);
+    let direct = stage.settled().mean_luminance();
+    // Through the front comes less than Bevy's own ambient light, which nothing stops.
+    let [found, everywhere] = [lit - dark, flat - direct];
+    println!("{found} of {everywhere}");
+    assert!(found > 0.1 * everywhere && found < 0.8 * everywhere, "{found} of {everywhere}");
+    // A camera's own is taken over and given back as well.
+    let own = AmbientLight { brightness: 5.0, ..AmbientLight::default() };
+    stage.app.world_mut().entity_mut(stage.camera).insert((own, quick()));
+    crate::common::headless::wait_until_ready(&mut stage.app);
+    let own_lit = stage.settled().mean_luminance();
+    assert!((own_lit - lit).abs() < 0.05 * lit, "{own_lit} {lit}");
+    stage.app.world_mut().entity_mut(stage.camera).remove::<LumivoxGi>();
+    let own_flat = stage.settled().mean_luminance();
+    assert!((own_flat - flat).abs() < 0.02 * flat, "{own_flat} {flat}");
+}
