@@ -5,7 +5,6 @@ use bevy::core_pipeline::prepass::ViewPrepassTextures;
 use bevy::prelude::*;
 use bevy::render::camera::{ExtractedCamera, TemporalJitter};
 use bevy::render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
-use bevy::render::render_resource::TextureViewId;
 use bevy::render::renderer::{RenderContext, RenderQueue, ViewQuery};
 use bevy::render::view::{ExtractedView, ViewTarget};
 use lumivox::gpu::{Buffer, Recorder, uniform_buffer};
@@ -28,7 +27,7 @@ pub(crate) struct Screen {
     compose: ComposeView,
     gbuffer: GBuffer,
     /// The textures that are bound.
-    bound: [TextureViewId; 4],
+    bound: [wgpu::Texture; 4],
     /// `Place` of `gbuffer.wgsl`.
     place: Buffer,
     origin: UVec2,
@@ -148,21 +147,24 @@ pub(crate) fn prepare_screens(
     }
 }
 
-/// The textures of the prepass in the order of the module's bindings.
-fn bound_textures(textures: &ViewPrepassTextures) -> Option<([Bound; 4], [TextureViewId; 4])> {
+/// The textures of the prepass in the order of the module's bindings. Bevy makes views of them anew in each frame.
+fn bound_textures(textures: &ViewPrepassTextures) -> Option<([Bound; 4], [wgpu::Texture; 4])> {
     let views = [
         textures.deferred_view()?,
         textures.depth_only_view()?,
         textures.normal_view()?,
         textures.motion_vectors_view()?,
     ];
-    Some((views.map(|view| Bound::View((**view).clone())), views.map(|view| view.id())))
+    Some((
+        views.map(|view| Bound::View((**view).clone())),
+        views.map(|view| view.texture().clone()),
+    ))
 }
 
 impl Screen {
     fn new(
         voxels: &Voxels,
-        (views, ids): (&[Bound; 4], [TextureViewId; 4]),
+        (views, ids): (&[Bound; 4], [wgpu::Texture; 4]),
         camera: &Camera<'_>,
         settings: TraceSettings,
     ) -> Self {
@@ -193,7 +195,7 @@ impl Screen {
     fn follow(
         &mut self,
         voxels: &Voxels,
-        (views, ids): (&[Bound; 4], [TextureViewId; 4]),
+        (views, ids): (&[Bound; 4], [wgpu::Texture; 4]),
         camera: &Camera<'_>,
         queue: &wgpu::Queue,
     ) {

@@ -163,6 +163,8 @@ impl Prepared<'_> {
         let pipeline = self.pipelines.draw(plan);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut from = (source.clone(), source_size);
+        // They are given back when dropped, so they stay until the GPU has the work.
+        let mut uniforms = Vec::new();
         for level in 0..levels {
             let size = size.map(|edge| (edge >> level).max(1));
             let reduction = Reduction {
@@ -204,8 +206,10 @@ impl Prepared<'_> {
             pass.draw(0..3, 0..1);
             drop(pass);
             from = (to, size);
+            uniforms.push(uniform);
         }
         self.queue.submit([encoder.finish()]);
+        drop(uniforms);
         Some(copy.create_view(&wgpu::TextureViewDescriptor::default()))
     }
 }

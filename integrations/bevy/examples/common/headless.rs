@@ -9,6 +9,7 @@ use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::render::RenderPlugin;
+use bevy::render::error_handler::RenderErrorHandler;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
@@ -42,6 +43,10 @@ pub fn start(app: &mut App) {
     while app.plugins_state() == PluginsState::Adding {
         bevy::tasks::tick_global_task_pools_on_main_thread();
     }
+    // By default Bevy stops to draw, and says so in the log alone.
+    app.insert_resource(RenderErrorHandler(|error, _, _| {
+        panic!("{:?}: {}", error.ty, error.description)
+    }));
     app.finish();
     app.cleanup();
 }

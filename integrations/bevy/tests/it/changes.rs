@@ -116,16 +116,26 @@ fn assets_may_come_late_and_be_replaced() {
     let with_ball = stage.settled();
     assert!(difference(&with_ball, &empty) > 0.1);
     // Another mesh in the same asset: a plate that is hardly there.
+    stage.app.world_mut().despawn(ball);
+    let world = stage.app.world_mut();
+    let white = world.resource_mut::<Assets<StandardMaterial>>().add(Color::WHITE);
+    let replaced = world.resource_mut::<Assets<Mesh>>().add(Sphere::new(0.4));
+    let parts = (Mesh3d(replaced.clone()), MeshMaterial3d(white), transform);
+    let other = world.spawn(parts).id();
+    let with_other = stage.settled();
+    assert!(difference(&with_other, &empty) > 0.1);
     let world = stage.app.world_mut();
     let plate = Mesh::from(Cuboid::new(0.001, 0.001, 0.001));
-    world.resource_mut::<Assets<Mesh>>().insert(&mesh, plate).expect("there");
+    *world.resource_mut::<Assets<Mesh>>().get_mut(&replaced).expect("there") = plate;
+    stage.frames(40);
     let small = stage.settled();
     for (name, shot) in [("empty", &empty), ("ball", &with_ball), ("small", &small)] {
         shot.save(format!("target/pictures/late-{name}.png"), 2.0);
     }
     let change = difference(&small, &empty);
+    println!("replaced: {change}");
     assert!(change < 0.03, "{change}");
-    stage.app.world_mut().despawn(ball);
+    stage.app.world_mut().despawn(other);
     // The material shines now, but nothing is left that has it.
     let world = stage.app.world_mut();
     let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
@@ -150,6 +160,8 @@ fn what_is_hidden_or_left_out_lends_no_light() {
     stage.app.world_mut().entity_mut(red).insert(NotInGi);
     let left_out = redness(&stage.settled());
     stage.app.world_mut().entity_mut(red).remove::<NotInGi>();
+    // Bounces take some frames.
+    stage.frames(120);
     let again = redness(&stage.settled());
     stage.app.world_mut().entity_mut(red).insert(Visibility::Hidden);
     let hidden = redness(&stage.settled());

@@ -114,6 +114,25 @@ pub fn truth(gpu: &Gpu, given: &Scene, albedo: &LinearPicture) -> (LinearPicture
     (LinearPicture { size: SIZE, rgb: rgb.collect() }, variance.collect())
 }
 
+/// What even surroundings add to the picture of the Cornell box by path tracing, on average: cd/m².
+pub fn light_of_surroundings(radiance: f32) -> f32 {
+    let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
+    let [dark, lit] = [0.0, radiance].map(|radiance| {
+        let mut given = scene::builtin("cornell");
+        given.environment.radiance = Vec3::splat(radiance);
+        let settings =
+            ReferenceSettings { size: SIZE, samples: 128, ..ReferenceSettings::default() };
+        let tracer = PathTracer::new(&gpu, &given, None, settings);
+        let mut tracer = pollster::block_on(tracer).expect("a path tracer");
+        pollster::block_on(tracer.render(&mut |_| ControlFlow::Continue(()))).expect("traced");
+        let luminance = |rgb: &[f32; 3]| headless::luminance(Vec3::from(*rgb));
+        tracer.layers().radiance.iter().map(luminance).collect::<Vec<f32>>()
+    });
+    // Not where the surroundings themselves are seen.
+    let surfaces = dark.iter().zip(&lit).filter(|(dark, _)| **dark > 0.0);
+    surfaces.map(|(dark, lit)| lit - dark).sum::<f32>() / dark.len() as f32
+}
+
 /// Errors of the two, in per cent.
 fn errors(name: &str) -> [ErrorFigures; 2] {
     let given = scene::builtin(name);
