@@ -3,18 +3,24 @@
 //! `cargo run --release --example NAME -- [--frames N] [--size WIDTHxHEIGHT]` saves pictures of three of the frames in
 //! `pictures/`, and prints what a frame takes with global illumination and without.
 
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 
 /// Seconds since the example began: those of frames on the wall, or a thirtieth a frame where pictures are saved.
 #[derive(Resource, Default)]
 pub struct Clock(pub f32);
 
+/// Bevy's default reads a table, which is a feature of its own.
+fn tone_map(added: On<Add<Camera3d>>, mut commands: Commands) {
+    commands.entity(added.entity).insert(Tonemapping::AcesFitted);
+}
+
 /// Runs it. `build` adds systems; cameras, with [`bevy_lumivox::LumivoxGi`], are spawned at startup.
 #[cfg(feature = "window")]
 pub fn run(_name: &str, build: impl FnOnce(&mut App)) {
     let mut app = App::new();
     app.add_plugins((DefaultPlugins, bevy_lumivox::LumivoxPlugin::default()));
-    app.init_resource::<Clock>();
+    app.init_resource::<Clock>().add_observer(tone_map);
     app.add_systems(First, |mut clock: ResMut<Clock>, time: Res<Time>| {
         clock.0 = time.elapsed_secs()
     });
@@ -36,7 +42,7 @@ pub fn run(name: &str, build: impl FnOnce(&mut App)) {
     let (frames, size) = arguments();
     let mut app = App::new();
     app.add_plugins((headless::plugins(), bevy_lumivox::LumivoxPlugin::default()));
-    app.init_resource::<Clock>();
+    app.init_resource::<Clock>().add_observer(tone_map);
     build(&mut app);
     headless::start(&mut app);
     let (image, target) = headless::target(&mut app, size);
