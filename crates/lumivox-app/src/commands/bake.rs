@@ -114,7 +114,7 @@ fn grid(scene: &Scene, args: &BakeArgs) -> anyhow::Result<ProbeGrid> {
         ))
         .into()
     };
-    if !(count <= MOST) {
+    if count.is_nan() || count > MOST {
         return Err(refuse(format!(
             "the box would have {count:.0} probes, but at most {MOST} are baked"
         )));

@@ -1,8 +1,8 @@
 //! Irradiance volumes: light in the air at a grid of probes, baked for renderers without global illumination of their own.
 //!
-//! A probe keeps the light of six directions, an ambient cube (McTaggart 2004, "Half-Life 2 / Valve Source Shading", slide 55;
-//! Mitchell, McTaggart and Green 2006, "Shading in Valve's Source Engine", section 8.4). The light on a surface is the mean of the
-//! three directions that it faces, weighted by the squares of its normal's components. Bevy 0.20 reads such volumes.
+//! A probe keeps the light of six directions, an ambient cube (Mitchell 2006, "Shading in Valve's Source Engine", slides 27 and
+//! 28). The light on a surface is the mean of the three directions that it faces, weighted by the squares of its normal's
+//! components. Bevy 0.20 reads such volumes.
 //!
 //! | file | is |
 //! | --- | --- |
