@@ -73,11 +73,11 @@ fn crowds_leave_nothing_behind() {
                 stage.app.world_mut().spawn(parts).id()
             })
             .collect();
-        stage.frames(12);
+        stage.frames(6);
         for entity in crowd {
             stage.app.world_mut().despawn(entity);
         }
-        stage.frames(12);
+        stage.frames(6);
         bytes.push(LiveResources::now().buffer_bytes);
     }
     println!("{bytes:?} bytes");
