@@ -16,7 +16,6 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::texture::GpuImage;
 use bevy::window::ExitCondition;
 use bevy_lumivox::LumivoxEvent;
-use bevy_lumivox::lumivox::gpu::submitted_work_done;
 use bevy_lumivox::lumivox::wgpu;
 
 /// A picture, in linear values of the camera's exposure.
@@ -154,7 +153,6 @@ pub fn wait_for_gpu(app: &App) {
     let world = app.sub_app(RenderApp).world();
     let device = world.resource::<RenderDevice>().wgpu_device();
     device.poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
-    let _ = submitted_work_done;
 }
 
 impl Shot {
