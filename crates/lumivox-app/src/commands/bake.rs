@@ -26,7 +26,7 @@ const MOST: f64 = (1 << 18) as f64;
 const LONGEST: u32 = 2048;
 /// Probes along the longest edge of a box without a spacing.
 const CELLS: f32 = 24.0;
-/// What a box over all of a scene is wider, as a share of its longest edge: what lies on its sides is in it.
+/// How far a box of probes around all of a scene reaches beyond it, as a share of its longest edge: surfaces on its sides are inside.
 const MARGIN: f32 = 1e-3;
 
 /// Bakes, writes and reports.
@@ -137,7 +137,7 @@ fn write(file: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     })
 }
 
-/// What was baked.
+/// The figures of a baked volume.
 struct Report<'a> {
     scene: &'a str,
     file: &'a Path,

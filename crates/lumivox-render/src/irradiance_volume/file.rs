@@ -7,7 +7,7 @@ use ktx2::{Format, Header, Index, LevelIndex};
 
 use super::IrradianceVolume;
 
-/// Who wrote the file (KTX 2.0, section 3.11.2).
+/// The name and the value of a KTX2 file's entry for the program that wrote it (KTX 2.0, section 3.11.2).
 const WRITER: &[u8] = b"KTXwriter\0Lumivox\0";
 
 impl IrradianceVolume {

@@ -94,7 +94,7 @@ impl IrradianceVolume {
             irradiance.len() == grid.count() && buried.len() == grid.count(),
             "one value for each probe"
         );
-        // What a white surface reflects of it, cd/m².
+        // The luminance of a white matt surface in this light, cd/m².
         let mut light: Vec<[Vec3; 6]> =
             irradiance.iter().map(|sides| sides.map(|lux| lux / std::f32::consts::PI)).collect();
         let mut known: Vec<bool> = buried.iter().map(|is_buried| !is_buried).collect();

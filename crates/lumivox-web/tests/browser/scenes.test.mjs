@@ -34,7 +34,7 @@ const agrees = async (/** @type {string} */ scene, /** @type {string[]} */ optio
 test("every built-in scene agrees with the native picture", async (t) => {
     const names = (await known("builtinScenes")).map(({ name }) => name);
     assert.equal(names.length, 16);
-    // What has millions of triangles takes minutes here; by hand it agrees as the others do (FLIP 0.03 to 0.043).
+    // Scenes of a kilometre have millions of triangles and take minutes here; by hand they agree as the others do (FLIP 0.03 to 0.043).
     for (const name of names.filter((name) => !/^(city|interior)/.test(name))) {
         await t.test(name, async () => {
             await app.call("loadScene", `builtin:${name}`);

@@ -1,4 +1,4 @@
-//! What the examples and the tests share: an app without a window whose frames and pictures are asked for, and Lumivox's
+//! Shared by examples and tests: an app without a window whose frames and pictures are asked for, and Lumivox's
 //! built-in scenes as entities.
 #![allow(dead_code, reason = "every program uses another part of it")]
 

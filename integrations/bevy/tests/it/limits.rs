@@ -1,4 +1,4 @@
-//! What is not supported is told, and nothing panics.
+//! Unsupported things are told, and nothing panics.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::light::{AmbientLight, GlobalAmbientLight, RectLight};
@@ -81,7 +81,7 @@ fn ambient_light_lights_what_is_open_and_comes_back() {
     let flat = stage.settled().mean_luminance();
     stage.app.insert_resource(GlobalAmbientLight::NONE);
     let direct = stage.settled().mean_luminance();
-    // What comes through the front, and not Bevy's own ambient light, which nothing stops.
+    // Light through the front, and not Bevy's own ambient light, which nothing stops.
     let exposure = bevy::camera::Exposure { ev100: 4.0 }.exposure();
     let [found, truth] = [(lit - dark) / exposure, truth::light_of_surroundings(5.0)];
     println!("{found} cd/m2, the path tracer {truth}");
