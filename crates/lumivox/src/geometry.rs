@@ -258,15 +258,17 @@ pub struct VertexAttributes {
     /// Bytes from the start of a vertex to its texture coordinates, two `f32` a set. Where there is no second
     /// set, the first is used for it. Default: none.
     pub texcoords: [Option<u32>; 2],
-    /// Bytes from the start of a vertex to its colour, four 16-bit numbers of which 65 535 stands for one
-    /// (`VertexFormat::Unorm16x4`): linear RGB and alpha that multiply the reflectance. Default: none.
+    /// Bytes from the start of a vertex to its colour: linear RGB and alpha that multiply the reflectance. Default: none.
     pub color: Option<u32>,
+    /// How the colour is stored: `Unorm16x4` (the default), `Unorm8x4` or `Float32x4`.
+    pub color_format: wgpu::VertexFormat,
 }
 
 impl VertexAttributes {
     /// Vertices of `stride` bytes, of which nothing is used yet.
     pub fn new(buffer: wgpu::Buffer, stride: u32) -> Self {
-        Self { buffer, stride, offset: 0, texcoords: [None; 2], color: None }
+        let color_format = wgpu::VertexFormat::Unorm16x4;
+        Self { buffer, stride, offset: 0, texcoords: [None; 2], color: None, color_format }
     }
 
     /// A buffer of nothing but texture coordinates, two `f32` a vertex, tightly packed.

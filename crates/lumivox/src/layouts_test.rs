@@ -2,6 +2,7 @@
 
 use crate::cones::ConeSettings;
 use crate::emitters::{EmitterRecord, RunEmitters, Sorting, TreePart};
+use crate::environment::{CubeLevel, CubeLight};
 use crate::gpu::ShaderLibrary;
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
 use crate::points::{GatheredPoint, PointSettings};
@@ -31,6 +32,8 @@ fn structs_lie_in_memory_alike() {
     library.check_struct::<LightRecord>("light::lights", "Light").unwrap();
     library.check_struct::<LightGlobals>("light::lights", "LightGlobals").unwrap();
     library.check_struct::<ShadowLayerRecord>("light::shadow_map", "ShadowLayer").unwrap();
+    library.check_struct::<CubeLight>("environment::cubed", "CubeLight").unwrap();
+    library.check_struct::<CubeLevel>("environment::cubed", "CubeLevel").unwrap();
     library.check_struct::<BounceSettings>("light::turn", "BounceSettings").unwrap();
     library.check_struct::<EmitterRecord>("emitters::emitter", "Emitter").unwrap();
     library.check_struct::<RunEmitters>("emitters::list", "RunEmitters").unwrap();

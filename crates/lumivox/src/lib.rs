@@ -46,7 +46,9 @@ extern crate self as lumivox;
 
 pub use cascades::{CascadeOptions, Cascades, MAX_CASCADES};
 pub use cones::{Preset, TraceResolution, TraceSettings};
-pub use environment::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
+pub use environment::{
+    CubeUse, EnvironmentCube, EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak,
+};
 pub use error::GiError;
 pub use geometry::{
     Draw, Geometry, GeometryBatch, Indices, SurfaceMaterial, SurfaceTexture, VertexAttributes,

@@ -5,11 +5,12 @@ mod common;
 use bevy::camera::Exposure;
 use bevy::light::GlobalAmbientLight;
 use bevy::prelude::*;
-use bevy_lumivox::{GiVolume, LumivoxGi};
+use bevy_lumivox::{GiVolume, LumivoxGi, LumivoxPlugin};
 use common::{run::Clock, scene};
 
 fn main() {
     common::run::run("atrium", |app| {
+        app.add_plugins(LumivoxPlugin::default());
         // The sky: seen by cones where there is no roof.
         app.insert_resource(GlobalAmbientLight {
             color: Color::linear_rgb(0.7, 0.85, 1.0),

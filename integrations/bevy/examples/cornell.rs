@@ -5,7 +5,7 @@ mod common;
 use bevy::camera::Exposure;
 use bevy::light::GlobalAmbientLight;
 use bevy::prelude::*;
-use bevy_lumivox::{GiVolume, LumivoxGi};
+use bevy_lumivox::{GiVolume, LumivoxGi, LumivoxPlugin};
 use common::{run::Clock, scene};
 
 /// The block that moves, and where it is at rest.
@@ -14,6 +14,7 @@ struct Moves(Vec3);
 
 fn main() {
     common::run::run("cornell", |app| {
+        app.add_plugins(LumivoxPlugin::default());
         app.insert_resource(GlobalAmbientLight::NONE);
         app.insert_resource(ClearColor(Color::BLACK));
         app.add_systems(Startup, setup).add_systems(Update, slide);

@@ -10,7 +10,7 @@ use bevy::light::GlobalAmbientLight;
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
-use bevy_lumivox::{GiVolume, LumivoxGi};
+use bevy_lumivox::{GiVolume, LumivoxGi, LumivoxPlugin};
 use common::run::Clock;
 
 /// A limb swings about its joint: how far, and where in the step.
@@ -23,6 +23,7 @@ struct Walks;
 
 fn main() {
     common::run::run("torch", |app| {
+        app.add_plugins(LumivoxPlugin::default());
         app.insert_resource(GlobalAmbientLight::NONE);
         app.insert_resource(ClearColor(Color::BLACK));
         app.add_systems(Startup, (hall, figure)).add_systems(Update, walk);

@@ -30,6 +30,7 @@ struct VertexPlaces {
     stride: u32,
     position: u32,
     texcoords: [Option<u32>; 2],
+    color: Option<(u32, VertexFormat)>,
     /// Indices and weights.
     joints: Option<[u32; 2]>,
 }
@@ -242,7 +243,7 @@ impl SceneGeometry {
         let first_position = deformer.add(wanted);
         let mut attributes = VertexAttributes::new(source.vertices, stride);
         attributes.offset = u64::from(first) * u64::from(stride);
-        attributes.texcoords = layout.texcoords;
+        layout.set(&mut attributes);
         let world_from_local = match layout.joints {
             // Joints lead to the world.
             Some(_) => Mat4::IDENTITY,
@@ -255,7 +256,7 @@ impl SceneGeometry {
         let indices = Indices { buffer: source.indices, format: source.index_format, offset: 0 };
         self.deforming.push(DeformingBatch {
             first_position,
-            attributes: layout.texcoords[0].is_some().then_some(attributes),
+            attributes: layout.has_attributes().then_some(attributes),
             indices,
             draw,
             slot: layout.joints.is_none().then_some(slot),
@@ -352,7 +353,7 @@ impl SceneGeometry {
         }
         let BatchKey { vertices, indices, index_format: format, layout } = key.clone();
         let mut attributes = VertexAttributes::new(vertices.clone(), layout.stride);
-        attributes.texcoords = layout.texcoords;
+        layout.set(&mut attributes);
         let positions = VertexPositions {
             buffer: vertices,
             stride: layout.stride,
@@ -360,10 +361,23 @@ impl SceneGeometry {
         };
         let indices = Indices { buffer: indices, format, offset: 0 };
         let mut batch = GeometryBatch::new(positions, indices, Vec::new());
-        batch.attributes = layout.texcoords[0].is_some().then_some(attributes);
+        batch.attributes = layout.has_attributes().then_some(attributes);
         self.geometry.batches.push(batch);
         self.keys.insert(key, self.geometry.batches.len() - 1);
         self.geometry.batches.len() - 1
+    }
+}
+
+impl VertexPlaces {
+    fn has_attributes(&self) -> bool {
+        self.texcoords[0].is_some() || self.color.is_some()
+    }
+
+    fn set(&self, attributes: &mut VertexAttributes) {
+        attributes.texcoords = self.texcoords;
+        if let Some((offset, format)) = self.color {
+            (attributes.color, attributes.color_format) = (Some(offset), format);
+        }
     }
 }
 
@@ -388,6 +402,18 @@ fn vertex_places(layout: &MeshVertexBufferLayoutRef) -> Result<VertexPlaces, Str
         find(attribute)
             .and_then(|(format, offset)| (format == VertexFormat::Float32x2).then_some(offset))
     });
+    let color = match find(Mesh::ATTRIBUTE_COLOR) {
+        Some((
+            format @ (VertexFormat::Float32x4 | VertexFormat::Unorm8x4 | VertexFormat::Unorm16x4),
+            offset,
+        )) => Some((offset, format)),
+        Some((format, _)) => {
+            return Err(format!(
+                "colours of the format {format:?} are not read; give them as Float32x4 or Unorm8x4"
+            ));
+        }
+        None => None,
+    };
     let joints = find(Mesh::ATTRIBUTE_JOINT_INDEX).zip(find(Mesh::ATTRIBUTE_JOINT_WEIGHT));
     let joints = match joints {
         Some(((VertexFormat::Uint16x4, indices), (VertexFormat::Float32x4, weights))) => {
@@ -398,7 +424,8 @@ fn vertex_places(layout: &MeshVertexBufferLayoutRef) -> Result<VertexPlaces, Str
         }
         None => None,
     };
-    Ok(VertexPlaces { stride: layout.layout().array_stride as u32, position, texcoords, joints })
+    let stride = layout.layout().array_stride as u32;
+    Ok(VertexPlaces { stride, position, texcoords, color, joints })
 }
 
 /// The morph targets of a mesh, in the buffer that is returned.

@@ -12,6 +12,7 @@ mod scene;
 mod screen;
 mod settings;
 mod shadows;
+mod surroundings;
 mod surfaces;
 mod textures;
 mod views;
@@ -120,7 +121,8 @@ impl Plugin for LumivoxPlugin {
             .add_systems(
                 Render,
                 (
-                    views::take_ambient_over.in_set(RenderSystems::PrepareAssets),
+                    (views::take_ambient_over, surroundings::take_maps_over)
+                        .in_set(RenderSystems::PrepareAssets),
                     scene::update_scene.in_set(RenderSystems::PrepareResources),
                     screen::prepare_screens.in_set(RenderSystems::PrepareBindGroups),
                 ),

@@ -2,7 +2,10 @@
 
 use bevy::camera::visibility::InheritedVisibility;
 use bevy::color::LinearRgba;
-use bevy::light::{DirectionalLight, PointLight, RectLight, SpotLight, SunDisk};
+use bevy::light::atmosphere::ScatteringMedium;
+use bevy::light::{Atmosphere, DirectionalLight, PointLight, RectLight, SpotLight, SunDisk};
+use bevy::pbr::AtmosphereSettings;
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
@@ -10,9 +13,14 @@ use lumivox::{Light, LightSource, Shadow};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use crate::report::{LumivoxEvent, Reports};
+use crate::settings::LumivoxGi;
+use crate::surroundings::transmittance;
 
 /// Half the sun's angular diameter seen from the earth, rad.
 const SUN_RADIUS: f32 = 0.004_65;
+
+/// Shades of what air leaves of a light.
+const AIR_SHADES: f32 = 512.0;
 
 /// A light, in lux or candela.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,11 +45,13 @@ pub(crate) fn extract_scene_lights(
     points: Extract<Query<(RenderEntity, &PointLight, &GlobalTransform, &InheritedVisibility)>>,
     spots: Extract<Query<(RenderEntity, &SpotLight, &GlobalTransform, &InheritedVisibility)>>,
     rects: Extract<Query<(), With<RectLight>>>,
+    air: Extract<Air>,
     reports: Res<Reports>,
 ) {
     scene.lights.clear();
     for (light, transform, visibility, disk) in &suns {
-        let irradiance = rgb(light.color) * light.illuminance;
+        let irradiance =
+            rgb(light.color) * light.illuminance * air.left_of(transform.back().into());
         let source = LightSource::Directional {
             direction: transform.forward().into(),
             irradiance,
@@ -78,6 +88,38 @@ pub(crate) fn extract_scene_lights(
     }
     if !rects.is_empty() {
         reports.once(LumivoxEvent::LightLeftOut { kind: "RectLight" });
+    }
+}
+
+/// The atmosphere that the cameras see suns through.
+#[derive(SystemParam)]
+pub(crate) struct Air<'w, 's> {
+    atmospheres: Query<'w, 's, (&'static Atmosphere, &'static GlobalTransform)>,
+    cameras:
+        Query<'w, 's, &'static GlobalTransform, (With<AtmosphereSettings>, With<LumivoxGi>)>,
+    media: Option<Res<'w, Assets<ScatteringMedium>>>,
+}
+
+impl Air<'_, '_> {
+    /// The share of a sun's light that it lets through to the first camera, in steps so small that none is seen, so that a
+    /// camera that moves does not change the light.
+    fn left_of(&self, towards: Vec3) -> Vec3 {
+        let Some(camera) = self.cameras.iter().next().map(GlobalTransform::translation) else {
+            return Vec3::ONE;
+        };
+        let distance =
+            |planet: &GlobalTransform| planet.translation().distance_squared(camera);
+        let nearest = self
+            .atmospheres
+            .iter()
+            .min_by(|one, other| distance(one.1).total_cmp(&distance(other.1)));
+        let Some((atmosphere, planet)) = nearest else { return Vec3::ONE };
+        let media = self.media.as_ref();
+        let Some(medium) = media.and_then(|media| media.get(&atmosphere.medium)) else {
+            return Vec3::ONE;
+        };
+        let share = transmittance((atmosphere, planet), medium, camera, towards);
+        (share * AIR_SHADES).round() / AIR_SHADES
     }
 }
 

@@ -2,12 +2,15 @@
 
 use bevy::camera::Exposure;
 use bevy::color::LinearRgba;
-use bevy::light::{AmbientLight, GlobalAmbientLight};
+use bevy::light::{
+    AmbientLight, EnvironmentMapLight, GeneratedEnvironmentMapLight, GlobalAmbientLight,
+};
 use bevy::prelude::*;
 use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
 
 use crate::settings::LumivoxGi;
+use crate::surroundings::Surroundings;
 use crate::volumes::{VolumeKey, Volumes};
 
 /// A camera of this frame.
@@ -21,6 +24,7 @@ pub(crate) struct GiView {
     pub(crate) exposure: f32,
     /// Bevy's ambient light there, cd/m².
     pub(crate) ambient: Vec3,
+    pub(crate) surroundings: Option<Surroundings>,
     /// It is the camera's own.
     has_own_ambient: bool,
 }
@@ -49,12 +53,14 @@ pub(crate) fn extract_views(
             &GlobalTransform,
             Option<&Exposure>,
             Option<&AmbientLight>,
+            Option<&EnvironmentMapLight>,
+            Option<&GeneratedEnvironmentMapLight>,
         )>,
     >,
     everywhere: Extract<Option<Res<GlobalAmbientLight>>>,
 ) {
     gi_views.views.clear();
-    for (camera_entity, entity, camera, gi, transform, exposure, ambient) in &cameras {
+    for (camera_entity, entity, camera, gi, transform, exposure, ambient, map, generated) in &cameras {
         let has_picture =
             camera.physical_viewport_size().is_some_and(|size| size.min_element() > 0);
         if !camera.is_active || !has_picture {
@@ -70,6 +76,7 @@ pub(crate) fn extract_views(
             position: transform.translation(),
             exposure: exposure.copied().unwrap_or_default().exposure(),
             ambient: own.or(everywhere).unwrap_or_default().max(Vec3::ZERO),
+            surroundings: map.and_then(|map| Surroundings::new(map, generated)),
             has_own_ambient: own.is_some(),
         });
     }

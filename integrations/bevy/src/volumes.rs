@@ -3,13 +3,16 @@
 use bevy::pbr::{SkinUniforms, ViewShadowBindings};
 use bevy::prelude::*;
 use bevy::render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
+use bevy::render::render_asset::RenderAssets;
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
+use bevy::render::texture::GpuImage;
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task};
 use lumivox::gpu::{Pipelines, Recorder};
 use lumivox::hooks::Resource as Bound;
 use lumivox::{
-    EnvironmentLight, Gi, GiConfig, GiError, Grid, Light, Lights, Shadow, ShadowSource, wgpu,
+    CubeUse, EnvironmentCube, EnvironmentLight, Gi, GiConfig, GiError, Grid, Light, Lights, Shadow,
+    ShadowSource, wgpu,
 };
 
 use crate::compose::Compose;
@@ -21,6 +24,7 @@ use crate::lights::{SceneLights, scaled};
 use crate::report::{LumivoxEvent, Reports};
 use crate::settings::{GiVolume, LumivoxGi};
 use crate::shadows::{self, BevyShadows, ShadowMaps};
+use crate::surroundings::{EDGE, Surroundings};
 use crate::views::{GiView, GiViews};
 
 /// Frames in which new voxels are lit before they are shown.
@@ -57,7 +61,11 @@ pub(crate) struct Voxels {
     /// Another number for each of them.
     pub(crate) number: u64,
     /// What the lights were set to.
-    lit_by: (Vec<Light>, Vec3),
+    lit_by: (Vec<Light>, Vec3, bool),
+    cube: EnvironmentCube,
+    /// The environment map that the cube holds, and since how many frames.
+    taken: Option<(wgpu::TextureView, CubeUse)>,
+    frames_taken: u32,
     bound_maps: Option<[Bound; 4]>,
     /// The geometry that they were made of.
     version: Option<u64>,
@@ -87,6 +95,7 @@ struct Held {
 /// What a task makes.
 struct Made {
     gi: Gi,
+    cube: EnvironmentCube,
     compose: Compose,
 }
 
@@ -251,7 +260,7 @@ impl Held {
         let Some(made) = check_ready(task) else { return };
         self.making = None;
         match made {
-            Ok(Made { gi, compose }) => {
+            Ok(Made { gi, cube, compose }) => {
                 *numbers += 1;
                 let lights = gi.bind_lights(&[], ambient, ShadowSource::Own(&maps.bound));
                 self.coming = Some(Box::new(Voxels {
@@ -259,7 +268,10 @@ impl Held {
                     lights,
                     compose,
                     number: *numbers,
-                    lit_by: (Vec::new(), ambient),
+                    lit_by: (Vec::new(), ambient, false),
+                    cube,
+                    taken: None,
+                    frames_taken: 0,
                     bound_maps: None,
                     version: None,
                     is_late: false,
@@ -318,7 +330,8 @@ fn make(
         // Kernels of these settings are compiled with all others.
         gi.targets(UVec2::splat(8), &settings.trace_settings());
         let compose = Compose::new(&gi)?;
-        Ok((pipelines, Made { gi, compose }))
+        let cube = EnvironmentCube::new(&pipelines, gi.shaders(), EDGE)?;
+        Ok((pipelines, Made { gi, cube, compose }))
     };
     #[cfg(not(target_arch = "wasm32"))]
     let task = async move {
@@ -342,7 +355,7 @@ pub(crate) fn record_volume(
     mut volumes: ResMut<Volumes>,
     (gi_views, scene, mut scene_lights): (Res<GiViews>, Res<SceneGeometry>, ResMut<SceneLights>),
     (mut deformer, skins, morphs): (ResMut<Deformer>, Option<Res<SkinUniforms>>, Res<SceneMorphs>),
-    shadows: BevyShadows,
+    (shadows, images): (BevyShadows, Res<RenderAssets<GpuImage>>),
     queue: Res<RenderQueue>,
     diagnostics: Option<Res<DiagnosticsRecorder>>,
     reports: Res<Reports>,
@@ -362,8 +375,17 @@ pub(crate) fn record_volume(
     }
     volumes.lights.clear();
     volumes.lights.extend(scene_lights.lights.iter().map(|light| scaled(light.light, share)));
+    let map = view.surroundings.and_then(|surroundings| match surroundings.cube(&images) {
+        Ok(cube) => Some((cube?, surroundings)),
+        Err(missing) => {
+            reports.once(LumivoxEvent::Unsupported { missing: missing.to_owned() });
+            None
+        }
+    });
     let frame = Frame {
         view,
+        map: map.as_ref().map(|(cube, surroundings)| (cube, surroundings)),
+        share,
         scene: &scene,
         lights: &volumes.lights,
         shadow_maps,
@@ -386,6 +408,10 @@ pub(crate) fn record_volume(
 /// What a frame does to voxels.
 struct Frame<'a> {
     view: &'a GiView,
+    /// The environment map, if it is there.
+    map: Option<(&'a wgpu::TextureView, &'a Surroundings)>,
+    /// Lumivox's unit of radiance in one cd/m².
+    share: f32,
     scene: &'a SceneGeometry,
     lights: &'a [Light],
     shadow_maps: &'a ShadowMaps,
@@ -400,11 +426,38 @@ impl Frame<'_> {
 }
 
 impl Voxels {
+    /// Takes the environment map, if it has changed.
+    fn follow_map(
+        &mut self,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame<'_>,
+    ) {
+        let Some((cube, surroundings)) = frame.map else {
+            self.taken = None;
+            return;
+        };
+        let settings = surroundings.cube_use(frame.share, frame.ambient);
+        let is_known = self.taken.as_ref().is_some_and(|taken| *taken == (cube.clone(), settings));
+        self.frames_taken = self.frames_taken.saturating_add(1);
+        if is_known && !surroundings.is_due(self.frames_taken) {
+            return;
+        }
+        self.cube.record(&mut Recorder::on(device, queue, encoder), cube, settings);
+        self.gi.forget_light();
+        if !is_known {
+            self.frames_at_rest = 0;
+            self.frames_taken = 0;
+            self.taken = Some((cube.clone(), settings));
+        }
+    }
+
     /// Sets the lights, if they have changed.
     fn follow_lights(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>) {
         let bound = &frame.shadow_maps.bound;
         let is_known = self.lit_by.0 == frame.lights
             && self.lit_by.1 == frame.ambient
+            && self.lit_by.2 == self.taken.is_some()
             && self.bound_maps.as_ref() == Some(bound);
         if is_known {
             return;
@@ -413,8 +466,17 @@ impl Voxels {
         self.lit_by.0.clear();
         self.lit_by.0.extend_from_slice(frame.lights);
         self.lit_by.1 = frame.ambient;
+        self.lit_by.2 = self.taken.is_some();
         self.bound_maps = Some(bound.clone());
-        let environment = EnvironmentLight::from(frame.ambient);
+        let environment = match self.taken {
+            // The ambient light is in it.
+            Some(_) => EnvironmentLight {
+                radiance: Vec3::ONE,
+                map: Some(self.cube.map()),
+                rotation_rad: 0.0,
+            },
+            None => EnvironmentLight::from(frame.ambient),
+        };
         self.lights.update(queue, frame.lights, environment, ShadowSource::Own(bound));
     }
 
@@ -434,6 +496,7 @@ impl Voxels {
         if self.refused == Some(version) {
             return Ok(());
         }
+        self.follow_map((device, queue), encoder, frame);
         self.follow_lights(queue, frame);
         if frame.has_mapped_lights() && FRAMES_OF_NEW_MAPS.contains(&self.frames_at_rest) {
             self.gi.forget_light();

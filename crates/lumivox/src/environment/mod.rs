@@ -18,9 +18,12 @@
 //! A cube's texels have about the same size in all directions. It is flat in one texture, with
 //! borders for filtering across its edges ([`atlas`]), because not every driver filters cube
 //! textures correctly.
+//!
+//! A cube texture of an engine's sky is taken over on the GPU ([`cubed`]), in the same layout.
 
 mod atlas;
 mod cube;
+mod cubed;
 mod peaks;
 #[cfg(test)]
 mod tests;
@@ -31,9 +34,15 @@ use half::f16;
 
 use crate::{GiError, Light, LightSource, Shadow};
 use cube::Cube;
+#[cfg(test)]
+pub(crate) use cubed::{CubeLevel, CubeLight};
+pub use cubed::{CubeUse, EnvironmentCube};
 
 /// The shader modules of this folder.
-pub(crate) const MODULES: &[(&str, &str)] = &[("environment", include_str!("environment.wgsl"))];
+pub(crate) const MODULES: &[(&str, &str)] = &[
+    ("environment", include_str!("environment.wgsl")),
+    ("environment::cubed", include_str!("cubed.wgsl")),
+];
 
 /// The longest edge of a face of the sharp cube; a face's middle then has 9 texels a degree. 74 MiB.
 const MAX_SHARP_EDGE: u32 = 1024;

@@ -3,10 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Mat3, Vec3, Vec4};
+use half::f16;
 
 use super::cube::{Cube, Image, direction, reduced, solid_angle_sr};
 use super::peaks::split;
-use super::{EnvironmentLight, EnvironmentMap, Panorama};
+use super::{CubeUse, EnvironmentCube, EnvironmentLight, EnvironmentMap, Panorama};
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Timing, storage_buffer, upload,
 };
@@ -367,6 +368,85 @@ fn samples_of_the_map_are_as_wide_everywhere() {
         // A texel at the edge is 1.19 times as high as wide, and levels are powers of two.
         assert!((0.85..1.45).contains(&(edge / middle)), "width {width}: {middle} and {edge}");
     }
+}
+
+/// A cube texture of half floats, as engines have them.
+fn cube_texture(device: &wgpu::Device, queue: &wgpu::Queue, cube: &Cube) -> wgpu::TextureView {
+    let size = wgpu::Extent3d { width: cube.edge, height: cube.edge, depth_or_array_layers: 6 };
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("sky of an engine"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let halves: Vec<[f16; 4]> =
+        cube.texels.iter().map(|texel| texel.extend(1.0).to_array().map(f16::from_f32)).collect();
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(8 * cube.edge),
+        rows_per_image: Some(cube.edge),
+    };
+    queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&halves), layout, size);
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::Cube),
+        ..Default::default()
+    })
+}
+
+/// A cube texture gives the light of the panorama that it shows, at every width, with its factor, turned, and with light from
+/// everywhere added. Of a finer and of a coarser one.
+#[test]
+fn a_cube_texture_gives_the_light_of_its_panorama() {
+    let tile = Tile::new(Vec3::Y);
+    let image = image(256, |d| {
+        let lamp = 3.0 * (20.0 * (d.dot(DVec3::new(0.6, 0.48, 0.64)) - 1.0)).exp();
+        gradient(d) + Vec3::splat(lamp as f32)
+    });
+    let shaders = tile.gi.shaders();
+    let truth = EnvironmentMap::new(&tile.device, &tile.queue, image.panorama()).expect("a map");
+    let questions: Vec<Vec4> = (0..400)
+        .map(|i| {
+            let (y, turn) = ((i as f32 + 0.5) / 200.0 - 1.0, 2.4 * i as f32);
+            let level = (1.0 - y * y).sqrt();
+            let width = [0.03, 0.1, 0.3, 0.6][i % 4];
+            Vec4::new(level * turn.cos(), y, level * turn.sin(), width)
+        })
+        .collect();
+    for edge in [128, 32] {
+        let view = cube_texture(&tile.device, &tile.queue, &Cube::project(image.panorama(), edge));
+        let mut cube = EnvironmentCube::new(&tile.device, shaders, 64).expect("a good edge");
+        let turn = Mat3::from_rotation_x(0.8) * Mat3::from_rotation_y(-0.5);
+        let added = Vec3::new(0.2, 0.1, 0.0);
+        for settings in [CubeUse::default(), CubeUse { cube_from_world: turn, factor: 2.0, added }]
+        {
+            let mut recorder = Recorder::new(&tile.device, &tile.queue);
+            cube.record(&mut recorder, &view, settings);
+            recorder.submit();
+            let found = tile.ask(cube.map(), RADIANCE_WGSL, &questions);
+            let turned: Vec<Vec4> = questions
+                .iter()
+                .map(|q| (settings.cube_from_world * q.truncate()).extend(q.w))
+                .collect();
+            let expected = tile.ask(&truth, RADIANCE_WGSL, &turned);
+            let mut squares = 0.0;
+            for ((found, expected), question) in found.iter().zip(&expected).zip(&questions) {
+                let expected = *expected * settings.factor + settings.added;
+                let error = (*found - expected).abs().max_element() / expected.max_element();
+                // Coarse texels of a turned map lie elsewhere.
+                assert!(error < 0.15, "{edge} {question}: {found}, not {expected}");
+                squares += error * error;
+            }
+            let rms = (squares / questions.len() as f32).sqrt();
+            println!("{edge}: {rms}");
+            assert!(rms < 0.03, "{edge}: {rms}");
+        }
+    }
+    let refused = EnvironmentCube::new(&tile.device, shaders, 100);
+    assert!(refused.is_err_and(|error| error.to_string().contains("power of two")));
 }
 
 const GATHER_WGSL: &str = "

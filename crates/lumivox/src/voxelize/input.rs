@@ -61,6 +61,9 @@ pub(crate) const ALPHA_IS_COVERAGE: u32 = 2;
 pub(crate) const HAS_COLORS: u32 = 4;
 /// Indices have 16 bits.
 pub(crate) const HAS_SHORT_INDICES: u32 = 8;
+/// Colours are four floats, or four bytes; else four 16-bit numbers.
+pub(crate) const HAS_FLOAT_COLORS: u32 = 16;
+pub(crate) const HAS_BYTE_COLORS: u32 = 32;
 
 /// Neighbouring draws that share their textures.
 #[derive(Clone, Debug, PartialEq)]
@@ -269,6 +272,18 @@ fn has_colors(batch: &GeometryBatch) -> bool {
     batch.attributes.as_ref().is_some_and(|attributes| attributes.color.is_some())
 }
 
+fn color_flags(batch: &GeometryBatch) -> u32 {
+    let Some(attributes) = batch.attributes.as_ref().filter(|_| has_colors(batch)) else {
+        return 0;
+    };
+    HAS_COLORS
+        | match attributes.color_format {
+            wgpu::VertexFormat::Float32x4 => HAS_FLOAT_COLORS,
+            wgpu::VertexFormat::Unorm8x4 => HAS_BYTE_COLORS,
+            _ => 0,
+        }
+}
+
 /// What a kernel has to sample of a material on a batch's vertices.
 fn detail(material: &SurfaceMaterial, batch: &GeometryBatch) -> Detail {
     let varies = material.reflectance_texture.is_some() || has_colors(batch);
@@ -360,7 +375,7 @@ fn draw_record(
         base_vertex: draw.base_vertex,
         flags: flag(material.double_sided, DOUBLE_SIDED)
             | flag(material.alpha_is_coverage, ALPHA_IS_COVERAGE)
-            | flag(has_colors(batch), HAS_COLORS)
+            | color_flags(batch)
             | flag(batch.indices.format == wgpu::IndexFormat::Uint16, HAS_SHORT_INDICES),
         transmission: material.transmission,
         reflectance_place,

@@ -118,6 +118,8 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("DOUBLE_SIDED", input::DOUBLE_SIDED)
         .constant_u32("ALPHA_IS_COVERAGE", input::ALPHA_IS_COVERAGE)
         .constant_u32("HAS_COLORS", input::HAS_COLORS)
+        .constant_u32("HAS_FLOAT_COLORS", input::HAS_FLOAT_COLORS)
+        .constant_u32("HAS_BYTE_COLORS", input::HAS_BYTE_COLORS)
         .constant_u32("HAS_SHORT_INDICES", input::HAS_SHORT_INDICES);
 }
 

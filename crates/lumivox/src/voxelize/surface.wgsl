@@ -1,6 +1,6 @@
 // What a triangle's surface looks like at a point: its material's factors times its textures and colours.
 
-import package::constants::{ALPHA_IS_COVERAGE, HAS_COLORS};
+import package::constants::{ALPHA_IS_COVERAGE, HAS_BYTE_COLORS, HAS_COLORS, HAS_FLOAT_COLORS};
 import package::voxelize::triangles::{attributes, draws, TexturePlace};
 import package::voxelize::walk::Walk;
 
@@ -68,6 +68,14 @@ fn color_at(vertex: u32, draw: u32) -> vec4f {
         return vec4f(1.0);
     }
     let word = vertex * draws[draw].vertex_words + draws[draw].color_word;
+    if (draws[draw].flags & HAS_FLOAT_COLORS) != 0u {
+        let words = vec4u(
+            attributes[word], attributes[word + 1u], attributes[word + 2u], attributes[word + 3u]);
+        return bitcast<vec4f>(words);
+    }
+    if (draws[draw].flags & HAS_BYTE_COLORS) != 0u {
+        return unpack4x8unorm(attributes[word]);
+    }
     return vec4f(unpack2x16unorm(attributes[word]), unpack2x16unorm(attributes[word + 1u]));
 }
 

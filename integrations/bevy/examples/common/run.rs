@@ -1,7 +1,7 @@
 //! Runs an example: in a window with the feature `window`, else some frames of it into pictures.
 //!
-//! `cargo run --release --example NAME -- [--frames N] [--size WIDTHxHEIGHT]` saves pictures of three of the frames in
-//! `pictures/`, and prints what a frame takes with global illumination and without.
+//! `cargo run --release --example NAME -- [--frames N] [--size WIDTHxHEIGHT] [--out FOLDER]` saves pictures of three of the
+//! frames (in `pictures/`), and prints what a frame takes with global illumination and without.
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
@@ -15,11 +15,11 @@ fn tone_map(added: On<Add<Camera3d>>, mut commands: Commands) {
     commands.entity(added.entity).insert(Tonemapping::AcesFitted);
 }
 
-/// Runs it. `build` adds systems; cameras, with [`bevy_lumivox::LumivoxGi`], are spawned at startup.
+/// Runs it. `build` adds the plugin and systems; cameras are spawned at startup.
 #[cfg(feature = "window")]
 pub fn run(_name: &str, build: impl FnOnce(&mut App)) {
     let mut app = App::new();
-    app.add_plugins((DefaultPlugins, bevy_lumivox::LumivoxPlugin::default()));
+    app.add_plugins(DefaultPlugins);
     app.init_resource::<Clock>().add_observer(tone_map);
     app.add_systems(First, |mut clock: ResMut<Clock>, time: Res<Time>| {
         clock.0 = time.elapsed_secs()
@@ -28,7 +28,7 @@ pub fn run(_name: &str, build: impl FnOnce(&mut App)) {
     app.run();
 }
 
-/// Runs it. `build` adds systems; cameras, with [`bevy_lumivox::LumivoxGi`], are spawned at startup.
+/// Runs it. `build` adds the plugin and systems; cameras are spawned at startup.
 #[cfg(not(feature = "window"))]
 pub fn run(name: &str, build: impl FnOnce(&mut App)) {
     use std::time::Instant;
@@ -39,9 +39,9 @@ pub fn run(name: &str, build: impl FnOnce(&mut App)) {
 
     use super::headless;
 
-    let (frames, size) = arguments();
+    let Arguments { frames, size, out } = arguments();
     let mut app = App::new();
-    app.add_plugins((headless::plugins(), bevy_lumivox::LumivoxPlugin::default()));
+    app.add_plugins(headless::plugins());
     app.init_resource::<Clock>().add_observer(tone_map);
     build(&mut app);
     headless::start(&mut app);
@@ -53,7 +53,11 @@ pub fn run(name: &str, build: impl FnOnce(&mut App)) {
     for camera in cameras.iter(world).collect::<Vec<_>>() {
         app.world_mut().entity_mut(camera).insert::<RenderTarget>(target.clone());
     }
-    headless::wait_until_ready(&mut app);
+    let world = app.world_mut();
+    let is_lit = world.query::<&LumivoxGi>().iter(world).next().is_some();
+    if is_lit {
+        headless::wait_until_ready(&mut app);
+    }
     let timed = |app: &mut App, saves: bool| {
         headless::wait_for_gpu(app);
         let (start, made) = (Instant::now(), MadeResources::now());
@@ -62,7 +66,7 @@ pub fn run(name: &str, build: impl FnOnce(&mut App)) {
             app.update();
             let place = [frames / 3, 2 * frames / 3, frames - 1].iter().position(|at| *at == frame);
             if let Some(place) = place.filter(|_| saves) {
-                headless::shot(app, &image).save(format!("pictures/{name}-{place}.png"), 1.0);
+                headless::shot(app, &image).save(out.join(format!("{name}-{place}.png")), 1.0);
             }
         }
         headless::wait_for_gpu(app);
@@ -77,6 +81,10 @@ pub fn run(name: &str, build: impl FnOnce(&mut App)) {
         )
     };
     let (with, made) = timed(&mut app, true);
+    if !is_lit {
+        println!("{name}: {frames} frames of {}x{}: {with:.0} ms each", size.x, size.y);
+        return;
+    }
     let world = app.world_mut();
     let mut lit = world.query_filtered::<Entity, With<LumivoxGi>>();
     for camera in lit.iter(world).collect::<Vec<_>>() {
@@ -91,9 +99,15 @@ pub fn run(name: &str, build: impl FnOnce(&mut App)) {
     );
 }
 
-/// Frames, and the size of pictures.
 #[cfg(not(feature = "window"))]
-fn arguments() -> (u32, UVec2) {
+struct Arguments {
+    frames: u32,
+    size: UVec2,
+    out: std::path::PathBuf,
+}
+
+#[cfg(not(feature = "window"))]
+fn arguments() -> Arguments {
     let arguments: Vec<String> = std::env::args().collect();
     let value = |name: &str| {
         let place = arguments.iter().position(|argument| argument == name)?;
@@ -104,5 +118,6 @@ fn arguments() -> (u32, UVec2) {
         let (width, height) = size.split_once('x')?;
         Some(UVec2::new(width.parse().ok()?, height.parse().ok()?))
     });
-    (frames, size.unwrap_or(UVec2::new(320, 180)))
+    let out = value("--out").unwrap_or_else(|| "pictures".to_owned()).into();
+    Arguments { frames, size: size.unwrap_or(UVec2::new(320, 180)), out }
 }

@@ -6,6 +6,7 @@ mod common;
 mod baked;
 mod changes;
 mod deforming;
+mod examples;
 mod limits;
 mod stage;
 mod truth;

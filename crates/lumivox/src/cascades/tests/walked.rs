@@ -5,7 +5,7 @@ use super::*;
 /// The voxels are those of a new clipmap at the place, to the bit.
 #[track_caller]
 fn assert_fresh(lit: &Lit, geometry: &Geometry, place: Vec3) {
-    let fresh = Lit::of(geometry, cascades(place, 3, 64), &[], Vec3::ONE, 0).faces();
+    let fresh = Lit::of(geometry, cascades(place, 3, 32), &[], Vec3::ONE, 0).faces();
     let own = lit.faces();
     assert_eq!(own.len(), fresh.len());
     for (key, face) in &fresh {
@@ -25,7 +25,7 @@ fn only_what_enters_the_boxes_is_walked() {
     };
     let start = ROOM + Vec3::new(0.5, 0.35, 0.45);
     let stride = STRIDE as f32 * VOXEL_M;
-    let mut lit = Lit::new(floor(), cascades(start, 3, 64), &[], Vec3::ONE, 1);
+    let mut lit = Lit::new(floor(), cascades(start, 3, 32), &[], Vec3::ONE, 1);
     let geometry = floor().build(&device);
     pollster::block_on(lit.gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     // The first move walks over all, since nothing is kept of static surface that nobody asks for.
@@ -77,7 +77,7 @@ fn draws_that_come_and_go_are_walked_alone() {
     let start = ROOM + Vec3::new(0.5, 0.35, 0.45);
     let stride = STRIDE as f32 * VOXEL_M;
     let last = geometry.batches[0].draws.len() - 1;
-    let mut lit = Lit::of(&geometry, cascades(start, 3, 64), &[], Vec3::ONE, 1);
+    let mut lit = Lit::of(&geometry, cascades(start, 3, 32), &[], Vec3::ONE, 1);
     lit.follow(&geometry, start + stride * Vec3::X);
     let all = lit.gi.static_items();
     let moves: [(&[usize], f32, u64); 5] = [
@@ -109,7 +109,7 @@ fn voxels_follow_draws_that_never_rest() {
     let geometry = plates().build(&device().0);
     let start = ROOM + Vec3::new(0.5, 0.35, 0.45);
     let first = geometry.batches[0].draws.len() - 16;
-    let mut lit = Lit::of(&geometry, cascades(start, 3, 64), &[], Vec3::ONE, 1);
+    let mut lit = Lit::of(&geometry, cascades(start, 3, 32), &[], Vec3::ONE, 1);
     let mut counts = std::collections::BTreeSet::new();
     for frame in 0..40 {
         let gone: Vec<usize> = (0..frame % 16).map(|plate| first + plate).collect();

@@ -117,14 +117,25 @@ fn check_indices(indices: &Indices) -> Result<(), String> {
 
 /// The layout of a batch's attributes: whole words, within a vertex.
 fn check_attributes(attributes: &VertexAttributes) -> Result<(), String> {
-    let VertexAttributes { buffer, stride, offset, texcoords, color } = attributes;
+    let VertexAttributes { buffer, stride, offset, texcoords, color, color_format } = attributes;
+    let color_bytes = match color_format {
+        wgpu::VertexFormat::Unorm8x4 => 4,
+        wgpu::VertexFormat::Unorm16x4 => 8,
+        wgpu::VertexFormat::Float32x4 => 16,
+        other => {
+            return Err(format!(
+                "its colours have the format {other:?}; give Unorm8x4, Unorm16x4 or Float32x4"
+            ));
+        }
+    };
     check_offset("attributes", *offset, 4, buffer)?;
     if !stride.is_multiple_of(4) {
         return Err(format!("the stride of its attributes, {stride} bytes, is no multiple of 4"));
     }
-    for offset in texcoords.iter().chain([color]).flatten() {
+    let sized = texcoords.iter().map(|offset| (offset, 8)).chain([(color, color_bytes)]);
+    for (offset, bytes) in sized.filter_map(|(offset, bytes)| Some(((*offset)?, bytes))) {
         let fits =
-            offset.is_multiple_of(4) && offset.checked_add(8).is_some_and(|end| end <= *stride);
+            offset.is_multiple_of(4) && offset.checked_add(bytes).is_some_and(|end| end <= *stride);
         if !fits {
             return Err(format!(
                 "an attribute at byte {offset} does not lie in whole words within the stride of \

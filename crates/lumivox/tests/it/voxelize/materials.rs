@@ -234,14 +234,30 @@ fn colours_of_vertices_multiply_reflectance_and_alpha() {
     let (none, full) = (0, u16::MAX);
     let colors =
         [[none, full, full, full], WHITE, [full, full, full, none], [none, full, full, none]];
-    geometry.batches[0].attributes = Some(interleaved(&lab, [Vec2::ZERO; 4], colors));
-    for ([x, y], face) in columns(&lab, &geometry) {
-        let (u, v) = ((x as f32 - 3.5) / 8.0, (y as f32 - 3.5) / 8.0);
-        // Two pieces share the diagonal's voxels, and the more solid one weighs more.
-        let error = (Vec3::from(face.reflectance) - Vec3::new(0.8 * u, 0.5, 0.99)).abs();
-        assert!(error.max_element() < 0.01, "{x} {y}: {:?}", face.reflectance);
-        assert!((along(&face) - (1.0 - v)).abs() < 2e-3, "{x} {y}: {face:?}");
-        assert!((face.emission[0] - 3.0).abs() < 1e-4, "{x} {y}: {:?}", face.emission);
+    let shares = colors.map(|color| color.map(|channel| f32::from(channel) / f32::from(u16::MAX)));
+    let alone = |format, words: &[u32]| {
+        let buffer = upload(&lab.device, "colours", words);
+        let mut attributes = lumivox::VertexAttributes::new(buffer, words.len() as u32);
+        (attributes.color, attributes.color_format) = (Some(0), format);
+        attributes
+    };
+    let floats: Vec<u32> = shares.iter().flatten().map(|share| share.to_bits()).collect();
+    let bytes = shares.map(|color| u32::from_le_bytes(color.map(|share| (255.0 * share) as u8)));
+    let stored = [
+        interleaved(&lab, [Vec2::ZERO; 4], colors),
+        alone(wgpu::VertexFormat::Float32x4, &floats),
+        alone(wgpu::VertexFormat::Unorm8x4, &bytes),
+    ];
+    for attributes in stored {
+        geometry.batches[0].attributes = Some(attributes);
+        for ([x, y], face) in columns(&lab, &geometry) {
+            let (u, v) = ((x as f32 - 3.5) / 8.0, (y as f32 - 3.5) / 8.0);
+            // Two pieces share the diagonal's voxels, and the more solid one weighs more.
+            let error = (Vec3::from(face.reflectance) - Vec3::new(0.8 * u, 0.5, 0.99)).abs();
+            assert!(error.max_element() < 0.01, "{x} {y}: {:?}", face.reflectance);
+            assert!((along(&face) - (1.0 - v)).abs() < 2e-3, "{x} {y}: {face:?}");
+            assert!((face.emission[0] - 3.0).abs() < 1e-4, "{x} {y}: {:?}", face.emission);
+        }
     }
 }
 
@@ -290,4 +306,8 @@ fn attributes_that_do_not_fit_are_refused() {
     assert!(error_of(&|a| a.stride = 10).contains("multiple of 4"));
     assert!(error_of(&|a| a.texcoords[1] = Some(4)).contains("byte 4"));
     assert!(error_of(&|a| a.color = Some(u32::MAX - 3)).contains("stride of 8"));
+    let format = wgpu::VertexFormat::Float32x4;
+    assert!(error_of(&|a| (a.color, a.color_format) = (Some(0), format)).contains("stride of 8"));
+    let format = wgpu::VertexFormat::Float32x3;
+    assert!(error_of(&|a| a.color_format = format).contains("Float32x3"));
 }

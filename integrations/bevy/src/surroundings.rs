@@ -1,0 +1,151 @@
+//! Environment maps as the light outside the voxels, and what the air leaves of a sun.
+//!
+//! The map of a camera ([`EnvironmentMapLight`]: given, generated, or the atmosphere's) is copied on the GPU into Lumivox's form,
+//! and Bevy's own light of it, which nothing stops, is left out while the voxels are shown. So is that of
+//! reflection probes and irradiance volumes.
+
+use bevy::light::atmosphere::ScatteringMedium;
+use bevy::light::{
+    Atmosphere, EnvironmentMapLight, GeneratedEnvironmentMapLight, IrradianceVolume,
+};
+use bevy::pbr::RenderViewLightProbes;
+use bevy::prelude::*;
+use bevy::render::render_asset::RenderAssets;
+use bevy::render::texture::GpuImage;
+use lumivox::CubeUse;
+use lumivox::wgpu;
+
+use crate::views::GiViews;
+use crate::volumes::Volumes;
+
+/// Texels along an edge of a face of Lumivox's copy: 0.7 degrees.
+pub(crate) const EDGE: u32 = 128;
+/// Frames after which a map that Bevy computes anew in each frame is taken again.
+const FRAMES_OF_GENERATED: u32 = 32;
+/// Steps along the way of sunlight through the air.
+const AIR_STEPS: u32 = 40;
+
+/// The environment map of a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Surroundings {
+    image: AssetId<Image>,
+    /// cd/m² of the map's values.
+    intensity: f32,
+    cube_from_world: Mat3,
+    /// Bevy computes it anew in each frame.
+    is_generated: bool,
+}
+
+impl Surroundings {
+    pub(crate) fn new(
+        map: &EnvironmentMapLight,
+        generated: Option<&GeneratedEnvironmentMapLight>,
+    ) -> Option<Self> {
+        if !(map.intensity > 0.0 && map.intensity.is_finite()) {
+            return None;
+        }
+        // Cube textures are left-handed, as in Bevy's shader.
+        let mirror = Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0));
+        Some(Self {
+            // Before it is filtered, where there is that: the first mip has all of the directions sharp.
+            image: generated.map_or(map.specular_map.id(), |source| source.environment_map.id()),
+            intensity: map.intensity,
+            cube_from_world: mirror * Mat3::from_quat(map.rotation.inverse()),
+            is_generated: generated.is_some(),
+        })
+    }
+
+    /// The cube texture, once it is there; `Err` where it is of a kind that is not read.
+    pub(crate) fn cube(
+        &self,
+        images: &RenderAssets<GpuImage>,
+    ) -> Result<Option<wgpu::TextureView>, &'static str> {
+        let Some(image) = images.get(self.image) else { return Ok(None) };
+        let texture = &image.texture;
+        let is_cube = texture.depth_or_array_layers() == 6
+            && texture.dimension() == wgpu::TextureDimension::D2;
+        if !is_cube {
+            return Err("an environment map is no cube texture of six layers");
+        }
+        let filterable = wgpu::TextureSampleType::Float { filterable: true };
+        if texture.format().sample_type(None, None) != Some(filterable) {
+            return Err("an environment map is of a format that cannot be filtered; give it as Rgba16Float");
+        }
+        Ok(Some((*image.texture_view).clone()))
+    }
+
+    /// How it is read, in a unit of radiance of which `share` is one cd/m².
+    pub(crate) fn cube_use(&self, share: f32, added: Vec3) -> CubeUse {
+        CubeUse {
+            cube_from_world: self.cube_from_world,
+            factor: self.intensity * share,
+            added,
+        }
+    }
+
+    /// Whether to take it again, so many frames after it was first taken: Bevy filters a map once its pipelines are compiled,
+    /// and does not tell.
+    pub(crate) fn is_due(&self, frames: u32) -> bool {
+        let is_new = frames < FRAMES_OF_GENERATED && frames.is_power_of_two();
+        self.is_generated && (is_new || frames % FRAMES_OF_GENERATED == 0)
+    }
+}
+
+/// Keeps Bevy from adding environment maps, reflection probes and irradiance volumes to views whose voxels are ready. Bevy gathers
+/// them anew in each frame, so that they come back by themselves.
+pub(crate) fn take_maps_over(
+    mut commands: Commands,
+    gi_views: Res<GiViews>,
+    volumes: Res<Volumes>,
+) {
+    for view in &gi_views.views {
+        if volumes.shown(&view.key).is_some()
+            && let Ok(mut view) = commands.get_entity(view.entity)
+        {
+            view.try_remove::<(
+                RenderViewLightProbes<EnvironmentMapLight>,
+                RenderViewLightProbes<IrradianceVolume>,
+            )>();
+        }
+    }
+}
+
+/// The share of a sun's light that reaches a place through the air (the optical depth of Beer, 1852; Bevy's shaders read it
+/// from a table). `towards` is a unit vector.
+pub(crate) fn transmittance(
+    (atmosphere, planet): (&Atmosphere, &GlobalTransform),
+    medium: &ScatteringMedium,
+    position: Vec3,
+    towards: Vec3,
+) -> Vec3 {
+    let scale = planet.scale().max_element().max(1e-9);
+    let (inner, outer) = (atmosphere.inner_radius, atmosphere.outer_radius);
+    // From the planet's middle, in its own metres; in f64, since radii are large.
+    let offset = ((position - planet.translation()) / scale).as_dvec3();
+    let radius = offset.length().max(f64::from(inner));
+    let cosine = offset.normalize_or(bevy::math::DVec3::Y).dot(towards.as_dvec3());
+    let across = radius * (1.0 - cosine * cosine).max(0.0).sqrt();
+    if cosine < 0.0 && across < f64::from(inner) {
+        // The planet stands before it.
+        return Vec3::ZERO;
+    }
+    let reach = (f64::from(outer).powi(2) - across * across).max(0.0).sqrt() - radius * cosine;
+    let mut depth = Vec3::ZERO;
+    let mut from = 0.0;
+    for step in 1..=AIR_STEPS {
+        // Finer where the air is denser.
+        let share = f64::from(step) / f64::from(AIR_STEPS);
+        let to = reach.max(0.0) * share * share;
+        let along = 0.5 * (from + to);
+        let height = (radius * radius + along * along + 2.0 * radius * along * cosine).sqrt();
+        let falloff = 1.0 - (height as f32 - inner) / (outer - inner).max(1e-3);
+        let density: Vec3 = medium
+            .terms
+            .iter()
+            .map(|term| (term.absorption + term.scattering) * term.falloff.sample(falloff.clamp(0.0, 1.0)))
+            .sum();
+        depth += density * (to - from) as f32;
+        from = to;
+    }
+    (-depth).exp()
+}

@@ -1,0 +1,71 @@
+//! The examples, run as programs: their pictures are those that were looked at.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::stage::alone;
+
+const FRAMES: &str = "24";
+const SIZE: &str = "96x54";
+/// The most that a picture may be off, root mean square of sRGB values: noise of other turns of the cones is some 0.01.
+const TOLERANCE: f32 = 0.03;
+
+/// Runs an example, and compares its last picture. `LUMIVOX_BLESS=1` puts it in the place of the other.
+#[track_caller]
+fn looks_right(name: &str) {
+    let _alone = alone();
+    let folder = std::env::current_exe().expect("a path");
+    let target = folder.parent().and_then(Path::parent).expect("a folder of programs");
+    let program = target.join("examples").join(name);
+    assert!(program.exists(), "{} is not there: build the examples", program.display());
+    let out = PathBuf::from("target/pictures/examples");
+    let run = Command::new(program)
+        .args(["--frames", FRAMES, "--size", SIZE, "--out"])
+        .arg(&out)
+        .output()
+        .expect("it runs");
+    let told = String::from_utf8_lossy(&run.stdout);
+    assert!(run.status.success(), "{told}{}", String::from_utf8_lossy(&run.stderr));
+    println!("{told}");
+    let file = format!("{name}-2.png");
+    let (made, expected) = (out.join(&file), Path::new("tests/pictures").join(&file));
+    if std::env::var_os("LUMIVOX_BLESS").is_some() {
+        std::fs::create_dir_all("tests/pictures").expect("a folder");
+        std::fs::copy(&made, &expected).expect("copied");
+        return;
+    }
+    let [found, there] = [&made, &expected].map(|path| {
+        let picture = image::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        picture.into_rgb32f()
+    });
+    assert_eq!(found.dimensions(), there.dimensions());
+    let squares = found.as_raw().iter().zip(there.as_raw()).map(|(one, other)| (one - other).powi(2));
+    let rms = (squares.sum::<f32>() / found.as_raw().len() as f32).sqrt();
+    println!("{name}: off by {rms}");
+    assert!(rms < TOLERANCE, "{} is off by {rms} from {}", made.display(), expected.display());
+}
+
+#[test]
+fn cornell_looks_right() {
+    looks_right("cornell");
+}
+
+#[test]
+fn torch_looks_right() {
+    looks_right("torch");
+}
+
+#[test]
+fn atrium_looks_right() {
+    looks_right("atrium");
+}
+
+#[test]
+fn terrain_looks_right() {
+    looks_right("terrain");
+}
+
+#[test]
+fn baked_looks_right() {
+    looks_right("baked");
+}
