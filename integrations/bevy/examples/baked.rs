@@ -1,7 +1,7 @@
 //! Light without the plugin: the Cornell box with an irradiance volume that `lumivox bake` has written.
 //!
 //! The volume was made by this command:
-//! `lumivox bake cornell --spacing 0.25 -o integrations/bevy/assets/cornell.ktx2`, which prints the volume's place.
+//! `lumivox bake builtin:cornell --spacing 0.25 -o integrations/bevy/assets/cornell.ktx2`, which prints the volume's place.
 
 mod common;
 
@@ -24,6 +24,6 @@ fn setup(world: &mut World) {
     let (transform, projection) = scene::camera(&given);
     world.spawn((Camera3d::default(), transform, projection, Exposure { ev100: 3.5 }));
     let voxels = world.resource::<AssetServer>().load("cornell.ktx2");
-    let place = Transform::from_xyz(0.0, 1.0, 0.0).with_scale(Vec3::splat(2.0));
+    let place = Transform::from_xyz(0.0, 1.0, 0.0).with_scale(Vec3::splat(2.004));
     world.spawn((IrradianceVolume { voxels, intensity: 1.0, ..default() }, place));
 }

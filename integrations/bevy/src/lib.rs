@@ -121,8 +121,10 @@ impl Plugin for LumivoxPlugin {
             .add_systems(
                 Render,
                 (
+                    // Before pipelines are chosen by what views have.
                     (views::take_ambient_over, surroundings::take_maps_over)
-                        .in_set(RenderSystems::PrepareAssets),
+                        .after(RenderSystems::ExtractCommands)
+                        .before(RenderSystems::PrepareAssets),
                     scene::update_scene.in_set(RenderSystems::PrepareResources),
                     screen::prepare_screens.in_set(RenderSystems::PrepareBindGroups),
                 ),

@@ -12,7 +12,7 @@ use lumivox::gpu::{Pipelines, Recorder};
 use lumivox::hooks::Resource as Bound;
 use lumivox::{
     CubeUse, EnvironmentCube, EnvironmentLight, Gi, GiConfig, GiError, Grid, Light, Lights, Shadow,
-    ShadowSource, wgpu,
+    ShadowSource, VolumeKind, wgpu,
 };
 
 use crate::compose::Compose;
@@ -321,7 +321,12 @@ fn make(
 ) -> Task<Result<Made, GiError>> {
     let (pipelines, queue) = (pipelines.clone(), queue.clone());
     let link = move || -> Result<(Pipelines, Made), GiError> {
+        let volume = match settings.volume.cascades() {
+            Some(_) => VolumeKind::Cascades,
+            None => VolumeKind::Dense,
+        };
         let config = GiConfig {
+            volume,
             gbuffer: Some(gbuffer::module()),
             shadow_maps: Some(shadows::module()),
             ..GiConfig::new(grid)

@@ -33,7 +33,6 @@ pub fn run(_name: &str, build: impl FnOnce(&mut App)) {
 pub fn run(name: &str, build: impl FnOnce(&mut App)) {
     use std::time::Instant;
 
-    use bevy::camera::RenderTarget;
     use bevy_lumivox::LumivoxGi;
     use bevy_lumivox::lumivox::gpu::MadeResources;
 
@@ -46,13 +45,11 @@ pub fn run(name: &str, build: impl FnOnce(&mut App)) {
     build(&mut app);
     headless::start(&mut app);
     let (image, target) = headless::target(&mut app, size);
-    // The first frame spawns the camera, which has no window to draw to.
+    // There is no window to draw to.
+    app.add_observer(move |added: On<Add<Camera3d>>, mut commands: Commands| {
+        commands.entity(added.entity).insert(target.clone());
+    });
     app.update();
-    let world = app.world_mut();
-    let mut cameras = world.query_filtered::<Entity, With<Camera3d>>();
-    for camera in cameras.iter(world).collect::<Vec<_>>() {
-        app.world_mut().entity_mut(camera).insert::<RenderTarget>(target.clone());
-    }
     let world = app.world_mut();
     let is_lit = world.query::<&LumivoxGi>().iter(world).next().is_some();
     if is_lit {

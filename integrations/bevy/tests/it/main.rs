@@ -10,3 +10,4 @@ mod examples;
 mod limits;
 mod stage;
 mod truth;
+mod worlds;
