@@ -129,6 +129,7 @@ impl Gi {
         queue: &wgpu::Queue,
         config: GiConfig,
     ) -> Result<Self, GiError> {
+        check_limits(&device.limits())?;
         let mut shaders = crate::shaders::library();
         if let Some(model) = &config.cones {
             shaders.add("cones::model", model.module());
@@ -455,4 +456,25 @@ fn follow(
     if let Some(cells) = changes.cells() {
         volume.bind(device, (taken.list, shown.now), cells);
     }
+}
+
+/// What kernels need is what WebGPU guarantees; engines may ask a device for less.
+fn check_limits(limits: &wgpu::Limits) -> Result<(), GiError> {
+    let counts = |name: &str| {
+        ["_per_shader_stage", "_compute_", "bind_groups"].iter().any(|part| name.contains(part))
+    };
+    let mut result = Ok(());
+    wgpu::Limits::default().check_limits_with_fail_fn(limits, false, |limit, needed, available| {
+        if result.is_ok() && counts(limit) {
+            result = Err(GiError::Limit {
+                what: "lighting voxels".to_owned(),
+                needed,
+                unit: "of them",
+                limit,
+                available,
+                remedy: "ask for a device with WebGPU's default limits".to_owned(),
+            });
+        }
+    });
+    result
 }

@@ -34,7 +34,8 @@ fn main() {
 /// Height above the sea, m: hills on both sides of a valley along x.
 fn height(x: f32, z: f32) -> f32 {
     let side = (z / 90.0).abs().min(4.0);
-    let hills = (0.011 * x + 0.4).sin() * (0.017 * z).cos() + 0.5 * (0.031 * x).cos() * (0.023 * z + 1.0).sin();
+    let hills = (0.011 * x + 0.4).sin() * (0.017 * z).cos()
+        + 0.5 * (0.031 * x).cos() * (0.023 * z + 1.0).sin();
     let rocks = 0.25 * (0.11 * x + 0.07 * z).sin() * (0.13 * z - 0.05 * x).cos();
     10.0 * side * side / (1.0 + 0.2 * side) * (1.0 + 0.5 * hills) + 2.0 * rocks * side.min(1.0)
 }
@@ -98,16 +99,14 @@ fn village(
         ..default()
     });
     let walls = meshes.add(Cuboid::new(7.0, 5.0, 9.0));
-    let roof = meshes.add(ConicalFrustum {
-        radius_top: 0.6,
-        radius_bottom: 6.6,
-        height: 3.5,
-    }
-    .mesh()
-    .resolution(4)
-    .build()
-    .rotated_by(Quat::from_rotation_y(0.25 * PI))
-    .scaled_by(Vec3::new(0.92, 1.0, 1.12)));
+    let roof = meshes.add(
+        ConicalFrustum { radius_top: 0.6, radius_bottom: 6.6, height: 3.5 }
+            .mesh()
+            .resolution(4)
+            .build()
+            .rotated_by(Quat::from_rotation_y(0.25 * PI))
+            .scaled_by(Vec3::new(0.92, 1.0, 1.12)),
+    );
     let pane = meshes.add(Cuboid::new(0.1, 1.4, 1.1));
     for number in 0..24_u8 {
         let n = f32::from(number);
@@ -115,7 +114,8 @@ fn village(
         let (x, z) = (-110.0 + 10.0 * n, side * (11.0 + 3.0 * (7.0 * n).sin().abs()));
         let turn = Quat::from_rotation_y(0.5 * PI * side + 0.2 * (3.0 * n).sin());
         let ground = Vec3::new(x, height(x, z), z);
-        let place = |offset: Vec3| Transform::from_translation(ground + turn * offset).with_rotation(turn);
+        let place =
+            |offset: Vec3| Transform::from_translation(ground + turn * offset).with_rotation(turn);
         let color = plaster[usize::from(number) % 3].clone();
         commands.spawn((Mesh3d(walls.clone()), MeshMaterial3d(color), place(2.3 * Vec3::Y)));
         commands.spawn((Mesh3d(roof.clone()), MeshMaterial3d(tiles.clone()), place(6.5 * Vec3::Y)));
@@ -129,11 +129,7 @@ fn village(
 /// The sun, the air, and the camera.
 fn sky(mut commands: Commands, mut media: ResMut<Assets<ScatteringMedium>>) {
     commands.spawn((
-        DirectionalLight {
-            illuminance: lux::RAW_SUNLIGHT,
-            shadow_maps_enabled: true,
-            ..default()
-        },
+        DirectionalLight { illuminance: lux::RAW_SUNLIGHT, shadow_maps_enabled: true, ..default() },
         CascadeShadowConfigBuilder { maximum_distance: 400.0, ..default() }.build(),
         Transform::default(),
     ));

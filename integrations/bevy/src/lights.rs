@@ -2,10 +2,10 @@
 
 use bevy::camera::visibility::InheritedVisibility;
 use bevy::color::LinearRgba;
+use bevy::ecs::system::SystemParam;
 use bevy::light::atmosphere::ScatteringMedium;
 use bevy::light::{Atmosphere, DirectionalLight, PointLight, RectLight, SpotLight, SunDisk};
 use bevy::pbr::AtmosphereSettings;
-use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
@@ -95,8 +95,7 @@ pub(crate) fn extract_scene_lights(
 #[derive(SystemParam)]
 pub(crate) struct Air<'w, 's> {
     atmospheres: Query<'w, 's, (&'static Atmosphere, &'static GlobalTransform)>,
-    cameras:
-        Query<'w, 's, &'static GlobalTransform, (With<AtmosphereSettings>, With<LumivoxGi>)>,
+    cameras: Query<'w, 's, &'static GlobalTransform, (With<AtmosphereSettings>, With<LumivoxGi>)>,
     media: Option<Res<'w, Assets<ScatteringMedium>>>,
 }
 
@@ -107,8 +106,7 @@ impl Air<'_, '_> {
         let Some(camera) = self.cameras.iter().next().map(GlobalTransform::translation) else {
             return Vec3::ONE;
         };
-        let distance =
-            |planet: &GlobalTransform| planet.translation().distance_squared(camera);
+        let distance = |planet: &GlobalTransform| planet.translation().distance_squared(camera);
         let nearest = self
             .atmospheres
             .iter()

@@ -69,18 +69,16 @@ impl Surroundings {
         }
         let filterable = wgpu::TextureSampleType::Float { filterable: true };
         if texture.format().sample_type(None, None) != Some(filterable) {
-            return Err("an environment map is of a format that cannot be filtered; give it as Rgba16Float");
+            return Err(
+                "an environment map is of a format that cannot be filtered; give it as Rgba16Float",
+            );
         }
         Ok(Some((*image.texture_view).clone()))
     }
 
     /// How it is read, in a unit of radiance of which `share` is one cd/m².
     pub(crate) fn cube_use(&self, share: f32, added: Vec3) -> CubeUse {
-        CubeUse {
-            cube_from_world: self.cube_from_world,
-            factor: self.intensity * share,
-            added,
-        }
+        CubeUse { cube_from_world: self.cube_from_world, factor: self.intensity * share, added }
     }
 
     /// Whether to take it again, so many frames after it was first taken: Bevy filters a map once its pipelines are compiled,
@@ -142,7 +140,9 @@ pub(crate) fn transmittance(
         let density: Vec3 = medium
             .terms
             .iter()
-            .map(|term| (term.absorption + term.scattering) * term.falloff.sample(falloff.clamp(0.0, 1.0)))
+            .map(|term| {
+                (term.absorption + term.scattering) * term.falloff.sample(falloff.clamp(0.0, 1.0))
+            })
             .sum();
         depth += density * (to - from) as f32;
         from = to;

@@ -60,7 +60,9 @@ pub(crate) fn extract_views(
     everywhere: Extract<Option<Res<GlobalAmbientLight>>>,
 ) {
     gi_views.views.clear();
-    for (camera_entity, entity, camera, gi, transform, exposure, ambient, map, generated) in &cameras {
+    for (camera_entity, entity, camera, gi, transform, exposure, ambient, map, generated) in
+        &cameras
+    {
         let has_picture =
             camera.physical_viewport_size().is_some_and(|size| size.min_element() > 0);
         if !camera.is_active || !has_picture {

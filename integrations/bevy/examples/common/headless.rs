@@ -13,6 +13,7 @@ use bevy::render::error_handler::RenderErrorHandler;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
+use bevy::render::settings::{WgpuLimits, WgpuSettings};
 use bevy::render::texture::GpuImage;
 use bevy::window::ExitCondition;
 use bevy_lumivox::LumivoxEvent;
@@ -24,8 +25,8 @@ pub struct Shot {
     pub rgb: Vec<Vec3>,
 }
 
-/// The plugins of an app without a window and a log.
-pub fn plugins() -> impl PluginGroup {
+/// The plugins of an app without a window and a log, on a device of no more than these limits.
+pub fn plugins(constrained_limits: Option<WgpuLimits>) -> impl PluginGroup {
     DefaultPlugins
         .set(WindowPlugin {
             primary_window: None,
@@ -34,7 +35,11 @@ pub fn plugins() -> impl PluginGroup {
         })
         .build()
         .disable::<LogPlugin>()
-        .set(RenderPlugin { synchronous_pipeline_compilation: true, ..RenderPlugin::default() })
+        .set(RenderPlugin {
+            synchronous_pipeline_compilation: true,
+            render_creation: WgpuSettings { constrained_limits, ..WgpuSettings::default() }.into(),
+            ..RenderPlugin::default()
+        })
 }
 
 /// Ends the building of an app, whose frames [`App::update`] makes.

@@ -40,7 +40,7 @@ pub fn run(name: &str, build: impl FnOnce(&mut App)) {
 
     let Arguments { frames, size, out } = arguments();
     let mut app = App::new();
-    app.add_plugins(headless::plugins());
+    app.add_plugins(headless::plugins(None));
     app.init_resource::<Clock>().add_observer(tone_map);
     build(&mut app);
     headless::start(&mut app);

@@ -53,6 +53,26 @@ fn what_is_left_out_is_told_once() {
     assert!(told.contains(&LumivoxEvent::LightLeftOut { kind: "RectLight" }), "{told:?}");
 }
 
+/// A device with fewer storage buffers than are needed: told once, and Bevy goes on with its own light.
+#[test]
+fn what_a_device_lacks_is_told() {
+    let _alone = alone();
+    let given = scene::builtin("cornell");
+    let mut limits = bevy::render::settings::WgpuLimits::default();
+    // Enough for Bevy.
+    limits.max_storage_buffers_per_shader_stage = 7;
+    let mut stage = Stage::on(Some(limits), &given, UVec2::new(16, 16));
+    stage.app.world_mut().entity_mut(stage.camera).insert(quick());
+    let event = stage.wait_for(|event| {
+        matches!(event, LumivoxEvent::Failed { .. } | LumivoxEvent::Unsupported { .. })
+    });
+    println!("{event:?}");
+    let told = format!("{event:?}");
+    assert!(told.contains("max_storage_buffers_per_shader_stage"), "{told}");
+    stage.frames(5);
+    assert_eq!(stage.events(), []);
+}
+
 #[test]
 fn an_empty_world_waits_for_meshes() {
     let _alone = alone();

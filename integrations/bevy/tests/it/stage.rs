@@ -5,6 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy::light::{DirectionalLightShadowMap, GlobalAmbientLight, PointLightShadowMap};
 use bevy::prelude::*;
+use bevy::render::settings::WgpuLimits;
 use bevy_lumivox::{GiQuality, GiVolume, LumivoxEvent, LumivoxGi, LumivoxPlugin};
 use lumivox_scene::Scene;
 
@@ -36,8 +37,13 @@ pub fn quick() -> LumivoxGi {
 
 impl Stage {
     pub fn of(given: &Scene, size: UVec2) -> Self {
+        Self::on(None, given, size)
+    }
+
+    /// On a device of no more than these limits.
+    pub fn on(limits: Option<WgpuLimits>, given: &Scene, size: UVec2) -> Self {
         let mut app = App::new();
-        app.add_plugins((headless::plugins(), LumivoxPlugin::default()));
+        app.add_plugins((headless::plugins(limits), LumivoxPlugin::default()));
         app.insert_resource(ClearColor(Color::BLACK));
         app.insert_resource(GlobalAmbientLight::NONE);
         headless::start(&mut app);

@@ -134,12 +134,12 @@ pub fn light_of_surroundings(radiance: f32) -> f32 {
 }
 
 /// Errors of the two, in per cent.
-fn errors(name: &str) -> [ErrorFigures; 2] {
-    let given = scene::builtin(name);
+pub fn errors_of(given: &Scene) -> [ErrorFigures; 2] {
+    let name = given.name.as_str();
     let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
-    let bevy = through_bevy(&given);
-    let (own, albedo) = through_lumivox(&gpu, &given);
-    let (truth, variance) = truth(&gpu, &given, &albedo);
+    let bevy = through_bevy(given);
+    let (own, albedo) = through_lumivox(&gpu, given);
+    let (truth, variance) = truth(&gpu, given, &albedo);
     let errors = [&bevy, &own]
         .map(|ours| ErrorFigures::new(&truth, Some(&variance), ours).expect("comparable"));
     for (label, picture) in [("bevy", &bevy), ("own", &own), ("truth", &truth)] {
@@ -155,7 +155,7 @@ fn errors(name: &str) -> [ErrorFigures; 2] {
 #[test]
 fn the_cornell_box_is_as_bright_as_it_is() {
     let _alone = crate::stage::alone();
-    let [bevy, own] = errors("cornell");
+    let [bevy, own] = errors_of(&scene::builtin("cornell"));
     assert!(bevy.rmse_percent <= 1.1 * own.rmse_percent);
     assert!(bevy.bias_percent.abs() <= own.bias_percent.abs() + 1.0);
 }

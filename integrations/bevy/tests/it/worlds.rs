@@ -1,7 +1,12 @@
 //! Cascades, suns, masks and environment maps: what is outside of a room.
 
-use bevy::light::EnvironmentMapLight;
+use std::f32::consts::PI;
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::visibility::RenderLayers;
+use bevy::light::{EnvironmentMapLight, GlobalAmbientLight};
 use bevy::prelude::*;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_lumivox::{GiVolume, LumivoxGi};
 
 use crate::common::{headless, scene};
@@ -27,4 +32,143 @@ fn cascades_light_a_room_as_a_box_does() {
     let change = difference(&nested, &boxed);
     println!("cascades: {change}");
     assert!(change < 0.1, "{change}");
+}
+
+/// A map whose light all comes from one side is followed as it turns, and nothing of it lights the room but what comes in through
+/// the front. An even one lights as ambient light does, whose result is that of the path tracer (`limits.rs`).
+#[test]
+fn environment_maps_are_seen_through_openings() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let dark = stage.settled();
+    stage.app.insert_resource(GlobalAmbientLight { brightness: 5.0, ..default() });
+    let ambient = stage.settled();
+    stage.app.insert_resource(GlobalAmbientLight::NONE);
+    let mut lit_by = |map: &dyn Fn(&mut Assets<Image>) -> EnvironmentMapLight| {
+        let mut images = stage.app.world_mut().resource_mut::<Assets<Image>>();
+        let map = map(&mut images);
+        stage.app.world_mut().entity_mut(stage.camera).insert(map);
+        stage.settled()
+    };
+    let even = lit_by(&|images| {
+        EnvironmentMapLight::solid_color(images, Color::WHITE).with_intensity(5.0)
+    });
+    even.save("target/pictures/even-map.png", 2.0);
+    let change = difference(&even, &ambient);
+    println!("an even map against ambient light: {change}");
+    assert!(change < 0.03, "{change}");
+    let added = |shot: &headless::Shot| shot.mean_luminance() - dark.mean_luminance();
+    // All light from below, and with a quarter of a turn from the open front or from behind.
+    let from_below = |turn: Quat| {
+        move |images: &mut Assets<Image>| EnvironmentMapLight {
+            intensity: 30.0,
+            rotation: turn,
+            ..EnvironmentMapLight::hemispherical_gradient(
+                images,
+                Color::BLACK,
+                Color::BLACK,
+                Color::WHITE,
+            )
+        }
+    };
+    let front = added(&lit_by(&from_below(Quat::from_rotation_x(-0.5 * PI))));
+    let behind = added(&lit_by(&from_below(Quat::from_rotation_x(0.5 * PI))));
+    println!("from the front {front}, from behind {behind}, even {}", added(&ambient));
+    assert!(front > 10.0 * behind.abs(), "{front} {behind}");
+    stage.app.world_mut().entity_mut(stage.camera).remove::<EnvironmentMapLight>();
+    let again = stage.settled();
+    let change = difference(&again, &dark);
+    assert!(change < 0.03, "{change}");
+}
+
+/// A sun through the front, its first and further bounces against the path tracer.
+#[test]
+fn a_sun_is_as_bright_as_it_is() {
+    let _alone = alone();
+    let mut given = scene::builtin("cornell");
+    given.name = "sun".to_owned();
+    for material in &mut given.materials {
+        material.emissive = Vec3::ZERO;
+    }
+    given.lights = vec![lumivox_scene::Light {
+        kind: lumivox_scene::LightKind::Directional {
+            illuminance_lux: 40.0,
+            angular_radius_rad: 0.01,
+        },
+        direction: Vec3::new(0.35, -0.5, -0.8).normalize(),
+        ..given.lights.first().cloned().unwrap_or_default()
+    }];
+    let [bevy, own] = truth::errors_of(&given);
+    // Bevy's maps of suns hold what a camera sees, and the voxels' shadows are cones, softer than they should be.
+    assert!(bevy.rmse_percent <= 1.3 * own.rmse_percent);
+    assert!(bevy.bias_percent.abs() <= own.bias_percent.abs() + 6.0);
+}
+
+/// A screen before the open front lets pass what its mask does. The camera does not see it, which is of another layer.
+#[test]
+fn masks_let_light_through_their_holes() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let dark = stage.settled().mean_luminance();
+    stage.app.insert_resource(GlobalAmbientLight { brightness: 5.0, ..default() });
+    let open = stage.settled().mean_luminance() - dark;
+    let mut behind = |alphas: [u8; 2]| {
+        let world = stage.app.world_mut();
+        let texels =
+            (0..64_u32).flat_map(|texel| [0, 0, 0, alphas[((texel % 8 + texel / 8) % 2) as usize]]);
+        let image = Image::new(
+            Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
+            TextureDimension::D2,
+            texels.collect(),
+            TextureFormat::Rgba8UnormSrgb,
+            RenderAssetUsages::all(),
+        );
+        let texture = world.resource_mut::<Assets<Image>>().add(image);
+        let black = StandardMaterial {
+            base_color_texture: Some(texture),
+            alpha_mode: AlphaMode::Mask(0.5),
+            double_sided: true,
+            cull_mode: None,
+            ..default()
+        };
+        let material = world.resource_mut::<Assets<StandardMaterial>>().add(black);
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(Rectangle::new(2.0, 2.0));
+        let place = Transform::from_xyz(0.0, 1.0, 0.97);
+        let parts = (Mesh3d(mesh), MeshMaterial3d(material), place, RenderLayers::layer(1));
+        let screen = world.spawn(parts).id();
+        stage.frames(40);
+        let light = stage.settled().mean_luminance() - dark;
+        stage.app.world_mut().despawn(screen);
+        light / open
+    };
+    let (holes, half, none) = (behind([0, 0]), behind([0, 255]), behind([255, 255]));
+    println!("all holes {holes}, half {half}, none {none}");
+    assert!((holes - 1.0).abs() < 0.05 && (0.35..0.6).contains(&half) && none < 0.06);
+}
+
+/// Vertices have the colours that a material of the same colour has.
+#[test]
+fn colours_of_vertices_are_those_of_voxels() {
+    let _alone = alone();
+    let blue = Color::linear_rgb(0.1, 0.2, 0.9);
+    let lit = |by_vertices: bool| {
+        let mut stage = Stage::cornell();
+        let world = stage.app.world_mut();
+        let mut mesh = Cuboid::new(0.1, 1.2, 0.9).mesh().build();
+        let color = blue.to_linear().to_f32_array();
+        if by_vertices {
+            let colors = vec![color; mesh.count_vertices()];
+            mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, colors);
+        }
+        let base_color = if by_vertices { Color::WHITE } else { blue };
+        let material = StandardMaterial { base_color, perceptual_roughness: 1.0, ..default() };
+        let material = world.resource_mut::<Assets<StandardMaterial>>().add(material);
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+        let place = Transform::from_xyz(0.0, 0.7, 0.0);
+        world.spawn((Mesh3d(mesh), MeshMaterial3d(material), place));
+        stage.settled()
+    };
+    let change = difference(&lit(true), &lit(false));
+    println!("colours of vertices: {change}");
+    assert!(change < 0.02, "{change}");
 }
