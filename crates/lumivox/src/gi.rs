@@ -427,7 +427,8 @@ impl Gi {
     }
 
     /// Lets the next call of [`Self::light`] store and filter all voxels, even those whose light is what the
-    /// volume holds already: for measurements.
+    /// volume holds already: for measurements, and where light has changed behind bindings that have not, such as in the
+    /// caller's shadow maps or in an [`EnvironmentCube`](crate::EnvironmentCube).
     pub fn forget_light(&mut self) {
         self.changes.forget();
         self.lighting.disturb();
@@ -469,7 +470,7 @@ fn check_limits(limits: &wgpu::Limits) -> Result<(), GiError> {
             result = Err(GiError::Limit {
                 what: "lighting voxels".to_owned(),
                 needed,
-                unit: "of them",
+                unit: "as WebGPU guarantees",
                 limit,
                 available,
                 remedy: "ask for a device with WebGPU's default limits".to_owned(),

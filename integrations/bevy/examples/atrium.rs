@@ -27,7 +27,7 @@ fn setup(world: &mut World) {
     scene::spawn(world, &given);
     let (transform, projection) = scene::camera(&given);
     let gi = LumivoxGi { volume: GiVolume::Scene { resolution: 128 }, ..LumivoxGi::default() };
-    world.spawn((Camera3d::default(), transform, projection, Exposure { ev100: 12.5 }, gi));
+    world.spawn((Camera3d::default(), transform, projection, Exposure { ev100: 11.0 }, gi));
 }
 
 /// A day of twenty seconds.

@@ -22,7 +22,7 @@ fn setup(world: &mut World) {
     let given = scene::builtin("cornell");
     scene::spawn(world, &given);
     let (transform, projection) = scene::camera(&given);
-    world.spawn((Camera3d::default(), transform, projection, Exposure { ev100: 3.5 }));
+    world.spawn((Camera3d::default(), transform, projection, Exposure { ev100: 2.5 }));
     let voxels = world.resource::<AssetServer>().load("cornell.ktx2");
     let place = Transform::from_xyz(0.0, 1.0, 0.0).with_scale(Vec3::splat(2.004));
     world.spawn((IrradianceVolume { voxels, intensity: 1.0, ..default() }, place));

@@ -32,7 +32,7 @@ fn setup(world: &mut World) {
     }
     let (transform, projection) = scene::camera(&given);
     let gi = LumivoxGi { volume: GiVolume::Scene { resolution: 64 }, ..LumivoxGi::default() };
-    world.spawn((Camera3d::default(), transform, projection, Exposure { ev100: 3.5 }, gi));
+    world.spawn((Camera3d::default(), transform, projection, Exposure { ev100: 2.5 }, gi));
 }
 
 fn slide(clock: Res<Clock>, mut blocks: Query<(&mut Transform, &Moves)>) {

@@ -61,14 +61,14 @@ fn boxes_follow_a_camera_in_motion() {
     let from = scene.cameras[0].position;
     let mut darkest = f64::MAX;
     let mut brightest = 0.0_f64;
-    for step in 1..=40_u8 {
-        let share = (f32::from(step) / 20.0).min(1.0);
+    for step in 1..=26_u8 {
+        let share = (f32::from(step) / 12.0).min(1.0);
         moving.set_camera(seen_from(&scene, from.lerp(to, share)));
         let shown = picture(&mut moving);
         if *moving.gi().grid() != grids[grids.len() - 1] {
             grids.push(*moving.gi().grid());
         }
-        if step > 20 {
+        if step > 12 {
             let luminance = mean_luminance(&shown);
             (darkest, brightest) = (darkest.min(luminance), brightest.max(luminance));
         }

