@@ -15,7 +15,7 @@ Usage: scripts/gallery.sh [--program FILE] [--only NAME] [--out FOLDER] [--quick
        scripts/gallery.sh --texts | --check | --list
 
 Makes the pictures of the gallery by the commands that stand below them, and writes docs/gallery.md, the page's
-gallery.html and the pictures' place in README.md. On two cores without a GPU it takes about half an hour. Pictures are
+gallery.html and the pictures' place in README.md. On two free cores without a GPU it takes half an hour. Pictures are
 replaced when all of them are there, or not at all.
 
   --program FILE  the program [default: ./lumivox, which builds it first]
@@ -45,27 +45,28 @@ picture() {
     names+=("$1") titles+=("$2") links+=("$3") paces+=("${4:-}") captions+=("$caption") commands+=("$command")
 }
 
-picture sun "The sun crosses an atrium" "scene=builtin:atrium&camera=-4.5,2.2,0,2,2.4,0,60" 80 <<'END'
+picture sun "The sun crosses an atrium" "scene=builtin:atrium&camera=-4.5,2.2,0,2,2.4,0,60" 120 <<'END'
 Shadows, sky and eight bounces follow the sun. The floor and the cloths that it reaches light the rest of the hall in their colours.
 {
-    echo 'load builtin:atrium; camera -4.5,2.2,0,2,2.4,0,60; size 320x180; preset realtime; frames 16; resolution 96; exposure -12'
-    for i in {-20..20}; do echo "sky 4,14,$i; screenshot sun-$((i + 120)).png"; done
+    echo 'load builtin:atrium; remove_light all; camera -4.5,2.2,0,2,2.4,0,60; size 400x225; preset realtime; frames 16'
+    echo 'resolution 80; shadow_resolution 4096; exposure -12.1'
+    for i in {-8..8}; do echo "sky 2,6,$i; screenshot sun-$((i + 120)).png"; done
 } | ./lumivox run -
 END
 
-picture blocks "Two blocks turn" "scene=builtin:cornell&camera=0,0.75,2.9,0,0.68,0,36" 80 <<'END'
+picture blocks "Two blocks turn" "scene=builtin:cornell&camera=0,0.75,2.9,0,0.68,0,36" 120 <<'END'
 Voxels and light follow what moves: watch the red and the green on the blocks, and in their shadows.
 {
-    echo 'load builtin:cornell; camera 0,0.75,2.9,0,0.68,0,36; size 320x180; preset realtime; frames 16; exposure -1'
-    for i in {0..29}; do
-        echo "place 'tall block' -0.33 0 -0.25 0 $((17 + 3 * i)) 0 1; place 'short block' 0.33 0 0.4 0 $((-17 - 3 * i)) 0 1"
+    echo 'load builtin:cornell; camera 0,0.75,2.9,0,0.68,0,36; size 400x225; preset realtime; frames 16; resolution 64; exposure -1.7'
+    for i in {0..17}; do
+        echo "place 'tall block' -0.33 0 -0.25 0 $((17 + 5 * i)) 0 1; place 'short block' 0.33 0 0.4 0 $((-17 - 5 * i)) 0 1"
         echo "screenshot blocks-$((i + 100)).png"
     done
 } | ./lumivox run -
 END
 
 picture direct "Direct light" "scene=builtin:atrium&view=direct" <<'END'
-What most renderers start from: sun alone. All else is black.
+The sun alone: what it does not reach is black.
 ./lumivox render builtin:atrium -o direct.png --view direct --exposure -12 --shadow-resolution 4096
 END
 
@@ -85,7 +86,7 @@ The Cornell box in a sparse octree: only where something is there are bricks, wh
 END
 
 picture glow "A room without lamps" "scene=builtin:glow" <<'END'
-A tube, a ball and a screen glow; cones find their light in the voxels. The panel at the ceiling is switched off.
+A tube, a ball and a screen are all that shines: emissive surfaces light the room. The panel at the ceiling is hidden.
 ./lumivox run -c 'load builtin:glow; hide panel; hide "back of the panel"; size 640x360; frames 96; screenshot glow.png'
 END
 
@@ -101,7 +102,8 @@ END
 
 picture city "A city of a kilometre" "scene=builtin:city&camera=52,20,86,45.36,19.53,78.53,60.2&volume=cascades" <<'END'
 3.7 million triangles in the evening sun, in cascades: boxes of voxels around the camera, fine near it and coarse far away.
-./lumivox render builtin:city -o city.png --camera roof --sky 14,250 --volume cascades --shadow-resolution 8192 --bounces 4 --frames 24
+./lumivox run -c 'volume cascades; shadow_resolution 8192; bounces 4; frames 16; size 640x360' \
+    -c 'load builtin:city; camera roof; remove_light all; sky 16,215; screenshot city.png'
 END
 
 # --- the command line ---------------------------------------------------------------------------
@@ -141,7 +143,7 @@ print_document() {
 # Gallery
 
 Each picture is made by the command below it, from scenes that the program has built in. `scripts/gallery.sh` runs all of them, on two
-cores without a GPU in about half an hour, and packs the pictures as WebP; it also writes this page.
+free cores without a GPU in half an hour, and packs the pictures as WebP; it also writes this page.
 TEXT
     for i in "${!names[@]}"; do
         printf '\n## %s\n\n' "${titles[i]}"
@@ -164,6 +166,7 @@ print_page() {
 <meta name="description" content="Pictures of global illumination by voxel cone tracing, and the commands that made them.">
 <meta http-equiv="Content-Security-Policy" content="default-src 'self'; img-src 'self' data:; base-uri 'none'; form-action 'none'">
 <title>Lumivox: gallery</title>
+<link rel="icon" href="data:,">
 <link rel="stylesheet" href="gallery.css">
 </head>
 <body>
@@ -282,7 +285,7 @@ make() {
         die "$name was not made, and nothing is replaced. The command:" "$command" "It said:" "$(tail -n 20 "$work/log")"
     if [[ -n $pace ]]; then
         frames=("$work/$name"-*.png)
-        img2webp -loop 0 -lossy -q 82 -m 6 -d "$pace" "${frames[@]}" -o "$fresh/$name.webp" >"$work/log" 2>&1
+        img2webp -loop 0 -lossy -q 92 -m 6 -d "$pace" "${frames[@]}" -o "$fresh/$name.webp" >"$work/log" 2>&1
     else
         cwebp -quiet -q 90 -m 6 -sharp_yuv "$work/$name.png" -o "$fresh/$name.webp" >"$work/log" 2>&1
     fi || die "$name could not be packed, and nothing is replaced." "$(tail -n 20 "$work/log")"
