@@ -15,7 +15,7 @@ Usage: scripts/gallery.sh [--program FILE] [--only NAME] [--out FOLDER] [--quick
        scripts/gallery.sh --texts | --check | --list
 
 Makes the pictures of the gallery by the commands that stand below them, and writes docs/gallery.md, the page's
-gallery.html and the pictures' place in README.md. On two free cores without a GPU it takes half an hour. Pictures are
+gallery.html and the pictures' place in README.md. On two busy cores without a GPU it took 45 minutes. Pictures are
 replaced when all of them are there, or not at all.
 
   --program FILE  the program [default: ./lumivox, which builds it first]
@@ -142,8 +142,8 @@ print_document() {
     cat <<'TEXT'
 # Gallery
 
-Each picture is made by the command below it, from scenes that the program has built in. `scripts/gallery.sh` runs all of them, on two
-free cores without a GPU in half an hour, and packs the pictures as WebP; it also writes this page.
+Each picture is made by the command below it, from scenes that the program has built in. `scripts/gallery.sh` runs all of them, which took 45
+minutes on two busy cores without a GPU, and packs the pictures as WebP; it also writes this page.
 TEXT
     for i in "${!names[@]}"; do
         printf '\n## %s\n\n' "${titles[i]}"
@@ -299,4 +299,4 @@ done
 rm -rf "$out"
 mv "$fresh" "$out"
 if [[ -n $texts ]]; then each_text write_text; fi
-say "$out: ${#names[@]} pictures, $SECONDS s"
+say "$out: ${only:-all pictures}, $SECONDS s"
