@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Looks at packed crates, as `cargo publish --dry-run` leaves them, before anybody gets them.
+"""Looks at packed crates, and at packages for npm and Python, before anybody gets them.
 
-    check_packages.py FOLDER       check the .crate files in a folder
+    check_packages.py FOLDER       check the packages in a folder: .crate, .tgz, .tar.gz, .whl
     check_packages.py --self-test  show that bad packages are refused
 
 A crate compiles in the workspace, where all files are at hand; a package has only its own. So each
 package must have its README, both licences, every file that its sources include, and the metadata
-that a registry shows. Packages with the same version are made of the same sources, so the npm
-package and the crates must agree as well.
+that a registry shows. The npm package must have what its `exports` name, a source distribution for
+Python every crate that it needs, and a wheel the extension. Packages with the same version are made
+of the same sources, so all of them must agree.
 """
 
 import io
@@ -17,6 +18,7 @@ import re
 import sys
 import tarfile
 import tomllib
+import zipfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 NEEDED = ("README.md", "LICENSE-MIT", "LICENSE-APACHE")
@@ -26,12 +28,10 @@ INCLUDED = re.compile(r'include(?:_str|_bytes|_wgsl)?!\(\s*"([^"]+)"\s*,?\s*\)')
 LARGEST = 2 << 20
 
 
-def problems(name, data):
-    """What is wrong with a package, as texts."""
-    found = []
-    if len(data) > LARGEST:
-        found.append(f"{name} has {len(data) >> 10} KiB; leave test data out (`exclude`)")
+def unpacked(name, data):
+    """The files of an archive without its one folder, and the problems of unpacking it."""
     files = {}
+    found = []
     with tarfile.open(fileobj=io.BytesIO(data), mode="r:gz") as archive:
         for member in archive.getmembers():
             if member.isfile():
@@ -39,12 +39,25 @@ def problems(name, data):
                 files[path] = archive.extractfile(member).read()
             elif not member.isdir():
                 found.append(f"{name}: {member.name} is a link, which nobody can follow")
-    found += [f"{name} has no {file}; link it into the crate" for file in NEEDED if file not in files]
+    return files, found + [f"{name} has no {file}" for file in NEEDED if file not in files]
+
+
+def problems(name, data):
+    """What is wrong with a packed crate, as texts."""
+    files, found = unpacked(name, data)
+    if len(data) > LARGEST:
+        found.append(f"{name} has {len(data) >> 10} KiB; leave test data out (`exclude`)")
     manifest = tomllib.loads(files.get("Cargo.toml", b"").decode())
     package = manifest.get("package", {})
     found += [f"{name}: its Cargo.toml has no {key}" for key in METADATA if not package.get(key)]
     if "docs" not in package.get("metadata", {}):
         found.append(f"{name}: its Cargo.toml does not tell docs.rs what to build")
+    return found + missing_includes(name, files)
+
+
+def missing_includes(name, files):
+    """Files that sources include, and that are not in the package."""
+    found = []
     for path, content in files.items():
         if not path.endswith(".rs"):
             continue
@@ -56,6 +69,59 @@ def problems(name, data):
     return found
 
 
+def npm_problems(name, data):
+    """What is wrong with a package for npm: it packs without a word what is not there."""
+    files, found = unpacked(name, data)
+    manifest = json.loads(files.get("package.json", b"{}"))
+    named = [manifest.get("main", ""), manifest.get("types", "")]
+    for target in manifest.get("exports", {}).values():
+        named += target.values() if isinstance(target, dict) else [target]
+    named = {os.path.normpath(path) for path in named}
+    return found + [f"{name} has no {path}, which it names" for path in sorted(named - set(files))]
+
+
+def sdist_problems(name, data):
+    """What is wrong with a source distribution for Python."""
+    files, found = unpacked(name, data)
+    own = ("PKG-INFO", "pyproject.toml", "Cargo.lock")
+    found += [f"{name} has no {file}" for file in own if file not in files]
+    crates = {}
+    for path in [path for path in files if path.endswith("Cargo.toml")]:
+        manifest = tomllib.loads(files[path].decode())
+        shared = manifest.get("workspace", {}).get("dependencies", {})
+        for crate, needed in (shared | manifest.get("dependencies", {})).items():
+            folder = needed.get("path") if isinstance(needed, dict) else None
+            if folder:
+                place = os.path.join(os.path.dirname(path), folder, "Cargo.toml")
+                crates[os.path.normpath(place)] = crate
+    lacking = sorted(crates[path] for path in crates.keys() - files.keys())
+    found += [f"{name} has no crate {crate}, which another one needs" for crate in lacking]
+    return found + missing_includes(name, files)
+
+
+def wheel_problems(name, data):
+    """What is wrong with a wheel for Python."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        files = archive.namelist()
+    needed = [f"dist-info/licenses/{licence}" for licence in NEEDED[1:]]
+    needed += ["dist-info/METADATA", "lumivox/py.typed"]
+    found = [
+        f"{name} has no {end}" for end in needed if not any(file.endswith(end) for file in files)
+    ]
+    if not any(re.search(r"/_lumivox\.(.*\.)?(so|pyd)$", file) for file in files):
+        found.append(f"{name} has no extension")
+    return found
+
+
+# What there is to say about a file of each kind.
+KINDS = {
+    ".crate": problems,
+    ".tgz": npm_problems,
+    ".tar.gz": sdist_problems,
+    ".whl": wheel_problems,
+}
+
+
 def without_comments(source):
     return "\n".join(line for line in source.split("\n") if not line.lstrip().startswith("//"))
 
@@ -63,25 +129,26 @@ def without_comments(source):
 def check(folder):
     paths = {}
     for place, _, names in os.walk(folder):
-        paths |= {name: os.path.join(place, name) for name in names if name.endswith(".crate")}
+        paths |= {name: os.path.join(place, name) for name in names if name.endswith(tuple(KINDS))}
     if not paths:
         return [f"{folder} has no packages: run `cargo publish --workspace --dry-run` first"]
     found = []
     versions = set()
     for name, path in sorted(paths.items()):
         with open(path, "rb") as file:
-            found += problems(name, file.read())
-        versions.add(name[: -len(".crate")].rpartition("-")[2])
+            kind = next(kind for kind in KINDS if name.endswith(kind))
+            found += KINDS[kind](name, file.read())
+        versions.add(re.search(r"-(\d+\.\d+\.\d+)", name).group(1))
     with open(os.path.join(ROOT, "crates/lumivox-web/npm/package.json"), encoding="utf-8") as file:
         versions.add(json.load(file)["version"])
     if len(versions) != 1:
-        found.append(f"crates and npm package have several versions: {', '.join(sorted(versions))}")
+        found.append(f"the packages have several versions: {', '.join(sorted(versions))}")
     print(f"{len(paths)} packages: {', '.join(sorted(paths))}")
     return found
 
 
 def packed(files):
-    """A package of files, for the self-test."""
+    """A package of these files, for the self-test."""
     data = io.BytesIO()
     with tarfile.open(fileobj=data, mode="w:gz") as archive:
         for path, text in files.items():
@@ -113,6 +180,29 @@ def self_test():
     for text, files in bad.items():
         said = problems("bad", packed(files))
         assert len(said) == 1 and text in said[0], (text, said)
+
+    licensed = {file: "x" for file in NEEDED}
+    exports = {".": {"types": "./a.d.ts", "default": "./a.js"}}
+    manifest = {"main": "a.js", "types": "a.d.ts", "exports": exports}
+    npm = licensed | {"package.json": json.dumps(manifest), "a.js": "", "a.d.ts": ""}
+    assert npm_problems("good", packed(npm)) == []
+    del npm["a.d.ts"]
+    assert npm_problems("bad", packed(npm)) == ["bad has no a.d.ts, which it names"]
+
+    shared = '[workspace.dependencies]\nb = { path = "crates/b" }'
+    sdist = licensed | {file: "" for file in ("PKG-INFO", "pyproject.toml", "Cargo.lock")}
+    sdist["Cargo.toml"] = shared
+    assert sdist_problems("good", packed(sdist | {"crates/b/Cargo.toml": ""})) == []
+    said = sdist_problems("bad", packed(sdist))
+    assert said == ["bad has no crate b, which another one needs"], said
+
+    wheel = io.BytesIO()
+    with zipfile.ZipFile(wheel, "w") as archive:
+        for file in ("lumivox/_lumivox.abi3.so", "lumivox/py.typed", "x.dist-info/METADATA"):
+            archive.writestr(file, "")
+        archive.writestr("x.dist-info/licenses/LICENSE-MIT", "")
+    said = wheel_problems("bad", wheel.getvalue())
+    assert said == ["bad has no dist-info/licenses/LICENSE-APACHE"], said
     print("bad packages are refused")
 
 

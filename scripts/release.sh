@@ -10,32 +10,59 @@ root=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
 source "$root/scripts/setup.sh"
 # shellcheck source=scripts/packages.sh
 source "$root/scripts/packages.sh"
+# shellcheck source=scripts/python.sh
+source "$root/scripts/python.sh"
 
 usage() {
     cat <<'TEXT'
 Usage: scripts/release.sh [--quick] VERSION
+       scripts/release.sh --packages
 
 Refuses, with all reasons at once, unless the tree is ready to be released as VERSION: versions, changelog,
-address of the source, pages of measurements, toolchain. Then it packs the crates, and runs ./test --full.
-At the end it prints the commands that publish.
+address of the source, pages of measurements, toolchain. Then it packs the crates, the npm package and the
+Python package, looks at them, asks npm and twine what they think of them, installs the last two in empty folders,
+and runs ./test --full. At the end it prints the commands that publish.
 
   --quick     only what takes seconds: not the packages, and not the tests
+  --packages  only the packages, of any tree: what they lack is seen before a release
   -h, --help  show this text
 TEXT
 }
 
-quick='' version=''
+quick='' only_packages='' version=''
 while (($# > 0)); do
     case $1 in
     --quick) quick=1 ;;
+    --packages) only_packages=1 ;;
     -h | --help) usage && exit ;;
     -*) usage >&2 && die "Unknown option '$1'." ;;
     *) version=$1 ;;
     esac
     shift
 done
-[[ $version =~ ^[0-9]+\.[0-9]+\.[0-9]+$ ]] || { usage >&2 && die "VERSION is three numbers, such as 0.2.0; got '$version'."; }
 cd "$root"
+
+# try_packages: all that is published, packed and tried. The packages for npm and Python stay in $publish.
+try_packages() {
+    need_rust
+    need_linker
+    need_cxx_compiler
+    need_python
+    have npm || die "npm is missing: it packs the page's package. Install Node.js 20 or newer."
+    set_target_dir
+    publish=$target_dir/publish
+    check_packages "$@" || die "The crates are not fit to be published (the reasons are above)."
+    check_npm_package "$publish/npm" || die "The npm package is not fit to be published (the reasons are above)."
+    check_python_package "$publish/python" || die "The Python package is not fit to be published (the reasons are above)."
+}
+
+if [[ -n $only_packages ]]; then
+    [[ -z $version$quick ]] || { usage >&2 && die "--packages takes no version and no --quick."; }
+    try_packages
+    say "The packages are fit to be published. Those for npm and Python are in $publish."
+    exit
+fi
+[[ $version =~ ^[0-9]+\.[0-9]+\.[0-9]+$ ]] || { usage >&2 && die "VERSION is three numbers, such as 0.2.0; got '$version'."; }
 
 reasons=()
 refuse() { reasons+=("$1"); }
@@ -94,8 +121,7 @@ fi
 say "What can be seen at once is ready for $version."
 [[ -z $quick ]] || exit 0
 
-set_target_dir
-check_packages --locked || die "The packages are not fit to be published (the reasons are above)."
+try_packages --locked
 LUMIVOX_NEED_ADVISORIES=1 CI=true ./test --full || die "A check failed (its message is above)."
 
 cat <<TEXT
@@ -103,6 +129,6 @@ cat <<TEXT
 Ready. These publish it (docs/releasing.md):
   git tag -s v$version -m "Lumivox $version" && git push origin v$version
   cargo publish --workspace --locked
-  npm publish PAGE/lumivox                 # ./lumivox web --no-serve --out PAGE
-  python -m maturin publish -m crates/lumivox-python/Cargo.toml
+  npm publish $(compgen -G "$publish/npm/*.tgz")
+  $target_dir/tools/pypi/bin/twine upload $publish/python/*
 TEXT

@@ -9,9 +9,8 @@ use std::path::PathBuf;
 pub enum SceneError {
     /// The file's extension is not that of a known format.
     #[error(
-        "{}: cannot tell the format from the extension \"{extension}\"; \
-         give a {} file",
-        file.display(), crate::extensions_in_words()
+        "{}: cannot tell the format from the extension \"{extension}\"; {}",
+        file.display(), readable()
     )]
     UnknownFormat {
         /// The file.
@@ -20,15 +19,19 @@ pub enum SceneError {
         extension: String,
     },
 
-    /// A scene of VXCT, in a build without the feature `vxct`.
+    /// A format that is left out of this build.
     #[error(
-        "{}: this build does not read scenes of VXCT; build it with the feature vxct of lumivox-scene, \
-         or save the scene as glTF with the program (lumivox convert)",
+        "{}: this build does not read {format}; build it with the feature {feature} of lumivox-scene, \
+         or convert the file with a program that reads it (lumivox convert)",
         file.display()
     )]
-    WithoutVxct {
+    LeftOut {
         /// The file asked for.
         file: PathBuf,
+        /// Its format.
+        format: &'static str,
+        /// The feature of this crate that reads it.
+        feature: &'static str,
     },
 
     /// There is no built-in scene of that name.
@@ -302,6 +305,15 @@ pub enum SceneError {
         /// The requested time, in seconds.
         time_s: f32,
     },
+}
+
+/// The files to give instead of one of an unknown format.
+fn readable() -> String {
+    if crate::EXTENSIONS.is_empty() {
+        return "this build reads no files, turn on a feature of lumivox-scene such as gltf"
+            .to_owned();
+    }
+    format!("give a {} file", crate::extensions_in_words())
 }
 
 /// Lists names in a message; a file may have thousands.

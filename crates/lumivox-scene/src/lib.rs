@@ -19,23 +19,52 @@
 //! assert!(scene.triangle_count() > 0);
 //! # Ok::<(), lumivox_scene::SceneError>(())
 //! ```
+//!
+//! # Features
+//!
+//! A feature for each family of formats, all of them on by default. A file of a format that is left
+//! out is refused with the feature's name ([`SceneError::LeftOut`]).
+//!
+//! | feature | brings |
+//! | --- | --- |
+//! | `gltf` | [`Scene::load`] of `.gltf` and `.glb`, with Draco, meshopt and KTX2; animations |
+//! | `obj` | `.obj` with `.mtl` and textures |
+//! | `ply`, `stl` | `.ply`, `.stl` |
+//! | `vxct` | `.scene`, `.vxct` and `.txt` of the program VXCT; brings `obj`, the format of its models |
+//! | `panoramas` | `EnvironmentMap::load` and `from_memory`: Radiance, OpenEXR, PNG, JPEG |
+//! | `save` | `Scene::save_glb` and `to_glb` |
+//!
+//! Without any there are scenes made in code, the computed sky, cameras and light for scenes that
+//! have none.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(
     test,
     allow(clippy::unwrap_used, clippy::float_cmp, reason = "in a test a panic is the message")
 )]
 
+mod atomic;
 pub mod builtin;
 mod environment;
 mod error;
 mod framing;
+#[cfg_attr(
+    not(feature = "default"),
+    allow(dead_code, unused_imports, reason = "formats share what is in it")
+)]
 mod load;
 mod model;
 mod pick;
+#[cfg_attr(
+    not(feature = "gltf"),
+    allow(dead_code, unused_imports, reason = "only glTF has animations")
+)]
 mod pose;
+#[cfg(feature = "save")]
 mod save;
 mod validate;
 
+pub use atomic::write_atomically;
 pub use environment::{sky, studio};
 pub use error::SceneError;
 pub use framing::{DefaultLight, Framing, Ground, Note, Sight, SightOptions, Staging};
@@ -52,7 +81,8 @@ pub use model::{
 pub use pick::{Pick, Picker};
 pub use pose::{AnimationChoice, AnimationInfo, Moved, Places, Rig};
 
-/// The key in a file's `extras` for everything that glTF cannot express.
-const EXTRAS: &str = "lumivox";
-pub use save::write_atomically;
 pub use validate::Outlier;
+
+/// The key in a file's `extras` for everything that glTF cannot express.
+#[cfg(any(feature = "gltf", feature = "save"))]
+const EXTRAS: &str = "lumivox";

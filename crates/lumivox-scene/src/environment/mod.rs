@@ -5,13 +5,17 @@
 //! file counts as 1 cd/m², and [`Environment::radiance`](crate::Environment::radiance) multiplies
 //! it.
 
+#[cfg(feature = "panoramas")]
 mod exr;
+#[cfg(feature = "panoramas")]
 mod hdr;
+#[cfg(feature = "panoramas")]
 mod load;
 mod measure;
+#[cfg(feature = "panoramas")]
 mod repair;
 pub mod sky;
 pub mod studio;
 
-#[cfg(test)]
+#[cfg(all(test, feature = "panoramas"))]
 mod tests;

@@ -1,11 +1,17 @@
 //! The extensions of readable files.
 
 /// The extensions of the files that [`Scene::load`](crate::Scene::load) reads, in lower case.
+/// Those whose feature is off are not among them.
 pub const EXTENSIONS: &[&str] = &[
+    #[cfg(feature = "gltf")]
     "gltf",
+    #[cfg(feature = "gltf")]
     "glb",
+    #[cfg(feature = "obj")]
     "obj",
+    #[cfg(feature = "ply")]
     "ply",
+    #[cfg(feature = "stl")]
     "stl",
     #[cfg(feature = "vxct")]
     "scene",
@@ -45,16 +51,28 @@ mod tests {
     }
 
     #[test]
-    #[cfg(not(feature = "vxct"))]
-    fn a_build_without_vxct_says_so() {
-        for extension in ["scene", "vxct", "txt"] {
-            let error = Scene::load(format!("room.{extension}")).unwrap_err();
-            assert!(matches!(error, SceneError::WithoutVxct { .. }), "{error}");
+    fn a_format_that_is_left_out_names_its_feature() {
+        for (extension, feature, format) in [
+            ("gltf", "gltf", "glTF"),
+            ("GLB", "gltf", "glTF"),
+            ("obj", "obj", "OBJ"),
+            ("ply", "ply", "PLY"),
+            ("stl", "stl", "STL"),
+            ("scene", "vxct", "scenes of VXCT"),
+            ("vxct", "vxct", "scenes of VXCT"),
+            ("txt", "vxct", "scenes of VXCT"),
+        ] {
+            let file = format!("no such room.{extension}");
+            let error = Scene::load(&file).unwrap_err();
+            if EXTENSIONS.contains(&extension.to_lowercase().as_str()) {
+                assert!(matches!(error, SceneError::Read { .. }), "{error}");
+                continue;
+            }
+            assert!(matches!(error, SceneError::LeftOut { .. }), "{error}");
             let text = error.to_string();
-            assert!(
-                text.contains("does not read scenes of VXCT") && text.contains("feature vxct"),
-                "{text}"
-            );
+            for part in [&file, &format!("not read {format};"), &format!("feature {feature} ")] {
+                assert!(text.contains(part), "{text}");
+            }
         }
     }
 }

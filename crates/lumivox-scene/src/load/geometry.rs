@@ -4,7 +4,6 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::textures::size_text;
 use crate::{Mesh, SceneError};
 
 /// The most vertices that 32-bit indices can number; the last number means "none".
@@ -85,6 +84,17 @@ fn bytes(vertices: usize, indices: usize, colors: bool) -> u64 {
     (vertices as u64)
         .saturating_mul(vertex as u64)
         .saturating_add((indices as u64).saturating_mul(4))
+}
+
+/// An amount of memory in the unit that suits it.
+pub(super) fn size_text(bytes: u64) -> String {
+    let bytes = bytes as f64;
+    let (value, unit) = match bytes {
+        b if b < 1024.0 * 1024.0 => (b / 1024.0, "KiB"),
+        b if b < 1024.0 * 1024.0 * 1024.0 => (b / 1024.0 / 1024.0, "MiB"),
+        b => (b / 1024.0 / 1024.0 / 1024.0, "GiB"),
+    };
+    format!("{value:.1} {unit}")
 }
 
 #[cfg(test)]

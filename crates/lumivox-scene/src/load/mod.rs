@@ -9,19 +9,27 @@ mod extensions;
 mod files;
 mod find;
 mod geometry;
+#[cfg(feature = "gltf")]
 mod gltf;
+#[cfg(any(feature = "gltf", feature = "obj"))]
 mod image;
 mod normals;
+#[cfg(feature = "obj")]
 mod obj;
+#[cfg(feature = "ply")]
 mod ply;
+#[cfg(any(feature = "obj", feature = "ply", feature = "stl"))]
 mod polygon;
 mod regular;
 mod source;
 mod stand_in;
+#[cfg(feature = "stl")]
 mod stl;
 mod stream;
+#[cfg(any(feature = "gltf", feature = "obj"))]
 mod tangents;
 mod text;
+#[cfg(feature = "gltf")]
 mod textures;
 mod units;
 #[cfg(feature = "vxct")]
@@ -32,6 +40,7 @@ use std::path::{Path, PathBuf};
 use crate::{Scene, SceneError};
 pub use extensions::{EXTENSIONS, extensions_in_words};
 use files::Reach;
+#[cfg(feature = "save")]
 pub(crate) use files::shorten;
 pub use regular::{check_regular, read_regular};
 pub use source::FileSource;
@@ -148,14 +157,14 @@ impl std::fmt::Debug for LoadOptions<'_> {
 impl Scene {
     /// Reads a scene from a file, and validates it: `.gltf` or `.glb` (glTF 2.0), `.obj` with its
     /// materials (Wavefront), `.ply` (Stanford), `.stl` (stereolithography), or the text of the
-    /// program VXCT with its models (`.scene`, `.vxct`, `.txt`; feature `vxct`, on by default).
+    /// program VXCT with its models (`.scene`, `.vxct`, `.txt`). Each has a feature of this crate.
     ///
     /// Features of the file that this crate does not support become warnings in [`Scene::notes`]
     /// and in the log.
     ///
     /// # Errors
-    /// [`SceneError`] when the file's extension is unknown, the file or one that it names cannot be
-    /// read, its content violates the format, it requires an unsupported extension, or
+    /// [`SceneError`] when the file's extension is unknown, its format is left out of this build
+    /// ([`SceneError::LeftOut`]), the file or one that it names cannot be read, its content violates the format, it requires an unsupported extension, or
     /// [`Scene::validate`] fails. Never panics, whatever the bytes.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         Self::load_with(path, &mut LoadOptions::default())
@@ -220,17 +229,28 @@ fn extension(path: &Path) -> String {
 fn load(path: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
     units::check(path, options)?;
     let extension = extension(path);
-    let mut scene = match extension.as_str() {
-        "gltf" | "glb" => gltf::load(path, options)?,
-        "obj" => obj::load(path, options)?,
-        "ply" => ply::load(path, options)?,
-        "stl" => stl::load(path, options)?,
+    let left_out =
+        |format, feature| Err(SceneError::LeftOut { file: path.to_owned(), format, feature });
+    #[allow(unreachable_patterns, reason = "a build has a format or leaves it out")]
+    let loaded = match extension.as_str() {
+        #[cfg(feature = "gltf")]
+        "gltf" | "glb" => gltf::load(path, options),
+        #[cfg(feature = "obj")]
+        "obj" => obj::load(path, options),
+        #[cfg(feature = "ply")]
+        "ply" => ply::load(path, options),
+        #[cfg(feature = "stl")]
+        "stl" => stl::load(path, options),
         #[cfg(feature = "vxct")]
-        "scene" | "vxct" | "txt" => vxct::load(path, options)?,
-        #[cfg(not(feature = "vxct"))]
-        "scene" | "vxct" | "txt" => return Err(SceneError::WithoutVxct { file: path.to_owned() }),
-        _ => return Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
+        "scene" | "vxct" | "txt" => vxct::load(path, options),
+        "gltf" | "glb" => left_out("glTF", "gltf"),
+        "obj" => left_out("OBJ", "obj"),
+        "ply" => left_out("PLY", "ply"),
+        "stl" => left_out("STL", "stl"),
+        "scene" | "vxct" | "txt" => left_out("scenes of VXCT", "vxct"),
+        _ => Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
     };
+    let mut scene = loaded?;
     units::apply(&mut scene, path, options)?;
     if let Some(outlier) = scene.outlier() {
         let warning =

@@ -1,10 +1,9 @@
-//! Stand-ins for missing parts of a file.
+//! Stand-ins for missing materials of a file.
 
 use glam::Vec3;
 
 use super::Notes;
-use super::image::Pixels;
-use crate::{Filter, Material, Sampler, Texture};
+use crate::Material;
 
 /// Between stone and plaster.
 const NO_MATERIAL_ALBEDO: f32 = 0.5;
@@ -34,25 +33,4 @@ pub(super) fn white(name: &str) -> Material {
 /// Matte grey, seen from both sides.
 pub(super) fn grey(name: &str) -> Material {
     Material { double_sided: true, ..Material::diffuse(name, Vec3::splat(NO_MATERIAL_ALBEDO)) }
-}
-
-/// The edge of the stand-in for an image, in texels.
-pub(super) const BOARD_EDGE: u32 = 8;
-
-/// Texels in place of a missing image: squares of magenta and black, which are hard to overlook.
-pub(super) fn board() -> Pixels {
-    let texel = |i: u32| {
-        let is_even = (i % BOARD_EDGE + i / BOARD_EDGE).is_multiple_of(2);
-        if is_even { [255, 0, 255, 255] } else { [0, 0, 0, 255] }
-    };
-    let rgba8 = (0..BOARD_EDGE * BOARD_EDGE).flat_map(texel).collect();
-    Pixels { width: BOARD_EDGE, height: BOARD_EDGE, rgba8 }
-}
-
-/// A texture of them.
-pub(super) fn checker(name: &str) -> Texture {
-    let Pixels { width, height, rgba8 } = board();
-    let sampler =
-        Sampler { magnify: Filter::Nearest, minify: Filter::Nearest, ..Sampler::default() };
-    Texture { name: format!("stand-in for {name}"), width, height, rgba8, sampler }
 }

@@ -12,8 +12,9 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
+use super::geometry::size_text;
 use super::image::{self, Encoding, Fault, Header, Pixels, Source};
-use super::{LoadOptions, Notes, stand_in};
+use super::{LoadOptions, Notes};
 use crate::{Sampler, SceneError, Texture};
 
 pub(super) use mix::Mix;
@@ -152,8 +153,8 @@ impl<'a> Textures<'a> {
         let headers = || recipe.images().iter().map(|image| self.images[image.0].header);
         let product = Product {
             encoding,
-            width: headers().map(|header| header.width).max().unwrap_or(stand_in::BOARD_EDGE),
-            height: headers().map(|header| header.height).max().unwrap_or(stand_in::BOARD_EDGE),
+            width: headers().map(|header| header.width).max().unwrap_or(image::BOARD_EDGE),
+            height: headers().map(|header| header.height).max().unwrap_or(image::BOARD_EDGE),
             halvings: 0,
             textures: Vec::new(),
             recipe: recipe.clone(),
@@ -279,7 +280,7 @@ impl<'a> Textures<'a> {
                 let images = images.iter().map(decode).collect::<Result<Vec<_>, _>>()?;
                 mix.mix(&images, product.width, product.height)
             }
-            Recipe::Missing => stand_in::board(),
+            Recipe::Missing => image::board(),
         };
         Ok(image::shrink(pixels, product.halvings, product.encoding))
     }
@@ -305,15 +306,4 @@ impl<'a> Textures<'a> {
         }
         made[last] = Some(texture(pixels.rgba8, last));
     }
-}
-
-/// An amount of memory in the unit that suits it.
-pub(super) fn size_text(bytes: u64) -> String {
-    let bytes = bytes as f64;
-    let (value, unit) = match bytes {
-        b if b < 1024.0 * 1024.0 => (b / 1024.0, "KiB"),
-        b if b < 1024.0 * 1024.0 * 1024.0 => (b / 1024.0 / 1024.0, "MiB"),
-        b => (b / 1024.0 / 1024.0 / 1024.0, "GiB"),
-    };
-    format!("{value:.1} {unit}")
 }

@@ -24,7 +24,6 @@
 //! A transform with shear is written as it is, although glTF wants matrices to be products of
 //! translation, rotation and scale; programs that take them apart will miss the shear.
 
-mod atomic;
 mod binary;
 mod container;
 mod document;
@@ -37,8 +36,7 @@ mod texture;
 
 use std::path::{Path, PathBuf};
 
-use crate::{Scene, SceneError};
-pub use atomic::write_atomically;
+use crate::{Scene, SceneError, write_atomically};
 use container::Container;
 use document::Document;
 

@@ -14,7 +14,7 @@ use ruzstd::decoding::StreamingDecoder;
 use super::Pixels;
 
 /// Bytes of the header.
-pub(super) const HEADER_BYTES: usize = Header::LENGTH;
+const HEADER_BYTES: usize = Header::LENGTH;
 /// The largest decoding window: `zstd`'s decoder keeps as much decoded data as the file asks for,
 /// up to this.
 const LARGEST_WINDOW_BYTES: u64 = 128 << 20;

@@ -1,9 +1,11 @@
 //! Image files of any format: their size without decoding, and their texels.
 //!
 //! The first bytes decide the format, since declared types are often wrong; only Targa, which has
-//! no signature, is recognized by the file's extension. A size for which the file is too short is
+//! no signature, is recognized by the file's extension. KTX2 belongs to glTF's feature. A size for which the file is too short is
 //! refused before memory is allocated: a few bytes can claim a gigabyte.
 
+mod board;
+#[cfg(feature = "gltf")]
 mod ktx2;
 mod shrink;
 
@@ -15,6 +17,7 @@ use image::{ImageFormat, ImageReader, Limits};
 
 use super::regular::{open_regular, read_regular};
 
+pub(super) use board::{BOARD_EDGE, board, checker};
 pub(super) use shrink::{Encoding, halved, shrink};
 
 /// The longest edge in texels: the limit of common GPUs.
@@ -28,6 +31,9 @@ const FREE_TEXELS: u64 = 4 << 20;
 /// from two bits), and a byte of a one-bit PNG holds eight texels; the other formats stay below
 /// that in real pictures.
 const MOST_TEXELS_A_BYTE: u64 = 16_384;
+
+/// The bytes that tell a format and a size of KTX2; its header is the longest.
+const START_BYTES: usize = 80;
 
 /// The place of an image's bytes.
 #[derive(Clone, Debug)]
@@ -62,6 +68,7 @@ pub(super) struct Header {
 enum Format {
     /// The formats that the `image` crate decodes.
     Plain(ImageFormat),
+    #[cfg(feature = "gltf")]
     Ktx2,
 }
 
@@ -125,6 +132,7 @@ pub(super) fn header(source: &Source<'_>) -> Result<Header, Fault> {
 pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Fault> {
     let bytes = source.read()?;
     let pixels = match header.format {
+        #[cfg(feature = "gltf")]
         Format::Ktx2 => ktx2::decode(&bytes).map_err(of_ktx2)?,
         Format::Plain(format) => {
             let image = reader(Cursor::new(bytes.as_ref()), format).decode()?.into_rgba8();
@@ -147,6 +155,7 @@ pub(super) fn decode_file(bytes: &[u8], path: &Path) -> Result<Pixels, Fault> {
 
 /// The fault of a file that is broken or of an unsupported kind: another format helps in both
 /// cases.
+#[cfg(feature = "gltf")]
 fn of_ktx2(reason: String) -> Fault {
     Fault::Bad(reason, OF_ANOTHER_KIND)
 }
@@ -156,20 +165,20 @@ fn header_of(
     length: u64,
     path: Option<&Path>,
 ) -> Result<Header, Fault> {
-    let mut start = Vec::with_capacity(ktx2::HEADER_BYTES);
-    input
-        .by_ref()
-        .take(ktx2::HEADER_BYTES as u64)
-        .read_to_end(&mut start)
-        .map_err(Fault::Unreadable)?;
+    let mut start = Vec::with_capacity(START_BYTES);
+    input.by_ref().take(START_BYTES as u64).read_to_end(&mut start).map_err(Fault::Unreadable)?;
     input.rewind().map_err(Fault::Unreadable)?;
-    let (format, width, height) = if ktx2::is_ktx2(&start) {
-        let (width, height) = ktx2::size(&start).map_err(of_ktx2)?;
-        (Format::Ktx2, width, height)
-    } else {
-        let format = plain_format(&start, path)?;
-        let (width, height) = reader(input, format).into_dimensions()?;
-        (Format::Plain(format), width, height)
+    let (format, width, height) = match &start {
+        #[cfg(feature = "gltf")]
+        start if ktx2::is_ktx2(start) => {
+            let (width, height) = ktx2::size(start).map_err(of_ktx2)?;
+            (Format::Ktx2, width, height)
+        }
+        start => {
+            let format = plain_format(start, path)?;
+            let (width, height) = reader(input, format).into_dimensions()?;
+            (Format::Plain(format), width, height)
+        }
     };
     if width == 0 || height == 0 {
         return Err(Fault::Bad(format!("it has {width} x {height} texels"), BROKEN));

@@ -9,7 +9,7 @@ use image::{Rgba, RgbaImage, imageops};
 use super::map::{Channel, Map};
 use crate::load::files::{Reach, shorten};
 use crate::load::image::{Encoding, Pixels};
-use crate::load::{self, Notes, color, stand_in};
+use crate::load::{self, Notes, color};
 use crate::{Scene, Texture};
 
 /// The height of white above black in a bump map with `-bm` 1, as a share of the image's width. MTL
@@ -105,7 +105,7 @@ impl<'a> Textures<'a> {
 
     /// A texture in place of one that is missing.
     pub(super) fn stand_in(&mut self, name: &str, scene: &mut Scene) -> usize {
-        self.push(stand_in::checker(name), Encoding::Color, scene)
+        self.push(load::image::checker(name), Encoding::Color, scene)
     }
 
     /// Adds a texture, and halves all as often as the budget requires.

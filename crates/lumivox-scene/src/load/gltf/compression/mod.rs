@@ -14,8 +14,7 @@ use gltf::json::buffer::Buffer;
 use gltf::json::{Index, Root};
 
 use crate::SceneError;
-use crate::load::geometry::GeometryBudget;
-use crate::load::textures::size_text;
+use crate::load::geometry::{GeometryBudget, size_text};
 
 /// The extensions for compressed buffer views: the same under two names, of which the second may
 /// use more (Khronos, `KHR_meshopt_compression`).
