@@ -149,3 +149,37 @@ pub(crate) fn transmittance(
     }
     (-depth).exp()
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::light::atmosphere::{Falloff, PhaseFunction, ScatteringTerm};
+
+    use super::*;
+
+    /// Air whose density falls in proportion to height has half of its depth in half of its way.
+    #[test]
+    fn air_takes_its_share_of_a_sun() {
+        let term = ScatteringTerm {
+            absorption: Vec3::new(0.0, 4e-6, 0.0),
+            scattering: Vec3::new(1e-5, 6e-6, 0.0),
+            falloff: Falloff::Linear,
+            phase: PhaseFunction::Isotropic,
+        };
+        let medium = ScatteringMedium::new(64, 64, [term]);
+        let atmosphere = Atmosphere::earth(Handle::default());
+        let planet = GlobalTransform::from_translation(-atmosphere.inner_radius * Vec3::Y);
+        let left = |towards: Vec3| {
+            transmittance((&atmosphere, &planet), &medium, Vec3::ZERO, towards.normalize())
+        };
+        let up = left(Vec3::Y);
+        // 100 km of air.
+        let expected = (-Vec3::new(1e-5, 1e-5, 0.0) * 50e3).exp();
+        assert!((up - expected).abs().max_element() < 2e-3, "{up}, not {expected}");
+        // At 60 degrees from above the way is nearly twice as long, and near the horizon far longer.
+        let aslant = left(Vec3::new(3.0_f32.sqrt(), 1.0, 0.0));
+        assert!((aslant.x / expected.x.powi(2) - 1.0).abs() < 0.03, "{aslant}");
+        assert!(left(Vec3::new(1.0, 0.01, 0.0)).x < 0.05);
+        assert_eq!(left(Vec3::new(1.0, -0.01, 0.0)), Vec3::ZERO);
+        assert!((left(Vec3::Y).z - 1.0).abs() < 1e-6);
+    }
+}
