@@ -19,15 +19,14 @@ fn cascades_light_a_room_as_a_box_does() {
     let mut stage = Stage::cornell();
     let eye = Vec3::new(0.0, 1.0, 0.9);
     let inside = Transform::from_translation(eye).looking_at(Vec3::new(0.0, 0.8, -1.0), Vec3::Y);
-    let mut lit_in = |volume| {
-        let gi = LumivoxGi { volume, ..quick() };
-        stage.app.world_mut().entity_mut(stage.camera).insert((inside, gi));
-        headless::wait_until_ready(&mut stage.app);
-        stage.settled()
-    };
-    // The finest of the boxes is this one, and holds the room.
-    let boxed = lit_in(GiVolume::Box { min: eye - 2.0, max: eye + 2.0, resolution: 32 });
-    let nested = lit_in(GiVolume::Cascades { count: 2, resolution: 32, voxel_size: 0.125 });
+    stage.app.world_mut().entity_mut(stage.camera).insert(inside);
+    let boxed = stage.settled();
+    // The finest of the boxes holds the room, in voxels as large as those of the box around it.
+    let volume = GiVolume::Cascades { count: 2, resolution: 64, voxel_size: 0.0625 };
+    let gi = LumivoxGi { volume, ..quick() };
+    stage.app.world_mut().entity_mut(stage.camera).insert(gi);
+    headless::wait_until_ready(&mut stage.app);
+    let nested = stage.settled();
     nested.save("target/pictures/cascades.png", 2.0);
     boxed.save("target/pictures/cascades-boxed.png", 2.0);
     println!("{} {}", nested.mean_luminance(), boxed.mean_luminance());
