@@ -86,8 +86,8 @@ impl Stage {
 
     /// The mean of frames once light has settled.
     pub fn settled(&mut self) -> headless::Shot {
-        self.frames(26);
-        headless::mean_shot(&mut self.app, &self.image.clone(), 6)
+        self.frames(40);
+        headless::mean_shot(&mut self.app, &self.image.clone(), 8)
     }
 
     /// What was told since the app began.

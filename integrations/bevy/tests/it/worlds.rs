@@ -138,7 +138,7 @@ fn masks_let_light_through_their_holes() {
         let place = Transform::from_xyz(0.0, 1.0, 0.97);
         let parts = (Mesh3d(mesh), MeshMaterial3d(material), place, RenderLayers::layer(1));
         let screen = world.spawn(parts).id();
-        stage.frames(8);
+        stage.frames(40);
         let light = stage.settled().mean_luminance() - dark;
         stage.app.world_mut().despawn(screen);
         light / open
