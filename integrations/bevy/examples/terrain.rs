@@ -16,7 +16,7 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::pbr::AtmosphereSettings;
 use bevy::prelude::*;
 use bevy_lumivox::{GiVolume, LumivoxGi, LumivoxPlugin};
-use common::run::Clock;
+use common::{run::Clock, scene::matt};
 
 /// Edge of the landscape, m, and squares along it.
 const EDGE_M: f32 = 1000.0;
@@ -85,12 +85,9 @@ fn village(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    let mut matt = |red, green, blue| {
-        let base_color = Color::linear_rgb(red, green, blue);
-        materials.add(StandardMaterial { base_color, perceptual_roughness: 0.9, ..default() })
-    };
-    let plaster = [matt(0.75, 0.7, 0.6), matt(0.7, 0.28, 0.16), matt(0.75, 0.6, 0.25)];
-    let tiles = matt(0.3, 0.1, 0.06);
+    let plaster = [[0.75, 0.7, 0.6], [0.7, 0.28, 0.16], [0.75, 0.6, 0.25]]
+        .map(|rgb| matt(&mut materials, rgb));
+    let tiles = matt(&mut materials, [0.3, 0.1, 0.06]);
     let window = materials.add(StandardMaterial {
         base_color: Color::BLACK,
         // A lit room behind a pane, in cd/m2.

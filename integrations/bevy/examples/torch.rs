@@ -11,7 +11,7 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 use bevy_lumivox::{GiVolume, LumivoxGi, LumivoxPlugin};
-use common::run::Clock;
+use common::{run::Clock, scene::matt};
 
 /// A limb swings about its joint: how far, and where in the step.
 #[derive(Component)]
@@ -36,11 +36,8 @@ fn hall(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    let mut matt = |red, green, blue| {
-        let base_color = Color::linear_rgb(red, green, blue);
-        materials.add(StandardMaterial { base_color, perceptual_roughness: 0.9, ..default() })
-    };
-    let (stone, red, blue) = (matt(0.6, 0.57, 0.5), matt(0.65, 0.12, 0.08), matt(0.12, 0.2, 0.6));
+    let [stone, red, blue] = [[0.6, 0.57, 0.5], [0.65, 0.12, 0.08], [0.12, 0.2, 0.6]]
+        .map(|rgb| matt(&mut materials, rgb));
     let mut place = |size: Vec3, at: Vec3, material: &Handle<StandardMaterial>| {
         let mesh = meshes.add(Cuboid::from_size(size));
         commands.spawn((

@@ -17,6 +17,7 @@ mod surroundings;
 mod textures;
 mod views;
 mod volumes;
+mod voxels;
 
 use std::marker::PhantomData;
 

@@ -14,7 +14,8 @@ use lumivox::{CameraView, GBuffer, TraceSettings, TraceTargets, wgpu};
 use crate::compose::{ComposeView, PICTURE_FORMAT};
 use crate::report::{LumivoxEvent, Reports};
 use crate::views::GiViews;
-use crate::volumes::{VolumeKey, Volumes, Voxels};
+use crate::volumes::{VolumeKey, Volumes};
+use crate::voxels::Voxels;
 
 /// What a view keeps from frame to frame.
 #[derive(Component)]

@@ -97,13 +97,12 @@ pub(crate) fn take_maps_over(
     volumes: Res<Volumes>,
 ) {
     for view in &gi_views.views {
-        if volumes.shown(&view.key).is_some()
-            && let Ok(mut view) = commands.get_entity(view.entity)
-        {
-            view.try_remove::<(
-                RenderViewLightProbes<EnvironmentMapLight>,
-                RenderViewLightProbes<IrradianceVolume>,
-            )>();
+        let Some(voxels) = volumes.shown(&view.key) else { continue };
+        let Ok(mut entity) = commands.get_entity(view.entity) else { continue };
+        entity.try_remove::<RenderViewLightProbes<IrradianceVolume>>();
+        // A map that is not there yet, or not read, stays Bevy's.
+        if view.surroundings.is_none() || voxels.holds_map() {
+            entity.try_remove::<RenderViewLightProbes<EnvironmentMapLight>>();
         }
     }
 }

@@ -1,37 +1,26 @@
-//! The voxels: made in the background, filled and lit in each frame without waiting.
+//! The volumes of all cameras: begun, shown when their voxels are ready, replaced, given up.
 
 use bevy::pbr::{SkinUniforms, ViewShadowBindings};
 use bevy::prelude::*;
-use bevy::render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
+use bevy::render::diagnostic::DiagnosticsRecorder;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy::render::texture::GpuImage;
+use bevy::tasks::Task;
 use bevy::tasks::futures::check_ready;
-use bevy::tasks::{AsyncComputeTaskPool, Task};
 use lumivox::gpu::{Pipelines, Recorder};
-use lumivox::hooks::Resource as Bound;
-use lumivox::{
-    CubeUse, EnvironmentCube, EnvironmentLight, Gi, GiConfig, GiError, Grid, Light, Lights, Shadow,
-    ShadowSource, VolumeKind, wgpu,
-};
+use lumivox::{GiError, Grid, Light, wgpu};
 
-use crate::compose::Compose;
 use crate::deform::{Deformer, SceneMorphs};
-use crate::gbuffer;
 use crate::geometry::SceneGeometry;
 use crate::instances::Instances;
 use crate::lights::{SceneLights, scaled};
 use crate::report::{LumivoxEvent, Reports};
-use crate::settings::{GiVolume, LumivoxGi};
-use crate::shadows::{self, BevyShadows, ShadowMaps};
-use crate::surroundings::{EDGE, Surroundings};
+use crate::settings::GiVolume;
+use crate::shadows::{BevyShadows, ShadowMaps};
 use crate::views::{GiView, GiViews};
+use crate::voxels::{Frame, Made, Voxels, make};
 
-/// Frames in which new voxels are lit before they are shown.
-const FRAMES_TO_LIGHT: u32 = 8;
-/// Frames after a change in which lights with shadow maps are evaluated again: Bevy draws a map once its pipelines are
-/// compiled, and does not tell.
-const FRAMES_OF_NEW_MAPS: [u32; 3] = [2, 16, 120];
 /// Frames for which a volume that no camera uses is kept.
 const FRAMES_TO_KEEP: u32 = 120;
 /// How far meshes may reach out of a box that was fitted to them, as a share of its longest edge, before it is fitted anew.
@@ -53,32 +42,6 @@ impl VolumeKey {
     }
 }
 
-/// Voxels with their light.
-pub(crate) struct Voxels {
-    pub(crate) gi: Gi,
-    pub(crate) lights: Lights,
-    pub(crate) compose: Compose,
-    /// Another number for each of them.
-    pub(crate) number: u64,
-    /// What the lights were set to.
-    lit_by: (Vec<Light>, Vec3, bool),
-    cube: EnvironmentCube,
-    /// The environment map that the cube holds, and since how many frames.
-    taken: Option<(wgpu::TextureView, CubeUse)>,
-    frames_taken: u32,
-    bound_maps: Option<[Bound; 4]>,
-    /// The geometry that they were made of.
-    version: Option<u64>,
-    is_late: bool,
-    frames_lit: u32,
-    /// Frames since lights or geometry have changed.
-    frames_at_rest: u32,
-    /// The box that the scene was in when they were fitted to it.
-    fitted: Option<[Vec3; 2]>,
-    /// A version of the geometry that is refused.
-    refused: Option<u64>,
-}
-
 /// A volume, and the one that takes its place.
 struct Held {
     key: VolumeKey,
@@ -90,13 +53,6 @@ struct Held {
     unused: u32,
     /// In this frame.
     is_recorded: bool,
-}
-
-/// What a task makes.
-struct Made {
-    gi: Gi,
-    cube: EnvironmentCube,
-    compose: Compose,
 }
 
 /// All of them.
@@ -260,26 +216,9 @@ impl Held {
         let Some(made) = check_ready(task) else { return };
         self.making = None;
         match made {
-            Ok(Made { gi, cube, compose }) => {
+            Ok(made) => {
                 *numbers += 1;
-                let lights = gi.bind_lights(&[], ambient, ShadowSource::Own(&maps.bound));
-                self.coming = Some(Box::new(Voxels {
-                    gi,
-                    lights,
-                    compose,
-                    number: *numbers,
-                    lit_by: (Vec::new(), ambient, false),
-                    cube,
-                    taken: None,
-                    frames_taken: 0,
-                    bound_maps: None,
-                    version: None,
-                    is_late: false,
-                    frames_lit: 0,
-                    frames_at_rest: 0,
-                    fitted: bounds,
-                    refused: None,
-                }));
+                self.coming = Some(Box::new(Voxels::new(made, *numbers, (ambient, maps), bounds)));
             }
             Err(error) => self.fail(&error, bounds, reports),
         }
@@ -310,47 +249,6 @@ fn grid(volume: &GiVolume, bounds: Option<[Vec3; 2]>, camera: Vec3) -> Result<Gr
             Grid::cascades(camera, &options, Vec3::ZERO)
         }
     }
-}
-
-/// Makes voxels and compiles what works on them, beside the frames.
-fn make(
-    pipelines: &Pipelines,
-    queue: &wgpu::Queue,
-    grid: Grid,
-    settings: LumivoxGi,
-) -> Task<Result<Made, GiError>> {
-    let (pipelines, queue) = (pipelines.clone(), queue.clone());
-    let link = move || -> Result<(Pipelines, Made), GiError> {
-        let volume = match settings.volume.cascades() {
-            Some(_) => VolumeKind::Cascades,
-            None => VolumeKind::Dense,
-        };
-        let config = GiConfig {
-            volume,
-            gbuffer: Some(gbuffer::module()),
-            shadow_maps: Some(shadows::module()),
-            ..GiConfig::new(grid)
-        };
-        let gi = Gi::with_pipelines(&pipelines, &queue, config)?;
-        // Kernels of these settings are compiled with all others.
-        gi.targets(UVec2::splat(8), &settings.trace_settings());
-        let compose = Compose::new(&gi)?;
-        let cube = EnvironmentCube::new(&pipelines, gi.shaders(), EDGE)?;
-        Ok((pipelines, Made { gi, cube, compose }))
-    };
-    #[cfg(not(target_arch = "wasm32"))]
-    let task = async move {
-        let (pipelines, made) = link()?;
-        bevy::tasks::block_on(pipelines.compile(&mut |_, _| ()));
-        Ok(made)
-    };
-    #[cfg(target_arch = "wasm32")]
-    let task = async move {
-        let (pipelines, made) = link()?;
-        pipelines.compile(&mut |_, _| ()).await;
-        Ok(made)
-    };
-    AsyncComputeTaskPool::get().spawn(task)
 }
 
 /// Records the work of a camera's volume, once in a frame: after the shadow maps of the first camera that shares it.
@@ -407,146 +305,5 @@ pub(crate) fn record_volume(
         if let Err(error) = voxels.record((&device, &queue), context.command_encoder(), &frame) {
             reports.tell(LumivoxEvent::Failed { error: error.to_string() });
         }
-    }
-}
-
-/// What a frame does to voxels.
-struct Frame<'a> {
-    view: &'a GiView,
-    /// The environment map, if it is there.
-    map: Option<(&'a wgpu::TextureView, &'a Surroundings)>,
-    /// Lumivox's unit of radiance in one cd/m².
-    share: f32,
-    scene: &'a SceneGeometry,
-    lights: &'a [Light],
-    shadow_maps: &'a ShadowMaps,
-    ambient: Vec3,
-    diagnostics: Option<&'a DiagnosticsRecorder>,
-}
-
-impl Frame<'_> {
-    fn has_mapped_lights(&self) -> bool {
-        self.lights.iter().any(|light| matches!(light.shadow, Shadow::Map { .. }))
-    }
-}
-
-impl Voxels {
-    /// Takes the environment map, if it has changed.
-    fn follow_map(
-        &mut self,
-        (device, queue): (&wgpu::Device, &wgpu::Queue),
-        encoder: &mut wgpu::CommandEncoder,
-        frame: &Frame<'_>,
-    ) {
-        let Some((cube, surroundings)) = frame.map else {
-            self.taken = None;
-            return;
-        };
-        let settings = surroundings.cube_use(frame.share, frame.ambient);
-        let is_known = self.taken.as_ref().is_some_and(|taken| *taken == (cube.clone(), settings));
-        self.frames_taken = self.frames_taken.saturating_add(1);
-        if is_known && !surroundings.is_due(self.frames_taken) {
-            return;
-        }
-        self.cube.record(&mut Recorder::on(device, queue, encoder), cube, settings);
-        self.gi.forget_light();
-        if !is_known {
-            self.frames_at_rest = 0;
-            self.frames_taken = 0;
-            self.taken = Some((cube.clone(), settings));
-        }
-    }
-
-    /// Sets the lights, if they have changed.
-    fn follow_lights(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>) {
-        let bound = &frame.shadow_maps.bound;
-        let is_known = self.lit_by.0 == frame.lights
-            && self.lit_by.1 == frame.ambient
-            && self.lit_by.2 == self.taken.is_some()
-            && self.bound_maps.as_ref() == Some(bound);
-        if is_known {
-            return;
-        }
-        self.frames_at_rest = 0;
-        self.lit_by.0.clear();
-        self.lit_by.0.extend_from_slice(frame.lights);
-        self.lit_by.1 = frame.ambient;
-        self.lit_by.2 = self.taken.is_some();
-        self.bound_maps = Some(bound.clone());
-        let environment = match self.taken {
-            // The ambient light is in it.
-            Some(_) => EnvironmentLight {
-                radiance: Vec3::ONE,
-                map: Some(self.cube.map()),
-                rotation_rad: 0.0,
-            },
-            None => EnvironmentLight::from(frame.ambient),
-        };
-        self.lights.update(queue, frame.lights, environment, ShadowSource::Own(bound));
-    }
-
-    /// Whether they may be seen.
-    fn is_lit(&self) -> bool {
-        self.gi.voxels().is_some() && !self.is_late && self.frames_lit >= FRAMES_TO_LIGHT
-    }
-
-    /// Follows geometry and lights.
-    fn record(
-        &mut self,
-        (device, queue): (&wgpu::Device, &wgpu::Queue),
-        encoder: &mut wgpu::CommandEncoder,
-        frame: &Frame<'_>,
-    ) -> Result<(), GiError> {
-        let version = frame.scene.version;
-        if self.refused == Some(version) {
-            return Ok(());
-        }
-        self.follow_map((device, queue), encoder, frame);
-        self.follow_lights(queue, frame);
-        if frame.has_mapped_lights() && FRAMES_OF_NEW_MAPS.contains(&self.frames_at_rest) {
-            self.gi.forget_light();
-        }
-        self.frames_at_rest = self.frames_at_rest.saturating_add(1);
-        let moves =
-            frame.view.gi.volume.cascades().is_some() && self.gi.center_on(frame.view.position)?;
-        let is_due =
-            self.version != Some(version) || frame.scene.is_deforming || self.is_late || moves;
-        if is_due {
-            let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/voxelize"));
-            let mut recorder = Recorder::on(device, queue, encoder);
-            let voxelized = self.gi.voxelize_frame(&mut recorder, &frame.scene.geometry);
-            drop(recorder);
-            if let Some(span) = span {
-                span.end(encoder);
-            }
-            match voxelized {
-                Ok(voxelized) => self.is_late = voxelized.is_late,
-                Err(error) => {
-                    self.refused = Some(version);
-                    return Err(error);
-                }
-            }
-            self.version = Some(version);
-            self.frames_at_rest = 0;
-        }
-        if self.gi.voxels().is_none() {
-            return Ok(());
-        }
-        let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/light"));
-        let mut recorder = Recorder::on(device, queue, encoder);
-        let settings = frame.view.gi.trace_settings();
-        let lit = self.gi.light_frame(
-            &mut recorder,
-            &self.lights,
-            frame.view.gi.face_budget(),
-            &settings,
-        );
-        drop(recorder);
-        if let Some(span) = span {
-            span.end(encoder);
-        }
-        lit?;
-        self.frames_lit = self.frames_lit.saturating_add(1);
-        Ok(())
     }
 }

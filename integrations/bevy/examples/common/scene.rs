@@ -73,6 +73,12 @@ pub fn camera(scene: &Scene) -> (Transform, Projection) {
     (Transform::from_matrix(given.world_from_camera()), Projection::Perspective(perspective))
 }
 
+/// A matt material of a linear colour.
+pub fn matt(materials: &mut Assets<StandardMaterial>, rgb: [f32; 3]) -> Handle<StandardMaterial> {
+    let base_color = Color::linear_rgb(rgb[0], rgb[1], rgb[2]);
+    materials.add(StandardMaterial { base_color, perceptual_roughness: 0.9, ..default() })
+}
+
 /// A mesh.
 pub fn mesh(given: &lumivox::Mesh) -> Mesh {
     let list = |vectors: &[Vec3]| vectors.iter().map(Vec3::to_array).collect::<Vec<_>>();
