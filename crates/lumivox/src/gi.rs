@@ -459,7 +459,7 @@ fn follow(
     }
 }
 
-/// What kernels need is what WebGPU guarantees; engines may ask a device for less.
+/// Whether a device has the bindings and workgroups that WebGPU guarantees, which kernels need: engines may ask for less.
 fn check_limits(limits: &wgpu::Limits) -> Result<(), GiError> {
     let counts = |name: &str| {
         ["_per_shader_stage", "_compute_", "bind_groups"].iter().any(|part| name.contains(part))

@@ -26,7 +26,7 @@ test("the gallery has its pictures, and links to scenes", async () => {
     await app.check();
     await app.close();
 
-    // What the viewer does with a link, without rendering. The gallery itself may not compile WebAssembly.
+    // The viewer decodes each link, and renders none. It is another page, since the gallery may not compile WebAssembly.
     const viewer = await App.open(session);
     const problems = await viewer.page.evaluate(async (links) => {
         /** @type {any} */

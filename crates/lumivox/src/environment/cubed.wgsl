@@ -32,7 +32,7 @@ struct CubeLevel {
 @group(1) @binding(2) var cube_sampler: sampler;
 
 @group(0) @binding(0) var<uniform> level: CubeLevel;
-// Of all levels, face by face, in rows.
+// The texels of all levels, face by face, in rows.
 @group(0) @binding(1) var<storage, read_write> levels: array<vec4f>;
 @group(0) @binding(2) var map: texture_storage_2d<rgba16float, write>;
 
