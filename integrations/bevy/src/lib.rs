@@ -7,6 +7,7 @@ mod geometry;
 mod instances;
 mod lights;
 mod material;
+mod probes;
 mod report;
 mod scene;
 mod screen;
@@ -23,7 +24,10 @@ use std::marker::PhantomData;
 
 use bevy::core_pipeline::core_3d::{main_opaque_pass_3d, main_transparent_pass_3d};
 use bevy::core_pipeline::{Core3d, Core3dSystems};
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::pbr::DefaultOpaqueRendererMethod;
+use bevy::pbr::deferred::deferred_lighting;
+use bevy::ecs::message::MessageUpdateSystems;
 use bevy::prelude::*;
 use bevy::render::mesh::allocator::MeshAllocatorSettings;
 use bevy::render::render_resource::BufferUsages;
@@ -40,7 +44,7 @@ use report::Reports;
 /// Global illumination for cameras with [`LumivoxGi`].
 ///
 /// Add it after `DefaultPlugins`. Opaque materials are drawn deferred from then on
-/// ([`DefaultOpaqueRendererMethod::deferred`]).
+/// ([`DefaultOpaqueRendererMethod::deferred`]), unless it is [`Self::forward`].
 ///
 /// ```no_run
 /// use bevy::prelude::*;
@@ -54,8 +58,18 @@ use report::Reports;
 ///     .run();
 /// ```
 #[derive(Debug, Default)]
-#[non_exhaustive]
-pub struct LumivoxPlugin {}
+pub struct LumivoxPlugin {
+    is_forward: bool,
+}
+
+impl LumivoxPlugin {
+    /// For apps that draw forward: with multisampling, or many materials of their own. Indirect light of all surfaces then comes
+    /// from the probes that light transparent things otherwise, one for each four voxels along each axis, and not from cones of
+    /// the pixels: it is softer, cheaper, and matt alone. Glossy surfaces mirror the camera's environment map, as without.
+    pub fn forward() -> Self {
+        Self { is_forward: true }
+    }
+}
 
 /// Adds a type of material to the voxels; [`StandardMaterial`] is there already.
 ///
@@ -84,19 +98,31 @@ enum Extraction {
 
 impl Plugin for LumivoxPlugin {
     fn build(&self, app: &mut App) {
-        let reports = Reports::default();
-        app.insert_resource(DefaultOpaqueRendererMethod::deferred())
-            .insert_resource(reports.clone())
+        let (reports, offers) = (Reports::default(), probes::Offers::default());
+        if !self.is_forward {
+            app.insert_resource(DefaultOpaqueRendererMethod::deferred())
+                .add_observer(settings::draw_deferred)
+                .add_observer(settings::draw_gbuffer);
+        }
+        app.insert_resource(reports.clone())
+            .insert_resource(offers.clone())
             .add_message::<LumivoxEvent>()
             .register_type::<LumivoxGi>()
             .register_type::<NotInGi>()
-            .add_systems(First, report::deliver.after(bevy::ecs::message::MessageUpdateSystems))
-            .add_observer(settings::draw_deferred);
+            .add_systems(First, report::deliver.after(MessageUpdateSystems))
+            .add_systems(First, probes::follow_offers)
+            .add_systems(
+                PostUpdate,
+                probes::choose_volumes.after(VisibilitySystems::CheckVisibility),
+            );
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
         render_app
             .insert_resource(reports)
+            .insert_resource(offers)
+            .insert_resource(views::Method { is_forward: self.is_forward })
+            .init_resource::<probes::ShownVolumes>()
             .init_resource::<views::GiViews>()
             .init_resource::<lights::SceneLights>()
             .init_resource::<instances::Instances>()
@@ -115,6 +141,7 @@ impl Plugin for LumivoxPlugin {
                     instances::begin_instances.in_set(Extraction::Begin),
                     views::extract_views.in_set(Extraction::Read),
                     lights::extract_scene_lights.in_set(Extraction::Read),
+                    probes::extract_volumes.in_set(Extraction::Read),
                     deform::extract_morphs.in_set(Extraction::Read),
                     scene::extract_changed_images.in_set(Extraction::Read),
                 ),
@@ -132,10 +159,14 @@ impl Plugin for LumivoxPlugin {
             )
             .add_systems(
                 Core3d,
-                (volumes::record_volume, screen::light_screen)
-                    .chain()
-                    .after(main_opaque_pass_3d)
-                    .before(main_transparent_pass_3d)
+                (
+                    probes::fill_volume.after(deferred_lighting).before(main_opaque_pass_3d),
+                    (volumes::record_volume, screen::light_screen)
+                        .chain()
+                        .after(main_opaque_pass_3d)
+                        .before(main_transparent_pass_3d),
+                    probes::empty_volume.after(main_transparent_pass_3d),
+                )
                     .in_set(Core3dSystems::MainPass),
             );
         app.add_plugins(LumivoxMaterialPlugin::<StandardMaterial>::default());

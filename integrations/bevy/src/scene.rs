@@ -13,6 +13,7 @@ use crate::deform::{Deformer, SceneMorphs};
 use crate::geometry::{SceneGeometry, Sources};
 use crate::instances::Instances;
 use crate::material::Surfaces;
+use crate::probes::{ARE_USABLE, Offers};
 use crate::report::Reports;
 use crate::surfaces::{SurfaceSources, SurfaceTable};
 use crate::textures::{Prepared, TextureCopies};
@@ -54,7 +55,7 @@ pub(crate) fn update_scene(
         Res<RenderAssets<GpuImage>>,
     ),
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
-    reports: Res<Reports>,
+    (reports, offers): (Res<Reports>, Res<Offers>),
 ) {
     // Without a camera nothing is followed, and nothing forgotten.
     if views.views.is_empty() {
@@ -62,6 +63,7 @@ pub(crate) fn update_scene(
         volumes.follow(&[], &instances, (&device, &queue), &reports);
         if volumes.are_gone() {
             scene.clear(&mut deformer);
+            offers.set(std::iter::empty());
         }
         return;
     }
@@ -90,6 +92,9 @@ pub(crate) fn update_scene(
     let (device_and_queue, skins) = ((device.wgpu_device(), &**queue), skins.as_deref());
     scene.is_deforming = deformer.follow(device_and_queue, skins, &morphs);
     volumes.follow(&views.views, &instances, (&device, &queue), &reports);
+    if ARE_USABLE {
+        offers.set(volumes.offers());
+    }
     instances.take_changes();
     surfaces.are_changed = false;
     changed_images.unsettled = changed_images.unsettled.saturating_sub(1);

@@ -4,8 +4,6 @@ use bevy::camera::Hdr;
 use bevy::core_pipeline::prepass::{
     DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass,
 };
-use bevy::ecs::lifecycle::HookContext;
-use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 use lumivox::{CascadeOptions, Preset, TraceSettings};
 
@@ -15,7 +13,8 @@ use lumivox::{CascadeOptions, Preset, TraceSettings};
 /// from outside the voxels, that of all lamps and suns, and that of emissive surfaces, with all bounces. Direct light and its
 /// shadows stay Bevy's.
 ///
-/// The camera renders deferred (Bevy's [`DeferredPrepass`]) without multisampling; take TAA, SMAA or FXAA for smooth edges.
+/// The camera renders deferred (Bevy's [`DeferredPrepass`]) without multisampling, unless the plugin is
+/// [`LumivoxPlugin::forward`](crate::LumivoxPlugin::forward); take TAA, SMAA or FXAA for smooth edges.
 /// Cameras of the same [`volume`](Self::volume) share its voxels.
 ///
 /// ```
@@ -30,8 +29,6 @@ use lumivox::{CascadeOptions, Preset, TraceSettings};
 /// ```
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
-#[component(on_insert = turn_multisampling_off)]
-#[require(Hdr, DepthPrepass, NormalPrepass, MotionVectorPrepass, DeferredPrepass)]
 pub struct LumivoxGi {
     /// Noise and sharpness against cost of the cones on screen and in the voxels.
     pub quality: GiQuality,
@@ -111,9 +108,10 @@ impl Default for GiVolume {
 #[reflect(Component, Default, Debug, Clone)]
 pub struct NotInGi;
 
-/// A camera requires multisampling before this component could require that there is none.
-fn turn_multisampling_off(mut world: DeferredWorld, context: HookContext) {
-    world.commands().entity(context.entity).insert(Msaa::Off);
+/// What the cones of pixels start from. A camera requires multisampling before the component could require that there is none.
+pub(crate) fn draw_gbuffer(added: On<Add<LumivoxGi>>, mut commands: Commands) {
+    let gbuffer = (DepthPrepass, NormalPrepass, MotionVectorPrepass, DeferredPrepass);
+    commands.entity(added.entity).insert_if_new((Hdr, gbuffer)).insert(Msaa::Off);
 }
 
 /// Opaque materials are drawn deferred, for cameras without global illumination as well: others would not see them.

@@ -15,7 +15,8 @@ use bevy::render::texture::GpuImage;
 use lumivox::CubeUse;
 use lumivox::wgpu;
 
-use crate::views::GiViews;
+use crate::probes::{ARE_USABLE, ShownVolumes};
+use crate::views::{GiViews, Method};
 use crate::volumes::Volumes;
 
 /// Texels along an edge of a face of Lumivox's copy: 0.7 degrees.
@@ -94,13 +95,22 @@ impl Surroundings {
 pub(crate) fn take_maps_over(
     mut commands: Commands,
     gi_views: Res<GiViews>,
-    volumes: Res<Volumes>,
+    (volumes, own, method): (Res<Volumes>, Res<ShownVolumes>, Res<Method>),
 ) {
     for view in &gi_views.views {
         let Some(voxels) = volumes.shown(&view.key) else { continue };
         let Ok(mut entity) = commands.get_entity(view.entity) else { continue };
-        entity.try_remove::<RenderViewLightProbes<IrradianceVolume>>();
-        // A map that is not there yet, or not read, stays Bevy's.
+        if !ARE_USABLE {
+            entity.try_remove::<RenderViewLightProbes<IrradianceVolume>>();
+        } else if !own.has(&view.key) {
+            // Both at once, so that Bevy's pipelines change once.
+            continue;
+        }
+        // A map that is not there yet, or not read, stays Bevy's. Where all is drawn forward, it is what gloss mirrors: its
+        // diffuse light gives way to irradiance volumes.
+        if method.is_forward {
+            continue;
+        }
         if view.surroundings.is_none() || voxels.holds_map() {
             entity.try_remove::<RenderViewLightProbes<EnvironmentMapLight>>();
         }

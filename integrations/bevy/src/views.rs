@@ -29,6 +29,12 @@ pub(crate) struct GiView {
     has_own_ambient: bool,
 }
 
+/// How opaque things are drawn.
+#[derive(Resource, Clone, Copy, Debug)]
+pub(crate) struct Method {
+    pub(crate) is_forward: bool,
+}
+
 /// The cameras of this frame.
 #[derive(Resource, Default)]
 pub(crate) struct GiViews {

@@ -6,6 +6,7 @@ use bevy::render::diagnostic::DiagnosticsRecorder;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy::render::texture::GpuImage;
+use bevy::render::view::ExtractedView;
 use bevy::tasks::Task;
 use bevy::tasks::futures::check_ready;
 use lumivox::gpu::{Pipelines, Recorder};
@@ -15,6 +16,7 @@ use crate::deform::{Deformer, SceneMorphs};
 use crate::geometry::SceneGeometry;
 use crate::instances::Instances;
 use crate::lights::{SceneLights, scaled};
+use crate::probes::{Forward, Offer};
 use crate::report::{LumivoxEvent, Reports};
 use crate::settings::GiVolume;
 use crate::shadows::{BevyShadows, ShadowMaps};
@@ -74,6 +76,19 @@ impl Volumes {
     /// The voxels to be seen through a key, if they are ready.
     pub(crate) fn shown(&self, key: &VolumeKey) -> Option<&Voxels> {
         self.held.iter().find(|held| held.key == *key)?.shown.as_deref()
+    }
+
+    pub(crate) fn shown_mut(&mut self, key: &VolumeKey) -> Option<&mut Voxels> {
+        self.held.iter_mut().find(|held| held.key == *key)?.shown.as_deref_mut()
+    }
+
+    /// The light of all shown voxels, for what is drawn forward.
+    pub(crate) fn offers(&self) -> impl Iterator<Item = Offer> {
+        let unit = self.unit();
+        self.held.iter().filter_map(move |held| {
+            let voxels = held.shown.as_deref()?;
+            Some(Offer::new(held.key, &voxels.gi, voxels.probes.as_ref(), unit))
+        })
     }
 
     pub(crate) fn pipelines(&mut self, device: &RenderDevice) -> Pipelines {
@@ -253,17 +268,17 @@ fn grid(volume: &GiVolume, bounds: Option<[Vec3; 2]>, camera: Vec3) -> Result<Gr
 
 /// Records the work of a camera's volume, once in a frame: after the shadow maps of the first camera that shares it.
 pub(crate) fn record_volume(
-    view: ViewQuery<(Entity, Option<&ViewShadowBindings>)>,
+    view: ViewQuery<(Entity, &ExtractedView, Option<&ViewShadowBindings>)>,
     mut context: RenderContext,
     mut volumes: ResMut<Volumes>,
     (gi_views, scene, mut scene_lights): (Res<GiViews>, Res<SceneGeometry>, ResMut<SceneLights>),
     (mut deformer, skins, morphs): (ResMut<Deformer>, Option<Res<SkinUniforms>>, Res<SceneMorphs>),
-    (shadows, images): (BevyShadows, Res<RenderAssets<GpuImage>>),
+    (shadows, images, forward): (BevyShadows, Res<RenderAssets<GpuImage>>, Forward),
     queue: Res<RenderQueue>,
     diagnostics: Option<Res<DiagnosticsRecorder>>,
     reports: Res<Reports>,
 ) {
-    let (entity, maps) = view.into_inner();
+    let (entity, extracted, maps) = view.into_inner();
     let Some(view) = gi_views.views.iter().find(|view| view.entity == entity) else { return };
     let device = context.render_device().wgpu_device().clone();
     let volumes = &mut *volumes;
@@ -293,6 +308,7 @@ pub(crate) fn record_volume(
         lights: &volumes.lights,
         shadow_maps,
         ambient: view.ambient * share,
+        has_forward: forward.is_in(extracted),
         diagnostics: diagnostics.as_deref(),
     };
     if let Some(pipelines) = &volumes.pipelines {

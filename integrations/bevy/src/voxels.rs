@@ -13,6 +13,7 @@ use lumivox::{
 use crate::compose::Compose;
 use crate::gbuffer;
 use crate::geometry::SceneGeometry;
+use crate::probes::{ProbeKernels, Probes};
 use crate::settings::LumivoxGi;
 use crate::shadows::{self, ShadowMaps};
 use crate::surroundings::{EDGE, Surroundings};
@@ -46,6 +47,9 @@ pub(crate) struct Voxels {
     pub(crate) fitted: Option<[Vec3; 2]>,
     /// A version of the geometry that is refused.
     refused: Option<u64>,
+    /// Light for what is drawn forward, if anything is.
+    pub(crate) probes: Option<Probes>,
+    probe_kernels: Option<ProbeKernels>,
 }
 
 /// What the lights were set to.
@@ -62,6 +66,7 @@ pub(crate) struct Made {
     gi: Gi,
     cube: EnvironmentCube,
     compose: Compose,
+    probe_kernels: Option<ProbeKernels>,
 }
 
 /// What a frame does to voxels.
@@ -76,6 +81,8 @@ pub(crate) struct Frame<'a> {
     pub(crate) shadow_maps: &'a ShadowMaps,
     /// In Lumivox's unit.
     pub(crate) ambient: Vec3,
+    /// Whether anything is drawn forward.
+    pub(crate) has_forward: bool,
     pub(crate) diagnostics: Option<&'a DiagnosticsRecorder>,
 }
 
@@ -109,12 +116,14 @@ pub(crate) fn make(
         gi.targets(UVec2::splat(8), &settings.trace_settings());
         let compose = Compose::new(&gi)?;
         let cube = EnvironmentCube::new(&pipelines, gi.shaders(), EDGE)?;
-        Ok((pipelines, Made { gi, cube, compose }))
+        Ok((pipelines, Made { gi, cube, compose, probe_kernels: None }))
     };
     #[cfg(not(target_arch = "wasm32"))]
     let task = async move {
-        let (pipelines, made) = link()?;
+        let (pipelines, mut made) = link()?;
         bevy::tasks::block_on(pipelines.compile(&mut |_, _| ()));
+        // Those are compiled once something is drawn forward.
+        made.probe_kernels = Some(ProbeKernels::new(&made.gi)?);
         Ok(made)
     };
     #[cfg(target_arch = "wasm32")]
@@ -128,7 +137,7 @@ pub(crate) fn make(
 
 impl Voxels {
     pub(crate) fn new(
-        Made { gi, cube, compose }: Made,
+        Made { gi, cube, compose, probe_kernels }: Made,
         number: u64,
         (ambient, maps): (Vec3, &ShadowMaps),
         fitted: Option<[Vec3; 2]>,
@@ -149,6 +158,8 @@ impl Voxels {
             frames_at_rest: 0,
             fitted,
             refused: None,
+            probes: None,
+            probe_kernels,
         }
     }
 
@@ -273,6 +284,10 @@ impl Voxels {
         }
         lit?;
         self.frames_lit = self.frames_lit.saturating_add(1);
-        Ok(())
+        let Some(kernels) = &self.probe_kernels else { return Ok(()) };
+        let of = (&self.gi, &self.lights);
+        let mut recorder = Recorder::on(device, queue, encoder);
+        let gi = &frame.view.gi;
+        Probes::record(&mut self.probes, kernels, of, gi, frame.has_forward, &mut recorder)
     }
 }

@@ -120,6 +120,15 @@ impl Gi {
         Ok(())
     }
 
+    /// Asks for the kernel of [`Self::record_gather`], which otherwise its first use makes, so that
+    /// [`Pipelines::compile`](crate::gpu::Pipelines::compile) does, beside the frames.
+    ///
+    /// # Errors
+    /// [`GiError::Shader`] when it does not link: when a module that the caller has given is wrong.
+    pub fn prepare_gather(&self) -> Result<(), GiError> {
+        self.point_gatherer().map(|_| ())
+    }
+
     /// The kernel, made at its first use.
     fn point_gatherer(&self) -> Result<&PointGatherer, GiError> {
         if let Some(gatherer) = self.points.get() {

@@ -7,6 +7,7 @@ mod baked;
 mod changes;
 mod deforming;
 mod examples;
+mod forward;
 mod limits;
 mod stage;
 mod truth;

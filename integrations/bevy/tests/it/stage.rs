@@ -37,13 +37,27 @@ pub fn quick() -> LumivoxGi {
 
 impl Stage {
     pub fn of(given: &Scene, size: UVec2) -> Self {
-        Self::on(None, given, size)
+        Self::with(LumivoxPlugin::default(), None, given, size)
     }
 
     /// On a device of no more than these limits.
     pub fn on(limits: Option<WgpuLimits>, given: &Scene, size: UVec2) -> Self {
+        Self::with(LumivoxPlugin::default(), limits, given, size)
+    }
+
+    /// Everything is drawn forward.
+    pub fn forward(given: &Scene, size: UVec2) -> Self {
+        Self::with(LumivoxPlugin::forward(), None, given, size)
+    }
+
+    fn with(
+        plugin: LumivoxPlugin,
+        limits: Option<WgpuLimits>,
+        given: &Scene,
+        size: UVec2,
+    ) -> Self {
         let mut app = App::new();
-        app.add_plugins((headless::plugins(limits), LumivoxPlugin::default()));
+        app.add_plugins((headless::plugins(limits), plugin));
         app.insert_resource(ClearColor(Color::BLACK));
         app.insert_resource(GlobalAmbientLight::NONE);
         headless::start(&mut app);

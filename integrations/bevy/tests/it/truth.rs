@@ -24,8 +24,7 @@ const FRAMES: u32 = 32;
 const SETTLING: u32 = 32;
 
 /// Indirect light on screen through Bevy, cd/m².
-fn through_bevy(given: &Scene) -> LinearPicture {
-    let mut stage = Stage::of(given, SIZE);
+fn through_bevy(mut stage: Stage, name: &str) -> LinearPicture {
     let exposure = Exposure { ev100: 4.0 };
     let gi = LumivoxGi {
         quality: GiQuality::Balanced,
@@ -39,7 +38,7 @@ fn through_bevy(given: &Scene) -> LinearPicture {
     let lit = antialiased(&mut stage);
     stage.app.world_mut().entity_mut(stage.camera).remove::<LumivoxGi>();
     let direct = antialiased(&mut stage);
-    let name = format!("target/pictures/{}", given.name);
+    let name = format!("target/pictures/{name}");
     lit.save(format!("{name}-bevy.png"), 2.0);
     direct.save(format!("{name}-bevy-direct.png"), 2.0);
     difference_of(&lit, &direct, exposure)
@@ -133,11 +132,10 @@ pub fn light_of_surroundings(radiance: f32) -> f32 {
     surfaces.map(|(dark, lit)| lit - dark).sum::<f32>() / dark.len() as f32
 }
 
-/// Errors of the two, in per cent.
-pub fn errors_of(given: &Scene) -> [ErrorFigures; 2] {
-    let name = given.name.as_str();
+/// Errors of Bevy's way and of our own, in per cent.
+pub fn errors_of(given: &Scene, stage: Stage, name: &str) -> [ErrorFigures; 2] {
     let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
-    let bevy = through_bevy(given);
+    let bevy = through_bevy(stage, name);
     let (own, albedo) = through_lumivox(&gpu, given);
     let (truth, variance) = truth(&gpu, given, &albedo);
     let errors = [&bevy, &own]
@@ -155,7 +153,8 @@ pub fn errors_of(given: &Scene) -> [ErrorFigures; 2] {
 #[test]
 fn the_cornell_box_is_as_bright_as_it_is() {
     let _alone = crate::stage::alone();
-    let [bevy, own] = errors_of(&scene::builtin("cornell"));
+    let given = scene::builtin("cornell");
+    let [bevy, own] = errors_of(&given, Stage::of(&given, SIZE), "cornell");
     assert!(bevy.rmse_percent <= 1.1 * own.rmse_percent);
     assert!(bevy.bias_percent.abs() <= own.bias_percent.abs() + 1.0);
 }

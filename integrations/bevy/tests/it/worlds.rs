@@ -100,7 +100,7 @@ fn a_sun_is_as_bright_as_it_is() {
         direction: Vec3::new(0.35, -0.5, -0.8).normalize(),
         ..given.lights.first().cloned().unwrap_or_default()
     }];
-    let [bevy, own] = truth::errors_of(&given);
+    let [bevy, own] = truth::errors_of(&given, Stage::of(&given, truth::SIZE), "sun");
     // Bevy's maps of suns hold what a camera sees, and the voxels' shadows are cones, softer than they should be.
     assert!(bevy.rmse_percent <= 1.3 * own.rmse_percent);
     assert!(bevy.bias_percent.abs() <= own.bias_percent.abs() + 6.0);

@@ -1,0 +1,125 @@
+//! Light of what is drawn forward: transparent things, materials of that method, apps with multisampling.
+
+use bevy::light::{IrradianceVolume, LightProbe};
+use bevy::material::OpaqueRendererMethod;
+use bevy::prelude::*;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy::asset::RenderAssetUsages;
+use bevy_lumivox::LumivoxGi;
+
+use crate::common::{headless, scene};
+use crate::stage::{Stage, alone, difference, quick};
+use crate::truth;
+
+/// Probes are softer than cones of pixels: on average as bright, with a larger error.
+#[test]
+fn the_cornell_box_drawn_forward_is_nearly_as_bright_as_it_is() {
+    let _alone = alone();
+    let given = scene::builtin("cornell");
+    let stage = Stage::forward(&given, truth::SIZE);
+    let [forward, own] = truth::errors_of(&given, stage, "cornell-forward");
+    assert!(forward.bias_percent.abs() <= own.bias_percent.abs() + 5.0);
+    assert!(forward.rmse_percent <= 25.0);
+}
+
+fn set_materials(stage: &mut Stage, set: impl Fn(&mut StandardMaterial)) {
+    let mut materials = stage.app.world_mut().resource_mut::<Assets<StandardMaterial>>();
+    let ids: Vec<_> = materials.ids().collect();
+    for id in ids {
+        set(&mut materials.get_mut(id).expect("it is there"));
+    }
+}
+
+/// Surfaces that stand in the middle of the room, deferred and then forward or blended.
+#[test]
+fn forward_and_blended_surfaces_have_the_light_of_deferred_ones() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let deferred = stage.settled();
+    set_materials(&mut stage, |material| {
+        material.opaque_render_method = OpaqueRendererMethod::Forward;
+    });
+    let forward = stage.settled();
+    set_materials(&mut stage, |material| {
+        material.opaque_render_method = OpaqueRendererMethod::Auto;
+        material.alpha_mode = AlphaMode::Blend;
+        material.base_color.set_alpha(0.999);
+    });
+    let blended = stage.settled();
+    stage.app.world_mut().entity_mut(stage.camera).remove::<LumivoxGi>();
+    let direct = stage.settled();
+    for (name, shot) in [("deferred", &deferred), ("forward", &forward), ("blended", &blended), ("direct", &direct)] {
+        shot.save(format!("target/pictures/forward-{name}.png"), 2.0);
+    }
+    let added = |shot: &headless::Shot| shot.mean_luminance() - direct.mean_luminance();
+    println!("indirect: deferred {}, forward {}, blended {}", added(&deferred), added(&forward), added(&blended));
+    println!("{} {}", difference(&forward, &deferred), difference(&blended, &deferred));
+    assert!(added(&deferred) > 0.2 * direct.mean_luminance());
+    for shot in [&forward, &blended] {
+        assert!((added(shot) / added(&deferred) - 1.0).abs() < 0.1);
+        assert!(difference(shot, &deferred) < 0.15);
+    }
+}
+
+/// A speck of glass makes probes, whose light deferred surfaces must not get on top of their own. Nor do they, or the glass, get
+/// the light of the app's own volume, which nothing stops.
+#[test]
+fn nothing_is_lit_twice() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let without = stage.settled();
+    let world = stage.app.world_mut();
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(Sphere::new(0.02));
+    let glass = StandardMaterial {
+        base_color: Color::linear_rgba(1.0, 1.0, 1.0, 0.5),
+        alpha_mode: AlphaMode::Blend,
+        ..default()
+    };
+    let glass = world.resource_mut::<Assets<StandardMaterial>>().add(glass);
+    let place = Transform::from_xyz(0.0, 1.0, 0.0);
+    world.spawn((Mesh3d(mesh), MeshMaterial3d(glass), place));
+    let speck = stage.settled();
+    let texel = [0_u16, 0, 0, 0].map(|_| half::f16::from_f32(1.0)).map(half::f16::to_le_bytes).concat();
+    let image = Image::new_fill(
+        Extent3d { width: 1, height: 2, depth_or_array_layers: 3 },
+        TextureDimension::D3,
+        &texel,
+        TextureFormat::Rgba16Float,
+        RenderAssetUsages::all(),
+    );
+    let world = stage.app.world_mut();
+    let voxels = world.resource_mut::<Assets<Image>>().add(image);
+    let volume = IrradianceVolume { voxels, intensity: 50.0, ..default() };
+    world.spawn((LightProbe::new(), volume, Transform::from_scale(Vec3::splat(10.0))));
+    let with_own = stage.settled();
+    stage.app.world_mut().entity_mut(stage.camera).remove::<LumivoxGi>();
+    let bevys = stage.settled();
+    println!("{} {} {}", difference(&speck, &without), difference(&with_own, &without), difference(&bevys, &without));
+    speck.save("target/pictures/forward-speck.png", 2.0);
+    assert!(difference(&speck, &without) < 0.03);
+    assert!(difference(&with_own, &without) < 0.03);
+    // Without global illumination it lights as ever.
+    assert!(difference(&bevys, &without) > 0.3);
+}
+
+#[test]
+fn multisampling_stays_where_all_is_drawn_forward() {
+    let _alone = alone();
+    let mut stage = Stage::forward(&scene::builtin("cornell"), UVec2::new(48, 36));
+    stage.use_small_shadow_maps();
+    let direct = stage.settled();
+    stage.app.world_mut().entity_mut(stage.camera).insert(quick());
+    headless::wait_until_ready(&mut stage.app);
+    let smooth = stage.settled();
+    assert_eq!(stage.app.world().get::<Msaa>(stage.camera), Some(&Msaa::Sample4));
+    stage.app.world_mut().entity_mut(stage.camera).insert(Msaa::Off);
+    let rough = stage.settled();
+    smooth.save("target/pictures/forward-msaa.png", 2.0);
+    rough.save("target/pictures/forward-no-msaa.png", 2.0);
+    println!("{} {}", smooth.mean_luminance(), rough.mean_luminance());
+    assert!(smooth.mean_luminance() > 1.2 * direct.mean_luminance());
+    assert!((smooth.mean_luminance() / rough.mean_luminance() - 1.0).abs() < 0.03);
+    // Edges differ, and nothing else.
+    assert!(difference(&smooth, &rough) > 0.01);
+    assert!(difference(&smooth, &rough) < 0.3);
+}
