@@ -22,7 +22,6 @@ pub(crate) fn module() -> Mounted {
             texture(wgpu::TextureSampleType::Uint),
             texture(wgpu::TextureSampleType::Depth),
             texture(float),
-            texture(float),
             place,
         ],
     )

@@ -22,12 +22,12 @@ mod voxels;
 
 use std::marker::PhantomData;
 
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::core_pipeline::core_3d::{main_opaque_pass_3d, main_transparent_pass_3d};
 use bevy::core_pipeline::{Core3d, Core3dSystems};
-use bevy::camera::visibility::VisibilitySystems;
+use bevy::ecs::message::MessageUpdateSystems;
 use bevy::pbr::DefaultOpaqueRendererMethod;
 use bevy::pbr::deferred::deferred_lighting;
-use bevy::ecs::message::MessageUpdateSystems;
 use bevy::prelude::*;
 use bevy::render::mesh::allocator::MeshAllocatorSettings;
 use bevy::render::render_resource::BufferUsages;

@@ -2,14 +2,11 @@
 
 use bevy::asset::UntypedAssetId;
 use bevy::color::LinearRgba;
-use bevy::material::OpaqueRendererMethod;
 use bevy::math::Affine2;
 use bevy::mesh::UvChannel;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy::render::Extract;
-
-use crate::report::{LumivoxEvent, Reports};
 
 /// A texture of a material.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,8 +93,8 @@ impl GiSurface {
 /// A material that takes part in global illumination. [`StandardMaterial`] does; another type is added by
 /// [`LumivoxMaterialPlugin`](crate::LumivoxMaterialPlugin).
 ///
-/// On screen a material gets light if it is drawn deferred: its shader writes Bevy's deferred G-buffer, as those of
-/// [`ExtendedMaterial`](bevy::pbr::ExtendedMaterial) over a `StandardMaterial` do.
+/// On screen a material gets light if its shader is lit as Bevy's own are, deferred or forward (`apply_pbr_lighting`), as those of
+/// [`ExtendedMaterial`](bevy::pbr::ExtendedMaterial) over a `StandardMaterial` are.
 ///
 /// ```
 /// use bevy::pbr::{ExtendedMaterial, MaterialExtension};
@@ -130,11 +127,6 @@ impl GiSurface {
 pub trait LumivoxMaterial: Material {
     /// The surface, for the voxels. It is asked for once after each change of the asset.
     fn surface(&self) -> GiSurface;
-
-    /// Whether its pixels are drawn deferred, so that they are lit; false is told once, as a limit. Default: true.
-    fn is_lit_on_screen(&self) -> bool {
-        true
-    }
 }
 
 impl LumivoxMaterial for StandardMaterial {
@@ -167,10 +159,6 @@ impl LumivoxMaterial for StandardMaterial {
         }
         surface
     }
-
-    fn is_lit_on_screen(&self) -> bool {
-        self.unlit || self.opaque_render_method != OpaqueRendererMethod::Forward
-    }
 }
 
 /// The surfaces of all materials, in the render world.
@@ -192,15 +180,11 @@ pub(crate) fn extract_surfaces<M: LumivoxMaterial>(
     mut surfaces: ResMut<Surfaces>,
     mut events: Extract<MessageReader<AssetEvent<M>>>,
     assets: Extract<Res<Assets<M>>>,
-    reports: Res<Reports>,
 ) {
     for event in events.read() {
         match event {
             AssetEvent::Added { id } | AssetEvent::Modified { id } => {
                 let Some(material) = assets.get(*id) else { continue };
-                if !material.is_lit_on_screen() {
-                    reports.once(LumivoxEvent::NotLit { material: std::any::type_name::<M>() });
-                }
                 surfaces.by_id.insert(id.untyped(), material.surface());
             }
             AssetEvent::Removed { id } => {
@@ -226,7 +210,6 @@ mod tests {
         let surface = material.surface();
         assert_eq!(surface.base_color, LinearRgba::BLACK);
         assert_eq!(surface.emissive, LinearRgba::rgb(0.2, 0.4, 0.6));
-        assert!(material.is_lit_on_screen());
     }
 
     #[test]

@@ -159,7 +159,8 @@ impl ProbeKernels {
             .build(pipelines, "texture of probes");
         let kernel = |entry: &str| {
             let layouts = [gi.globals_layout(), &probes_layout, &texture_layout];
-            let layouts = if matches!(entry, "fill" | "empty") { &layouts[..] } else { &layouts[..2] };
+            let layouts =
+                if matches!(entry, "fill" | "empty") { &layouts[..] } else { &layouts[..2] };
             Kernel::new(pipelines, &library, "bevy::probes", entry, layouts)
         };
         Ok(Self {
@@ -425,7 +426,8 @@ fn texture(grid: &ProbeGrid) -> Image {
         TextureFormat::Rgba16Float,
         RenderAssetUsages::RENDER_WORLD,
     );
-    image.texture_descriptor.usage = TextureUsages::TEXTURE_BINDING | TextureUsages::STORAGE_BINDING;
+    image.texture_descriptor.usage =
+        TextureUsages::TEXTURE_BINDING | TextureUsages::STORAGE_BINDING;
     image
 }
 

@@ -32,11 +32,9 @@ pub enum LumivoxEvent {
         /// Its type.
         kind: &'static str,
     },
-    /// Opaque materials that are drawn forward: their pixels get no indirect light, the voxels know them.
-    NotLit {
-        /// The type of the material.
-        material: &'static str,
-    },
+    /// In a browser something is drawn forward, and gets no indirect light: Bevy binds no irradiance volumes there. The voxels
+    /// know it.
+    ForwardNotLit,
 }
 
 /// Shared by both worlds.
@@ -79,8 +77,8 @@ impl LumivoxEvent {
                     "Lumivox gives no light of {kind} to the voxels: only its direct light is seen."
                 );
             }
-            Self::NotLit { material } => warn!(
-                "Lumivox lights pixels that are drawn deferred: opaque {material}s with the forward method get no indirect light."
+            Self::ForwardNotLit => warn!(
+                "Lumivox lights no transparent things and forward materials in browsers: draw them deferred where they should be lit."
             ),
         }
     }

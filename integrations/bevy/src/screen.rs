@@ -28,7 +28,7 @@ pub(crate) struct Screen {
     compose: ComposeView,
     gbuffer: GBuffer,
     /// The textures that are bound.
-    bound: [wgpu::Texture; 4],
+    bound: [wgpu::Texture; 3],
     /// `Place` of `gbuffer.wgsl`.
     place: Buffer,
     origin: UVec2,
@@ -149,13 +149,9 @@ pub(crate) fn prepare_screens(
 }
 
 /// The textures of the prepass in the order of the module's bindings. Bevy makes views of them anew in each frame.
-fn bound_textures(textures: &ViewPrepassTextures) -> Option<([Bound; 4], [wgpu::Texture; 4])> {
-    let views = [
-        textures.deferred_view()?,
-        textures.depth_only_view()?,
-        textures.normal_view()?,
-        textures.motion_vectors_view()?,
-    ];
+fn bound_textures(textures: &ViewPrepassTextures) -> Option<([Bound; 3], [wgpu::Texture; 3])> {
+    let views =
+        [textures.deferred_view()?, textures.depth_only_view()?, textures.motion_vectors_view()?];
     Some((
         views.map(|view| Bound::View((**view).clone())),
         views.map(|view| view.texture().clone()),
@@ -165,7 +161,7 @@ fn bound_textures(textures: &ViewPrepassTextures) -> Option<([Bound; 4], [wgpu::
 impl Screen {
     fn new(
         voxels: &Voxels,
-        (views, ids): (&[Bound; 4], [wgpu::Texture; 4]),
+        (views, ids): (&[Bound; 3], [wgpu::Texture; 3]),
         camera: &Camera<'_>,
         settings: TraceSettings,
     ) -> Self {
@@ -196,7 +192,7 @@ impl Screen {
     fn follow(
         &mut self,
         voxels: &Voxels,
-        (views, ids): (&[Bound; 4], [wgpu::Texture; 4]),
+        (views, ids): (&[Bound; 3], [wgpu::Texture; 3]),
         camera: &Camera<'_>,
         queue: &wgpu::Queue,
     ) {
@@ -218,10 +214,10 @@ impl Screen {
     }
 }
 
-fn bind(voxels: &Voxels, views: &[Bound; 4], place: &Buffer, camera: CameraView) -> GBuffer {
-    let [deferred, depth, normal, motion] = views.clone();
+fn bind(voxels: &Voxels, views: &[Bound; 3], place: &Buffer, camera: CameraView) -> GBuffer {
+    let [deferred, depth, motion] = views.clone();
     let place = Bound::Buffer((**place).clone());
-    voxels.gi.bind_own_gbuffer(&[deferred, depth, normal, motion, place], camera)
+    voxels.gi.bind_own_gbuffer(&[deferred, depth, motion, place], camera)
 }
 
 /// Traces the cones of a camera, and adds their light to its picture: after opaque things, before transparent ones.

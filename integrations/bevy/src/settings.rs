@@ -1,9 +1,7 @@
 //! What an app sets: the component on a camera, and the mark of things that are left out.
 
 use bevy::camera::Hdr;
-use bevy::core_pipeline::prepass::{
-    DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass,
-};
+use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass};
 use bevy::prelude::*;
 use lumivox::{CascadeOptions, Preset, TraceSettings};
 
@@ -109,8 +107,9 @@ impl Default for GiVolume {
 pub struct NotInGi;
 
 /// What the cones of pixels start from. A camera requires multisampling before the component could require that there is none.
+/// A prepass of normals is not among it: with one, Bevy 0.20 shades transparent things with the normals of what is behind them.
 pub(crate) fn draw_gbuffer(added: On<Add<LumivoxGi>>, mut commands: Commands) {
-    let gbuffer = (DepthPrepass, NormalPrepass, MotionVectorPrepass, DeferredPrepass);
+    let gbuffer = (DepthPrepass, MotionVectorPrepass, DeferredPrepass);
     commands.entity(added.entity).insert_if_new((Hdr, gbuffer)).insert(Msaa::Off);
 }
 

@@ -16,7 +16,7 @@ use crate::deform::{Deformer, SceneMorphs};
 use crate::geometry::SceneGeometry;
 use crate::instances::Instances;
 use crate::lights::{SceneLights, scaled};
-use crate::probes::{Forward, Offer};
+use crate::probes::{ARE_USABLE, Forward, Offer};
 use crate::report::{LumivoxEvent, Reports};
 use crate::settings::GiVolume;
 use crate::shadows::{BevyShadows, ShadowMaps};
@@ -300,6 +300,10 @@ pub(crate) fn record_volume(
             None
         }
     });
+    let has_forward = forward.is_in(extracted);
+    if has_forward && !ARE_USABLE {
+        reports.once(LumivoxEvent::ForwardNotLit);
+    }
     let frame = Frame {
         view,
         map: map.as_ref().map(|(cube, surroundings)| (cube, surroundings)),
@@ -308,7 +312,7 @@ pub(crate) fn record_volume(
         lights: &volumes.lights,
         shadow_maps,
         ambient: view.ambient * share,
-        has_forward: forward.is_in(extracted),
+        has_forward,
         diagnostics: diagnostics.as_deref(),
     };
     if let Some(pipelines) = &volumes.pipelines {

@@ -12,10 +12,8 @@ struct Place {
 // sRGB colour (gamma 2.2) and roughness, emission, properties, normal and flags.
 @group(3) @binding(1) var deferred: texture_2d<u32>;
 @group(3) @binding(2) var depth_texture: texture_depth_2d;
-// Of the mesh, without normal map.
-@group(3) @binding(3) var normal_texture: texture_2d<f32>;
-@group(3) @binding(4) var motion_texture: texture_2d<f32>;
-@group(3) @binding(5) var<uniform> place: Place;
+@group(3) @binding(3) var motion_texture: texture_2d<f32>;
+@group(3) @binding(4) var<uniform> place: Place;
 
 const UNLIT: u32 = 1u;
 
@@ -48,15 +46,47 @@ fn is_lit(words: vec4u) -> bool {
     return any(words != vec4u(0u)) && ((words.w >> 24u) & UNLIT) == 0u;
 }
 
+fn load_depth(pixel: vec2u) -> f32 {
+    return textureLoad(depth_texture, pixel + place.origin, 0);
+}
+
+// From a pixel to the one before or behind it along an axis of the picture: the one whose depth is more alike.
+fn step_along(pixel: vec2u, axis: u32, depth: f32, position: vec3f) -> vec3f {
+    var one = vec2u(0u);
+    one[axis] = 1u;
+    let before = max(pixel, one) - one;
+    let behind = min(pixel + one, view.size - 1u);
+    let depth_before = load_depth(before);
+    let depth_behind = load_depth(behind);
+    let takes_before = before[axis] < pixel[axis]
+        && (behind[axis] == pixel[axis] || abs(depth_before - depth) < abs(depth_behind - depth));
+    if takes_before {
+        return position - position_from_depth(before, max(depth_before, 1e-7));
+    }
+    return position_from_depth(behind, max(depth_behind, 1e-7)) - position;
+}
+
+// Cosine to the shading normal below which the normal of depths is that of an edge.
+const LEAST_AGREEMENT: f32 = 0.3;
+
+// Of the surface without its normal map, by depths around it, towards the camera.
+fn geometric_normal(pixel: vec2u, depth: f32, position: vec3f, shading: vec3f) -> vec3f {
+    let to_camera = view.position_in_world - position;
+    let across = cross(
+        step_along(pixel, 0u, depth, position), step_along(pixel, 1u, depth, position));
+    let size = length(across);
+    let normal = across / max(size, 1e-30) * select(1.0, -1.0, dot(across, to_camera) < 0.0);
+    // Backs of surfaces that are drawn from both sides.
+    let own = select(shading, -shading, dot(shading, to_camera) < 0.0);
+    return select(own, normal, size > 0.0 && dot(normal, own) > LEAST_AGREEMENT);
+}
+
 fn load_surface(pixel: vec2u) -> Surface {
     let words = load_words(pixel);
-    let depth = textureLoad(depth_texture, pixel + place.origin, 0);
+    let depth = load_depth(pixel);
     let position = position_from_depth(pixel, max(depth, 1e-7));
-    let to_camera = view.position_in_world - position;
     var shading = decode_normal(words.w);
-    var geometric = normalize(2.0 * textureLoad(normal_texture, pixel + place.origin, 0).xyz - 1.0);
-    // Backs of surfaces that are drawn from both sides.
-    geometric = select(geometric, -geometric, dot(geometric, to_camera) < 0.0);
+    let geometric = geometric_normal(pixel, depth, position, shading);
     shading = select(shading, -shading, dot(shading, geometric) < 0.0);
     return Surface(position, select(0.0, depth, is_lit(words)), shading, geometric);
 }

@@ -1,15 +1,21 @@
 //! Light of what is drawn forward: transparent things, materials of that method, apps with multisampling.
 
+use bevy::asset::RenderAssetUsages;
 use bevy::light::{IrradianceVolume, LightProbe};
 use bevy::material::OpaqueRendererMethod;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-use bevy::asset::RenderAssetUsages;
 use bevy_lumivox::LumivoxGi;
 
 use crate::common::{headless, scene};
 use crate::stage::{Stage, alone, difference, quick};
 use crate::truth;
+
+/// Without what is far brighter than the rest: the lamp, whose edges fall on other pixels where samples are others.
+fn without_lamp(shot: &headless::Shot) -> headless::Shot {
+    let rgb = shot.rgb.iter().map(|rgb| rgb.min(Vec3::splat(0.3))).collect();
+    headless::Shot { size: shot.size, rgb }
+}
 
 /// Probes are softer than cones of pixels: on average as bright, with a larger error.
 #[test]
@@ -22,43 +28,56 @@ fn the_cornell_box_drawn_forward_is_nearly_as_bright_as_it_is() {
     assert!(forward.rmse_percent <= 25.0);
 }
 
-fn set_materials(stage: &mut Stage, set: impl Fn(&mut StandardMaterial)) {
-    let mut materials = stage.app.world_mut().resource_mut::<Assets<StandardMaterial>>();
-    let ids: Vec<_> = materials.ids().collect();
-    for id in ids {
-        set(&mut materials.get_mut(id).expect("it is there"));
-    }
-}
-
-/// Surfaces that stand in the middle of the room, deferred and then forward or blended.
+/// The whole room, and a panel in it.
 #[test]
 fn forward_and_blended_surfaces_have_the_light_of_deferred_ones() {
     let _alone = alone();
     let mut stage = Stage::cornell();
-    let deferred = stage.settled();
-    set_materials(&mut stage, |material| {
-        material.opaque_render_method = OpaqueRendererMethod::Forward;
-    });
-    let forward = stage.settled();
-    set_materials(&mut stage, |material| {
-        material.opaque_render_method = OpaqueRendererMethod::Auto;
-        material.alpha_mode = AlphaMode::Blend;
-        material.base_color.set_alpha(0.999);
-    });
-    let blended = stage.settled();
-    stage.app.world_mut().entity_mut(stage.camera).remove::<LumivoxGi>();
-    let direct = stage.settled();
-    for (name, shot) in [("deferred", &deferred), ("forward", &forward), ("blended", &blended), ("direct", &direct)] {
-        shot.save(format!("target/pictures/forward-{name}.png"), 2.0);
-    }
+    let direct = {
+        stage.app.world_mut().entity_mut(stage.camera).remove::<LumivoxGi>();
+        let direct = without_lamp(&stage.settled());
+        stage.app.world_mut().entity_mut(stage.camera).insert(quick());
+        direct
+    };
+    let deferred = without_lamp(&stage.settled());
+    let materials = stage.app.world().resource::<Assets<StandardMaterial>>();
+    let ids: Vec<_> = materials.ids().collect();
+    let set_method = |stage: &mut Stage, method| {
+        let mut materials = stage.app.world_mut().resource_mut::<Assets<StandardMaterial>>();
+        for id in &ids {
+            materials.get_mut(*id).expect("it is there").opaque_render_method = method;
+        }
+    };
+    set_method(&mut stage, OpaqueRendererMethod::Forward);
+    let forward = without_lamp(&stage.settled());
+    forward.save("target/pictures/forward.png", 2.0);
+    deferred.save("target/pictures/forward-deferred.png", 2.0);
     let added = |shot: &headless::Shot| shot.mean_luminance() - direct.mean_luminance();
-    println!("indirect: deferred {}, forward {}, blended {}", added(&deferred), added(&forward), added(&blended));
-    println!("{} {}", difference(&forward, &deferred), difference(&blended, &deferred));
+    println!("direct light {}", direct.mean_luminance());
+    println!("indirect light: deferred {}, forward {}", added(&deferred), added(&forward));
+    println!("pictures differ by {}", difference(&forward, &deferred));
     assert!(added(&deferred) > 0.2 * direct.mean_luminance());
-    for shot in [&forward, &blended] {
-        assert!((added(shot) / added(&deferred) - 1.0).abs() < 0.1);
-        assert!(difference(shot, &deferred) < 0.15);
-    }
+    assert!((added(&forward) / added(&deferred) - 1.0).abs() < 0.08);
+    assert!(difference(&forward, &deferred) < 0.16);
+
+    set_method(&mut stage, OpaqueRendererMethod::Auto);
+    let world = stage.app.world_mut();
+    let panel = world.resource_mut::<Assets<Mesh>>().add(Rectangle::new(0.9, 0.9));
+    let paint = StandardMaterial { perceptual_roughness: 1.0, ..default() };
+    let paint = world.resource_mut::<Assets<StandardMaterial>>().add(paint);
+    let place = Transform::from_xyz(-0.3, 1.2, 0.3);
+    world.spawn((Mesh3d(panel), MeshMaterial3d(paint.clone()), place));
+    let deferred = without_lamp(&stage.settled());
+    let mut materials = stage.app.world_mut().resource_mut::<Assets<StandardMaterial>>();
+    let mut material = materials.get_mut(&paint).expect("it is there");
+    material.alpha_mode = AlphaMode::Blend;
+    material.base_color.set_alpha(0.999);
+    drop(material);
+    let blended = without_lamp(&stage.settled());
+    deferred.save("target/pictures/forward-panel.png", 2.0);
+    blended.save("target/pictures/forward-blended.png", 2.0);
+    println!("a blended panel {}", difference(&blended, &deferred));
+    assert!(difference(&blended, &deferred) < 0.1);
 }
 
 /// A speck of glass makes probes, whose light deferred surfaces must not get on top of their own. Nor do they, or the glass, get
@@ -79,7 +98,8 @@ fn nothing_is_lit_twice() {
     let place = Transform::from_xyz(0.0, 1.0, 0.0);
     world.spawn((Mesh3d(mesh), MeshMaterial3d(glass), place));
     let speck = stage.settled();
-    let texel = [0_u16, 0, 0, 0].map(|_| half::f16::from_f32(1.0)).map(half::f16::to_le_bytes).concat();
+    let texel =
+        [0_u16, 0, 0, 0].map(|_| half::f16::from_f32(1.0)).map(half::f16::to_le_bytes).concat();
     let image = Image::new_fill(
         Extent3d { width: 1, height: 2, depth_or_array_layers: 3 },
         TextureDimension::D3,
@@ -94,7 +114,12 @@ fn nothing_is_lit_twice() {
     let with_own = stage.settled();
     stage.app.world_mut().entity_mut(stage.camera).remove::<LumivoxGi>();
     let bevys = stage.settled();
-    println!("{} {} {}", difference(&speck, &without), difference(&with_own, &without), difference(&bevys, &without));
+    println!(
+        "{} {} {}",
+        difference(&speck, &without),
+        difference(&with_own, &without),
+        difference(&bevys, &without)
+    );
     speck.save("target/pictures/forward-speck.png", 2.0);
     assert!(difference(&speck, &without) < 0.03);
     assert!(difference(&with_own, &without) < 0.03);
@@ -107,18 +132,19 @@ fn multisampling_stays_where_all_is_drawn_forward() {
     let _alone = alone();
     let mut stage = Stage::forward(&scene::builtin("cornell"), UVec2::new(48, 36));
     stage.use_small_shadow_maps();
-    let direct = stage.settled();
+    let direct = without_lamp(&stage.settled());
     stage.app.world_mut().entity_mut(stage.camera).insert(quick());
     headless::wait_until_ready(&mut stage.app);
-    let smooth = stage.settled();
+    let smooth = without_lamp(&stage.settled());
     assert_eq!(stage.app.world().get::<Msaa>(stage.camera), Some(&Msaa::Sample4));
     stage.app.world_mut().entity_mut(stage.camera).insert(Msaa::Off);
-    let rough = stage.settled();
+    let rough = without_lamp(&stage.settled());
     smooth.save("target/pictures/forward-msaa.png", 2.0);
     rough.save("target/pictures/forward-no-msaa.png", 2.0);
-    println!("{} {}", smooth.mean_luminance(), rough.mean_luminance());
+    println!("{} {} {}", direct.mean_luminance(), smooth.mean_luminance(), rough.mean_luminance());
+    println!("multisampling changes {}", difference(&smooth, &rough));
     assert!(smooth.mean_luminance() > 1.2 * direct.mean_luminance());
-    assert!((smooth.mean_luminance() / rough.mean_luminance() - 1.0).abs() < 0.03);
+    assert!((smooth.mean_luminance() / rough.mean_luminance() - 1.0).abs() < 0.05);
     // Edges differ, and nothing else.
     assert!(difference(&smooth, &rough) > 0.01);
     assert!(difference(&smooth, &rough) < 0.3);

@@ -50,12 +50,7 @@ impl Stage {
         Self::with(LumivoxPlugin::forward(), None, given, size)
     }
 
-    fn with(
-        plugin: LumivoxPlugin,
-        limits: Option<WgpuLimits>,
-        given: &Scene,
-        size: UVec2,
-    ) -> Self {
+    fn with(plugin: LumivoxPlugin, limits: Option<WgpuLimits>, given: &Scene, size: UVec2) -> Self {
         let mut app = App::new();
         app.add_plugins((headless::plugins(limits), plugin));
         app.insert_resource(ClearColor(Color::BLACK));
