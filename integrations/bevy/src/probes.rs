@@ -49,7 +49,7 @@ const FRAMES_TO_KEEP: u32 = 120;
 /// Frames after which a new texture is on the GPU.
 const FRAMES_TO_UPLOAD: u32 = 3;
 /// Bytes of `Probe` of `probes.wgsl`.
-const PROBE_BYTES: u64 = 96;
+const PROBE_BYTES: u64 = 112;
 
 /// Probes in the middles of cubic cells.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 // A grid of probes in the air, each with the irradiance towards six directions, as Bevy's irradiance volumes hold them.
 
-import package::cascades::{finest_level, level_count, outer_high, outer_low};
+import package::cascades::{finest_level, outer_high, outer_low};
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid_from_world;
@@ -36,8 +36,13 @@ struct Gathered {
 }
 
 struct Probe {
-    // Irradiance in rgb; in a of the first one the turns so far, in a of the second one whether it is inside of something solid.
+    // Irradiance in rgb; in a 1 where it is seen, 0 where what is seen first is the back of a surface: light of no place.
     light: array<vec4f, 6>,
+    // In which it has gathered.
+    turns: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: ProbeSettings;
@@ -71,8 +76,9 @@ fn probe_count() -> u32 {
 const MAX_STEPS: u32 = 96u;
 const FELT: f32 = 0.5;
 
-// 1: the first surface along a direction shows its back, -1: its front, 0: there is none.
-fn back_of_first(start: vec3f, side: u32) -> i32 {
+// Whether the first surface along a direction shows its back: from inside of something solid, or from behind a wall that has one
+// side.
+fn sees_back(start: vec3f, side: u32) -> bool {
     let axis = side / 2u;
     let direction = side_direction(side);
     var position = start;
@@ -80,27 +86,17 @@ fn back_of_first(start: vec3f, side: u32) -> i32 {
         let level = finest_level(position, 0u, 0.5);
         position += direction * exp2(f32(level));
         if any(position < outer_low()) || any(position > outer_high()) {
-            return 0;
+            return false;
         }
         // Of surfaces that face along the axis, and against it.
         let coverage = wall_coverage(position, level, axis);
         let facing = select(coverage.y, coverage.x, direction[axis] < 0.0);
         let averted = select(coverage.x, coverage.y, direction[axis] < 0.0);
         if max(facing, averted) > FELT {
-            return select(-1, 1, facing < 0.5 * averted);
+            return facing < 0.5 * averted;
         }
     }
-    return 0;
-}
-
-// Whether a place is inside of something solid, or behind walls that have one side: what it meets first shows its back.
-fn is_buried(position_in_world: vec3f) -> bool {
-    let start = grid_from_world(position_in_world);
-    var backs = 0;
-    for (var side = 0u; side < SIDES; side++) {
-        backs += back_of_first(start, side);
-    }
-    return backs > 0;
+    return false;
 }
 
 // Sets the points of a turn.
@@ -119,8 +115,8 @@ fn place(
     for (var side = 0u; side < SIDES; side++) {
         positions[SIDES * index + side] = vec4f(position, 0.0);
         normals[SIDES * index + side] = vec4f(side_direction(side), 0.0);
+        probes[number].light[side].a = select(1.0, 0.0, sees_back(grid_from_world(position), side));
     }
-    probes[number].light[1].a = select(0.0, 1.0, is_buried(position));
 }
 
 fn luminance(rgb: vec3f) -> f32 {
@@ -149,17 +145,15 @@ fn take(
         now += luminance(max(gathered[SIDES * index + side].indirect, vec3f(0.0)));
         before += luminance(probes[number].light[side].rgb);
     }
-    var turns = probes[number].light[0].a;
-    if abs(now - before) > CHANGE * max(now, before) {
-        turns = 0.0;
-    }
-    let share = max(1.0 / (turns + 1.0), LEAST_SHARE);
+    let has_changed = abs(now - before) > CHANGE * max(now, before);
+    let turns = select(probes[number].turns, 0u, has_changed);
+    let share = max(1.0 / (f32(turns) + 1.0), LEAST_SHARE);
     for (var side = 0u; side < SIDES; side++) {
         let light = max(gathered[SIDES * index + side].indirect, vec3f(0.0));
         let mean = mix(probes[number].light[side].rgb, light, share);
         probes[number].light[side] = vec4f(mean, probes[number].light[side].a);
     }
-    probes[number].light[0].a = turns + 1.0;
+    probes[number].turns = turns + 1u;
 }
 
 // Keeps probes whose grid has moved.
@@ -188,7 +182,7 @@ fn move_on(
     probes[index] = former[index_of(vec3u(nearest))];
     if any(before != nearest) {
         // The first light that it gathers takes the place of its neighbour's.
-        probes[index].light[0].a = 0.0;
+        probes[index].turns = 0u;
     }
 }
 
@@ -200,8 +194,29 @@ fn show(cell: vec3u, light: array<vec4f, 6>) {
     }
 }
 
-fn is_there(probe: Probe) -> bool {
-    return probe.light[0].a > 0.0;
+// How far, in cells, light is looked for where a probe sees none.
+const REACH: i32 = 2;
+
+// The light of a direction in a cell and, where that is of no place, around it.
+fn light_around(cell: vec3i, side: u32) -> vec3f {
+    let most = vec3i(settings.cells) - 1;
+    var sum = vec4f(0.0);
+    for (var reach = 0; reach <= REACH && sum.a == 0.0; reach++) {
+        let low = max(cell - reach, vec3i(0));
+        let high = min(cell + reach, most);
+        for (var z = low.z; z <= high.z; z++) {
+            for (var y = low.y; y <= high.y; y++) {
+                for (var x = low.x; x <= high.x; x++) {
+                    let index = index_of(vec3u(vec3i(x, y, z)));
+                    let light = probes[index].light[side];
+                    let away = vec3f(vec3i(x, y, z) - cell);
+                    let share = light.a * f32(min(probes[index].turns, 1u)) / max(dot(away, away), 1.0);
+                    sum += share * vec4f(light.rgb, 1.0);
+                }
+            }
+        }
+    }
+    return sum.rgb / max(sum.a, 1e-9);
 }
 
 // Writes the texture: the radiance of white matt surfaces. What is inside of something solid takes the light of what is around,
@@ -220,37 +235,9 @@ fn fill(
     let position = settings.texture_low + (vec3f(cell) + 0.5) * settings.texture_edge;
     let most = vec3i(settings.cells) - 1;
     let nearest = clamp(vec3i(floor((position - settings.low) / settings.edge)), vec3i(0), most);
-    let own = probes[index_of(vec3u(nearest))];
-    var light = own.light;
-    if !is_there(own) || own.light[1].a > 0.0 {
-        var sum = array<vec4f, 6>();
-        var weight = 0.0;
-        for (var reach = 1; reach <= 2 && weight == 0.0; reach++) {
-            let low = max(nearest - reach, vec3i(0));
-            let high = min(nearest + reach, most);
-            for (var z = low.z; z <= high.z; z++) {
-                for (var y = low.y; y <= high.y; y++) {
-                    for (var x = low.x; x <= high.x; x++) {
-                        let other = probes[index_of(vec3u(vec3i(x, y, z)))];
-                        if !is_there(other) || other.light[1].a > 0.0 {
-                            continue;
-                        }
-                        let away = vec3f(vec3i(x, y, z) - nearest);
-                        let share = 1.0 / dot(away, away);
-                        weight += share;
-                        for (var side = 0u; side < SIDES; side++) {
-                            sum[side] += share * other.light[side];
-                        }
-                    }
-                }
-            }
-        }
-        for (var side = 0u; side < SIDES; side++) {
-            light[side] = sum[side] / max(weight, 1e-9);
-        }
-    }
+    var light = array<vec4f, 6>();
     for (var side = 0u; side < SIDES; side++) {
-        light[side] = vec4f(light[side].rgb / PI, 1.0);
+        light[side] = vec4f(light_around(nearest, side) / PI, 1.0);
     }
     show(cell, light);
 }
