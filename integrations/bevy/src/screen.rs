@@ -107,13 +107,14 @@ pub(crate) fn prepare_screens(
             continue;
         };
         let Some(voxels) = volumes.shown(&gi_view.key) else { continue };
+        // None where all is drawn forward.
+        let Some((views, ids)) = textures.and_then(bound_textures) else { continue };
         if target.main_texture_format() != PICTURE_FORMAT {
             let error = "a camera's picture is not Rgba16Float; give the camera `Hdr`, and a render target that is \
                          Rgba16Float or not high dynamic range";
             reports.once(LumivoxEvent::Failed { error: error.to_owned() });
             continue;
         }
-        let Some((views, ids)) = textures.and_then(bound_textures) else { continue };
         let viewport = view.viewport;
         let camera = Camera {
             view,

@@ -268,7 +268,8 @@ fn grid(volume: &GiVolume, bounds: Option<[Vec3; 2]>, camera: Vec3) -> Result<Gr
 
 /// Records the work of a camera's volume, once in a frame: after the shadow maps of the first camera that shares it.
 pub(crate) fn record_volume(
-    view: ViewQuery<(Entity, &ExtractedView, Option<&ViewShadowBindings>)>,
+    view: ViewQuery<(Entity, Option<&ViewShadowBindings>)>,
+    extracted: Query<&ExtractedView>,
     mut context: RenderContext,
     mut volumes: ResMut<Volumes>,
     (gi_views, scene, mut scene_lights): (Res<GiViews>, Res<SceneGeometry>, ResMut<SceneLights>),
@@ -278,7 +279,7 @@ pub(crate) fn record_volume(
     diagnostics: Option<Res<DiagnosticsRecorder>>,
     reports: Res<Reports>,
 ) {
-    let (entity, extracted, maps) = view.into_inner();
+    let (entity, maps) = view.into_inner();
     let Some(view) = gi_views.views.iter().find(|view| view.entity == entity) else { return };
     let device = context.render_device().wgpu_device().clone();
     let volumes = &mut *volumes;
@@ -300,7 +301,11 @@ pub(crate) fn record_volume(
             None
         }
     });
-    let has_forward = forward.is_in(extracted);
+    let shares = |other: &&GiView| other.key == view.key;
+    let has_forward =
+        gi_views.views.iter().filter(shares).any(|other| {
+            extracted.get(other.entity).is_ok_and(|extracted| forward.is_in(extracted))
+        });
     if has_forward && !ARE_USABLE {
         reports.once(LumivoxEvent::ForwardNotLit);
     }

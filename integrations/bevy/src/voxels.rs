@@ -13,7 +13,7 @@ use lumivox::{
 use crate::compose::Compose;
 use crate::gbuffer;
 use crate::geometry::SceneGeometry;
-use crate::probes::{ProbeKernels, Probes};
+use crate::probes::{ARE_USABLE, ProbeKernels, Probes};
 use crate::settings::LumivoxGi;
 use crate::shadows::{self, ShadowMaps};
 use crate::surroundings::{EDGE, Surroundings};
@@ -122,17 +122,27 @@ pub(crate) fn make(
     let task = async move {
         let (pipelines, mut made) = link()?;
         bevy::tasks::block_on(pipelines.compile(&mut |_, _| ()));
-        // Those are compiled once something is drawn forward.
-        made.probe_kernels = Some(ProbeKernels::new(&made.gi)?);
+        made.link_probes()?;
         Ok(made)
     };
     #[cfg(target_arch = "wasm32")]
     let task = async move {
-        let (pipelines, made) = link()?;
+        let (pipelines, mut made) = link()?;
         pipelines.compile(&mut |_, _| ()).await;
+        made.link_probes()?;
         Ok(made)
     };
     AsyncComputeTaskPool::get().spawn(task)
+}
+
+impl Made {
+    /// After all others: these are compiled once something is drawn forward.
+    fn link_probes(&mut self) -> Result<(), GiError> {
+        if ARE_USABLE {
+            self.probe_kernels = Some(ProbeKernels::new(&self.gi)?);
+        }
+        Ok(())
+    }
 }
 
 impl Voxels {
