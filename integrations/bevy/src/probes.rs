@@ -22,7 +22,7 @@ use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, T
 use bevy::render::renderer::{RenderContext, RenderQueue, ViewQuery};
 use bevy::render::texture::GpuImage;
 use bevy::render::view::ExtractedView;
-use bevy::tasks::{AsyncComputeTaskPool, Task};
+use bevy::tasks::Task;
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Recorder, storage_buffer,
     uniform_buffer,
@@ -33,6 +33,7 @@ use std::any::TypeId;
 use crate::settings::{GiVolume, LumivoxGi};
 use crate::views::GiViews;
 use crate::volumes::{VolumeKey, Volumes};
+use crate::voxels::beside_frames;
 
 /// Bevy binds no irradiance volumes in browsers (`IRRADIANCE_VOLUMES_ARE_USABLE`).
 pub(crate) const ARE_USABLE: bool = cfg!(not(target_arch = "wasm32"));
@@ -219,9 +220,9 @@ impl Probes {
         };
         let turn = [bind("turn of probes"), bind("texture of probes")];
         let pipelines = gi.pipelines().clone();
-        // Beside the frames.
-        let compiling = AsyncComputeTaskPool::get()
-            .spawn(async move { pipelines.compile(&mut |_, _| ()).await });
+        // Beside the frames; there are no probes in browsers, where a task may not block.
+        let task = async move { bevy::tasks::block_on(pipelines.compile(&mut |_, _| ())) };
+        let compiling = beside_frames(task);
         Self {
             kernels: kernels.clone(),
             compiling: Some(compiling),

@@ -132,6 +132,20 @@ pub(crate) fn make(
         made.link_probes()?;
         Ok(made)
     };
+    beside_frames(task)
+}
+
+/// Spawns a task. Bevy's pool of several threads, which is a feature, wants `Send`; this asks for it with any features.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) fn beside_frames<T: Send + 'static>(
+    task: impl Future<Output = T> + Send + 'static,
+) -> Task<T> {
+    AsyncComputeTaskPool::get().spawn(task)
+}
+
+/// Spawns a task.
+#[cfg(target_arch = "wasm32")]
+pub(crate) fn beside_frames<T: 'static>(task: impl Future<Output = T> + 'static) -> Task<T> {
     AsyncComputeTaskPool::get().spawn(task)
 }
 
