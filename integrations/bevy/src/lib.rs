@@ -5,6 +5,7 @@ mod deform;
 mod gbuffer;
 mod geometry;
 mod instances;
+mod irradiance;
 mod lights;
 mod material;
 mod probes;
@@ -98,7 +99,7 @@ enum Extraction {
 
 impl Plugin for LumivoxPlugin {
     fn build(&self, app: &mut App) {
-        let (reports, offers) = (Reports::default(), probes::Offers::default());
+        let (reports, offers) = (Reports::default(), irradiance::Offers::default());
         if !self.is_forward {
             app.insert_resource(DefaultOpaqueRendererMethod::deferred())
                 .add_observer(settings::draw_deferred)
@@ -110,10 +111,10 @@ impl Plugin for LumivoxPlugin {
             .register_type::<LumivoxGi>()
             .register_type::<NotInGi>()
             .add_systems(First, report::deliver.after(MessageUpdateSystems))
-            .add_systems(First, probes::follow_offers)
+            .add_systems(First, irradiance::follow_offers)
             .add_systems(
                 PostUpdate,
-                probes::choose_volumes.after(VisibilitySystems::CheckVisibility),
+                irradiance::choose_volumes.after(VisibilitySystems::CheckVisibility),
             );
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -122,7 +123,7 @@ impl Plugin for LumivoxPlugin {
             .insert_resource(reports)
             .insert_resource(offers)
             .insert_resource(views::Method { is_forward: self.is_forward })
-            .init_resource::<probes::ShownVolumes>()
+            .init_resource::<irradiance::ShownVolumes>()
             .init_resource::<views::GiViews>()
             .init_resource::<lights::SceneLights>()
             .init_resource::<instances::Instances>()
@@ -141,7 +142,7 @@ impl Plugin for LumivoxPlugin {
                     instances::begin_instances.in_set(Extraction::Begin),
                     views::extract_views.in_set(Extraction::Read),
                     lights::extract_scene_lights.in_set(Extraction::Read),
-                    probes::extract_volumes.in_set(Extraction::Read),
+                    irradiance::extract_volumes.in_set(Extraction::Read),
                     deform::extract_morphs.in_set(Extraction::Read),
                     scene::extract_changed_images.in_set(Extraction::Read),
                 ),
@@ -160,12 +161,12 @@ impl Plugin for LumivoxPlugin {
             .add_systems(
                 Core3d,
                 (
-                    probes::fill_volume.after(deferred_lighting).before(main_opaque_pass_3d),
+                    irradiance::fill_volume.after(deferred_lighting).before(main_opaque_pass_3d),
                     (volumes::record_volume, screen::light_screen)
                         .chain()
                         .after(main_opaque_pass_3d)
                         .before(main_transparent_pass_3d),
-                    probes::empty_volume.after(main_transparent_pass_3d),
+                    irradiance::empty_volume.after(main_transparent_pass_3d),
                 )
                     .in_set(Core3dSystems::MainPass),
             );

@@ -1,42 +1,18 @@
-//! Light for what is drawn forward: transparent things, materials of that method, and all of an app that draws so.
-//!
-//! Their shaders are Bevy's, which know irradiance volumes (ambient cubes; Mitchell 2006, "Shading in Valve's Source Engine").
-//! So the voxels' light is gathered at a grid of probes, some of them in each frame, and written into the texture of such a
-//! volume. What is drawn deferred has its own cones, and Bevy's pass for it reads the same texture: so it holds the light only
-//! from after that pass to the end of the transparent one, and is black otherwise.
+//! Irradiance at a grid of probes in the air, gathered from the voxels: some of the probes in each frame, only while something is
+//! drawn forward (`irradiance.rs`, which gives it to Bevy).
 
-use std::sync::{Arc, Mutex, PoisonError};
-
-use bevy::asset::RenderAssetUsages;
-use bevy::camera::visibility::{NoFrustumCulling, RenderLayers, VisibleEntities};
-use bevy::core_pipeline::core_3d::{AlphaMask3d, Opaque3d, Transparent3d};
-use bevy::ecs::system::SystemParam;
-use bevy::light::cluster::ClusterVisibilityClass;
-use bevy::light::{IrradianceVolume, LightProbe};
-use bevy::pbr::Transmissive3d;
 use bevy::prelude::*;
-use bevy::render::Extract;
-use bevy::render::render_asset::RenderAssets;
-use bevy::render::render_phase::{ViewBinnedRenderPhases, ViewSortedRenderPhases};
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
-use bevy::render::renderer::{RenderContext, RenderQueue, ViewQuery};
-use bevy::render::texture::GpuImage;
-use bevy::render::view::ExtractedView;
+use bevy::render::render_resource::TextureFormat;
 use bevy::tasks::Task;
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Recorder, storage_buffer,
     uniform_buffer,
 };
 use lumivox::{GatherPoints, GatherSettings, Gi, GiError, Lights, TraceSettings, wgpu};
-use std::any::TypeId;
 
 use crate::settings::{GiVolume, LumivoxGi};
-use crate::views::GiViews;
-use crate::volumes::{VolumeKey, Volumes};
 use crate::voxels::beside_frames;
 
-/// Bevy binds no irradiance volumes in browsers (`IRRADIANCE_VOLUMES_ARE_USABLE`).
-pub(crate) const ARE_USABLE: bool = cfg!(not(target_arch = "wasm32"));
 /// Voxels along an edge of a probe's cell: of a box, and of the outermost cascade.
 const VOXELS_A_CELL: [u32; 2] = [4, 2];
 /// Directions of a probe.
@@ -47,8 +23,6 @@ const FRAMES_A_TURN: u32 = 2;
 const FACES_A_PROBE: u32 = 16;
 /// Frames for which probes go on after the last thing drawn forward.
 const FRAMES_TO_KEEP: u32 = 120;
-/// Frames after which a new texture is on the GPU.
-const FRAMES_TO_UPLOAD: u32 = 3;
 /// Bytes of `Probe` of `probes.wgsl`.
 const PROBE_BYTES: u64 = 112;
 
@@ -56,10 +30,10 @@ const PROBE_BYTES: u64 = 112;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ProbeGrid {
     /// The corner of least coordinates, m.
-    low: Vec3,
+    pub(crate) low: Vec3,
     /// Edge of a cell, m.
-    edge: f32,
-    cells: UVec3,
+    pub(crate) edge: f32,
+    pub(crate) cells: UVec3,
 }
 
 impl ProbeGrid {
@@ -79,7 +53,7 @@ impl ProbeGrid {
         Self { low, edge, cells: UVec3::splat(cascades.resolution / VOXELS_A_CELL[1] + 1) }
     }
 
-    fn size(&self) -> Vec3 {
+    pub(crate) fn size(&self) -> Vec3 {
         self.cells.as_vec3() * self.edge
     }
 
@@ -127,7 +101,7 @@ impl ProbeSettings {
     }
 }
 
-/// What works on probes, of one `Gi`.
+/// The compute kernels of probes, linked for the volume of one `Gi`.
 #[derive(Clone)]
 pub(crate) struct ProbeKernels {
     place: Kernel,
@@ -181,7 +155,7 @@ impl ProbeKernels {
 pub(crate) struct Probes {
     kernels: ProbeKernels,
     compiling: Option<Task<()>>,
-    grid: ProbeGrid,
+    pub(crate) grid: ProbeGrid,
     points: GatherPoints,
     /// Probes of a turn.
     batch: u32,
@@ -238,7 +212,7 @@ impl Probes {
     }
 
     /// Whether all of them have gathered.
-    fn are_lit(&self) -> bool {
+    pub(crate) fn are_lit(&self) -> bool {
         self.gathered >= self.grid.count()
     }
 
@@ -306,7 +280,7 @@ impl Probes {
     }
 
     /// Writes their light into the texture of a grid, or darkness.
-    fn write(
+    pub(crate) fn write(
         &mut self,
         gi: &Gi,
         (view, grid): (&wgpu::TextureView, &ProbeGrid),
@@ -327,210 +301,4 @@ impl Probes {
         let groups = [gi.globals(), group, texture];
         kernel.run_linear(recorder, &groups, grid.count().into());
     }
-}
-
-/// What the render world has for the app's world to hold.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Offer {
-    key: VolumeKey,
-    grid: ProbeGrid,
-    /// cd/m² of the texture's unit.
-    unit: f32,
-}
-
-impl Offer {
-    /// Of voxels that are shown: a single dark cell while nothing is drawn forward, so that Bevy's pipelines, which are others
-    /// with irradiance volumes, stay the same.
-    pub(crate) fn new(key: VolumeKey, gi: &Gi, probes: Option<&Probes>, unit: f32) -> Self {
-        let whole = ProbeGrid { low: gi.grid().min_in_world(), edge: 1.0, cells: UVec3::ONE };
-        let grid = probes.filter(|probes| probes.are_lit()).map_or(whole, |probes| probes.grid);
-        Self { key, grid, unit }
-    }
-}
-
-/// Shared by both worlds.
-#[derive(Resource, Clone, Default)]
-pub(crate) struct Offers(Arc<Mutex<Vec<Offer>>>);
-
-impl Offers {
-    pub(crate) fn set(&self, offers: impl Iterator<Item = Offer>) {
-        let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        held.clear();
-        held.extend(offers);
-    }
-}
-
-/// On an irradiance volume of Lumivox's own.
-#[derive(Component, Debug)]
-pub(crate) struct OwnVolume {
-    offer: Offer,
-    /// The texture that takes the place of the one that is shown, once it is on the GPU.
-    coming: Option<(Offer, Handle<Image>, u32)>,
-}
-
-/// Makes Bevy's irradiance volumes for what is offered.
-pub(crate) fn follow_offers(
-    offers: Res<Offers>,
-    mut commands: Commands,
-    mut images: ResMut<Assets<Image>>,
-    mut volumes: Query<(Entity, &mut OwnVolume, &mut IrradianceVolume, &mut Transform)>,
-) {
-    let offers = offers.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    let mut known = Vec::new();
-    for (entity, mut own, mut volume, mut transform) in &mut volumes {
-        let Some(offer) = offers.iter().find(|offer| offer.key == own.offer.key) else {
-            commands.entity(entity).despawn();
-            continue;
-        };
-        known.push(offer.key);
-        if let Some((coming, image, frames)) = &mut own.coming {
-            *frames += 1;
-            if *frames >= FRAMES_TO_UPLOAD {
-                let (coming, image) = (*coming, image.clone());
-                volume.voxels = image;
-                own.offer = coming;
-                own.coming = None;
-                *transform = place(&coming);
-                volume.intensity = coming.unit;
-            }
-        } else if offer.grid.cells != own.offer.grid.cells {
-            own.coming = Some((*offer, images.add(texture(&offer.grid)), 0));
-        } else if *offer != own.offer {
-            own.offer = *offer;
-            *transform = place(offer);
-            volume.intensity = offer.unit;
-        }
-    }
-    for offer in offers.iter().filter(|offer| !known.contains(&offer.key)) {
-        let voxels = images.add(texture(&offer.grid));
-        let volume = IrradianceVolume { voxels, intensity: offer.unit, ..default() };
-        let own = OwnVolume { offer: *offer, coming: None };
-        let everywhere = RenderLayers::from_layers(&std::array::from_fn::<usize, 64, _>(|n| n));
-        commands.spawn((
-            (own, volume, LightProbe::new(), place(offer)),
-            (NoFrustumCulling, everywhere, Name::new("Lumivox")),
-        ));
-    }
-}
-
-fn place(offer: &Offer) -> Transform {
-    let size = offer.grid.size();
-    Transform::from_translation(offer.grid.low + 0.5 * size).with_scale(size)
-}
-
-fn texture(grid: &ProbeGrid) -> Image {
-    let UVec3 { x, y, z } = grid.cells * UVec3::new(1, 2, 3);
-    let size = Extent3d { width: x, height: y, depth_or_array_layers: z };
-    let mut image = Image::new_uninit(
-        size,
-        TextureDimension::D3,
-        TextureFormat::Rgba16Float,
-        RenderAssetUsages::RENDER_WORLD,
-    );
-    image.texture_descriptor.usage =
-        TextureUsages::TEXTURE_BINDING | TextureUsages::STORAGE_BINDING;
-    image
-}
-
-/// Lets each camera see the irradiance volume of its own voxels alone, and others none of them: after Bevy has looked for what
-/// cameras see.
-pub(crate) fn choose_volumes(
-    mut cameras: Query<(Entity, &mut VisibleEntities, Option<&LumivoxGi>), With<Camera3d>>,
-    own: Query<&OwnVolume>,
-    all: Query<(), With<IrradianceVolume>>,
-) {
-    let class = TypeId::of::<ClusterVisibilityClass>();
-    for (camera, mut visible, gi) in &mut cameras {
-        if !visible.entities.contains_key(&class) {
-            continue;
-        }
-        let key = gi.map(|gi| VolumeKey::new(&gi.volume, camera));
-        let is_there = key.is_some_and(|key| own.iter().any(|own| own.offer.key == key));
-        visible.get_mut(class).retain(|entity| match own.get(*entity) {
-            Ok(own) => Some(own.offer.key) == key,
-            // Nothing stops the light of the app's own.
-            Err(_) => !(is_there && all.contains(*entity)),
-        });
-    }
-}
-
-/// The irradiance volumes of Lumivox's own, as the app's world has them in this frame.
-#[derive(Resource, Default)]
-pub(crate) struct ShownVolumes(Vec<(Offer, AssetId<Image>)>);
-
-impl ShownVolumes {
-    pub(crate) fn has(&self, key: &VolumeKey) -> bool {
-        self.0.iter().any(|(offer, _)| offer.key == *key)
-    }
-}
-
-pub(crate) fn extract_volumes(
-    mut shown: ResMut<ShownVolumes>,
-    volumes: Extract<Query<(&OwnVolume, &IrradianceVolume)>>,
-) {
-    shown.0.clear();
-    shown.0.extend(volumes.iter().map(|(own, volume)| (own.offer, volume.voxels.id())));
-}
-
-/// What is drawn forward in this frame.
-#[derive(SystemParam)]
-pub(crate) struct Forward<'w> {
-    opaque: Res<'w, ViewBinnedRenderPhases<Opaque3d>>,
-    masked: Res<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
-    transmissive: Res<'w, ViewSortedRenderPhases<Transmissive3d>>,
-    transparent: Res<'w, ViewSortedRenderPhases<Transparent3d>>,
-}
-
-impl Forward<'_> {
-    /// Whether a view has any of it.
-    pub(crate) fn is_in(&self, view: &ExtractedView) -> bool {
-        let key = &view.retained_view_entity;
-        self.opaque.get(key).is_some_and(|phase| !phase.is_empty())
-            || self.masked.get(key).is_some_and(|phase| !phase.is_empty())
-            || self.transmissive.get(key).is_some_and(|phase| !phase.items.is_empty())
-            || self.transparent.get(key).is_some_and(|phase| !phase.items.is_empty())
-    }
-}
-
-/// Light for what is drawn forward from now on.
-pub(crate) fn fill_volume(
-    view: ViewQuery<Entity>,
-    mut context: RenderContext,
-    (volumes, shown): (ResMut<Volumes>, Res<ShownVolumes>),
-    (gi_views, images): (Res<GiViews>, Res<RenderAssets<GpuImage>>),
-    queue: Res<RenderQueue>,
-) {
-    write(view.into_inner(), true, &mut context, volumes, &shown, (&gi_views, &images), &queue);
-}
-
-/// Darkness for what is drawn deferred in the next view, or frame.
-pub(crate) fn empty_volume(
-    view: ViewQuery<Entity>,
-    mut context: RenderContext,
-    (volumes, shown): (ResMut<Volumes>, Res<ShownVolumes>),
-    (gi_views, images): (Res<GiViews>, Res<RenderAssets<GpuImage>>),
-    queue: Res<RenderQueue>,
-) {
-    write(view.into_inner(), false, &mut context, volumes, &shown, (&gi_views, &images), &queue);
-}
-
-fn write(
-    view: Entity,
-    is_light: bool,
-    context: &mut RenderContext,
-    mut volumes: ResMut<Volumes>,
-    shown: &ShownVolumes,
-    (gi_views, images): (&GiViews, &RenderAssets<GpuImage>),
-    queue: &RenderQueue,
-) {
-    let Some(view) = gi_views.views.iter().find(|known| known.entity == view) else { return };
-    let Some((offer, image)) = shown.0.iter().find(|(offer, _)| offer.key == view.key) else {
-        return;
-    };
-    let Some(image) = images.get(*image) else { return };
-    let Some(voxels) = volumes.shown_mut(&view.key) else { return };
-    let Some(probes) = voxels.probes.as_mut().filter(|probes| probes.are_lit()) else { return };
-    let device = context.render_device().wgpu_device().clone();
-    let mut recorder = Recorder::on(&device, queue, context.command_encoder());
-    probes.write(&voxels.gi, (&image.texture_view, &offer.grid), is_light, &mut recorder);
 }

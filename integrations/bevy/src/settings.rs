@@ -106,7 +106,8 @@ impl Default for GiVolume {
 #[reflect(Component, Default, Debug, Clone)]
 pub struct NotInGi;
 
-/// What the cones of pixels start from. A camera requires multisampling before the component could require that there is none.
+/// Gives a camera the G-buffer that its cones start from, by an observer: a camera requires multisampling before the component
+/// could require that there is none.
 /// A prepass of normals is not among it: with one, Bevy 0.20 shades transparent things with the normals of what is behind them.
 pub(crate) fn draw_gbuffer(added: On<Add<LumivoxGi>>, mut commands: Commands) {
     let gbuffer = (DepthPrepass, MotionVectorPrepass, DeferredPrepass);

@@ -15,7 +15,7 @@ use bevy::render::texture::GpuImage;
 use lumivox::CubeUse;
 use lumivox::wgpu;
 
-use crate::probes::{ARE_USABLE, ShownVolumes};
+use crate::irradiance::{ARE_USABLE, ShownVolumes};
 use crate::views::{GiViews, Method};
 use crate::volumes::Volumes;
 

@@ -13,7 +13,8 @@ use lumivox::{
 use crate::compose::Compose;
 use crate::gbuffer;
 use crate::geometry::SceneGeometry;
-use crate::probes::{ARE_USABLE, ProbeKernels, Probes};
+use crate::irradiance::ARE_USABLE;
+use crate::probes::{ProbeKernels, Probes};
 use crate::settings::LumivoxGi;
 use crate::shadows::{self, ShadowMaps};
 use crate::surroundings::{EDGE, Surroundings};
@@ -248,7 +249,10 @@ impl Voxels {
 
     /// Whether they may be seen.
     pub(crate) fn is_lit(&self) -> bool {
-        self.gi.voxels().is_some() && !self.is_late && self.frames_lit >= FRAMES_TO_LIGHT
+        // Without their probes, what is drawn forward would be dark for a while.
+        let are_probes_lit = self.probes.as_ref().is_none_or(Probes::are_lit);
+        let is_lit = self.gi.voxels().is_some() && !self.is_late;
+        is_lit && self.frames_lit >= FRAMES_TO_LIGHT && are_probes_lit
     }
 
     /// Follows geometry and lights.

@@ -69,7 +69,7 @@ fn step_along(pixel: vec2u, axis: u32, depth: f32, position: vec3f) -> vec3f {
 // Cosine to the shading normal below which the normal of depths is that of an edge.
 const LEAST_AGREEMENT: f32 = 0.3;
 
-// Of the surface without its normal map, by depths around it, towards the camera.
+// The normal of the surface without its normal map, by the depths around the pixel, towards the camera.
 fn geometric_normal(pixel: vec2u, depth: f32, position: vec3f, shading: vec3f) -> vec3f {
     let to_camera = view.position_in_world - position;
     let across = cross(

@@ -17,7 +17,7 @@ struct ProbeSettings {
     cells: vec3u,
     // The probes of this turn.
     first: u32,
-    // Of the texture, whose box may be another for a frame or two.
+    // The grid of the texture, which may be another one for a frame or two.
     texture_low: vec3f,
     texture_edge: f32,
     texture_cells: vec3u,
@@ -38,7 +38,7 @@ struct Gathered {
 struct Probe {
     // Irradiance in rgb; in a 1 where it is seen, 0 where what is seen first is the back of a surface: light of no place.
     light: array<vec4f, 6>,
-    // In which it has gathered.
+    // Turns in which the probe has gathered.
     turns: u32,
     padding_0: u32,
     padding_1: u32,
@@ -88,7 +88,7 @@ fn sees_back(start: vec3f, side: u32) -> bool {
         if any(position < outer_low()) || any(position > outer_high()) {
             return false;
         }
-        // Of surfaces that face along the axis, and against it.
+        // The coverage of surfaces that face along the axis, and against it.
         let coverage = wall_coverage(position, level, axis);
         let facing = select(coverage.y, coverage.x, direction[axis] < 0.0);
         let averted = select(coverage.x, coverage.y, direction[axis] < 0.0);

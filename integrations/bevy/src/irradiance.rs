@@ -1,0 +1,244 @@
+//! The light of probes as Bevy's irradiance volumes, for what is drawn forward: transparent things, materials of that method, and all
+//! of an app that draws so.
+//!
+//! Their shaders are Bevy's, which know irradiance volumes (ambient cubes; Mitchell 2006, "Shading in Valve's Source Engine").
+//! So the light of the probes (`probes.rs`) is written into the texture of such a volume. What is drawn deferred has its own
+//! cones, and Bevy's pass for it reads the same texture: so it holds the light only from after that pass to the end of the
+//! transparent one, and is black otherwise.
+
+use std::any::TypeId;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::visibility::{NoFrustumCulling, RenderLayers, VisibleEntities};
+use bevy::core_pipeline::core_3d::{AlphaMask3d, Opaque3d, Transparent3d};
+use bevy::ecs::system::SystemParam;
+use bevy::light::cluster::ClusterVisibilityClass;
+use bevy::light::{IrradianceVolume, LightProbe};
+use bevy::pbr::Transmissive3d;
+use bevy::prelude::*;
+use bevy::render::Extract;
+use bevy::render::render_asset::RenderAssets;
+use bevy::render::render_phase::{ViewBinnedRenderPhases, ViewSortedRenderPhases};
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
+use bevy::render::renderer::{RenderContext, RenderQueue, ViewQuery};
+use bevy::render::texture::GpuImage;
+use bevy::render::view::ExtractedView;
+use lumivox::Gi;
+use lumivox::gpu::Recorder;
+
+use crate::probes::{ProbeGrid, Probes};
+use crate::settings::LumivoxGi;
+use crate::views::GiViews;
+use crate::volumes::{VolumeKey, Volumes};
+
+/// Bevy binds no irradiance volumes in browsers (`IRRADIANCE_VOLUMES_ARE_USABLE`).
+pub(crate) const ARE_USABLE: bool = cfg!(not(target_arch = "wasm32"));
+/// Frames after which a new texture is on the GPU.
+const FRAMES_TO_UPLOAD: u32 = 3;
+
+/// An irradiance volume that the render world asks the app's world for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Offer {
+    key: VolumeKey,
+    grid: ProbeGrid,
+    /// cd/m² of the texture's unit.
+    unit: f32,
+}
+
+impl Offer {
+    /// The volume of voxels that are shown. While nothing is drawn forward it is a single dark cell, so that Bevy's pipelines, which
+    /// are others with irradiance volumes, stay the same.
+    pub(crate) fn new(key: VolumeKey, gi: &Gi, probes: Option<&Probes>, unit: f32) -> Self {
+        let whole = ProbeGrid { low: gi.grid().min_in_world(), edge: 1.0, cells: UVec3::ONE };
+        let grid = probes.filter(|probes| probes.are_lit()).map_or(whole, |probes| probes.grid);
+        Self { key, grid, unit }
+    }
+}
+
+/// Shared by both worlds.
+#[derive(Resource, Clone, Default)]
+pub(crate) struct Offers(Arc<Mutex<Vec<Offer>>>);
+
+impl Offers {
+    pub(crate) fn set(&self, offers: impl Iterator<Item = Offer>) {
+        let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        held.clear();
+        held.extend(offers);
+    }
+}
+
+/// On an irradiance volume of Lumivox's own.
+#[derive(Component, Debug)]
+pub(crate) struct OwnVolume {
+    offer: Offer,
+    /// The texture that takes the place of the one that is shown, once it is on the GPU.
+    coming: Option<(Offer, Handle<Image>, u32)>,
+}
+
+/// Makes Bevy's irradiance volumes for what is offered.
+pub(crate) fn follow_offers(
+    offers: Res<Offers>,
+    mut commands: Commands,
+    mut images: ResMut<Assets<Image>>,
+    mut volumes: Query<(Entity, &mut OwnVolume, &mut IrradianceVolume, &mut Transform)>,
+) {
+    let offers = offers.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    let mut known = Vec::new();
+    for (entity, mut own, mut volume, mut transform) in &mut volumes {
+        let Some(offer) = offers.iter().find(|offer| offer.key == own.offer.key) else {
+            commands.entity(entity).despawn();
+            continue;
+        };
+        known.push(offer.key);
+        if let Some((coming, image, frames)) = &mut own.coming {
+            *frames += 1;
+            if *frames >= FRAMES_TO_UPLOAD {
+                let (coming, image) = (*coming, image.clone());
+                volume.voxels = image;
+                own.offer = coming;
+                own.coming = None;
+                *transform = place(&coming);
+                volume.intensity = coming.unit;
+            }
+        } else if offer.grid.cells != own.offer.grid.cells {
+            own.coming = Some((*offer, images.add(texture(&offer.grid)), 0));
+        } else if *offer != own.offer {
+            own.offer = *offer;
+            *transform = place(offer);
+            volume.intensity = offer.unit;
+        }
+    }
+    for offer in offers.iter().filter(|offer| !known.contains(&offer.key)) {
+        let voxels = images.add(texture(&offer.grid));
+        let volume = IrradianceVolume { voxels, intensity: offer.unit, ..default() };
+        let own = OwnVolume { offer: *offer, coming: None };
+        let everywhere = RenderLayers::from_layers(&std::array::from_fn::<usize, 64, _>(|n| n));
+        commands.spawn((
+            (own, volume, LightProbe::new(), place(offer)),
+            (NoFrustumCulling, everywhere, Name::new("Lumivox")),
+        ));
+    }
+}
+
+fn place(offer: &Offer) -> Transform {
+    let size = offer.grid.size();
+    Transform::from_translation(offer.grid.low + 0.5 * size).with_scale(size)
+}
+
+fn texture(grid: &ProbeGrid) -> Image {
+    let UVec3 { x, y, z } = grid.cells * UVec3::new(1, 2, 3);
+    let size = Extent3d { width: x, height: y, depth_or_array_layers: z };
+    let mut image = Image::new_uninit(
+        size,
+        TextureDimension::D3,
+        TextureFormat::Rgba16Float,
+        RenderAssetUsages::RENDER_WORLD,
+    );
+    image.texture_descriptor.usage =
+        TextureUsages::TEXTURE_BINDING | TextureUsages::STORAGE_BINDING;
+    image
+}
+
+/// Lets each camera see the irradiance volume of its own voxels alone, and others none of them: after Bevy has looked for what
+/// cameras see.
+pub(crate) fn choose_volumes(
+    mut cameras: Query<(Entity, &mut VisibleEntities, Option<&LumivoxGi>), With<Camera3d>>,
+    own: Query<&OwnVolume>,
+    all: Query<(), With<IrradianceVolume>>,
+) {
+    let class = TypeId::of::<ClusterVisibilityClass>();
+    for (camera, mut visible, gi) in &mut cameras {
+        if !visible.entities.contains_key(&class) {
+            continue;
+        }
+        let key = gi.map(|gi| VolumeKey::new(&gi.volume, camera));
+        let is_there = key.is_some_and(|key| own.iter().any(|own| own.offer.key == key));
+        visible.get_mut(class).retain(|entity| match own.get(*entity) {
+            Ok(own) => Some(own.offer.key) == key,
+            // Nothing stops the light of the app's own.
+            Err(_) => !(is_there && all.contains(*entity)),
+        });
+    }
+}
+
+/// The irradiance volumes of Lumivox's own, as the app's world has them in this frame.
+#[derive(Resource, Default)]
+pub(crate) struct ShownVolumes(Vec<(Offer, AssetId<Image>)>);
+
+impl ShownVolumes {
+    pub(crate) fn has(&self, key: &VolumeKey) -> bool {
+        self.0.iter().any(|(offer, _)| offer.key == *key)
+    }
+}
+
+pub(crate) fn extract_volumes(
+    mut shown: ResMut<ShownVolumes>,
+    volumes: Extract<Query<(&OwnVolume, &IrradianceVolume)>>,
+) {
+    shown.0.clear();
+    shown.0.extend(volumes.iter().map(|(own, volume)| (own.offer, volume.voxels.id())));
+}
+
+/// The phases of Bevy's forward passes, to see which views draw anything in them.
+#[derive(SystemParam)]
+pub(crate) struct Forward<'w> {
+    opaque: Res<'w, ViewBinnedRenderPhases<Opaque3d>>,
+    masked: Res<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
+    transmissive: Res<'w, ViewSortedRenderPhases<Transmissive3d>>,
+    transparent: Res<'w, ViewSortedRenderPhases<Transparent3d>>,
+}
+
+impl Forward<'_> {
+    /// Whether a view draws anything forward.
+    pub(crate) fn is_in(&self, view: &ExtractedView) -> bool {
+        let key = &view.retained_view_entity;
+        self.opaque.get(key).is_some_and(|phase| !phase.is_empty())
+            || self.masked.get(key).is_some_and(|phase| !phase.is_empty())
+            || self.transmissive.get(key).is_some_and(|phase| !phase.items.is_empty())
+            || self.transparent.get(key).is_some_and(|phase| !phase.items.is_empty())
+    }
+}
+
+/// Light for what is drawn forward from now on.
+pub(crate) fn fill_volume(
+    view: ViewQuery<Entity>,
+    mut context: RenderContext,
+    (volumes, shown): (ResMut<Volumes>, Res<ShownVolumes>),
+    (gi_views, images): (Res<GiViews>, Res<RenderAssets<GpuImage>>),
+    queue: Res<RenderQueue>,
+) {
+    write(view.into_inner(), true, &mut context, volumes, &shown, (&gi_views, &images), &queue);
+}
+
+/// Darkness for what is drawn deferred in the next view, or frame.
+pub(crate) fn empty_volume(
+    view: ViewQuery<Entity>,
+    mut context: RenderContext,
+    (volumes, shown): (ResMut<Volumes>, Res<ShownVolumes>),
+    (gi_views, images): (Res<GiViews>, Res<RenderAssets<GpuImage>>),
+    queue: Res<RenderQueue>,
+) {
+    write(view.into_inner(), false, &mut context, volumes, &shown, (&gi_views, &images), &queue);
+}
+
+fn write(
+    view: Entity,
+    is_light: bool,
+    context: &mut RenderContext,
+    mut volumes: ResMut<Volumes>,
+    shown: &ShownVolumes,
+    (gi_views, images): (&GiViews, &RenderAssets<GpuImage>),
+    queue: &RenderQueue,
+) {
+    let Some(view) = gi_views.views.iter().find(|known| known.entity == view) else { return };
+    let Some((offer, image)) = shown.0.iter().find(|(offer, _)| offer.key == view.key) else {
+        return;
+    };
+    let Some(image) = images.get(*image) else { return };
+    let Some(voxels) = volumes.shown_mut(&view.key) else { return };
+    let Some(probes) = voxels.probes.as_mut().filter(|probes| probes.are_lit()) else { return };
+    let device = context.render_device().wgpu_device().clone();
+    let mut recorder = Recorder::on(&device, queue, context.command_encoder());
+    probes.write(&voxels.gi, (&image.texture_view, &offer.grid), is_light, &mut recorder);
+}
