@@ -62,7 +62,6 @@ use wgpu::WasmNotSend;
 pub use classify::{LineInfo, words};
 pub use command::{COMMANDS, Command, Edits, Group, Run, Takes, Urgency, Waiting};
 pub use commands::program::read as script_of_bytes;
-pub use commands::surroundings::SUN as SUN_OF_SKY;
 pub use comparison::{Comparison, named_figures};
 pub use failure::{Blame, Failure};
 pub use line::{LineError, Word, Words, commands as begun, is_obeyed, quote, split};

@@ -326,7 +326,7 @@ impl Scene {
         })
     }
 
-    /// Sets the surroundings to a clear sky, and replaces the sun of an earlier one.
+    /// Sets the surroundings to a clear sky, whose sun takes the place of all directional lights.
     fn set_sky(&self, py: Python<'_>, towards_sun: [f32; 3], turbidity: f32) -> PyResult<()> {
         self.edit(py, |model| {
             let sun_direction = Vec3::from(towards_sun);
@@ -336,11 +336,7 @@ impl Scene {
                 ));
             }
             let sky = sky(&SkySettings { sun_direction, turbidity, ..SkySettings::default() })?;
-            let map = Some(Arc::new(sky.map));
-            model.environment = Environment { radiance: Vec3::ONE, map, rotation_rad: 0.0 };
-            model.lights.retain(|light| light.name != lumivox_console::SUN_OF_SKY);
-            let name = lumivox_console::SUN_OF_SKY.to_owned();
-            model.lights.extend(sky.sun.map(|sun| Light { name, ..sun }));
+            sky.surround(&mut model.environment, &mut model.lights);
             Ok(())
         })
     }

@@ -7,9 +7,7 @@ use lumivox_scene::EnvironmentMap;
 use crate::error::WebError;
 use crate::listener::Listener;
 use crate::session::{Session, no_scene, out_of_range};
-use crate::types::{
-    EnvironmentChange, EnvironmentInfo, Light, Material, MaterialChange, of_panorama,
-};
+use crate::types::{EnvironmentChange, EnvironmentInfo, Light, Material, MaterialChange};
 
 impl Session {
     /// Changes the list of lights.
@@ -124,7 +122,7 @@ impl Session {
             self.console.explorer.set_hidden(object, true);
         }
         self.console.explorer.edit_lights(|scene| {
-            scene.environment = of_panorama(map);
+            scene.environment = map.into();
             scene.lights.retain(|light| !staged.has_light(light));
         });
         self.note();

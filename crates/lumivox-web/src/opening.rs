@@ -11,7 +11,7 @@ use crate::listener::Listener;
 use crate::load::Loaded;
 use crate::session::{Session, no_scene, tell_of};
 use crate::staged::Staged;
-use crate::types::{Camera, SceneInfo, SceneOptions, of_panorama};
+use crate::types::{Camera, SceneInfo, SceneOptions};
 
 impl Session {
     /// Shows another scene, unless loading is cancelled before the last scene is closed.
@@ -27,7 +27,7 @@ impl Session {
     ) -> Result<SceneInfo, WebError> {
         let Loaded { mut scene, name, panorama, notes } = loaded;
         if let Some(map) = panorama {
-            scene.environment = of_panorama(map);
+            scene.environment = map.into();
         }
         let mut opening = SceneRequest::plain(SceneSource::named(&name), self.aspect());
         opening.light.surroundings = Some(asked.surroundings.into());

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use lumivox_scene::sky::{SkySettings, sky as make_sky};
+use lumivox_scene::sky::{Sky, SkySettings, sky as make_sky};
 use lumivox_scene::{Environment, EnvironmentMap};
 
 use crate::arguments::{angle, commas, degrees, number, refused, vector};
@@ -12,9 +12,6 @@ use crate::command::{Command, Edits, Group, PLAIN, Takes};
 use crate::line::quote;
 use crate::values::light::{self, Surroundings};
 use crate::{Console, Reply, nothing_to_show, shown};
-
-/// The name of the light that is the sun of a computed sky.
-pub const SUN: &str = "sun of the sky";
 
 const LIGHT: Command = Command { group: Group::Light, takes: &[Takes::Anything], ..PLAIN };
 
@@ -25,7 +22,8 @@ pub const TABLE: &[Command] = &[
         count: (1, 2),
         summary: "Put a clear sky and its sun around the scene",
         details: "The sun's position: degrees above the horizon and from -z towards +x, or a vector. The turbidity is from 1 \
-                  (the clearest) to 10, by default 2. The sky is in cd/m2 and lux. It replaces an earlier sky and its sun.",
+                  (the clearest) to 10, by default 2. The sky is in cd/m2 and lux. Its sun takes the place of all \
+                  directional lights.",
         example: "sky 30,120",
         sets: Some(1),
         edits: Edits::Look,
@@ -79,16 +77,26 @@ fn sky(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let turbidity = turbidity.transpose()?.unwrap_or(SkySettings::default().turbidity);
     let settings = SkySettings { sun_direction, turbidity, ..SkySettings::default() };
     let made = make_sky(&settings)?;
-    let map = Arc::new(made.map);
-    console.remember_map(&map, format!("sky {} {turbidity}", commas(sun_direction)));
+    let mut replaced = Vec::new();
     console.explorer.edit_lights(|scene| {
-        scene.environment = Environment { radiance: Vec3::ONE, map: Some(map), rotation_rad: 0.0 };
-        scene.lights.retain(|light| light.name != SUN);
-        scene
-            .lights
-            .extend(made.sun.map(|sun| lumivox_scene::Light { name: SUN.to_owned(), ..sun }));
+        replaced = made.surround(&mut scene.environment, &mut scene.lights);
     });
+    tell_replaced(&replaced);
+    let map = console.explorer.scene().and_then(|scene| scene.environment.map.clone());
+    if let Some(map) = map {
+        console.remember_map(&map, format!("sky {} {turbidity}", commas(sun_direction)));
+    }
     Ok(Reply::default())
+}
+
+/// Tells which directional lights a sky has taken the place of.
+pub fn tell_replaced(names: &[String]) {
+    for name in names {
+        tracing::warn!(
+            "the directional light '{}' is gone: the sky has a sun of its own",
+            shown::line(name)
+        );
+    }
 }
 
 async fn environment(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
@@ -113,7 +121,7 @@ async fn environment(console: &mut Console, arguments: &[&str]) -> anyhow::Resul
     };
     console.explorer.edit_lights(|scene| {
         scene.environment = environment;
-        scene.lights.retain(|light| light.name != SUN);
+        scene.lights.retain(|light| light.name != Sky::SUN);
     });
     Ok(Reply::default())
 }
@@ -126,7 +134,7 @@ async fn panorama(console: &mut Console, file: &str) -> anyhow::Result<Environme
     }
     let map = Arc::new(map);
     console.remember_map(&map, format!("environment {}", quote(file)));
-    Ok(Environment { radiance: Vec3::ONE, map: Some(map), rotation_rad: 0.0 })
+    Ok(map.into())
 }
 
 fn intensity(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {

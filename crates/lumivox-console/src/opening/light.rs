@@ -8,7 +8,7 @@ use glam::Vec3;
 use lumivox_scene::sky::{SkySettings, sky};
 use lumivox_scene::{Environment, EnvironmentMap, Light, Scene, SceneError, Staging};
 
-use crate::SUN_OF_SKY;
+use crate::commands::surroundings::tell_replaced;
 use crate::values::light::{self, Surroundings};
 use crate::values::{choices, number};
 
@@ -48,7 +48,7 @@ pub struct SourceArgs {
 
     /// A clear sky with its sun at X,Y,Z, or at ELEVATION,AZIMUTH in degrees [default: none]
     ///
-    /// It replaces the scene's surroundings, and is computed in cd/m2 and lux. The elevation is
+    /// It replaces the scene's surroundings and directional lights, and is computed in cd/m2 and lux. The elevation is
     /// from -90 to 90 (below 0 is dusk), the azimuth from -360 to 360: 0 is towards -z, 90 towards
     /// +x.
     #[arg(long, value_name = "X,Y,Z|ELEVATION,AZIMUTH", value_parser = light::sky)]
@@ -101,22 +101,19 @@ impl SourceArgs {
         scene: &mut Scene,
         panorama: Option<EnvironmentMap>,
     ) -> Result<(), SceneError> {
-        scene.lights.extend(self.sun.clone());
-        let around =
-            |map| Environment { radiance: Vec3::ONE, map: Some(Arc::new(map)), rotation_rad: 0.0 };
         if let Some(Surroundings::Uniform(radiance)) = self.environment {
             scene.environment = Environment { radiance, ..Environment::default() };
         }
         if let Some(map) = panorama {
-            scene.environment = around(map);
+            scene.environment = Arc::new(map).into();
         }
         if let Some(sun_direction) = self.sky {
             let turbidity = self.turbidity;
             let settings = SkySettings { sun_direction, turbidity, ..SkySettings::default() };
-            let sky = sky(&settings)?;
-            scene.environment = around(sky.map);
-            scene.lights.extend(sky.sun.map(|sun| Light { name: SUN_OF_SKY.to_owned(), ..sun }));
+            let replaced = sky(&settings)?.surround(&mut scene.environment, &mut scene.lights);
+            tell_replaced(&replaced);
         }
+        scene.lights.extend(self.sun.clone());
         scene.environment.radiance *= self.environment_intensity;
         if let Some(degrees) = self.environment_rotation {
             scene.environment.rotation_rad = degrees.to_radians();

@@ -319,7 +319,8 @@ class Scene:
         """Sets the surroundings to a clear sky with its sun, in cd/m2 and lux.
 
         The sun is in the direction ``towards_sun``, or at an elevation and an azimuth (0 is
-        towards -z, 90 towards +x). ``turbidity`` is the haze, from 1 (the clearest) to 10.
+        towards -z, 90 towards +x). ``turbidity`` is the haze, from 1 (the clearest) to 10. The
+        sun takes the place of all directional lights, which are suns, too.
         """
         if towards_sun is None:
             high = np.radians(float(floats("elevation_deg", elevation_deg, ())))

@@ -120,6 +120,13 @@ pub struct Environment {
     pub rotation_rad: f32,
 }
 
+/// A map as it is.
+impl From<Arc<EnvironmentMap>> for Environment {
+    fn from(map: Arc<EnvironmentMap>) -> Self {
+        Self { radiance: Vec3::ONE, map: Some(map), rotation_rad: 0.0 }
+    }
+}
+
 /// A picture of all directions: equirectangular, that is, longitude by latitude.
 ///
 /// The texel in the middle of the picture is in the direction -z; from there columns go to the

@@ -1,7 +1,5 @@
 //! The surroundings of a scene.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 use lumivox_scene::Environment;
 use serde::{Deserialize, Serialize};
@@ -96,19 +94,16 @@ impl EnvironmentChange {
     }
 }
 
-/// The surroundings of a panorama as its file has it.
-pub fn of_panorama(map: Arc<lumivox_scene::EnvironmentMap>) -> Environment {
-    Environment { radiance: Vec3::ONE, map: Some(map), rotation_rad: 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
 
     fn changed(text: &str) -> Result<Environment, WebError> {
         let map = lumivox_scene::EnvironmentMap { name: "hall".to_owned(), ..Default::default() };
         let change: EnvironmentChange = serde_json::from_str(text).unwrap();
-        change.of(&of_panorama(Arc::new(map)))
+        change.of(&Arc::new(map).into())
     }
 
     #[test]

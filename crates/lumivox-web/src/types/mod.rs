@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use tsify::Tsify;
 
 pub use camera::Camera;
-pub use environment::{EnvironmentChange, EnvironmentInfo, of_panorama};
+pub use environment::{EnvironmentChange, EnvironmentInfo};
 pub use light::{Light, LightKind};
 pub use material::{Material, MaterialChange, Shading};
 pub use parameter::ParameterInfo;

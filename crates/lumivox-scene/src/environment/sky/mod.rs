@@ -13,13 +13,13 @@ mod spectrum;
 
 use std::f64::consts::PI;
 use std::path::PathBuf;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use glam::{DVec3, Vec3};
 
 use self::atmosphere::{Atmosphere, SUN_RADIUS_RAD};
 use self::spectrum::{Observer, Spectrum, solar};
-use crate::{EnvironmentMap, Light, LightKind, SceneError};
+use crate::{Environment, EnvironmentMap, Light, LightKind, SceneError};
 
 /// The settings of a sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +60,22 @@ pub struct Sky {
     /// The sun: lux, an angular radius of 0.00465 rad. Its colour is that of the light that passes
     /// the air, at luminance 1. `None` if no part of its disc is above the horizon.
     pub sun: Option<Light>,
+}
+
+impl Sky {
+    /// The name of its sun among the lights of a scene.
+    pub const SUN: &str = "sun of the sky";
+
+    /// Puts sky and sun around a scene. They take the place of its surroundings and of its directional lights, which
+    /// are suns as well; the names of these are returned, but for the sun of an earlier sky.
+    pub fn surround(self, environment: &mut Environment, lights: &mut Vec<Light>) -> Vec<String> {
+        *environment = Arc::new(self.map).into();
+        let is_sun = |light: &mut Light| matches!(light.kind, LightKind::Directional { .. });
+        let replaced = lights.extract_if(.., is_sun).map(|light| light.name);
+        let replaced = replaced.filter(|name| name != Self::SUN).collect();
+        lights.extend(self.sun.map(|sun| Light { name: Self::SUN.to_owned(), ..sun }));
+        replaced
+    }
 }
 
 /// The weights of linear sRGB in luminance: ITU-R BT.709-6, section 3.2.

@@ -85,7 +85,7 @@ fn any_sun_gives_a_valid_scene() {
             check(&settings).expect("valid settings");
             let sky = sky_through(&air, &settings);
             scene.lights = sky.sun.into_iter().collect();
-            scene.environment.map = Some(std::sync::Arc::new(sky.map));
+            scene.environment.map = Some(Arc::new(sky.map));
             scene.environment.radiance = Vec3::ONE;
             scene.validate().unwrap_or_else(|error| panic!("{settings:?}: {error}"));
         }
@@ -141,4 +141,23 @@ fn settings_are_checked() {
         let message = sky(&settings).expect_err("out of range").to_string();
         assert!(message.contains(expected), "{message}");
     }
+}
+
+#[test]
+fn a_scene_has_one_sun() {
+    let mut environment = Environment { radiance: Vec3::splat(7.0), ..Environment::default() };
+    let sun = LightKind::Directional { illuminance_lux: 5e4, angular_radius_rad: 0.0 };
+    let lamp = Light { name: "lamp".to_owned(), ..Light::default() };
+    let own = Light { name: "file's sun".to_owned(), kind: sun, ..Light::default() };
+    let mut lights = vec![own, lamp.clone()];
+    assert_eq!(sky_at(30.0, 2.0).surround(&mut environment, &mut lights), ["file's sun"]);
+    assert_eq!(environment.radiance, Vec3::ONE);
+    assert_eq!(lights.len(), 2);
+    assert_eq!((&lights[0], lights[1].name.as_str()), (&lamp, Sky::SUN));
+
+    // Another takes its place; by night there is none.
+    assert!(sky_at(60.0, 2.0).surround(&mut environment, &mut lights).is_empty());
+    assert_eq!(lights[1].kind, sky_at(60.0, 2.0).sun.unwrap().kind);
+    assert!(sky_at(-30.0, 2.0).surround(&mut environment, &mut lights).is_empty());
+    assert_eq!(lights, [lamp]);
 }
