@@ -26,8 +26,8 @@ const AIR_SHADES: f32 = 512.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SceneLight {
     pub(crate) light: Light,
-    /// In the render world; none of a sun, whose maps are not read.
-    pub(crate) entity: Option<Entity>,
+    /// In the render world.
+    pub(crate) entity: Entity,
 }
 
 /// The lights of a frame.
@@ -40,7 +40,13 @@ pub(crate) struct SceneLights {
 pub(crate) fn extract_scene_lights(
     mut scene: ResMut<SceneLights>,
     suns: Extract<
-        Query<(&DirectionalLight, &GlobalTransform, &InheritedVisibility, Option<&SunDisk>)>,
+        Query<(
+            RenderEntity,
+            &DirectionalLight,
+            &GlobalTransform,
+            &InheritedVisibility,
+            Option<&SunDisk>,
+        )>,
     >,
     points: Extract<Query<(RenderEntity, &PointLight, &GlobalTransform, &InheritedVisibility)>>,
     spots: Extract<Query<(RenderEntity, &SpotLight, &GlobalTransform, &InheritedVisibility)>>,
@@ -49,7 +55,7 @@ pub(crate) fn extract_scene_lights(
     reports: Res<Reports>,
 ) {
     scene.lights.clear();
-    for (light, transform, visibility, disk) in &suns {
+    for (entity, light, transform, visibility, disk) in &suns {
         let irradiance =
             rgb(light.color) * light.illuminance * air.left_of(transform.back().into());
         let source = LightSource::Directional {
@@ -58,7 +64,7 @@ pub(crate) fn extract_scene_lights(
             angular_radius_rad: disk
                 .map_or(SUN_RADIUS, |disk| (0.5 * disk.angular_size).max(SUN_RADIUS)),
         };
-        scene.add(source, irradiance, (None, light.shadow_maps_enabled), visibility);
+        scene.add(source, irradiance, (entity, light.shadow_maps_enabled), visibility);
     }
     for (entity, light, transform, visibility) in &points {
         // Lumen over the whole sphere.
@@ -69,7 +75,7 @@ pub(crate) fn extract_scene_lights(
             radius_m: light.radius.max(0.0),
             range_m: Some(light.range),
         };
-        scene.add(source, intensity, (Some(entity), light.shadow_maps_enabled), visibility);
+        scene.add(source, intensity, (entity, light.shadow_maps_enabled), visibility);
     }
     for (entity, light, transform, visibility) in &spots {
         // As a point light of which the rest is covered: that is Bevy's meaning.
@@ -84,7 +90,7 @@ pub(crate) fn extract_scene_lights(
             radius_m: light.radius.max(0.0),
             range_m: Some(light.range),
         };
-        scene.add(source, intensity, (Some(entity), light.shadow_maps_enabled), visibility);
+        scene.add(source, intensity, (entity, light.shadow_maps_enabled), visibility);
     }
     if !rects.is_empty() {
         reports.once(LumivoxEvent::LightLeftOut { kind: "RectLight" });
@@ -126,7 +132,7 @@ impl SceneLights {
         &mut self,
         source: LightSource,
         strength: Vec3,
-        (entity, has_shadows): (Option<Entity>, bool),
+        (entity, has_shadows): (Entity, bool),
         visibility: &InheritedVisibility,
     ) {
         if !visibility.get() || !strength.is_finite() || strength.max_element() <= 0.0 {

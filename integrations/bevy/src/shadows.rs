@@ -1,19 +1,19 @@
-//! Bevy's shadow maps of point and spot lights, for the light in voxels.
+//! Bevy's shadow maps, for the light in voxels.
 //!
-//! Cascades of a sun hold what a camera sees, and voxels are beside and behind it, too: suns get their shadows by cones. So
-//! do lights that Bevy has no map of in a frame, because no camera sees what they light.
+//! Cascades of a sun reach as far as boxes around what a camera sees, and voxels may be outside of them: there, shadows
+//! are cones. So are those of lights that Bevy has no map of in a frame, because no camera sees what they light.
 
 use bevy::ecs::system::SystemParam;
 use bevy::pbr::{
-    ExtractedPointLight, GlobalClusterableObjectMeta, PointAndSpotLightViewEntities,
-    ViewShadowBindings,
+    ExtractedPointLight, GlobalClusterableObjectMeta, LightEntity, PointAndSpotLightViewEntities,
+    ViewLightEntities, ViewShadowBindings,
 };
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureId;
 use bevy::render::view::ExtractedView;
 use lumivox::gpu::{Buffer, upload};
 use lumivox::hooks::{Mounted, Resource as Bound};
-use lumivox::{Shadow, wgpu};
+use lumivox::{LightSource, Shadow, wgpu};
 
 use crate::lights::SceneLight;
 
@@ -24,7 +24,22 @@ struct ShadowLayer {
     clip_from_world: Mat4,
     layer: u32,
     texel_size: f32,
-    padding: [u32; 2],
+    cascades: u32,
+    padding: u32,
+}
+
+impl ShadowLayer {
+    /// What a view draws into a layer of a texture of this width.
+    fn of(view: &ExtractedView, layer: u32, width: u32) -> Self {
+        Self {
+            clip_from_world: view.clip_from_view * view.world_from_view.to_matrix().inverse(),
+            layer,
+            // Half the width of what it sees is one by this number of the matrix: in metres, or in metres per metre.
+            texel_size: 2.0 / (view.clip_from_view.x_axis.x * width as f32),
+            cascades: 0,
+            padding: 0,
+        }
+    }
 }
 
 /// The module that reads them (`shaders/shadow_maps.wgsl`), with its bindings.
@@ -49,6 +64,7 @@ pub(crate) struct BevyShadows<'w, 's> {
     order: Option<Res<'w, GlobalClusterableObjectMeta>>,
     lights: Query<'w, 's, (&'static ExtractedPointLight, &'static PointAndSpotLightViewEntities)>,
     views: Query<'w, 's, &'static ExtractedView>,
+    cascades: Query<'w, 's, (&'static LightEntity, &'static ExtractedView)>,
 }
 
 /// The maps as they are bound.
@@ -90,11 +106,11 @@ impl ShadowMaps {
         Self { textures: None, layers: Vec::new(), buffer, bound }
     }
 
-    /// Follows Bevy's maps of a frame, and sets which lights have one.
+    /// Follows Bevy's maps of a frame and a camera, and sets which lights have one.
     pub(crate) fn follow(
         &mut self,
         (device, queue): (&wgpu::Device, &wgpu::Queue),
-        maps: &ViewShadowBindings,
+        (maps, cascades): (&ViewShadowBindings, &ViewLightEntities),
         known: &BevyShadows<'_, '_>,
         lights: &mut [SceneLight],
     ) {
@@ -108,7 +124,20 @@ impl ShadowMaps {
         let before = std::mem::take(&mut self.layers);
         let first_spot = FirstSpot::find(known, textures[1].depth_or_array_layers());
         for light in lights {
-            self.add(light, textures.map(|texture| texture.size()), &first_spot, known);
+            if light.light.shadow == Shadow::None {
+                continue;
+            }
+            light.light.shadow = Shadow::Cone;
+            let first_layer = self.layers.len();
+            let sizes = textures.map(|texture| texture.size());
+            let layers = match light.light.source {
+                LightSource::Directional { .. } => known.sun(light.entity, sizes[1], cascades),
+                _ => known.lamp(light.entity, sizes, &first_spot),
+            };
+            self.layers.extend(layers.into_iter().flatten());
+            if self.layers.len() > first_layer {
+                light.light.shadow = Shadow::Map { first_layer: first_layer as u32 };
+            }
         }
         if self.layers == before || self.layers.is_empty() {
             return;
@@ -123,51 +152,54 @@ impl ShadowMaps {
             self.bound[0] = (*self.buffer).clone().into();
         }
     }
+}
 
-    /// Adds the layers of a light, if Bevy has drawn them.
-    fn add(
-        &mut self,
-        light: &mut SceneLight,
+impl BevyShadows<'_, '_> {
+    /// The layers of a camera's cascades of a sun, if Bevy has drawn them.
+    fn sun(
+        &self,
+        sun: Entity,
+        flat: wgpu::Extent3d,
+        cascades: &ViewLightEntities,
+    ) -> Option<Vec<ShadowLayer>> {
+        // In the order of their layers: those of one sun after another, and the nearest to the camera first.
+        let drawn = (0..flat.depth_or_array_layers).zip(&cascades.lights);
+        let mut layers: Vec<ShadowLayer> = drawn
+            .filter_map(|(layer, view)| match self.cascades.get(*view) {
+                Ok((LightEntity::Directional { light_entity, .. }, view))
+                    if *light_entity == sun =>
+                {
+                    Some(ShadowLayer::of(view, layer, flat.width))
+                }
+                _ => None,
+            })
+            .collect();
+        layers.first_mut()?.cascades = layers.len() as u32;
+        Some(layers)
+    }
+
+    /// The layers of a lamp, if Bevy has drawn them.
+    fn lamp(
+        &self,
+        lamp: Entity,
         [cubes, flat]: [wgpu::Extent3d; 2],
         first_spot: &FirstSpot,
-        known: &BevyShadows<'_, '_>,
-    ) {
-        if light.light.shadow == Shadow::None {
-            return;
-        }
-        light.light.shadow = Shadow::Cone;
-        let Some((extracted, views)) =
-            light.entity.and_then(|entity| known.lights.get(entity).ok())
-        else {
-            return;
-        };
-        let index =
-            light.entity.and_then(|entity| known.order.as_ref()?.entity_to_index.get(&entity));
-        let Some(&index) = index.filter(|_| extracted.shadow_maps_enabled) else { return };
+    ) -> Option<Vec<ShadowLayer>> {
+        let (extracted, views) = self.lights.get(lamp).ok()?;
+        let index = *self.order.as_ref()?.entity_to_index.get(&lamp)?;
         let is_spot = extracted.spot_light_angles.is_some();
-        let layer = if is_spot { first_spot.layer_of(index) } else { Some(6 * index as u32) };
+        let first = if is_spot { first_spot.layer_of(index)? } else { 6 * index as u32 };
         let (size, faces) = if is_spot { (flat, 1) } else { (cubes, 6) };
-        let Some(layer) = layer.filter(|layer| layer + faces <= size.depth_or_array_layers) else {
-            return;
+        let is_drawn = extracted.shadow_maps_enabled
+            && first + faces <= size.depth_or_array_layers
+            && views.len() == faces as usize;
+        if !is_drawn {
+            return None;
+        }
+        let layer = |(layer, view): (u32, &Entity)| {
+            Some(ShadowLayer::of(self.views.get(*view).ok()?, layer, size.width))
         };
-        if views.len() != faces as usize {
-            return;
-        }
-        let first_layer = self.layers.len() as u32;
-        for (face, view) in (0..faces).zip(views.iter()) {
-            let Ok(view) = known.views.get(*view) else {
-                self.layers.truncate(first_layer as usize);
-                return;
-            };
-            self.layers.push(ShadowLayer {
-                clip_from_world: view.clip_from_view * view.world_from_view.to_matrix().inverse(),
-                layer: layer + face,
-                // The cotangent of half the opening is in the matrix.
-                texel_size: 2.0 / (view.clip_from_view.x_axis.x * size.width as f32),
-                padding: [0; 2],
-            });
-        }
-        light.light.shadow = Shadow::Map { first_layer };
+        (first..).zip(views.iter()).map(layer).collect()
     }
 }
 

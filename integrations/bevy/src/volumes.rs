@@ -1,6 +1,6 @@
 //! The volumes of all cameras: begun, shown when their voxels are ready, replaced, given up.
 
-use bevy::pbr::{SkinUniforms, ViewShadowBindings};
+use bevy::pbr::{SkinUniforms, ViewLightEntities, ViewShadowBindings};
 use bevy::prelude::*;
 use bevy::render::diagnostic::DiagnosticsRecorder;
 use bevy::render::render_asset::RenderAssets;
@@ -55,6 +55,8 @@ struct Held {
     unused: u32,
     /// In this frame.
     is_recorded: bool,
+    /// As the first of its cameras has them: the cascades of a sun are a camera's own.
+    shadow_maps: ShadowMaps,
 }
 
 /// All of them.
@@ -69,7 +71,6 @@ pub(crate) struct Volumes {
     exposure: f32,
     /// Scratch for the lights of a frame.
     lights: Vec<Light>,
-    shadow_maps: Option<ShadowMaps>,
 }
 
 impl Volumes {
@@ -138,7 +139,7 @@ impl Volumes {
         }
         for view in views {
             if !self.held.iter().any(|held| held.key == view.key) {
-                self.held.push(Held::new(view.key));
+                self.held.push(Held::new(view.key, device.wgpu_device()));
             }
             let pipelines = self.pipelines(device);
             let ambient = view.ambient / self.unit();
@@ -148,9 +149,7 @@ impl Volumes {
             if std::mem::take(&mut held.unused) > 0 {
                 held.make(view, instances, (&pipelines, queue), reports);
             }
-            let maps =
-                self.shadow_maps.get_or_insert_with(|| ShadowMaps::none(device.wgpu_device()));
-            held.take_made(&mut self.numbers, (ambient, maps), reports);
+            held.take_made(&mut self.numbers, ambient, reports);
             held.show(reports);
         }
         self.held.retain(|held| held.unused < FRAMES_TO_KEEP);
@@ -158,7 +157,7 @@ impl Volumes {
 }
 
 impl Held {
-    fn new(key: VolumeKey) -> Self {
+    fn new(key: VolumeKey, device: &wgpu::Device) -> Self {
         Self {
             key,
             shown: None,
@@ -167,6 +166,7 @@ impl Held {
             failed: None,
             unused: 1,
             is_recorded: false,
+            shadow_maps: ShadowMaps::none(device),
         }
     }
 
@@ -220,12 +220,7 @@ impl Held {
     }
 
     /// Takes what a task has made.
-    fn take_made(
-        &mut self,
-        numbers: &mut u64,
-        (ambient, maps): (Vec3, &ShadowMaps),
-        reports: &Reports,
-    ) {
+    fn take_made(&mut self, numbers: &mut u64, ambient: Vec3, reports: &Reports) {
         let Some((task, bounds)) = &mut self.making else { return };
         let bounds = *bounds;
         let Some(made) = check_ready(task) else { return };
@@ -233,7 +228,8 @@ impl Held {
         match made {
             Ok(made) => {
                 *numbers += 1;
-                self.coming = Some(Box::new(Voxels::new(made, *numbers, (ambient, maps), bounds)));
+                let with = (ambient, &self.shadow_maps);
+                self.coming = Some(Box::new(Voxels::new(made, *numbers, with, bounds)));
             }
             Err(error) => self.fail(&error, bounds, reports),
         }
@@ -268,7 +264,7 @@ fn grid(volume: &GiVolume, bounds: Option<[Vec3; 2]>, camera: Vec3) -> Result<Gr
 
 /// Records the work of a camera's volume, once in a frame: after the shadow maps of the first camera that shares it.
 pub(crate) fn record_volume(
-    view: ViewQuery<(Entity, Option<&ViewShadowBindings>)>,
+    view: ViewQuery<(Entity, Option<(&ViewShadowBindings, &ViewLightEntities)>)>,
     extracted: Query<&ExtractedView>,
     mut context: RenderContext,
     mut volumes: ResMut<Volumes>,
@@ -288,9 +284,8 @@ pub(crate) fn record_volume(
     if std::mem::replace(&mut held.is_recorded, true) {
         return;
     }
-    let shadow_maps = volumes.shadow_maps.get_or_insert_with(|| ShadowMaps::none(&device));
     if let Some(maps) = maps {
-        shadow_maps.follow((&device, &queue), maps, &shadows, &mut scene_lights.lights);
+        held.shadow_maps.follow((&device, &queue), maps, &shadows, &mut scene_lights.lights);
     }
     volumes.lights.clear();
     volumes.lights.extend(scene_lights.lights.iter().map(|light| scaled(light.light, share)));
@@ -315,7 +310,7 @@ pub(crate) fn record_volume(
         share,
         scene: &scene,
         lights: &volumes.lights,
-        shadow_maps,
+        shadow_maps: &held.shadow_maps,
         ambient: view.ambient * share,
         has_forward,
         diagnostics: diagnostics.as_deref(),

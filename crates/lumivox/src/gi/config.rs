@@ -36,7 +36,8 @@ pub struct GiConfig {
     pub gbuffer: Option<Mounted>,
     /// The caller's shadow maps as they are: a module that takes the place of `package::light::shadow_map`, with its
     /// function `shadow_map_visibility`, and bindings from 8 on of group 2. [`Shadow::Map`](crate::Shadow) then names
-    /// whatever the module takes `first_layer` for. `None` (the default): [`ShadowMaps`](crate::ShadowMaps).
+    /// whatever the module takes `first_layer` for, and where the function gives a negative number, because no map reaches
+    /// there, a cone answers. `None` (the default): [`ShadowMaps`](crate::ShadowMaps).
     pub shadow_maps: Option<Mounted>,
 }
 

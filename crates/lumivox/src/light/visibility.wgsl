@@ -1,7 +1,7 @@
 // The share of a light that reaches a point: from a shadow map, or by a cone as wide as the source.
 
 import package::cascades::finest_level;
-import package::constants::{SHADOW_CONE, SHADOW_MAP};
+import package::constants::{SHADOW_MAP, SHADOW_NONE};
 import package::grid::{grid, grid_from_world};
 import package::light::lights::{is_parallel, Incident, Light};
 import package::light::shadow_map::shadow_map_visibility;
@@ -61,9 +61,13 @@ fn light_visibility_from(
     level: u32,
 ) -> f32 {
     if light.shadow == SHADOW_MAP {
-        return shadow_map_visibility(light, position_in_world, normal);
+        let visible = shadow_map_visibility(light, position_in_world, normal);
+        // Maps of a caller's own need not reach everywhere.
+        if visible >= 0.0 {
+            return visible;
+        }
     }
-    if light.shadow == SHADOW_CONE {
+    if light.shadow != SHADOW_NONE {
         return shadow_cone_visibility(light, incident, position_in_world, normal, level);
     }
     return 1.0;

@@ -1,15 +1,17 @@
-// Bevy's shadow maps of point and spot lights, read in place of Lumivox's own. Depth is reversed.
+// Bevy's shadow maps, read in place of Lumivox's own. Depth is reversed.
 
 import package::constants::LIGHT_POINT;
-import package::light::lights::Light;
+import package::light::lights::{is_parallel, Light};
 
 struct ShadowLayer {
     clip_from_world: mat4x4f,
     // The layer of its texture.
     layer: u32,
-    // Edge of a texel, per metre of distance.
+    // Edge of a texel, per metre of distance; of a sun's outright, m.
     texel_size: f32,
-    padding: vec2u,
+    // Of a sun, at the first of them.
+    cascades: u32,
+    padding: u32,
 }
 
 @group(2) @binding(8) var<storage, read> shadow_layers: array<ShadowLayer>;
@@ -38,7 +40,43 @@ fn compare(is_cube: bool, uv: vec2f, layer: u32, depth: f32) -> f32 {
     return textureSampleCompareLevel(flat_maps, shadow_sampler, uv, layer, depth);
 }
 
+// The share that reaches a place in a layer.
+fn filtered(is_cube: bool, uv: vec2f, layer: u32, depth: f32) -> f32 {
+    let size = select(textureDimensions(flat_maps), textureDimensions(cube_maps), is_cube);
+    var visible = 0.0;
+    for (var tap = 0; tap < 4; tap++) {
+        let shift = (vec2f(f32(tap & 1), f32(tap >> 1)) - 0.5) / vec2f(size);
+        visible += compare(is_cube, uv + shift, layer, depth);
+    }
+    return 0.25 * visible;
+}
+
+fn uv_of(ndc: vec2f) -> vec2f {
+    return vec2f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y);
+}
+
+// By the first of a sun's cascades that reaches there; negative where none does.
+fn sun_visibility(light: Light, position_in_world: vec3f, normal: vec3f) -> f32 {
+    let first = light.shadow_layer;
+    let border = 2.0 / vec2f(textureDimensions(flat_maps));
+    for (var index = first; index < first + shadow_layers[first].cascades; index++) {
+        let layer = shadow_layers[index];
+        let receiver = position_in_world + normal * (2.0 * layer.texel_size);
+        let ndc = (layer.clip_from_world * vec4f(receiver, 1.0)).xyz;
+        let uv = uv_of(ndc.xy);
+        // What is nearer to the sun is drawn into the near plane: behind that it shades, and before it nobody knows.
+        let is_inside = all(uv > border) && all(uv < 1.0 - border) && ndc.z > 0.0 && ndc.z < 1.0;
+        if is_inside {
+            return filtered(false, uv, layer.layer, ndc.z);
+        }
+    }
+    return -1.0;
+}
+
 fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) -> f32 {
+    if is_parallel(light) {
+        return sun_visibility(light, position_in_world, normal);
+    }
     let is_cube = light.kind == LIGHT_POINT;
     var index = light.shadow_layer;
     if is_cube {
@@ -52,15 +90,9 @@ fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) 
         return 1.0;
     }
     let ndc = clip.xyz / clip.w;
-    let uv = vec2f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y);
+    let uv = uv_of(ndc.xy);
     if any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) {
         return 1.0;
     }
-    let size = select(textureDimensions(flat_maps), textureDimensions(cube_maps), is_cube);
-    var visible = 0.0;
-    for (var tap = 0; tap < 4; tap++) {
-        let shift = (vec2f(f32(tap & 1), f32(tap >> 1)) - 0.5) / vec2f(size);
-        visible += compare(is_cube, uv + shift, layer.layer, ndc.z);
-    }
-    return 0.25 * visible;
+    return filtered(is_cube, uv, layer.layer, ndc.z);
 }

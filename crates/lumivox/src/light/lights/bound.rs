@@ -96,7 +96,7 @@ pub struct Lights {
     pub count: u32,
     /// A number that is unique to these lights: others have another, and so have these once they have changed.
     pub(crate) version: u64,
-    /// Whether any of them gets its shadows by cones.
+    /// Whether any of them gets its shadows by cones, or may, where a caller's own maps do not reach.
     pub(crate) has_cone_shadows: bool,
     /// Those that have shadow maps.
     pub mapped: Vec<MappedLight>,
@@ -241,7 +241,11 @@ impl Lights {
         let records = &self.known;
         self.count = records.globals.light_count;
         self.version = next_version();
-        self.has_cone_shadows = records.lights.iter().any(|light| light.shadow == SHADOW_CONE);
+        let has_own_maps = matches!(shadows, ShadowSource::Own(_));
+        self.has_cone_shadows = records
+            .lights
+            .iter()
+            .any(|light| light.shadow == SHADOW_CONE || has_own_maps && light.shadow == SHADOW_MAP);
         (self.mapped, self.map_size) = match shadows {
             ShadowSource::Maps(maps) => {
                 let size = maps.depth.texture().size();

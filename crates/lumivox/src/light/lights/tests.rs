@@ -138,3 +138,38 @@ fn shadow_maps_of_another_layout_give_the_same_bits() {
     assert!(before == *lights.group);
     assert!(lab.faces(&lights) == expected, "after an update");
 }
+
+/// Maps of a caller's own that reach over a half of the room: the other half has the shadows of cones.
+#[test]
+fn cones_answer_where_maps_do_not_reach() {
+    let module = "
+        import package::light::lights::Light;
+
+        @group(2) @binding(8) var<storage, read> border: f32;
+
+        fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) -> f32 {
+            return select(-1.0, 1.0, position_in_world.x < border);
+        }";
+    let buffer = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: true },
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let mut lab = Lab::new(Some(Mounted::new(module, [buffer])));
+    let mut lit = |shadow, border: f32| {
+        let border = upload(&lab.device, "border", &[border]);
+        let own = [Resource::from(wgpu::Buffer::clone(&border))];
+        let lights = [point(0.2, shadow)];
+        let lights = lab.gi.bind_lights(&lights, Vec3::ZERO, ShadowSource::Own(&own));
+        lab.faces(&lights)
+    };
+    let mapped = Shadow::Map { first_layer: 0 };
+    // A map everywhere, and none anywhere. New voxels are asked first: without its opacities a cone would see nothing.
+    let nowhere = lit(mapped, -1.0);
+    assert!(nowhere == lit(Shadow::Cone, 0.0));
+    let everywhere = lit(mapped, 2.0);
+    assert!(everywhere == lit(Shadow::None, 0.0));
+    assert!(nowhere != everywhere, "cones shade nothing");
+    let half = lit(mapped, 0.5);
+    assert!(half != nowhere && half != everywhere);
+}
