@@ -1,14 +1,16 @@
 //! Things that move, come, go, and are replaced.
 
+use bevy::anti_alias::taa::TemporalAntiAliasing;
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::{RenderTarget, Viewport};
 use bevy::prelude::*;
+use bevy::render::camera::TemporalJitter;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_lumivox::lumivox::gpu::{LiveResources, MadeResources};
 use bevy_lumivox::{GiVolume, LumivoxGi, NotInGi};
 
 use crate::common::{headless, scene};
-use crate::stage::{Stage, alone, difference, quick};
+use crate::stage::{Stage, alone, difference, quick, without_lamp};
 
 #[test]
 fn a_block_that_has_moved_looks_as_if_it_had_been_there_always() {
@@ -36,6 +38,55 @@ fn a_block_that_has_moved_looks_as_if_it_had_been_there_always() {
     let [from_always, from_before] = [&always, &before].map(|other| difference(&moved, other));
     println!("from always {from_always}, from before {from_before}");
     assert!(from_always < 0.04 && from_before > 0.2, "{from_always} {from_before}");
+}
+
+/// The means of squares of four pixels, in which edges are alike whether they are smooth or not.
+fn coarse(shot: &headless::Shot) -> headless::Shot {
+    let size = shot.size / 4;
+    let mut rgb = vec![Vec3::ZERO; size.element_product() as usize];
+    for (index, color) in (0..).zip(&shot.rgb) {
+        let place = UVec2::new(index % shot.size.x, index / shot.size.x) / 4;
+        rgb[(place.y * size.x + place.x) as usize] += *color / 16.0;
+    }
+    headless::Shot { size, rgb }
+}
+
+/// Its cameras jitter: positions by depths follow, and a block that moves leaves nothing behind.
+#[test]
+fn temporal_antialiasing_smooths_edges_alone() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let rough = without_lamp(&stage.settled());
+    stage.app.world_mut().entity_mut(stage.camera).insert(TemporalAntiAliasing::default());
+    let smooth = without_lamp(&stage.settled());
+    smooth.save("target/pictures/taa.png", 2.0);
+    rough.save("target/pictures/no-taa.png", 2.0);
+    let share = smooth.mean_luminance() / rough.mean_luminance();
+    let [edges, still] =
+        [difference(&smooth, &rough), difference(&coarse(&smooth), &coarse(&rough))];
+    println!("mean {share}, change {edges}, of squares {still}");
+    assert!((share - 1.0).abs() < 0.02, "{share}");
+    assert!(edges > 0.01, "{edges}");
+    assert!(still < 0.2, "{still}");
+
+    let block = stage.instance(&scene::builtin("cornell"), "tall block");
+    for step in 0..20 {
+        let mut transform = stage.app.world_mut().get_mut::<Transform>(block).expect("a transform");
+        transform.translation.x = -0.33 + 0.03 * step as f32;
+        stage.app.update();
+    }
+    let moved = without_lamp(&stage.settled());
+    stage.app.world_mut().entity_mut(stage.camera).remove::<TemporalAntiAliasing>();
+    stage.app.world_mut().entity_mut(stage.camera).remove::<TemporalJitter>();
+    let rough = without_lamp(&stage.settled());
+    moved.save("target/pictures/taa-moved.png", 2.0);
+    rough.save("target/pictures/no-taa-moved.png", 2.0);
+    let [left, way] = [
+        difference(&coarse(&moved), &coarse(&rough)),
+        difference(&coarse(&moved), &coarse(&smooth)),
+    ];
+    println!("after a move {left}, by the move {way}");
+    assert!(left < 1.2 * still && way > 1.5 * left, "{left} {way}");
 }
 
 #[test]

@@ -8,14 +8,8 @@ use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_lumivox::LumivoxGi;
 
 use crate::common::{headless, scene};
-use crate::stage::{Stage, alone, difference, quick};
+use crate::stage::{Stage, alone, difference, quick, without_lamp};
 use crate::truth;
-
-/// Without what is far brighter than the rest: the lamp, whose edges fall on other pixels where samples are others.
-fn without_lamp(shot: &headless::Shot) -> headless::Shot {
-    let rgb = shot.rgb.iter().map(|rgb| rgb.min(Vec3::splat(0.3))).collect();
-    headless::Shot { size: shot.size, rgb }
-}
 
 /// Probes are softer than cones of pixels: on average as bright, with a larger error.
 #[test]
