@@ -2,7 +2,7 @@
 
 import { Matrix4 } from "three/webgpu";
 import { Geometries } from "./geometries.js";
-import { Materials, isTurned } from "./materials.js";
+import { Materials, hasSurface, isTurned } from "./materials.js";
 
 const instance = new Matrix4();
 const placed = new Matrix4();
@@ -36,6 +36,7 @@ export class Draws {
         this.#geometries.submit();
         this.#shared.setDraws(Uint32Array.from(this.#rows), Float32Array.from(this.#matrices));
         this.#geometries.sweep(this.#frame);
+        this.#materials.sweep(this.#frame);
     }
 
     #look(object) {
@@ -44,14 +45,25 @@ export class Draws {
             this.#note("BatchedMesh is not taken; use InstancedMesh, or meshes");
             return;
         }
-        if (geometry?.attributes.position === undefined) return;
+        const position = geometry?.attributes.position;
+        if (position === undefined) return;
+        if (geometry.isInstancedBufferGeometry === true) {
+            this.#note("InstancedBufferGeometry is not taken; use InstancedMesh");
+            return;
+        }
+        if (position.itemSize < 3) {
+            this.#note(`positions of ${position.itemSize} numbers are not taken`);
+            return;
+        }
         const materials = Array.isArray(material) ? material : [material];
         const states = materials.map((each) => each && this.#materials.of(each, this.#frame));
         const known = this.#known(object);
+        // three.js, too, sees a mirrored mesh from the other side, and does not ask the instances.
+        const isMirrored = object.matrixWorld.determinant() < 0;
         for (const { group, start, count } of parts(object, materials)) {
             const own = materials[group];
-            if (!own || own.visible === false || own.colorWrite === false || count < 3) continue;
-            const mesh = this.#geometries.of(object, isTurned(own), this.#frame);
+            if (!own || !hasSurface(own) || count < 3) continue;
+            const mesh = this.#geometries.of(object, [isTurned(own) !== isMirrored, own.vertexColors === true], this.#frame);
             if (mesh === null) continue;
             known.moves ||= mesh.changes || states[group].changes;
             const row = [mesh.id, start, count, states[group].index, known.moves ? 0 : 1];
@@ -61,6 +73,7 @@ export class Draws {
     }
 
     #instances(object, row) {
+        if (object.instanceColor !== null) this.#note("colours of instances are not taken: their material's stands for all");
         for (let at = 0; at < object.count; at += 1) {
             object.getMatrixAt(at, instance);
             this.#push(row, placed.multiplyMatrices(object.matrixWorld, instance));

@@ -3,8 +3,10 @@
 import { DirectionalLight, FloatType, Group, NearestFilter, NodeMaterial, QuadMesh, RenderTarget, RendererUtils, Sphere } from "three/webgpu";
 import { cubeTexture, equirectUV, float, pmremTexture, screenCoordinate, texture, vec3 } from "three/tsl";
 
-/** Texels around and from top to bottom, where the picture has no size of its own. */
-const [WIDTH, HEIGHT, LARGEST] = [512, 256, 2048];
+/** Texels around, where the picture has no size of its own, or only that of a gradient; and the most. */
+const [WIDTH, LEAST, LARGEST] = [512, 16, 2048];
+/** Rows that three.js reads back are of whole numbers of these. */
+const STEP = 16;
 /** Numbers of a sun: direction, irradiance, half its angle. */
 const SUN = 7;
 
@@ -74,8 +76,8 @@ export class Environment {
         const isCube = environment.isCubeTexture === true;
         const isPacked = environment.isPMREMTexture === true;
         const own = isCube || isPacked ? 0 : (environment.image?.width ?? 0);
-        const width = own > 0 ? Math.min(own, LARGEST) : WIDTH;
-        const height = own > 0 ? width / 2 : HEIGHT;
+        const width = own >= LEAST ? Math.min(STEP * Math.ceil(own / STEP), LARGEST) : WIDTH;
+        const height = width / 2;
         const target = new RenderTarget(width, height, { type: FloatType, depthBuffer: false, minFilter: NearestFilter, magFilter: NearestFilter });
         const direction = directionOf(width, height);
         const material = new NodeMaterial();
@@ -105,6 +107,8 @@ export class Environment {
         this.#removeSuns();
         if (this.#bounds === null) return;
         const around = this.#bounds.getBoundingSphere(new Sphere());
+        // They turn about the middle.
+        this.#suns.position.copy(around.center);
         for (let at = 0; at + SUN <= rows.length; at += SUN) {
             const [x, y, z, red, green, blue] = rows.subarray(at, at + SUN);
             const brightest = Math.max(red, green, blue);
@@ -112,8 +116,7 @@ export class Environment {
             const sun = new DirectionalLight();
             sun.color.setRGB(red / brightest, green / brightest, blue / brightest);
             sun.userData = { gi: false, intensity: brightest };
-            sun.target.position.copy(around.center);
-            sun.position.copy(around.center).addScaledVector({ x, y, z }, -2 * around.radius);
+            sun.position.set(x, y, z).multiplyScalar(-2 * around.radius);
             sun.castShadow = true;
             sun.shadow.mapSize.set(2048, 2048);
             const reach = around.radius;

@@ -1,6 +1,6 @@
 // Depth, normals, what surfaces mirror and how they move, drawn by three.js for our cones (`src/gbuffer.wgsl`).
 
-import { DepthTexture, FloatType, HalfFloatType, Lighting, LightsNode, NearestFilter, RenderTarget, RendererUtils } from "three/webgpu";
+import { DepthTexture, FloatType, HalfFloatType, Lighting, LightsNode, NearestFilter, RenderTarget, RendererUtils, VelocityNode } from "three/webgpu";
 import {
     Fn, abs, cameraViewMatrix, clearcoat, clearcoatRoughness, context, mrt, normalFlat, normalWorld, roughness, select, specularColorBlended,
     vec2, vec4, velocity,
@@ -31,6 +31,30 @@ class NoLights extends LightsNode {
     }
 }
 
+/**
+ * How surfaces move. three.js's own node forgets where an object was as soon as it is drawn, and ours is drawn before the page's:
+ * the page's velocity would be that of things at rest.
+ */
+class Motion extends VelocityNode {
+    static get type() {
+        return "LumivoxMotion";
+    }
+
+    #before = new WeakMap();
+
+    update(frame) {
+        this.projectionMatrix = velocity.projectionMatrix;
+        super.update(frame);
+        this.previousModelWorldMatrix.value.copy(this.#before.get(frame.object) ?? frame.object.matrixWorld);
+    }
+
+    updateAfter({ object }) {
+        const before = this.#before.get(object);
+        if (before === undefined) this.#before.set(object, object.matrixWorld.clone());
+        else before.copy(object.matrixWorld);
+    }
+}
+
 class Darkness extends Lighting {
     createNode() {
         return new NoLights();
@@ -45,7 +69,7 @@ export class GBuffer {
     #mrt = mrt({
         output: vec4(octahedral(normalWorld), octahedral(normalFlat.transformDirection(cameraViewMatrix.transpose()))),
         specular: vec4(specularColorBlended, roughness),
-        motion: vec4(velocity, clearcoat, clearcoatRoughness),
+        motion: vec4(new Motion(), clearcoat, clearcoatRoughness),
     });
 
     get memory() {
@@ -75,20 +99,23 @@ export class GBuffer {
     }
 
     render(renderer, scene, camera) {
+        const { contextNode, lighting, transparent } = renderer;
         this.#rendererState = RendererUtils.resetRendererState(renderer, this.#rendererState);
         this.#sceneState = RendererUtils.resetSceneState(scene, this.#sceneState);
-        const { contextNode, lighting } = renderer;
-        // What is drawn with our light asks for it while this is drawn. The list of what is drawn goes with the lighting.
-        renderer.contextNode = neutral;
-        renderer.lighting = this.#darkness;
-        renderer.setClearColor(0x000000, 0);
-        renderer.transparent = false;
-        renderer.setRenderTarget(this.#target);
-        renderer.setMRT(this.#mrt);
-        renderer.render(scene, camera);
-        Object.assign(renderer, { contextNode, lighting });
-        RendererUtils.restoreSceneState(scene, this.#sceneState);
-        RendererUtils.restoreRendererState(renderer, this.#rendererState);
+        try {
+            // What is drawn with our light asks for it while this is drawn. The list of what is drawn goes with the lighting.
+            renderer.contextNode = neutral;
+            renderer.lighting = this.#darkness;
+            renderer.setClearColor(0x000000, 0);
+            renderer.transparent = false;
+            renderer.setRenderTarget(this.#target);
+            renderer.setMRT(this.#mrt);
+            renderer.render(scene, camera);
+        } finally {
+            RendererUtils.restoreSceneState(scene, this.#sceneState);
+            RendererUtils.restoreRendererState(renderer, this.#rendererState);
+            Object.assign(renderer, { contextNode, lighting, transparent });
+        }
     }
 
     dispose() {

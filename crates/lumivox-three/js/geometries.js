@@ -12,7 +12,7 @@ export class Geometries {
     #renderer;
     #note;
     #skins;
-    /** By the object, where it deforms its geometry, or by the geometry; then by side. */
+    /** By the object, where it deforms its geometry, or by the geometry; then by side, and by whether its colours count. */
     #known = new Map();
     #next = 0;
     #encoder = null;
@@ -25,15 +25,15 @@ export class Geometries {
     }
 
     /** The buffers of an object's triangles, as they are in this frame; null where there is nothing to draw. */
-    of(object, isTurned, frame) {
+    of(object, [isTurned, hasColors], frame) {
         const { geometry } = object;
         const isSkinned = object.isSkinnedMesh === true && object.skeleton !== undefined && geometry.attributes.skinIndex !== undefined;
         const isMorphed = object.morphTargetInfluences?.length > 0 && geometry.morphAttributes.position !== undefined;
         const owner = isSkinned || isMorphed ? object : geometry;
         let sides = this.#known.get(owner);
-        if (sides === undefined) this.#known.set(owner, (sides = [null, null]));
-        const side = isTurned ? 1 : 0;
-        const layout = layoutOf(geometry, isSkinned || isMorphed);
+        if (sides === undefined) this.#known.set(owner, (sides = [null, null, null, null]));
+        const side = (isTurned ? 1 : 0) + (hasColors ? 2 : 0);
+        const layout = layoutOf(geometry, isSkinned || isMorphed, hasColors);
         let mesh = sides[side];
         if (mesh === null || mesh.key !== layout.key || mesh.geometry !== geometry) {
             if (mesh !== null) this.#free(mesh);
@@ -71,7 +71,7 @@ export class Geometries {
             versions[name] = version;
             return (hasChanged = true);
         };
-        const isMoved = isOther("position", versionOf(position));
+        const isMoved = isOther("position", stampOf(position));
         if (isMorphed) {
             const influences = [...object.morphTargetInfluences];
             if (isMoved || influences.some((value, at) => value !== mesh.influences?.[at])) {
@@ -84,10 +84,10 @@ export class Geometries {
             this.#copyPositions(mesh, position);
         }
         const others = layout.attributes;
-        if (others.stride > 0 && isOther("others", [uv, uv1, color].map(versionOf).join())) {
+        if (others.stride > 0 && isOther("others", [uv, uv1, color].map(stampOf).join())) {
             this.#write(mesh.others, interleaved(geometry, others, layout.count));
         }
-        if (isOther("index", geometry.index ? versionOf(geometry.index) : 0)) {
+        if (isOther("index", geometry.index ? stampOf(geometry.index) : 0)) {
             this.#write(mesh.numbers, indicesOf(geometry, layout, mesh.isTurned));
         }
         return hasChanged;
@@ -154,9 +154,20 @@ export class Geometries {
 
 const versionOf = (attribute) => (attribute?.isInterleavedBufferAttribute ? attribute.data.version : (attribute?.version ?? -1));
 
+const numbers = new WeakMap();
+let lastNumber = 0;
+
+/** Which attribute it is, and which version of it. */
+function stampOf(attribute) {
+    if (attribute === undefined) return "";
+    if (!numbers.has(attribute)) numbers.set(attribute, (lastNumber += 1));
+    return `${numbers.get(attribute)}:${versionOf(attribute)}`;
+}
+
 /** How a geometry lies in buffers. Positions stay in three.js's layout where they are floats; all else is packed. */
-function layoutOf(geometry, isDeformed) {
-    const { position, uv, uv1, color } = geometry.attributes;
+function layoutOf(geometry, isDeformed, hasColors) {
+    const { position, uv, uv1, color: given } = geometry.attributes;
+    const color = hasColors ? given : undefined;
     const isInterleaved = position.isInterleavedBufferAttribute === true;
     const array = isInterleaved ? position.data.array : position.array;
     const isShared = array instanceof Float32Array && !isDeformed;

@@ -26,6 +26,7 @@ export class Gi {
     #camera = new Float32Array(39);
     #notes = new Set();
     #isFirst = true;
+    #isDisposed = false;
     #stats = { late: true, voxels: 0, faces: 0 };
 
     static async create(SharedGi, renderer, options) {
@@ -66,7 +67,9 @@ export class Gi {
         /** For `pass.contextNode`: gives all opaque materials of a pass our light. */
         this.context = context({
             getGI: (given, { material }) => {
-                if (material.transparent === true) return given;
+                // What is not in our depth: three.js draws it after all that is.
+                const isLater = material.transparent === true || material.transmission > 0 || material.transmissionNode || material.backdropNode;
+                if (isLater) return given;
                 return given === null ? light : light.add(given);
             },
         });
@@ -110,7 +113,7 @@ export class Gi {
     /** Computes the light of a frame. The nodes do so themselves, once a frame. */
     update() {
         const [renderer, shared] = [this.#renderer, this.#shared];
-        this.#resize();
+        if (this.#isDisposed || !this.#resize()) return;
         this.#gbuffer.render(renderer, this.scene, this.camera);
         this.#environment.watch();
         this.#draws.update(this.scene);
@@ -121,8 +124,10 @@ export class Gi {
         this.#stats = { late: late === 1, voxels: voxels || lastVoxels, faces: faces || lastFaces };
     }
 
-    /** Frees all memory on the GPU. */
+    /** Frees all memory on the GPU. Whatever is drawn with our light then keeps that of the last frame. */
     dispose() {
+        if (this.#isDisposed) return;
+        this.#isDisposed = true;
         this.#environment.dispose();
         this.#draws.dispose();
         this.#gbuffer.dispose();
@@ -140,11 +145,15 @@ export class Gi {
         this.cut();
     }
 
+    /** Follows the size of the picture; whether there is any. */
     #resize() {
         const { x, y } = this.#renderer.getDrawingBufferSize(this.#size);
-        if (!this.#gbuffer.setSize(this.#renderer, x, y)) return;
-        this.outputs.set(this.#shared.setScreen(x, y, this.#gbuffer.textures(this.#renderer)));
-        this.#isFirst = true;
+        if (!(x >= 1 && y >= 1)) return false;
+        if (this.#gbuffer.setSize(this.#renderer, x, y)) {
+            this.outputs.set(this.#shared.setScreen(x, y, this.#gbuffer.textures(this.#renderer)));
+            this.#isFirst = true;
+        }
+        return true;
     }
 
     #cameraRow() {

@@ -9,7 +9,11 @@ let module;
 
 /** Loads the WebAssembly; `createGi` does so itself. `source` is needed only where a bundler does not find the file. */
 export function initialize(source) {
-    module ??= init(source === undefined ? undefined : { module_or_path: source });
+    module ??= init(source === undefined ? undefined : { module_or_path: source }).catch((error) => {
+        // Another source may do.
+        module = undefined;
+        throw error;
+    });
     return module;
 }
 

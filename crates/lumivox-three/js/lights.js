@@ -28,13 +28,15 @@ export function lightRows(scene, note) {
 
 function rowOf(light, note) {
     const { r, g, b } = light.color;
-    const [red, green, blue] = [r, g, b].map((channel) => channel * light.intensity);
+    const [red, green, blue] = [r, g, b].map((channel) => Math.max(0, channel) * light.intensity);
     position.setFromMatrixPosition(light.matrixWorld);
     const place = position.toArray();
     if (light.isPointLight || light.isSpotLight) {
         if (light.decay !== 2) note(`the decay of a ${light.type} is ${light.decay}; Lumivox knows nature's alone, 2`);
     }
-    if (light.isPointLight) return [POINT, ...place, 0, -1, 0, red, green, blue, 0, light.distance, 0, 0];
+    // In three.js, too, 0 has no end.
+    const range = Number.isFinite(light.distance) ? light.distance : 0;
+    if (light.isPointLight) return [POINT, ...place, 0, -1, 0, red, green, blue, 0, range, 0, 0];
     if (!light.target) {
         note(`${light.type} is not taken`);
         return null;
@@ -43,7 +45,7 @@ function rowOf(light, note) {
     const direction = target.setFromMatrixPosition(light.target.matrixWorld).sub(position).normalize().toArray();
     if (light.isSpotLight) {
         const inner = light.angle * (1 - light.penumbra);
-        return [SPOT, ...place, ...direction, red, green, blue, 0, light.distance, inner, light.angle];
+        return [SPOT, ...place, ...direction, red, green, blue, 0, range, inner, light.angle];
     }
     return [DIRECTIONAL, ...place, ...direction, red, green, blue, SUN_RAD, 0, 0, 0];
 }

@@ -1,7 +1,7 @@
 // What cones have gathered, as nodes of TSL.
 
 import { ExternalTexture, HalfFloatType, LinearFilter, Node, NodeUpdateType, NoColorSpace } from "three/webgpu";
-import { screenUV, texture, vec3 } from "three/tsl";
+import { metalness, screenUV, texture, vec3 } from "three/tsl";
 
 /** The two textures that a frame ends in. */
 export class Outputs {
@@ -46,17 +46,29 @@ export class LightNode extends Node {
     }
 
     updateBefore() {
-        this.gi.update();
+        // An error would leave three.js in the middle of the page's pass.
+        try {
+            this.gi.update();
+        } catch (error) {
+            const text = `a frame has no new light: ${error.message}`;
+            if (!this.gi.notes.includes(text)) console.error(error);
+            this.gi.note(text);
+        }
     }
 
     setup(builder) {
         const { irradiance, reflection } = this.gi;
         const { radiance, iblIrradiance, reflectedLight } = builder.context;
         if (reflectedLight) {
-            // The surroundings are in our light, with what stands before them.
-            radiance?.assign(vec3(0));
-            iblIrradiance?.assign(vec3(0));
-            reflectedLight.indirectSpecular.addAssign(reflection.sample(screenUV).rgb);
+            if (builder.material?.envMap) {
+                // Surroundings of a material's own are not in our light: gloss and metal mirror them as three.js does.
+                iblIrradiance?.mulAssign(metalness);
+            } else {
+                // Those of the scene are, with what stands before them.
+                radiance?.assign(vec3(0));
+                iblIrradiance?.assign(vec3(0));
+                reflectedLight.indirectSpecular.addAssign(reflection.sample(screenUV).rgb);
+            }
         }
         return irradiance.sample(screenUV).rgb;
     }

@@ -94,7 +94,7 @@ fn image_format(name: &str) -> Result<wgpu::TextureFormat, PageError> {
     };
     found.or_else(astc).ok_or_else(|| {
         PageError::value(format!(
-            "an image is {name}, which cannot be filtered; use 8-bit or half-float images"
+            "an image is {name}; use one of 8-bit RGBA, of half floats or of compressed blocks"
         ))
     })
 }

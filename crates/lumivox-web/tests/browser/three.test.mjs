@@ -52,6 +52,10 @@ describe("scenes of three.js whose light is known, in a bundle of Vite", () => {
         isNear(blue, red, 0.001);
     });
 
+    test("a mirrored room is as bright, whatever colours its material does not ask for", async () => {
+        isNear((await light("mirrored"))[0], 2, 0.05);
+    });
+
     test("a lamp in a ball has the candela of three.js", async () => {
         const [red] = await light("ball");
         console.log(`ball: ${red}`);
@@ -76,9 +80,22 @@ describe("scenes of three.js whose light is known, in a bundle of Vite", () => {
         assert.ok(after > 1.6 * before, `${before}, then ${after}`);
     });
 
-    test("an image that shines gives its colour", async () => {
-        const [red, green] = await light("image");
-        assert.ok(red > 0.3 && green < 0.01 * red, `${red} ${green}`);
+    test("an image that shines gives its colour, and another once it was drawn anew", async () => {
+        const { before, after } = await light("image");
+        assert.ok(before[0] > 0.3 && before[1] < 0.01 * before[0], `${before}`);
+        assert.ok(after[1] > 0.3 && after[0] < 0.05 * after[1], `${after}`);
+    });
+
+    test("transparent things are drawn, and a map of a material's own is mirrored", async () => {
+        const [, green, blue] = await light("sheet");
+        assert.ok(blue > 0.9 && green < 0.1, `${green} ${blue}`);
+        isNear((await light("ownMap"))[0], 1, 0.1);
+    });
+
+    test("the page's own velocity stays", async () => {
+        const [x] = await light("velocity");
+        console.log(`velocity: ${x}`);
+        assert.ok(x > 0.02, `${x}`);
     });
 
     test("what is wrong is an error with a code and a remedy", async () => {
@@ -88,10 +105,17 @@ describe("scenes of three.js whose light is known, in a bundle of Vite", () => {
         assert.match(said.resolution, /^value: .*multiple of 8/);
         assert.match(said.option, /^value: there is no option "glow"/);
         assert.match(said.webgl, /^no-webgpu: /);
-        assert.deepEqual(await light("notes"), []);
+        const map = "a material's own envMap is seen on it as three.js draws it; cones see scene.environment";
+        assert.deepEqual(await light("notes"), [map]);
     });
 
     test("the console stays silent", () => app.check());
+
+    test("what goes wrong in a frame is told once, and the page goes on", async () => {
+        assert.deepEqual(await light("misuse"), ["a frame has no new light: number 7 of a material is NaN"]);
+        assert.match(app.messages.take().join(), /number 7 of a material is NaN/);
+        isNear((await light("furnace"))[0], 2, 0.05);
+    });
 });
 
 test("the example shows its hall", async () => {

@@ -157,9 +157,11 @@ impl<'a> ShareInput<'a> {
     }
 }
 
-/// The largest emission of any material: what emission is stored relative to.
+/// What emission is stored relative to: the least power of two that no material's is above, so that a lamp that flickers
+/// leaves what is stored valid.
 pub(crate) fn emission_scale(geometry: &Geometry) -> f32 {
-    geometry.materials.iter().map(|material| material.emission.max_element()).fold(0.0, f32::max)
+    let emissions = geometry.materials.iter().map(|material| material.emission.max_element());
+    emissions.fold(0.0, f32::max).log2().ceil().exp2()
 }
 
 /// Whether a surface emits light.

@@ -1,7 +1,7 @@
 // Scenes of three.js whose light has a closed form, and what Lumivox gathers in them.
 
 import * as THREE from "three/webgpu";
-import { pass } from "three/tsl";
+import { mrt, output, pass, vec4, velocity } from "three/tsl";
 import { createGi } from "lumivox/three";
 
 const SIZE = 16;
@@ -21,9 +21,10 @@ pipeline.outputColorTransform = false;
 const target = new THREE.RenderTarget(SIZE, SIZE, { type: THREE.FloatType });
 
 /** Means of red, green, blue over the picture, after so many frames; over the last half of them. */
-async function picture(frames = 24) {
+async function picture(frames = 24, move = () => {}) {
     const sum = [0, 0, 0];
     for (let frame = 0; frame < frames; frame += 1) {
+        move();
         renderer.setRenderTarget(target);
         // What the animation loop does.
         renderer._nodes.nodeFrame.update();
@@ -105,6 +106,58 @@ const forms = {
         const room = new THREE.Mesh(new THREE.BoxGeometry(2, 2, 2), matte({ color: new THREE.Color(0.5, 0.5, 0.5), emissive: 0xffffff, side: THREE.BackSide }));
         return during([room], () => picture());
     },
+    /** The same, mirrored, with colours at its vertices that its material does not ask for. */
+    async mirrored() {
+        look([0.3, 0.2, 0.1], [-1, -0.4, -0.7]);
+        const box = new THREE.BoxGeometry(2, 2, 2);
+        box.setAttribute("color", new THREE.Float32BufferAttribute(new Float32Array(3 * box.attributes.position.count), 3));
+        const room = new THREE.Mesh(box, matte({ color: new THREE.Color(0.5, 0.5, 0.5), emissive: 0xffffff, side: THREE.BackSide }));
+        room.scale.x = -1;
+        return during([room], () => picture());
+    },
+    /** A transparent sheet that shines blue, before a wall. */
+    async sheet() {
+        look([0, 0, 0.9], [0, 0, 0]);
+        const sheet = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), new THREE.MeshBasicMaterial({ color: 0x0000ff, transparent: true }));
+        return during([wall(0), sheet], () => picture(8)).finally(() => sheet.material.dispose());
+    },
+    /** A metal wall with a map of its own, in no other surroundings. */
+    async ownMap() {
+        look([0, 0, 0.5], [0, 0, 0]);
+        const metal = new THREE.MeshStandardMaterial({ metalness: 1, roughness: 1, envMap: halfSky(1, 1) });
+        return during([new THREE.Mesh(new THREE.PlaneGeometry(2, 2), metal)], () => picture(8));
+    },
+    /** What a pass of the page's has as velocity of a wall that moves, after Lumivox has drawn it, too. */
+    async velocity() {
+        look([0, 0, 0.9], [0, 0, 0]);
+        const moving = pass(scene, camera, { samples: 0 });
+        moving.contextNode = gi.context;
+        moving.setMRT(mrt({ output, velocity }));
+        pipeline.outputNode = vec4(moving.getTextureNode("velocity").xy, 0, 1);
+        pipeline.needsUpdate = true;
+        const made = wall(0);
+        const sum = await during([made], () => picture(4, () => (made.position.x += 0.05)));
+        pipeline.outputNode = view;
+        pipeline.needsUpdate = true;
+        moving.dispose();
+        return sum;
+    },
+    /** A picture of no size, a light that is given up twice, and a number that is none: nothing of it is thrown into three.js. */
+    async misuse() {
+        const own = await createGi(renderer, { scene, camera, bounds, resolution: 16 });
+        own.dispose();
+        own.dispose();
+        own.update();
+        renderer.setSize(0, 0, false);
+        gi.update();
+        renderer.setSize(SIZE, SIZE, false);
+        const before = gi.notes;
+        const made = wall(0);
+        made.material.emissiveIntensity = Number.NaN;
+        look([0, 0, 0.5], [0, 0, 0]);
+        await during([made, new THREE.PointLight(0xffffff, 1, Infinity)], () => picture(2));
+        return gi.notes.filter((note) => !before.includes(note));
+    },
     /** A ball from within, which reflects half, with a lamp of pi candela in its middle: its radiance is 0.5 (direct) + 0.5. */
     async ball() {
         look([0, 0, 0.02], [-1, 0.3, -0.7]);
@@ -163,7 +216,12 @@ const forms = {
         const white = wall(Math.PI);
         white.position.z = 0.8;
         look([0, 0, 0], [0, 0, 1]);
-        return during([shining, white], () => picture(16));
+        return during([shining, white], async () => {
+            const before = await picture(16);
+            for (let at = 0; at < 64; at += 4) texture.image.data.set([0, 255, 0, 255], at);
+            texture.needsUpdate = true;
+            return { before, after: await picture(16) };
+        });
     },
     notes: () => gi.notes,
     async wrong() {
