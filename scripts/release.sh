@@ -91,6 +91,8 @@ unreleased=$(sed -n '/^## \[Unreleased\]/,/^## \[[0-9]/p' CHANGELOG.md | grep -c
 ((unreleased == 0)) || refuse "CHANGELOG.md has $unreleased changes under Unreleased: they belong to a version"
 [[ -n $(workspace_field repository) ]] ||
     refuse "[workspace.package] of Cargo.toml has an empty repository: registries and cargo binstall need its address"
+grep -q '"repository"' crates/lumivox-web/npm/package.json || refuse "the npm package.json has no repository"
+grep -qi '^repository *=' crates/lumivox-python/pyproject.toml || refuse "[project.urls] of pyproject.toml has no Repository"
 
 # made_after PAGE COMMAND PATHS...: nothing that a page of measurements depends on has changed since it was made.
 made_after() {
@@ -122,7 +124,12 @@ say "What can be seen at once is ready for $version."
 [[ -z $quick ]] || exit 0
 
 try_packages --locked
+# With these, tests write what they would compare with, or run on a device that their tolerances were not set on.
+unset LUMIVOX_BLESS LUMIVOX_TEST_ANY_ADAPTER
+commit=$(git rev-parse HEAD)
 LUMIVOX_NEED_ADVISORIES=1 CI=true ./test --full || die "A check failed (its message is above)."
+[[ $(git rev-parse HEAD) == "$commit" && -z $(git status --porcelain) ]] ||
+    die "The tree is not what was tested any more: commit its changes, or take them back, and begin again."
 
 cat <<TEXT
 

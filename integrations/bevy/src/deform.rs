@@ -83,6 +83,8 @@ pub(crate) fn extract_morphs(
 /// A mesh that is deformed in each frame.
 struct Job {
     entity: Entity,
+    /// Its joints are known in this frame.
+    is_posed: bool,
     deformation: Deformation,
     uniform: Buffer,
     group: BindGroup,
@@ -158,8 +160,10 @@ impl Deformer {
             (("morph weights", morphs.weights.as_slice()), &mut self.known_weights);
         has_moved |= follow((device, queue), weights, known, &mut self.weights, jobs);
         for job in &mut self.jobs {
-            let deformation = job.deformation.of_frame(job.entity, skins, morphs);
-            if deformation != job.deformation {
+            let posed = job.deformation.of_frame(job.entity, skins, morphs);
+            has_moved |= posed.is_some() && !job.is_posed;
+            job.is_posed = posed.is_some();
+            if let Some(deformation) = posed.filter(|deformation| *deformation != job.deformation) {
                 job.deformation = deformation;
                 queue.write_buffer(&job.uniform, 0, bytemuck::bytes_of(&deformation));
                 has_moved = true;
@@ -183,7 +187,7 @@ impl Deformer {
         self.plan(pipelines, skins, morphs)?;
         let Some((kernel, _)) = &self.kernel else { return Ok(()) };
         recorder.stage("deform");
-        for job in &self.jobs {
+        for job in self.jobs.iter().filter(|job| job.is_posed) {
             kernel.run(recorder, &[&job.group], [job.deformation.vertex_count, 1, 1]);
         }
         Ok(())
@@ -216,7 +220,8 @@ impl Deformer {
             return Ok(());
         };
         for Wanted { entity, vertices, targets, deformation } in &self.wanted {
-            let deformation = deformation.of_frame(*entity, skins, morphs);
+            let posed = deformation.of_frame(*entity, skins, morphs);
+            let (is_posed, deformation) = (posed.is_some(), posed.unwrap_or(*deformation));
             let uniform = upload(pipelines.device(), "deformation", &[deformation]);
             let targets = targets.as_ref().unwrap_or(weights);
             let group = BindGroupBuilder::new(layout)
@@ -227,25 +232,27 @@ impl Deformer {
                 .buffer(weights)
                 .buffer(positions)
                 .build(pipelines.device(), "deform");
-            self.jobs.push(Job { entity: *entity, deformation, uniform, group });
+            self.jobs.push(Job { entity: *entity, is_posed, deformation, uniform, group });
         }
         Ok(())
     }
 }
 
 impl Deformation {
-    /// With the places of the joints and weights of a frame.
+    /// With the places of the joints and weights of a frame; `None` where Bevy holds no joints of it, because neither a
+    /// camera nor a shadow map sees it: it keeps its pose.
     fn of_frame(
         mut self,
         entity: Entity,
         skins: Option<&SkinUniforms>,
         morphs: &SceneMorphs,
-    ) -> Self {
-        let skin = skins.and_then(|skins| skins.skin_index(MainEntity::from(entity)));
-        self.first_joint = skin.unwrap_or_default();
+    ) -> Option<Self> {
+        if self.joint_indices != NONE {
+            self.first_joint = skins?.skin_index(MainEntity::from(entity))?;
+        }
         let (first, count) = morphs.first.get(&entity).copied().unwrap_or_default();
         (self.first_weight, self.target_count) = (first, self.target_count.min(count));
-        self
+        Some(self)
     }
 }
 

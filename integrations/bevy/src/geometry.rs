@@ -2,7 +2,7 @@
 
 use bevy::asset::UntypedAssetId;
 use bevy::mesh::{MeshVertexBufferLayoutRef, PrimitiveTopology, VertexFormat};
-use bevy::platform::collections::HashMap;
+use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy::render::mesh::allocator::MeshAllocator;
 use bevy::render::mesh::{RenderMesh, RenderMeshBufferInfo};
@@ -54,9 +54,13 @@ struct Placed {
     first_index: u32,
     index_count: u32,
     base_vertex: u32,
+    has_texcoords: bool,
 }
 
 /// A mesh whose vertices move, as a batch.
+const NO_TEXCOORDS: &str =
+    "their materials have textures, but they have no `Mesh::ATTRIBUTE_UV_0` of floats";
+
 struct DeformingBatch {
     first_position: u32,
     attributes: Option<VertexAttributes>,
@@ -78,12 +82,10 @@ pub(crate) struct SceneGeometry {
     counting: Option<(wgpu::Buffer, u32)>,
     /// In the making.
     deforming: Vec<DeformingBatch>,
-    /// Some meshes or materials are not there yet.
-    waits: bool,
+    /// Meshes that are not there yet.
+    waits_for: HashSet<AssetId<Mesh>>,
     /// Another number for each change.
     pub(crate) version: u64,
-    /// Vertices have moved in this frame.
-    pub(crate) is_deforming: bool,
 }
 
 /// What of the render world geometry is made of.
@@ -104,7 +106,8 @@ impl SceneGeometry {
         meshes_changed: bool,
     ) {
         let instances = sources.instances;
-        if instances.is_restructured || meshes_changed || self.waits {
+        let is_there = |mesh: &AssetId<Mesh>| sources.meshes.get(*mesh).is_some();
+        if instances.is_restructured || meshes_changed || self.waits_for.iter().any(is_there) {
             self.rebuild(sources, table, deformer);
         } else {
             for &slot in &instances.moved {
@@ -142,7 +145,7 @@ impl SceneGeometry {
         deformer: &mut Deformer,
     ) {
         self.version += 1;
-        self.waits = false;
+        self.waits_for.clear();
         self.keys.clear();
         self.meshes.clear();
         self.draws.clear();
@@ -167,8 +170,13 @@ impl SceneGeometry {
         sources: &Sources<'_>,
         table: &mut SurfaceTable,
     ) {
-        let Some(material) = self.material(&instance.material, table) else { return };
+        let Some(material) = Self::material(&instance.material, table) else { return };
         let Some(placed) = self.placed(instance.mesh, sources) else { return };
+        if table.is_textured(material) && !placed.has_texcoords {
+            let reason = NO_TEXCOORDS.to_owned();
+            sources.reports.once(LumivoxEvent::MeshLeftOut { reason });
+            return;
+        }
         let draws = &mut self.geometry.batches[placed.batch].draws;
         self.draws.resize(self.draws.len().max(slot + 1), None);
         self.draws[slot] = Some((placed.batch as u32, draws.len() as u32));
@@ -181,10 +189,9 @@ impl SceneGeometry {
     }
 
     /// The number of a material; `None` where the surface is not there, or not yet.
-    fn material(&mut self, id: &UntypedAssetId, table: &mut SurfaceTable) -> Option<u32> {
-        let number = table.number(id);
-        self.waits |= number.is_none();
-        number.filter(|number| table.is_there(*number))
+    fn material(id: &UntypedAssetId, table: &mut SurfaceTable) -> Option<u32> {
+        // The table tells when another one has come.
+        table.number(id).filter(|number| table.is_there(*number))
     }
 
     /// Where a mesh lies; `None` where it is not there, not yet, or not of a kind that is known.
@@ -210,12 +217,14 @@ impl SceneGeometry {
     ) -> Result<Option<Placed>, String> {
         let Some(source) = self.source(mesh, sources)? else { return Ok(None) };
         let MeshSource { vertices, indices, index_format, layout, .. } = source;
+        let has_texcoords = layout.texcoords[0].is_some();
         let batch = self.batch(BatchKey { vertices, indices, index_format, layout });
         Ok(Some(Placed {
             batch,
             first_index: source.first_index,
             index_count: source.index_count,
             base_vertex: source.first_vertex,
+            has_texcoords,
         }))
     }
 
@@ -227,9 +236,12 @@ impl SceneGeometry {
         sources: &Sources<'_>,
         (table, deformer): (&mut SurfaceTable, &mut Deformer),
     ) -> Result<(), String> {
-        let Some(material) = self.material(&instance.material, table) else { return Ok(()) };
+        let Some(material) = Self::material(&instance.material, table) else { return Ok(()) };
         let Some(source) = self.source(instance.mesh, sources)? else { return Ok(()) };
         let layout = source.layout;
+        if table.is_textured(material) && layout.texcoords[0].is_none() {
+            return Err(NO_TEXCOORDS.to_owned());
+        }
         let [first, stride] = [source.first_vertex, layout.stride];
         let mut deformation =
             Deformation::new(source.vertex_count, first, stride / 4, layout.position / 4);
@@ -289,7 +301,7 @@ impl SceneGeometry {
         let (Some(render_mesh), Some(vertices)) =
             (sources.meshes.get(mesh), sources.allocator.mesh_vertex_slice(&mesh))
         else {
-            self.waits = true;
+            self.waits_for.insert(mesh);
             return Ok(None);
         };
         match render_mesh.primitive_topology() {
@@ -307,7 +319,7 @@ impl SceneGeometry {
         let (indices, index_format, first_index, count) = match render_mesh.buffer_info {
             RenderMeshBufferInfo::Indexed { count, index_format } => {
                 let Some(slice) = sources.allocator.mesh_index_slice(&mesh) else {
-                    self.waits = true;
+                    self.waits_for.insert(mesh);
                     return Ok(None);
                 };
                 ((**slice.buffer).clone(), index_format, slice.range.start, count)

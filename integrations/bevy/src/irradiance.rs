@@ -237,7 +237,8 @@ fn write(
     };
     let Some(image) = images.get(*image) else { return };
     let Some(voxels) = volumes.shown_mut(&view.key) else { return };
-    let Some(probes) = voxels.probes.as_mut().filter(|probes| probes.are_lit()) else { return };
+    let may_write = |probes: &&mut Probes| !is_light || probes.may_light();
+    let Some(probes) = voxels.probes.as_mut().filter(may_write) else { return };
     let device = context.render_device().wgpu_device().clone();
     let mut recorder = Recorder::on(&device, queue, context.command_encoder());
     probes.write(&voxels.gi, (&image.texture_view, &offer.grid), is_light, &mut recorder);

@@ -162,8 +162,8 @@ pub(crate) struct Probes {
     next: u32,
     /// Probes that have gathered since these were made.
     gathered: u32,
-    /// For what gathers, and for what is written into the texture.
-    turn: [(Buffer, BindGroup); 2],
+    /// For what gathers, and for light and darkness in the texture: all three may be of one submission.
+    turn: [(Buffer, BindGroup); 3],
     texture: Option<(wgpu::TextureView, BindGroup)>,
     frames_unused: u32,
 }
@@ -192,7 +192,7 @@ impl Probes {
                 .build(device, label);
             (settings, group)
         };
-        let turn = [bind("turn of probes"), bind("texture of probes")];
+        let turn = ["turn of probes", "light of probes", "darkness of probes"].map(bind);
         let pipelines = gi.pipelines().clone();
         // Beside the frames; there are no probes in browsers, where a task may not block.
         let task = async move { bevy::tasks::block_on(pipelines.compile(&mut |_, _| ())) };
@@ -216,6 +216,11 @@ impl Probes {
         self.gathered >= self.grid.count()
     }
 
+    /// Whether their light may be written: not any more in the frame in which they are given up.
+    pub(crate) fn may_light(&self) -> bool {
+        self.are_lit() && self.frames_unused < FRAMES_TO_KEEP
+    }
+
     /// Makes probes if they are wanted and not there, lets some of them gather, and gives them up when they are not.
     pub(crate) fn record(
         held: &mut Option<Self>,
@@ -227,8 +232,13 @@ impl Probes {
     ) -> Result<(), GiError> {
         let grid = ProbeGrid::around(gi, &settings.volume);
         let shift = held.as_ref().and_then(|probes| probes.grid.shift_to(&grid));
-        if held.is_some() && shift.is_none() {
-            *held = None;
+        match held.as_mut().filter(|_| shift.is_none()) {
+            // Elsewhere, all anew. What was written in this frame has yet to be emptied.
+            Some(probes) if probes.grid.count() == grid.count() => {
+                (probes.grid, probes.next, probes.gathered) = (grid, 0, 0);
+            }
+            Some(_) => *held = None,
+            None => {}
         }
         if held.is_none() && is_wanted {
             *held = Some(Self::new(kernels, gi, settings));
@@ -294,7 +304,7 @@ impl Probes {
             self.texture = Some((view.clone(), group));
         }
         let Some((_, texture)) = &self.texture else { return };
-        let (settings, group) = &self.turn[1];
+        let (settings, group) = &self.turn[if is_light { 1 } else { 2 }];
         let uniform = ProbeSettings::new(&self.grid, grid);
         recorder.queue().write_buffer(settings, 0, bytemuck::bytes_of(&uniform));
         let kernel = if is_light { &self.kernels.fill } else { &self.kernels.empty };

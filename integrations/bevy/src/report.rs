@@ -44,13 +44,18 @@ pub(crate) struct Reports(Arc<Mutex<Told>>);
 #[derive(Default)]
 struct Told {
     waiting: Vec<LumivoxEvent>,
+    last: Option<LumivoxEvent>,
     once: HashSet<LumivoxEvent>,
 }
 
 impl Reports {
-    /// Tells it, each time.
+    /// Tells it, unless it is what was told last: what goes wrong in each frame is told once.
     pub(crate) fn tell(&self, event: LumivoxEvent) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).waiting.push(event);
+        let mut told = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.last.as_ref() != Some(&event) {
+            told.last = Some(event.clone());
+            told.waiting.push(event);
+        }
     }
 
     /// Tells it the first time.

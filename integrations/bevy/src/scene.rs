@@ -1,6 +1,7 @@
 //! Brings the scene of a frame together: materials, geometry, volumes.
 
 use bevy::pbr::SkinUniforms;
+use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use bevy::render::Extract;
 use bevy::render::mesh::RenderMesh;
@@ -27,15 +28,32 @@ const UNSETTLED_FRAMES: u32 = 4;
 #[derive(Resource, Default)]
 pub(crate) struct ChangedImages {
     unsettled: u32,
+    /// Those whose content is another, perhaps in the same texture.
+    modified: HashSet<AssetId<Image>>,
+    is_due: bool,
+}
+
+impl ChangedImages {
+    /// Those to be looked at again in this frame: images are uploaded at once, or some frames later.
+    pub(crate) fn due(&self) -> Option<&HashSet<AssetId<Image>>> {
+        self.is_due.then_some(&self.modified)
+    }
 }
 
 pub(crate) fn extract_changed_images(
     mut changed: ResMut<ChangedImages>,
     mut events: Extract<MessageReader<AssetEvent<Image>>>,
 ) {
-    if events.read().count() > 0 {
-        changed.unsettled = UNSETTLED_FRAMES;
+    if changed.unsettled == 0 {
+        changed.modified.clear();
     }
+    for event in events.read() {
+        changed.unsettled = UNSETTLED_FRAMES;
+        if let AssetEvent::Modified { id } = event {
+            changed.modified.insert(*id);
+        }
+    }
+    changed.is_due = changed.unsettled == UNSETTLED_FRAMES || changed.unsettled == 1;
 }
 
 /// Follows what was extracted, once Bevy has uploaded its meshes and images.
@@ -77,6 +95,9 @@ pub(crate) fn update_scene(
         unit: volumes.unit(),
         exposure_changed,
     };
+    if let Some(modified) = changed_images.due() {
+        copies.forget(modified);
+    }
     let mut prepared = Prepared { pipelines: &pipelines, queue: &queue, copies: &mut copies };
     let mut are_displaced = table.update(&sources, &mut prepared);
     are_displaced |= allocator.meshes_displaced_by_slab_growth().next().is_some();
@@ -90,7 +111,9 @@ pub(crate) fn update_scene(
     };
     scene.update(&sources, (&mut table, &mut deformer), are_displaced);
     let (device_and_queue, skins) = ((device.wgpu_device(), &**queue), skins.as_deref());
-    scene.is_deforming = deformer.follow(device_and_queue, skins, &morphs);
+    if deformer.follow(device_and_queue, skins, &morphs) {
+        scene.version += 1;
+    }
     volumes.follow(&views.views, &instances, (&device, &queue), &reports);
     if ARE_USABLE {
         offers.set(volumes.offers());

@@ -94,12 +94,14 @@ pub(crate) fn prepare_screens(
         Option<&MainPassResolutionOverride>,
         Option<&mut Screen>,
     )>,
-    mut all: Query<(Entity, &mut Screen), Without<ExtractedView>>,
+    all: Query<Entity, With<Screen>>,
     queue: Res<RenderQueue>,
     reports: Res<Reports>,
 ) {
-    for (entity, _) in &mut all {
-        commands.entity(entity).remove::<Screen>();
+    for entity in &all {
+        if !gi_views.views.iter().any(|view| view.entity == entity) {
+            commands.entity(entity).remove::<Screen>();
+        }
     }
     for gi_view in &gi_views.views {
         let Ok((view, target, textures, jitter, size, screen)) = views.get_mut(gi_view.entity)

@@ -18,6 +18,7 @@ pub(crate) struct SurfaceTable {
     ids: Vec<UntypedAssetId>,
     materials: Vec<SurfaceMaterial>,
     are_there: Vec<bool>,
+    are_textured: Vec<bool>,
     /// Asked for, and the asset is not there yet.
     missing: Vec<UntypedAssetId>,
     /// Some textures are not there yet.
@@ -51,6 +52,11 @@ impl SurfaceTable {
         self.are_there.get(number as usize).copied().unwrap_or_default()
     }
 
+    /// Whether it has textures, though they may not be there yet.
+    pub(crate) fn is_textured(&self, number: u32) -> bool {
+        self.are_textured.get(number as usize).copied().unwrap_or_default()
+    }
+
     pub(crate) fn materials(&self) -> &Vec<SurfaceMaterial> {
         &self.materials
     }
@@ -68,12 +74,14 @@ impl SurfaceTable {
         let mut restructures = false;
         for id in std::mem::take(&mut self.missing) {
             if sources.surfaces.get(&id).is_none() {
+                self.missing.push(id);
                 continue;
             }
             self.numbers.insert(id, self.ids.len() as u32);
             self.ids.push(id);
             self.materials.push(SurfaceMaterial::default());
             self.are_there.push(false);
+            self.are_textured.push(false);
             self.waits_for_images = true;
             restructures = true;
         }
@@ -87,10 +95,18 @@ impl SurfaceTable {
         self.waits_for_images = false;
         prepared.begin();
         for number in 0..self.ids.len() {
-            let Some(surface) = sources.surfaces.get(&self.ids[number]) else { continue };
-            let material = self.convert(surface, sources, prepared);
-            let is_there = surface.is_there();
+            // One that is gone lets go of its textures, and its number waits until it comes back.
+            let (material, is_there, is_textured) = match sources.surfaces.get(&self.ids[number]) {
+                Some(surface) => (
+                    self.convert(surface, sources, prepared),
+                    surface.is_there(),
+                    surface.base_color_texture.is_some() || surface.emissive_texture.is_some(),
+                ),
+                None => (SurfaceMaterial::default(), false, false),
+            };
             restructures |= std::mem::replace(&mut self.are_there[number], is_there) != is_there;
+            restructures |=
+                std::mem::replace(&mut self.are_textured[number], is_textured) != is_textured;
             if self.materials[number] != material {
                 self.materials[number] = material;
                 self.is_changed = true;

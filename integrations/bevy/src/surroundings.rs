@@ -9,6 +9,7 @@ use bevy::light::{
     Atmosphere, EnvironmentMapLight, GeneratedEnvironmentMapLight, IrradianceVolume,
 };
 use bevy::pbr::RenderViewLightProbes;
+use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::texture::GpuImage;
@@ -38,6 +39,11 @@ pub(crate) struct Surroundings {
 }
 
 impl Surroundings {
+    /// Whether its map is one of these.
+    pub(crate) fn is_of(&self, images: &HashSet<AssetId<Image>>) -> bool {
+        images.contains(&self.image)
+    }
+
     pub(crate) fn new(
         map: &EnvironmentMapLight,
         generated: Option<&GeneratedEnvironmentMapLight>,

@@ -3,7 +3,7 @@
 //! A voxel wants the mean over its surface, so that it reads coarse mips. Images from PNG files have none, and alpha that is
 //! compared with a cutoff has to be compared before it is averaged. Those get a copy of at most [`MAX_EDGE`] texels an edge.
 
-use bevy::platform::collections::HashMap;
+use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy::render::texture::GpuImage;
 use lumivox::gpu::pipelines::DrawPlan;
@@ -24,7 +24,7 @@ pub(crate) enum TextureUse {
     Emission,
 }
 
-/// The copies that are in use.
+/// The copies that are in use, and views of images that need none.
 #[derive(Resource, Default)]
 pub(crate) struct TextureCopies {
     copies: HashMap<(AssetId<Image>, u64), Copy>,
@@ -36,6 +36,13 @@ struct Copy {
     source: wgpu::TextureView,
     view: wgpu::TextureView,
     used: u32,
+}
+
+impl TextureCopies {
+    /// Lets the next round look at images again whose content has changed.
+    pub(crate) fn forget(&mut self, images: &HashSet<AssetId<Image>>) {
+        self.copies.retain(|(image, _), _| !images.contains(image));
+    }
 }
 
 /// Makes textures for voxels.
@@ -94,9 +101,6 @@ impl Prepared<'_> {
         let is_small = texture.width().max(texture.height()) == 1;
         let has_mips = texture.mip_level_count() > 1 || is_small;
         let is_filterable = sample_type == wgpu::TextureSampleType::Float { filterable: true };
-        if cutoff.is_none() && has_mips && is_filterable {
-            return Some((source, sampler));
-        }
         let key = (id, cutoff.map_or(0, |cutoff| 1 + u64::from(cutoff.to_bits())));
         let round = self.copies.round;
         if let Some(copy) = self.copies.copies.get_mut(&key)
@@ -104,6 +108,13 @@ impl Prepared<'_> {
         {
             copy.used = round;
             return Some((copy.view.clone(), sampler));
+        }
+        // A view of its own tells an image that was drawn anew in its texture from what it was.
+        if cutoff.is_none() && has_mips && is_filterable {
+            let texture: &wgpu::Texture = texture;
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            self.copies.copies.insert(key, Copy { source, view: view.clone(), used: round });
+            return Some((view, sampler));
         }
         let is_wide = !format.is_srgb() && format.block_copy_size(None).unwrap_or(4) > 4;
         let copy_format = if is_wide {

@@ -18,8 +18,10 @@ use crate::instances::Instances;
 use crate::irradiance::{ARE_USABLE, Forward, Offer};
 use crate::lights::{SceneLights, scaled};
 use crate::report::{LumivoxEvent, Reports};
+use crate::scene::ChangedImages;
 use crate::settings::GiVolume;
 use crate::shadows::{BevyShadows, ShadowMaps};
+use crate::surroundings::Surroundings;
 use crate::views::{GiView, GiViews};
 use crate::voxels::{Frame, Made, Voxels, make};
 
@@ -271,6 +273,7 @@ pub(crate) fn record_volume(
     (gi_views, scene, mut scene_lights): (Res<GiViews>, Res<SceneGeometry>, ResMut<SceneLights>),
     (mut deformer, skins, morphs): (ResMut<Deformer>, Option<Res<SkinUniforms>>, Res<SceneMorphs>),
     (shadows, images, forward): (BevyShadows, Res<RenderAssets<GpuImage>>, Forward),
+    changed_images: Res<ChangedImages>,
     queue: Res<RenderQueue>,
     diagnostics: Option<Res<DiagnosticsRecorder>>,
     reports: Res<Reports>,
@@ -304,8 +307,12 @@ pub(crate) fn record_volume(
     if has_forward && !ARE_USABLE {
         reports.once(LumivoxEvent::ForwardNotLit);
     }
+    let redrawn = changed_images.due();
+    let is_redrawn =
+        |surroundings: &Surroundings| redrawn.is_some_and(|images| surroundings.is_of(images));
     let frame = Frame {
         view,
+        is_map_redrawn: map.as_ref().is_some_and(|(_, surroundings)| is_redrawn(surroundings)),
         map: map.as_ref().map(|(cube, surroundings)| (cube, surroundings)),
         share,
         scene: &scene,

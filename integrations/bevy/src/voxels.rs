@@ -75,6 +75,8 @@ pub(crate) struct Frame<'a> {
     pub(crate) view: &'a GiView,
     /// The environment map, if it is there.
     pub(crate) map: Option<(&'a wgpu::TextureView, &'a Surroundings)>,
+    /// Its content is another.
+    pub(crate) is_map_redrawn: bool,
     /// Lumivox's unit of radiance in one cd/m².
     pub(crate) share: f32,
     pub(crate) scene: &'a SceneGeometry,
@@ -207,12 +209,13 @@ impl Voxels {
         let settings = surroundings.cube_use(frame.share, frame.ambient);
         let is_known = self.taken.as_ref().is_some_and(|taken| *taken == (cube.clone(), settings));
         self.frames_taken = self.frames_taken.saturating_add(1);
-        if is_known && !surroundings.is_due(self.frames_taken) {
+        let is_due = frame.is_map_redrawn || surroundings.is_due(self.frames_taken);
+        if is_known && !is_due {
             return;
         }
         self.cube.record(&mut Recorder::on(device, queue, encoder), cube, settings);
         self.gi.forget_light();
-        if !is_known {
+        if !is_known || frame.is_map_redrawn {
             self.frames_at_rest = 0;
             self.frames_taken = 0;
             self.taken = Some((cube.clone(), settings));
@@ -263,9 +266,6 @@ impl Voxels {
         frame: &Frame<'_>,
     ) -> Result<(), GiError> {
         let version = frame.scene.version;
-        if self.refused == Some(version) {
-            return Ok(());
-        }
         self.follow_map((device, queue), encoder, frame);
         self.follow_lights(queue, frame);
         if frame.has_mapped_lights() && FRAMES_OF_NEW_MAPS.contains(&self.frames_at_rest) {
@@ -274,9 +274,8 @@ impl Voxels {
         self.frames_at_rest = self.frames_at_rest.saturating_add(1);
         let moves =
             frame.view.gi.volume.cascades().is_some() && self.gi.center_on(frame.view.position)?;
-        let is_due =
-            self.version != Some(version) || frame.scene.is_deforming || self.is_late || moves;
-        if is_due {
+        let is_due = self.version != Some(version) || self.is_late || moves;
+        if is_due && self.refused != Some(version) {
             let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/voxelize"));
             let mut recorder = Recorder::on(device, queue, encoder);
             let voxelized = self.gi.voxelize_frame(&mut recorder, &frame.scene.geometry);
