@@ -44,18 +44,21 @@ pub(crate) struct Reports(Arc<Mutex<Told>>);
 #[derive(Default)]
 struct Told {
     waiting: Vec<LumivoxEvent>,
-    last: Option<LumivoxEvent>,
+    last_failure: Option<LumivoxEvent>,
     once: HashSet<LumivoxEvent>,
 }
 
 impl Reports {
-    /// Tells it, unless it is what was told last: what goes wrong in each frame is told once.
+    /// Tells it, unless it is the failure that was told last: what fails in each frame is told once.
     pub(crate) fn tell(&self, event: LumivoxEvent) {
         let mut told = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if told.last.as_ref() != Some(&event) {
-            told.last = Some(event.clone());
-            told.waiting.push(event);
+        if let LumivoxEvent::Failed { .. } = event {
+            if told.last_failure.as_ref() == Some(&event) {
+                return;
+            }
+            told.last_failure = Some(event.clone());
         }
+        told.waiting.push(event);
     }
 
     /// Tells it the first time.
