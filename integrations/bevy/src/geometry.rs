@@ -57,10 +57,11 @@ struct Placed {
     has_texcoords: bool,
 }
 
-/// A mesh whose vertices move, as a batch.
+/// Why a mesh with a textured material is left out.
 const NO_TEXCOORDS: &str =
     "their materials have textures, but they have no `Mesh::ATTRIBUTE_UV_0` of floats";
 
+/// A mesh whose vertices move, as a batch.
 struct DeformingBatch {
     first_position: u32,
     attributes: Option<VertexAttributes>,

@@ -48,9 +48,9 @@ pub struct SourceArgs {
 
     /// A clear sky with its sun at X,Y,Z, or at ELEVATION,AZIMUTH in degrees [default: none]
     ///
-    /// It replaces the scene's surroundings and directional lights, and is computed in cd/m2 and lux. The elevation is
-    /// from -90 to 90 (below 0 is dusk), the azimuth from -360 to 360: 0 is towards -z, 90 towards
-    /// +x.
+    /// It replaces the scene's surroundings and directional lights, and is computed in cd/m2 and lux.
+    /// The elevation is from -90 to 90 (below 0 is dusk), the azimuth from -360 to 360: 0 is towards
+    /// -z, 90 towards +x.
     #[arg(long, value_name = "X,Y,Z|ELEVATION,AZIMUTH", value_parser = light::sky)]
     #[arg(allow_hyphen_values = true)]
     pub sky: Option<Vec3>,

@@ -157,8 +157,8 @@ impl<'a> ShareInput<'a> {
     }
 }
 
-/// What emission is stored relative to: the least power of two that no material's is above, so that a lamp that flickers
-/// leaves what is stored valid.
+/// The emission of materials is stored relative to this: the least power of two that none of them is above. A lamp that
+/// flickers seldom changes it, so that voxels of still things stay valid.
 pub(crate) fn emission_scale(geometry: &Geometry) -> f32 {
     let emissions = geometry.materials.iter().map(|material| material.emission.max_element());
     emissions.fold(0.0, f32::max).log2().ceil().exp2()

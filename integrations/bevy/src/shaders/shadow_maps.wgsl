@@ -9,7 +9,7 @@ struct ShadowLayer {
     layer: u32,
     // Edge of a texel, per metre of distance; of a sun's outright, m.
     texel_size: f32,
-    // Of a sun, at the first of them.
+    // How many cascades a sun has, in the layer of its first one.
     cascades: u32,
     padding: u32,
 }
@@ -64,7 +64,8 @@ fn sun_visibility(light: Light, position_in_world: vec3f, normal: vec3f) -> f32 
         let receiver = position_in_world + normal * (2.0 * layer.texel_size);
         let ndc = (layer.clip_from_world * vec4f(receiver, 1.0)).xyz;
         let uv = uv_of(ndc.xy);
-        // What is nearer to the sun is drawn into the near plane: behind that it shades, and before it nobody knows.
+        // Casters before the near plane are drawn into it, so that they shade what lies behind the plane; what lies before it
+        // is not in this layer.
         let is_inside = all(uv > border) && all(uv < 1.0 - border) && ndc.z > 0.0 && ndc.z < 1.0;
         if is_inside {
             return filtered(false, uv, layer.layer, ndc.z);
