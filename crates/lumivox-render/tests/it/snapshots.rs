@@ -21,12 +21,17 @@ use crate::common::{builtin, gpu, picture, renderer, zoo};
 
 /// The largest mean FLIP error that counts as the same picture.
 ///
-/// The adapter that made the references (Mesa's llvmpipe, which ./test takes) repeats them to the bit: 0.
-/// Others round differently and weigh neighbouring voxels with fewer bits, at least 8. Shifting the grid by
-/// a hundredth of a voxel, more than twice the step of such weights, makes 0.0004 to 0.0044, depending on
-/// the scene. What must be seen lies above: noise of one 8-bit code makes 0.012 to 0.014, 1 % more light
-/// mostly 0.010 to 0.030, one bounce more 0.017 to 0.077. (Set on llvmpipe of Mesa 22.3.6, 160 x 90 pixels.)
-const MAX_MEAN_FLIP: f32 = 0.005;
+/// The processor and driver that made the references repeat them to the bit: 0. Others round differently and
+/// weigh neighbouring voxels with fewer bits, at least 8. Shifting the grid by a hundredth of a voxel, more
+/// than twice the step of such weights, makes 0.0004 to 0.0044, depending on the scene; the same llvmpipe on
+/// a processor with other vector instructions makes up to 0.0046. What must be seen lies above: noise of one
+/// 8-bit code makes 0.012 to 0.014, 1 % more light mostly 0.010 to 0.030, one bounce more 0.017 to 0.077.
+/// (Set on llvmpipe of Mesa 22.3.6, 160 x 90 pixels.)
+const MAX_MEAN_FLIP: f32 = 0.008;
+
+/// The same where transparency and glossy lobes are drawn at random: other rounding draws otherwise. Between
+/// two processors, half of the pixels were one 8-bit code apart, which makes 0.016.
+const MAX_MEAN_FLIP_DRAWN: f32 = 0.02;
 
 /// Small enough to render all of them in a minute on a software driver, large enough to see what is wrong.
 fn small() -> RenderSettings {
@@ -43,6 +48,14 @@ struct Snapshot {
     name: String,
     scene: &'static str,
     settings: RenderSettings,
+    /// The largest mean FLIP error allowed.
+    max_flip: f32,
+}
+
+impl Snapshot {
+    fn new(name: impl Into<String>, scene: &'static str, settings: RenderSettings) -> Self {
+        Self { name: name.into(), scene, settings, max_flip: MAX_MEAN_FLIP }
+    }
 }
 
 /// Every built-in scene; of the rotated ones, which look the same but for the voxels' errors, one.
@@ -51,17 +64,17 @@ fn scenes() -> Vec<Snapshot> {
     names
         .filter(|name| !name.ends_with("-rotated") || *name == "cornell-rotated")
         .filter(|name| !lumivox_scene::builtin::is_large(name))
-        .map(|scene| Snapshot { name: scene.to_owned(), scene, settings: small() })
+        .map(|scene| Snapshot::new(scene, scene, small()))
         .collect()
 }
 
 /// One of every material.
 fn materials() -> Vec<Snapshot> {
+    // More frames than where nothing is drawn at random.
+    let settings = RenderSettings { frames: 16, ..small() };
     vec![Snapshot {
-        name: "materials".to_owned(),
-        scene: "materials",
-        // Transparency and glossy lobes are drawn: more frames than where nothing is.
-        settings: RenderSettings { frames: 16, ..small() },
+        max_flip: MAX_MEAN_FLIP_DRAWN,
+        ..Snapshot::new("materials", "materials", settings)
     }]
 }
 
@@ -77,10 +90,9 @@ fn views() -> Vec<Snapshot> {
         ("cornell-rotated", View::Normal),
     ];
     views
-        .map(|(scene, view)| Snapshot {
-            name: format!("{scene}-{}", view.name()),
-            scene,
-            settings: RenderSettings { view, ..small() },
+        .map(|(scene, view)| {
+            let settings = RenderSettings { view, ..small() };
+            Snapshot::new(format!("{scene}-{}", view.name()), scene, settings)
         })
         .into()
 }
@@ -108,11 +120,7 @@ fn overlays() -> Vec<Snapshot> {
             },
         ),
     ]
-    .map(|(what, settings)| Snapshot {
-        name: format!("cornell-{what}"),
-        scene: "cornell",
-        settings,
-    })
+    .map(|(what, settings)| Snapshot::new(format!("cornell-{what}"), "cornell", settings))
     .into()
 }
 
@@ -125,11 +133,7 @@ fn variants() -> Vec<Snapshot> {
         ("isotropic", RenderSettings { directionality, ..small() }),
         ("half", RenderSettings { trace: half, ..small() }),
     ]
-    .map(|(what, settings)| Snapshot {
-        name: format!("cornell-{what}"),
-        scene: "cornell",
-        settings,
-    })
+    .map(|(what, settings)| Snapshot::new(format!("cornell-{what}"), "cornell", settings))
     .into()
 }
 
@@ -203,7 +207,7 @@ fn the_comparison_sees_small_changes() {
 fn check(snapshots: Vec<Snapshot>) {
     let gpu = gpu();
     let mut failures = Vec::new();
-    for Snapshot { name, scene, settings } in snapshots {
+    for Snapshot { name, scene, settings, max_flip } in snapshots {
         let scene = if scene == "materials" { zoo::scene() } else { builtin(scene) };
         let picture = picture(&mut renderer(&gpu, &scene, settings));
         let rgb = picture.ldr.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
@@ -215,7 +219,7 @@ fn check(snapshots: Vec<Snapshot>) {
             // Past the capture of passing tests' output: this is never silent.
             let said = writeln!(std::io::stderr(), "LUMIVOX_BLESS=1 wrote {}", path.display());
             said.expect("stderr takes a line");
-        } else if let Err(failure) = compare(&name, &actual, &path) {
+        } else if let Err(failure) = compare(&name, &actual, &path, max_flip) {
             failures.push(failure);
         }
     }
@@ -257,7 +261,7 @@ fn save(image: &RgbImage, path: &Path) {
 }
 
 /// Holds a picture against its reference.
-fn compare(name: &str, actual: &RgbImage, path: &Path) -> Result<(), String> {
+fn compare(name: &str, actual: &RgbImage, path: &Path, max_flip: f32) -> Result<(), String> {
     let left = |actual: &RgbImage| leave_behind(&format!("{name}-actual"), actual);
     let shown = path.display();
     let reference = match image::open(path) {
@@ -280,11 +284,11 @@ fn compare(name: &str, actual: &RgbImage, path: &Path) -> Result<(), String> {
     }
     let (mean, difference) = flip(&reference, actual);
     println!("{name}: mean FLIP error {mean:.5}");
-    if mean <= MAX_MEAN_FLIP {
+    if mean <= max_flip {
         return Ok(());
     }
     Err(format!(
-        "{name}: mean FLIP error {mean:.4}, at most {MAX_MEAN_FLIP} is allowed\n  \
+        "{name}: mean FLIP error {mean:.4}, at most {max_flip} is allowed\n  \
          reference:  {shown}\n  actual:     {}\n  difference: {}",
         left(actual).display(),
         leave_behind(&format!("{name}-difference"), &difference).display()
