@@ -2,10 +2,9 @@
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
-use bevy::pbr::SkinUniforms;
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 use bevy::render::Extract;
-use bevy::render::sync_world::MainEntity;
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
     storage_buffer, upload,
@@ -53,30 +52,49 @@ impl Deformation {
     }
 }
 
-/// The weights of all meshes with morph targets, in the render world.
+/// The joints and weights of all meshes that have any, in the render world.
+///
+/// Bevy's own joints are of the meshes that a camera or a shadow map sees; light comes from behind a camera as well.
 #[derive(Resource, Default)]
-pub(crate) struct SceneMorphs {
-    first: EntityHashMap<(u32, u32)>,
+pub(crate) struct ScenePoses {
+    first_joints: EntityHashMap<u32>,
+    joints: Vec<Mat4>,
+    /// The first weight of a mesh, and how many it has.
+    weight_ranges: EntityHashMap<(u32, u32)>,
     weights: Vec<f32>,
 }
 
-pub(crate) fn extract_morphs(
-    mut morphs: ResMut<SceneMorphs>,
-    meshes: Extract<Query<(Entity, &MeshMorphWeights)>>,
+pub(crate) fn extract_poses(
+    mut poses: ResMut<ScenePoses>,
+    skins: Extract<Query<(Entity, &SkinnedMesh, &InheritedVisibility)>>,
+    inverse_bindposes: Extract<Res<Assets<SkinnedMeshInverseBindposes>>>,
+    joints: Extract<Query<&GlobalTransform>>,
+    morphs: Extract<Query<(Entity, &MeshMorphWeights)>>,
     shared: Extract<Query<&MorphWeights>>,
 ) {
-    morphs.first.clear();
-    morphs.weights.clear();
-    for (entity, weights) in &meshes {
+    let poses = &mut *poses;
+    poses.first_joints.clear();
+    poses.joints.clear();
+    for (entity, skin, _) in skins.iter().filter(|(_, _, visibility)| visibility.get()) {
+        // Without them there is no pose yet.
+        let Some(inverses) = inverse_bindposes.get(&skin.inverse_bindposes) else { continue };
+        poses.first_joints.insert(entity, poses.joints.len() as u32);
+        poses.joints.extend(skin.joints.iter().zip(inverses.iter()).map(|(joint, inverse)| {
+            joints.get(*joint).map_or(Mat4::IDENTITY, |joint| joint.affine() * *inverse)
+        }));
+    }
+    poses.weight_ranges.clear();
+    poses.weights.clear();
+    for (entity, weights) in &morphs {
         let weights = match weights {
             MeshMorphWeights::Value { weights } => weights.as_slice(),
             MeshMorphWeights::Reference(other) => {
                 shared.get(*other).map(MorphWeights::weights).unwrap_or_default()
             }
         };
-        let range = (morphs.weights.len() as u32, weights.len() as u32);
-        morphs.first.insert(entity, range);
-        morphs.weights.extend_from_slice(weights);
+        let range = (poses.weights.len() as u32, weights.len() as u32);
+        poses.weight_ranges.insert(entity, range);
+        poses.weights.extend_from_slice(weights);
     }
 }
 
@@ -146,21 +164,19 @@ impl Deformer {
     pub(crate) fn follow(
         &mut self,
         (device, queue): (&wgpu::Device, &wgpu::Queue),
-        skins: Option<&SkinUniforms>,
-        morphs: &SceneMorphs,
+        poses: &ScenePoses,
     ) -> bool {
         if self.wanted.is_empty() {
             return false;
         }
-        let joints = skins.map_or(&[] as &[Mat4], |skins| &skins.current_staging_buffer);
-        let (jobs, known) = (&mut self.jobs, &mut self.known_joints);
-        let mut has_moved =
-            follow((device, queue), ("joints", joints), known, &mut self.joints, jobs);
+        let (gpu, jobs) = ((device, queue), &mut self.jobs);
+        let (joints, known) = (("joints", poses.joints.as_slice()), &mut self.known_joints);
+        let mut has_moved = follow(gpu, joints, known, &mut self.joints, jobs);
         let (weights, known) =
-            (("morph weights", morphs.weights.as_slice()), &mut self.known_weights);
-        has_moved |= follow((device, queue), weights, known, &mut self.weights, jobs);
+            (("morph weights", poses.weights.as_slice()), &mut self.known_weights);
+        has_moved |= follow(gpu, weights, known, &mut self.weights, jobs);
         for job in &mut self.jobs {
-            let posed = job.deformation.of_frame(job.entity, skins, morphs);
+            let posed = job.deformation.of_frame(job.entity, poses);
             has_moved |= posed.is_some() && !job.is_posed;
             job.is_posed = posed.is_some();
             if let Some(deformation) = posed.filter(|deformation| *deformation != job.deformation) {
@@ -178,13 +194,12 @@ impl Deformer {
         &mut self,
         pipelines: &Pipelines,
         recorder: &mut Recorder<'_>,
-        skins: Option<&SkinUniforms>,
-        morphs: &SceneMorphs,
+        poses: &ScenePoses,
     ) -> Result<(), GiError> {
         if !std::mem::take(&mut self.is_due) {
             return Ok(());
         }
-        self.plan(pipelines, skins, morphs)?;
+        self.plan(pipelines, poses)?;
         let Some((kernel, _)) = &self.kernel else { return Ok(()) };
         recorder.stage("deform");
         for job in self.jobs.iter().filter(|job| job.is_posed) {
@@ -194,12 +209,7 @@ impl Deformer {
     }
 
     /// Binds the meshes that were planned since.
-    fn plan(
-        &mut self,
-        pipelines: &Pipelines,
-        skins: Option<&SkinUniforms>,
-        morphs: &SceneMorphs,
-    ) -> Result<(), GiError> {
+    fn plan(&mut self, pipelines: &Pipelines, poses: &ScenePoses) -> Result<(), GiError> {
         if !self.jobs.is_empty() {
             return Ok(());
         }
@@ -220,7 +230,7 @@ impl Deformer {
             return Ok(());
         };
         for Wanted { entity, vertices, targets, deformation } in &self.wanted {
-            let posed = deformation.of_frame(*entity, skins, morphs);
+            let posed = deformation.of_frame(*entity, poses);
             let (is_posed, deformation) = (posed.is_some(), posed.unwrap_or(*deformation));
             let uniform = upload(pipelines.device(), "deformation", &[deformation]);
             let targets = targets.as_ref().unwrap_or(weights);
@@ -239,18 +249,12 @@ impl Deformer {
 }
 
 impl Deformation {
-    /// With the places of the joints and weights of a frame; `None` where Bevy holds no joints of it, because neither a
-    /// camera nor a shadow map sees it: it keeps its pose.
-    fn of_frame(
-        mut self,
-        entity: Entity,
-        skins: Option<&SkinUniforms>,
-        morphs: &SceneMorphs,
-    ) -> Option<Self> {
+    /// With the places of the joints and weights of a frame; `None` where there are no joints of it yet.
+    fn of_frame(mut self, entity: Entity, poses: &ScenePoses) -> Option<Self> {
         if self.joint_indices != NONE {
-            self.first_joint = skins?.skin_index(MainEntity::from(entity))?;
+            self.first_joint = *poses.first_joints.get(&entity)?;
         }
-        let (first, count) = morphs.first.get(&entity).copied().unwrap_or_default();
+        let (first, count) = poses.weight_ranges.get(&entity).copied().unwrap_or_default();
         (self.first_weight, self.target_count) = (first, self.target_count.min(count));
         Some(self)
     }

@@ -132,7 +132,7 @@ impl Plugin for LumivoxPlugin {
             .init_resource::<textures::TextureCopies>()
             .init_resource::<geometry::SceneGeometry>()
             .init_resource::<deform::Deformer>()
-            .init_resource::<deform::SceneMorphs>()
+            .init_resource::<deform::ScenePoses>()
             .init_resource::<scene::ChangedImages>()
             .init_resource::<volumes::Volumes>()
             .configure_sets(ExtractSchedule, (Extraction::Begin, Extraction::Read).chain())
@@ -143,7 +143,7 @@ impl Plugin for LumivoxPlugin {
                     views::extract_views.in_set(Extraction::Read),
                     lights::extract_scene_lights.in_set(Extraction::Read),
                     irradiance::extract_volumes.in_set(Extraction::Read),
-                    deform::extract_morphs.in_set(Extraction::Read),
+                    deform::extract_poses.in_set(Extraction::Read),
                     scene::extract_changed_images.in_set(Extraction::Read),
                 ),
             )

@@ -1,6 +1,5 @@
 //! Brings the scene of a frame together: materials, geometry, volumes.
 
-use bevy::pbr::SkinUniforms;
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use bevy::render::Extract;
@@ -10,7 +9,7 @@ use bevy::render::render_asset::RenderAssets;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::texture::GpuImage;
 
-use crate::deform::{Deformer, SceneMorphs};
+use crate::deform::{Deformer, ScenePoses};
 use crate::geometry::{SceneGeometry, Sources};
 use crate::instances::Instances;
 use crate::irradiance::{ARE_USABLE, Offers};
@@ -65,7 +64,7 @@ pub(crate) fn update_scene(
     mut surfaces: ResMut<Surfaces>,
     mut changed_images: ResMut<ChangedImages>,
     mut copies: ResMut<TextureCopies>,
-    (mut deformer, morphs, skins): (ResMut<Deformer>, Res<SceneMorphs>, Option<Res<SkinUniforms>>),
+    (mut deformer, poses): (ResMut<Deformer>, Res<ScenePoses>),
     views: Res<GiViews>,
     (meshes, allocator, images): (
         Res<RenderAssets<RenderMesh>>,
@@ -85,7 +84,7 @@ pub(crate) fn update_scene(
         }
         return;
     }
-    let exposure_changed = volumes.choose_unit(&views.views);
+    let exposure_changed = volumes.follow_exposure(&views.views);
     let pipelines = volumes.pipelines(&device);
     let sources = SurfaceSources {
         surfaces: &surfaces,
@@ -110,8 +109,7 @@ pub(crate) fn update_scene(
         reports: &reports,
     };
     scene.update(&sources, (&mut table, &mut deformer), are_displaced);
-    let (device_and_queue, skins) = ((device.wgpu_device(), &**queue), skins.as_deref());
-    if deformer.follow(device_and_queue, skins, &morphs) {
+    if deformer.follow((device.wgpu_device(), &queue), &poses) {
         scene.version += 1;
     }
     volumes.follow(&views.views, &instances, (&device, &queue), &reports);

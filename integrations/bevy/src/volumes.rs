@@ -1,6 +1,8 @@
 //! The volumes of all cameras: begun, shown when their voxels are ready, replaced, given up.
 
-use bevy::pbr::{SkinUniforms, ViewLightEntities, ViewShadowBindings};
+use std::ops::RangeInclusive;
+
+use bevy::pbr::{ViewLightEntities, ViewShadowBindings};
 use bevy::prelude::*;
 use bevy::render::diagnostic::DiagnosticsRecorder;
 use bevy::render::render_asset::RenderAssets;
@@ -12,7 +14,7 @@ use bevy::tasks::futures::check_ready;
 use lumivox::gpu::{Pipelines, Recorder};
 use lumivox::{GiError, Grid, Light, wgpu};
 
-use crate::deform::{Deformer, SceneMorphs};
+use crate::deform::{Deformer, ScenePoses};
 use crate::geometry::SceneGeometry;
 use crate::instances::Instances;
 use crate::irradiance::{ARE_USABLE, Forward, Offer};
@@ -31,6 +33,11 @@ const FRAMES_TO_KEEP: u32 = 120;
 const TOLERATED_GROWTH: f32 = 0.01;
 /// How much smaller than its box the scene may become before it is fitted anew.
 const TOLERATED_SHRINKING: f32 = 0.4;
+/// cd/m² of Lumivox's unit of radiance in nearly all worlds.
+const USUAL_UNIT: f32 = 8.0;
+/// How many times the unit a picture's white may be: half floats, which hold radiance, then have 64 steps for a thousandth of
+/// white, and room for four times white. With the usual unit this is an EV100 from -5 to 16.
+const HELD_WHITES: RangeInclusive<f32> = 1.0 / 256.0..=16_384.0;
 
 /// What cameras must have in common to share a volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +74,7 @@ pub(crate) struct Volumes {
     held: Vec<Held>,
     pipelines: Option<Pipelines>,
     numbers: u64,
-    /// cd/m² of Lumivox's unit of radiance: a power of two, so that half floats hold the pictures of this exposure.
+    /// cd/m² of Lumivox's unit of radiance, which half floats hold; a power of two.
     unit: f32,
     /// Of the first camera.
     exposure: f32,
@@ -107,18 +114,20 @@ impl Volumes {
         if self.exposure > 0.0 { self.exposure } else { 1.0 }
     }
 
-    /// Chooses the unit of radiance; whether it or the exposure is another is returned.
-    pub(crate) fn choose_unit(&mut self, views: &[GiView]) -> bool {
+    /// Follows the exposure of the first camera; whether it is another is returned. Where its pictures do not fit the unit of
+    /// radiance, another is chosen, and all voxels are made anew.
+    pub(crate) fn follow_exposure(&mut self, views: &[GiView]) -> bool {
         let Some(view) = views.first() else { return false };
         let exposure = view.exposure;
         if !(exposure > 0.0 && exposure.is_finite()) || exposure == self.exposure {
             return false;
         }
         self.exposure = exposure;
-        // A picture's white is 1 / exposure. The unit stays while that is within four stops.
-        let stops = (1.0 / exposure).log2();
-        if self.unit <= 0.0 || (stops - self.unit.log2()).abs() > 4.0 {
-            self.unit = stops.round().exp2();
+        let white = 1.0 / exposure;
+        if self.unit <= 0.0 || !HELD_WHITES.contains(&(white / self.unit)) {
+            let is_usual = HELD_WHITES.contains(&(white / USUAL_UNIT));
+            self.unit = if is_usual { USUAL_UNIT } else { white.log2().round().exp2() };
+            self.held.clear();
         }
         true
     }
@@ -271,7 +280,7 @@ pub(crate) fn record_volume(
     mut context: RenderContext,
     mut volumes: ResMut<Volumes>,
     (gi_views, scene, mut scene_lights): (Res<GiViews>, Res<SceneGeometry>, ResMut<SceneLights>),
-    (mut deformer, skins, morphs): (ResMut<Deformer>, Option<Res<SkinUniforms>>, Res<SceneMorphs>),
+    (mut deformer, poses): (ResMut<Deformer>, Res<ScenePoses>),
     (shadows, images, forward): (BevyShadows, Res<RenderAssets<GpuImage>>, Forward),
     changed_images: Res<ChangedImages>,
     queue: Res<RenderQueue>,
@@ -324,7 +333,7 @@ pub(crate) fn record_volume(
     };
     if let Some(pipelines) = &volumes.pipelines {
         let mut recorder = Recorder::on(&device, &queue, context.command_encoder());
-        if let Err(error) = deformer.record(pipelines, &mut recorder, skins.as_deref(), &morphs) {
+        if let Err(error) = deformer.record(pipelines, &mut recorder, &poses) {
             reports.once(LumivoxEvent::Failed { error: error.to_string() });
         }
     }

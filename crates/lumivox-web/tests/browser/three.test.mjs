@@ -15,22 +15,30 @@ let session;
 before(async () => {
     const folder = await project();
     const bundles = [
-        await filesOf(await vite(join(folder, "forms")), "forms"),
+        await filesOf(await vite(join(folder, "cornell")), "vite"),
+        await filesOf(await webpack(join(folder, "cornell"), "beside.js"), "webpack"),
+        await filesOf(await webpack(join(folder, "cornell"), "inlined.js"), "inlined"),
+        await filesOf(await webpack(join(folder, "forms"), "forms.js"), "forms"),
         await filesOf(await vite(join(folder, "example")), "hall"),
-        await filesOf(await webpack(folder, "cornell.js"), "webpack"),
     ];
     session = await Session.start({ beside: bundles.flat() });
 });
 after(() => session?.end());
 
-test("webpack bundles the entry with inlined WebAssembly, and its page shows the scene", async () => {
-    const app = await App.open(session, { path: "webpack/index.html" });
-    await app.page.locator("p").getByText("cornell: 40 triangles").waitFor({ timeout: COMPILED_MS });
-    await app.check();
-    await app.close();
-});
+for (const [name, what] of [
+    ["vite", "Vite bundles the package"],
+    ["webpack", "webpack bundles the package"],
+    ["inlined", "webpack bundles the entry with inlined WebAssembly"],
+]) {
+    test(`${what}, and its page shows the scene`, async () => {
+        const app = await App.open(session, { path: `${name}/index.html` });
+        await app.page.locator("p").getByText("cornell: 40 triangles").waitFor({ timeout: COMPILED_MS });
+        await app.check();
+        await app.close();
+    });
+}
 
-describe("scenes of three.js whose light is known, in a bundle of Vite", () => {
+describe("scenes of three.js whose light is known, in a bundle of webpack", () => {
     /** @type {App} */
     let app;
     before(async () => {

@@ -2,7 +2,7 @@
 
 use bevy::anti_alias::taa::TemporalAntiAliasing;
 use bevy::asset::RenderAssetUsages;
-use bevy::camera::{RenderTarget, Viewport};
+use bevy::camera::{Exposure, RenderTarget, Viewport};
 use bevy::prelude::*;
 use bevy::render::camera::TemporalJitter;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
@@ -194,6 +194,74 @@ fn assets_may_come_late_and_be_replaced() {
     let gone = stage.settled();
     let change = difference(&gone, &empty);
     assert!(change < 0.03, "{change}");
+}
+
+/// The texture stays, and what is in it is another.
+#[test]
+fn images_may_be_modified_in_place() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let size = Extent3d { width: 2, height: 2, depth_or_array_layers: 1 };
+    let format = TextureFormat::Rgba8UnormSrgb;
+    let of = |texel: [u8; 4]| {
+        Image::new(size, TextureDimension::D2, texel.repeat(4), format, RenderAssetUsages::all())
+    };
+    let world = stage.app.world_mut();
+    let image = world.resource_mut::<Assets<Image>>().add(of([255, 20, 20, 255]));
+    let material = StandardMaterial {
+        base_color_texture: Some(image.clone()),
+        perceptual_roughness: 1.0,
+        ..StandardMaterial::default()
+    };
+    let material = world.resource_mut::<Assets<StandardMaterial>>().add(material);
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::new(1.9, 0.02, 1.9));
+    // The floor, which the camera sees; what is on the walls is its light.
+    let place = Transform::from_xyz(0.0, 0.02, 0.0);
+    world.spawn((Mesh3d(mesh), MeshMaterial3d(material), place));
+    let redness = |shot: &headless::Shot| {
+        let above = shot.rgb.iter().take((shot.size.x * shot.size.y / 2) as usize);
+        let sum = above.fold(Vec3::ZERO, |sum, rgb| sum + rgb.min(Vec3::splat(0.3)));
+        sum.x / sum.y
+    };
+    let red = stage.settled();
+    let mut images = stage.app.world_mut().resource_mut::<Assets<Image>>();
+    images.get_mut(&image).expect("there").data = of([20, 255, 20, 255]).data;
+    let green = stage.settled();
+    red.save("target/pictures/modified-red.png", 2.0);
+    green.save("target/pictures/modified-green.png", 2.0);
+    println!("{} {}", redness(&red), redness(&green));
+    assert!(redness(&red) > 1.15 * redness(&green));
+}
+
+/// The unit of light does not follow exposures that cameras have; beyond them, voxels are made anew.
+#[test]
+fn another_exposure_shows_the_same_light() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let before = stage.settled();
+    let show = |stage: &mut Stage, ev100: f32| {
+        stage.app.world_mut().entity_mut(stage.camera).insert(Exposure { ev100 });
+        let factor = Exposure { ev100: 4.0 }.exposure() / Exposure { ev100 }.exposure();
+        move |mut shot: headless::Shot| {
+            shot.rgb.iter_mut().for_each(|rgb| *rgb *= factor);
+            shot
+        }
+    };
+    for ev100 in [14.0, -4.0] {
+        let as_before = show(&mut stage, ev100);
+        for _ in 0..5 {
+            let change =
+                difference(&without_lamp(&as_before(stage.next())), &without_lamp(&before));
+            assert!(change < 0.05, "EV100 {ev100}: {change}");
+        }
+    }
+    let as_before = show(&mut stage, -9.0);
+    stage.app.update();
+    headless::wait_until_ready(&mut stage.app);
+    stage.frames(40);
+    let change = difference(&without_lamp(&as_before(stage.settled())), &without_lamp(&before));
+    println!("another unit of light: {change}");
+    assert!(change < 0.05, "{change}");
 }
 
 #[test]

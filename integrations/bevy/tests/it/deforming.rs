@@ -1,5 +1,7 @@
 //! Skinned and morphed meshes: as if their vertices were where they are drawn.
 
+use bevy::camera::visibility::RenderLayers;
+use bevy::light::NotShadowCaster;
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes};
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
@@ -13,6 +15,25 @@ const MOVE: Vec3 = Vec3::new(0.9, 0.1, 0.0);
 
 fn screen() -> Mesh {
     Cuboid::new(0.1, 1.2, 0.9).mesh().build()
+}
+
+/// A screen that two joints carry, the second with three quarters of the weight.
+fn skinned(world: &mut World) -> (Mesh3d, SkinnedMesh) {
+    let mut mesh = screen();
+    let count = mesh.count_vertices();
+    let joints = VertexAttributeValues::Uint16x4(vec![[1, 0, 0, 0]; count]);
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, joints);
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, vec![[0.75_f32, 0.25, 0.0, 0.0]; count]);
+    let mesh = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(mesh));
+    let poses = SkinnedMeshInverseBindposes::from(vec![Mat4::IDENTITY; 2]);
+    let inverse_bindposes = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(poses);
+    let joints = (0..2).map(|_| world.spawn(Transform::from_translation(REST)).id()).collect();
+    (mesh, SkinnedMesh { inverse_bindposes, joints })
+}
+
+fn place(stage: &mut Stage, joint: Entity, at: Vec3) {
+    let mut transform = stage.app.world_mut().get_mut::<Transform>(joint).expect("a joint");
+    transform.translation = at;
 }
 
 fn material(world: &mut World) -> MeshMaterial3d<StandardMaterial> {
@@ -43,28 +64,49 @@ fn joints_carry_a_mesh() {
     let mut stage = Stage::cornell();
     let world = stage.app.world_mut();
     let material = material(world);
-    let mut mesh = screen();
-    let count = mesh.count_vertices();
-    let joints = VertexAttributeValues::Uint16x4(vec![[1, 0, 0, 0]; count]);
-    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, joints);
-    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, vec![[0.75_f32, 0.25, 0.0, 0.0]; count]);
-    let mesh = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(mesh));
-    let poses = SkinnedMeshInverseBindposes::from(vec![Mat4::IDENTITY; 2]);
-    let inverse_bindposes = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(poses);
-    let joints: Vec<Entity> =
-        (0..2).map(|_| world.spawn(Transform::from_translation(REST)).id()).collect();
-    let skin = SkinnedMesh { inverse_bindposes, joints: joints.clone() };
+    let (mesh, skin) = skinned(world);
+    let joints = skin.joints.clone();
     world.spawn((mesh, material, skin, Transform::default()));
     let at_rest = stage.settled();
-    // One joint has three quarters of the weight, the other the rest.
-    for (joint, share) in [(joints[1], 1.0), (joints[0], 1.0)] {
-        let mut transform = stage.app.world_mut().get_mut::<Transform>(joint).expect("a joint");
-        transform.translation = REST + share * MOVE;
+    for joint in joints {
+        place(&mut stage, joint, REST + MOVE);
     }
     let moved = stage.settled();
     moved.save("target/pictures/screen-skinned.png", 2.0);
     let [from_plain, from_rest] = [&plain, &at_rest].map(|other| difference(&moved, other));
     assert!(from_plain < 0.03 && from_rest > 0.2, "{from_plain} {from_rest}");
+}
+
+/// Bevy holds no joints of what neither a camera nor a shadow map sees. It lights what they see all the same.
+#[test]
+fn unseen_skins_move_as_well() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let without = stage.settled();
+    let world = stage.app.world_mut();
+    let lamp = StandardMaterial {
+        emissive: LinearRgba::rgb(20.0, 20.0, 20.0),
+        ..StandardMaterial::default()
+    };
+    let material = MeshMaterial3d(world.resource_mut::<Assets<StandardMaterial>>().add(lamp));
+    let (mesh, skin) = skinned(world);
+    let joints = skin.joints.clone();
+    // Of another layer, and without a shadow.
+    let lamp = world.spawn((mesh, material, skin, RenderLayers::layer(1), NotShadowCaster)).id();
+    let at_rest = stage.settled();
+    assert!(!stage.app.world().get::<ViewVisibility>(lamp).expect("a mesh").get());
+    for joint in &joints {
+        place(&mut stage, *joint, REST + MOVE);
+    }
+    let moved = stage.settled();
+    for joint in &joints {
+        place(&mut stage, *joint, REST);
+    }
+    let back = stage.settled();
+    let [lit, way, left] = [(&at_rest, &without), (&moved, &at_rest), (&back, &at_rest)]
+        .map(|(one, other)| difference(one, other));
+    println!("lit {lit}, moved {way}, back {left}");
+    assert!(lit > 0.2 && way > 0.2 && left < 0.03, "{lit} {way} {left}");
 }
 
 #[test]

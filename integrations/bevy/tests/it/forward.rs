@@ -5,7 +5,7 @@ use bevy::light::{IrradianceVolume, LightProbe};
 use bevy::material::OpaqueRendererMethod;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-use bevy_lumivox::LumivoxGi;
+use bevy_lumivox::{GiVolume, LumivoxGi};
 
 use crate::common::{headless, scene};
 use crate::stage::{Stage, alone, difference, quick, without_lamp};
@@ -90,8 +90,16 @@ fn nothing_is_lit_twice() {
     };
     let glass = world.resource_mut::<Assets<StandardMaterial>>().add(glass);
     let place = Transform::from_xyz(0.0, 1.0, 0.0);
-    world.spawn((Mesh3d(mesh), MeshMaterial3d(glass), place));
+    let speck_of_glass = world.spawn((Mesh3d(mesh), MeshMaterial3d(glass), place)).id();
     let speck = stage.settled();
+    // Nor for the frames in which Bevy's pipelines change back, once it is gone.
+    stage.app.world_mut().entity_mut(speck_of_glass).insert(Visibility::Hidden);
+    let brightest = (0..12).map(|_| stage.next().mean_luminance()).fold(0.0, f32::max);
+    println!("brightest frame after the speck has gone: {}", brightest / without.mean_luminance());
+    assert!(brightest < 1.03 * without.mean_luminance());
+    stage.app.world_mut().entity_mut(speck_of_glass).insert(Visibility::Inherited);
+    stage.frames(20);
+    let world = stage.app.world_mut();
     let texel =
         [0_u16, 0, 0, 0].map(|_| half::f16::from_f32(1.0)).map(half::f16::to_le_bytes).concat();
     let image = Image::new_fill(
@@ -138,6 +146,13 @@ fn multisampling_stays_where_all_is_drawn_forward() {
     println!("{} {} {}", direct.mean_luminance(), smooth.mean_luminance(), rough.mean_luminance());
     println!("multisampling changes {}", difference(&smooth, &rough));
     assert!(smooth.mean_luminance() > 1.2 * direct.mean_luminance());
+    // Another volume takes the place of the first once its probes are lit: no frame between them is dark.
+    let finer = LumivoxGi { volume: GiVolume::Scene { resolution: 40 }, ..quick() };
+    stage.app.world_mut().entity_mut(stage.camera).insert(finer);
+    let darkest = (0..120).map(|_| without_lamp(&stage.next()).mean_luminance());
+    let darkest = darkest.fold(f32::INFINITY, f32::min);
+    println!("darkest frame while another volume is made: {darkest}");
+    assert!(darkest > 0.95 * rough.mean_luminance());
     assert!((smooth.mean_luminance() / rough.mean_luminance() - 1.0).abs() < 0.05);
     // Edges differ, and nothing else.
     assert!(difference(&smooth, &rough) > 0.01);

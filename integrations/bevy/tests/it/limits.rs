@@ -41,15 +41,25 @@ fn what_is_left_out_is_told_once() {
         world.spawn((Mesh3d(strip.clone()), MeshMaterial3d(material.clone())));
     }
     world.spawn(RectLight::default());
+    // Textures need coordinates.
+    let image = world.resource_mut::<Assets<Image>>().add(Image::default());
+    let textured = StandardMaterial { base_color_texture: Some(image), ..default() };
+    let textured = world.resource_mut::<Assets<StandardMaterial>>().add(textured);
+    let mut plain = Mesh::from(Cuboid::from_length(0.1));
+    plain.remove_attribute(Mesh::ATTRIBUTE_UV_0);
+    let plain = world.resource_mut::<Assets<Mesh>>().add(plain);
+    world.spawn((Mesh3d(plain), MeshMaterial3d(textured)));
     let mut told = Vec::new();
     for _ in 0..20 {
         stage.app.update();
         told.extend(stage.events());
     }
     told.retain(|event| *event != LumivoxEvent::Ready);
-    assert_eq!(told.len(), 2, "{told:?}");
-    let is_strip = |event: &LumivoxEvent| matches!(event, LumivoxEvent::MeshLeftOut { reason } if reason.contains("strips"));
-    assert!(told.iter().any(is_strip), "{told:?}");
+    assert_eq!(told.len(), 3, "{told:?}");
+    for part in ["strips", "ATTRIBUTE_UV_0"] {
+        let is_it = |event: &LumivoxEvent| matches!(event, LumivoxEvent::MeshLeftOut { reason } if reason.contains(part));
+        assert!(told.iter().any(is_it), "{told:?}");
+    }
     assert!(told.contains(&LumivoxEvent::LightLeftOut { kind: "RectLight" }), "{told:?}");
 }
 

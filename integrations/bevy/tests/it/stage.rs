@@ -93,6 +93,12 @@ impl Stage {
         }
     }
 
+    /// The picture of another frame.
+    pub fn next(&mut self) -> headless::Shot {
+        self.app.update();
+        headless::shot(&self.app, &self.image)
+    }
+
     /// The mean of frames once light has settled.
     pub fn settled(&mut self) -> headless::Shot {
         self.frames(40);

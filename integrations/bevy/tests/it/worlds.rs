@@ -76,6 +76,16 @@ fn environment_maps_are_seen_through_openings() {
     let behind = added(&lit_by(&from_below(Quat::from_rotation_x(0.5 * PI))));
     println!("from the front {front}, from behind {behind}, even {}", added(&ambient));
     assert!(front > 10.0 * behind.abs(), "{front} {behind}");
+    // Another light in the same texture.
+    let map = stage.app.world().get::<EnvironmentMapLight>(stage.camera).expect("a map").clone();
+    let mut images = stage.app.world_mut().resource_mut::<Assets<Image>>();
+    for image in [&map.diffuse_map, &map.specular_map] {
+        let mut image = images.get_mut(image).expect("there");
+        image.data.as_mut().expect("texels").fill(0);
+    }
+    let unlit = added(&stage.settled());
+    println!("black in place: {unlit}");
+    assert!(unlit.abs() < 0.05 * front, "{unlit}");
     stage.app.world_mut().entity_mut(stage.camera).remove::<EnvironmentMapLight>();
     let again = stage.settled();
     let change = difference(&again, &dark);

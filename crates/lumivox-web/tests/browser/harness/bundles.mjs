@@ -35,13 +35,13 @@ export async function vite(root) {
     return out;
 }
 
-/** Bundles a module with webpack, without settings, and puts it into a page. @param {string} folder @param {string} entry
+/** Bundles a module with webpack, without settings, and puts it into a page. @param {string} root @param {string} entry
  * @returns {Promise<string>} the folder of the bundle */
-export async function webpack(folder, entry) {
-    const out = join(folder, "webpack");
+export async function webpack(root, entry) {
+    const out = join(root, "webpack", entry);
     /** @type {import("webpack").Stats | undefined} */
     const stats = await new Promise((resolve, reject) => {
-        bundler({ mode: "production", context: folder, entry: join(folder, entry), output: { path: out } }, (error, stats) => (error ? reject(error) : resolve(stats)));
+        bundler({ mode: "production", context: root, entry: join(root, entry), output: { path: out } }, (error, stats) => (error ? reject(error) : resolve(stats)));
     });
     // Its advice on sizes is none that the WebAssembly could follow.
     const { errors = [] } = stats?.toJson({ all: false, errors: true }) ?? {};
