@@ -74,6 +74,7 @@ pub(crate) struct OwnVolume {
     offer: Offer,
     /// The texture that takes the place of the one that is shown, once it is on the GPU.
     coming: Option<(Offer, Handle<Image>, u32)>,
+    frames: u32,
 }
 
 /// Makes Bevy's irradiance volumes for what is offered.
@@ -91,6 +92,7 @@ pub(crate) fn follow_offers(
             continue;
         };
         known.push(offer.key);
+        own.frames = own.frames.saturating_add(1);
         if let Some((coming, image, frames)) = &mut own.coming {
             *frames += 1;
             if *frames >= FRAMES_TO_UPLOAD {
@@ -109,15 +111,48 @@ pub(crate) fn follow_offers(
             volume.intensity = offer.unit;
         }
     }
-    for offer in offers.iter().filter(|offer| !known.contains(&offer.key)) {
+    for offer in offers.iter().filter(|offer| ARE_USABLE && !known.contains(&offer.key)) {
         let voxels = images.add(texture(&offer.grid));
         let volume = IrradianceVolume { voxels, intensity: offer.unit, ..default() };
-        let own = OwnVolume { offer: *offer, coming: None };
+        let own = OwnVolume { offer: *offer, coming: None, frames: 0 };
         let everywhere = RenderLayers::from_layers(&std::array::from_fn::<usize, 64, _>(|n| n));
         commands.spawn((
             (own, volume, LightProbe::new(), place(offer)),
             (NoFrustumCulling, everywhere, Name::new("Lumivox")),
         ));
+    }
+}
+
+/// On a camera of the app's world: the volume that lights it. Where it asks for another one, it stays until that is ready.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LitFrom(pub(crate) VolumeKey);
+
+/// Chooses the volumes that light cameras, after what is offered was followed.
+pub(crate) fn choose_keys(
+    offers: Res<Offers>,
+    mut commands: Commands,
+    own: Query<&OwnVolume>,
+    cameras: Query<(Entity, &LumivoxGi, Option<&LitFrom>)>,
+    gone: Query<Entity, (With<LitFrom>, Without<LumivoxGi>)>,
+) {
+    let offers = offers.0.lock().unwrap_or_else(PoisonError::into_inner);
+    let is_shown = |key: &VolumeKey| offers.iter().any(|offer| offer.key == *key);
+    let is_uploaded = |key: &VolumeKey| {
+        !ARE_USABLE || own.iter().any(|own| own.offer.key == *key && own.frames >= FRAMES_TO_UPLOAD)
+    };
+    for (camera, gi, lit_from) in &cameras {
+        let wanted = VolumeKey::new(&gi.volume, camera);
+        let is_ready = is_shown(&wanted) && is_uploaded(&wanted);
+        let key = match lit_from {
+            Some(LitFrom(former)) if !is_ready && is_shown(former) => *former,
+            _ => wanted,
+        };
+        if lit_from != Some(&LitFrom(key)) {
+            commands.entity(camera).insert(LitFrom(key));
+        }
+    }
+    for camera in &gone {
+        commands.entity(camera).remove::<LitFrom>();
     }
 }
 
@@ -143,16 +178,16 @@ fn texture(grid: &ProbeGrid) -> Image {
 /// Lets each camera see the irradiance volume of its own voxels alone, and others none of them: after Bevy has looked for what
 /// cameras see.
 pub(crate) fn choose_volumes(
-    mut cameras: Query<(Entity, &mut VisibleEntities, Option<&LumivoxGi>), With<Camera3d>>,
+    mut cameras: Query<(&mut VisibleEntities, Option<&LitFrom>), With<Camera3d>>,
     own: Query<&OwnVolume>,
     all: Query<(), With<IrradianceVolume>>,
 ) {
     let class = TypeId::of::<ClusterVisibilityClass>();
-    for (camera, mut visible, gi) in &mut cameras {
+    for (mut visible, lit_from) in &mut cameras {
         if !visible.entities.contains_key(&class) {
             continue;
         }
-        let key = gi.map(|gi| VolumeKey::new(&gi.volume, camera));
+        let key = lit_from.map(|lit_from| lit_from.0);
         let is_there = key.is_some_and(|key| own.iter().any(|own| own.offer.key == key));
         visible.get_mut(class).retain(|entity| match own.get(*entity) {
             Ok(own) => Some(own.offer.key) == key,

@@ -111,7 +111,7 @@ impl Plugin for LumivoxPlugin {
             .register_type::<LumivoxGi>()
             .register_type::<NotInGi>()
             .add_systems(First, report::deliver.after(MessageUpdateSystems))
-            .add_systems(First, irradiance::follow_offers)
+            .add_systems(First, (irradiance::follow_offers, irradiance::choose_keys).chain())
             .add_systems(
                 PostUpdate,
                 irradiance::choose_volumes.after(VisibilitySystems::CheckVisibility),

@@ -12,7 +12,7 @@ use bevy::render::texture::GpuImage;
 use crate::deform::{Deformer, ScenePoses};
 use crate::geometry::{SceneGeometry, Sources};
 use crate::instances::Instances;
-use crate::irradiance::{ARE_USABLE, Offers};
+use crate::irradiance::Offers;
 use crate::material::Surfaces;
 use crate::report::Reports;
 use crate::surfaces::{SurfaceSources, SurfaceTable};
@@ -113,9 +113,7 @@ pub(crate) fn update_scene(
         scene.version += 1;
     }
     volumes.follow(&views.views, &instances, (&device, &queue), &reports);
-    if ARE_USABLE {
-        offers.set(volumes.offers());
-    }
+    offers.set(volumes.offers());
     instances.take_changes();
     surfaces.are_changed = false;
     changed_images.unsettled = changed_images.unsettled.saturating_sub(1);

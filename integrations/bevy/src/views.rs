@@ -9,6 +9,7 @@ use bevy::prelude::*;
 use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
 
+use crate::irradiance::LitFrom;
 use crate::settings::LumivoxGi;
 use crate::surroundings::Surroundings;
 use crate::volumes::{VolumeKey, Volumes};
@@ -19,7 +20,10 @@ pub(crate) struct GiView {
     /// In the render world.
     pub(crate) entity: Entity,
     pub(crate) gi: LumivoxGi,
+    /// The volume that lights it.
     pub(crate) key: VolumeKey,
+    /// The one that it asks for: another one while that is in the making.
+    pub(crate) wanted: VolumeKey,
     pub(crate) position: Vec3,
     pub(crate) exposure: f32,
     /// Bevy's ambient light there, cd/m².
@@ -55,7 +59,7 @@ pub(crate) fn extract_views(
             Entity,
             RenderEntity,
             &Camera,
-            &LumivoxGi,
+            (&LumivoxGi, Option<&LitFrom>),
             &GlobalTransform,
             Option<&Exposure>,
             Option<&AmbientLight>,
@@ -66,8 +70,17 @@ pub(crate) fn extract_views(
     everywhere: Extract<Option<Res<GlobalAmbientLight>>>,
 ) {
     gi_views.views.clear();
-    for (camera_entity, entity, camera, gi, transform, exposure, ambient, map, generated) in
-        &cameras
+    for (
+        camera_entity,
+        entity,
+        camera,
+        (gi, lit_from),
+        transform,
+        exposure,
+        ambient,
+        map,
+        generated,
+    ) in &cameras
     {
         let has_picture =
             camera.physical_viewport_size().is_some_and(|size| size.min_element() > 0);
@@ -77,10 +90,12 @@ pub(crate) fn extract_views(
         let color = |color: Color, brightness: f32| LinearRgba::from(color).to_vec3() * brightness;
         let everywhere = everywhere.as_ref().map(|light| color(light.color, light.brightness));
         let own = ambient.map(|light| color(light.color, light.brightness));
+        let wanted = VolumeKey::new(&gi.volume, camera_entity);
         gi_views.views.push(GiView {
             entity,
             gi: *gi,
-            key: VolumeKey::new(&gi.volume, camera_entity),
+            key: lit_from.map_or(wanted, |lit_from| lit_from.0),
+            wanted,
             position: transform.translation(),
             exposure: exposure.copied().unwrap_or_default().exposure(),
             ambient: own.or(everywhere).unwrap_or_default().max(Vec3::ZERO),

@@ -21,7 +21,7 @@ use crate::irradiance::{ARE_USABLE, Forward, Offer};
 use crate::lights::{SceneLights, scaled};
 use crate::report::{LumivoxEvent, Reports};
 use crate::scene::ChangedImages;
-use crate::settings::GiVolume;
+use crate::settings::{GiVolume, LumivoxGi};
 use crate::shadows::{BevyShadows, ShadowMaps};
 use crate::surroundings::Surroundings;
 use crate::views::{GiView, GiViews};
@@ -149,12 +149,18 @@ impl Volumes {
             held.unused += 1;
         }
         for view in views {
-            if !self.held.iter().any(|held| held.key == view.key) {
-                self.held.push(Held::new(view.key, device.wgpu_device()));
+            if !self.held.iter().any(|held| held.key == view.wanted) {
+                self.held.push(Held::new(view.wanted, device.wgpu_device()));
+            }
+            if let Some(former) = self.held.iter_mut().find(|held| held.key == view.key)
+                && view.key != view.wanted
+            {
+                // Kept, though nobody asks for it.
+                (former.unused, former.is_recorded) = (1, false);
             }
             let pipelines = self.pipelines(device);
             let ambient = view.ambient / self.unit();
-            let Some(held) = self.held.iter_mut().find(|held| held.key == view.key) else {
+            let Some(held) = self.held.iter_mut().find(|held| held.key == view.wanted) else {
                 continue;
             };
             if std::mem::take(&mut held.unused) > 0 {
@@ -292,15 +298,6 @@ pub(crate) fn record_volume(
     let device = context.render_device().wgpu_device().clone();
     let volumes = &mut *volumes;
     let share = 1.0 / volumes.unit();
-    let Some(held) = volumes.held.iter_mut().find(|held| held.key == view.key) else { return };
-    if std::mem::replace(&mut held.is_recorded, true) {
-        return;
-    }
-    if let Some(maps) = maps {
-        held.shadow_maps.follow((&device, &queue), maps, &shadows, &mut scene_lights.lights);
-    }
-    volumes.lights.clear();
-    volumes.lights.extend(scene_lights.lights.iter().map(|light| scaled(light.light, share)));
     let map = view.surroundings.and_then(|surroundings| match surroundings.cube(&images) {
         Ok(cube) => Some((cube?, surroundings)),
         Err(missing) => {
@@ -308,38 +305,51 @@ pub(crate) fn record_volume(
             None
         }
     });
-    let shares = |other: &&GiView| other.key == view.key;
-    let has_forward =
-        gi_views.views.iter().filter(shares).any(|other| {
-            extracted.get(other.entity).is_ok_and(|extracted| forward.is_in(extracted))
-        });
-    if has_forward && !ARE_USABLE {
-        reports.once(LumivoxEvent::ForwardNotLit);
-    }
     let redrawn = changed_images.due();
     let is_redrawn =
         |surroundings: &Surroundings| redrawn.is_some_and(|images| surroundings.is_of(images));
-    let frame = Frame {
-        view,
-        is_map_redrawn: map.as_ref().is_some_and(|(_, surroundings)| is_redrawn(surroundings)),
-        map: map.as_ref().map(|(cube, surroundings)| (cube, surroundings)),
-        share,
-        scene: &scene,
-        lights: &volumes.lights,
-        shadow_maps: &held.shadow_maps,
-        ambient: view.ambient * share,
-        has_forward,
-        diagnostics: diagnostics.as_deref(),
-    };
+    let is_map_redrawn = map.as_ref().is_some_and(|(_, surroundings)| is_redrawn(surroundings));
     if let Some(pipelines) = &volumes.pipelines {
         let mut recorder = Recorder::on(&device, &queue, context.command_encoder());
         if let Err(error) = deformer.record(pipelines, &mut recorder, &poses) {
             reports.once(LumivoxEvent::Failed { error: error.to_string() });
         }
     }
-    for voxels in held.shown.iter_mut().chain(&mut held.coming) {
-        if let Err(error) = voxels.record((&device, &queue), context.command_encoder(), &frame) {
-            reports.tell(LumivoxEvent::Failed { error: error.to_string() });
+    let is_of_view = |held: &&mut Held| held.key == view.key || held.key == view.wanted;
+    for held in volumes.held.iter_mut().filter(is_of_view) {
+        if std::mem::replace(&mut held.is_recorded, true) {
+            continue;
+        }
+        if let Some(maps) = maps {
+            held.shadow_maps.follow((&device, &queue), maps, &shadows, &mut scene_lights.lights);
+        }
+        volumes.lights.clear();
+        volumes.lights.extend(scene_lights.lights.iter().map(|light| scaled(light.light, share)));
+        let shares = |other: &&GiView| other.key == held.key || other.wanted == held.key;
+        let has_forward = gi_views.views.iter().filter(shares).any(|other| {
+            extracted.get(other.entity).is_ok_and(|extracted| forward.is_in(extracted))
+        });
+        if has_forward && !ARE_USABLE {
+            reports.once(LumivoxEvent::ForwardNotLit);
+        }
+        let frame = Frame {
+            gi: LumivoxGi { volume: held.key.volume, ..view.gi },
+            position: view.position,
+            is_map_redrawn,
+            map: map.as_ref().map(|(cube, surroundings)| (cube, surroundings)),
+            share,
+            scene: &scene,
+            lights: &volumes.lights,
+            shadow_maps: &held.shadow_maps,
+            ambient: view.ambient * share,
+            has_forward,
+            diagnostics: diagnostics.as_deref(),
+        };
+        for voxels in held.shown.iter_mut().chain(&mut held.coming) {
+            if let Err(error) = voxels.record((&device, &queue), context.command_encoder(), &frame)
+            {
+                reports.tell(LumivoxEvent::Failed { error: error.to_string() });
+            }
         }
     }
 }

@@ -18,7 +18,6 @@ use crate::probes::{ProbeKernels, Probes};
 use crate::settings::LumivoxGi;
 use crate::shadows::{self, ShadowMaps};
 use crate::surroundings::{EDGE, Surroundings};
-use crate::views::GiView;
 
 /// Frames in which new voxels are lit before they are shown.
 const FRAMES_TO_LIGHT: u32 = 8;
@@ -72,7 +71,9 @@ pub(crate) struct Made {
 
 /// What a frame does to voxels.
 pub(crate) struct Frame<'a> {
-    pub(crate) view: &'a GiView,
+    /// Of the first camera that shares the volume, which is the one that its cascades follow; with this volume.
+    pub(crate) gi: LumivoxGi,
+    pub(crate) position: Vec3,
     /// The environment map, if it is there.
     pub(crate) map: Option<(&'a wgpu::TextureView, &'a Surroundings)>,
     /// Its content is another.
@@ -272,8 +273,7 @@ impl Voxels {
             self.gi.forget_light();
         }
         self.frames_at_rest = self.frames_at_rest.saturating_add(1);
-        let moves =
-            frame.view.gi.volume.cascades().is_some() && self.gi.center_on(frame.view.position)?;
+        let moves = frame.gi.volume.cascades().is_some() && self.gi.center_on(frame.position)?;
         let is_due = self.version != Some(version) || self.is_late || moves;
         if is_due && self.refused != Some(version) {
             let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/voxelize"));
@@ -298,13 +298,9 @@ impl Voxels {
         }
         let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/light"));
         let mut recorder = Recorder::on(device, queue, encoder);
-        let settings = frame.view.gi.trace_settings();
-        let lit = self.gi.light_frame(
-            &mut recorder,
-            &self.lights,
-            frame.view.gi.face_budget(),
-            &settings,
-        );
+        let settings = frame.gi.trace_settings();
+        let lit =
+            self.gi.light_frame(&mut recorder, &self.lights, frame.gi.face_budget(), &settings);
         drop(recorder);
         if let Some(span) = span {
             span.end(encoder);
@@ -314,7 +310,6 @@ impl Voxels {
         let Some(kernels) = &self.probe_kernels else { return Ok(()) };
         let of = (&self.gi, &self.lights);
         let mut recorder = Recorder::on(device, queue, encoder);
-        let gi = &frame.view.gi;
-        Probes::record(&mut self.probes, kernels, of, gi, frame.has_forward, &mut recorder)
+        Probes::record(&mut self.probes, kernels, of, &frame.gi, frame.has_forward, &mut recorder)
     }
 }

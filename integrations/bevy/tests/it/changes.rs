@@ -215,12 +215,12 @@ fn images_may_be_modified_in_place() {
     };
     let material = world.resource_mut::<Assets<StandardMaterial>>().add(material);
     let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::new(1.9, 0.02, 1.9));
-    // The floor, which the camera sees; what is on the walls is its light.
+    // The floor, whose light is what falls on the front of the short block.
     let place = Transform::from_xyz(0.0, 0.02, 0.0);
     world.spawn((Mesh3d(mesh), MeshMaterial3d(material), place));
     let redness = |shot: &headless::Shot| {
-        let above = shot.rgb.iter().take((shot.size.x * shot.size.y / 2) as usize);
-        let sum = above.fold(Vec3::ZERO, |sum, rgb| sum + rgb.min(Vec3::splat(0.3)));
+        let front = (25..32).flat_map(|y| (24..31).map(move |x| (y * shot.size.x + x) as usize));
+        let sum: Vec3 = front.map(|pixel| shot.rgb[pixel]).sum();
         sum.x / sum.y
     };
     let red = stage.settled();
@@ -230,7 +230,7 @@ fn images_may_be_modified_in_place() {
     red.save("target/pictures/modified-red.png", 2.0);
     green.save("target/pictures/modified-green.png", 2.0);
     println!("{} {}", redness(&red), redness(&green));
-    assert!(redness(&red) > 1.15 * redness(&green));
+    assert!(redness(&red) > 2.0 && redness(&green) < 1.0);
 }
 
 /// The unit of light does not follow exposures that cameras have; beyond them, voxels are made anew.
@@ -241,27 +241,27 @@ fn another_exposure_shows_the_same_light() {
     let before = stage.settled();
     let show = |stage: &mut Stage, ev100: f32| {
         stage.app.world_mut().entity_mut(stage.camera).insert(Exposure { ev100 });
-        let factor = Exposure { ev100: 4.0 }.exposure() / Exposure { ev100 }.exposure();
-        move |mut shot: headless::Shot| {
-            shot.rgb.iter_mut().for_each(|rgb| *rgb *= factor);
-            shot
+        Exposure { ev100: 4.0 }.exposure() / Exposure { ev100 }.exposure()
+    };
+    let change = |mut shot: headless::Shot, factor: f32| {
+        for (rgb, before) in shot.rgb.iter_mut().zip(&before.rgb) {
+            // Bevy's G-buffer holds no emission as bright as the lamp then is.
+            *rgb = if before.max_element() > 0.3 { *before } else { *rgb * factor };
         }
+        difference(&shot, &before)
     };
     for ev100 in [14.0, -4.0] {
-        let as_before = show(&mut stage, ev100);
-        for _ in 0..5 {
-            let change =
-                difference(&without_lamp(&as_before(stage.next())), &without_lamp(&before));
-            assert!(change < 0.05, "EV100 {ev100}: {change}");
-        }
+        let factor = show(&mut stage, ev100);
+        let worst = (0..5).map(|_| change(stage.next(), factor)).fold(0.0, f32::max);
+        println!("EV100 {ev100}: {worst}");
+        assert!(worst < 0.03, "EV100 {ev100}: {worst}");
     }
-    let as_before = show(&mut stage, -9.0);
+    let factor = show(&mut stage, -9.0);
     stage.app.update();
     headless::wait_until_ready(&mut stage.app);
-    stage.frames(40);
-    let change = difference(&without_lamp(&as_before(stage.settled())), &without_lamp(&before));
-    println!("another unit of light: {change}");
-    assert!(change < 0.05, "{change}");
+    let in_another_unit = change(stage.settled(), factor);
+    println!("in another unit of light: {in_another_unit}");
+    assert!(in_another_unit < 0.03, "{in_another_unit}");
 }
 
 #[test]
@@ -301,7 +301,7 @@ fn cameras_come_resize_and_go() {
     let parts = (
         *camera.get::<Transform>().expect("a transform"),
         camera.get::<Projection>().expect("a lens").clone(),
-        *camera.get::<bevy::camera::Exposure>().expect("an exposure"),
+        *camera.get::<Exposure>().expect("an exposure"),
         *camera.get::<LumivoxGi>().expect("global illumination"),
         bevy::core_pipeline::tonemapping::Tonemapping::None,
         bevy::core_pipeline::tonemapping::DebandDither::Disabled,

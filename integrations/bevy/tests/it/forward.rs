@@ -99,7 +99,6 @@ fn nothing_is_lit_twice() {
     assert!(brightest < 1.03 * without.mean_luminance());
     stage.app.world_mut().entity_mut(speck_of_glass).insert(Visibility::Inherited);
     stage.frames(20);
-    let world = stage.app.world_mut();
     let texel =
         [0_u16, 0, 0, 0].map(|_| half::f16::from_f32(1.0)).map(half::f16::to_le_bytes).concat();
     let image = Image::new_fill(
