@@ -25,6 +25,9 @@ need_bevy_rust() {
         die "rustup could not install Rust $wanted."
 }
 
+# The files of its tests, by their names as modules.
+bevy_test_files() { (cd "$root/$bevy_crate/tests/it" && grep -l '#\[test\]' -- *.rs | sed 's/\.rs$//'); }
+
 # in_bevy COMMAND...: cargo in its folder, with that Rust and a target folder of its own.
 in_bevy() (
     cd "$root/$bevy_crate" || exit

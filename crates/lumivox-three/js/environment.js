@@ -10,13 +10,16 @@ const STEP = 16;
 /** Numbers of a sun: direction, irradiance, half its angle. */
 const SUN = 7;
 
+/** Another number for other content: of images, or of what `CubeCamera` has drawn into (`needsPMREMUpdate`). */
+const versionOf = (texture) => (texture === null ? 0 : texture.version + texture.pmremVersion);
+
 export class Environment {
     #shared;
     #renderer;
     #scene;
     #bounds;
     #note;
-    #known = { texture: null, version: -1 };
+    #known = { texture: null, version: 0 };
     #isReading = false;
     #isDisposed = false;
     /** The suns of the picture, as lights of three.js: they light surfaces directly. */
@@ -52,14 +55,14 @@ export class Environment {
 
     #isCurrent() {
         const { environment } = this.#scene;
-        return this.#known.texture === environment && this.#known.version === (environment?.version ?? -1);
+        return this.#known.texture === environment && this.#known.version === versionOf(environment);
     }
 
     async update() {
         if (this.#isCurrent()) return;
         const { environment } = this.#scene;
         if (this.#scene.environmentNode) this.#note("scene.environmentNode is not taken; set scene.environment");
-        const known = { texture: environment, version: environment?.version ?? -1 };
+        const known = { texture: environment, version: versionOf(environment) };
         this.#isReading = true;
         try {
             const { width, height, rgb } = environment === null ? { width: 0, height: 0, rgb: new Float32Array() } : await this.#read(environment);

@@ -369,6 +369,30 @@ fn light_follows_a_switch_within_frames() {
     assert!(quarter.iter().all(|share| *share <= 1.01), "it overshoots: {quarter:?}");
 }
 
+/// A lamp far too bright for half floats lights what is near as bright as they hold, and its light goes when it is dimmed.
+#[test]
+fn light_beyond_half_floats_is_no_infinity() {
+    for volume in volumes() {
+        let mut stage = Stage::with(volume, Vec3::ONE, 32);
+        let geometry = cornell(&stage.device);
+        stage.catch_up(&geometry);
+        let [dim, glaring] =
+            [0.1, 1e9].map(|i| stage.lamp(Vec3::new(0.5, 0.9, 0.5), Vec3::splat(i)));
+        stage.light(&dim, 8);
+        let before = stage.mean();
+        for _ in 0..8 {
+            stage.step(&glaring, None);
+        }
+        let lit = stage.mean();
+        assert!(lit.is_finite() && lit > 1e3 * before, "{volume:?}: {lit}");
+        for _ in 0..200 {
+            stage.step(&dim, None);
+        }
+        let after = stage.mean();
+        assert!((after / before - 1.0).abs() < 0.01, "{volume:?}: {after}, not {before}");
+    }
+}
+
 /// Where walls reflect 95 %, light that feeds itself neither runs away nor drifts; when the lamp is gone, it dies.
 #[test]
 fn light_that_feeds_itself_stays_and_dies() {

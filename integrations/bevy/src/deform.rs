@@ -11,6 +11,8 @@ use lumivox::gpu::{
 };
 use lumivox::{GiError, wgpu};
 
+use crate::settings::{LumivoxGi, NotInGi};
+
 /// Of a mesh without joints.
 pub(crate) const NONE: u32 = u32::MAX;
 
@@ -64,28 +66,35 @@ pub(crate) struct ScenePoses {
     weights: Vec<f32>,
 }
 
+/// What is hidden or left out of the voxels has no pose.
 pub(crate) fn extract_poses(
     mut poses: ResMut<ScenePoses>,
-    skins: Extract<Query<(Entity, &SkinnedMesh, &InheritedVisibility)>>,
+    cameras: Extract<Query<(), With<LumivoxGi>>>,
+    skins: Extract<Query<(Entity, &SkinnedMesh, &InheritedVisibility), Without<NotInGi>>>,
     inverse_bindposes: Extract<Res<Assets<SkinnedMeshInverseBindposes>>>,
     joints: Extract<Query<&GlobalTransform>>,
-    morphs: Extract<Query<(Entity, &MeshMorphWeights)>>,
+    morphs: Extract<Query<(Entity, &MeshMorphWeights, &InheritedVisibility), Without<NotInGi>>>,
     shared: Extract<Query<&MorphWeights>>,
 ) {
     let poses = &mut *poses;
     poses.first_joints.clear();
     poses.joints.clear();
-    for (entity, skin, _) in skins.iter().filter(|(_, _, visibility)| visibility.get()) {
-        // Without them there is no pose yet.
-        let Some(inverses) = inverse_bindposes.get(&skin.inverse_bindposes) else { continue };
-        poses.first_joints.insert(entity, poses.joints.len() as u32);
-        poses.joints.extend(skin.joints.iter().zip(inverses.iter()).map(|(joint, inverse)| {
-            joints.get(*joint).map_or(Mat4::IDENTITY, |joint| joint.affine() * *inverse)
-        }));
-    }
     poses.weight_ranges.clear();
     poses.weights.clear();
-    for (entity, weights) in &morphs {
+    if cameras.is_empty() {
+        return;
+    }
+    for (entity, skin, _) in skins.iter().filter(|(_, _, visibility)| visibility.get()) {
+        poses.first_joints.insert(entity, poses.joints.len() as u32);
+        let inverses = inverse_bindposes.get(&skin.inverse_bindposes);
+        // As Bevy does, what is missing leaves vertices where they are.
+        poses.joints.extend(skin.joints.iter().enumerate().map(|(number, joint)| {
+            let inverse = inverses.and_then(|inverses| inverses.get(number));
+            let joint = joints.get(*joint).ok();
+            joint.zip(inverse).map_or(Mat4::IDENTITY, |(joint, inverse)| joint.affine() * *inverse)
+        }));
+    }
+    for (entity, weights, _) in morphs.iter().filter(|(_, _, visibility)| visibility.get()) {
         let weights = match weights {
             MeshMorphWeights::Value { weights } => weights.as_slice(),
             MeshMorphWeights::Reference(other) => {

@@ -115,7 +115,9 @@ impl SceneGeometry {
                 self.move_draw(slot, instances);
             }
         }
-        if table.take_changed() {
+        // A material may be new and equal to what it takes the place of; and all of them are gone after `clear`.
+        let is_short = self.geometry.materials.len() != table.materials().len();
+        if table.take_changed() || is_short {
             self.version += 1;
             self.geometry.materials.clone_from(table.materials());
         }
@@ -152,6 +154,7 @@ impl SceneGeometry {
         self.draws.clear();
         self.geometry.batches.clear();
         deformer.clear();
+        table.forget_missing();
         for (slot, instance) in sources.instances.iter() {
             if !instance.deforms {
                 self.add(slot, instance, sources, table);

@@ -221,6 +221,8 @@ pub(crate) fn extract_instances<M: LumivoxMaterial>(
     mut without_mesh: Extract<RemovedComponents<Mesh3d>>,
     mut without_material: Extract<RemovedComponents<MeshMaterial3d<M>>>,
     mut without_mark: Extract<RemovedComponents<NotInGi>>,
+    mut without_skin: Extract<RemovedComponents<SkinnedMesh>>,
+    mut without_weights: Extract<RemovedComponents<MeshMorphWeights>>,
 ) {
     let instances = &mut *instances;
     for entity in without_mesh.read().chain(without_material.read()) {
@@ -231,8 +233,8 @@ pub(crate) fn extract_instances<M: LumivoxMaterial>(
             instances.remove(entity);
         }
     }
-    let unmarked = without_mark.read().filter_map(|entity| all.get(entity).ok());
-    for read in changed.iter().chain(unmarked) {
+    let others = without_mark.read().chain(without_skin.read()).chain(without_weights.read());
+    for read in changed.iter().chain(others.filter_map(|entity| all.get(entity).ok())) {
         let (entity, mesh, material, transform, visibility, bounds, is_skinned, is_morphed, is_out) =
             read;
         if !visibility.get() || is_out {

@@ -125,7 +125,14 @@ pub(crate) fn follow_offers(
 
 /// On a camera of the app's world: the volume that lights it. Where it asks for another one, it stays until that is ready.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LitFrom(pub(crate) VolumeKey);
+pub(crate) struct LitFrom(VolumeKey);
+
+impl LitFrom {
+    /// A camera that is new has none yet.
+    pub(crate) fn key(lit_from: Option<&Self>, gi: &LumivoxGi, camera: Entity) -> VolumeKey {
+        lit_from.map_or_else(|| VolumeKey::new(&gi.volume, camera), |lit_from| lit_from.0)
+    }
+}
 
 /// Chooses the volumes that light cameras, after what is offered was followed.
 pub(crate) fn choose_keys(
@@ -148,11 +155,11 @@ pub(crate) fn choose_keys(
             _ => wanted,
         };
         if lit_from != Some(&LitFrom(key)) {
-            commands.entity(camera).insert(LitFrom(key));
+            commands.entity(camera).try_insert(LitFrom(key));
         }
     }
     for camera in &gone {
-        commands.entity(camera).remove::<LitFrom>();
+        commands.entity(camera).try_remove::<LitFrom>();
     }
 }
 
@@ -178,16 +185,19 @@ fn texture(grid: &ProbeGrid) -> Image {
 /// Lets each camera see the irradiance volume of its own voxels alone, and others none of them: after Bevy has looked for what
 /// cameras see.
 pub(crate) fn choose_volumes(
-    mut cameras: Query<(&mut VisibleEntities, Option<&LitFrom>), With<Camera3d>>,
+    mut cameras: Query<
+        (Entity, &mut VisibleEntities, Option<&LumivoxGi>, Option<&LitFrom>),
+        With<Camera3d>,
+    >,
     own: Query<&OwnVolume>,
     all: Query<(), With<IrradianceVolume>>,
 ) {
     let class = TypeId::of::<ClusterVisibilityClass>();
-    for (mut visible, lit_from) in &mut cameras {
+    for (camera, mut visible, gi, lit_from) in &mut cameras {
         if !visible.entities.contains_key(&class) {
             continue;
         }
-        let key = lit_from.map(|lit_from| lit_from.0);
+        let key = gi.map(|gi| LitFrom::key(lit_from, gi, camera));
         let is_there = key.is_some_and(|key| own.iter().any(|own| own.offer.key == key));
         visible.get_mut(class).retain(|entity| match own.get(*entity) {
             Ok(own) => Some(own.offer.key) == key,

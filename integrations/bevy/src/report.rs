@@ -9,10 +9,11 @@ use bevy::prelude::*;
 #[derive(Message, Clone, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum LumivoxEvent {
-    /// Voxels of a volume are there, and light the pictures from now on.
+    /// Voxels of a volume are there. They light the pictures from now on, or, where they take the place of another volume, some
+    /// frames later.
     Ready,
-    /// A volume could not be made, or a frame not be recorded: the message says why and what would help. Bevy's own ambient
-    /// light takes the place of global illumination.
+    /// A volume could not be made, or a frame not be recorded: the message says why and what would help. Until
+    /// it is there, the camera's former volume lights it, or else Bevy's own ambient light.
     Failed {
         /// The error, with its remedy.
         error: String,

@@ -84,7 +84,6 @@ pub(crate) fn update_scene(
         }
         return;
     }
-    let exposure_changed = volumes.follow_exposure(&views.views);
     let pipelines = volumes.pipelines(&device);
     let sources = SurfaceSources {
         surfaces: &surfaces,
@@ -92,7 +91,7 @@ pub(crate) fn update_scene(
         images_changed: changed_images.unsettled > 0,
         exposure: volumes.exposure(),
         unit: volumes.unit(),
-        exposure_changed,
+        exposure_changed: volumes.take_exposure_changed(),
     };
     if let Some(modified) = changed_images.due() {
         copies.forget(modified);

@@ -71,7 +71,7 @@ pub enum GiQuality {
 pub enum GiVolume {
     /// A box around all meshes, made again when they have outgrown it.
     Scene {
-        /// Voxels along its longest edge, 8 to 512; default 128.
+        /// Voxels along its longest edge, a multiple of 8 from 8 to 512; default 128.
         resolution: u32,
     },
     /// A box of the app's own; light outside is Bevy's ambient light.
@@ -80,7 +80,7 @@ pub enum GiVolume {
         min: Vec3,
         /// Its corner of greatest coordinates, m.
         max: Vec3,
-        /// Voxels along its longest edge, 8 to 512.
+        /// Voxels along its longest edge, a multiple of 8 from 8 to 512.
         resolution: u32,
     },
     /// Nested boxes around the camera, each twice as wide as the one inside: for worlds. They move with the camera.

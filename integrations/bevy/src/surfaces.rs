@@ -1,4 +1,4 @@
-//! Materials in Lumivox's form, in numbers that stay.
+//! Materials in Lumivox's form, in numbers that stay while the materials do.
 
 use bevy::asset::UntypedAssetId;
 use bevy::mesh::UvChannel;
@@ -15,7 +15,10 @@ use crate::textures::{Prepared, TextureUse};
 #[derive(Resource, Default)]
 pub(crate) struct SurfaceTable {
     numbers: HashMap<UntypedAssetId, u32>,
-    ids: Vec<UntypedAssetId>,
+    /// By their numbers.
+    ids: Vec<Option<UntypedAssetId>>,
+    /// Numbers of materials that are gone.
+    free: Vec<u32>,
     materials: Vec<SurfaceMaterial>,
     are_there: Vec<bool>,
     are_textured: Vec<bool>,
@@ -39,6 +42,11 @@ pub(crate) struct SurfaceSources<'a> {
 }
 
 impl SurfaceTable {
+    /// Before all draws ask for their numbers again.
+    pub(crate) fn forget_missing(&mut self) {
+        self.missing.clear();
+    }
+
     /// The number of a material, from the moment on that it is there.
     pub(crate) fn number(&mut self, id: &UntypedAssetId) -> Option<u32> {
         let number = self.numbers.get(id).copied();
@@ -77,11 +85,15 @@ impl SurfaceTable {
                 self.missing.push(id);
                 continue;
             }
-            self.numbers.insert(id, self.ids.len() as u32);
-            self.ids.push(id);
-            self.materials.push(SurfaceMaterial::default());
-            self.are_there.push(false);
-            self.are_textured.push(false);
+            let number = self.free.pop().unwrap_or(self.ids.len() as u32);
+            if number as usize == self.ids.len() {
+                self.ids.push(None);
+                self.materials.push(SurfaceMaterial::default());
+                self.are_there.push(false);
+                self.are_textured.push(false);
+            }
+            self.ids[number as usize] = Some(id);
+            self.numbers.insert(id, number);
             self.waits_for_images = true;
             restructures = true;
         }
@@ -95,14 +107,21 @@ impl SurfaceTable {
         self.waits_for_images = false;
         prepared.begin();
         for number in 0..self.ids.len() {
-            // One that is gone lets go of its textures, and its number waits until it comes back.
-            let (material, is_there, is_textured) = match sources.surfaces.get(&self.ids[number]) {
+            let Some(id) = self.ids[number] else { continue };
+            let (material, is_there, is_textured) = match sources.surfaces.get(&id) {
                 Some(surface) => (
                     self.convert(surface, sources, prepared),
                     surface.is_there(),
                     surface.base_color_texture.is_some() || surface.emissive_texture.is_some(),
                 ),
-                None => (SurfaceMaterial::default(), false, false),
+                None => {
+                    // Draws are made anew, and none of them has the number then.
+                    restructures = true;
+                    self.numbers.remove(&id);
+                    self.ids[number] = None;
+                    self.free.push(number as u32);
+                    (SurfaceMaterial::default(), false, false)
+                }
             };
             restructures |= std::mem::replace(&mut self.are_there[number], is_there) != is_there;
             restructures |=

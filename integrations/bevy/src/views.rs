@@ -31,6 +31,8 @@ pub(crate) struct GiView {
     pub(crate) surroundings: Option<Surroundings>,
     /// It is the camera's own.
     has_own_ambient: bool,
+    /// Its turn among cameras, and itself in the app's world.
+    order: (isize, Entity),
 }
 
 /// How opaque things are drawn.
@@ -54,6 +56,7 @@ pub(crate) struct TakenOver {
 
 pub(crate) fn extract_views(
     mut gi_views: ResMut<GiViews>,
+    mut volumes: ResMut<Volumes>,
     cameras: Extract<
         Query<(
             Entity,
@@ -90,19 +93,22 @@ pub(crate) fn extract_views(
         let color = |color: Color, brightness: f32| LinearRgba::from(color).to_vec3() * brightness;
         let everywhere = everywhere.as_ref().map(|light| color(light.color, light.brightness));
         let own = ambient.map(|light| color(light.color, light.brightness));
-        let wanted = VolumeKey::new(&gi.volume, camera_entity);
         gi_views.views.push(GiView {
             entity,
             gi: *gi,
-            key: lit_from.map_or(wanted, |lit_from| lit_from.0),
-            wanted,
+            key: LitFrom::key(lit_from, gi, camera_entity),
+            wanted: VolumeKey::new(&gi.volume, camera_entity),
             position: transform.translation(),
             exposure: exposure.copied().unwrap_or_default().exposure(),
             ambient: own.or(everywhere).unwrap_or_default().max(Vec3::ZERO),
             surroundings: map.and_then(|map| Surroundings::new(map, generated)),
             has_own_ambient: own.is_some(),
+            order: (camera.order, camera_entity),
         });
     }
+    // The first one sets the unit of light: it stays the first when others come.
+    gi_views.views.sort_by_key(|view| view.order);
+    volumes.follow_exposure(&gi_views.views);
 }
 
 /// Keeps Bevy from adding ambient light to views whose voxels are ready: these let in what finds a way.

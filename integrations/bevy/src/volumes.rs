@@ -29,15 +29,19 @@ use crate::voxels::{Frame, Made, Voxels, make};
 
 /// Frames for which a volume that no camera uses is kept.
 const FRAMES_TO_KEEP: u32 = 120;
+/// The same, if it has never been shown.
+const FRAMES_TO_WAIT: u32 = 30;
+/// Frames for which the light of a volume that no camera uses may still be shown.
+const FRAMES_TO_TRUST: u32 = 8;
 /// How far meshes may reach out of a box that was fitted to them, as a share of its longest edge, before it is fitted anew.
 const TOLERATED_GROWTH: f32 = 0.01;
 /// How much smaller than its box the scene may become before it is fitted anew.
 const TOLERATED_SHRINKING: f32 = 0.4;
 /// cd/m² of Lumivox's unit of radiance in nearly all worlds.
-const USUAL_UNIT: f32 = 8.0;
-/// How many times the unit a picture's white may be: half floats, which hold radiance, then have 64 steps for a thousandth of
-/// white, and room for four times white. With the usual unit this is an EV100 from -5 to 16.
-const HELD_WHITES: RangeInclusive<f32> = 1.0 / 256.0..=16_384.0;
+const USUAL_UNIT: f32 = 1024.0;
+/// How many times the unit a picture's white may be: half floats, which hold radiance, then have 32 steps for a thousandth of
+/// white, and room for lamps a thousand times as bright. With the usual unit this is an EV100 from 1 to 15.7.
+const HELD_WHITES: RangeInclusive<f32> = 1.0 / 512.0..=64.0;
 
 /// What cameras must have in common to share a volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,6 +82,7 @@ pub(crate) struct Volumes {
     unit: f32,
     /// Of the first camera.
     exposure: f32,
+    is_exposure_changed: bool,
     /// Scratch for the lights of a frame.
     lights: Vec<Light>,
 }
@@ -92,10 +97,11 @@ impl Volumes {
         self.held.iter_mut().find(|held| held.key == *key)?.shown.as_deref_mut()
     }
 
-    /// The light of all shown voxels, for what is drawn forward.
+    /// The light of all shown voxels that are in use, for what is drawn forward.
     pub(crate) fn offers(&self) -> impl Iterator<Item = Offer> {
         let unit = self.unit();
-        self.held.iter().filter_map(move |held| {
+        let in_use = self.held.iter().filter(|held| held.unused <= FRAMES_TO_TRUST);
+        in_use.filter_map(move |held| {
             let voxels = held.shown.as_deref()?;
             Some(Offer::new(held.key, &voxels.gi, voxels.probes.as_ref(), unit))
         })
@@ -114,22 +120,27 @@ impl Volumes {
         if self.exposure > 0.0 { self.exposure } else { 1.0 }
     }
 
-    /// Follows the exposure of the first camera; whether it is another is returned. Where its pictures do not fit the unit of
-    /// radiance, another is chosen, and all voxels are made anew.
-    pub(crate) fn follow_exposure(&mut self, views: &[GiView]) -> bool {
-        let Some(view) = views.first() else { return false };
+    /// Follows the exposure of the first camera. Where its pictures do not fit the unit of radiance, another is chosen, and all
+    /// voxels are made anew.
+    pub(crate) fn follow_exposure(&mut self, views: &[GiView]) {
+        let Some(view) = views.first() else { return };
         let exposure = view.exposure;
         if !(exposure > 0.0 && exposure.is_finite()) || exposure == self.exposure {
-            return false;
+            return;
         }
         self.exposure = exposure;
+        self.is_exposure_changed = true;
         let white = 1.0 / exposure;
         if self.unit <= 0.0 || !HELD_WHITES.contains(&(white / self.unit)) {
             let is_usual = HELD_WHITES.contains(&(white / USUAL_UNIT));
             self.unit = if is_usual { USUAL_UNIT } else { white.log2().round().exp2() };
             self.held.clear();
         }
-        true
+    }
+
+    /// Whether the exposure or the unit is another than when this was last asked.
+    pub(crate) fn take_exposure_changed(&mut self) -> bool {
+        std::mem::take(&mut self.is_exposure_changed)
     }
 
     /// Whether nothing is left of any.
@@ -147,29 +158,33 @@ impl Volumes {
     ) {
         for held in &mut self.held {
             held.unused += 1;
+            held.is_recorded = false;
         }
+        let pipelines = self.pipelines(device);
+        let unit = self.unit();
         for view in views {
             if !self.held.iter().any(|held| held.key == view.wanted) {
                 self.held.push(Held::new(view.wanted, device.wgpu_device()));
             }
-            if let Some(former) = self.held.iter_mut().find(|held| held.key == view.key)
-                && view.key != view.wanted
-            {
-                // Kept, though nobody asks for it.
-                (former.unused, former.is_recorded) = (1, false);
-            }
-            let pipelines = self.pipelines(device);
-            let ambient = view.ambient / self.unit();
-            let Some(held) = self.held.iter_mut().find(|held| held.key == view.wanted) else {
-                continue;
-            };
-            if std::mem::take(&mut held.unused) > 0 {
+            let is_of_view = |held: &&mut Held| held.key == view.key || held.key == view.wanted;
+            for held in self.held.iter_mut().filter(is_of_view) {
+                let unused = std::mem::take(&mut held.unused);
+                if unused == 0 {
+                    // Of another camera, too.
+                    continue;
+                }
+                if unused > FRAMES_TO_TRUST && held.key != view.key {
+                    held.light_anew();
+                }
                 held.make(view, instances, (&pipelines, queue), reports);
+                held.take_made(&mut self.numbers, view.ambient / unit, reports);
+                held.show(reports);
             }
-            held.take_made(&mut self.numbers, ambient, reports);
-            held.show(reports);
         }
-        self.held.retain(|held| held.unused < FRAMES_TO_KEEP);
+        self.held.retain(|held| {
+            let frames = if held.shown.is_some() { FRAMES_TO_KEEP } else { FRAMES_TO_WAIT };
+            held.unused < frames
+        });
     }
 }
 
@@ -211,18 +226,26 @@ impl Held {
         if !is_wanted || self.failed == Some(bounds) {
             return;
         }
-        match grid(&view.gi.volume, bounds, view.position) {
+        match grid(&self.key.volume, bounds, view.position) {
             Ok(grid) => {
-                let task = make(pipelines, queue, grid, view.gi);
+                let gi = LumivoxGi { volume: self.key.volume, ..view.gi };
+                let task = make(pipelines, queue, grid, gi);
                 self.making = Some((task, bounds));
             }
             Err(error) => self.fail(&error, bounds, reports),
         }
     }
 
+    /// Hides voxels whose light is of another time, until it is of this one.
+    fn light_anew(&mut self) {
+        if let Some(mut stale) = self.shown.take() {
+            stale.light_anew();
+            self.coming.get_or_insert(stale);
+        }
+    }
+
     /// Shows new voxels once they are lit.
     fn show(&mut self, reports: &Reports) {
-        self.is_recorded = false;
         if self.coming.as_ref().is_some_and(|coming| coming.is_lit()) {
             if self.shown.is_none() {
                 reports.tell(LumivoxEvent::Ready);

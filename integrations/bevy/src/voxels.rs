@@ -251,6 +251,11 @@ impl Voxels {
         self.lights.update(queue, frame.lights, environment, ShadowSource::Own(bound));
     }
 
+    /// Lets frames pass before they may be seen again.
+    pub(crate) fn light_anew(&mut self) {
+        self.frames_lit = 0;
+    }
+
     /// Whether they may be seen.
     pub(crate) fn is_lit(&self) -> bool {
         // Without their probes, what is drawn forward would be dark for a while.

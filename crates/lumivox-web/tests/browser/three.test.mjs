@@ -79,6 +79,10 @@ describe("scenes of three.js whose light is known, in a bundle of webpack", () =
         isNear(turnedToX, 0.5, 0.1);
         assert.ok((await light("background")) > 0.99, "three.js turns +x to -z");
         isNear(turnedToZ, 1, 0.05);
+        const { before, after } = await light("drawnSky");
+        console.log(`drawn in place: ${before}, ${after}`);
+        isNear(before, 1, 0.04);
+        isNear(after, 3, 0.04);
     });
 
     test("light follows a skinned mesh", async () => {

@@ -2,8 +2,8 @@
 //! on the GPU.
 //!
 //! The whole library uses one unit of radiance: if lights are in lux and candela, radiance is in
-//! cd/m². The volumes hold half floats (6e-5 to 65504), so give very bright scenes in a larger
-//! unit.
+//! cd/m². The volumes hold half floats (6e-5 to 65504, and what is brighter as 65504), so give very
+//! bright scenes in a larger unit.
 
 mod bound;
 #[cfg(test)]

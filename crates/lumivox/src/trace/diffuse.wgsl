@@ -68,6 +68,8 @@ fn trace_diffuse(pixel: vec2u, turn: u32, turns: u32) -> TracedDiffuse {
         mean.irradiance += traced.irradiance / f32(turns);
         mean.samples += traced.samples;
     }
+    // Beside a filament it may exceed the largest half float.
+    mean.irradiance = min(mean.irradiance, vec4f(65504.0));
     return mean;
 }
 

@@ -13,6 +13,11 @@ const TILT: u32 = 0u;
 const POSITIVE: u32 = 1u;
 const NEGATIVE: u32 = 2u;
 
+// A part as half floats hold it: of what is brighter they would keep infinity, which each bounce spreads.
+fn storable(part: vec4f) -> vec4f {
+    return min(part, vec4f(65504.0));
+}
+
 fn part_of(axis: u32, kind: u32) -> u32 {
     return 3u * axis + kind;
 }

@@ -3,6 +3,7 @@
 use bevy::anti_alias::taa::TemporalAntiAliasing;
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::{Exposure, RenderTarget, Viewport};
+use bevy::light::NotShadowCaster;
 use bevy::prelude::*;
 use bevy::render::camera::TemporalJitter;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
@@ -121,7 +122,8 @@ fn crowds_leave_nothing_behind() {
                 let transform =
                     Transform::from_translation(place * 0.08 + Vec3::new(-0.9, 0.1, -0.9));
                 let parts = (Mesh3d(mesh.clone()), MeshMaterial3d(material.clone()), transform);
-                stage.app.world_mut().spawn(parts).id()
+                // Six more views of them are no work of ours.
+                stage.app.world_mut().spawn((parts, NotShadowCaster)).id()
             })
             .collect();
         stage.frames(6);
@@ -136,6 +138,36 @@ fn crowds_leave_nothing_behind() {
     let left = stage.settled();
     let change = difference(&left, &empty);
     assert!(change < 0.03, "{change}");
+}
+
+/// Their numbers are used again.
+#[test]
+fn materials_leave_nothing_behind() {
+    let _alone = alone();
+    let mut stage = Stage::cornell();
+    let world = stage.app.world_mut();
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(0.01));
+    let mut bytes = Vec::new();
+    for round in 0..6 {
+        let made: Vec<Entity> = (0..200)
+            .map(|number| {
+                let world = stage.app.world_mut();
+                let color = Color::linear_rgb(number as f32 / 200.0, round as f32 / 6.0, 0.5);
+                let material = world.resource_mut::<Assets<StandardMaterial>>().add(color);
+                let place = Transform::from_xyz(-0.9 + 0.009 * number as f32, 1.0, 0.0);
+                world.spawn((Mesh3d(mesh.clone()), MeshMaterial3d(material), place)).id()
+            })
+            .collect();
+        stage.frames(6);
+        for entity in made {
+            stage.app.world_mut().despawn(entity);
+        }
+        stage.frames(6);
+        bytes.push(LiveResources::now().buffer_bytes);
+    }
+    println!("{bytes:?} bytes");
+    // Before, what rests became static.
+    assert!(bytes[5] <= bytes[3], "memory grows: {bytes:?}");
 }
 
 #[test]
@@ -250,7 +282,7 @@ fn another_exposure_shows_the_same_light() {
         }
         difference(&shot, &before)
     };
-    for ev100 in [14.0, -4.0] {
+    for ev100 in [14.0, 2.0] {
         let factor = show(&mut stage, ev100);
         let worst = (0..5).map(|_| change(stage.next(), factor)).fold(0.0, f32::max);
         println!("EV100 {ev100}: {worst}");
@@ -356,12 +388,22 @@ fn settings_change_at_run_time() {
     let high = set(|gi| gi.quality = bevy_lumivox::GiQuality::Balanced);
     let change = difference(&high, &before);
     assert!(change < 0.1, "{change}");
-    // Another volume is made in the background; until then there is Bevy's ambient light, which is none here.
+    // Another volume is made in the background; until then the former one lights every frame.
     let min = Vec3::new(-1.1, -0.1, -1.1);
     stage.app.world_mut().get_mut::<LumivoxGi>(camera).expect("it is there").volume =
         GiVolume::Box { min, max: Vec3::new(1.1, 2.1, 1.1), resolution: 40 };
-    headless::wait_until_ready(&mut stage.app);
+    let worst = (0..120).map(|_| difference(&stage.next(), &high)).fold(0.0, f32::max);
+    println!("the worst frame while another volume is made: {worst}");
+    assert!(worst < 0.2, "{worst}");
     let other = stage.settled();
-    let change = difference(&other, &high);
-    assert!(change < 0.1, "{change}");
+    // Without global illumination for so long that nothing is kept.
+    let gi = *stage.app.world().get::<LumivoxGi>(camera).expect("it is there");
+    stage.app.world_mut().entity_mut(camera).remove::<LumivoxGi>();
+    stage.frames(130);
+    stage.app.world_mut().entity_mut(camera).insert(gi);
+    headless::wait_until_ready(&mut stage.app);
+    let again = stage.settled();
+    let [from_high, from_other] = [difference(&other, &high), difference(&again, &other)];
+    println!("another volume {from_high}, once more {from_other}");
+    assert!(from_high < 0.1 && from_other < 0.03, "{from_high} {from_other}");
 }

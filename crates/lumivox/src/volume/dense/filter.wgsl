@@ -7,7 +7,7 @@ import package::volume::dense::atlas::part_texel;
 import package::volume::changes::cells::{changed_cell, level_words};
 import package::volume::changes::list::NOTHING;
 import package::volume::column::{filter_column, AxisParts};
-import package::volume::parts::{part_of, NEGATIVE, POSITIVE, TILT};
+import package::volume::parts::{part_of, storable, NEGATIVE, POSITIVE, TILT};
 import package::voxels::list::Node;
 import package::voxels::morton::morton_decode;
 
@@ -52,8 +52,8 @@ fn main(
             sum.tilt += column.tilt;
         }
         let level = level_words.level;
-        textureStore(cells_out, part_texel(cell, part_of(axis, POSITIVE), level), 0.25 * sum.positive);
-        textureStore(cells_out, part_texel(cell, part_of(axis, NEGATIVE), level), 0.25 * sum.negative);
+        textureStore(cells_out, part_texel(cell, part_of(axis, POSITIVE), level), storable(0.25 * sum.positive));
+        textureStore(cells_out, part_texel(cell, part_of(axis, NEGATIVE), level), storable(0.25 * sum.negative));
         textureStore(cells_out, part_texel(cell, part_of(axis, TILT), level), 0.25 * sum.tilt);
     }
 }

@@ -5,6 +5,7 @@ import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::volume::changes::cells::changed_cell;
 import package::volume::changes::list::NOTHING;
+import package::volume::parts::storable;
 import package::voxels::list::{Face, Node};
 import package::voxels::morton::morton_decode;
 
@@ -34,5 +35,5 @@ fn store(
     if sum.a > 1.0 {
         sum /= sum.a;
     }
-    textureStore(cells_out, morton_decode(node.morton), sum);
+    textureStore(cells_out, morton_decode(node.morton), storable(sum));
 }

@@ -5,7 +5,7 @@ import package::gpu::dispatch::linear_index;
 import package::volume::dense::atlas::part_texel;
 import package::volume::changes::cells::changed_cell;
 import package::volume::changes::list::NOTHING;
-import package::volume::parts::{part_of, POSITIVE, TILT};
+import package::volume::parts::{part_of, storable, POSITIVE, TILT};
 import package::voxels::list::{Face, Node};
 import package::voxels::morton::morton_decode;
 
@@ -45,7 +45,7 @@ fn store(
             textureStore(
                 cells_out,
                 part_texel(cell, part_of(axis, POSITIVE + side), 0u),
-                vec4f(radiance[face].rgb * opacity, opacity),
+                storable(vec4f(radiance[face].rgb * opacity, opacity)),
             );
             face++;
         }

@@ -6,6 +6,7 @@
 
 import package::volume::octree::search::{find_node, node_parts, octree};
 import package::volume::octree::tree::{node_word, NODE_FIRST_BRICK};
+import package::volume::parts::storable;
 import package::voxels::list::Node;
 import package::voxels::morton::morton_decode;
 
@@ -13,7 +14,8 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(3) var<storage, read> nodes: array<Node>;
 @group(1) @binding(4) var<storage, read_write> values: array<vec2u>;
 
-fn pack_value(value: vec4f) -> vec2u {
+fn pack_value(part: vec4f) -> vec2u {
+    let value = storable(part);
     return vec2u(pack2x16float(value.xy), pack2x16float(value.zw));
 }
 

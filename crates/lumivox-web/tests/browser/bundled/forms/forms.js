@@ -171,6 +171,20 @@ const forms = {
         const sky = halfSky(0, 1);
         return { toX: await wallIn(sky, Math.PI / 2, 0), toZ: await wallIn(sky, Math.PI, 0), turnedToX: await wallIn(sky, Math.PI / 2, Math.PI / 2), turnedToZ: await wallIn(sky, Math.PI, Math.PI / 2) };
     },
+    /** A sky that three.js draws, twice into the same texture. */
+    async drawnSky() {
+        const around = new THREE.Scene();
+        const cube = new THREE.CubeRenderTarget(16, { type: THREE.HalfFloatType });
+        const eye = new THREE.CubeCamera(0.1, 10, cube);
+        const drawn = (radiance) => {
+            around.background = new THREE.Color().setScalar(radiance);
+            eye.update(renderer, around);
+            return wallIn(cube.texture, Math.PI / 2, 0);
+        };
+        const seen = { before: await drawn(1), after: await drawn(3) };
+        cube.dispose();
+        return seen;
+    },
     /** What three.js shows of the turned sky towards -z: the convention of the turn. */
     async background() {
         look([0, 0, 0], [0, 0, -1]);
