@@ -370,6 +370,7 @@ fn light_follows_a_switch_within_frames() {
 }
 
 /// A lamp far too bright for half floats lights what is near as bright as they hold, and its light goes when it is dimmed.
+/// (Mesa's software driver rounds towards zero, so that it never made infinities; other devices do.)
 #[test]
 fn light_beyond_half_floats_is_no_infinity() {
     for volume in volumes() {

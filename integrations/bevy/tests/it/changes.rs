@@ -155,7 +155,8 @@ fn materials_leave_nothing_behind() {
                 let color = Color::linear_rgb(number as f32 / 200.0, round as f32 / 6.0, 0.5);
                 let material = world.resource_mut::<Assets<StandardMaterial>>().add(color);
                 let place = Transform::from_xyz(-0.9 + 0.009 * number as f32, 1.0, 0.0);
-                world.spawn((Mesh3d(mesh.clone()), MeshMaterial3d(material), place)).id()
+                let parts = (Mesh3d(mesh.clone()), MeshMaterial3d(material), place);
+                world.spawn((parts, NotShadowCaster)).id()
             })
             .collect();
         stage.frames(6);
