@@ -11,14 +11,38 @@ use lumivox::{Gloss, SurfaceMaterial, SurfaceTexture};
 use crate::material::{GiSurface, GiTexture, Surfaces};
 use crate::textures::{Prepared, TextureUse};
 
+/// Numbers of assets, which are used again once an asset is gone.
+#[derive(Default)]
+struct Numbers {
+    by_id: HashMap<UntypedAssetId, u32>,
+    /// By their numbers.
+    ids: Vec<Option<UntypedAssetId>>,
+    free: Vec<u32>,
+}
+
+impl Numbers {
+    fn add(&mut self, id: UntypedAssetId) -> u32 {
+        let number = self.free.pop().unwrap_or(self.ids.len() as u32);
+        if number as usize == self.ids.len() {
+            self.ids.push(None);
+        }
+        self.ids[number as usize] = Some(id);
+        self.by_id.insert(id, number);
+        number
+    }
+
+    fn remove(&mut self, number: u32) {
+        if let Some(id) = self.ids[number as usize].take() {
+            self.by_id.remove(&id);
+            self.free.push(number);
+        }
+    }
+}
+
 /// All materials that draws have asked for.
 #[derive(Resource, Default)]
 pub(crate) struct SurfaceTable {
-    numbers: HashMap<UntypedAssetId, u32>,
-    /// By their numbers.
-    ids: Vec<Option<UntypedAssetId>>,
-    /// Numbers of materials that are gone.
-    free: Vec<u32>,
+    numbers: Numbers,
     materials: Vec<SurfaceMaterial>,
     are_there: Vec<bool>,
     are_textured: Vec<bool>,
@@ -49,7 +73,7 @@ impl SurfaceTable {
 
     /// The number of a material, from the moment on that it is there.
     pub(crate) fn number(&mut self, id: &UntypedAssetId) -> Option<u32> {
-        let number = self.numbers.get(id).copied();
+        let number = self.numbers.by_id.get(id).copied();
         if number.is_none() && !self.missing.contains(id) {
             self.missing.push(*id);
         }
@@ -85,15 +109,11 @@ impl SurfaceTable {
                 self.missing.push(id);
                 continue;
             }
-            let number = self.free.pop().unwrap_or(self.ids.len() as u32);
-            if number as usize == self.ids.len() {
-                self.ids.push(None);
-                self.materials.push(SurfaceMaterial::default());
-                self.are_there.push(false);
-                self.are_textured.push(false);
-            }
-            self.ids[number as usize] = Some(id);
-            self.numbers.insert(id, number);
+            self.numbers.add(id);
+            let count = self.numbers.ids.len();
+            self.materials.resize_with(count, SurfaceMaterial::default);
+            self.are_there.resize(count, false);
+            self.are_textured.resize(count, false);
             self.waits_for_images = true;
             restructures = true;
         }
@@ -106,8 +126,8 @@ impl SurfaceTable {
         }
         self.waits_for_images = false;
         prepared.begin();
-        for number in 0..self.ids.len() {
-            let Some(id) = self.ids[number] else { continue };
+        for number in 0..self.numbers.ids.len() {
+            let Some(id) = self.numbers.ids[number] else { continue };
             let (material, is_there, is_textured) = match sources.surfaces.get(&id) {
                 Some(surface) => (
                     self.convert(surface, sources, prepared),
@@ -117,9 +137,7 @@ impl SurfaceTable {
                 None => {
                     // Draws are made anew, and none of them has the number then.
                     restructures = true;
-                    self.numbers.remove(&id);
-                    self.ids[number] = None;
-                    self.free.push(number as u32);
+                    self.numbers.remove(number as u32);
                     (SurfaceMaterial::default(), false, false)
                 }
             };
@@ -183,6 +201,28 @@ impl SurfaceTable {
             transmission_texture: None,
             alpha_is_coverage: !is_covering,
             double_sided: surface.double_sided,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_what_is_gone_are_used_again() {
+        let mut numbers = Numbers::default();
+        let mut materials = Assets::<StandardMaterial>::default();
+        for _ in 0..10 {
+            let handles: Vec<_> = (0..100).map(|_| materials.add(Color::WHITE)).collect();
+            let given: Vec<u32> =
+                handles.iter().map(|handle| numbers.add(handle.id().untyped())).collect();
+            for (handle, number) in handles.iter().zip(given) {
+                assert_eq!(numbers.by_id.get(&handle.id().untyped()), Some(&number));
+                assert_eq!(numbers.ids[number as usize], Some(handle.id().untyped()));
+                numbers.remove(number);
+            }
+            assert_eq!([numbers.ids.len(), numbers.by_id.len()], [100, 0]);
         }
     }
 }

@@ -140,37 +140,6 @@ fn crowds_leave_nothing_behind() {
     assert!(change < 0.03, "{change}");
 }
 
-/// Their numbers are used again.
-#[test]
-fn materials_leave_nothing_behind() {
-    let _alone = alone();
-    let mut stage = Stage::cornell();
-    let world = stage.app.world_mut();
-    let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(0.01));
-    let mut bytes = Vec::new();
-    for round in 0..6 {
-        let made: Vec<Entity> = (0..200)
-            .map(|number| {
-                let world = stage.app.world_mut();
-                let color = Color::linear_rgb(number as f32 / 200.0, round as f32 / 6.0, 0.5);
-                let material = world.resource_mut::<Assets<StandardMaterial>>().add(color);
-                let place = Transform::from_xyz(-0.9 + 0.009 * number as f32, 1.0, 0.0);
-                let parts = (Mesh3d(mesh.clone()), MeshMaterial3d(material), place);
-                world.spawn((parts, NotShadowCaster)).id()
-            })
-            .collect();
-        stage.frames(6);
-        for entity in made {
-            stage.app.world_mut().despawn(entity);
-        }
-        stage.frames(6);
-        bytes.push(LiveResources::now().buffer_bytes);
-    }
-    println!("{bytes:?} bytes");
-    // Before, what rests became static.
-    assert!(bytes[5] <= bytes[3], "memory grows: {bytes:?}");
-}
-
 #[test]
 fn assets_may_come_late_and_be_replaced() {
     let _alone = alone();
