@@ -57,7 +57,7 @@ END
 picture blocks "Two blocks turn" "scene=builtin:cornell&camera=0,0.75,2.9,0,0.68,0,36" 120 <<'END'
 Voxels and light follow what moves: watch the red and the green on the blocks, and in their shadows.
 {
-    echo 'load builtin:cornell; camera 0,0.75,2.9,0,0.68,0,36; size 400x225; preset fast; frames 40; resolution 64; exposure -1.7'
+    echo 'load builtin:cornell; camera 0,0.75,2.9,0,0.68,0,36; size 400x225; preset realtime; frames 16; resolution 64; exposure -1.7'
     for i in {0..17}; do
         echo "place 'tall block' -0.33 0 -0.25 0 $((17 + 5 * i)) 0 1; place 'short block' 0.33 0 0.4 0 $((-17 - 5 * i)) 0 1"
         echo "screenshot blocks-$((i + 100)).png"
