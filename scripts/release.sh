@@ -99,7 +99,7 @@ grep -qi '^repository *=' crates/lumivox-python/pyproject.toml || refuse "[proje
 made_after() {
     local page=$1 command=$2 made changed rows=()
     [[ $page != *.md ]] || rows=(-G '^\|.*\| *-?[0-9][0-9.,]*[ %|]')
-    made=$(git log -1 --format=%H "${rows[@]}" -- "$page")
+    made=$(git log -1 --format=%H ${rows[@]+"${rows[@]}"} -- "$page")
     [[ -n $made ]] || { refuse "$page is not there, or has no numbers: $command" && return; }
     changed=$(git rev-list --count "$made..HEAD" -- "${@:3}")
     ((changed == 0)) || refuse "$page is older than $changed changes of the code that it measures: $command"

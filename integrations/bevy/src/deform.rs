@@ -66,7 +66,7 @@ pub(crate) struct ScenePoses {
     weights: Vec<f32>,
 }
 
-/// What is hidden or left out of the voxels has no pose.
+/// Reads the joints and weights of all meshes that are neither hidden nor marked [`NotInGi`].
 pub(crate) fn extract_poses(
     mut poses: ResMut<ScenePoses>,
     cameras: Extract<Query<(), With<LumivoxGi>>>,
@@ -110,8 +110,6 @@ pub(crate) fn extract_poses(
 /// A mesh that is deformed in each frame.
 struct Job {
     entity: Entity,
-    /// Its joints are known in this frame.
-    is_posed: bool,
     deformation: Deformation,
     uniform: Buffer,
     group: BindGroup,
@@ -185,10 +183,8 @@ impl Deformer {
             (("morph weights", poses.weights.as_slice()), &mut self.known_weights);
         has_moved |= follow(gpu, weights, known, &mut self.weights, jobs);
         for job in &mut self.jobs {
-            let posed = job.deformation.of_frame(job.entity, poses);
-            has_moved |= posed.is_some() && !job.is_posed;
-            job.is_posed = posed.is_some();
-            if let Some(deformation) = posed.filter(|deformation| *deformation != job.deformation) {
+            let deformation = job.deformation.of_frame(job.entity, poses);
+            if deformation != job.deformation {
                 job.deformation = deformation;
                 queue.write_buffer(&job.uniform, 0, bytemuck::bytes_of(&deformation));
                 has_moved = true;
@@ -211,7 +207,7 @@ impl Deformer {
         self.plan(pipelines, poses)?;
         let Some((kernel, _)) = &self.kernel else { return Ok(()) };
         recorder.stage("deform");
-        for job in self.jobs.iter().filter(|job| job.is_posed) {
+        for job in &self.jobs {
             kernel.run(recorder, &[&job.group], [job.deformation.vertex_count, 1, 1]);
         }
         Ok(())
@@ -239,8 +235,7 @@ impl Deformer {
             return Ok(());
         };
         for Wanted { entity, vertices, targets, deformation } in &self.wanted {
-            let posed = deformation.of_frame(*entity, poses);
-            let (is_posed, deformation) = (posed.is_some(), posed.unwrap_or(*deformation));
+            let deformation = deformation.of_frame(*entity, poses);
             let uniform = upload(pipelines.device(), "deformation", &[deformation]);
             let targets = targets.as_ref().unwrap_or(weights);
             let group = BindGroupBuilder::new(layout)
@@ -251,21 +246,19 @@ impl Deformer {
                 .buffer(weights)
                 .buffer(positions)
                 .build(pipelines.device(), "deform");
-            self.jobs.push(Job { entity: *entity, is_posed, deformation, uniform, group });
+            self.jobs.push(Job { entity: *entity, deformation, uniform, group });
         }
         Ok(())
     }
 }
 
 impl Deformation {
-    /// With the places of the joints and weights of a frame; `None` where there are no joints of it yet.
-    fn of_frame(mut self, entity: Entity, poses: &ScenePoses) -> Option<Self> {
-        if self.joint_indices != NONE {
-            self.first_joint = *poses.first_joints.get(&entity)?;
-        }
+    /// With the places of the joints and weights of a frame.
+    fn of_frame(mut self, entity: Entity, poses: &ScenePoses) -> Self {
+        self.first_joint = poses.first_joints.get(&entity).copied().unwrap_or_default();
         let (first, count) = poses.weight_ranges.get(&entity).copied().unwrap_or_default();
         (self.first_weight, self.target_count) = (first, self.target_count.min(count));
-        Some(self)
+        self
     }
 }
 

@@ -156,7 +156,7 @@ impl SceneGeometry {
         deformer.clear();
         table.forget_missing();
         for (slot, instance) in sources.instances.iter() {
-            if !instance.deforms {
+            if !instance.deforms() {
                 self.add(slot, instance, sources, table);
             } else if let Err(reason) =
                 self.add_deforming(slot, instance, sources, (table, deformer))
@@ -243,13 +243,15 @@ impl SceneGeometry {
         let Some(material) = Self::material(&instance.material, table) else { return Ok(()) };
         let Some(source) = self.source(instance.mesh, sources)? else { return Ok(()) };
         let layout = source.layout;
+        // Attributes of joints alone, without a skin, move nothing.
+        let joints = layout.joints.filter(|_| instance.is_skinned);
         if table.is_textured(material) && layout.texcoords[0].is_none() {
             return Err(NO_TEXCOORDS.to_owned());
         }
         let [first, stride] = [source.first_vertex, layout.stride];
         let mut deformation =
             Deformation::new(source.vertex_count, first, stride / 4, layout.position / 4);
-        if let Some(joints) = layout.joints {
+        if let Some(joints) = joints {
             [deformation.joint_indices, deformation.joint_weights] =
                 joints.map(|offset| offset / 4);
         }
@@ -260,7 +262,7 @@ impl SceneGeometry {
         let mut attributes = VertexAttributes::new(source.vertices, stride);
         attributes.offset = u64::from(first) * u64::from(stride);
         layout.set(&mut attributes);
-        let world_from_local = match layout.joints {
+        let world_from_local = match joints {
             // Joints lead to the world.
             Some(_) => Mat4::IDENTITY,
             None => instance.world_from_local,
@@ -275,7 +277,7 @@ impl SceneGeometry {
             attributes: layout.has_attributes().then_some(attributes),
             indices,
             draw,
-            slot: layout.joints.is_none().then_some(slot),
+            slot: joints.is_none().then_some(slot),
         });
         Ok(())
     }

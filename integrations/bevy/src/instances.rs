@@ -31,11 +31,19 @@ pub(crate) struct Instance {
     pub(crate) material: UntypedAssetId,
     pub(crate) world_from_local: Mat4,
     pub(crate) bounds: Option<Aabb>,
-    /// Its vertices move by joints or morph targets.
-    pub(crate) deforms: bool,
+    /// Its vertices move by joints.
+    pub(crate) is_skinned: bool,
+    /// Its vertices move by morph targets.
+    pub(crate) is_morphed: bool,
     pub(crate) is_static: bool,
     /// The frame of its last change.
     changed: u32,
+}
+
+impl Instance {
+    pub(crate) fn deforms(&self) -> bool {
+        self.is_skinned || self.is_morphed
+    }
 }
 
 /// All of them. What has changed since the last frame is told by the other fields.
@@ -123,7 +131,8 @@ impl Instances {
         known.bounds = given.bounds;
         let is_same = known.mesh == given.mesh
             && known.material == given.material
-            && known.deforms == given.deforms;
+            && known.is_skinned == given.is_skinned
+            && known.is_morphed == given.is_morphed;
         if is_same && known.world_from_local == given.world_from_local {
             return;
         }
@@ -157,7 +166,7 @@ impl Instances {
         let frame = self.frame;
         let rests = |instance: &&mut Instance| {
             !instance.is_static
-                && !instance.deforms
+                && !instance.deforms()
                 && frame.wrapping_sub(instance.changed) >= REST_FRAMES
         };
         for instance in self.slots.iter_mut().flatten().filter(rests) {
@@ -247,7 +256,8 @@ pub(crate) fn extract_instances<M: LumivoxMaterial>(
             material: material.id().untyped(),
             world_from_local: transform.to_matrix(),
             bounds: bounds.copied(),
-            deforms: is_skinned || is_morphed,
+            is_skinned,
+            is_morphed,
             is_static: false,
             changed: instances.frame,
         });
@@ -265,7 +275,8 @@ mod tests {
             material: AssetId::<StandardMaterial>::default().untyped(),
             world_from_local: Mat4::from_translation(x * Vec3::X),
             bounds: Some(Aabb::from_min_max(Vec3::ZERO, Vec3::ONE)),
-            deforms: false,
+            is_skinned: false,
+            is_morphed: false,
             is_static: false,
             changed: 0,
         }

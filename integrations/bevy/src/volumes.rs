@@ -170,7 +170,7 @@ impl Volumes {
             for held in self.held.iter_mut().filter(is_of_view) {
                 let unused = std::mem::take(&mut held.unused);
                 if unused == 0 {
-                    // Of another camera, too.
+                    // Another camera of this frame shares the volume, which was followed for it.
                     continue;
                 }
                 if unused > FRAMES_TO_TRUST && held.key != view.key {

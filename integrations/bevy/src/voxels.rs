@@ -71,8 +71,9 @@ pub(crate) struct Made {
 
 /// What a frame does to voxels.
 pub(crate) struct Frame<'a> {
-    /// Of the first camera that shares the volume, which is the one that its cascades follow; with this volume.
+    /// The settings of the first camera that shares these voxels, with the volume that they are of.
     pub(crate) gi: LumivoxGi,
+    /// Where that camera is: cascades follow it.
     pub(crate) position: Vec3,
     /// The environment map, if it is there.
     pub(crate) map: Option<(&'a wgpu::TextureView, &'a Surroundings)>,

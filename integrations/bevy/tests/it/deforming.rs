@@ -91,7 +91,7 @@ fn unseen_skins_move_as_well() {
     let material = MeshMaterial3d(world.resource_mut::<Assets<StandardMaterial>>().add(lamp));
     let (mesh, skin) = skinned(world);
     let joints = skin.joints.clone();
-    // Of another layer, and without a shadow.
+    // The lamp is of another layer than the camera, and shadow maps leave it out.
     let lamp = world.spawn((mesh, material, skin, RenderLayers::layer(1), NotShadowCaster)).id();
     let at_rest = stage.settled();
     assert!(!stage.app.world().get::<ViewVisibility>(lamp).expect("a mesh").get());
