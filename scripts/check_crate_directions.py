@@ -21,10 +21,12 @@ import sys
 # normally, for building or for tests. A crate that is not here yet is refused until it is.
 MAY_DEPEND_ON = {
     "lumivox-scene": set(),
-    "lumivox": set(),
-    "lumivox-classics": {"lumivox"},
-    "lumivox-render": {"lumivox", "lumivox-scene"},
-    "lumivox-vxct": {"lumivox", "lumivox-render", "lumivox-scene"},
+    "lumivox-wgsl": set(),
+    "lumivox-reflect": {"lumivox-wgsl"},
+    "lumivox": {"lumivox-reflect", "lumivox-wgsl"},
+    "lumivox-classics": {"lumivox", "lumivox-reflect"},
+    "lumivox-render": {"lumivox", "lumivox-reflect", "lumivox-scene", "lumivox-wgsl"},
+    "lumivox-vxct": {"lumivox", "lumivox-reflect", "lumivox-render", "lumivox-scene"},
     "lumivox-explorer": {
         "lumivox",
         "lumivox-classics",
@@ -76,9 +78,9 @@ MUST_NOT_USE = [
     ),
     (
         "lumivox",
-        {"winit", "egui", "gltf", "image"},
+        {"winit", "egui", "gltf", "image", "naga", "lumivox-reflect"},
         SHIPPED_KINDS,
-        "the library knows no window and no file format, so that any engine can embed it",
+        "the library knows no window and no file format and parses no shader, so that any engine can embed it",
         "Move the code that needs it up, into lumivox-render or lumivox-app (or down, into "
         "lumivox-scene); only tests may use it, under [dev-dependencies].",
     ),
@@ -182,7 +184,7 @@ def self_test_cases():
             "the intended graph passes",
             graph(
                 lumivox_scene="glam gltf image dev:proptest",
-                lumivox="wgpu naga dev:image dev:pollster",
+                lumivox="wgpu dev:image dev:pollster",
                 lumivox_classics="lumivox wgpu",
                 lumivox_render="lumivox lumivox-scene wgpu image",
                 lumivox_vxct="lumivox lumivox-render lumivox-scene",

@@ -2,7 +2,13 @@
 
 use lumivox::gpu::ShaderLibrary;
 
-use crate::{passes, picture, reference, scene};
+use crate::{passes, picture, reference};
+
+/// The modules as `build.rs` has resolved them.
+#[allow(clippy::all, clippy::pedantic)]
+mod built {
+    include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
+}
 
 /// Adds this crate's modules to a library, as `package::render::...`.
 ///
@@ -11,9 +17,9 @@ use crate::{passes, picture, reference, scene};
 #[must_use]
 pub fn library(base: &ShaderLibrary) -> ShaderLibrary {
     let mut library = base.clone();
-    scene::add_shaders(&mut library);
-    passes::add_shaders(&mut library);
-    picture::add_shaders(&mut library);
-    reference::add_shaders(&mut library);
+    library.add_built(built::MODULES);
+    passes::add_constants(&mut library);
+    picture::add_constants(&mut library);
+    reference::add_constants(&mut library);
     library
 }

@@ -98,7 +98,7 @@ impl SharedGi {
             }
         };
         let pipelines = self.gi.pipelines().clone();
-        pipelines.compile(&mut report).await;
+        pipelines.compile_all(&mut report).await;
     }
 
     /// Makes the buffers of a geometry: bytes, stride and offset of positions; bytes and stride of other attributes, and where

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 /// one of the group on. It may import Lumivox's modules.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mounted {
-    /// The source, in WGSL with WESL's imports.
+    /// The source, in WGSL with imports ([`ShaderLibrary`](crate::gpu::ShaderLibrary)).
     pub source: Cow<'static, str>,
     /// What it binds, in the order of the bindings.
     pub bindings: Vec<wgpu::BindingType>,

@@ -3,44 +3,21 @@
 use crate::gpu::ShaderLibrary;
 use crate::{Directionality, VolumeKind};
 
-/// Modules that belong to no stage.
-const MODULES: &[(&str, &str)] = &[
-    ("cascades", include_str!("cascades/cascades.wgsl")),
-    ("gpu::dispatch", include_str!("gpu/dispatch.wgsl")),
-    ("gpu::indirect", include_str!("gpu/indirect.wgsl")),
-    ("gpu::random", include_str!("gpu/random.wgsl")),
-    ("gpu::scan", include_str!("gpu/scan.wgsl")),
-    ("grid", include_str!("grid.wgsl")),
-    ("voxels::cells", include_str!("voxels/cells.wgsl")),
-    ("voxels::counts", include_str!("voxels/counts.wgsl")),
-    ("voxels::inner_lobes", include_str!("voxels/inner_lobes.wgsl")),
-    ("voxels::list", include_str!("voxels/list.wgsl")),
-    ("voxels::lookup", include_str!("voxels/lookup.wgsl")),
-    ("voxels::morton", include_str!("voxels/morton.wgsl")),
-    ("voxels::pyramid", include_str!("voxels/pyramid.wgsl")),
-    ("voxels::rank", include_str!("voxels/rank.wgsl")),
-];
+/// The modules as `build.rs` has resolved them.
+#[allow(clippy::all, clippy::pedantic)]
+mod built {
+    include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
+}
 
 /// All shader modules of this crate but `package::volume`, which [`crate::Gi::shaders`] has as well.
 pub fn library() -> ShaderLibrary {
-    let mut library = ShaderLibrary::new(MODULES);
-    let stages = [
-        crate::cones::MODULES,
-        crate::emitters::MODULES,
-        crate::environment::MODULES,
-        crate::light::MODULES,
-        crate::points::MODULES,
-        crate::temporal::MODULES,
-        crate::trace::MODULES,
-        crate::voxelize::MODULES,
-    ];
-    for (path, source) in stages.into_iter().flatten().chain(crate::volume::modules()) {
-        library.add(path, *source);
-    }
+    let mut library = ShaderLibrary::default();
+    library.add_built(built::MODULES);
     crate::voxelize::add_constants(&mut library);
     crate::volume::add_constants(&mut library);
     crate::cascades::add_constants(&mut library, None);
     library
+        .constant_u32("LINEAR_WORKGROUP_SIZE", crate::gpu::LINEAR_WORKGROUP_SIZE)
         .constant_u32("SCAN_WORKGROUP_SIZE", crate::gpu::SCAN_WORKGROUP_SIZE)
         .constant_u32("SCAN_ITEMS", crate::gpu::SCAN_ITEMS)
         .constant_u32("MAX_WORKGROUPS", crate::gpu::MAX_WORKGROUPS)
@@ -60,4 +37,10 @@ pub fn library_with_volume(kind: VolumeKind, directionality: Directionality) -> 
     let mut library = library();
     crate::volume::mount(&mut library, kind, directionality);
     library
+}
+
+/// The implementation of a slot in the file of that path (`build.rs` lists them).
+pub(crate) fn implementation(path: &str) -> &'static lumivox_wgsl::Module {
+    let found = built::IMPLEMENTATIONS.iter().find(|(name, _)| *name == path);
+    &found.unwrap_or_else(|| panic!("build.rs lists no {path}")).1
 }

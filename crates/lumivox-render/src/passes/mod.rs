@@ -32,20 +32,8 @@ use lumivox::gpu::ShaderLibrary;
 
 use crate::View;
 
-/// Adds the shaders of this folder and the numbers of the views.
-pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
-    library
-        .add("render::passes::accumulate", include_str!("accumulate.wgsl"))
-        .add("render::passes::composite", include_str!("composite.wgsl"))
-        .add("render::passes::direct", include_str!("direct.wgsl"))
-        .add("render::passes::figures", include_str!("figures.wgsl"))
-        .add("render::passes::follow", include_str!("follow.wgsl"))
-        .add("render::passes::gbuffer", include_str!("gbuffer.wgsl"))
-        .add("render::passes::motion", include_str!("motion.wgsl"))
-        .add("render::passes::screen_door", include_str!("screen_door.wgsl"))
-        .add("render::passes::shadow_maps", include_str!("shadow_maps.wgsl"));
-    overlay::add_shaders(library);
-    voxel_view::add_shaders(library);
+/// Defines the numbers of the views.
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     for view in View::ALL {
         library.constant_u32(view.constant(), view as u32);
     }

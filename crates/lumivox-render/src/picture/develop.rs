@@ -31,8 +31,8 @@ impl Picture {
                 expected: format!("of {} x {}", size.x, size.y),
             });
         }
-        let mut shaders = library_with_volume(VolumeKind::default(), Directionality::default());
-        super::add_shaders(&mut shaders);
+        let volume = library_with_volume(VolumeKind::default(), Directionality::default());
+        let shaders = crate::shaders::library(&volume);
         let mut textures = ScreenTextures::new(&gpu.device, size);
         let pass = ToneMapPass::new(&gpu.pipelines, &shaders, &mut textures, size)?;
         let format = wgpu::TextureFormat::Rgba32Float;

@@ -16,10 +16,9 @@ use lumivox_scene::write_atomically;
 
 use crate::{RenderError, ToneMap};
 
-/// Adds the shader of the tone map, and the numbers of its curves and encodings.
-pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
+/// Defines the numbers of the tone map's curves and encodings.
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library
-        .add("render::picture::tone_map", include_str!("tone_map/tone_map.wgsl"))
         .constant_u32("ENCODE_COLOR", tone_map::ENCODE_COLOR)
         .constant_u32("ENCODE_DATA", tone_map::ENCODE_DATA)
         .constant_u32("ENCODE_HEAT", tone_map::ENCODE_HEAT)

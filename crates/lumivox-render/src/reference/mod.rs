@@ -70,20 +70,9 @@ const MOST_SAMPLES: u32 = 1 << 24;
 /// The longest edge of a picture, px.
 const MOST_EDGE: u32 = 16_384;
 
-/// Adds the path tracer's shaders, with all [`Features`].
-pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
+/// Defines the path tracer's constants, with all [`Features`].
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library
-        .add("render::reference::intersect", include_str!("intersect.wgsl"))
-        .add("render::reference::panorama", include_str!("panorama.wgsl"))
-        .add("render::reference::path", include_str!("path.wgsl"))
-        .add("render::reference::random", include_str!("random.wgsl"))
-        .add("render::reference::scatter", include_str!("scatter.wgsl"))
-        .add("render::reference::sensors", include_str!("sensors.wgsl"))
-        .add("render::reference::sources", include_str!("sources.wgsl"))
-        .add("render::reference::surface", include_str!("surface.wgsl"))
-        .add("render::reference::texels", include_str!("texels.wgsl"))
-        .add("render::reference::transmittance", include_str!("transmittance.wgsl"))
-        .add("render::reference::world", include_str!("world.wgsl"))
         .constant_u32("REFERENCE_BATCH", BATCH)
         .constant_u32("SENSOR_NONE", SENSOR_NONE)
         .constant_u32("SENSOR_RAY", SENSOR_RAY)

@@ -163,9 +163,8 @@ impl Uploaded {
             has_peaks: !surroundings.peaks.is_empty(),
             has_sensors: !sensors.is_empty(),
         });
-        let mut shaders = library_with_volume(VolumeKind::default(), Directionality::default());
-        crate::scene::add_shaders(&mut shaders);
-        super::add_shaders(&mut shaders);
+        let volume = library_with_volume(VolumeKind::default(), Directionality::default());
+        let mut shaders = crate::shaders::library(&volume);
         features.set(&mut shaders);
         let kernel =
             Kernel::new(&gpu.pipelines, &shaders, "render::reference::path", "main", &[&layout])?;

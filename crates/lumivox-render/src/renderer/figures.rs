@@ -36,7 +36,7 @@ impl Renderer {
         }
         if passes.figures.is_none() {
             passes.figures = Some(FiguresPass::new(&gpu.pipelines, &passes.shaders)?);
-            compile(gpu, &mut |_| {}).await?;
+            compile(gpu, settings, &mut |_| {}).await?;
         }
         let Self { gpu, passes, targets, .. } = self;
         let Some(pass) = &passes.figures else { return Ok(None) };

@@ -36,16 +36,22 @@ pub(super) async fn upload(
     uploaded
 }
 
-/// Compiles all missing pipelines at once.
+/// Compiles all missing pipelines at once; those that only moves and holes need are left to their first use, unless
+/// frames follow what moves.
 ///
 /// # Errors
 /// When the device refuses one.
 pub(super) async fn compile(
     gpu: &Gpu,
+    settings: &RenderSettings,
     progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<(), RenderError> {
     let mut report = |done, total| progress(RenderProgress { stage: "compile", done, total });
-    gpu.pipelines.compile(&mut report).await;
+    if settings.follows() {
+        gpu.pipelines.compile_all(&mut report).await;
+    } else {
+        gpu.pipelines.compile(&mut report).await;
+    }
     gpu.check("compiling pipelines")
 }
 

@@ -17,7 +17,7 @@ use std::mem::offset_of;
 
 use bytemuck::Zeroable as _;
 use glam::Vec3;
-use lumivox::gpu::{Buffer, ShaderLibrary, filled_buffer};
+use lumivox::gpu::{Buffer, filled_buffer};
 use lumivox::{Draw, Geometry, GeometryBatch, VertexAttributes};
 use lumivox_scene::{Bounds, InstanceBounds, Scene};
 
@@ -46,17 +46,6 @@ use geometry::{BatchKind, BatchLimits, Run, pack, runs};
 use materials::{MaterialUpload, VertexColors};
 use motion::Motion;
 use streaming::Streaming;
-
-/// Adds the shaders that read a scene: materials, their layers and textures, and points of surfaces.
-pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
-    library
-        .add("render::scene::draws", include_str!("draws.wgsl"))
-        .add("render::scene::layer_textures", include_str!("layer_textures.wgsl"))
-        .add("render::scene::layers", include_str!("layers.wgsl"))
-        .add("render::scene::material", include_str!("material.wgsl"))
-        .add("render::scene::normals", include_str!("normals.wgsl"))
-        .add("render::scene::point", include_str!("point.wgsl"));
-}
 
 /// The vertex buffers of one batch.
 #[derive(Debug)]

@@ -15,15 +15,6 @@ use bytemuck::{Pod, Zeroable};
 pub use hook::ConeModel;
 pub use settings::{Preset, TraceResolution, TraceSettings};
 
-/// The shader modules of this folder.
-pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("cones::cone", include_str!("cone.wgsl")),
-    ("cones::gather", include_str!("gather.wgsl")),
-    ("cones::hemisphere", include_str!("hemisphere.wgsl")),
-    ("cones::model", include_str!("model.wgsl")),
-    ("cones::start", include_str!("start.wgsl")),
-];
-
 /// `ConeSettings` of `cone.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -40,17 +40,6 @@ pub(crate) use order::empty_list;
 #[cfg(test)]
 pub(crate) use order::{Sorting, TreePart};
 
-/// The shader modules of this folder.
-pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("emitters::cluster", include_str!("cluster.wgsl")),
-    ("emitters::draw", include_str!("draw.wgsl")),
-    ("emitters::emitter", include_str!("emitter.wgsl")),
-    ("emitters::gather", include_str!("gather.wgsl")),
-    ("emitters::list", include_str!("list.wgsl")),
-    ("emitters::order", include_str!("order.wgsl")),
-    ("emitters::tree", include_str!("tree.wgsl")),
-];
-
 /// `Emitter` of `emitter.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

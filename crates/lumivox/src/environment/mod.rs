@@ -38,12 +38,6 @@ use cube::Cube;
 pub(crate) use cubed::{CubeLevel, CubeLight};
 pub use cubed::{CubeUse, EnvironmentCube};
 
-/// The shader modules of this folder.
-pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("environment", include_str!("environment.wgsl")),
-    ("environment::cubed", include_str!("cubed.wgsl")),
-];
-
 /// The longest edge of a face of the sharp cube; a face's middle then has 9 texels a degree. 74 MiB.
 const MAX_SHARP_EDGE: u32 = 1024;
 /// The longest edge of a face of the soft cube, which no lobe reads sharply. 19 MiB.

@@ -32,7 +32,7 @@ impl Gi {
     ///          clear = u32(is_clear(vec3f(8.0), 0u));
     ///      }",
     /// );
-    /// let wgsl = shaders.link("engine::fog")?;
+    /// let wgsl = shaders.link("engine::fog")?.source;
     /// assert!(wgsl.contains("is_clear"));
     /// # Ok::<(), lumivox::GiError>(())
     /// # }).unwrap();

@@ -33,11 +33,33 @@ impl Kernel {
         entry: &str,
         layouts: &[&wgpu::BindGroupLayout],
     ) -> Result<Self, ShaderError> {
+        let kernel = Self::deferred(pipelines, shaders, module, entry, layouts)?;
+        pipelines.expect(&kernel.pipeline);
+        Ok(kernel)
+    }
+
+    /// As [`Self::new`], but [`Pipelines::compile`] leaves the pipeline out: for kernels that most scenes do not run.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(crate) fn deferred(
+        pipelines: &Pipelines,
+        shaders: &ShaderLibrary,
+        module: &str,
+        entry: &str,
+        layouts: &[&wgpu::BindGroupLayout],
+    ) -> Result<Self, ShaderError> {
         let entry = pipelines.shader(shaders, module)?.entry(entry)?;
         let (workgroup_size, label) = (entry.workgroup_size(), entry.label());
         let groups = layouts.iter().map(|layout| (*layout).clone()).collect();
         let pipeline = pipelines.compute(ComputePlan { entry, groups });
         Ok(Self { pipeline, workgroup_size, label })
+    }
+
+    /// Makes the pipelines of kernels that are about to run, all at once.
+    pub(crate) async fn make_all(kernels: impl IntoIterator<Item = &Self>) {
+        let pipelines: Vec<_> = kernels.into_iter().map(|kernel| kernel.pipeline.clone()).collect();
+        super::pipelines::make_all(&pipelines).await;
     }
 
     /// Invocations along x, y and z of one workgroup.

@@ -14,7 +14,6 @@ pub mod pipelines;
 mod recorder;
 mod resources;
 mod scan;
-mod shaders;
 mod slots;
 
 pub use bindings::{BindGroupBuilder, LayoutBuilder};
@@ -26,6 +25,7 @@ pub use indirect::{BoundIndirect, Indirect, Run};
 pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
 pub(crate) use late::LateReads;
+pub use lumivox_wgsl::{ShaderError, ShaderLibrary};
 pub use memory::{Memory, Remedy};
 pub use open::open_device;
 pub use passes::{ComputePass, RenderPass};
@@ -37,5 +37,4 @@ pub use resources::{
 };
 pub use scan::{BoundScan, Scan};
 pub(crate) use scan::{SCAN_ITEMS, SCAN_WORKGROUP_SIZE};
-pub use shaders::{ShaderError, ShaderLibrary, StructLayout};
 pub(crate) use slots::{Slot, Slots};

@@ -53,8 +53,9 @@ impl LightKernels {
         // For the faces whose turn it is, and for those that have never gathered.
         let gather = |module| {
             let groups = [globals, &bounce_layout, lights];
-            let kernel = |entry| Kernel::new(device, shaders, module, entry, &groups);
-            Ok::<_, ShaderError>([kernel("main")?, kernel("fresh")?])
+            let in_turn = Kernel::new(device, shaders, module, "main", &groups)?;
+            let fresh = Kernel::deferred(device, shaders, module, "fresh", &groups)?;
+            Ok::<_, ShaderError>([in_turn, fresh])
         };
         let cover =
             |entry| Kernel::new(device, shaders, "light::cover", entry, &[grid, &cover_layout]);

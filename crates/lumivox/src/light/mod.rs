@@ -45,23 +45,6 @@ pub use lights::{
 #[cfg(test)]
 pub(crate) use lights::{LightGlobals, LightRecord, ShadowLayerRecord};
 
-/// The shader modules of this folder.
-pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("light::lights", include_str!("lights.wgsl")),
-    ("light::reflected", include_str!("reflected.wgsl")),
-    ("light::shadow_map", include_str!("shadow_map.wgsl")),
-    ("light::visibility", include_str!("visibility.wgsl")),
-    ("light::direct", include_str!("direct.wgsl")),
-    ("light::bounce", include_str!("bounce.wgsl")),
-    ("light::shine", include_str!("shine.wgsl")),
-    ("light::turn", include_str!("turn.wgsl")),
-    ("light::reflect", include_str!("reflect.wgsl")),
-    ("light::cover", include_str!("cover.wgsl")),
-    ("light::follow", include_str!("follow.wgsl")),
-    ("light::settle", include_str!("settle.wgsl")),
-    ("light::inherit", include_str!("inherit.wgsl")),
-];
-
 /// `BounceSettings` of `turn.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -15,9 +15,6 @@ use crate::gpu::{
     Recorder, ShaderError, ShaderLibrary, Slot, Slots, storage_buffer, uniform_buffer, upload,
 };
 
-/// The shader modules of this folder.
-pub(crate) const MODULES: &[(&str, &str)] = &[("points::gather", include_str!("gather.wgsl"))];
-
 /// How irradiance at points is gathered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]

@@ -27,23 +27,6 @@ use crate::gpu::{
     ShaderLibrary, Texture, TextureView, storage_buffer, uniform_buffer,
 };
 
-/// The shader modules of this folder.
-pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("temporal::blend", include_str!("blend.wgsl")),
-    ("temporal::compare", include_str!("compare.wgsl")),
-    ("temporal::drift", include_str!("drift.wgsl")),
-    ("temporal::filter", include_str!("filter.wgsl")),
-    ("temporal::guide", include_str!("guide.wgsl")),
-    ("temporal::past", include_str!("past.wgsl")),
-    ("temporal::probe", include_str!("probe.wgsl")),
-    ("temporal::recall", include_str!("recall.wgsl")),
-    ("temporal::record", include_str!("record.wgsl")),
-    ("temporal::reflection", include_str!("reflection.wgsl")),
-    ("temporal::resolve", include_str!("resolve.wgsl")),
-    ("temporal::take_probes", include_str!("take_probes.wgsl")),
-    ("temporal::trace_probes", include_str!("trace_probes.wgsl")),
-];
-
 const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 const GUIDE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 const RECORD: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;

@@ -25,23 +25,6 @@ pub(crate) use gbuffer::gbuffer_layout;
 pub use gbuffer::{AS_THE_CAMERA, CameraView, GBuffer, GBufferViews};
 pub use targets::TraceTargets;
 
-/// The shader modules of this folder.
-pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("trace::around", include_str!("around.wgsl")),
-    ("trace::brdf", include_str!("brdf.wgsl")),
-    ("trace::coat", include_str!("coat.wgsl")),
-    ("trace::diffuse", include_str!("diffuse.wgsl")),
-    ("trace::edge_count", include_str!("edge_count.wgsl")),
-    ("trace::edges", include_str!("edges.wgsl")),
-    ("trace::fit", include_str!("fit.wgsl")),
-    ("trace::gbuffer", include_str!("gbuffer.wgsl")),
-    ("trace::screen", include_str!("screen.wgsl")),
-    ("trace::specular", include_str!("specular.wgsl")),
-    ("trace::surface", include_str!("surface.wgsl")),
-    ("trace::upsample", include_str!("upsample.wgsl")),
-    ("trace::view", include_str!("view.wgsl")),
-];
-
 /// Format of the outputs.
 const OUTPUT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Format of the counts of samples.

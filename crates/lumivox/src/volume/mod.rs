@@ -30,14 +30,6 @@ pub use octree::{
 #[cfg(test)]
 pub(crate) use octree::{OldAtlas, TreeUniform, Verdict as TreeVerdict, read_nodes};
 
-/// Modules that volumes share.
-const SHARED: &[(&str, &str)] = &[
-    ("volume::border", include_str!("border.wgsl")),
-    ("volume::column", include_str!("column.wgsl")),
-    ("volume::level_range", include_str!("level_range.wgsl")),
-    ("volume::parts", include_str!("parts.wgsl")),
-];
-
 /// The format of the textures that hold cells.
 const CELL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
@@ -77,11 +69,6 @@ pub fn dense_volume_bytes(grid: &Grid, directionality: Directionality) -> u64 {
     dense::bytes(grid, directionality)
 }
 
-/// The shader modules of all volumes, except for those that [`mount`] adds.
-pub(crate) fn modules() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
-    SHARED.iter().chain(changes::MODULES).chain(dense::MODULES).chain(octree::MODULES)
-}
-
 /// Defines the constants that Rust and the shaders of volumes share.
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     octree::add_constants(library);
@@ -90,16 +77,16 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
 /// Makes a kind of volume `package::volume` and `package::volume::cells`.
 pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionality: Directionality) {
     let volume = match directionality {
-        Directionality::SixLobes => include_str!("six_lobes.wgsl"),
-        Directionality::Isotropic => include_str!("isotropic.wgsl"),
+        Directionality::SixLobes => "volume::six_lobes",
+        Directionality::Isotropic => "volume::isotropic",
     };
     let cells = match kind {
-        VolumeKind::Dense | VolumeKind::Cascades => dense::CELLS,
-        VolumeKind::Octree(_) => octree::CELLS,
+        VolumeKind::Dense | VolumeKind::Cascades => "volume::dense::cells",
+        VolumeKind::Octree(_) => "volume::octree::cells",
     };
     shaders
-        .add("volume", volume)
-        .add("volume::cells", cells)
+        .fill(crate::shaders::implementation(volume))
+        .fill(crate::shaders::implementation(cells))
         .constant_u32("ISOTROPIC", u32::from(directionality == Directionality::Isotropic))
         // Until there is a grid.
         .constant_u32("OCTREE_STEPS", 0);

@@ -74,7 +74,7 @@ pub enum WalkStep {
 }
 
 /// What there is to sample of a run of triangles: `UNIFORM`, `VARIED` and `PIERCED` of `package::voxelize::surface`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Detail {
     /// One look all over.
     Uniform,

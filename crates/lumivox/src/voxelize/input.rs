@@ -151,6 +151,12 @@ impl<'a> ShareInput<'a> {
         self.batches.iter().map(|(_, prepared)| prepared.draws.as_slice())
     }
 
+    /// The details of all runs of triangles.
+    pub(crate) fn details(&self) -> impl Iterator<Item = Detail> {
+        let groups = self.batches.iter().flat_map(|(_, prepared)| &prepared.groups);
+        groups.map(|group| group.detail)
+    }
+
     /// How many triangles there are.
     pub(crate) fn triangle_count(&self) -> u64 {
         self.batches.iter().map(|(_, prepared)| u64::from(prepared.triangle_count)).sum()

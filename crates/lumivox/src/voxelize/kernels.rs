@@ -1,5 +1,7 @@
 //! The kernels of the voxelizer and the layouts of their bind groups.
 
+use std::collections::HashSet;
+
 use super::hook::{Detail, Voxelization};
 use crate::gpu::{Indirect, Kernel, LayoutBuilder, Pipelines, Scan, ShaderError, ShaderLibrary};
 use crate::voxels::ListBuilder;
@@ -133,15 +135,23 @@ impl Kernels {
         let walk = |module: &str, entry: &str, pass: &wgpu::BindGroupLayout| {
             kernel(module, entry, &[&layouts.triangles, pass, &layouts.run])
         };
+        // Made once a scene is known to need it (`Self::make`).
+        let deferred = |module: &str, entry: &str, pass: &wgpu::BindGroupLayout| {
+            let groups = [&layouts.grid, &layouts.triangles, pass, &layouts.run];
+            Kernel::deferred(device, shaders, module, entry, &groups)
+        };
         // Where the surface itself does not matter, what is not pierced is all alike.
         let by_holes = |module: &str, pass: &wgpu::BindGroupLayout| {
             let opaque = walk(module, "opaque", pass)?;
-            let covered = walk(module, "covered", pass)?;
+            let covered = deferred(module, "covered", pass)?;
             Ok::<_, ShaderError>(Variants([opaque.clone(), opaque, covered]))
         };
-        let accumulate = |entry: &str| walk("voxelize::accumulate", entry, &layouts.accumulate);
-        let by_detail =
-            Variants([accumulate("plain")?, accumulate("varied")?, accumulate("pierced")?]);
+        let (module, pass) = ("voxelize::accumulate", &layouts.accumulate);
+        let by_detail = Variants([
+            walk(module, "plain", pass)?,
+            deferred(module, "varied", pass)?,
+            deferred(module, "pierced", pass)?,
+        ]);
         Ok(Self {
             scan: Scan::new(device, shaders)?,
             indirect: Indirect::new(device, shaders)?,
@@ -169,5 +179,13 @@ impl Kernels {
             renew: kernel("voxelize::renew", "main", &[&layouts.merge_bits])?,
             layouts,
         })
+    }
+
+    /// Makes the walks over runs of some details, all at once.
+    pub async fn make(&self, details: impl Iterator<Item = Detail>) {
+        let walks = [&self.mark, &self.lobes, &self.fronts, &self.accumulate];
+        let details: HashSet<_> = details.collect();
+        let chosen = |detail: &Detail| walks.map(|walk| walk.choose(*detail));
+        Kernel::make_all(details.iter().flat_map(chosen)).await;
     }
 }

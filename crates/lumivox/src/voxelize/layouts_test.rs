@@ -1,5 +1,7 @@
 //! The structs of this stage lie in memory alike in Rust and WGSL.
 
+use lumivox_reflect::check_struct;
+
 use super::VoxelFaces;
 use super::batch::{ItemRun, SplitCounts, SplitParams};
 use super::input::{DrawRecord, TexturePlace};
@@ -8,18 +10,18 @@ use crate::voxels::FaceRecord;
 
 #[test]
 fn structs_lie_in_memory_alike() {
-    let library = crate::shaders::library();
-    library.check_struct::<DrawRecord>("voxelize::triangles", "Draw").unwrap();
-    library.check_struct::<TexturePlace>("voxelize::triangles", "TexturePlace").unwrap();
-    library.check_struct::<SplitParams>("voxelize::split", "SplitParams").unwrap();
-    library.check_struct::<SplitCounts>("voxelize::split", "SplitCounts").unwrap();
-    library.check_struct::<ItemRun>("voxelize::items", "ItemRun").unwrap();
-    library.check_struct::<VoxelFaces>("voxelize::faces", "VoxelFaces").unwrap();
-    library.check_struct::<VoxelFaces>("voxelize::lobes", "AtomicVoxelFaces").unwrap();
-    library.check_struct::<ResolveParams>("voxelize::resolve", "ResolveParams").unwrap();
-    library.check_struct::<UnitedVoxel>("voxelize::unite", "UnitedVoxel").unwrap();
-    library.check_struct::<Room>("voxelize::verdict", "Room").unwrap();
-    library.check_struct::<Verdict>("voxelize::verdict", "Verdict").unwrap();
+    let library = &crate::shaders::library();
+    check_struct::<DrawRecord>(library, "voxelize::triangles", "Draw");
+    check_struct::<TexturePlace>(library, "voxelize::triangles", "TexturePlace");
+    check_struct::<SplitParams>(library, "voxelize::split", "SplitParams");
+    check_struct::<SplitCounts>(library, "voxelize::split", "SplitCounts");
+    check_struct::<ItemRun>(library, "voxelize::items", "ItemRun");
+    check_struct::<VoxelFaces>(library, "voxelize::faces", "VoxelFaces");
+    check_struct::<VoxelFaces>(library, "voxelize::lobes", "AtomicVoxelFaces");
+    check_struct::<ResolveParams>(library, "voxelize::resolve", "ResolveParams");
+    check_struct::<UnitedVoxel>(library, "voxelize::unite", "UnitedVoxel");
+    check_struct::<Room>(library, "voxelize::verdict", "Room");
+    check_struct::<Verdict>(library, "voxelize::verdict", "Verdict");
     // The sums of a face stand where the face's means will be.
-    library.check_struct::<FaceRecord>("voxelize::face_sums", "FaceSlot").unwrap();
+    check_struct::<FaceRecord>(library, "voxelize::face_sums", "FaceSlot");
 }

@@ -66,38 +66,6 @@ const FRONT_SAMPLES: u32 = 4;
 /// Words of a face's raster.
 const FRONT_WORDS: u32 = FRONT_SAMPLES * FRONT_SAMPLES;
 
-/// The shader modules of this stage.
-pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("voxelize::accumulate", include_str!("accumulate.wgsl")),
-    ("voxelize::compare", include_str!("compare.wgsl")),
-    ("voxelize::describe", include_str!("describe.wgsl")),
-    ("voxelize::face_sums", include_str!("face_sums.wgsl")),
-    ("voxelize::faces", include_str!("faces.wgsl")),
-    ("voxelize::footprint", include_str!("footprint.wgsl")),
-    ("voxelize::former", include_str!("former.wgsl")),
-    ("voxelize::fronts", include_str!("fronts.wgsl")),
-    ("voxelize::items", include_str!("items.wgsl")),
-    ("voxelize::keep", include_str!("keep.wgsl")),
-    ("voxelize::keep_bits", include_str!("keep_bits.wgsl")),
-    ("voxelize::lobes", include_str!("lobes.wgsl")),
-    ("voxelize::mark", include_str!("mark.wgsl")),
-    ("voxelize::merge_bits", include_str!("merge_bits.wgsl")),
-    ("voxelize::overlap", include_str!("overlap.wgsl")),
-    ("voxelize::piece", include_str!("piece.wgsl")),
-    ("voxelize::renew", include_str!("renew.wgsl")),
-    ("voxelize::reproducible", include_str!("reproducible.wgsl")),
-    ("voxelize::resolve", include_str!("resolve.wgsl")),
-    ("voxelize::resolve_shares", include_str!("resolve_shares.wgsl")),
-    ("voxelize::split", include_str!("split.wgsl")),
-    ("voxelize::surface", include_str!("surface.wgsl")),
-    ("voxelize::take", include_str!("take.wgsl")),
-    ("voxelize::take_faces", include_str!("take_faces.wgsl")),
-    ("voxelize::triangles", include_str!("triangles.wgsl")),
-    ("voxelize::unite", include_str!("unite.wgsl")),
-    ("voxelize::verdict", include_str!("verdict.wgsl")),
-    ("voxelize::walk", include_str!("walk.wgsl")),
-];
-
 /// Defines the constants that Rust and the shaders of this stage share.
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library

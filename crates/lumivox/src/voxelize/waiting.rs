@@ -63,6 +63,9 @@ impl Voxelizer {
             ShareInput::new(geometry, true, (&grid, &walked), &limits)?
         };
         let moving_input = ShareInput::new(geometry, false, (&grid, &walked), &limits)?;
+        if self.walker.is_none() {
+            self.kernels.make(fixed_input.details().chain(moving_input.details())).await;
+        }
         // Whatever was on its way comes too late.
         (scene.rebuild, scene.late, scene.lacks_room) = (None, None, false);
 

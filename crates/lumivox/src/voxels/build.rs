@@ -217,14 +217,16 @@ impl ListBuilder {
 
 #[cfg(test)]
 mod tests {
+    use lumivox_reflect::check_struct;
+
     use crate::voxels::pyramid::PyramidParams;
     use crate::voxels::{ListCounts, NodeRange};
 
     #[test]
     fn structs_lie_in_memory_alike() {
-        let library = crate::shaders::library();
-        library.check_struct::<PyramidParams>("voxels::pyramid", "PyramidParams").unwrap();
-        library.check_struct::<ListCounts>("voxels::counts", "ListCounts").unwrap();
-        library.check_struct::<NodeRange>("voxels::counts", "NodeRange").unwrap();
+        let library = &crate::shaders::library();
+        check_struct::<PyramidParams>(library, "voxels::pyramid", "PyramidParams");
+        check_struct::<ListCounts>(library, "voxels::counts", "ListCounts");
+        check_struct::<NodeRange>(library, "voxels::counts", "NodeRange");
     }
 }

@@ -22,7 +22,6 @@ mod segment;
 mod voxels;
 
 use glam::Vec3;
-use lumivox::gpu::ShaderLibrary;
 
 #[cfg(test)]
 pub(crate) use edges::EdgeRange;
@@ -32,16 +31,6 @@ pub(crate) use pass::{OVERLAY_BYTES_PER_PIXEL, OverlayPass, OverlayView, Shown};
 pub(crate) use segment::SegmentView;
 #[cfg(test)]
 pub(crate) use voxels::WireSettings;
-
-/// Adds the shaders of this folder.
-pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
-    library
-        .add("render::passes::overlay::blend", include_str!("blend.wgsl"))
-        .add("render::passes::overlay::edges", include_str!("edges.wgsl"))
-        .add("render::passes::overlay::lines", include_str!("lines.wgsl"))
-        .add("render::passes::overlay::segment", include_str!("segment.wgsl"))
-        .add("render::passes::overlay::voxels", include_str!("voxels.wgsl"));
-}
 
 /// Colour of triangles' edges: sRGB-encoded, and coverage.
 pub(crate) const WIREFRAME_COLOR: [f32; 4] = [0.16, 0.85, 1.0, 1.0];

@@ -22,20 +22,6 @@ use lumivox::{GBuffer, Gi, Lights, VolumeKind};
 use crate::View;
 use crate::passes::composite::{CompositeTargets, PICTURE_FORMAT};
 
-/// Adds the shaders of this folder.
-pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
-    library
-        .add("render::passes::voxel_view::bricks", include_str!("bricks.wgsl"))
-        .add("render::passes::voxel_view::cell_walk", include_str!("cell_walk.wgsl"))
-        .add("render::passes::voxel_view::cubes", include_str!("cubes.wgsl"))
-        .add("render::passes::voxel_view::first_cube", include_str!("first_cube.wgsl"))
-        .add("render::passes::voxel_view::lod", include_str!("lod.wgsl"))
-        .add("render::passes::voxel_view::nodes", include_str!("nodes.wgsl"))
-        .add("render::passes::voxel_view::view", include_str!("view.wgsl"))
-        .add("render::passes::voxel_view::wire_walk", include_str!("wire_walk.wgsl"))
-        .add("render::passes::voxel_view::wires", include_str!("wires.wgsl"));
-}
-
 /// `VoxelViewSettings` of `view.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

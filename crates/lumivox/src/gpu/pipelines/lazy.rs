@@ -36,6 +36,10 @@ impl<P: Plan> Lazy<P> {
     pub(super) fn is_made(&self) -> bool {
         self.0.pipeline.get().is_some()
     }
+
+    pub(super) fn device(&self) -> &wgpu::Device {
+        &self.0.device
+    }
 }
 
 impl<P: Plan> Clone for Lazy<P> {
@@ -56,6 +60,23 @@ impl Pending {
         match self {
             Self::Compute(pipeline) => pipeline.is_made(),
             Self::Draw(pipeline) => pipeline.is_made(),
+        }
+    }
+
+    /// The same for all clones of one pipeline.
+    pub(super) fn address(&self) -> *const () {
+        match self {
+            Self::Compute(pipeline) => Arc::as_ptr(&pipeline.0).cast(),
+            Self::Draw(pipeline) => Arc::as_ptr(&pipeline.0).cast(),
+        }
+    }
+
+    /// Bytes of its shader, which go with the time that it takes.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn source_bytes(&self) -> usize {
+        match self {
+            Self::Compute(pipeline) => pipeline.0.plan.entry.source_bytes(),
+            Self::Draw(pipeline) => pipeline.0.plan.vertex.source_bytes(),
         }
     }
 

@@ -5,7 +5,8 @@
 //! WGSL, a bind group layout by its entries, a pipeline by both. So a layout of an older object fits a bind group of a
 //! newer one.
 //!
-//! Asking for a pipeline links and validates its shader, so that errors come early, and makes nothing on the device.
+//! Asking for a pipeline links its shader and makes nothing on the device, unless the shader contains a module that was
+//! added at run time: then the device checks it, so that errors come early.
 //! [`Pipelines::compile`] makes all that was asked for, at once: on all cores, or by the browser beside the page. What it
 //! has not made, the first use makes.
 //!
@@ -22,12 +23,10 @@ mod shader;
 #[cfg(test)]
 mod tests;
 
-use std::collections::HashMap;
-use std::hash::Hash;
+use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::shaders::Content;
 use super::{ShaderError, ShaderLibrary};
 pub use draw::{DrawPipeline, DrawPlan};
 pub(crate) use lazy::LazyCompute;
@@ -62,7 +61,7 @@ struct Cache {
 #[derive(Debug, Default)]
 struct Linked {
     /// Every library so far that differs from the others.
-    libraries: Vec<Arc<Content>>,
+    libraries: Vec<ShaderLibrary>,
     /// By the library's place in the list, and the module's path.
     by_path: HashMap<(usize, String), Shader>,
     by_source: HashMap<String, Shader>,
@@ -92,28 +91,30 @@ impl Pipelines {
         &self.device
     }
 
-    /// The shader module `path` of a library, linked and validated once for the same sources and constants.
+    /// The shader module `path` of a library, linked once for the same sources and constants.
     ///
     /// # Errors
-    /// When it does not link, parse or validate.
+    /// When it does not link, or contains a module that was added at run time and does not validate.
     pub fn shader(&self, library: &ShaderLibrary, path: &str) -> Result<Shader, ShaderError> {
         let mut linked = lock(&self.cache.linked);
-        let content = library.content();
-        let known = linked.libraries.iter().position(|known| known == content);
+        let known = linked.libraries.iter().position(|known| known == library);
         let number = known.unwrap_or_else(|| {
-            linked.libraries.push(content.clone());
+            linked.libraries.push(library.clone());
             linked.libraries.len() - 1
         });
         let key = (number, path.to_owned());
         if let Some(shader) = linked.by_path.get(&key) {
             return Ok(shader.clone());
         }
-        let (reflected, source) = library.reflect(path)?;
-        let shader = linked
-            .by_source
-            .entry(source)
-            .or_insert_with_key(|source| Shader::new(&self.device, path, source, &reflected))
-            .clone();
+        let joined = library.link(path)?;
+        let shader = if let Some(shader) = linked.by_source.get(&joined.source) {
+            shader.clone()
+        } else {
+            let source = joined.source.clone();
+            let shader = Shader::new(&self.device, path, joined)?;
+            linked.by_source.insert(source, shader.clone());
+            shader
+        };
         linked.by_path.insert(key, shader.clone());
         Ok(shader)
     }
@@ -133,50 +134,46 @@ impl Pipelines {
         layouts.entry(entries).or_insert_with_key(create).clone()
     }
 
-    /// A compute pipeline, which is made by [`Self::compile`] or at its first use.
+    /// A compute pipeline, which is made by [`Self::compile_all`] or at its first use.
     pub(crate) fn compute(&self, plan: ComputePlan) -> LazyCompute {
-        self.ask(&self.cache.compute, plan, |plan| Lazy::new(&self.device, plan), Pending::Compute)
+        let create = |plan: &ComputePlan| Lazy::new(&self.device, plan.clone());
+        lock(&self.cache.compute).entry(plan).or_insert_with_key(create).clone()
+    }
+
+    /// Lets [`Self::compile`] make a compute pipeline.
+    pub(crate) fn expect(&self, pipeline: &LazyCompute) {
+        if !pipeline.is_made() {
+            lock(&self.cache.pending).push(Pending::Compute(pipeline.clone()));
+        }
     }
 
     /// A pipeline that draws, which is made by [`Self::compile`] or at its first use.
     pub fn draw(&self, plan: DrawPlan) -> DrawPipeline {
-        let create = |plan| DrawPipeline(Lazy::new(&self.device, plan));
-        self.ask(&self.cache.draw, plan, create, |made| Pending::Draw(made.0))
+        let create = |plan: &DrawPlan| {
+            let pipeline = Lazy::new(&self.device, plan.clone());
+            lock(&self.cache.pending).push(Pending::Draw(pipeline.clone()));
+            DrawPipeline(pipeline)
+        };
+        lock(&self.cache.draw).entry(plan).or_insert_with_key(create).clone()
     }
 
-    /// The pipeline of a plan; a new one is pending.
-    fn ask<Plan: Clone + Eq + Hash, Asked: Clone>(
-        &self,
-        known: &Mutex<HashMap<Plan, Asked>>,
-        plan: Plan,
-        create: impl FnOnce(Plan) -> Asked,
-        pending: impl FnOnce(Asked) -> Pending,
-    ) -> Asked {
-        let mut known = lock(known);
-        if let Some(asked) = known.get(&plan) {
-            return asked.clone();
-        }
-        let asked = create(plan.clone());
-        known.insert(plan, asked.clone());
-        lock(&self.cache.pending).push(pending(asked.clone()));
-        asked
-    }
-
-    /// Makes all pipelines that were asked for and are not there: on all cores, or in browsers without holding the page up.
-    /// `progress` gets the number made and the total, if any are left to make.
+    /// Makes the pipelines that were asked for and are not there: on all cores, or in browsers without holding the page up.
+    /// It leaves out what only scenes that move or have holes run: [`Self::compile_all`] makes that, too. `progress` gets
+    /// the number made and the total, if any are left to make.
     ///
     /// An error of the device is reported like that of any failed call, not here.
     pub async fn compile(&self, progress: &mut dyn FnMut(u32, u32)) {
+        let pending = std::mem::take(&mut *lock(&self.cache.pending));
+        make(&self.device, pending, progress).await;
+    }
+
+    /// As [`Self::compile`], for every pipeline that was asked for: a frame then never waits for one.
+    pub async fn compile_all(&self, progress: &mut dyn FnMut(u32, u32)) {
         let mut pending = std::mem::take(&mut *lock(&self.cache.pending));
-        pending.retain(|pipeline| !pipeline.is_made());
-        if pending.is_empty() {
-            return;
-        }
-        progress(0, pending.len() as u32);
-        #[cfg(not(target_arch = "wasm32"))]
-        native::make(&pending, progress).await;
-        #[cfg(target_arch = "wasm32")]
-        browser::make(&self.device, &pending, progress).await;
+        let is_draw = |pipeline: &Pending| matches!(pipeline, Pending::Draw(_));
+        pending.retain(is_draw);
+        pending.extend(lock(&self.cache.compute).values().cloned().map(Pending::Compute));
+        make(&self.device, pending, progress).await;
     }
 
     /// How many there are of each.
@@ -199,6 +196,34 @@ impl Deref for Pipelines {
 
     fn deref(&self) -> &wgpu::Device {
         &self.device
+    }
+}
+
+/// Makes those of some pipelines that are not there.
+async fn make(
+    device: &wgpu::Device,
+    mut pending: Vec<Pending>,
+    progress: &mut dyn FnMut(u32, u32),
+) {
+    pending.retain(|pipeline| !pipeline.is_made());
+    let mut seen = HashSet::new();
+    pending.retain(|pipeline| seen.insert(pipeline.address()));
+    if pending.is_empty() {
+        return;
+    }
+    progress(0, pending.len() as u32);
+    #[cfg(not(target_arch = "wasm32"))]
+    native::make(device, &pending, progress).await;
+    #[cfg(target_arch = "wasm32")]
+    browser::make(device, &pending, progress).await;
+}
+
+/// Makes those of some compute pipelines that are not there, all at once.
+pub(super) async fn make_all(pipelines: &[LazyCompute]) {
+    if let Some(first) = pipelines.first() {
+        let device = first.device().clone();
+        let pending = pipelines.iter().cloned().map(Pending::Compute).collect();
+        make(&device, pending, &mut |_, _| {}).await;
     }
 }
 

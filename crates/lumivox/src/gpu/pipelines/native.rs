@@ -7,9 +7,14 @@ use super::lazy::Pending;
 
 /// Makes pipelines on all cores. It blocks, as does waiting for the device outside browsers.
 pub(super) fn make(
+    _: &wgpu::Device,
     pending: &[Pending],
     progress: &mut dyn FnMut(u32, u32),
 ) -> std::future::Ready<()> {
+    // The longest first, so that the cores end together.
+    let mut pending = pending.to_vec();
+    pending.sort_by_key(|pipeline| std::cmp::Reverse(pipeline.source_bytes()));
+    let pending = &pending;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let next = AtomicUsize::new(0);
     let (made, hear) = mpsc::channel();

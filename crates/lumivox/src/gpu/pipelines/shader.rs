@@ -3,37 +3,39 @@
 use std::hash::{Hash, Hasher};
 use std::sync::{Arc, OnceLock};
 
+use lumivox_wgsl::LinkedShader;
+
 use crate::gpu::ShaderError;
 
-/// A shader that was linked and validated; its module on the device is made with the first pipeline. Clones share it.
+/// A linked shader; its module on the device is made with its first pipeline. Clones share it.
 #[derive(Clone, Debug)]
-pub struct Shader(Arc<Linked>);
+pub struct Shader(Arc<Content>);
 
 #[derive(Debug)]
-struct Linked {
+struct Content {
     device: wgpu::Device,
     path: String,
-    source: String,
-    /// Names and workgroup sizes (zeros for entry points of other stages than compute).
-    entries: Vec<(String, [u32; 3])>,
+    linked: LinkedShader,
     module: OnceLock<wgpu::ShaderModule>,
 }
 
 impl Shader {
+    /// A shader that contains a module that was added at run time is made on the device here, and checked.
+    ///
+    /// # Errors
+    /// When the device refuses the shader. Browsers only say so later, in the log.
     pub(super) fn new(
         device: &wgpu::Device,
         path: &str,
-        source: &str,
-        reflected: &naga::Module,
-    ) -> Self {
-        let entries = reflected.entry_points.iter();
-        Self(Arc::new(Linked {
-            device: device.clone(),
-            path: path.to_owned(),
-            source: source.to_owned(),
-            entries: entries.map(|point| (point.name.clone(), point.workgroup_size)).collect(),
-            module: OnceLock::new(),
-        }))
+        linked: LinkedShader,
+    ) -> Result<Self, ShaderError> {
+        let is_built = linked.is_built;
+        let (device, path) = (device.clone(), path.to_owned());
+        let shader = Self(Arc::new(Content { device, path, linked, module: OnceLock::new() }));
+        if !is_built {
+            shader.check()?;
+        }
+        Ok(shader)
     }
 
     /// The entry point of that name.
@@ -41,7 +43,7 @@ impl Shader {
     /// # Errors
     /// When there is none.
     pub fn entry(&self, name: &str) -> Result<ShaderEntry, ShaderError> {
-        let found = self.0.entries.iter().position(|(entry, _)| entry == name);
+        let found = self.0.linked.entries.iter().position(|(entry, _)| entry == name);
         let number = found.ok_or_else(|| ShaderError {
             module: self.0.path.clone(),
             message: format!("there is no entry point `{name}`"),
@@ -54,9 +56,60 @@ impl Shader {
         self.0.module.get_or_init(|| {
             self.0.device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(&self.0.path),
-                source: wgpu::ShaderSource::Wgsl(self.0.source.as_str().into()),
+                source: wgpu::ShaderSource::Wgsl(self.0.linked.source.as_str().into()),
             })
         })
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn check(&self) -> Result<(), ShaderError> {
+        let scope = self.0.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let info = ready(self.module().get_compilation_info());
+        let error = ready(scope.pop()).flatten();
+        match info.and_then(|info| self.error_in(&info)) {
+            Some(error) => Err(error),
+            None => error.map_or(Ok(()), |error| {
+                Err(ShaderError { module: self.0.path.clone(), message: error.to_string() })
+            }),
+        }
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn check(&self) -> Result<(), ShaderError> {
+        let shader = self.clone();
+        let info = self.module().get_compilation_info();
+        wasm_bindgen_futures::spawn_local(async move {
+            if let Some(error) = shader.error_in(&info.await) {
+                tracing::error!("{error}");
+            }
+        });
+        Ok(())
+    }
+
+    /// The first error that a compiler tells, with the module that it is in.
+    fn error_in(&self, info: &wgpu::CompilationInfo) -> Option<ShaderError> {
+        let is_error = |message: &&wgpu::CompilationMessage| {
+            message.message_type == wgpu::CompilationMessageType::Error
+        };
+        let message = info.messages.iter().find(is_error)?;
+        let linked = &self.0.linked;
+        let place = message.location.and_then(|location| linked.place_of(location.line_number));
+        let (module, line) = place.unwrap_or((&self.0.path, 0));
+        let message = match line {
+            0 => message.message.clone(),
+            _ => format!("line {line}: {}", message.message),
+        };
+        Some(ShaderError { module: module.to_owned(), message })
+    }
+}
+
+/// The result of a future that outside of browsers is ready at once.
+#[cfg(not(target_arch = "wasm32"))]
+fn ready<T>(future: impl Future<Output = T>) -> Option<T> {
+    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+    match std::pin::pin!(future).poll(&mut context) {
+        std::task::Poll::Ready(value) => Some(value),
+        std::task::Poll::Pending => None,
     }
 }
 
@@ -85,7 +138,7 @@ pub struct ShaderEntry {
 impl ShaderEntry {
     /// Its name.
     pub fn name(&self) -> &str {
-        &self.shader.0.entries[self.number].0
+        &self.shader.0.linked.entries[self.number].0
     }
 
     /// The path of the module, and the name.
@@ -95,10 +148,15 @@ impl ShaderEntry {
 
     /// Invocations along x, y and z of one workgroup; zeros for other stages than compute.
     pub fn workgroup_size(&self) -> [u32; 3] {
-        self.shader.0.entries[self.number].1
+        self.shader.0.linked.entries[self.number].1
     }
 
     pub(super) fn module(&self) -> &wgpu::ShaderModule {
         self.shader.module()
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn source_bytes(&self) -> usize {
+        self.shader.0.linked.source.len()
     }
 }

@@ -68,7 +68,7 @@ fn what_is_not_compiled_before_is_at_its_first_use() {
 }
 
 #[test]
-fn all_that_is_pending_is_compiled_and_counted() {
+fn pending_pipelines_are_compiled_and_counted() {
     let (device, queue) = device();
     let pipelines = Pipelines::new(&device);
     let grid = crate::Grid::fit(glam::Vec3::ZERO, glam::Vec3::ONE, 16, glam::Vec3::ZERO);
@@ -78,8 +78,12 @@ fn all_that_is_pending_is_compiled_and_counted() {
     assert_eq!(counts.made, 0, "{counts:?}");
     let mut heard = Vec::new();
     pollster::block_on(pipelines.compile(&mut |done, total| heard.push((done, total))));
-    let total = counts.pipelines as u32;
+    let total = heard[0].1;
     assert_eq!(heard, (0..=total).map(|done| (done, total)).collect::<Vec<_>>());
+    let made = total as usize;
+    assert!(made < counts.pipelines, "nothing is deferred");
+    assert_eq!(pipelines.counts(), PipelineCounts { made, ..counts });
+    pollster::block_on(pipelines.compile_all(&mut |_, _| {}));
     assert_eq!(pipelines.counts(), PipelineCounts { made: counts.pipelines, ..counts });
 
     // Another one of its kind asks for nothing that is not there, while this one is in use or gone.
@@ -95,6 +99,7 @@ fn errors_come_when_a_kernel_is_asked_for() {
     broken.add("test::double", DOUBLE.replace("2 *", "2.5 *"));
     let error = kernel(&pipelines, &broken).expect_err("a u32 is no float");
     assert_eq!(error.module, "test::double");
+    assert!(error.message.starts_with("line 6: "), "{error}");
     let layout = layout(&pipelines, "values");
     let error = Kernel::new(&pipelines, &library(1), "test::double", "none", &[&layout])
         .expect_err("there is no such entry point");

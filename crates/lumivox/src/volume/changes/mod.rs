@@ -28,13 +28,6 @@ pub(crate) use list::ListParams;
 use list::Lister;
 pub(crate) use list::{ChangedCells, LevelWords};
 
-/// The shader modules of this folder.
-pub(super) const MODULES: &[(&str, &str)] = &[
-    ("volume::changes::cells", include_str!("cells.wgsl")),
-    ("volume::changes::list", include_str!("list.wgsl")),
-    ("volume::changes::relit", include_str!("relit.wgsl")),
-];
-
 /// What the faces of a list send out, and what the volume holds of it (`array<vec4f>` both).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shown<'a> {

@@ -30,21 +30,6 @@ use masks::Masks;
 #[cfg(test)]
 pub(crate) use tests::{Level, read_levels};
 
-/// The shader modules of this folder.
-pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("volume::dense::atlas", include_str!("atlas.wgsl")),
-    ("volume::dense::clear", include_str!("clear.wgsl")),
-    ("volume::dense::filter", include_str!("filter.wgsl")),
-    ("volume::dense::isotropic_filter", include_str!("isotropic_filter.wgsl")),
-    ("volume::dense::isotropic_store", include_str!("isotropic_store.wgsl")),
-    ("volume::dense::mark_masks", include_str!("mark_masks.wgsl")),
-    ("volume::dense::masks", include_str!("masks.wgsl")),
-    ("volume::dense::store", include_str!("store.wgsl")),
-];
-
-/// The look-ups into the dense volume: the module `package::volume::cells` of this kind of volume.
-pub(crate) const CELLS: &str = include_str!("cells.wgsl");
-
 impl Directionality {
     /// Slabs of the texture along each of its axes.
     fn slabs(self) -> UVec3 {

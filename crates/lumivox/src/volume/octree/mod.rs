@@ -55,35 +55,6 @@ pub(crate) use tests::read_nodes;
 pub(crate) use tree::OldAtlas;
 use tree::{Resettler, Room, Scratch, Tree};
 
-/// The shader modules of this folder.
-pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("volume::octree::build_ranked", include_str!("build_ranked.wgsl")),
-    ("volume::octree::carry", include_str!("carry.wgsl")),
-    ("volume::octree::cell_ranks", include_str!("cell_ranks.wgsl")),
-    ("volume::octree::fill", include_str!("fill.wgsl")),
-    ("volume::octree::fill_pointers", include_str!("fill_pointers.wgsl")),
-    ("volume::octree::fill_search", include_str!("fill_search.wgsl")),
-    ("volume::octree::fill_table", include_str!("fill_table.wgsl")),
-    ("volume::octree::filter", include_str!("filter.wgsl")),
-    ("volume::octree::groups", include_str!("groups.wgsl")),
-    ("volume::octree::holders", include_str!("holders.wgsl")),
-    ("volume::octree::inherit", include_str!("inherit.wgsl")),
-    ("volume::octree::mark", include_str!("mark.wgsl")),
-    ("volume::octree::masks", include_str!("masks.wgsl")),
-    ("volume::octree::missed", include_str!("missed.wgsl")),
-    ("volume::octree::places", include_str!("places.wgsl")),
-    ("volume::octree::pointers", include_str!("pointers.wgsl")),
-    ("volume::octree::refill", include_str!("refill.wgsl")),
-    ("volume::octree::renewals", include_str!("renewals.wgsl")),
-    ("volume::octree::resettle", include_str!("resettle.wgsl")),
-    ("volume::octree::search", include_str!("search.wgsl")),
-    ("volume::octree::sites", include_str!("sites.wgsl")),
-    ("volume::octree::store", include_str!("store.wgsl")),
-    ("volume::octree::tree", include_str!("tree.wgsl")),
-    ("volume::octree::values", include_str!("values.wgsl")),
-    ("volume::octree::verdict", include_str!("verdict.wgsl")),
-];
-
 /// Defines the constants that Rust and the shaders of this folder share.
 pub(super) fn add_constants(library: &mut ShaderLibrary) {
     library
@@ -94,9 +65,6 @@ pub(super) fn add_constants(library: &mut ShaderLibrary) {
 
 /// By which power of the resolution the memory grows: as surfaces do.
 const GROWTH: f64 = 2.0;
-
-/// The look-ups into the octree: the module `package::volume::cells` of this kind of volume.
-pub(crate) const CELLS: &str = include_str!("cells.wgsl");
 
 /// The octree volume.
 #[derive(Debug)]

@@ -1,0 +1,130 @@
+use crate::{ShaderLibrary, parse};
+
+const LIGHT: &str = "import package::grid::{grid, edge};
+import package::constants::WIDTH;
+
+// A structure whose member is named like an import.
+struct Light { grid: f32, color: vec3f, }
+
+/* A comment of
+   two lines. */
+fn shade(light: Light) -> f32 {
+    return light.grid * edge(grid) + 1e-5 + 0x1fu;
+}
+
+@compute @workgroup_size(WIDTH, 2)
+fn main(@builtin(position) position: vec3u) {
+    let used = shade(Light());
+}
+
+fn unused() {}
+";
+
+fn library() -> ShaderLibrary {
+    let mut library = ShaderLibrary::default();
+    library.constant_u32("WIDTH", 8).add("light::one", LIGHT).add(
+        "grid",
+        "struct Grid { size: f32 }
+         @group(0) @binding(0) var<uniform> grid: Grid;
+         fn edge(of: Grid) -> f32 { return of.size; }",
+    );
+    library
+}
+
+#[test]
+fn a_shader_has_what_its_entry_points_reach_under_unique_names() {
+    let linked = library().link("light::one").unwrap();
+    let source = &linked.source;
+    assert!(source.contains("fn light_one_shade(light: light_one_Light) -> f32 {"), "{source}");
+    assert!(
+        source.contains("return light.grid * grid_edge(grid_grid) + 1e-5 + 0x1fu;"),
+        "{source}"
+    );
+    assert!(source.contains("struct light_one_Light { grid: f32, color: vec3f, }"), "{source}");
+    assert!(source.contains("var<uniform> grid_grid: grid_Grid;"), "{source}");
+    assert!(source.contains("@builtin(position) position"), "{source}");
+    assert!(source.contains("const WIDTH: u32 = 8u;"), "{source}");
+    assert!(!source.contains("unused"), "{source}");
+    assert_eq!(linked.entries, [("main".to_owned(), [8, 2, 1])]);
+    assert!(library().link_whole("light::one").unwrap().source.contains("light_one_unused"));
+}
+
+#[test]
+fn a_line_of_a_shader_is_found_in_its_module() {
+    let linked = library().link("light::one").unwrap();
+    let line = linked.source.lines().position(|line| line.contains("1e-5")).unwrap() as u32 + 1;
+    assert_eq!(linked.place_of(line), Some(("light::one", 10)));
+    assert_eq!(
+        LIGHT.lines().nth(9).unwrap().trim(),
+        "return light.grid * edge(grid) + 1e-5 + 0x1fu;"
+    );
+}
+
+#[test]
+fn text_of_builds_has_no_comments_and_no_empty_lines() {
+    let module = parse("light::one", LIGHT, false).unwrap();
+    assert!(
+        module.declarations.iter().all(|d| !d.text.contains("comment") && !d.text.contains("\n\n"))
+    );
+}
+
+#[test]
+fn mistakes_are_told_with_module_and_line() {
+    let message = |source: &str| {
+        library().add("mine", source).link_whole("mine").map(drop).unwrap_err().to_string()
+    };
+    let cases = [
+        (
+            "import package::gird::grid;\nfn f() { _ = grid; }",
+            "`package::gird`, and there is no such module",
+        ),
+        (
+            "import package::grid::gird;\nfn f() { _ = gird; }",
+            "imports `gird` from `package::grid`",
+        ),
+        ("import package::constants::HEIGHT;\nfn f() { _ = HEIGHT; }", "no constant `HEIGHT`"),
+        ("import grid::grid;", "line 1: an import starts with `package::`"),
+        ("import package::grid;", "line 1: `grid` is a module"),
+        ("import package::grid::{grid, grid};", "line 1: `grid` is imported twice"),
+        ("\nfn f() {\n    g(;\n}\n", "line 4: unexpected `}`"),
+        ("fn f() {}\n\nfn f() {}", "line 3: `f` is declared or imported twice"),
+        ("fn f() {\n", "line 1: `{` is not closed"),
+        ("const A = 1u", "line 1: this declaration has no end"),
+        ("fun f() {}", "line 1: `fun` starts no declaration"),
+        ("fn () {}", "line 1: a name is missing after `fn`"),
+        ("var<private> read: u32;", "line 1: `read` is a word of WGSL"),
+        ("fn f() {\n    _ = package::grid::grid;\n}", "line 2: a path in code"),
+        ("@compute @workgroup_size(N + 1) fn f() {}", "line 1: the workgroup size `N`"),
+    ];
+    for (source, expected) in cases {
+        let message = message(source);
+        assert!(
+            message.starts_with("shader mine: ") && message.contains(expected),
+            "{source}\n{message}"
+        );
+    }
+    let missing = library().link("mine").unwrap_err();
+    assert_eq!(missing.to_string(), "shader mine: there is no such module");
+}
+
+#[test]
+fn directives_come_first_and_nested_imports_are_found() {
+    let mut library = library();
+    library.add("a::b", "enable f16;\nfn c() {}\n");
+    library.add("root", "import package::{a::b::c, grid::{edge, grid}};\nconst_assert 1 < 2;\n@vertex fn v() { c(); _ = edge(grid); }");
+    let linked = library.link("root").unwrap();
+    assert!(linked.source.starts_with("enable f16 ;\n"), "{}", linked.source);
+    assert!(linked.source.contains("const_assert 1 < 2;"));
+    assert!(linked.source.contains("a_b_c(); _ = grid_edge(grid_grid);"));
+    assert_eq!(linked.entries, [("v".to_owned(), [0; 3])]);
+    let line = linked.source.lines().position(|line| line.contains("@vertex")).unwrap() as u32 + 1;
+    assert_eq!(linked.place_of(line), Some(("root", 3)));
+}
+
+#[test]
+fn libraries_are_equal_by_content() {
+    assert!(library() == library());
+    let mut other = library();
+    other.constant_u32("WIDTH", 16);
+    assert!(library() != other);
+}

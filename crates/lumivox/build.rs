@@ -1,0 +1,15 @@
+//! Resolves the imports of this crate's WGSL.
+
+use lumivox_wgsl::{Slot, build_modules};
+
+fn main() {
+    // The slots whose implementations are chosen at run time (`src/volume/mod.rs`).
+    let slots = [
+        Slot { path: "volume", implementations: &["volume::six_lobes", "volume::isotropic"] },
+        Slot {
+            path: "volume::cells",
+            implementations: &["volume::dense::cells", "volume::octree::cells"],
+        },
+    ];
+    build_modules("", &slots);
+}
