@@ -35,6 +35,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
+use anyhow::Context as _;
 use lumivox::Preset;
 use lumivox_console::report::AdapterReport;
 use lumivox_console::{Failure, SceneSource};
@@ -42,6 +43,7 @@ use lumivox_render::{Gpu, PresetChoice, RenderSettings, describe};
 use lumivox_scene::{Camera, Scene};
 use serde::Serialize;
 
+use super::kept::Kept;
 use super::light;
 use super::settings;
 use super::staged::stage;
@@ -132,37 +134,44 @@ fn check(args: &MotionArgs) -> anyhow::Result<()> {
     }
     let pictures = args.doc.as_ref().map(|folder| folder.join(page::PICTURES));
     for folder in [&args.truth, &args.output, &pictures].into_iter().flatten() {
-        std::fs::create_dir_all(folder)
-            .map_err(|e| Failure::output(format!("{}: cannot be made: {e}", folder.display())))?;
-        output::check_folder(&folder.join("x"), folder)?;
+        output::make_folder(folder)?;
     }
     Ok(())
 }
 
-/// Measures sequences with the presets of the page, and writes it with its pictures.
+/// Measures what is missing of sequences with the presets of the page, and writes it with its pictures.
 fn write_page(
     work: &mut Work<'_>,
     sequences: &[&'static Sequence],
     folder: &Path,
 ) -> anyhow::Result<()> {
     let folder_of_pictures = folder.join(page::PICTURES);
+    let [settings, _] = work.settings(PresetChoice::default())?;
+    let MotionArgs { samples, steps, cache, .. } = work.args;
+    let version = env!("CARGO_PKG_VERSION");
+    let words = format!("{samples} samples, {steps:?} steps, version {version}, {settings:?}");
+    let mut kept = Kept::open(cache.as_deref(), words)?;
     let mut cases = Vec::new();
     for sequence in sequences {
         for preset in PRESETS {
             let is_shown = preset == SHOWN;
             let preset = PresetChoice::Cones(preset);
-            let measured = work.measure(sequence, preset)?;
-            if is_shown {
-                pictures::write(&measured, ROWS_ON_PAGE, &folder_of_pictures)?;
+            let key = format!("{} {}", sequence.name, preset.name());
+            if kept.get(&key).is_none() {
+                let measured = work.measure(sequence, preset)?;
+                if is_shown {
+                    pictures::write(&measured, ROWS_ON_PAGE, &folder_of_pictures)?;
+                }
+                kept.put(key.clone(), measured.report)?;
             }
-            cases.push(page::Case { preset: preset.name(), report: measured.report, is_shown });
+            let report: SequenceReport = kept.get(&key).cloned().context(key)?;
+            cases.push(page::Case { preset: preset.name(), report, is_shown });
         }
     }
     let named: Vec<_> = cases.iter().map(|case| (case.preset.to_owned(), &case.report)).collect();
     pictures::write_charts(&named, &folder_of_pictures)?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let machine = format!("{}, {cores} cores", describe(&work.gpu.adapter_info));
-    let [settings, _] = work.settings(PresetChoice::default())?;
     let text = page::page(work.args, &machine, settings.resolution, &cases);
     pictures::write_bytes(&folder.join(PAGE), text.as_bytes())
 }
@@ -287,9 +296,10 @@ impl Work<'_> {
             balanced: &balanced,
             moving_steps: self.args.steps,
         };
-        let MotionArgs { size, samples, truth, .. } = self.args;
+        let MotionArgs { size, samples, truth, cache, .. } = self.args;
+        let folder = truth.as_deref().or(cache.as_deref());
         tracing::info!("measuring {} with {}", sequence.name, preset.name());
-        task.measure(&mut Truths::new(self.gpu, *size, *samples, truth.as_deref()))
+        task.measure(&mut Truths::new(self.gpu, *size, *samples, folder))
     }
 }
 

@@ -6,10 +6,9 @@ use lumivox::Preset;
 use lumivox_render::PresetChoice;
 use lumivox_render::compare::{ErrorFigures, LayerFigures};
 
-use super::PICTURES;
+use super::{Entry, PICTURES, Store};
 use super::cases::{Case, Rotation, middle};
 use super::glossy::Sphere;
-use super::store::{Entry, Store};
 use crate::cli::QualityArgs;
 use crate::quality::{Point, error_against_cost};
 
@@ -51,7 +50,7 @@ struct Goal {
 pub fn chart(cases: &[Case], store: &Store) -> anyhow::Result<String> {
     let straight = cases.iter().filter(|case| case.rotation == Rotation::NONE);
     let point = |case: &Case| {
-        let entry = store.get(case)?;
+        let entry = store.get(&case.key())?;
         Some(Point {
             scene: case.scene.clone(),
             preset: case.preset.name().to_owned(),
@@ -121,7 +120,7 @@ impl Page<'_> {
     ) -> Option<&Entry> {
         let preset = PresetChoice::Cones(preset);
         let case = Case { scene: scene.to_owned(), rotation, preset, resolution };
-        self.store.get(&case)
+        self.store.get(&case.key())
     }
 
     /// The scenes, in order.
@@ -217,7 +216,7 @@ impl Page<'_> {
              | --- | --- | --- | --: | --: | --: |\n"
         );
         for case in self.cases {
-            let Some(leak) = self.store.get(case).and_then(|entry| entry.leak) else { continue };
+            let Some(leak) = self.store.get(&case.key()).and_then(|entry| entry.leak) else { continue };
             let [x, y, z] = case.rotation.degrees;
             let _ = writeln!(
                 text,
@@ -289,7 +288,7 @@ impl Page<'_> {
                      | --: | --- | --- | --: | --: | --: | --: | --: | --: | --: |\n";
             let own = |case: &&Case| case.scene == scene && case.rotation == Rotation::NONE;
             for case in self.cases.iter().filter(own) {
-                let Some(entry) = self.store.get(case) else { continue };
+                let Some(entry) = self.store.get(&case.key()) else { continue };
                 text += &rows(case, entry);
             }
             text.push('\n');
