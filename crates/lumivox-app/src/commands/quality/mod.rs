@@ -49,7 +49,7 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     let mut store = Kept::open(args.cache.as_deref(), settings_in_words(args))?;
     let mut progress = ProgressDisplay::start(host, "starting");
     let gpu = host.open_gpu(&args.gpu)?;
-    let mut cases = cases(&names, &args.presets, &args.resolutions);
+    let mut cases = cases(&names, !args.scenes.is_empty(), &args.presets, &args.resolutions);
     if args.kept {
         cases.retain(|case| store.get(&case.key()).is_some());
     }
