@@ -70,8 +70,8 @@ pub struct MotionArgs {
     #[arg(short, long, value_name = "FOLDER", help_heading = "Picture")]
     pub output: Option<PathBuf>,
 
-    /// Measure all sequences (or those of --sequence) with the presets fast, realtime and balanced, and write
-    /// a page into this folder: a file motion.md, and its pictures in images/motion/ [default: none]
+    /// Measure six sequences (or those of --sequence) with the presets fast and realtime, and write a
+    /// page into this folder: a file motion.md, and its pictures in images/motion/ [default: none]
     #[arg(long, value_name = "FOLDER", help_heading = "Picture")]
     #[arg(conflicts_with_all = ["scene", "output", "json"])]
     pub doc: Option<PathBuf>,

@@ -59,7 +59,9 @@ use truth::Truths;
 /// The page's file.
 const PAGE: &str = "motion.md";
 /// The presets on the page.
-const PRESETS: [Preset; 3] = [Preset::Fast, Preset::Realtime, Preset::Balanced];
+const PRESETS: [Preset; 2] = [Preset::Fast, Preset::Realtime];
+/// The sequences on the page, if no others are asked for: a camera, light, a thing, and a door move.
+const ON_PAGE: [&str; 6] = ["orbit", "lamp", "switch", "block", "door", "sun"];
 /// The preset of its pictures.
 const SHOWN: Preset = Preset::Realtime;
 /// The rows of strips on the page.
@@ -205,7 +207,11 @@ impl Work<'_> {
         }
         let all = || SEQUENCES.iter();
         let Some(source) = &self.args.scene else {
-            return Ok(all().filter(|sequence| sequence.home != Home::Animated).collect());
+            let is_on_page = |sequence: &&Sequence| match self.args.doc {
+                Some(_) => ON_PAGE.contains(&sequence.name),
+                None => sequence.home != Home::Animated,
+            };
+            return Ok(all().filter(is_on_page).collect());
         };
         if let SceneSource::Builtin(name) = source {
             let made_for_it = all().filter(|sequence| sequence.builtin() == Some(name.as_str()));
