@@ -15,8 +15,8 @@ Usage: scripts/gallery.sh [--program FILE] [--only NAME] [--out FOLDER] [--quick
        scripts/gallery.sh --texts | --check | --list
 
 Makes the pictures of the gallery by the commands that stand below them, and writes docs/gallery.md, the page's
-gallery.html and the pictures' place in README.md. On two busy cores without a GPU it took 45 minutes. Pictures are
-replaced when all of them are there, or not at all.
+gallery.html and the pictures' place in README.md. Pictures are replaced when all of them are there, or not at all.
+scripts/figures.sh calls it for one picture after the other, so that work can go on where it stopped.
 
   --program FILE  the program [default: ./lumivox, which builds it first]
   --only NAME     make one picture again, and keep the others
@@ -139,11 +139,10 @@ size_of() {
 
 print_document() {
     local i
+    printf '# Gallery\n\n%s\n\n' "$(grep -m1 '^Made of commit ' "$root/docs/gallery.md")"
     cat <<'TEXT'
-# Gallery
-
-Each picture is made by the command below it, from scenes that the program has built in. `scripts/gallery.sh` runs all of them, which took 45
-minutes on two busy cores without a GPU, and packs the pictures as WebP; it also writes this page.
+Each picture is made by the command below it, from scenes that the program has built in. `scripts/figures.sh gallery` runs all
+of them, packs the pictures as WebP, and writes this page.
 TEXT
     for i in "${!names[@]}"; do
         printf '\n## %s\n\n' "${titles[i]}"
