@@ -11,7 +11,7 @@ source "$root/scripts/setup.sh"
 
 usage() {
     cat <<'TEXT'
-Usage: scripts/gallery.sh [--program FILE] [--only NAME] [--out FOLDER] [--quick]
+Usage: scripts/gallery.sh [--program FILE] [--only NAME] [--out FOLDER]
        scripts/gallery.sh --texts | --check | --list
 
 Makes the pictures of the gallery by the commands that stand below them, and writes docs/gallery.md, the page's
@@ -21,7 +21,6 @@ scripts/figures.sh calls it for one picture after the other, so that work can go
   --program FILE  the program [default: ./lumivox, which builds it first]
   --only NAME     make one picture again, and keep the others
   --out FOLDER    put the pictures there, and write no texts [default: docs/images/gallery]
-  --quick         rough pictures of 160x90 pixels, to try this script; needs --out
   --texts         write only the texts
   --check         whether the texts follow the table and all pictures are there; makes nothing
   --list          print the names
@@ -108,13 +107,12 @@ END
 
 # --- the command line ---------------------------------------------------------------------------
 
-program='' out='' only='' task=make quick=
+program='' out='' only='' task=make
 while (($# > 0)); do
     case $1 in
     --program) program=${2:?--program needs a file} && shift ;;
     --only) only=${2:?--only needs a name} && shift ;;
     --out) out=${2:?--out needs a folder} && shift ;;
-    --quick) quick=1 ;;
     --texts | --check | --list) task=${1#--} ;;
     -h | --help) usage && exit ;;
     *) usage >&2 && die "Unknown option '$1'." ;;
@@ -246,7 +244,6 @@ if [[ -n $only ]]; then
     for name in "${names[@]}"; do if [[ $name == "$only" ]]; then found=1; fi; done
     [[ -n $found ]] || die "There is no picture '$only'." "There are: ${names[*]}"
 fi
-[[ -z $quick || -n $out ]] || die "--quick makes rough pictures: say where they go by --out."
 texts=
 if [[ -z $out ]]; then texts=1 out=$images; fi
 # Only an older gallery is replaced: nothing of anybody's is lost.
@@ -269,16 +266,9 @@ if [[ -n $only && -d $out ]]; then cp -Rp "$out/." "$fresh/"; fi
 # What readers type, `./lumivox`, is the program there.
 ln -s "$program" "$work/lumivox"
 
-# roughly COMMAND: the same small, with few frames.
-roughly() {
-    sed -E 's/size [0-9]+x[0-9]+/size 160x90/; s/frames [0-9]+/frames 2/; s/resolution [0-9]+/resolution 64/g
-        s/\{-?[0-9]+\.\.[0-9]+\}/{0..2}/; s/render (builtin:[a-z-]+)/render \1 --size 160x90/' <<<"$1"
-}
-
 # make I: one picture, packed, in `fresh`.
 make() {
     local name=${names[$1]} command=${commands[$1]} pace=${paces[$1]} start=$SECONDS frames
-    if [[ -n $quick ]]; then command=$(roughly "$command"); fi
     say "[$(($1 + 1))/${#names[@]}] $name"
     (cd "$work" && bash -euo pipefail -c "$command") >"$work/log" 2>&1 </dev/null ||
         die "$name was not made, and nothing is replaced. The command:" "$command" "It said:" "$(tail -n 20 "$work/log")"
