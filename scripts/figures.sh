@@ -19,7 +19,7 @@ measure]. At the end it writes the numbers that other documents copy (scripts/fi
 two cores and no GPU takes about 80 minutes, and some more to build first. Stopped by Ctrl+C it loses one case at most: the
 same command goes on. Results of each state of the sources are kept in target/figures.
 
-  --program FILE  the program [default: ./lumivox, which builds it first]
+  --program FILE  the program, built of this commit [default: ./lumivox, which builds it first]
   -h, --help      show this text
 TEXT
 }
@@ -35,6 +35,9 @@ while (($# > 0)); do
     shift
 done
 [[ -x $program ]] || die "$program is no program."
+if on_linux; then
+    pin_software_driver || die "Mesa's software driver, on which the pages are measured, is missing (Debian: mesa-vulkan-drivers)."
+fi
 set_target_dir
 cd "$root"
 figures() { python3 scripts/figures.py "$@"; }
@@ -81,7 +84,7 @@ make_three() {
 make_gallery() {
     local name
     while read -r name; do
-        [[ -e $work/gallery/$name.webp ]] || scripts/gallery.sh --program "$program" --only "$name" --out "$work/gallery"
+        [[ -e $work/gallery/$name.webp ]] || scripts/gallery.sh --program "$program" --only "$name" --out "$work/gallery" </dev/null
     done < <(scripts/gallery.sh --list)
     rm -rf docs/images/gallery
     cp -R "$work/gallery" docs/images/
