@@ -11,17 +11,16 @@ source "$root/scripts/setup.sh"
 
 usage() {
     cat <<'TEXT'
-Usage: scripts/gallery.sh [--program FILE] [--only NAME] [--out FOLDER] [--quick]
+Usage: scripts/gallery.sh [--program FILE] [--only NAME] [--out FOLDER]
        scripts/gallery.sh --texts | --check | --list
 
 Makes the pictures of the gallery by the commands that stand below them, and writes docs/gallery.md, the page's
-gallery.html and the pictures' place in README.md. On two busy cores without a GPU it took 45 minutes. Pictures are
-replaced when all of them are there, or not at all.
+gallery.html and the pictures' place in README.md. Pictures are replaced when all of them are there, or not at all.
+scripts/figures.sh calls it for one picture after the other, so that work can go on where it stopped.
 
   --program FILE  the program [default: ./lumivox, which builds it first]
   --only NAME     make one picture again, and keep the others
   --out FOLDER    put the pictures there, and write no texts [default: docs/images/gallery]
-  --quick         rough pictures of 160x90 pixels, to try this script; needs --out
   --texts         write only the texts
   --check         whether the texts follow the table and all pictures are there; makes nothing
   --list          print the names
@@ -108,13 +107,12 @@ END
 
 # --- the command line ---------------------------------------------------------------------------
 
-program='' out='' only='' task=make quick=
+program='' out='' only='' task=make
 while (($# > 0)); do
     case $1 in
     --program) program=${2:?--program needs a file} && shift ;;
     --only) only=${2:?--only needs a name} && shift ;;
     --out) out=${2:?--out needs a folder} && shift ;;
-    --quick) quick=1 ;;
     --texts | --check | --list) task=${1#--} ;;
     -h | --help) usage && exit ;;
     *) usage >&2 && die "Unknown option '$1'." ;;
@@ -139,11 +137,10 @@ size_of() {
 
 print_document() {
     local i
+    printf '# Gallery\n\n%s\n\n' "$(grep -m1 '^Made of commit ' "$root/docs/gallery.md")"
     cat <<'TEXT'
-# Gallery
-
-Each picture is made by the command below it, from scenes that the program has built in. `scripts/gallery.sh` runs all of them, which took 45
-minutes on two busy cores without a GPU, and packs the pictures as WebP; it also writes this page.
+Each picture is made by the command below it, from scenes that the program has built in. `scripts/figures.sh gallery` runs all
+of them, packs the pictures as WebP, and writes this page.
 TEXT
     for i in "${!names[@]}"; do
         printf '\n## %s\n\n' "${titles[i]}"
@@ -247,7 +244,6 @@ if [[ -n $only ]]; then
     for name in "${names[@]}"; do if [[ $name == "$only" ]]; then found=1; fi; done
     [[ -n $found ]] || die "There is no picture '$only'." "There are: ${names[*]}"
 fi
-[[ -z $quick || -n $out ]] || die "--quick makes rough pictures: say where they go by --out."
 texts=
 if [[ -z $out ]]; then texts=1 out=$images; fi
 # Only an older gallery is replaced: nothing of anybody's is lost.
@@ -270,16 +266,9 @@ if [[ -n $only && -d $out ]]; then cp -Rp "$out/." "$fresh/"; fi
 # What readers type, `./lumivox`, is the program there.
 ln -s "$program" "$work/lumivox"
 
-# roughly COMMAND: the same small, with few frames.
-roughly() {
-    sed -E 's/size [0-9]+x[0-9]+/size 160x90/; s/frames [0-9]+/frames 2/; s/resolution [0-9]+/resolution 64/g
-        s/\{-?[0-9]+\.\.[0-9]+\}/{0..2}/; s/render (builtin:[a-z-]+)/render \1 --size 160x90/' <<<"$1"
-}
-
 # make I: one picture, packed, in `fresh`.
 make() {
     local name=${names[$1]} command=${commands[$1]} pace=${paces[$1]} start=$SECONDS frames
-    if [[ -n $quick ]]; then command=$(roughly "$command"); fi
     say "[$(($1 + 1))/${#names[@]}] $name"
     (cd "$work" && bash -euo pipefail -c "$command") >"$work/log" 2>&1 </dev/null ||
         die "$name was not made, and nothing is replaced. The command:" "$command" "It said:" "$(tail -n 20 "$work/log")"

@@ -94,22 +94,9 @@ unreleased=$(sed -n '/^## \[Unreleased\]/,/^## \[[0-9]/p' CHANGELOG.md | grep -c
 grep -q '"repository"' crates/lumivox-web/npm/package.json || refuse "the npm package.json has no repository"
 grep -qi '^repository *=' crates/lumivox-python/pyproject.toml || refuse "[project.urls] of pyproject.toml has no Repository"
 
-# made_after PAGE COMMAND PATHS...: nothing that a page of measurements, or a folder of pictures, depends on has changed since it
-# was made. A page was made when a row of numbers of its tables last changed: words may be mended at any time.
-made_after() {
-    local page=$1 command=$2 made changed rows=()
-    [[ $page != *.md ]] || rows=(-G '^\|.*\| *-?[0-9][0-9.,]*[ %|]')
-    made=$(git log -1 --format=%H ${rows[@]+"${rows[@]}"} -- "$page")
-    [[ -n $made ]] || { refuse "$page is not there, or has no numbers: $command" && return; }
-    changed=$(git rev-list --count "$made..HEAD" -- "${@:3}")
-    ((changed == 0)) || refuse "$page is older than $changed changes of the code that it measures: $command"
-}
-light=(crates/lumivox/src crates/lumivox-render/src crates/lumivox-scene/src/builtin)
-made_after docs/quality.md "lumivox quality docs" "${light[@]}"
-made_after docs/motion.md "lumivox motion --doc docs" "${light[@]}"
-made_after docs/speed.md "lumivox bench" "${light[@]}"
-made_after docs/three.md "crates/lumivox-web/tests/browser/compare.by_hand.mjs" "${light[@]}" crates/lumivox-three
-made_after docs/images/gallery "scripts/gallery.sh" "${light[@]}"
+if ! old=$(python3 scripts/figures.py --old); then
+    while read -r reason; do refuse "$reason"; done <<<"${old:-scripts/figures.py --old failed (its message is above)}"
+fi
 
 # --- the tree and the tools -----------------------------------------------------------------------
 

@@ -271,6 +271,16 @@ software_manifest() {
     [[ -n $found ]] && printf '%s\n' "$found"
 }
 
+# One driver for everyone makes results comparable, and it needs no GPU.
+pin_software_driver() {
+    local manifest
+    manifest=$(unset VK_DRIVER_FILES VK_ICD_FILENAMES && software_manifest) || return 1
+    # Loaders before 1.3.207 know only the second name.
+    export VK_DRIVER_FILES=$manifest VK_ICD_FILENAMES=$manifest
+    # shellcheck disable=SC2034 # for the caller
+    pinned="VK_DRIVER_FILES=$manifest "
+}
+
 have_vulkan_loader() {
     local cache file
     # Debian keeps ldconfig off the PATH of ordinary users.

@@ -67,6 +67,16 @@ pub fn check_folder(what: &Path, folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Makes a folder if it is missing, and checks that files can be made in it.
+///
+/// # Errors
+/// A [`Failure`] of output that names the folder and the obstacle.
+pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .map_err(|e| Failure::output(format!("{}: cannot be made: {e}", folder.display())))?;
+    check_folder(&folder.join("x"), folder)
+}
+
 /// The folder of a file.
 pub fn folder_of(file: &Path) -> PathBuf {
     match file.parent() {

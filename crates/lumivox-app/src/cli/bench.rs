@@ -75,6 +75,14 @@ pub struct BenchArgs {
     #[arg(allow_hyphen_values = true, help_heading = "Measurement")]
     pub sizes: Vec<UVec2>,
 
+    /// Folder for a file of measurements, so that a later run continues where this one stopped
+    /// [default: none]
+    ///
+    /// It is only valid for the same version on the same machine; delete it after a change of
+    /// either.
+    #[arg(long, value_name = "FOLDER", help_heading = "Measurement")]
+    pub cache: Option<PathBuf>,
+
     /// The most frames of each measurement, 3 to 10000; those of slow devices end after some seconds
     #[arg(long, value_name = "FRAMES", value_parser = number::whole(3..=10_000))]
     #[arg(default_value = "64", allow_negative_numbers = true, help_heading = "Measurement")]

@@ -17,7 +17,7 @@ Examples:
   lumivox motion builtin:cornell --sequence orbit,switch --truth target/truth
   lumivox motion builtin:two-rooms --preset fast -o motion --json figures.json
   lumivox motion robot.glb
-  lumivox motion --doc docs --truth target/truth
+  lumivox motion --doc docs --cache target/motion
 ";
 
 /// The arguments of `motion`.
@@ -70,11 +70,20 @@ pub struct MotionArgs {
     #[arg(short, long, value_name = "FOLDER", help_heading = "Picture")]
     pub output: Option<PathBuf>,
 
-    /// Measure all sequences (or those of --sequence) with the presets fast, realtime and balanced, and write
-    /// a page into this folder: a file motion.md, and its pictures in images/motion/ [default: none]
+    /// Measure six sequences (or those of --sequence) with the presets fast and realtime, and write a
+    /// page into this folder: a file motion.md, and its pictures in images/motion/ [default: none]
     #[arg(long, value_name = "FOLDER", help_heading = "Picture")]
     #[arg(conflicts_with_all = ["scene", "output", "json"])]
     pub doc: Option<PathBuf>,
+
+    /// Folder for files of truths and measurements of the page, so that a later run continues where
+    /// this one stopped [default: none]
+    ///
+    /// It is only valid for the same version on the same machine; delete it after a change of
+    /// either.
+    #[arg(long, value_name = "FOLDER", requires = "doc", conflicts_with = "truth")]
+    #[arg(help_heading = "Measurement")]
+    pub cache: Option<PathBuf>,
 
     /// Width and height in pixels, each from 1 to 16384
     ///

@@ -5,6 +5,7 @@ pub mod bench;
 pub mod compare;
 pub mod convert;
 pub mod info;
+mod kept;
 pub mod light;
 pub mod measure;
 pub mod merge;

@@ -15,7 +15,7 @@ use super::report::{Cones, Figures, Part, Spread, Stage};
 use crate::progress::ProgressDisplay;
 
 /// A measurement ends after this time, if it has enough runs.
-const BUDGET: Duration = Duration::from_secs(6);
+const BUDGET: Duration = Duration::from_secs(4);
 /// Enough runs.
 const LEAST_RUNS: u32 = 3;
 /// The most changes of everything.

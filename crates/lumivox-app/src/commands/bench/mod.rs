@@ -14,6 +14,7 @@ use std::path::Path;
 use lumivox_console::Failure;
 use lumivox_scene::{Staging, builtin, write_atomically};
 
+use super::kept::Kept;
 use super::staged;
 use crate::args::{output, scene};
 use crate::cli::BenchArgs;
@@ -65,10 +66,17 @@ pub fn run(args: &BenchArgs, host: &Host) -> anyhow::Result<()> {
         timing: timing_report,
         rows: Vec::new(),
     };
+    let settings = format!("{} frames, {}, {}", report.frames, report.build, report.version);
+    let mut kept = Kept::open(args.cache.as_deref(), settings)?;
     let total = (plan.cases.len() * Motion::ALL.len()) as u32;
     for (case, motion) in
         plan.cases.iter().flat_map(|case| Motion::ALL.map(|motion| (case, motion)))
     {
+        let id = case.id(motion);
+        if let Some(row) = kept.get(&id) {
+            report.rows.push(Row::clone(row));
+            continue;
+        }
         let done = report.rows.len() as u32;
         progress.set("measuring", done, total);
         // After a case that lost the device others may still be possible; if it stays lost, they tell so.
@@ -83,6 +91,7 @@ pub fn run(args: &BenchArgs, host: &Host) -> anyhow::Result<()> {
         if progress.is_stopped() {
             break;
         }
+        kept.put(id, row.clone())?;
         report.rows.push(row);
     }
     let is_stopped = progress.is_stopped();

@@ -12,7 +12,7 @@
 //! | trail | least-squares share of the former picture in the present one |
 
 use lumivox_render::compare::{ErrorFigures, LinearPicture};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use glam::UVec2;
 
@@ -25,7 +25,7 @@ pub struct Known<'a> {
 }
 
 /// The middle and the worst of values over steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// The median: of an even number the mean of the middle two.
     pub median: f64,
@@ -34,7 +34,7 @@ pub struct Spread {
 }
 
 /// Middle, high end and worst of what steps cost.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CostSpread {
     /// The median: of an even number the mean of the middle two.
     pub median: f64,
@@ -128,7 +128,7 @@ pub fn flicker_on_screen(
 }
 
 /// The error of a picture on a screen, in display values from 0 to 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DisplayError {
     /// The root mean square over pixels and channels, the truth's noise taken out.
     pub rmse: f64,

@@ -35,6 +35,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
+use anyhow::Context as _;
 use lumivox::Preset;
 use lumivox_console::report::AdapterReport;
 use lumivox_console::{Failure, SceneSource};
@@ -42,6 +43,7 @@ use lumivox_render::{Gpu, PresetChoice, RenderSettings, describe};
 use lumivox_scene::{Camera, Scene};
 use serde::Serialize;
 
+use super::kept::Kept;
 use super::light;
 use super::settings;
 use super::staged::stage;
@@ -57,7 +59,9 @@ use truth::Truths;
 /// The page's file.
 const PAGE: &str = "motion.md";
 /// The presets on the page.
-const PRESETS: [Preset; 3] = [Preset::Fast, Preset::Realtime, Preset::Balanced];
+const PRESETS: [Preset; 2] = [Preset::Fast, Preset::Realtime];
+/// The sequences on the page, if no others are asked for: a camera, light, a thing, and a door move.
+const ON_PAGE: [&str; 6] = ["orbit", "lamp", "switch", "block", "door", "sun"];
 /// The preset of its pictures.
 const SHOWN: Preset = Preset::Realtime;
 /// The rows of strips on the page.
@@ -132,37 +136,44 @@ fn check(args: &MotionArgs) -> anyhow::Result<()> {
     }
     let pictures = args.doc.as_ref().map(|folder| folder.join(page::PICTURES));
     for folder in [&args.truth, &args.output, &pictures].into_iter().flatten() {
-        std::fs::create_dir_all(folder)
-            .map_err(|e| Failure::output(format!("{}: cannot be made: {e}", folder.display())))?;
-        output::check_folder(&folder.join("x"), folder)?;
+        output::make_folder(folder)?;
     }
     Ok(())
 }
 
-/// Measures sequences with the presets of the page, and writes it with its pictures.
+/// Measures what is missing of sequences with the presets of the page, and writes it with its pictures.
 fn write_page(
     work: &mut Work<'_>,
     sequences: &[&'static Sequence],
     folder: &Path,
 ) -> anyhow::Result<()> {
     let folder_of_pictures = folder.join(page::PICTURES);
+    let [settings, _] = work.settings(PresetChoice::default())?;
+    let MotionArgs { samples, steps, cache, .. } = work.args;
+    let version = env!("CARGO_PKG_VERSION");
+    let words = format!("{samples} samples, {steps:?} steps, version {version}, {settings:?}");
+    let mut kept = Kept::open(cache.as_deref(), words)?;
     let mut cases = Vec::new();
     for sequence in sequences {
         for preset in PRESETS {
             let is_shown = preset == SHOWN;
             let preset = PresetChoice::Cones(preset);
-            let measured = work.measure(sequence, preset)?;
-            if is_shown {
-                pictures::write(&measured, ROWS_ON_PAGE, &folder_of_pictures)?;
+            let key = format!("{} {}", sequence.name, preset.name());
+            if kept.get(&key).is_none() {
+                let measured = work.measure(sequence, preset)?;
+                if is_shown {
+                    pictures::write(&measured, ROWS_ON_PAGE, &folder_of_pictures)?;
+                }
+                kept.put(key.clone(), measured.report)?;
             }
-            cases.push(page::Case { preset: preset.name(), report: measured.report, is_shown });
+            let report: SequenceReport = kept.get(&key).cloned().context(key)?;
+            cases.push(page::Case { preset: preset.name(), report, is_shown });
         }
     }
     let named: Vec<_> = cases.iter().map(|case| (case.preset.to_owned(), &case.report)).collect();
     pictures::write_charts(&named, &folder_of_pictures)?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let machine = format!("{}, {cores} cores", describe(&work.gpu.adapter_info));
-    let [settings, _] = work.settings(PresetChoice::default())?;
     let text = page::page(work.args, &machine, settings.resolution, &cases);
     pictures::write_bytes(&folder.join(PAGE), text.as_bytes())
 }
@@ -196,7 +207,11 @@ impl Work<'_> {
         }
         let all = || SEQUENCES.iter();
         let Some(source) = &self.args.scene else {
-            return Ok(all().filter(|sequence| sequence.home != Home::Animated).collect());
+            let is_on_page = |sequence: &&Sequence| match self.args.doc {
+                Some(_) => ON_PAGE.contains(&sequence.name),
+                None => sequence.home != Home::Animated,
+            };
+            return Ok(all().filter(is_on_page).collect());
         };
         if let SceneSource::Builtin(name) = source {
             let made_for_it = all().filter(|sequence| sequence.builtin() == Some(name.as_str()));
@@ -287,9 +302,10 @@ impl Work<'_> {
             balanced: &balanced,
             moving_steps: self.args.steps,
         };
-        let MotionArgs { size, samples, truth, .. } = self.args;
+        let MotionArgs { size, samples, truth, cache, .. } = self.args;
+        let folder = truth.as_deref().or(cache.as_deref());
         tracing::info!("measuring {} with {}", sequence.name, preset.name());
-        task.measure(&mut Truths::new(self.gpu, *size, *samples, truth.as_deref()))
+        task.measure(&mut Truths::new(self.gpu, *size, *samples, folder))
     }
 }
 

@@ -5,14 +5,14 @@ use std::fmt::Write as _;
 use lumivox_console::report::{Table, bytes};
 use lumivox_render::RenderSettings;
 use lumivox_render::compare::ErrorFigures;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::drive::StepCost;
 use super::figures::{CostSpread, DisplayError, Flicker, Spread};
 use crate::commands::settings;
 
 /// One sequence with one set of settings.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SequenceReport {
     /// Its name.
     pub sequence: String,
@@ -40,12 +40,12 @@ pub struct SequenceReport {
     /// `None` if nothing moves.
     pub cost: Option<CostFigures>,
     pub by_step: Vec<StepFigures>,
-    #[serde(serialize_with = "settings::serialize")]
+    #[serde(serialize_with = "settings::serialize", skip_deserializing)]
     pub settings: RenderSettings,
 }
 
 /// The errors of one step.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct StepFigures {
     /// Its number, from 0.
     pub step: u32,
@@ -66,7 +66,7 @@ pub struct StepFigures {
 }
 
 /// Errors over the steps of motion.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct InMotion {
     /// The number of steps with figures.
     pub steps: u32,
@@ -77,7 +77,7 @@ pub struct InMotion {
 }
 
 /// The spread of each figure over steps.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct ErrorSpread {
     pub bias_percent: Spread,
     pub rmse_percent: Spread,
@@ -91,7 +91,7 @@ pub struct ErrorSpread {
 }
 
 /// Errors some frames after a stop.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct AtStop {
     /// Frames after the last step of the motion.
     pub after: u32,
@@ -102,7 +102,7 @@ pub struct AtStop {
 }
 
 /// Change that the truth does not have, from step to step.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct FlickerFigures {
     /// The number of pairs of steps.
     pub pairs: u32,
@@ -118,7 +118,7 @@ pub struct FlickerFigures {
 }
 
 /// Medians over pairs of steps, as in [`FlickerFigures`].
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct NoiseFigures {
     pub full_percent: Option<f64>,
     pub picture_percent: Option<f64>,
@@ -126,7 +126,7 @@ pub struct NoiseFigures {
 }
 
 /// A sudden change.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Change {
     pub name: String,
     /// The first step after it.
@@ -134,7 +134,7 @@ pub struct Change {
 }
 
 /// The arrival of light after a change.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Latency {
     #[serde(flatten)]
     pub change: Change,
@@ -144,7 +144,7 @@ pub struct Latency {
 }
 
 /// A share of a change after a number of frames.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Share {
     pub frames: u32,
     /// Of the change of mean irradiance, direct light apart.
@@ -152,7 +152,7 @@ pub struct Share {
 }
 
 /// The trail of a change.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Trail {
     #[serde(flatten)]
     pub change: Change,
@@ -160,7 +160,7 @@ pub struct Trail {
 }
 
 /// What is left after a number of frames.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Left {
     pub frames: u32,
     /// Of the former irradiance, direct light apart.
@@ -168,7 +168,7 @@ pub struct Left {
 }
 
 /// Errors of pixels in the first step in which their surface is visible.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Disoccluded {
     /// Their number over all steps, ...
     pub pixels: u64,
@@ -183,7 +183,7 @@ pub struct Disoccluded {
 }
 
 /// What the steps of motion cost.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct CostFigures {
     /// The number of steps.
     pub steps: u32,

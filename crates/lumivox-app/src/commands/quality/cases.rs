@@ -18,11 +18,7 @@ pub struct Rotation {
 impl Rotation {
     pub const NONE: Self = Self { degrees: [0; 3] };
     /// Odd angles: no wall is parallel to an axis, none lies at 45 degrees.
-    pub const ODD: [Self; 3] = [
-        Self { degrees: [29, 20, 23] },
-        Self { degrees: [10, 35, 5] },
-        Self { degrees: [17, -33, 51] },
-    ];
+    pub const ODD: Self = Self { degrees: [29, 20, 23] };
 
     pub fn angles_rad(self) -> Vec3 {
         let [x, y, z] = self.degrees.map(|degrees| (degrees as f32).to_radians());
@@ -82,25 +78,36 @@ pub fn middle(resolutions: &[u32]) -> u32 {
     sorted[sorted.len() / 2]
 }
 
-/// All measurements, scene by scene.
-pub fn cases(scenes: &[String], presets: &[PresetChoice], resolutions: &[u32]) -> Vec<Case> {
+/// The scenes that are measured with all presets at all resolutions: a closed room with a lamp, and
+/// a hall under sun and sky.
+const SWEPT: [&str; 2] = ["cornell", "atrium"];
+
+/// All measurements, scene by scene. Scenes that were `asked` for by name are measured with all
+/// presets at all resolutions. Without names the scenes in [`SWEPT`] are, and the others only at the
+/// middle resolution with the presets that have goals.
+pub fn cases(
+    scenes: &[String],
+    asked: bool,
+    presets: &[PresetChoice],
+    resolutions: &[u32],
+) -> Vec<Case> {
+    let middle = middle(resolutions);
     let mut cases = Vec::new();
     for scene in scenes {
+        let is_swept = asked || SWEPT.contains(&scene.as_str());
         let mut add = |rotation, preset, resolution| {
             cases.push(Case { scene: scene.clone(), rotation, preset, resolution });
         };
+        let has_goal = |preset| preset != PresetChoice::Cones(Preset::Fast);
         for &resolution in resolutions {
             for &preset in presets {
-                add(Rotation::NONE, preset, resolution);
-            }
-        }
-        for rotation in Rotation::ODD {
-            for &preset in presets {
-                // The fast preset has no goal of its own.
-                if preset != PresetChoice::Cones(Preset::Fast) {
-                    add(rotation, preset, middle(resolutions));
+                if is_swept || (resolution == middle && has_goal(preset)) {
+                    add(Rotation::NONE, preset, resolution);
                 }
             }
+        }
+        for &preset in presets.iter().filter(|preset| has_goal(**preset)) {
+            add(Rotation::ODD, preset, middle);
         }
     }
     cases
@@ -112,16 +119,19 @@ mod tests {
 
     #[test]
     fn every_case_is_there_once() {
-        let scenes = ["a".to_owned(), "b".to_owned()];
+        let scenes = ["cornell".to_owned(), "glow".to_owned()];
         let presets = [Preset::Fast, Preset::High].map(PresetChoice::Cones);
-        let cases = cases(&scenes, &presets, &[64, 128, 256]);
-        // Nine combinations are 3 x 2, and three rotations of one preset.
-        assert_eq!(cases.len(), 2 * (3 * 2 + 3));
+        let resolutions = [64, 128, 256];
+        let asked = cases(&scenes, true, &presets, &resolutions);
+        // Three resolutions of two presets, and one preset turned.
+        assert_eq!(asked.len(), 2 * (3 * 2 + 1));
+        let cases = cases(&scenes, false, &presets, &resolutions);
+        assert_eq!(cases.len(), (3 * 2 + 1) + (1 + 1));
         let mut keys: Vec<String> = cases.iter().map(Case::key).collect();
         keys.sort();
         keys.dedup();
         assert_eq!(keys.len(), cases.len());
         let shown = cases.iter().filter_map(|case| case.picture(&[64, 128, 256]));
-        assert_eq!(shown.collect::<Vec<_>>(), ["a.png", "b.png"]);
+        assert_eq!(shown.collect::<Vec<_>>(), ["cornell.png", "glow.png"]);
     }
 }

@@ -3,29 +3,40 @@
 mod cases;
 mod glossy;
 mod page;
-mod store;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Context as _;
 use lumivox_console::Failure;
+use lumivox_render::compare::{Cost, LayerFigures};
 use lumivox_render::reference::ReferenceSettings;
 use lumivox_render::{Companions, Gpu, RenderSettings, describe};
 use lumivox_scene::{Scene, builtin};
 
 use super::compare::write_strip;
+use super::kept::Kept;
 use crate::args::output;
 use crate::cli::QualityArgs;
 use crate::host::Host;
-use crate::lock::Lock;
 use crate::progress::ProgressDisplay;
-use crate::quality::{Measured, Subject, Truth, reference, strip};
+use crate::quality::{Leak, Measured, Subject, Truth, reference, strip};
 use cases::{Case, Rotation, cases};
-use store::{Entry, Store};
+use serde::{Deserialize, Serialize};
 
 /// The folder of the pictures, below the page's folder.
 const PICTURES: &str = "images/quality";
+
+/// One measurement.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+struct Entry {
+    figures: LayerFigures,
+    leak: Option<Leak>,
+    cost: Cost,
+}
+
+/// All measurements so far.
+type Store = Kept<Entry>;
 
 /// Makes the missing measurements, and writes the page.
 ///
@@ -34,35 +45,26 @@ const PICTURES: &str = "images/quality";
 pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     let names = scene_names(&args.scenes)?;
     let pictures = args.folder.join(PICTURES);
-    for folder in [Some(&pictures), args.cache.as_ref()].into_iter().flatten() {
-        std::fs::create_dir_all(folder)
-            .map_err(|e| Failure::output(format!("{}: cannot be made: {e}", folder.display())))?;
-        output::check_folder(&folder.join("x"), folder)?;
-    }
-    let _lock = args
-        .cache
-        .as_ref()
-        .map(|cache| Lock::take(&cache.join(store::NAME), "measures into it"))
-        .transpose()?;
+    output::make_folder(&pictures)?;
+    let mut store = Kept::open(args.cache.as_deref(), settings_in_words(args))?;
     let mut progress = ProgressDisplay::start(host, "starting");
     let gpu = host.open_gpu(&args.gpu)?;
-    let mut store = Store::open(args.cache.as_deref(), settings_in_words(args))?;
-    let mut cases = cases(&names, &args.presets, &args.resolutions);
+    let mut cases = cases(&names, !args.scenes.is_empty(), &args.presets, &args.resolutions);
     if args.kept {
-        cases.retain(|case| store.get(case).is_some());
+        cases.retain(|case| store.get(&case.key()).is_some());
     }
     progress.stop_on_interrupt(host)?;
     let mut truths: BTreeMap<String, Truth> = BTreeMap::new();
     for (index, case) in cases.iter().enumerate() {
         let (done, total) = (index as u32, cases.len() as u32);
         let work = QualityRun { args, gpu: &gpu, progress: &progress, pictures: &pictures };
-        if store.get(case).is_none() {
+        if store.get(&case.key()).is_none() {
             tracing::warn!("{} of {total}: {case}", done + 1);
             let entry = work.measure(case, &mut truths);
             if progress.is_stopped() {
                 return Err(stopped(args, done, total).into());
             }
-            store.put(case, entry.with_context(|| case.to_string())?)?;
+            store.put(case.key(), entry.with_context(|| case.to_string())?)?;
         }
     }
     let glossy = if names.iter().any(|name| name == glossy::SCENE) {

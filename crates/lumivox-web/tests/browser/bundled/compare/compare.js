@@ -57,7 +57,7 @@ function ofThree(bounces) {
     };
 }
 
-const METHODS = { lumivox, "vxgi, 1 bounce": ofThree(1), "vxgi, 2 bounces": ofThree(2) };
+const METHODS = { "Lumivox, `realtime`": lumivox, "`VXGINode`, 1 bounce": ofThree(1), "`VXGINode`, 2 bounces": ofThree(2) };
 
 /** What a method takes: milliseconds of a frame in which nothing, the lamp, or objects move; bytes; and its picture in linear light. */
 async function measured(name, resolution, width, height) {

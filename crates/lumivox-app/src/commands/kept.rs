@@ -1,76 +1,75 @@
-//! Measurements kept in a file, so that long work can continue.
+//! Measurements kept in a folder, so that long work can continue.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use lumivox_console::Failure;
-use lumivox_render::compare::{Cost, LayerFigures};
 use lumivox_scene::{read_regular, write_atomically};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::cases::Case;
-use crate::quality::Leak;
+use crate::args::output;
+use crate::lock::Lock;
 
 /// The name of the file in its folder.
-pub const NAME: &str = "measurements.json";
+const NAME: &str = "measurements.json";
 
-/// One measurement.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-pub struct Entry {
-    pub figures: LayerFigures,
-    pub leak: Option<Leak>,
-    pub cost: Cost,
-}
-
-/// All measurements so far.
+/// All measurements so far, each under its key.
 #[derive(Debug)]
-pub struct Store {
+pub struct Kept<T> {
     file: Option<PathBuf>,
-    content: Content,
+    content: Content<T>,
+    _lock: Option<Lock>,
 }
 
 /// The content of the file.
 #[derive(Debug, Deserialize, Serialize)]
-struct Content {
+struct Content<T> {
     /// A description of the settings of all measurements.
     settings: String,
-    entries: BTreeMap<String, Entry>,
+    entries: BTreeMap<String, T>,
 }
 
-impl Store {
-    /// Reads the measurements of a folder; `settings` describes those of all measurements.
+impl<T: Serialize + DeserializeOwned> Kept<T> {
+    /// Reads the measurements of a folder, which is made if it is missing; without a folder nothing
+    /// is kept. `settings` describes the settings of all measurements.
     ///
     /// # Errors
-    /// When the file exists but cannot be read, or was measured with other settings.
+    /// When the folder cannot be made, another process measures into it, or its file cannot be read
+    /// or was measured with other settings.
     pub fn open(folder: Option<&Path>, settings: String) -> anyhow::Result<Self> {
         let mut content = Content { settings, entries: BTreeMap::new() };
-        let Some(folder) = folder else { return Ok(Self { file: None, content }) };
+        let Some(folder) = folder else { return Ok(Self { file: None, content, _lock: None }) };
+        output::make_folder(folder)?;
         let file = folder.join(NAME);
+        let lock = Lock::take(&file, "measures into it")?;
         if file.exists() {
             let refuse = |reason: String| {
                 Failure::input(format!("{}: {reason}; delete it to measure again", file.display()))
             };
             let text = read_regular(&file).map_err(|e| refuse(e.to_string()))?;
-            let kept: Content = serde_json::from_slice(&text).map_err(|e| refuse(e.to_string()))?;
+            let kept: Content<T> =
+                serde_json::from_slice(&text).map_err(|e| refuse(e.to_string()))?;
             if kept.settings != content.settings {
                 return Err(refuse(format!("it was measured with {}", kept.settings)).into());
             }
             content = kept;
         }
-        Ok(Self { file: Some(file), content })
+        Ok(Self { file: Some(file), content, _lock: Some(lock) })
     }
 
-    pub fn get(&self, case: &Case) -> Option<&Entry> {
-        self.content.entries.get(&case.key())
+    /// The measurement of a key, if it was made.
+    pub fn get(&self, key: &str) -> Option<&T> {
+        self.content.entries.get(key)
     }
 
     /// Stores a measurement.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn put(&mut self, case: &Case, entry: Entry) -> anyhow::Result<()> {
-        self.content.entries.insert(case.key(), entry);
+    pub fn put(&mut self, key: String, entry: T) -> anyhow::Result<()> {
+        self.content.entries.insert(key, entry);
         let Some(file) = &self.file else { return Ok(()) };
         let text = serde_json::to_string_pretty(&self.content)?;
         write_atomically(file, |out| out.write_all(text.as_bytes())).map_err(|error| {
