@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 #
 # The Python package: its tests, in an environment of their own, with the extension of a debug build.
-# Sourced by ./test after setup.sh and set_target_dir.
+# Sourced by ./test after setup.sh and set_target_dir; the times of tests go to the folder LUMIVOX_TEST_TIMES.
 
 : "${root:?set root to the repository root before sourcing python.sh}"
 
@@ -50,5 +50,5 @@ check_python_types() (cd "$root/$python_package" && "$python_env/bin/mypy")
 run_python_tests() (
     cd "$root/$python_package" || exit
     export PYTHONPATH=$PWD/python
-    "$python_env/bin/python" -m pytest -q -p no:cacheprovider
+    "$python_env/bin/python" -m pytest -q -p no:cacheprovider --junit-xml="$LUMIVOX_TEST_TIMES/python.xml"
 )
