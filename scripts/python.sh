@@ -7,8 +7,10 @@
 
 python_package=crates/lumivox-python
 # What the tests need besides the package.
-python_tools=(numpy==2.* pytest==9.* mypy==2.* trimesh==5.* pyvista==0.* ray==2.* mitsuba==3.*
+python_tools=(numpy==2.* pytest==9.* mypy==2.* trimesh==5.* ray==2.* mitsuba==3.*
     nbclient==0.* nbformat==5.* ipykernel==7.* matplotlib==3.*)
+# It brings VTK, which is larger than all others.
+if [[ -n ${LUMIVOX_RELEASE:-} ]]; then python_tools+=(pyvista==0.*); fi
 
 # Python, with what makes environments: a package of its own on Debian and Ubuntu.
 need_python() {
