@@ -386,6 +386,7 @@ fn figures_are_sums_of_the_views() {
 
 /// Reflections of rooms are looked up where their images were: while a camera moves they get better, and no darker.
 #[test]
+#[ignore = "slow: 146 frames of 240x136 pixels"]
 fn reflections_are_kept_in_motion() {
     let scene = builtin("lacquer");
     let size = UVec2::new(240, 136);
