@@ -1,14 +1,16 @@
 # shellcheck shell=bash
 #
 # The Python package: its tests, in an environment of their own, with the extension of a debug build.
-# Sourced by ./test after setup.sh and set_target_dir.
+# Sourced by ./test after setup.sh and set_target_dir; the times of tests go to the folder LUMIVOX_TEST_TIMES.
 
 : "${root:?set root to the repository root before sourcing python.sh}"
 
 python_package=crates/lumivox-python
 # What the tests need besides the package.
-python_tools=(numpy==2.* pytest==9.* mypy==2.* trimesh==5.* pyvista==0.* ray==2.* mitsuba==3.*
+python_tools=(numpy==2.* pytest==9.* mypy==2.* trimesh==5.* ray==2.* mitsuba==3.*
     nbclient==0.* nbformat==5.* ipykernel==7.* matplotlib==3.*)
+# It brings VTK, which is larger than all others.
+if [[ -n ${LUMIVOX_RELEASE:-} ]]; then python_tools+=(pyvista==0.*); fi
 
 # Python, with what makes environments: a package of its own on Debian and Ubuntu.
 need_python() {
@@ -50,5 +52,5 @@ check_python_types() (cd "$root/$python_package" && "$python_env/bin/mypy")
 run_python_tests() (
     cd "$root/$python_package" || exit
     export PYTHONPATH=$PWD/python
-    "$python_env/bin/python" -m pytest -q -p no:cacheprovider
+    "$python_env/bin/python" -m pytest -q -p no:cacheprovider --junit-xml="$LUMIVOX_TEST_TIMES/python.xml"
 )

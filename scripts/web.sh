@@ -38,14 +38,19 @@ find_web_cargo() {
 }
 
 # The programs of lumivox-serve: one makes the page's module, the other, in `server`, hands the page out. Neither has
-# enough to do to be worth the time that a release build takes.
+# enough to do to be worth the time that a release build takes. The caller may say in `web_tools` what cargo builds, for a build
+# that has them among others.
 build_web_tools() {
     : "${target_dir:?call set_target_dir first}"
-    (cd "$root" && show_build "Building the page's tools" cargo build --locked -p lumivox-serve --features bindgen) ||
+    local tools=(--locked -p lumivox-serve --features bindgen)
+    if ((${#web_tools[@]} > 0)); then tools=("${web_tools[@]}"); fi
+    (cd "$root" && show_build "Building the page's tools" cargo build "${tools[@]}") ||
         die "The build of the page's tools failed (cargo's message is above)."
     # shellcheck disable=SC2034 # for the caller of build_web
     server=$target_dir/debug/lumivox-serve
 }
+
+web_tools=()
 
 # build_web FOLDER [PROFILE]: the page, with the npm package in its folder `lumivox`, compiled in Cargo's profile `web` or
 # in `web-test`, which is compiled in less time. The program that hands it out is in `server` then.

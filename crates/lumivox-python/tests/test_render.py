@@ -283,7 +283,7 @@ def test_memory_stays_flat(cornell: Scene) -> None:
         pages = int(Path("/proc/self/statm").read_text().split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
 
-    small = Renderer(cornell, size=(16, 12), **SMALL)
+    small = Renderer(cornell, size=(48, 32), **SMALL)
 
     def render(times: int) -> None:
         for number in range(times):
@@ -296,13 +296,13 @@ def test_memory_stays_flat(cornell: Scene) -> None:
             Renderer(cornell, size=(16, 12), **SMALL).render()
             lumivox.irradiance(cornell, (0, 0.5, 0), method="paths", samples=1)
 
-    for work, warm, times in ((render, 50, 950), (renew, 10, 30)):
+    for work, warm, times in ((render, 25, 250), (renew, 5, 15)):
         work(warm)
         before = resident_mib()
         work(times)
         grown = resident_mib() - before
         print(f"{work.__name__}: {grown:.1f} MiB more after {times}")
-        # A kept picture of 16 x 12 has 3 KiB, a kept renderer megabytes.
+        # A kept picture of 48 x 32 has 24 KiB: six MiB of them, and a kept renderer has megabytes.
         assert grown < 4, work.__name__
 
 

@@ -106,9 +106,10 @@ fn change(before: &[f32], after: &[f32]) -> [f32; 3] {
 }
 
 /// Where boxes move, and where places go from one box to another, the light at them stays nearly what it was.
+/// `./test --full` has the Cornell box (`boxes_follow_a_camera_in_motion`).
 #[test]
-#[ignore = "slow: a city of a kilometre"]
-fn moved_boxes_do_not_change_the_light_of_a_city() {
+#[ignore = "release: a city of a kilometre"]
+fn moved_boxes_do_not_change_the_light_of_a_city_at_release() {
     let gpu = gpu();
     let scene = builtin("city");
     let settings = RenderSettings {

@@ -198,13 +198,23 @@ fn shadows_fall_away_from_the_sun() {
     let map = map(256, |d| Vec3::splat(100.0) + sun(d));
     // As the texels have it, without what is behind the sun.
     let lit = (map.irradiance(to_sun).x / PI - 100.0) * to_sun.y;
+    let gpu = gpu();
+    let mut quiet = |_| {};
     for rotation_rad in [0.0, PI / 2.0] {
         // The plate's middle is seen from the sun over this place of the floor.
         let there = Mat3::from_rotation_y(rotation_rad) * Vec3::new(-1.0, 0.0, 0.0);
         let scene = scene(white(), around(map.clone(), rotation_rad), true);
         let camera = |to: Vec3| Camera::look_at(to + Vec3::new(0.0, 0.9, 0.01), to, 0.2);
-        let middle = |to: Vec3| at(&render(&scene, &camera(to), &small(View::Direct)), 32, 32).x;
-        assert!(middle(there) < 1e-3 * lit, "shadow at {there}: {}", middle(there));
+        let settings = RenderSettings { exposure: Exposure::Stops(0.0), ..small(View::Direct) };
+        let first = camera(there);
+        let new = Renderer::new(&gpu, &scene, Some(&first), settings, &mut quiet);
+        let mut renderer = pollster::block_on(new).expect("a renderer");
+        let mut middle = |to: Vec3| {
+            renderer.set_camera(camera(to));
+            at(&picture(&mut renderer), 32, 32).x
+        };
+        let shadow = middle(there);
+        assert!(shadow < 1e-3 * lit, "shadow at {there}: {shadow}");
         for beside in [-there, there + 0.6 * there.cross(Vec3::Y), there * 1.6, there * 0.42] {
             let found = middle(beside);
             assert!((found / lit - 1.0).abs() < 0.03, "light at {beside}: {found}, not {lit}");

@@ -116,9 +116,9 @@ fn panel_error(scene: &Scene, resolution: u32, preset: Preset) -> (f64, f64) {
 #[test]
 fn the_panel_lights_the_floor_by_its_form_factor() {
     // llvmpipe: biases below 0.1 %, errors of 0.9 and 0.8 % from 16 frames of drawn points. Six cones that find the panel had 8.7 %,
-    // and 13.8 % at half resolution.
+    // and 13.8 % at half resolution. Points are drawn on the panel itself, of whatever size voxels are.
     for (preset, most_rmse) in [(Preset::Fast, 0.02), (Preset::Balanced, 0.02)] {
-        let (bias, rmse) = panel_error(&builtin("panel"), 128, preset);
+        let (bias, rmse) = panel_error(&builtin("panel"), 64, preset);
         assert!(bias.abs() < 0.01, "{preset:?}: bias {bias}");
         assert!(rmse < most_rmse, "{preset:?}: relative RMSE {rmse}");
     }
@@ -146,14 +146,14 @@ fn assert_ceiling_takes_no_light(resolution: u32) {
 #[test]
 fn a_panel_just_below_a_ceiling_keeps_its_light() {
     assert_ceiling_takes_no_light(16);
-    assert_ceiling_takes_no_light(64);
 }
 
 #[test]
-#[ignore = "slow: 128 and 256 voxels; ./test --full runs it"]
-fn a_panel_just_below_a_ceiling_keeps_its_light_in_fine_voxels() {
-    assert_ceiling_takes_no_light(128);
-    assert_ceiling_takes_no_light(256);
+#[ignore = "release: the same claim in 64, 128 and 256 voxels"]
+fn a_panel_just_below_a_ceiling_keeps_its_light_in_fine_voxels_at_release() {
+    for resolution in [64, 128, 256] {
+        assert_ceiling_takes_no_light(resolution);
+    }
 }
 
 /// A mirror below the panel shows it, as bright as it is, and a diffuse floor in its place gets no light twice: glossy cones find

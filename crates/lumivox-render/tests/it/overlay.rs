@@ -417,12 +417,13 @@ fn wire_voxels_are_those_of_the_level_and_end_at_surfaces() {
         let picture = shown(&gpu, &scene, RenderSettings { voxel_level, ..base });
         colors(&picture).filter(|(_, color)| is_amber(*color)).count()
     };
-    for level in 0..3 {
+    let over = [0, 1, 2].map(|level| {
         let (over, through) = (count(Wires::Over, level), count(Wires::Through, level));
         println!("level {level}: {over} over, {through} through");
         assert!(over > 200 && through > over + over / 8);
-    }
-    assert!(count(Wires::Over, 1) > 2 * count(Wires::Over, 2));
+        over
+    });
+    assert!(over[1] > 2 * over[2]);
 }
 
 /// An emissive wall along the grid, the left half of it twice as bright: on it the volume's light is what a CPU

@@ -105,48 +105,59 @@ fn stack(strips: &[RgbImage]) -> RgbImage {
     })
 }
 
+/// Every component, and three places.
 #[test]
-fn pictures_are_those_of_the_program() {
+#[ignore = "slow: twelve pictures of 640x360 pixels"]
+fn pictures_of_the_box_are_those_of_the_program() {
+    compare("cornell");
+}
+
+/// The same components on other models.
+#[test]
+#[ignore = "release: ten pictures of 640x360 pixels"]
+fn pictures_of_the_gallery_are_those_of_the_program_at_release() {
+    compare("gallery");
+}
+
+/// Holds all pictures of a scene against the program's.
+fn compare(name: &str) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vxct");
     let mut failures = Vec::new();
-    for name in ["cornell", "gallery"] {
-        let mut files: Vec<PathBuf> = std::fs::read_dir(&folder)
-            .expect("tests/vxct is there")
-            .map(|entry| entry.expect("an entry").path())
-            .filter(|path| path.file_stem().is_some_and(|s| s.to_string_lossy().starts_with(name)))
-            .collect();
-        files.sort();
-        assert!(files.len() > 9, "{files:?}");
-        let scene = scene(name);
-        let mut known: Option<Renderer> = None;
-        let mut strips = Vec::new();
-        for file in files {
-            let stem = file.file_stem().expect("a name").to_string_lossy().into_owned();
-            let (_, rest) = stem.split_once('-').expect("scene-camera-component");
-            let (place, what) = rest.split_once('-').expect("scene-camera-component");
-            let mut renderer =
-                known.take().unwrap_or_else(|| renderer(&gpu(), &scene, settings("all")));
-            renderer.set_camera(camera(&scene, if place == "start" { "vxct" } else { place }));
-            pollster::block_on(renderer.set_settings(settings(what), &mut |_| {}))
-                .expect("settings");
-            let ours = halved(&picture(&mut renderer).ldr, SIZE);
-            let theirs = image::open(&file).expect("a picture").to_rgb8();
-            let difference = mean_difference(&ours, &theirs);
-            println!("{stem}: {difference:.2} of 255");
-            if difference > MOST {
-                failures.push(format!("{stem}: {difference:.2} of 255"));
-            }
-            strips.push(strip(&theirs, &ours));
-            known = Some(renderer);
+    let mut files: Vec<PathBuf> = std::fs::read_dir(&folder)
+        .expect("tests/vxct is there")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.file_stem().is_some_and(|s| s.to_string_lossy().starts_with(name)))
+        .collect();
+    files.sort();
+    assert!(files.len() > 9, "{files:?}");
+    let scene = scene(name);
+    let mut known: Option<Renderer> = None;
+    let mut strips = Vec::new();
+    for file in files {
+        let stem = file.file_stem().expect("a name").to_string_lossy().into_owned();
+        let (_, rest) = stem.split_once('-').expect("scene-camera-component");
+        let (place, what) = rest.split_once('-').expect("scene-camera-component");
+        let mut renderer =
+            known.take().unwrap_or_else(|| renderer(&gpu(), &scene, settings("all")));
+        renderer.set_camera(camera(&scene, if place == "start" { "vxct" } else { place }));
+        pollster::block_on(renderer.set_settings(settings(what), &mut |_| {})).expect("settings");
+        let ours = halved(&picture(&mut renderer).ldr, SIZE);
+        let theirs = image::open(&file).expect("a picture").to_rgb8();
+        let difference = mean_difference(&ours, &theirs);
+        println!("{stem}: {difference:.2} of 255");
+        if difference > MOST {
+            failures.push(format!("{stem}: {difference:.2} of 255"));
         }
-        if is_blessing() {
-            let path = root().join(format!("docs/images/vxct-look/{name}.jpg"));
-            let file = std::fs::File::create(&path).expect("a folder for pictures");
-            let mut jpeg = image::codecs::jpeg::JpegEncoder::new_with_quality(file, 90);
-            jpeg.encode_image(&stack(&strips)).expect("a picture");
-            let said = writeln!(std::io::stderr(), "LUMIVOX_BLESS=1 wrote {}", path.display());
-            said.expect("stderr takes a line");
-        }
+        strips.push(strip(&theirs, &ours));
+        known = Some(renderer);
+    }
+    if is_blessing() {
+        let path = root().join(format!("docs/images/vxct-look/{name}.jpg"));
+        let file = std::fs::File::create(&path).expect("a folder for pictures");
+        let mut jpeg = image::codecs::jpeg::JpegEncoder::new_with_quality(file, 90);
+        jpeg.encode_image(&stack(&strips)).expect("a picture");
+        let said = writeln!(std::io::stderr(), "LUMIVOX_BLESS=1 wrote {}", path.display());
+        said.expect("stderr takes a line");
     }
     assert!(failures.is_empty(), "more than {MOST} of 255 off: {failures:#?}");
 }

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
-import { after, before, test } from "node:test";
+import { after, afterEach, before, beforeEach, test } from "node:test";
 import { promisify } from "node:util";
 import { App } from "./harness/app.mjs";
 import { Session } from "./harness/browser.mjs";
@@ -11,47 +11,42 @@ import { different } from "./harness/picture.mjs";
 
 /** @type {Session} */
 let session;
+/** The page with its console open. @type {App} */
+let app;
+/** @type {import("playwright-core").Locator} */
+let line;
 before(async () => {
     session = await Session.start({ beside: [{ name: "evening.txt", bytes: "echo dusk; add_light point lamp intensity 5\nwait 2\nlight lamp\n" }] });
+    app = await App.show(session, "builtin:cornell");
+    await app.page.locator("#canvas").focus();
+    await app.page.keyboard.press("c");
+    line = app.page.locator("#console-line");
+    await line.waitFor();
 });
 after(() => session?.end());
+// Each test begins with the scene and the settings of a new tab, without compiling for one.
+beforeEach(async () => void (await enter("load builtin:cornell; view final; lod 0; resolution 32")));
+afterEach(() => app.check());
 
-/** The page with its console open. */
-async function opened() {
-    const app = await App.show(session, "builtin:cornell");
-    const { page } = app;
-    await page.locator("#canvas").focus();
-    await page.keyboard.press("c");
-    const line = page.locator("#console-line");
-    await line.waitFor();
-    const log = page.locator("#console-log");
-    return {
-        app,
-        line,
-        /** Enters a line; what is printed after it. @param {string} text */
-        async enter(text) {
-            const count = await log.locator("p").count();
-            await line.fill(text);
-            await line.press("Enter");
-            await page.locator("#loading").waitFor({ state: "hidden" });
-            await app.settled();
-            const lines = await log.locator("p").allTextContents();
-            return lines.slice(count + 1).join("\n");
-        },
-    };
+/** Enters a line; what is printed after it. @param {string} text */
+async function enter(text) {
+    const log = app.page.locator("#console-log");
+    const count = await log.locator("p").count();
+    await line.fill(text);
+    await line.press("Enter");
+    await app.page.locator("#loading").waitFor({ state: "hidden" });
+    await app.settled();
+    const lines = await log.locator("p").allTextContents();
+    return lines.slice(count + 1).join("\n");
 }
 
 test("the commands and their help are the program's", async () => {
-    const { app, enter } = await opened();
     const { stdout } = await promisify(execFile)(program(), ["commands"], { maxBuffer: 1 << 22 });
     assert.equal(await enter("commands"), stdout.trimEnd());
     assert.match(await enter("help translate"), /^translate .*\n.*In VXCT:/s);
-    await app.check();
-    await app.close();
 });
 
 test("lines change what is seen, and the panel follows", async () => {
-    const { app, enter } = await opened();
     const plain = await app.pixels();
     assert.equal(await enter("light lamp color 1 0 0"), "");
     const red = await app.pixels();
@@ -69,12 +64,9 @@ test("lines change what is seen, and the panel follows", async () => {
     const voxels = (await app.call("scene")).voxels;
     await enter("resolution 16");
     assert.ok((await app.call("scene")).voxels < voxels);
-    await app.check();
-    await app.close();
 });
 
 test("scenes, scripts and files", async () => {
-    const { app, enter } = await opened();
     await enter("load builtin:panel --surroundings none; resolution 32");
     assert.equal(await app.page.locator("#title").textContent(), "panel");
     assert.equal(await enter("load"), "load builtin:panel --surroundings none");
@@ -83,12 +75,9 @@ test("scenes, scripts and files", async () => {
     assert.match(await enter("screenshot view.png"), /^view\.png: 96x72, 4 frames$/);
     assert.equal((await download).suggestedFilename(), "view.png");
     assert.match(await enter("script"), /^size 96x72\n.*load builtin:panel/s);
-    await app.check();
-    await app.close();
 });
 
 test("what is wrong is said where it is typed, and what went before is done", async () => {
-    const { app, line, enter } = await opened();
     assert.equal(await enter("echo one; lodd 1; echo two"), 'one\nthere is no command "lodd"; did you mean "lod"?');
     assert.match(await enter("load nowhere"), /there is no scene "nowhere"/);
     assert.match(await enter("resolution 17"), /resolution is .* got "17"/);
@@ -104,6 +93,4 @@ test("what is wrong is said where it is typed, and what went before is done", as
     assert.equal(await line.inputValue(), "quit");
     await line.press("Escape");
     assert.ok(await app.page.locator("#console").isHidden());
-    await app.check();
-    await app.close();
 });

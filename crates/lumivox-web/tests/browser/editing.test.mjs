@@ -1,8 +1,8 @@
 // What is changed on the page besides settings: panoramas, materials, what is chosen, what is cancelled.
 
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { App, LINK, VIEWPORT } from "./harness/app.mjs";
+import { after, afterEach, before, test } from "node:test";
+import { App, VIEWPORT } from "./harness/app.mjs";
 import { Session } from "./harness/browser.mjs";
 import { OBJ } from "./harness/files.mjs";
 import { luminance, panorama } from "./harness/panorama.mjs";
@@ -10,25 +10,29 @@ import { colors, different } from "./harness/picture.mjs";
 
 /** @type {Session} */
 let session;
+/** The tab of most tests, each of which opens a scene in it anew. @type {App} */
+let app;
 const HALL = panorama();
 before(async () => {
     session = await Session.start({ beside: [{ name: "skies/hall.hdr", bytes: HALL }] });
+    app = await App.show(session, "builtin:cornell");
 });
 after(() => session?.end());
+afterEach(() => app.check());
 
-/** Waits until the page shows what surrounds it. @param {App} app */
-async function surrounded(app) {
-    await app.page.waitForSelector(`#panorama:has-text("hall")`, { state: "attached" });
-    await app.settled();
-    await app.check();
-    assert.equal((await app.call("environment")).panorama, "hall");
+/** Waits until the page shows what surrounds it. */
+async function surrounded(tab = app) {
+    await tab.page.waitForSelector(`#panorama:has-text("hall")`, { state: "attached" });
+    await tab.settled();
+    await tab.check();
+    assert.equal((await tab.call("environment")).panorama, "hall");
 }
 
 test("a panorama is dropped with a scene, turned and made brighter", async () => {
-    const app = await App.show(session, "builtin:panel");
+    await app.load("builtin:panel");
     await app.drop([...OBJ, { name: "hall.hdr", bytes: HALL }]);
     await app.page.waitForSelector(`#title:text-is("corner")`, { state: "attached" });
-    await surrounded(app);
+    await surrounded();
     // Upwards, so that what is between bright and dim is far from where it is measured.
     await app.call("setCamera", { position: [0, 1, 5], target: [0, 3.5, 0] });
     await app.render();
@@ -57,8 +61,6 @@ test("a panorama is dropped with a scene, turned and made brighter", async () =>
     await app.render();
     await shows(90, 0.25);
     assert.ok(different(plain, await app.pixels()) > 1000);
-    await app.check();
-    await app.close();
 });
 
 test("a link brings a panorama, and a dropped one takes the place of what was put around a scene", async () => {
@@ -85,7 +87,7 @@ test("a link brings a panorama, and a dropped one takes the place of what was pu
 });
 
 test("what is no panorama tells so, and the picture stays", async () => {
-    const app = await App.show(session, "builtin:cornell");
+    await app.load("builtin:cornell");
     const before = await app.pixels();
     for (const [name, bytes, message] of /** @type {[string, string | Buffer, RegExp][]} */ ([
         ["page.hdr", "<!doctype html>", /page\.hdr.*Radiance/],
@@ -96,12 +98,10 @@ test("what is no panorama tells so, and the picture stays", async () => {
         await app.complete();
         assert.equal(different(before, await app.pixels()), 0);
     }
-    await app.check();
-    await app.close();
 });
 
 test("materials are edited in the panel", async () => {
-    const app = await App.show(session, "builtin:cornell");
+    await app.load("builtin:cornell");
     const before = await app.pixels();
     const materials = await app.call("materials");
     assert.ok(materials.every((/** @type {any} */ { shading }) => shading === "metallic-roughness"));
@@ -122,12 +122,10 @@ test("materials are edited in the panel", async () => {
     const changed = (await app.call("materials"))[red];
     assert.deepEqual([changed.color, changed.roughness, changed.emission], [[0, 0, 1], 0.25, [3, 3, 3]]);
     assert.ok(different(before, await app.pixels()) > 500);
-    await app.check();
-    await app.close();
 });
 
 test("a double click chooses what is there, and the camera orbits it", async () => {
-    const app = await App.show(session, "builtin:spheres");
+    await app.load("builtin:spheres");
     const { objects, bounds } = await app.call("scene");
     const [x, y] = [VIEWPORT.width / 2, VIEWPORT.height * 0.55];
     const picked = await app.call("pick", x / VIEWPORT.width, y / VIEWPORT.height);
@@ -164,13 +162,10 @@ test("a double click chooses what is there, and the camera orbits it", async () 
     assert.ok(towards > 0.9999, `${towards}`);
     await app.page.keyboard.press("Escape");
     assert.equal(await app.page.locator(".object[aria-current]").count(), 0);
-    await app.check();
-    await app.close();
 });
 
 test("a loading is cancelled, and the last scene stays", async () => {
-    const app = await App.open(session, { link: `scene=builtin:cornell&${LINK}` });
-    await app.complete();
+    await app.load("builtin:cornell");
     const before = await app.pixels();
     // A server that never ends.
     await app.page.route("**/endless.glb", () => {});
@@ -187,12 +182,10 @@ test("a loading is cancelled, and the last scene stays", async () => {
     assert.equal((await app.call("scene")).name, "cornell");
     assert.equal(different(before, await app.pixels()), 0);
     assert.ok(await app.page.locator("#loading").isHidden());
-    await app.check();
-    await app.close();
 });
 
 test("the slider of the time follows what plays", async () => {
-    const app = await App.show(session, "builtin:cornell");
+    await app.load("builtin:cornell");
     await app.drop([{ name: "swing.gltf", bytes: swing() }]);
     await app.page.waitForSelector(`#title:text-is("swing")`, { state: "attached" });
     await app.complete();
@@ -208,12 +201,10 @@ test("the slider of the time follows what plays", async () => {
     const report = await app.call("render");
     assert.ok(Math.abs(report.time_s - shown) < 0.02, `${report.time_s} s, but the slider says ${shown} s`);
     assert.equal(await app.page.locator("#time-value").textContent(), shown.toFixed(2));
-    await app.check();
-    await app.close();
 });
 
 test("a camera of the scene goes where the animation moves it", async () => {
-    const app = await App.show(session, "builtin:cornell");
+    await app.load("builtin:cornell");
     await app.drop([{ name: "swing.gltf", bytes: swing() }]);
     await app.page.waitForSelector(`#title:text-is("swing")`, { state: "attached" });
     await app.complete();
@@ -237,12 +228,10 @@ test("a camera of the scene goes where the animation moves it", async () => {
     await app.settled();
     const byHand = await at(1);
     assert.ok(Math.abs(byHand[0]) < 0.5 && byHand[1] > 0.5 && byHand[2] !== 3, `${byHand}`);
-    await app.check();
-    await app.close();
 });
 
 test("the picture fills the screen, and comes back", async () => {
-    const app = await App.show(session, "builtin:cornell");
+    await app.load("builtin:cornell");
     const button = app.page.locator("#fullscreen");
     const isFull = () => app.page.evaluate(() => document.fullscreenElement !== null);
     // The page hears of it a moment after the browser has done it.
@@ -256,12 +245,10 @@ test("the picture fills the screen, and comes back", async () => {
     assert.equal(await isFull(), false);
     await app.settled();
     assert.ok(colors(await app.pixels()) > 100);
-    await app.check();
-    await app.close();
 });
 
 test("changes are taken back and done again", async () => {
-    const app = await App.show(session, "builtin:cornell");
+    await app.load("builtin:cornell");
     const before = await app.pixels();
     const undo = app.page.locator("#undo");
     const lights = (await app.call("scene")).lights.length;
@@ -293,12 +280,12 @@ test("changes are taken back and done again", async () => {
     await app.settled();
     assert.equal((await app.call("settings")).view, "final");
     assert.equal((await app.pixels()).width, 80);
-    await app.check();
-    await app.close();
+    await app.page.setViewportSize(VIEWPORT);
+    await app.settled();
 });
 
 test("views are kept under names", async () => {
-    const app = await App.show(session, "builtin:cornell");
+    await app.load("builtin:cornell");
     await app.page.locator("#canvas").focus();
     await app.page.keyboard.press("ArrowLeft", { delay: 150 });
     await app.settled();
@@ -320,12 +307,10 @@ test("views are kept under names", async () => {
     }
     await app.inPanel("Scene", () => app.page.getByLabel("Forget this view").click());
     assert.equal(await app.page.locator("#camera option", { hasText: "corner" }).count(), 0);
-    await app.check();
-    await app.close();
 });
 
 test("the light under the mouse and the histogram are those of the picture", async () => {
-    const app = await App.show(session, "builtin:furnace");
+    await app.load("builtin:furnace");
     // A furnace is as bright everywhere: cd/m2 of the walls and lux over pi are one (albedo and emission make it so).
     const { luminance_cd_m2, illuminance_lux } = await app.call("probe", 0.5, 0.5);
     await app.page.mouse.move(VIEWPORT.width / 2, VIEWPORT.height / 2);
@@ -350,12 +335,10 @@ test("the light under the mouse and the histogram are those of the picture", asy
         assert.ok(drawn > 100, `${drawn} pixels of the histogram`);
     });
     await app.page.mouse.move(0, 0);
-    await app.check();
-    await app.close();
 });
 
 test("a scene that is lit by its own emission alone says so, until something else shines", async () => {
-    const app = await App.show(session, "builtin:panel");
+    await app.load("builtin:panel");
     const hint = app.page.locator("#hint");
     assert.ok(await hint.isVisible());
     await app.inPanel("Light", () => app.page.locator("[data-add=point]").click());
@@ -365,14 +348,12 @@ test("a scene that is lit by its own emission alone says so, until something els
     assert.ok(await hint.isVisible());
     await app.drop(OBJ);
     await app.drop([{ name: "hall.hdr", bytes: HALL }]);
-    await surrounded(app);
+    await surrounded();
     assert.ok(await hint.isHidden());
-    await app.check();
-    await app.close();
 });
 
 test("a first, coarse picture comes before the one that was asked for", async () => {
-    const app = await App.show(session, "builtin:cornell");
+    await app.load("builtin:cornell");
     const seen = await app.worker.evaluate(async () => {
         // @ts-ignore
         const { renderer } = self;
@@ -395,8 +376,8 @@ test("a first, coarse picture comes before the one that was asked for", async ()
     assert.equal(seen.resolution, 64);
     await app.render();
     assert.equal((await app.call("render")).frame, 4);
-    await app.check();
-    await app.close();
+    await app.call("set", { resolution: 32 });
+    await app.render();
 });
 
 /** A triangle that swings for a hundred seconds, with a camera on it (Khronos, glTF 2.0). */

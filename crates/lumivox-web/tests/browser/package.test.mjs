@@ -127,11 +127,12 @@ test("what is wrong is an Error with a code and a remedy, and nothing has change
         });
     }
     await app.check();
+    await t.test("a signal cancels a loading, and the last scene stays", () => cancels(app));
     await app.close();
 });
 
-test("a signal cancels a loading, and the last scene stays", async () => {
-    const app = await App.show(session, "builtin:panel");
+/** @param {App} app with the scene "panel" */
+async function cancels(app) {
     const seen = await app.worker.evaluate(async () => {
         // @ts-ignore: the page leaves it there
         const { renderer } = self;
@@ -154,8 +155,7 @@ test("a signal cancels a loading, and the last scene stays", async () => {
     assert.equal(third, "AbortError");
     assert.deepEqual([seen.panorama, seen.name], ["AbortError", "panel"]);
     await app.check();
-    await app.close();
-});
+}
 
 test("calls may overlap, and a renderer that was freed is gone", async () => {
     const app = await App.open(session, { path: "lumivox/package.json" });

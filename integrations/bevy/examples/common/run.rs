@@ -1,7 +1,7 @@
 //! Runs an example: in a window with the feature `window`, else some frames of it into pictures.
 //!
-//! `cargo run --release --example NAME -- [--frames N] [--size WIDTHxHEIGHT] [--out FOLDER]` saves pictures of three of the
-//! frames (in `pictures/`), and prints what a frame takes with global illumination and without.
+//! `cargo run --release --example NAME -- [--frames N] [--size WIDTHxHEIGHT] [--out FOLDER] [--lit]` saves pictures of three of
+//! the frames (in `pictures/`), and prints what a frame takes with global illumination and, unless `--lit` is given, without.
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
@@ -38,7 +38,7 @@ pub fn run(name: &str, build: impl FnOnce(&mut App)) {
 
     use super::headless;
 
-    let Arguments { frames, size, out } = arguments();
+    let Arguments { frames, size, out, is_lit_alone } = arguments();
     let mut app = App::new();
     app.add_plugins(headless::plugins(None));
     app.init_resource::<Clock>().add_observer(tone_map);
@@ -78,7 +78,7 @@ pub fn run(name: &str, build: impl FnOnce(&mut App)) {
         )
     };
     let (with, made) = timed(&mut app, true);
-    if !is_lit {
+    if !is_lit || is_lit_alone {
         println!("{name}: {frames} frames of {}x{}: {with:.0} ms each", size.x, size.y);
         return;
     }
@@ -101,6 +101,7 @@ struct Arguments {
     frames: u32,
     size: UVec2,
     out: std::path::PathBuf,
+    is_lit_alone: bool,
 }
 
 #[cfg(not(feature = "window"))]
@@ -116,5 +117,6 @@ fn arguments() -> Arguments {
         Some(UVec2::new(width.parse().ok()?, height.parse().ok()?))
     });
     let out = value("--out").unwrap_or_else(|| "pictures".to_owned()).into();
-    Arguments { frames, size: size.unwrap_or(UVec2::new(320, 180)), out }
+    let is_lit_alone = arguments.iter().any(|argument| argument == "--lit");
+    Arguments { frames, size: size.unwrap_or(UVec2::new(320, 180)), out, is_lit_alone }
 }

@@ -58,9 +58,8 @@ fn a_baked_volume_lights_the_cornell_box_of_bevy() {
     let lit = truth::antialiased(&mut stage);
     lit.save("target/pictures/cornell-baked.png", 2.0);
     let indirect = truth::difference_of(&lit, &direct, exposure);
-    let albedo = truth::through_lumivox(&gpu, &given).1;
-    let (expected, variance) = truth::truth(&gpu, &given, &albedo);
-    let error = ErrorFigures::new(&expected, Some(&variance), &indirect).expect("comparable");
+    let truth::Expected { truth, variance, .. } = truth::Expected::of_cornell();
+    let error = ErrorFigures::new(truth, Some(variance), &indirect).expect("comparable");
     println!("cornell, baked: {error:.2?}");
     // Probes every 20 cm blur the light, and no contact is darker.
     assert!(error.bias_percent.abs() < 10.0 && error.rmse_percent < 30.0, "{error:?}");

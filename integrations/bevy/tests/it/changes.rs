@@ -116,7 +116,7 @@ fn crowds_leave_nothing_behind() {
     let material = world.resource_mut::<Assets<StandardMaterial>>().add(Color::WHITE);
     let mut bytes = Vec::new();
     for _ in 0..3 {
-        let crowd: Vec<Entity> = (0..10_000)
+        let crowd: Vec<Entity> = (0..5_000)
             .map(|number| {
                 let place = UVec3::new(number % 22, (number / 22) % 22, number / 484).as_vec3();
                 let transform =

@@ -1,5 +1,7 @@
 //! Skinned and morphed meshes: as if their vertices were where they are drawn.
 
+use std::sync::OnceLock;
+
 use bevy::camera::visibility::RenderLayers;
 use bevy::light::NotShadowCaster;
 use bevy::mesh::VertexAttributeValues;
@@ -7,6 +9,7 @@ use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes};
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 
+use crate::common::headless::Shot;
 use crate::stage::{Stage, alone, difference};
 
 /// Where the screen is at rest, and how far it is moved.
@@ -45,16 +48,19 @@ fn material(world: &mut World) -> MeshMaterial3d<StandardMaterial> {
     MeshMaterial3d(world.resource_mut::<Assets<StandardMaterial>>().add(blue))
 }
 
-/// The picture with a plain screen at the place that the others are moved to.
-fn plain() -> crate::common::headless::Shot {
-    let mut stage = Stage::cornell();
-    let world = stage.app.world_mut();
-    let material = material(world);
-    let mesh = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(screen()));
-    world.spawn((mesh, material, Transform::from_translation(REST + MOVE)));
-    let shot = stage.settled();
-    shot.save("target/pictures/screen-plain.png", 2.0);
-    shot
+/// The picture with a plain screen at the place that the others are moved to, which is made once.
+fn plain() -> &'static Shot {
+    static PLAIN: OnceLock<Shot> = OnceLock::new();
+    PLAIN.get_or_init(|| {
+        let mut stage = Stage::cornell();
+        let world = stage.app.world_mut();
+        let material = material(world);
+        let mesh = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(screen()));
+        world.spawn((mesh, material, Transform::from_translation(REST + MOVE)));
+        let shot = stage.settled();
+        shot.save("target/pictures/screen-plain.png", 2.0);
+        shot
+    })
 }
 
 #[test]
@@ -73,7 +79,7 @@ fn joints_carry_a_mesh() {
     }
     let moved = stage.settled();
     moved.save("target/pictures/screen-skinned.png", 2.0);
-    let [from_plain, from_rest] = [&plain, &at_rest].map(|other| difference(&moved, other));
+    let [from_plain, from_rest] = [plain, &at_rest].map(|other| difference(&moved, other));
     assert!(from_plain < 0.03 && from_rest > 0.2, "{from_plain} {from_rest}");
 }
 
@@ -129,6 +135,6 @@ fn morph_targets_move_a_mesh() {
     *weights = MeshMorphWeights::Value { weights: vec![0.5, 0.0] };
     let moved = stage.settled();
     moved.save("target/pictures/screen-morphed.png", 2.0);
-    let [from_plain, from_rest] = [&plain, &at_rest].map(|other| difference(&moved, other));
+    let [from_plain, from_rest] = [plain, &at_rest].map(|other| difference(&moved, other));
     assert!(from_plain < 0.03 && from_rest > 0.2, "{from_plain} {from_rest}");
 }

@@ -32,7 +32,7 @@ fn looks_right_on(driver: Option<&str>, name: &str, frames: u32) {
         command.env("VK_DRIVER_FILES", driver).env("VK_ICD_FILENAMES", driver);
     }
     let run = command
-        .args(["--frames", &frames.to_string(), "--size", SIZE, "--out"])
+        .args(["--lit", "--frames", &frames.to_string(), "--size", SIZE, "--out"])
         .arg(&out)
         .output()
         .expect("it runs");

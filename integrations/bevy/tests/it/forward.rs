@@ -9,7 +9,7 @@ use bevy_lumivox::{GiVolume, LumivoxGi};
 
 use crate::common::{headless, scene};
 use crate::stage::{Stage, alone, difference, quick, without_lamp};
-use crate::truth;
+use crate::truth::{self, Expected};
 
 /// Probes are softer than cones of pixels: on average as bright, with a larger error.
 #[test]
@@ -17,7 +17,7 @@ fn the_cornell_box_drawn_forward_is_nearly_as_bright_as_it_is() {
     let _alone = alone();
     let given = scene::builtin("cornell");
     let stage = Stage::forward(&given, truth::SIZE);
-    let [forward, own] = truth::errors_of(&given, stage, "cornell-forward");
+    let [forward, own] = truth::errors_of(Expected::of_cornell(), stage, "cornell-forward");
     assert!(forward.bias_percent.abs() <= own.bias_percent.abs() + 5.0);
     assert!(forward.rmse_percent <= 25.0);
 }

@@ -14,6 +14,7 @@ use crate::truth;
 fn settings_out_of_range_are_told_and_nothing_is_lit() {
     let _alone = alone();
     let mut stage = Stage::of(&scene::builtin("cornell"), UVec2::new(16, 16));
+    stage.use_small_shadow_maps();
     let gi = LumivoxGi { volume: GiVolume::Scene { resolution: 7 }, ..LumivoxGi::default() };
     stage.app.world_mut().entity_mut(stage.camera).insert(gi);
     let event = stage.wait_for(|event| matches!(event, LumivoxEvent::Failed { .. }));
@@ -72,6 +73,7 @@ fn what_a_device_lacks_is_told() {
     // Enough for Bevy.
     limits.max_storage_buffers_per_shader_stage = 7;
     let mut stage = Stage::on(Some(limits), &given, UVec2::new(16, 16));
+    stage.use_small_shadow_maps();
     stage.app.world_mut().entity_mut(stage.camera).insert(quick());
     let event = stage.wait_for(|event| {
         matches!(event, LumivoxEvent::Failed { .. } | LumivoxEvent::Unsupported { .. })
@@ -91,6 +93,7 @@ fn an_empty_world_waits_for_meshes() {
         ..lumivox_scene::Scene::default()
     };
     let mut stage = Stage::of(&nothing, UVec2::new(16, 16));
+    stage.use_small_shadow_maps();
     stage.app.world_mut().entity_mut(stage.camera).insert(quick());
     stage.frames(10);
     assert_eq!(stage.events(), []);

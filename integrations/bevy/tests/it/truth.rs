@@ -4,6 +4,7 @@
 //! own (whose diffuse BRDF is Burley's, not Lambert's).
 
 use std::ops::ControlFlow;
+use std::sync::OnceLock;
 
 use bevy::camera::{Exposure, SubCameraView};
 use bevy::prelude::*;
@@ -79,7 +80,7 @@ fn radical_inverse(mut index: u32, base: u32) -> f32 {
 }
 
 /// Indirect light through Lumivox's own renderer, and the albedo of each pixel.
-pub fn through_lumivox(gpu: &Gpu, given: &Scene) -> (LinearPicture, LinearPicture) {
+fn through_lumivox(gpu: &Gpu, given: &Scene) -> (LinearPicture, LinearPicture) {
     pollster::block_on(async {
         let settings = RenderSettings {
             size: SIZE,
@@ -98,7 +99,7 @@ pub fn through_lumivox(gpu: &Gpu, given: &Scene) -> (LinearPicture, LinearPictur
 }
 
 /// Indirect light of matt surfaces as it is, with its variance.
-pub fn truth(gpu: &Gpu, given: &Scene, albedo: &LinearPicture) -> (LinearPicture, Vec<f32>) {
+fn truth(gpu: &Gpu, given: &Scene, albedo: &LinearPicture) -> (LinearPicture, Vec<f32>) {
     let settings = ReferenceSettings { size: SIZE, samples: 128, ..ReferenceSettings::default() };
     let tracer = PathTracer::new(gpu, given, None, settings);
     let mut tracer = pollster::block_on(tracer).expect("a path tracer");
@@ -132,15 +133,35 @@ pub fn light_of_surroundings(radiance: f32) -> f32 {
     surfaces.map(|(dark, lit)| lit - dark).sum::<f32>() / dark.len() as f32
 }
 
+/// What pictures of a scene are compared with: indirect light by our own renderer, and as it is, with its variance.
+pub struct Expected {
+    own: LinearPicture,
+    pub truth: LinearPicture,
+    pub variance: Vec<f32>,
+}
+
+impl Expected {
+    pub fn of(given: &Scene) -> Self {
+        let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
+        let (own, albedo) = through_lumivox(&gpu, given);
+        let (truth, variance) = truth(&gpu, given, &albedo);
+        Self { own, truth, variance }
+    }
+
+    /// That of the Cornell box, which several tests compare with: it is made once.
+    pub fn of_cornell() -> &'static Self {
+        static CORNELL: OnceLock<Expected> = OnceLock::new();
+        CORNELL.get_or_init(|| Self::of(&scene::builtin("cornell")))
+    }
+}
+
 /// Errors of Bevy's way and of our own, in per cent.
-pub fn errors_of(given: &Scene, stage: Stage, name: &str) -> [ErrorFigures; 2] {
-    let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
+pub fn errors_of(expected: &Expected, stage: Stage, name: &str) -> [ErrorFigures; 2] {
     let bevy = through_bevy(stage, name);
-    let (own, albedo) = through_lumivox(&gpu, given);
-    let (truth, variance) = truth(&gpu, given, &albedo);
-    let errors = [&bevy, &own]
-        .map(|ours| ErrorFigures::new(&truth, Some(&variance), ours).expect("comparable"));
-    for (label, picture) in [("bevy", &bevy), ("own", &own), ("truth", &truth)] {
+    let Expected { own, truth, variance } = expected;
+    let errors = [&bevy, own]
+        .map(|ours| ErrorFigures::new(truth, Some(variance), ours).expect("comparable"));
+    for (label, picture) in [("bevy", &bevy), ("own", own), ("truth", truth)] {
         let rgb = picture.rgb.iter().map(|rgb| Vec3::from(*rgb)).collect();
         let shot = headless::Shot { size: SIZE, rgb };
         println!("{label}: {:.3}", shot.mean_luminance());
@@ -154,7 +175,7 @@ pub fn errors_of(given: &Scene, stage: Stage, name: &str) -> [ErrorFigures; 2] {
 fn the_cornell_box_is_as_bright_as_it_is() {
     let _alone = crate::stage::alone();
     let given = scene::builtin("cornell");
-    let [bevy, own] = errors_of(&given, Stage::of(&given, SIZE), "cornell");
+    let [bevy, own] = errors_of(Expected::of_cornell(), Stage::of(&given, SIZE), "cornell");
     assert!(bevy.rmse_percent <= 1.1 * own.rmse_percent);
     assert!(bevy.bias_percent.abs() <= own.bias_percent.abs() + 1.0);
 }

@@ -129,7 +129,8 @@ fn a_sun_is_as_bright_as_it_is() {
         direction: Vec3::new(0.35, -0.5, -0.8).normalize(),
         ..given.lights.first().cloned().unwrap_or_default()
     }];
-    let [bevy, own] = truth::errors_of(&given, Stage::of(&given, truth::SIZE), "sun");
+    let stage = Stage::of(&given, truth::SIZE);
+    let [bevy, own] = truth::errors_of(&truth::Expected::of(&given), stage, "sun");
     assert!(bevy.rmse_percent <= 1.1 * own.rmse_percent);
     assert!(bevy.bias_percent.abs() <= 1.1 * own.bias_percent.abs() + 1.0);
 }

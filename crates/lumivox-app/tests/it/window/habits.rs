@@ -13,9 +13,20 @@ fn back(window: &mut Window, before: &Seen) {
 
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
-fn what_was_changed_is_taken_back() {
+fn what_people_know_from_other_programs_works_here() {
     let (display, home) = (Display::start(), home());
     let mut window = open_cornell(&display, home.path());
+    the_light_under_the_pointer_is_told(&mut window);
+    what_was_changed_is_taken_back(&mut window);
+    a_double_click_shows_all_of_a_thing(&mut window);
+    // Without a window manager nobody makes it larger, but nothing goes wrong either.
+    let lines = window.lines().len();
+    window.key(F11);
+    window.wait_line(lines, "> fullscreen");
+    assert_eq!(window.close(), 0);
+}
+
+fn what_was_changed_is_taken_back(window: &mut Window) {
     let first = window.wait_rest();
     let lines = window.lines().len();
     window.click(250, 300);
@@ -27,25 +38,18 @@ fn what_was_changed_is_taken_back() {
     let hidden = window.wait_change("picture without the block", &first);
     window.control('z' as u32);
     let lines = window.wait_line(lines, "undone: object \"tall block\"");
-    back(&mut window, &first);
+    back(window, &first);
     window.control('y' as u32);
     let lines = window.wait_line(lines, "redone: object \"tall block\"");
-    back(&mut window, &hidden);
+    back(window, &hidden);
     window.control('z' as u32);
     let lines = window.wait_line(lines, "undone: ");
     window.control('z' as u32);
     window.wait_line(lines, "error: there is nothing to undo");
-    // Without a window manager nobody makes it larger, but nothing goes wrong either.
-    window.key(F11);
-    window.wait_line(lines, "> fullscreen");
-    assert_eq!(window.close(), 0);
+    back(window, &first);
 }
 
-#[test]
-#[ignore = "slow: a window under Xvfb, in real time"]
-fn a_double_click_shows_all_of_a_thing() {
-    let (display, home) = (Display::start(), home());
-    let mut window = open_cornell(&display, home.path());
+fn a_double_click_shows_all_of_a_thing(window: &mut Window) {
     let first = window.wait_rest();
     let lines = window.lines().len();
     window.click(250, 300);
@@ -55,14 +59,9 @@ fn a_double_click_shows_all_of_a_thing() {
     window.wait_line(lines, "> camera ");
     window.wait_rest();
     assert!(window.picture().distance(&first) > 4.0);
-    assert_eq!(window.close(), 0);
 }
 
-#[test]
-#[ignore = "slow: a window under Xvfb, in real time"]
-fn the_light_under_the_pointer_is_told() {
-    let (display, home) = (Display::start(), home());
-    let mut window = open_cornell(&display, home.path());
+fn the_light_under_the_pointer_is_told(window: &mut Window) {
     window.wait_rest();
     let status = |window: &Window| {
         let seen = window.see();
@@ -71,7 +70,7 @@ fn the_light_under_the_pointer_is_told() {
     };
     window.point(320, 10);
     window.wait_rest();
-    let before = status(&window);
+    let before = status(window);
     window.point(320, 300);
     let inside = window.wait("light in the status bar", |window| {
         Some(status(window)).filter(|now| *now != before)
@@ -83,7 +82,6 @@ fn the_light_under_the_pointer_is_told() {
         let now = status(window);
         (now != before && now != inside).then_some(())
     });
-    assert_eq!(window.close(), 0);
 }
 
 /// A scene that only glows says so, until the note is closed.

@@ -5,7 +5,7 @@ use lumivox::Preset;
 use lumivox_render::{Picture, RenderSettings, Renderer, View};
 use lumivox_scene::Scene;
 
-use super::{frame, orbit, rmse, settings, still};
+use super::{frame, many_frames, orbit, rmse, settings, still, stills};
 use crate::common::{builtin, gpu, renderer};
 
 fn luminances(picture: &Picture) -> impl Iterator<Item = f64> + '_ {
@@ -130,11 +130,13 @@ fn first_frames_are_worth_keeping() {
 fn blocks_of_traced_pixels_are_not_seen() {
     let scene = builtin("cornell");
     let camera = orbit(&scene, 0);
-    let truth = still(Preset::Balanced, &scene, &camera, 48);
-    for frames in [1, 6] {
-        let picture = still(Preset::Realtime, &scene, &camera, frames);
+    let truth = many_frames(Preset::Balanced, 48);
+    let counts = [1, 6];
+    for (frames, picture) in
+        counts.into_iter().zip(&stills(Preset::Realtime, &scene, &camera, counts))
+    {
         let mut errors = [(0.0, 0.0); 16];
-        for (place, (ours, light)) in luminances(&picture).zip(luminances(&truth)).enumerate() {
+        for (place, (ours, light)) in luminances(picture).zip(luminances(&truth)).enumerate() {
             let (x, y) = (place % 120, place / 120);
             let class = &mut errors[4 * (y % 4) + x % 4];
             *class = (class.0 + ours - light, class.1 + light);
@@ -151,7 +153,7 @@ fn blocks_of_traced_pixels_are_not_seen() {
 fn contact_shadows_are_not_blurred() {
     let scene = builtin("cornell");
     let camera = orbit(&scene, 0);
-    let truth = still(Preset::Balanced, &scene, &camera, 48);
+    let truth = many_frames(Preset::Balanced, 48);
     let surfaces = |picture: &Picture| -> Vec<f64> {
         luminances(picture).zip(&truth.hdr).filter(|(_, t)| t[3] > 0.99).map(|(l, _)| l).collect()
     };
@@ -159,9 +161,10 @@ fn contact_shadows_are_not_blurred() {
     let mut sorted = light.clone();
     sorted.sort_by(f64::total_cmp);
     let dark = sorted[sorted.len() / 50];
-    for (frames, most) in [(1, 0.8), (32, 0.2)] {
-        let picture = still(Preset::Realtime, &scene, &camera, frames);
-        let pairs = surfaces(&picture).into_iter().zip(&light).filter(|(_, l)| **l <= dark);
+    let counts = [1, 32];
+    let pictures = stills(Preset::Realtime, &scene, &camera, counts);
+    for ((frames, most), picture) in counts.into_iter().zip([0.8, 0.2]).zip(&pictures) {
+        let pairs = surfaces(picture).into_iter().zip(&light).filter(|(_, l)| **l <= dark);
         let (ours, theirs) = pairs.fold((0.0, 0.0), |(a, b), (ours, light)| (a + ours, b + light));
         assert!((ours / theirs - 1.0).abs() < most, "{frames} frames: {}", ours / theirs);
     }

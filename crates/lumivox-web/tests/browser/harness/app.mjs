@@ -69,6 +69,12 @@ export class App {
         await this.page.context().close();
     }
 
+    /** Opens another built-in scene in the same tab, by its list: objects, lights, surroundings and steps to undo are as in a new
+     * tab then, and nothing is compiled again. Settings stay. @param {string} scene */
+    async load(scene) {
+        await this.inPanel("Scene", () => this.page.locator("#scene").selectOption(scene));
+    }
+
     // --- What the page shows ---
 
     /** Waits until the page is in a state. @param {string} state */

@@ -4,6 +4,7 @@
 // LUMIVOX_SERVE  the program lumivox-serve, which hands it out
 // LUMIVOX        the native program, whose pictures the browser's are held against
 // CHROMIUM       the browser [default: the first of chromium, chromium-browser and google-chrome on the PATH]
+// LUMIVOX_RELEASE  what only a release needs is tested, too, if it is set
 //
 // What is missing is an error: a test that is left out looks like one that passes.
 
@@ -21,6 +22,8 @@ function path(name, remedy) {
 export const pageFolder = () => path("LUMIVOX_PAGE", "./lumivox web --no-serve builds the page into target/page");
 export const server = () => path("LUMIVOX_SERVE", "cargo build -p lumivox-serve builds it into target/debug");
 export const program = () => path("LUMIVOX", "cargo build -p lumivox-app builds it into target/debug");
+
+export const isRelease = () => Boolean(process.env.LUMIVOX_RELEASE);
 
 export function chromium() {
     if (process.env.CHROMIUM) return path("CHROMIUM", "it must be the program of a Chromium or Chrome");

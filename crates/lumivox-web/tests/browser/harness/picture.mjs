@@ -28,11 +28,20 @@ export async function native(...args) {
     return stdout;
 }
 
-/** The native picture of a scene. @param {string} scene @param {string[]} options @returns {Promise<string>} its file */
-export async function nativePicture(scene, ...options) {
-    const file = await freshPath("native.png");
-    await native("render", scene, "-o", file, ...options);
-    return file;
+/** Files of pictures by what they were asked for. @type {Map<string, Promise<string>>} */
+const natives = new Map();
+
+/** The native picture of a scene, which is rendered once.
+ * @param {string} scene @param {string[]} options @returns {Promise<string>} its file */
+export function nativePicture(scene, ...options) {
+    const key = JSON.stringify([scene, ...options]);
+    const render = async () => {
+        const file = await freshPath("native.png");
+        await native("render", scene, "-o", file, ...options);
+        return file;
+    };
+    if (!natives.has(key)) natives.set(key, render());
+    return /** @type {Promise<string>} */ (natives.get(key));
 }
 
 /** Mean FLIP of a picture against a file, from 0 (the same) to 1.

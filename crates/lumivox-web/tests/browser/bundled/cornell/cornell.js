@@ -1,8 +1,10 @@
-/** The package's example, with the module that it is given. @param {typeof import("lumivox")} lumivox */
-export async function show({ default: init, createRenderer }) {
+/** The package's example, with the module that it is given; where the address ends with #init, what its WebAssembly tells alone.
+ * @param {typeof import("lumivox")} lumivox */
+export async function show({ default: init, builtinScenes, createRenderer }) {
     const say = (text) => (document.querySelector("p").textContent = text);
     try {
         await init();
+        if (location.hash === "#init") return say(`${builtinScenes().length} scenes`);
         const renderer = await createRenderer(document.querySelector("canvas"));
         await renderer.set({ resolution: 32, frames: 2 });
         const scene = await renderer.loadScene("builtin:cornell");
