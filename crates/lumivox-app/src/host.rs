@@ -178,7 +178,7 @@ impl Host {
     /// # Errors
     /// As [`Gpu::new`].
     pub(crate) fn open_gpu(&self, args: &GpuArgs) -> Result<Gpu, RenderError> {
-        let options = GpuOptions { adapter: args.adapter.clone(), portable: args.portable };
+        let options = args.options();
         let gpu = match &self.embedded {
             Some(shared) => (shared.open_gpu)(&options)?,
             None => pollster::block_on(Gpu::new(&options))?,

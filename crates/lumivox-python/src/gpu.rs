@@ -22,7 +22,11 @@ static OPENED: Mutex<Vec<Opened>> = Mutex::new(Vec::new());
 /// # Errors
 /// When there is no such adapter, and in a process that was forked after a device was opened.
 pub fn open(adapter: Option<&str>) -> Result<Gpu, Fault> {
-    let options = GpuOptions { adapter: adapter.map(str::to_owned), portable: false };
+    let options = GpuOptions {
+        adapter: adapter.map(str::to_owned),
+        portable: false,
+        pipeline_cache: lumivox_render::pipeline_cache_folder(),
+    };
     let mut opened = lock(&OPENED);
     opened.retain(|opened| !opened.gpu.is_lost());
     for known in opened.iter() {

@@ -1,5 +1,5 @@
-//! Checks of WGSL for tests, without a GPU: that shaders are valid, and that structures of Rust and WGSL have one layout.
-//! All functions panic with the reason.
+//! Checks of WGSL for tests, without a GPU: that shaders are valid, and that structures of Rust and
+//! WGSL have one layout. All functions panic with the reason.
 
 use std::fmt::Debug;
 
@@ -7,7 +7,8 @@ use bytemuck::Pod;
 use lumivox_wgsl::ShaderLibrary;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-/// Validates all modules whose path starts with `prefix`, each with all that it declares; the number of entry points.
+/// Validates all modules whose path starts with `prefix`, each with all that it declares; the
+/// number of entry points.
 ///
 /// # Panics
 /// When a module does not link or is not valid.
@@ -30,8 +31,9 @@ fn validated(library: &ShaderLibrary, path: &str) -> naga::Module {
     module
 }
 
-/// Compares the structure `name` of the module `path` with its Rust structure, which consists of 32-bit numbers: the names and
-/// offsets of its members, and its size. Members whose names begin with `padding` are ignored.
+/// Compares the structure `name` of the module `path` with its Rust structure, which consists of
+/// 32-bit numbers: the names and offsets of its members, and its size. Members whose names begin
+/// with `padding` are ignored.
 ///
 /// # Panics
 /// When the two differ, or there is no such structure.
@@ -45,7 +47,8 @@ pub fn check_struct<T: Pod + Debug>(library: &ShaderLibrary, path: &str, name: &
     assert_eq!(size, size_of::<T>() as u32, "bytes of `{name}` in {path} and {of_rust}");
 }
 
-/// Names and byte offsets of a structure's members, and the bytes from one element of an array to the next.
+/// Names and byte offsets of a structure's members, and the bytes from one element of an array to
+/// the next.
 ///
 /// # Panics
 /// When there is no such structure.

@@ -56,6 +56,8 @@ pub use compare::voxel_sets::{
 };
 pub use error::RenderError;
 pub use gpu::memory::MemoryUse;
+#[cfg(not(target_arch = "wasm32"))]
+pub use gpu::pipeline_cache_folder;
 pub use gpu::{Gpu, GpuId, GpuOptions, describe};
 pub use passes::gbuffer::clip_from_world;
 pub use passes::overlay::{Overlay, OverlayLine, Wireframe, Wires};

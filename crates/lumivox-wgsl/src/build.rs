@@ -16,14 +16,14 @@ pub struct Slot {
     pub implementations: &'static [&'static str],
 }
 
-/// Parses all `*.wgsl` below `src` of the crate that is built, except in folders `tests`, and writes `shaders.rs` to
-/// `OUT_DIR` for `include!`: `MODULES`, and `SLOTS` with the names of implementations. The resolved modules lie
-/// in `OUT_DIR/wgsl`, for reading.
+/// Parses all `*.wgsl` below `src` of the crate that is built, except in folders `tests`, and
+/// writes `shaders.rs` to `OUT_DIR` for `include!`: `MODULES`, and `SLOTS` with the names of
+/// implementations. The resolved modules lie in `OUT_DIR/wgsl`, for reading.
 ///
 /// `a/b/c.wgsl` is the module `prefix::a::b::c`, and `a/b/b.wgsl` is `prefix::a::b`.
 ///
-/// If a module does not parse, or imports a name that this crate's modules do not declare, the build fails with file and
-/// line.
+/// If a module does not parse, or imports a name that this crate's modules do not declare, the
+/// build fails with file and line.
 ///
 /// # Panics
 /// When a file cannot be read or written.
@@ -111,8 +111,8 @@ fn path_of(prefix: &str, file: &Path) -> String {
 
 type Named<'a> = (&'a PathBuf, String, Module);
 
-/// Uses of names that this crate's modules do not declare, and unique names that are not. Modules of other crates are
-/// not known here: linking checks their names.
+/// Uses of names that this crate's modules do not declare, and unique names that are not. Modules
+/// of other crates are not known here: linking checks their names.
 fn unresolved(
     prefix: &str,
     modules: &[Named<'_>],

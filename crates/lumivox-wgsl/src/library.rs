@@ -50,7 +50,8 @@ pub struct LinkedShader {
     pub source: String,
     /// Names and workgroup sizes of the entry points; zeros for vertex and fragment shaders.
     pub entries: Vec<(String, [u32; 3])>,
-    /// Whether a build script has parsed all of it; otherwise it contains a module that was added at run time.
+    /// Whether a build script has parsed all of it; otherwise it contains a module that was added
+    /// at run time.
     pub is_built: bool,
     places: Vec<Place>,
     lines: u32,
@@ -79,8 +80,8 @@ impl ShaderLibrary {
         self.add_built(std::slice::from_ref(implementation))
     }
 
-    /// Adds the module `path` (without the leading `package::`), or replaces it. If the source does not parse,
-    /// [`Self::link`] says so.
+    /// Adds the module `path` (without the leading `package::`), or replaces it. If the source does
+    /// not parse, [`Self::link`] says so.
     pub fn add(&mut self, path: &str, source: impl AsRef<str>) -> &mut Self {
         let found = match parse(path, source.as_ref(), true) {
             Ok(module) => Found::Added(Arc::new(module)),
@@ -117,8 +118,8 @@ impl ShaderLibrary {
     /// Plain WGSL of the entry points of the module `path` and all that they reach.
     ///
     /// # Errors
-    /// When the module or one that it imports from is missing or does not parse, or has no declaration of an imported
-    /// name.
+    /// When the module or one that it imports from is missing or does not parse, or has no
+    /// declaration of an imported name.
     pub fn link(&self, path: &str) -> Result<LinkedShader, ShaderError> {
         self.join(path, |declaration| declaration.entry.is_some() || declaration.name.is_empty())
     }
@@ -180,8 +181,10 @@ impl ShaderLibrary {
             for (along, text) in size.iter_mut().zip(entry.workgroup_size.iter()) {
                 *along = linked.number(text).ok_or_else(|| ShaderError {
                     module: root.to_owned(),
-                    message: format!("line {}: the workgroup size `{text}` is no constant whose value is a number",
-                        declaration.line),
+                    message: format!(
+                        "line {}: the workgroup size `{text}` is no constant whose value is a number",
+                        declaration.line
+                    ),
                 })?;
             }
             linked.entries.push((declaration.name.clone().into_owned(), size));

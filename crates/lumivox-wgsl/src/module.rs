@@ -45,8 +45,8 @@ pub struct Use {
 /// What makes a function an entry point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EntryPoint {
-    /// The workgroup's size along x, y and z: numbers or unique names of constants; missing ones are 1. Empty for vertex
-    /// and fragment shaders.
+    /// The workgroup's size along x, y and z: numbers or unique names of constants; missing ones
+    /// are 1. Empty for vertex and fragment shaders.
     pub workgroup_size: Cow<'static, [Cow<'static, str>]>,
 }
 
@@ -74,19 +74,21 @@ pub(crate) fn unique_name(module: &str, name: &str) -> String {
     format!("{}_{name}", module.replace("::", "_"))
 }
 
-/// Words that WGSL gives a meaning in templates alone, so that a declaration of that name would be mistaken for them.
+/// Words that WGSL gives a meaning in templates alone, so that a declaration of that name would be
+/// mistaken for them.
 const ENUMERANTS: &[&str] =
     &["function", "private", "read", "read_write", "storage", "uniform", "workgroup", "write"];
 
 /// Attributes whose arguments are words of WGSL.
 const ATTRIBUTES_OF_WORDS: &[&str] = &["builtin", "interpolate", "diagnostic"];
 
-/// Splits the module `path` (without `package::`) into declarations with unique names. With `keeps_lines` each
-/// declaration's text has the lines of the source; otherwise comments and empty lines are left out.
+/// Splits the module `path` (without `package::`) into declarations with unique names. With
+/// `keeps_lines` each declaration's text has the lines of the source; otherwise comments and empty
+/// lines are left out.
 ///
 /// # Errors
-/// When brackets are unbalanced, an import is no path below `package::`, or a declaration has no name or that of
-/// another one.
+/// When brackets are unbalanced, an import is no path below `package::`, or a declaration has no
+/// name or that of another one.
 pub fn parse(path: &str, source: &str, keeps_lines: bool) -> Result<Module, ParseError> {
     let all = tokens(source);
     let mut names = HashMap::new();

@@ -111,7 +111,12 @@ fn mistakes_are_told_with_module_and_line() {
 fn directives_come_first_and_nested_imports_are_found() {
     let mut library = library();
     library.add("a::b", "enable f16;\nfn c() {}\n");
-    library.add("root", "import package::{a::b::c, grid::{edge, grid}};\nconst_assert 1 < 2;\n@vertex fn v() { c(); _ = edge(grid); }");
+    library.add(
+        "root",
+        "import package::{a::b::c, grid::{edge, grid}};
+const_assert 1 < 2;
+@vertex fn v() { c(); _ = edge(grid); }",
+    );
     let linked = library.link("root").unwrap();
     assert!(linked.source.starts_with("enable f16 ;\n"), "{}", linked.source);
     assert!(linked.source.contains("const_assert 1 < 2;"));

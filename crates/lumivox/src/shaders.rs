@@ -9,7 +9,8 @@ mod built {
     include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 }
 
-/// All shader modules of this crate but `package::volume`, which [`crate::Gi::shaders`] has as well.
+/// All shader modules of this crate but `package::volume`, which [`crate::Gi::shaders`] has as
+/// well.
 pub fn library() -> ShaderLibrary {
     let mut library = ShaderLibrary::default();
     library.add_built(built::MODULES);
@@ -32,7 +33,8 @@ pub fn library() -> ShaderLibrary {
     library
 }
 
-/// As [`library`], with a kind of volume as `package::volume`: to link or check shaders without a device.
+/// As [`library`], with a kind of volume as `package::volume`: to link or check shaders without a
+/// device.
 pub fn library_with_volume(kind: VolumeKind, directionality: Directionality) -> ShaderLibrary {
     let mut library = library();
     crate::volume::mount(&mut library, kind, directionality);

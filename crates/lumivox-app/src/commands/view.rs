@@ -37,10 +37,7 @@ pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
         camera: explore.picture.camera.clone(),
         ..opening::of(explore, source.clone())
     });
-    let options = lumivox_render::GpuOptions {
-        adapter: explore.gpu.adapter.clone(),
-        portable: explore.gpu.portable,
-    };
+    let options = explore.gpu.options();
     let console = Console::new(explorer, Box::new(Disk))
         .with_defaults(explore.load.clone(), explore.light.sources.clone());
     let _terminal = Restore;

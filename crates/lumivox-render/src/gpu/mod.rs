@@ -3,6 +3,8 @@
 
 mod faults;
 pub(crate) mod memory;
+#[cfg(not(target_arch = "wasm32"))]
+mod pipeline_cache;
 pub(crate) mod readback;
 pub(crate) mod textures;
 pub(crate) mod times;
@@ -15,6 +17,10 @@ use lumivox::gpu::Pipelines;
 use crate::RenderError;
 use faults::Faults;
 use memory::available_memory;
+#[cfg(not(target_arch = "wasm32"))]
+use pipeline_cache::PipelineFile;
+#[cfg(not(target_arch = "wasm32"))]
+pub use pipeline_cache::pipeline_cache_folder;
 
 /// The APIs that lumivox runs on. OpenGL is left out: it lacks what WebGPU's default limits promise,
 /// and probing for it prints errors on machines without a display.
@@ -23,6 +29,10 @@ const BACKENDS: wgpu::Backends =
     wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
 #[cfg(target_arch = "wasm32")]
 const BACKENDS: wgpu::Backends = wgpu::Backends::BROWSER_WEBGPU;
+
+/// Features that a device is opened with if its adapter has them.
+const USED_FEATURES: wgpu::Features =
+    wgpu::Features::TIMESTAMP_QUERY.union(wgpu::Features::PIPELINE_CACHE);
 
 /// Options for choosing and opening a device.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -33,6 +43,9 @@ pub struct GpuOptions {
     /// Stay on WebGPU's default limits even where the adapter offers more, as in a browser. Default:
     /// no; then buffers and textures may be as large as the adapter allows.
     pub portable: bool,
+    /// The folder in which compiled pipelines are kept from one run to the next ([`pipeline_cache_folder`] is the user's);
+    /// `None` (the default) keeps none. Only Vulkan drivers take them, and browsers keep their own.
+    pub pipeline_cache: Option<std::path::PathBuf>,
 }
 
 /// Tells open devices apart. Handles of wgpu do not: those of different instances compare as equal.
@@ -59,6 +72,8 @@ pub struct Gpu {
     /// Errors that were not asked for yet.
     faults: Arc<Faults>,
     is_lost: Arc<AtomicBool>,
+    #[cfg(not(target_arch = "wasm32"))]
+    pipeline_file: Option<Arc<PipelineFile>>,
 }
 
 impl Gpu {
@@ -79,7 +94,7 @@ impl Gpu {
         let adapter = choose(adapters(&instance).await, options.adapter.as_deref())?;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("lumivox"),
-            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_features: adapter.features() & USED_FEATURES,
             required_limits: limits(&adapter.limits(), options.portable),
             ..Default::default()
         };
@@ -88,6 +103,8 @@ impl Gpu {
             RenderError::NoDevice { adapter, reason: error.to_string() }
         })?;
         let gpu = Self::with_device(instance, adapter, device, queue);
+        #[cfg(not(target_arch = "wasm32"))]
+        let gpu = gpu.with_pipeline_cache(options.pipeline_cache.as_deref());
         tracing::debug!("rendering on {}", describe(&gpu.adapter_info));
         Ok(gpu)
     }
@@ -109,7 +126,40 @@ impl Gpu {
         let is_lost = Arc::new(AtomicBool::new(false));
         hear_errors(&device, &faults, &is_lost);
         let pipelines = Pipelines::new(&device);
-        Self { id, instance, adapter, device, queue, pipelines, adapter_info, faults, is_lost }
+        Self {
+            id,
+            instance,
+            adapter,
+            device,
+            queue,
+            pipelines,
+            adapter_info,
+            faults,
+            is_lost,
+            #[cfg(not(target_arch = "wasm32"))]
+            pipeline_file: None,
+        }
+    }
+
+    /// Keeps compiled pipelines in a folder ([`GpuOptions::pipeline_cache`]) if the device was opened with
+    /// [`wgpu::Features::PIPELINE_CACHE`]. For a new `Gpu`, before anything is made on it.
+    #[cfg(not(target_arch = "wasm32"))]
+    #[must_use]
+    pub fn with_pipeline_cache(mut self, folder: Option<&std::path::Path>) -> Self {
+        let open = |folder| PipelineFile::open(&self.device, &self.adapter_info, folder);
+        self.pipeline_file = folder.and_then(open).map(Arc::new);
+        if let Some(file) = &self.pipeline_file {
+            self.pipelines = Pipelines::with_cache(&self.device, file.cache.clone());
+        }
+        self
+    }
+
+    /// Saves compiled pipelines, if they are kept.
+    pub(crate) fn save_pipelines(&self) {
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(file) = &self.pipeline_file {
+            file.save();
+        }
     }
 
     /// Whether the adapter is a software driver, running on the CPU.
@@ -308,7 +358,7 @@ mod tests {
     fn an_adapter_is_found_by_part_of_its_name_in_any_case() {
         let known = pollster::block_on(Gpu::adapters());
         let part: String = known[0].name.to_uppercase().chars().take(5).collect();
-        let options = GpuOptions { adapter: Some(part), portable: true };
+        let options = GpuOptions { adapter: Some(part), portable: true, pipeline_cache: None };
         let gpu = pollster::block_on(Gpu::new(&options)).expect("a device");
         assert_eq!(gpu.adapter_info.name, known[0].name);
         assert_eq!(gpu.device.limits().max_buffer_size, wgpu::Limits::default().max_buffer_size);

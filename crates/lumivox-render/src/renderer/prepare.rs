@@ -52,6 +52,7 @@ pub(super) async fn compile(
     } else {
         gpu.pipelines.compile(&mut report).await;
     }
+    gpu.save_pipelines();
     gpu.check("compiling pipelines")
 }
 

@@ -98,7 +98,7 @@ impl Report {
 impl Capabilities {
     fn new(info: &wgpu::AdapterInfo, features: wgpu::Features) -> Self {
         // All of the description, so that no other adapter matches it.
-        let options = GpuOptions { adapter: Some(describe(info)), portable: false };
+        let options = GpuOptions { adapter: Some(describe(info)), ..GpuOptions::default() };
         let opened = pollster::block_on(Gpu::new(&options));
         let (device, problem) = match opened {
             Ok(gpu) => (Some(DeviceReport::new(&gpu, features)), None),

@@ -34,7 +34,11 @@ pub fn lumivox_with(folder: &Path, words: &[&str], stdin: &str) -> Run {
 /// The program in a process of its own.
 pub fn command(folder: &Path, words: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lumivox"));
-    command.current_dir(folder).env_remove("RUST_LOG").args(words);
+    command
+        .current_dir(folder)
+        .env_remove("RUST_LOG")
+        .env("LUMIVOX_PIPELINE_CACHE", "off")
+        .args(words);
     command
 }
 
@@ -107,6 +111,8 @@ fn enter(_: &Path) -> bool {
 fn open_gpu(options: &GpuOptions) -> Result<Gpu, RenderError> {
     static USUAL: OnceLock<Gpu> = OnceLock::new();
     static PORTABLE: OnceLock<Gpu> = OnceLock::new();
+    // Tests write nothing outside of their folders.
+    let options = &GpuOptions { pipeline_cache: None, ..options.clone() };
     let open = |options| pollster::block_on(Gpu::new(options));
     if options.adapter.is_some() {
         return open(options);

@@ -47,7 +47,11 @@ impl DrawPlan {
 impl Plan for DrawPlan {
     type Pipeline = wgpu::RenderPipeline;
 
-    fn create(&self, device: &wgpu::Device) -> wgpu::RenderPipeline {
+    fn create(
+        &self,
+        device: &wgpu::Device,
+        cache: Option<&wgpu::PipelineCache>,
+    ) -> wgpu::RenderPipeline {
         let label = self.fragment.as_ref().unwrap_or(&self.vertex).label();
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(&label),
@@ -68,7 +72,7 @@ impl Plan for DrawPlan {
                 targets: &self.targets,
             }),
             multiview_mask: None,
-            cache: None,
+            cache,
         })
     }
 }

@@ -2,13 +2,13 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::{ComputePlan, DrawPlan};
+use super::{ComputePlan, DrawPlan, Pipelines};
 
 /// The description of a pipeline.
 pub(crate) trait Plan {
     type Pipeline: std::fmt::Debug;
 
-    fn create(&self, device: &wgpu::Device) -> Self::Pipeline;
+    fn create(&self, device: &wgpu::Device, cache: Option<&wgpu::PipelineCache>) -> Self::Pipeline;
 }
 
 /// A pipeline that is made once, at its first use if not before. Clones share it.
@@ -18,6 +18,7 @@ pub(crate) struct Lazy<P: Plan>(Arc<Slot<P>>);
 #[derive(Debug)]
 struct Slot<P: Plan> {
     device: wgpu::Device,
+    driver_cache: Option<wgpu::PipelineCache>,
     plan: P,
     pipeline: OnceLock<P::Pipeline>,
 }
@@ -25,12 +26,13 @@ struct Slot<P: Plan> {
 pub(crate) type LazyCompute = Lazy<ComputePlan>;
 
 impl<P: Plan> Lazy<P> {
-    pub(super) fn new(device: &wgpu::Device, plan: P) -> Self {
-        Self(Arc::new(Slot { device: device.clone(), plan, pipeline: OnceLock::new() }))
+    pub(super) fn new(pipelines: &Pipelines, plan: P) -> Self {
+        let Pipelines { device, driver_cache, .. } = pipelines.clone();
+        Self(Arc::new(Slot { device, driver_cache, plan, pipeline: OnceLock::new() }))
     }
 
     pub(crate) fn get(&self) -> &P::Pipeline {
-        self.0.pipeline.get_or_init(|| self.0.plan.create(&self.0.device))
+        self.0.pipeline.get_or_init(|| self.0.create())
     }
 
     pub(super) fn is_made(&self) -> bool {
@@ -39,6 +41,12 @@ impl<P: Plan> Lazy<P> {
 
     pub(super) fn device(&self) -> &wgpu::Device {
         &self.0.device
+    }
+}
+
+impl<P: Plan> Slot<P> {
+    fn create(&self) -> P::Pipeline {
+        self.plan.create(&self.device, self.driver_cache.as_ref())
     }
 }
 
@@ -96,8 +104,8 @@ impl Pending {
     #[cfg(target_arch = "wasm32")]
     pub(super) fn rehearse(&self) {
         match self {
-            Self::Compute(pipeline) => drop(pipeline.0.plan.create(&pipeline.0.device)),
-            Self::Draw(pipeline) => drop(pipeline.0.plan.create(&pipeline.0.device)),
+            Self::Compute(pipeline) => drop(pipeline.0.create()),
+            Self::Draw(pipeline) => drop(pipeline.0.create()),
         }
     }
 }
@@ -105,7 +113,11 @@ impl Pending {
 impl Plan for ComputePlan {
     type Pipeline = wgpu::ComputePipeline;
 
-    fn create(&self, device: &wgpu::Device) -> wgpu::ComputePipeline {
+    fn create(
+        &self,
+        device: &wgpu::Device,
+        cache: Option<&wgpu::PipelineCache>,
+    ) -> wgpu::ComputePipeline {
         let label = self.entry.label();
         device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(&label),
@@ -113,7 +125,7 @@ impl Plan for ComputePlan {
             module: self.entry.module(),
             entry_point: Some(self.entry.name()),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
+            cache,
         })
     }
 }

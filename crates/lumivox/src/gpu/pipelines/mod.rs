@@ -1,17 +1,17 @@
 //! A cache of shaders, layouts and pipelines, one a device.
 //!
-//! All that is made on a device with one [`Pipelines`] shares what is in it: a second scene, another resolution or a
-//! volume that was there before find their pipelines made. What counts is content. A shader is known by its linked
-//! WGSL, a bind group layout by its entries, a pipeline by both. So a layout of an older object fits a bind group of a
-//! newer one.
+//! All that is made on a device with one [`Pipelines`] shares what is in it: a second scene,
+//! another resolution or a volume that was there before find their pipelines made. What counts is
+//! content. A shader is known by its linked WGSL, a bind group layout by its entries, a pipeline by
+//! both. So a layout of an older object fits a bind group of a newer one.
 //!
-//! Asking for a pipeline links its shader and makes nothing on the device, unless the shader contains a module that was
-//! added at run time: then the device checks it, so that errors come early.
-//! [`Pipelines::compile`] makes all that was asked for, at once: on all cores, or by the browser beside the page. What it
-//! has not made, the first use makes.
+//! Asking for a pipeline links its shader and makes nothing on the device, unless the shader
+//! contains a module that was added at run time: then the device checks it, so that errors come
+//! early. [`Pipelines::compile`] makes all that was asked for, at once: on all cores, or by the
+//! browser beside the page. What it has not made, the first use makes.
 //!
-//! Nothing is given up before the last clone goes: pipelines number with the kinds of volumes, materials and
-//! views that were in use, not with scenes.
+//! Nothing is given up before the last clone goes: pipelines number with the kinds of volumes,
+//! materials and views that were in use, not with scenes.
 
 #[cfg(target_arch = "wasm32")]
 mod browser;
@@ -44,6 +44,7 @@ pub(crate) struct ComputePlan {
 #[derive(Clone, Debug)]
 pub struct Pipelines {
     device: wgpu::Device,
+    driver_cache: Option<wgpu::PipelineCache>,
     cache: Arc<Cache>,
 }
 
@@ -83,7 +84,12 @@ pub struct PipelineCounts {
 impl Pipelines {
     /// An empty cache for a device.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { device: device.clone(), cache: Arc::default() }
+        Self { device: device.clone(), driver_cache: None, cache: Arc::default() }
+    }
+
+    /// As [`Self::new`], with what the driver has compiled before.
+    pub fn with_cache(device: &wgpu::Device, driver_cache: wgpu::PipelineCache) -> Self {
+        Self { driver_cache: Some(driver_cache), ..Self::new(device) }
     }
 
     /// The device.
@@ -94,7 +100,8 @@ impl Pipelines {
     /// The shader module `path` of a library, linked once for the same sources and constants.
     ///
     /// # Errors
-    /// When it does not link, or contains a module that was added at run time and does not validate.
+    /// When it does not link, or contains a module that was added at run time and does not
+    /// validate.
     pub fn shader(&self, library: &ShaderLibrary, path: &str) -> Result<Shader, ShaderError> {
         let mut linked = lock(&self.cache.linked);
         let known = linked.libraries.iter().position(|known| known == library);
@@ -119,7 +126,8 @@ impl Pipelines {
         Ok(shader)
     }
 
-    /// The layout of bind groups with the given entries; the first label that it was asked for with stays.
+    /// The layout of bind groups with the given entries; the first label that it was asked for with
+    /// stays.
     pub(crate) fn layout(
         &self,
         entries: Vec<wgpu::BindGroupLayoutEntry>,
@@ -136,7 +144,7 @@ impl Pipelines {
 
     /// A compute pipeline, which is made by [`Self::compile_all`] or at its first use.
     pub(crate) fn compute(&self, plan: ComputePlan) -> LazyCompute {
-        let create = |plan: &ComputePlan| Lazy::new(&self.device, plan.clone());
+        let create = |plan: &ComputePlan| Lazy::new(self, plan.clone());
         lock(&self.cache.compute).entry(plan).or_insert_with_key(create).clone()
     }
 
@@ -150,16 +158,17 @@ impl Pipelines {
     /// A pipeline that draws, which is made by [`Self::compile`] or at its first use.
     pub fn draw(&self, plan: DrawPlan) -> DrawPipeline {
         let create = |plan: &DrawPlan| {
-            let pipeline = Lazy::new(&self.device, plan.clone());
+            let pipeline = Lazy::new(self, plan.clone());
             lock(&self.cache.pending).push(Pending::Draw(pipeline.clone()));
             DrawPipeline(pipeline)
         };
         lock(&self.cache.draw).entry(plan).or_insert_with_key(create).clone()
     }
 
-    /// Makes the pipelines that were asked for and are not there: on all cores, or in browsers without holding the page up.
-    /// It leaves out what only scenes that move or have holes run: [`Self::compile_all`] makes that, too. `progress` gets
-    /// the number made and the total, if any are left to make.
+    /// Makes the pipelines that were asked for and are not there: on all cores, or in browsers
+    /// without holding the page up. It leaves out what only scenes that move or have holes run:
+    /// [`Self::compile_all`] makes that, too. `progress` gets the number made and the total, if any
+    /// are left to make.
     ///
     /// An error of the device is reported like that of any failed call, not here.
     pub async fn compile(&self, progress: &mut dyn FnMut(u32, u32)) {
@@ -167,7 +176,8 @@ impl Pipelines {
         make(&self.device, pending, progress).await;
     }
 
-    /// As [`Self::compile`], for every pipeline that was asked for: a frame then never waits for one.
+    /// As [`Self::compile`], for every pipeline that was asked for: a frame then never waits for
+    /// one.
     pub async fn compile_all(&self, progress: &mut dyn FnMut(u32, u32)) {
         let mut pending = std::mem::take(&mut *lock(&self.cache.pending));
         let is_draw = |pipeline: &Pending| matches!(pipeline, Pending::Draw(_));
