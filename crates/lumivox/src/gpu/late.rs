@@ -17,7 +17,10 @@ const FAILED: u8 = 2;
 pub(crate) struct LateReads {
     slots: Vec<Slot>,
     bytes: u64,
+    /// The number of the read that was recorded last.
     recorded: u64,
+    /// The number of the newest read that [`Self::latest`] has returned.
+    returned: u64,
 }
 
 #[derive(Debug)]
@@ -26,6 +29,13 @@ struct Slot {
     /// Shared with the callback, which the encoder drops if it is never submitted.
     state: Option<Arc<AtomicU8>>,
     number: u64,
+}
+
+#[cfg(test)]
+impl Slot {
+    fn is_mapped(&self) -> bool {
+        self.state.as_ref().is_some_and(|state| state.load(Ordering::Acquire) == MAPPED)
+    }
 }
 
 impl LateReads {
@@ -40,7 +50,7 @@ impl LateReads {
             };
             Slot { buffer: Buffer::new(device, &descriptor), state: None, number: 0 }
         };
-        Self { slots: (0..SLOTS).map(slot).collect(), bytes, recorded: 0 }
+        Self { slots: (0..SLOTS).map(slot).collect(), bytes, recorded: 0, returned: 0 }
     }
 
     /// Records a read of parts of buffers, one after another: a buffer, a byte and a number of bytes each.
@@ -70,7 +80,10 @@ impl LateReads {
         recorder.encoder().map_buffer_on_submit(&slot.buffer, wgpu::MapMode::Read, .., done);
     }
 
-    /// The numbers of the last read that is done, if one is that was not before.
+    /// The numbers of the newest read that is done, if none that is newer was returned before.
+    ///
+    /// Reads are not always done in the order in which they were recorded: a thread that polls the device calls the callbacks
+    /// after it has let go of the device's locks, so that another thread may call those of a later submission first.
     pub fn latest(&mut self, device: &wgpu::Device) -> Option<Vec<u32>> {
         // Does not wait. A device that is lost tells elsewhere.
         let _ = device.poll(wgpu::PollType::Poll);
@@ -84,13 +97,81 @@ impl LateReads {
             if state == FAILED {
                 continue;
             }
-            if let Ok(mapped) = slot.buffer.get_mapped_range(..)
-                && latest.as_ref().is_none_or(|(number, _)| *number < slot.number)
+            let newest = latest.as_ref().map_or(self.returned, |(number, _)| *number);
+            if slot.number > newest
+                && let Ok(mapped) = slot.buffer.get_mapped_range(..)
             {
                 latest = Some((slot.number, bytemuck::cast_slice(&mapped).to_vec()));
             }
             slot.buffer.unmap();
         }
-        latest.map(|(_, words)| words)
+        latest.map(|(number, words)| {
+            self.returned = number;
+            words
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::storage_buffer;
+    use crate::testing::device;
+
+    /// A buffer with one word, which is read back.
+    struct Word {
+        device: crate::gpu::Pipelines,
+        queue: wgpu::Queue,
+        word: Buffer,
+        reads: LateReads,
+    }
+
+    impl Word {
+        fn new() -> Self {
+            let (device, queue) = device();
+            let word = storage_buffer(&device, "word", 4);
+            let reads = LateReads::new(&device, 4);
+            Self { device, queue, word, reads }
+        }
+
+        /// An encoder with a read of the word.
+        fn record(&mut self) -> wgpu::CommandEncoder {
+            let mut encoder =
+                self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut recorder = Recorder::on(&self.device, &self.queue, &mut encoder);
+            self.reads.record(&mut recorder, &[(&self.word, 0, 4)]);
+            drop(recorder);
+            encoder
+        }
+
+        /// Writes a value, submits a read, and waits until the read of this number is done.
+        fn submit(&mut self, value: u32, encoder: wgpu::CommandEncoder, number: u64) {
+            self.queue.write_buffer(&self.word, 0, bytemuck::bytes_of(&value));
+            self.queue.submit([encoder.finish()]);
+            let is_mapped = |slot: &Slot| slot.number == number && slot.is_mapped();
+            while !self.reads.slots.iter().any(is_mapped) {
+                self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
+                // Another test's thread may be about to call the callback.
+                std::thread::yield_now();
+            }
+        }
+
+        fn latest(&mut self) -> Option<Vec<u32>> {
+            self.reads.latest(&self.device)
+        }
+    }
+
+    /// Two threads that poll the device may call the callbacks of two submissions in either order.
+    #[test]
+    fn a_read_that_is_done_after_a_newer_one_is_ignored() {
+        let mut word = Word::new();
+        let (first, second) = (word.record(), word.record());
+        word.submit(20, second, 2);
+        assert_eq!(word.latest(), Some(vec![20]));
+        word.submit(10, first, 1);
+        assert_eq!(word.latest(), None, "what was told last is newer");
+        let third = word.record();
+        word.submit(30, third, 3);
+        assert_eq!(word.latest(), Some(vec![30]), "and so is the next one");
     }
 }
