@@ -23,6 +23,17 @@ pub(crate) struct LateReads {
     returned: u64,
 }
 
+/// What has become of the read that was recorded last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LastRead {
+    /// It is under way, or the reads before it are for which it was left out.
+    Pending,
+    /// It never comes: it was left out, its encoder was dropped, or it has failed.
+    Lost,
+    /// Its numbers are there.
+    Done,
+}
+
 #[derive(Debug)]
 struct Slot {
     buffer: Buffer,
@@ -31,10 +42,16 @@ struct Slot {
     number: u64,
 }
 
-#[cfg(test)]
 impl Slot {
     fn is_mapped(&self) -> bool {
         self.state.as_ref().is_some_and(|state| state.load(Ordering::Acquire) == MAPPED)
+    }
+
+    /// Whether the callback is still to be called, and can be: the encoder that holds it was not dropped.
+    fn is_under_way(&self) -> bool {
+        self.state.as_ref().is_some_and(|state| {
+            state.load(Ordering::Acquire) == PENDING && Arc::strong_count(state) > 1
+        })
     }
 }
 
@@ -110,6 +127,26 @@ impl LateReads {
             words
         })
     }
+
+    /// What has become of the read that was recorded last, and the numbers that [`Self::latest`] would return now. The caller
+    /// polls the device before it.
+    pub fn peek(&self) -> (LastRead, Option<Vec<u32>>) {
+        let mapped = self.slots.iter().filter(|slot| slot.is_mapped());
+        let newest =
+            mapped.max_by_key(|slot| slot.number).filter(|slot| slot.number > self.returned);
+        let last = if newest.map_or(self.returned, |slot| slot.number) == self.recorded {
+            LastRead::Done
+        } else if self.slots.iter().any(Slot::is_under_way) {
+            LastRead::Pending
+        } else {
+            LastRead::Lost
+        };
+        let words = newest.and_then(|slot| {
+            let mapped = slot.buffer.get_mapped_range(..).ok()?;
+            Some(bytemuck::cast_slice(&mapped).to_vec())
+        });
+        (last, words)
+    }
 }
 
 #[cfg(test)]
@@ -173,5 +210,27 @@ mod tests {
         let third = word.record();
         word.submit(30, third, 3);
         assert_eq!(word.latest(), Some(vec![30]), "and so is the next one");
+    }
+
+    #[test]
+    fn peeking_tells_what_became_of_the_last_read() {
+        let mut word = Word::new();
+        let first = word.record();
+        assert_eq!(word.reads.peek(), (LastRead::Pending, None));
+        word.submit(10, first, 1);
+        assert_eq!(word.reads.peek(), (LastRead::Done, Some(vec![10])));
+        let second = word.record();
+        assert_eq!(word.reads.peek(), (LastRead::Pending, Some(vec![10])));
+        drop(second);
+        assert_eq!(word.reads.peek(), (LastRead::Lost, Some(vec![10])));
+        assert_eq!(word.latest(), Some(vec![10]));
+        assert_eq!(word.reads.peek(), (LastRead::Lost, None));
+        // While all slots are in use, a read is left out; it is lost once those are done.
+        let encoders: Vec<_> = (0..=SLOTS).map(|_| word.record()).collect();
+        assert_eq!(word.reads.peek(), (LastRead::Pending, None));
+        for (encoder, number) in encoders.into_iter().take(SLOTS).zip(3..) {
+            word.submit(number as u32, encoder, number);
+        }
+        assert_eq!(word.reads.peek(), (LastRead::Lost, Some(vec![2 + SLOTS as u32])));
     }
 }
