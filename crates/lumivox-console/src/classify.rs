@@ -8,11 +8,12 @@ use crate::command::PLAIN;
 const WINDOW: Command = Command { group: Group::Program, edits: Edits::Nothing, ..PLAIN };
 
 /// Commands that only the window has. Other front ends skip them in scripts.
-const OF_WINDOW: [Command; 5] = [
+const OF_WINDOW: [Command; 6] = [
     Command { name: "select", sets: Some(1), ..WINDOW },
     Command { name: "compare_with", sets: Some(1), ..WINDOW },
     Command { name: "cancel", urgency: Some(Urgency::Cancel), ..WINDOW },
     Command { name: "fullscreen", ..WINDOW },
+    Command { name: "wait_shown", ..WINDOW },
     Command { name: "lose_device", ..WINDOW },
 ];
 

@@ -6,7 +6,9 @@ mod octree;
 use glam::{Mat4, Vec3};
 
 use crate::gpu::{Pipelines, Recorder, Timing};
-use crate::testing::{SceneBuilder, busy_room, device, lambert, moved, read, room_with_a_box};
+use crate::testing::{
+    SceneBuilder, busy_room, device, lambert, moved, read, room_with_a_box, wait_told,
+};
 use crate::volume::{Volume, read_levels, read_nodes};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{
@@ -59,12 +61,23 @@ impl Stage {
         matches!(self.gi.config().volume, VolumeKind::Octree(_))
     }
 
-    /// One recorded voxelization, submitted and done.
+    /// One recorded voxelization, submitted and done: the next one knows all that it has found.
     fn voxelize(&mut self, geometry: &Geometry) -> FrameVoxels {
         let mut recorder = Recorder::new(&self.device, &self.queue);
         let frame = self.gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
         self.submit(recorder);
+        wait_told(&self.device, &self.gi);
         frame
+    }
+
+    /// A recorded voxelization that is still to be submitted.
+    fn record(&mut self, geometry: &Geometry) -> (FrameVoxels, wgpu::CommandEncoder) {
+        let mut encoder =
+            self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut recorder = Recorder::on(&self.device, &self.queue, &mut encoder);
+        let frame = self.gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
+        drop(recorder);
+        (frame, encoder)
     }
 
     /// Recorded voxelizations until one is known to be in time.
@@ -227,14 +240,20 @@ fn a_frame_without_room_is_late_and_never_wrong() {
     }
 }
 
-fn check_late(volume: VolumeKind) {
-    let mut stage = Stage::with(volume, Vec3::new(1.0, 0.9, 1.0), 96);
+/// A room, and in it a box of any size.
+fn growing(volume: VolumeKind) -> (Stage, impl Fn(f32) -> Geometry) {
+    let stage = Stage::with(volume, Vec3::new(1.0, 0.9, 1.0), 96);
     let half = Vec3::splat(0.5);
     let geometry = busy_room().fixed().room(-half, half, &lambert(0.6, 0.7)).build(&stage.device);
-    let sized = |size: f32| {
+    let sized = move |size: f32| {
         let middle = Mat4::from_translation(Vec3::new(0.5, 0.45, 0.5));
         moved(&geometry, middle * Mat4::from_scale(Vec3::new(size, 0.85 * size, 0.9 * size)))
     };
+    (stage, sized)
+}
+
+fn check_late(volume: VolumeKind) {
+    let (mut stage, sized) = growing(volume);
     stage.catch_up(&sized(0.05));
     let lights = stage.lamp(Vec3::new(0.2, 0.4, 0.7), Vec3::ONE);
     stage.light(&lights, 1);
@@ -248,6 +267,52 @@ fn check_late(volume: VolumeKind) {
     // The octree hears what it needs once the voxels have their room.
     assert!(frames <= if stage.is_octree() { 6 } else { 4 }, "it took {frames} frames");
     stage.assert_fresh(&grown, "grown");
+    stage.catch_up(&sized(0.05));
+    stage.assert_fresh(&sized(0.05), "small again");
+}
+
+/// A call returns what is known of earlier calls. Whoever records nothing more hears all the same that there was no room, and a
+/// frame that does not know it yet does not say that it is known.
+#[test]
+fn a_frame_without_room_is_told_though_nothing_is_recorded_any_more() {
+    for volume in &volumes()[..2] {
+        check_told(*volume);
+    }
+}
+
+fn check_told(volume: VolumeKind) {
+    let (mut stage, sized) = growing(volume);
+    stage.catch_up(&sized(0.05));
+    let told = |stage: &Stage| {
+        let told = stage.gi.frame_voxels();
+        (told.is_late, told.is_pending)
+    };
+    assert_eq!(told(&stage), (false, false));
+    // The second frame is recorded before the first has run, as if the first one's read came late.
+    let grown = sized(0.95);
+    let encoders = [0, 1].map(|_| {
+        let (frame, encoder) = stage.record(&grown);
+        assert_eq!((frame.is_late, frame.is_pending), (false, true));
+        encoder
+    });
+    stage.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
+    assert_eq!(told(&stage), (false, true), "nothing has run");
+    stage.queue.submit(encoders.map(wgpu::CommandEncoder::finish));
+    wait_told(&stage.device, &stage.gi);
+    assert_eq!(told(&stage), (true, false), "there was no room");
+    let mut frames = 0;
+    while told(&stage).0 {
+        stage.voxelize(&grown);
+        frames += 1;
+        assert!(frames <= 6, "it never has room");
+    }
+    let voxels = stage.gi.frame_voxels().voxels;
+    assert!(!stage.voxelize(&grown).is_late, "what was told is so");
+    assert_eq!(stage.gi.voxels().expect("a list").voxel_count(), voxels);
+    stage.assert_fresh(&grown, "grown");
+    // What is not submitted is not shown.
+    drop(stage.record(&sized(0.05)));
+    assert_eq!(told(&stage), (true, false), "the encoder was dropped");
     stage.catch_up(&sized(0.05));
     stage.assert_fresh(&sized(0.05), "small again");
 }

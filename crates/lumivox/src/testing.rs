@@ -10,7 +10,7 @@ use glam::{Mat4, Vec3};
 use wgpu::util::DeviceExt as _;
 
 use lumivox::gpu::{read_buffer, storage_buffer};
-use lumivox::{Draw, Geometry, GeometryBatch, SurfaceMaterial};
+use lumivox::{Draw, Geometry, GeometryBatch, Gi, SurfaceMaterial};
 
 pub(crate) use common::device;
 
@@ -149,6 +149,17 @@ pub(crate) fn moved(geometry: &Geometry, place: Mat4) -> Geometry {
         }
     }
     geometry
+}
+
+/// Waits until the GPU has told of the last recorded voxelization.
+///
+/// That the device was polled until its work was done is not enough: all tests share the device, and another test's thread may
+/// have polled it first, and may still be about to call the callback.
+pub(crate) fn wait_told(device: &wgpu::Device, gi: &Gi) {
+    while gi.frame_voxels().is_pending {
+        device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
+        std::thread::yield_now();
+    }
 }
 
 /// The first `count` elements of a buffer.

@@ -40,6 +40,8 @@ pub(crate) struct Voxels {
     /// The geometry that they were made of.
     version: Option<u64>,
     is_late: bool,
+    /// Whether there was room for the last version is not known yet.
+    is_pending: bool,
     frames_lit: u32,
     /// Frames since lights or geometry have changed.
     frames_at_rest: u32,
@@ -183,6 +185,7 @@ impl Voxels {
             frames_taken: 0,
             version: None,
             is_late: false,
+            is_pending: false,
             frames_lit: 0,
             frames_at_rest: 0,
             fitted,
@@ -280,6 +283,10 @@ impl Voxels {
         }
         self.frames_at_rest = self.frames_at_rest.saturating_add(1);
         let moves = frame.gi.volume.cascades().is_some() && self.gi.center_on(frame.position)?;
+        if self.is_pending {
+            let told = self.gi.frame_voxels();
+            (self.is_late, self.is_pending) = (told.is_late, told.is_pending);
+        }
         let is_due = self.version != Some(version) || self.is_late || moves;
         if is_due && self.refused != Some(version) {
             let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/voxelize"));
@@ -290,7 +297,9 @@ impl Voxels {
                 span.end(encoder);
             }
             match voxelized {
-                Ok(voxelized) => self.is_late = voxelized.is_late,
+                Ok(voxelized) => {
+                    (self.is_late, self.is_pending) = (voxelized.is_late, voxelized.is_pending);
+                }
                 Err(error) => {
                     self.refused = Some(version);
                     return Err(error);

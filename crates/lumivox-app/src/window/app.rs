@@ -305,6 +305,11 @@ impl App {
         self.outbox.set_device(device);
     }
 
+    /// Says up to which number the window shows pictures.
+    pub fn set_shown(&mut self, serial: u64) {
+        self.outbox.set_shown(serial);
+    }
+
     /// All of the window.
     pub fn show(&mut self, ui: &mut Ui) {
         let model = self.published.model.clone();

@@ -186,6 +186,7 @@ impl Handler {
             self.fail(event_loop, error);
             return;
         }
+        self.app.set_shown(surface.shown());
         if is_closing {
             event_loop.exit();
         }

@@ -31,6 +31,8 @@ pub enum Order {
     Timed(bool),
     /// The window draws with this device.
     Device(GpuId),
+    /// The window shows the pictures up to this number.
+    Shown(u64),
     /// The user wants the command line that reproduces the picture.
     CommandLine,
     /// A scene was read.
@@ -96,6 +98,13 @@ impl Shared {
         let copy = published.clone();
         published.request = None;
         copy
+    }
+
+    /// The number of the newest picture that was published; 0 before there is one.
+    pub fn newest(&self) -> u64 {
+        let published = self.published.lock().unwrap_or_else(PoisonError::into_inner);
+        let pictures = [&published.picture, &published.other].into_iter().flatten();
+        pictures.map(|picture| picture.serial).max().unwrap_or(0)
     }
 
     /// Whether the worker has ended.

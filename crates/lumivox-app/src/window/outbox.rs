@@ -28,6 +28,7 @@ pub struct Outbox {
     held: HashMap<String, (PendingValue, u64)>,
     size: UVec2,
     device: Option<GpuId>,
+    shown: u64,
     is_timed: bool,
 }
 
@@ -41,6 +42,7 @@ impl Outbox {
             held: HashMap::new(),
             size: UVec2::ZERO,
             device: None,
+            shown: 0,
             is_timed: false,
         }
     }
@@ -94,6 +96,14 @@ impl Outbox {
         if self.device != Some(device) {
             self.device = Some(device);
             self.order(Order::Device(device));
+        }
+    }
+
+    /// Says up to which number the window shows pictures.
+    pub fn set_shown(&mut self, serial: u64) {
+        if serial != self.shown {
+            self.shown = serial;
+            self.order(Order::Shown(serial));
         }
     }
 

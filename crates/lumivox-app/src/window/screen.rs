@@ -104,6 +104,11 @@ impl Textures {
         std::mem::take(&mut self.changed)
     }
 
+    /// The number of the newest picture; 0 where there is none.
+    pub fn newest(&self) -> u64 {
+        self.shown.iter().flatten().map(|bound| bound.serial).max().unwrap_or(0)
+    }
+
     /// Gives a picture to egui, under the name that the picture before had in its place; `None` where it is of another
     /// device.
     pub fn bind(

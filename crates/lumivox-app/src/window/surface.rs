@@ -36,6 +36,8 @@ pub struct Surface {
     parts: Option<Parts>,
     /// Replacements since the last frame that was shown.
     replaced: u32,
+    /// The number of the newest picture in the last frame that was shown.
+    shown: u64,
     /// Whole images by their names.
     images: HashMap<TextureId, (ColorImage, TextureOptions)>,
     pictures: [Option<Arc<Shown>>; PICTURES],
@@ -80,7 +82,7 @@ impl Surface {
     pub fn new(window: Arc<Window>, worker: Gpu, asked: WindowDevice) -> anyhow::Result<Self> {
         let (images, pictures) = (HashMap::new(), [None, None]);
         let mut surface =
-            Self { window, worker, asked, parts: None, replaced: 0, images, pictures };
+            Self { window, worker, asked, parts: None, replaced: 0, shown: 0, images, pictures };
         surface.open(surface.shares())?;
         Ok(surface)
     }
@@ -115,6 +117,11 @@ impl Surface {
         *kept = picture;
         let picture = kept.as_ref()?;
         self.parts.as_mut()?.guarded(|parts| parts.bind(place, picture))
+    }
+
+    /// The number of the newest picture that is on the screen; 0 before there is one.
+    pub fn shown(&self) -> u64 {
+        self.shown
     }
 
     /// Loses the device, as a driver might.
@@ -201,7 +208,10 @@ impl Surface {
         let Some(parts) = &mut self.parts else { return Ok(()) };
         let window = &self.window;
         match parts.guarded(|parts| parts.draw(window, size, primitives, pixels_per_point)) {
-            Drawn::Shown => self.replaced = 0,
+            Drawn::Shown => {
+                self.shown = parts.textures.newest();
+                self.replaced = 0;
+            }
             Drawn::NotNow => {}
             Drawn::Again => self.window.request_redraw(),
             Drawn::Lost => {

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::common::{INPUT, OUTPUT, USAGE, expect_error, folder, lumivox, names};
 #[cfg(unix)]
-use crate::common::{Run, STOPPED, command, interrupt};
+use crate::common::{Run, STOPPED, command, freeze, interrupt};
 
 /// Small enough for a software driver.
 const SMALL: &str = "--size 32x18 --frames 1 --resolution 16 --shadow-resolution 64";
@@ -201,13 +201,15 @@ fn started(folder: &Path, picture: &str) -> std::process::Child {
     use std::process::Stdio;
     use std::time::{Duration, Instant};
 
-    let child = command(folder, &FORTY.split_whitespace().collect::<Vec<_>>())
+    let mut child = command(folder, &FORTY.split_whitespace().collect::<Vec<_>>())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     let start = Instant::now();
-    while !folder.join("turn").join(picture).exists() && start.elapsed() < Duration::from_mins(2) {
+    while !folder.join("turn").join(picture).exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it has ended without {picture}");
+        assert!(start.elapsed() < Duration::from_mins(5), "{picture} does not come");
         std::thread::sleep(Duration::from_millis(2));
     }
     child
@@ -245,6 +247,8 @@ fn a_sequence_that_is_stopped_can_be_gone_on_with() {
 fn a_second_process_is_refused_until_the_first_has_ended() {
     let folder = folder();
     let mut child = started(folder.path(), "0000.png");
+    // However long the second one takes to begin, the first has not ended.
+    freeze(&child);
     let run = lumivox(folder.path(), FORTY);
     assert_eq!(run.code, OUTPUT, "{}", run.stderr);
     let needle = "turn/index.json: another process renders this sequence; wait until it has ended";

@@ -448,7 +448,7 @@ impl Renderer {
     pub(super) fn store_voxels(&mut self, voxelized: Voxelized) {
         self.voxels = voxelized.stats;
         self.voxels_are_stale = false;
-        self.following.surfaces = false;
+        (self.following.surfaces, self.following.is_pending) = (false, false);
         self.times.add(voxelized.times);
     }
 

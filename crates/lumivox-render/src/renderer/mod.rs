@@ -411,7 +411,7 @@ impl Renderer {
     /// lack that.
     pub fn is_complete(&self) -> bool {
         self.frame_count() >= self.settings.frames
-            && !self.following.surfaces
+            && !self.are_voxels_late()
             && !self.scene.is_streaming()
     }
 

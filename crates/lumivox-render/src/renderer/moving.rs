@@ -25,6 +25,8 @@ const SETTLING_FRAMES: u32 = 8;
 pub(super) struct Following {
     /// Surfaces have moved.
     pub(super) surfaces: bool,
+    /// Whether the voxels had room for what has moved last may not be known yet.
+    pub(super) is_pending: bool,
     /// Lights have moved, or what casts their shadows.
     pub(super) lights: bool,
     /// Frames until the light has settled, but for little.
@@ -99,8 +101,8 @@ impl Renderer {
         &mut self,
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        let Following { surfaces, lights, goes_on, .. } = self.following;
-        if self.gi.center_on(self.camera.position)? || surfaces {
+        let Following { lights, goes_on, .. } = self.following;
+        if self.gi.center_on(self.camera.position)? || self.are_voxels_late() {
             self.make_pose(progress).await?;
         } else if lights || goes_on {
             self.relight(progress).await?;
@@ -121,6 +123,27 @@ impl Renderer {
     pub(super) fn follow_surfaces(&mut self) {
         self.following.surfaces = true;
         self.follow_lights();
+    }
+
+    /// Whether voxels are still to follow what has moved. Whether they had room for the last move is known once the GPU is done
+    /// with it, which is waited for, but not in browsers.
+    pub(super) fn are_voxels_late(&self) -> bool {
+        let Following { surfaces, is_pending, .. } = self.following;
+        if surfaces || !is_pending {
+            return surfaces;
+        }
+        loop {
+            let told = self.gi.frame_voxels();
+            if !told.is_pending || cfg!(target_arch = "wasm32") {
+                return told.is_late;
+            }
+            // A device that is lost tells elsewhere.
+            if self.gpu.wait("following what has moved").is_err() {
+                return false;
+            }
+            // Another thread that polls the device may be about to tell.
+            std::thread::yield_now();
+        }
     }
 
     /// Lets the next frame follow the lights.
@@ -160,10 +183,17 @@ impl Renderer {
         recorder: &mut Recorder<'_>,
     ) -> Result<Option<FrameVoxels>, RenderError> {
         let mut voxels = None;
+        if self.following.is_pending {
+            let told = self.gi.frame_voxels();
+            self.following.is_pending = told.is_pending;
+            // The last move had no room, which is known only now.
+            self.following.surfaces |= told.is_late;
+        }
         if self.following.surfaces {
             let frame = self.gi.voxelize_frame(recorder, &self.scene.geometry)?;
             self.voxels_are_stale = frame.is_late;
             self.following.surfaces = frame.is_late;
+            self.following.is_pending = frame.is_pending;
             voxels = Some(frame);
         }
         let has_changed = self.following.lights || voxels.is_some();

@@ -3,6 +3,7 @@
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 
 use glam::{Mat4, UVec2, Vec3};
+use lumivox::TraceSettings;
 use lumivox_render::{RenderError, RenderSettings, Renderer};
 use lumivox_scene::{Camera, Instance, Scene};
 
@@ -216,4 +217,29 @@ fn moved_frames_come_to_the_picture_of_a_fresh_renderer() {
         picture(&mut travelling) == picture(&mut fresh),
         "the block and its shadows are in place"
     );
+}
+
+/// A block grows twentyfold in a single step, for which there is no room. That is known a frame later, when nothing changes any
+/// more; the picture is not complete before the voxels have followed.
+#[test]
+fn a_single_change_without_room_is_followed() {
+    let gpu = gpu();
+    let mut grown = builtin("cornell");
+    let block = grown.instances.len() - 1;
+    grown.instances[block].is_static = false;
+    let mut small = grown.clone();
+    small.instances[block].world_from_local *= Mat4::from_scale(Vec3::splat(0.05));
+    let settings = RenderSettings {
+        resolution: 96,
+        bounces: 8,
+        trace: TraceSettings { temporal: true, ..TraceSettings::default() },
+        ..settings(&[&small, &grown])
+    };
+    let mut travelling = renderer(&gpu, &small, settings.clone());
+    picture(&mut travelling);
+    pollster::block_on(travelling.move_instances(&grown, &[block], &mut |_| {})).expect("it fits");
+    picture(&mut travelling);
+    let told = travelling.gi().frame_voxels();
+    assert!(!told.is_late && !told.is_pending && travelling.is_complete(), "{told:?}");
+    assert_eq!(told.voxels, renderer(&gpu, &grown, settings).voxel_stats().voxels);
 }

@@ -14,24 +14,11 @@ use std::path::{Path, PathBuf};
 use glam::UVec2;
 use image::RgbImage;
 use lumivox::{Directionality, TraceResolution, TraceSettings};
-use lumivox_render::{Overlay, RenderSettings, ShadowMethod, View, Wireframe, Wires};
+use lumivox_render::{Exposure, Overlay, RenderSettings, ShadowMethod, View, Wireframe, Wires};
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 
+use crate::common::kept::MAX_MEAN_FLIP;
 use crate::common::{builtin, gpu, picture, renderer, zoo};
-
-/// The largest mean FLIP error that counts as the same picture.
-///
-/// The processor and driver that made the references repeat them to the bit: 0. Others round differently and
-/// weigh neighbouring voxels with fewer bits, at least 8. Shifting the grid by a hundredth of a voxel, more
-/// than twice the step of such weights, makes 0.0004 to 0.0044, depending on the scene; the same llvmpipe on
-/// a processor with other vector instructions makes up to 0.0046. What must be seen lies above: noise of one
-/// 8-bit code makes 0.012 to 0.014, 1 % more light mostly 0.010 to 0.030, one bounce more 0.017 to 0.077.
-/// (Set on llvmpipe of Mesa 22.3.6, 160 x 90 pixels.)
-const MAX_MEAN_FLIP: f32 = 0.008;
-
-/// The same where transparency and glossy lobes are drawn at random: other rounding draws otherwise. Between
-/// two processors, half of the pixels were one 8-bit code apart, which makes 0.016.
-const MAX_MEAN_FLIP_DRAWN: f32 = 0.02;
 
 /// Small enough to render all of them in a minute on a software driver, large enough to see what is wrong.
 fn small() -> RenderSettings {
@@ -48,13 +35,11 @@ struct Snapshot {
     name: String,
     scene: &'static str,
     settings: RenderSettings,
-    /// The largest mean FLIP error allowed.
-    max_flip: f32,
 }
 
 impl Snapshot {
     fn new(name: impl Into<String>, scene: &'static str, settings: RenderSettings) -> Self {
-        Self { name: name.into(), scene, settings, max_flip: MAX_MEAN_FLIP }
+        Self { name: name.into(), scene, settings }
     }
 }
 
@@ -70,12 +55,9 @@ fn scenes() -> Vec<Snapshot> {
 
 /// One of every material.
 fn materials() -> Vec<Snapshot> {
-    // More frames than where nothing is drawn at random.
-    let settings = RenderSettings { frames: 16, ..small() };
-    vec![Snapshot {
-        max_flip: MAX_MEAN_FLIP_DRAWN,
-        ..Snapshot::new("materials", "materials", settings)
-    }]
+    // Drawn transparency: see `MAX_MEAN_FLIP`. Automatic exposure chose these stops.
+    let settings = RenderSettings { frames: 64, exposure: Exposure::Stops(-1.826), ..small() };
+    vec![Snapshot::new("materials", "materials", settings)]
 }
 
 /// Views other than the final one. Normals along an axis have components of 0, which lie right between two
@@ -207,7 +189,7 @@ fn the_comparison_sees_small_changes() {
 fn check(snapshots: Vec<Snapshot>) {
     let gpu = gpu();
     let mut failures = Vec::new();
-    for Snapshot { name, scene, settings, max_flip } in snapshots {
+    for Snapshot { name, scene, settings } in snapshots {
         let scene = if scene == "materials" { zoo::scene() } else { builtin(scene) };
         let picture = picture(&mut renderer(&gpu, &scene, settings));
         let rgb = picture.ldr.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
@@ -219,7 +201,7 @@ fn check(snapshots: Vec<Snapshot>) {
             // Past the capture of passing tests' output: this is never silent.
             let said = writeln!(std::io::stderr(), "LUMIVOX_BLESS=1 wrote {}", path.display());
             said.expect("stderr takes a line");
-        } else if let Err(failure) = compare(&name, &actual, &path, max_flip) {
+        } else if let Err(failure) = compare(&name, &actual, &path) {
             failures.push(failure);
         }
     }
@@ -261,7 +243,7 @@ fn save(image: &RgbImage, path: &Path) {
 }
 
 /// Holds a picture against its reference.
-fn compare(name: &str, actual: &RgbImage, path: &Path, max_flip: f32) -> Result<(), String> {
+fn compare(name: &str, actual: &RgbImage, path: &Path) -> Result<(), String> {
     let left = |actual: &RgbImage| leave_behind(&format!("{name}-actual"), actual);
     let shown = path.display();
     let reference = match image::open(path) {
@@ -284,11 +266,11 @@ fn compare(name: &str, actual: &RgbImage, path: &Path, max_flip: f32) -> Result<
     }
     let (mean, difference) = flip(&reference, actual);
     println!("{name}: mean FLIP error {mean:.5}");
-    if mean <= max_flip {
+    if mean <= MAX_MEAN_FLIP {
         return Ok(());
     }
     Err(format!(
-        "{name}: mean FLIP error {mean:.4}, at most {max_flip} is allowed\n  \
+        "{name}: mean FLIP error {mean:.4}, at most {MAX_MEAN_FLIP} is allowed\n  \
          reference:  {shown}\n  actual:     {}\n  difference: {}",
         left(actual).display(),
         leave_behind(&format!("{name}-difference"), &difference).display()

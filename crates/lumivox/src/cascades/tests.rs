@@ -9,7 +9,7 @@ use glam::{IVec3, Mat4, UVec3, Vec3};
 
 use super::{CascadeOptions, STRIDE};
 use crate::gpu::{Recorder, Timing};
-use crate::testing::{SceneBuilder, busy_room, device, lambert, morton_decode, read};
+use crate::testing::{SceneBuilder, busy_room, device, lambert, morton_decode, read, wait_told};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{
     FrameVoxels, GatherSettings, Geometry, Gi, GiConfig, GiError, Grid, Light, LightSource, Lights,
@@ -59,7 +59,7 @@ impl Lit {
         let settings = TraceSettings::default();
         self.gi.light_frame(&mut recorder, &self.lights, None, &settings).expect("valid");
         recorder.submit();
-        let _ = device.poll(wgpu::PollType::wait_indefinitely());
+        wait_told(&device, &self.gi);
         voxels
     }
 

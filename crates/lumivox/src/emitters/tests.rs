@@ -6,7 +6,7 @@ use glam::{Mat4, Vec2, Vec3};
 
 use super::EmitterRecord;
 use crate::gpu::{Buffer, Pipelines, Recorder, Timing};
-use crate::testing::{SceneBuilder, device, lambert, read};
+use crate::testing::{SceneBuilder, device, lambert, read, wait_told};
 use crate::{
     Draw, GatherSettings, Geometry, GeometryBatch, Gi, GiConfig, Grid, Lights, OctreeOptions,
     SurfaceMaterial, SurfaceTexture, TraceSettings, VertexAttributes, VolumeKind,
@@ -387,7 +387,7 @@ fn lamps_have_the_same_bits_wherever_they_come_from() {
             let settings = TraceSettings::default();
             lab.gi.light_frame(&mut recorder, &lab.lights, None, &settings).expect("valid");
             recorder.submit();
-            lab.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device is there");
+            wait_told(&lab.device, &lab.gi);
         }
         lab.light(3);
         let moved = lab.gather(&receivers(), 4);

@@ -16,8 +16,9 @@ impl Gi {
     /// The result has the same bits as that of [`Self::voxelize_dynamic`]. If there is no room for all that has moved into
     /// the grid, the voxels stay what they were: how much room is needed is known a few frames later, and then there is. New static
     /// draws take a few frames, too. An octree has room of its own: where it lacks, the octree shows the voxels that it showed last,
-    /// with their light, until there is. [`FrameVoxels::is_late`] tells of both; call this again until it is false, even if nothing
-    /// moves any more. Once everything has room, no buffer and no bind group is made.
+    /// with their light, until there is. [`FrameVoxels::is_late`] tells of both, as far as the GPU has told: of an earlier call, not of
+    /// this one. After the last change, ask [`Self::frame_voxels`] in each frame until it is not pending, and call this again while it
+    /// is late, even if nothing moves any more. Once everything has room, no buffer and no bind group is made.
     ///
     /// The places of an octree's bricks, which decide the last bits of what cones see, depend on the lists that it has followed. The
     /// same calls lead to the same places as long as there is room; which lists a late octree leaves out depends on how fast the GPU
@@ -96,7 +97,52 @@ impl Gi {
             self.volume.tell(recorder);
         }
         frame.is_late |= self.volume.is_late();
+        frame.is_pending |= self.volume.told()[1];
         Ok(frame)
+    }
+
+    /// How the last call of [`Self::voxelize_frame`] stands, by what the GPU has told by now. It records nothing and does not wait.
+    ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::{Mat4, Vec3};
+    /// # use lumivox::gpu::{Recorder, upload};
+    /// # use lumivox::{Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, SurfaceMaterial};
+    /// # let corners = [[0.1_f32, 0.1, 0.1], [0.1, 0.1, 0.9], [0.9, 0.1, 0.1]];
+    /// # let positions = upload(&device, "positions", &corners);
+    /// # let indices = upload(&device, "indices", &[0_u32, 1, 2]);
+    /// # let materials = vec![SurfaceMaterial::default()];
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// # let (positions, indices) = ((*positions).clone(), (*indices).clone());
+    /// # let batch = GeometryBatch::new(positions, indices, vec![Draw::new(0, 3, 0)]);
+    /// # let geometry = Geometry { batches: vec![batch], materials };
+    /// // Something has moved once, and nothing moves any more.
+    /// let mut has_changed = true;
+    /// for frame in 0..16 {
+    ///     let told = gi.frame_voxels();
+    ///     let mut recorder = Recorder::new(&device, &queue);
+    ///     if has_changed || told.is_late {
+    ///         gi.voxelize_frame(&mut recorder, &geometry)?;
+    ///         has_changed = false;
+    ///     }
+    ///     recorder.submit();
+    /// #   let _ = device.poll(lumivox::wgpu::PollType::wait_indefinitely());
+    /// }
+    /// let told = gi.frame_voxels();
+    /// assert!(!told.is_pending && !told.is_late && told.voxels > 0);
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
+    pub fn frame_voxels(&self) -> FrameVoxels {
+        // A device that is lost tells elsewhere.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        let mut frame = self.scene.told();
+        let [is_late, is_pending] = self.volume.told();
+        frame.is_late |= is_late;
+        frame.is_pending |= is_pending;
+        frame
     }
 
     /// Lights the voxels in the caller's frame, from what the last call of this or of [`Self::light`] has left: direct

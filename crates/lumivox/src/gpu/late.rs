@@ -17,7 +17,21 @@ const FAILED: u8 = 2;
 pub(crate) struct LateReads {
     slots: Vec<Slot>,
     bytes: u64,
+    /// The number of the read that was recorded last.
     recorded: u64,
+    /// The number of the newest read that [`Self::latest`] has returned.
+    returned: u64,
+}
+
+/// What has become of the read that was recorded last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LastRead {
+    /// It is under way, or the reads before it are for which it was left out.
+    Pending,
+    /// It never comes: it was left out, its encoder was dropped, or it has failed.
+    Lost,
+    /// Its numbers are there.
+    Done,
 }
 
 #[derive(Debug)]
@@ -26,6 +40,19 @@ struct Slot {
     /// Shared with the callback, which the encoder drops if it is never submitted.
     state: Option<Arc<AtomicU8>>,
     number: u64,
+}
+
+impl Slot {
+    fn is_mapped(&self) -> bool {
+        self.state.as_ref().is_some_and(|state| state.load(Ordering::Acquire) == MAPPED)
+    }
+
+    /// Whether the callback is still to be called, and can be: the encoder that holds it was not dropped.
+    fn is_under_way(&self) -> bool {
+        self.state.as_ref().is_some_and(|state| {
+            state.load(Ordering::Acquire) == PENDING && Arc::strong_count(state) > 1
+        })
+    }
 }
 
 impl LateReads {
@@ -40,7 +67,7 @@ impl LateReads {
             };
             Slot { buffer: Buffer::new(device, &descriptor), state: None, number: 0 }
         };
-        Self { slots: (0..SLOTS).map(slot).collect(), bytes, recorded: 0 }
+        Self { slots: (0..SLOTS).map(slot).collect(), bytes, recorded: 0, returned: 0 }
     }
 
     /// Records a read of parts of buffers, one after another: a buffer, a byte and a number of bytes each.
@@ -70,7 +97,10 @@ impl LateReads {
         recorder.encoder().map_buffer_on_submit(&slot.buffer, wgpu::MapMode::Read, .., done);
     }
 
-    /// The numbers of the last read that is done, if one is that was not before.
+    /// The numbers of the newest read that is done, if none that is newer was returned before.
+    ///
+    /// Reads are not always done in the order in which they were recorded: a thread that polls the device calls the callbacks
+    /// after it has let go of the device's locks, so that another thread may call those of a later submission first.
     pub fn latest(&mut self, device: &wgpu::Device) -> Option<Vec<u32>> {
         // Does not wait. A device that is lost tells elsewhere.
         let _ = device.poll(wgpu::PollType::Poll);
@@ -84,13 +114,123 @@ impl LateReads {
             if state == FAILED {
                 continue;
             }
-            if let Ok(mapped) = slot.buffer.get_mapped_range(..)
-                && latest.as_ref().is_none_or(|(number, _)| *number < slot.number)
+            let newest = latest.as_ref().map_or(self.returned, |(number, _)| *number);
+            if slot.number > newest
+                && let Ok(mapped) = slot.buffer.get_mapped_range(..)
             {
                 latest = Some((slot.number, bytemuck::cast_slice(&mapped).to_vec()));
             }
             slot.buffer.unmap();
         }
-        latest.map(|(_, words)| words)
+        latest.map(|(number, words)| {
+            self.returned = number;
+            words
+        })
+    }
+
+    /// What has become of the read that was recorded last, and the numbers that [`Self::latest`] would return now. The caller
+    /// polls the device before it.
+    pub fn peek(&self) -> (LastRead, Option<Vec<u32>>) {
+        let mapped = self.slots.iter().filter(|slot| slot.is_mapped());
+        let newest =
+            mapped.max_by_key(|slot| slot.number).filter(|slot| slot.number > self.returned);
+        let last = if newest.map_or(self.returned, |slot| slot.number) == self.recorded {
+            LastRead::Done
+        } else if self.slots.iter().any(Slot::is_under_way) {
+            LastRead::Pending
+        } else {
+            LastRead::Lost
+        };
+        let words = newest.and_then(|slot| {
+            let mapped = slot.buffer.get_mapped_range(..).ok()?;
+            Some(bytemuck::cast_slice(&mapped).to_vec())
+        });
+        (last, words)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::storage_buffer;
+    use crate::testing::device;
+
+    /// A buffer with one word, which is read back.
+    struct Word {
+        device: crate::gpu::Pipelines,
+        queue: wgpu::Queue,
+        word: Buffer,
+        reads: LateReads,
+    }
+
+    impl Word {
+        fn new() -> Self {
+            let (device, queue) = device();
+            let word = storage_buffer(&device, "word", 4);
+            let reads = LateReads::new(&device, 4);
+            Self { device, queue, word, reads }
+        }
+
+        /// An encoder with a read of the word.
+        fn record(&mut self) -> wgpu::CommandEncoder {
+            let mut encoder =
+                self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut recorder = Recorder::on(&self.device, &self.queue, &mut encoder);
+            self.reads.record(&mut recorder, &[(&self.word, 0, 4)]);
+            drop(recorder);
+            encoder
+        }
+
+        /// Writes a value, submits a read, and waits until the read of this number is done.
+        fn submit(&mut self, value: u32, encoder: wgpu::CommandEncoder, number: u64) {
+            self.queue.write_buffer(&self.word, 0, bytemuck::bytes_of(&value));
+            self.queue.submit([encoder.finish()]);
+            let is_mapped = |slot: &Slot| slot.number == number && slot.is_mapped();
+            while !self.reads.slots.iter().any(is_mapped) {
+                self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
+                // Another test's thread may be about to call the callback.
+                std::thread::yield_now();
+            }
+        }
+
+        fn latest(&mut self) -> Option<Vec<u32>> {
+            self.reads.latest(&self.device)
+        }
+    }
+
+    /// Two threads that poll the device may call the callbacks of two submissions in either order.
+    #[test]
+    fn a_read_that_is_done_after_a_newer_one_is_ignored() {
+        let mut word = Word::new();
+        let (first, second) = (word.record(), word.record());
+        word.submit(20, second, 2);
+        assert_eq!(word.latest(), Some(vec![20]));
+        word.submit(10, first, 1);
+        assert_eq!(word.latest(), None, "what was told last is newer");
+        let third = word.record();
+        word.submit(30, third, 3);
+        assert_eq!(word.latest(), Some(vec![30]), "and so is the next one");
+    }
+
+    #[test]
+    fn peeking_tells_what_became_of_the_last_read() {
+        let mut word = Word::new();
+        let first = word.record();
+        assert_eq!(word.reads.peek(), (LastRead::Pending, None));
+        word.submit(10, first, 1);
+        assert_eq!(word.reads.peek(), (LastRead::Done, Some(vec![10])));
+        let second = word.record();
+        assert_eq!(word.reads.peek(), (LastRead::Pending, Some(vec![10])));
+        drop(second);
+        assert_eq!(word.reads.peek(), (LastRead::Lost, Some(vec![10])));
+        assert_eq!(word.latest(), Some(vec![10]));
+        assert_eq!(word.reads.peek(), (LastRead::Lost, None));
+        // While all slots are in use, a read is left out; it is lost once those are done.
+        let encoders: Vec<_> = (0..=SLOTS).map(|_| word.record()).collect();
+        assert_eq!(word.reads.peek(), (LastRead::Pending, None));
+        for (encoder, number) in encoders.into_iter().take(SLOTS).zip(3..) {
+            word.submit(number as u32, encoder, number);
+        }
+        assert_eq!(word.reads.peek(), (LastRead::Lost, Some(vec![2 + SLOTS as u32])));
     }
 }

@@ -37,6 +37,12 @@ impl<S: Slot> Slots<S> {
         record(&mut slots[free])
     }
 
+    /// Whether no recording holds any.
+    #[cfg(test)]
+    pub(crate) fn are_free(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).iter().all(Slot::is_free)
+    }
+
     /// How many there are.
     #[cfg(test)]
     pub(crate) fn count(&self) -> usize {

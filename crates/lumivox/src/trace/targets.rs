@@ -294,4 +294,10 @@ impl TraceTargets {
     pub(super) fn slot_count(&self) -> usize {
         self.slots.count()
     }
+
+    /// Whether no recording is under way.
+    #[cfg(test)]
+    pub(super) fn are_slots_free(&self) -> bool {
+        self.slots.are_free()
+    }
 }

@@ -199,6 +199,15 @@ impl Volume {
         }
     }
 
+    /// Whether it shows an earlier list, and whether the GPU has yet to tell of the last recorded call of [`Self::follow`]: by what
+    /// the GPU has told by now. The caller polls the device before it.
+    pub(crate) fn told(&self) -> [bool; 2] {
+        match self {
+            Self::Dense(_) => [false, false],
+            Self::Octree(octree) => octree.told(),
+        }
+    }
+
     /// Binds another list, or one with other room, the light that its faces will send out, and the lists of cells that
     /// [`Self::update`] and [`Self::follow`] will come with.
     pub(crate) fn bind(

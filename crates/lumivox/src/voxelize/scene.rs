@@ -8,10 +8,11 @@
 use super::batch::Fallbacks;
 use super::input::{ShareInput, ShareKey};
 use super::share::{Share, ShareCounts, Work};
-use super::union::{Moving, Union, renew, resolve_fixed};
+use super::union::{Moving, Union, Verdict, renew, resolve_fixed};
 use super::{FRONT_WORDS, Voxelizer};
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, LateReads, Memory, Pipelines, Recorder, storage_buffer,
+    BindGroup, BindGroupBuilder, Buffer, LastRead, LateReads, Memory, Pipelines, Recorder,
+    storage_buffer,
 };
 use crate::voxels::{FaceRecord, VoxelList, level_first_word};
 use crate::{Geometry, GiError, Grid};
@@ -97,6 +98,10 @@ pub(crate) struct Taken<'a> {
 pub struct FrameVoxels {
     /// The voxels are those of an earlier frame: there was no room for all that was found, or static surface is on its way.
     pub is_late: bool,
+    /// The GPU has not told yet whether there was room for what the last call of
+    /// [`Gi::voxelize_frame`](crate::Gi::voxelize_frame) has found, and `is_late` tells of an earlier call. What that call returns is
+    /// pending if it has recorded anything; ask [`Gi::frame_voxels`](crate::Gi::frame_voxels) later.
+    pub is_pending: bool,
     /// Occupied voxels.
     pub voxels: u32,
     /// Sides of voxels that have surface.
@@ -202,11 +207,33 @@ impl VoxelizedScene {
         (self.is_list_new, self.is_bound) = (true, false);
     }
 
+    /// How the last recorded voxelization stands, by what the GPU has told by now. The caller polls the device before it.
+    pub(crate) fn told(&self) -> FrameVoxels {
+        let (last, words) = self.last_read();
+        let lacks_room = match (last, &words) {
+            (LastRead::Lost, _) => true,
+            (_, Some(words)) => words[0] != 0,
+            (_, None) => self.lacks_room,
+        };
+        let is_on_its_way = self.rebuild.is_some() || self.next.is_some() || self.wanted.is_some();
+        let mut frame = self.frame(is_on_its_way || (lacks_room && self.list.is_some()));
+        if let Some(words) = words {
+            let (level_starts, faces) = VoxelList::counted(&words[VERDICT_WORDS..]);
+            (frame.voxels, frame.faces) = (level_starts[1] - level_starts[0], faces);
+        }
+        frame
+    }
+
+    fn last_read(&self) -> (LastRead, Option<Vec<u32>>) {
+        self.late.as_ref().map_or((LastRead::Done, None), LateReads::peek)
+    }
+
     /// How it stands.
     pub(super) fn frame(&self, is_late: bool) -> FrameVoxels {
         let list = self.list.as_ref();
         FrameVoxels {
             is_late,
+            is_pending: self.last_read().0 == LastRead::Pending,
             voxels: list.map_or(0, VoxelList::voxel_count),
             faces: list.map_or(0, |list| list.face_count),
         }
@@ -224,6 +251,9 @@ impl VoxelizedScene {
         })
     }
 }
+
+/// Words of the [`Verdict`] that each read of [`VoxelizedScene::late`] starts with; the first is zero if there was room.
+const VERDICT_WORDS: usize = size_of::<Verdict>() / 4;
 
 /// Room for a number that grows: a quarter to spare, and a thousand, so that little things need no more when they turn.
 pub(super) fn with_spare(count: u64) -> u64 {

@@ -144,12 +144,17 @@ impl VoxelList {
 
     /// Takes what the GPU has told of `counts`.
     pub(crate) fn know(&mut self, words: &[u32]) {
+        (self.level_starts, self.face_count) = Self::counted(words);
+    }
+
+    /// `level_starts` and `face_count` by what the GPU has told of `counts`.
+    pub(crate) fn counted(words: &[u32]) -> (Vec<u32>, u32) {
         let counts: ListCounts = bytemuck::pod_read_unaligned(bytemuck::cast_slice(
             &words[..LIST_COUNT_BYTES as usize / 4],
         ));
-        self.face_count = counts.faces;
         let levels = words.chunks_exact(COUNT_BLOCK_WORDS as usize).skip(1);
-        self.level_starts = levels.map(|level| level[1]).chain([counts.nodes]).collect();
+        let level_starts = levels.map(|level| level[1]).chain([counts.nodes]).collect();
+        (level_starts, counts.faces)
     }
 
     /// Bytes on the GPU, by use.

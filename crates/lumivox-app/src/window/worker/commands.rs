@@ -41,6 +41,11 @@ impl Worker {
             "fullscreen" => {
                 Err(Failure::input("fullscreen takes nothing; again, it ends it").into())
             }
+            // For tests: the next lines wait until the window shows the last picture.
+            "wait_shown" => {
+                self.lines.wait_for_screen();
+                Ok(String::new())
+            }
             // For tests of what happens when a driver goes.
             "lose_device" => {
                 if arguments == ["window"] {

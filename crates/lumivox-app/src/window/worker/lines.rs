@@ -17,6 +17,7 @@ pub struct Lines {
     pending: Option<Line>,
     is_prepared: bool,
     frames_to_wait: u32,
+    waits_for_screen: bool,
     done: u64,
     gesture: u64,
 }
@@ -28,9 +29,9 @@ impl Lines {
     }
 
     /// The next line that need not wait. While a scene is read, lines of the terminal and of
-    /// scripts wait for it; while frames are waited for, all but those of the panels do.
+    /// scripts wait for it; while frames or the screen are waited for, all but those of the panels do.
     pub fn next(&mut self, is_loading: bool) -> Option<Line> {
-        let is_waiting = self.frames_to_wait > 0;
+        let is_waiting = self.frames_to_wait > 0 || self.waits_for_screen;
         if !is_loading && !is_waiting {
             if let Some(line) = self.pending.take() {
                 self.is_prepared = true;
@@ -72,6 +73,21 @@ impl Lines {
         self.frames_to_wait = frames;
     }
 
+    /// Lets lines wait until the window shows the last picture.
+    pub fn wait_for_screen(&mut self) {
+        self.waits_for_screen = true;
+    }
+
+    /// Whether lines wait until the window shows the last picture.
+    pub fn is_waiting_for_screen(&self) -> bool {
+        self.waits_for_screen
+    }
+
+    /// The window shows the last picture.
+    pub fn screen_is_current(&mut self) {
+        self.waits_for_screen = false;
+    }
+
     /// Frames that are still waited for.
     pub fn frames_to_wait(&self) -> u32 {
         self.frames_to_wait
@@ -87,9 +103,9 @@ impl Lines {
         self.frames_to_wait = 0;
     }
 
-    /// Whether lines of a script, or frames, are waited for.
+    /// Whether lines of a script, frames or the screen are waited for.
     pub fn are_under_way(&self) -> bool {
-        self.frames_to_wait > 0 || self.script_goes_on
+        self.frames_to_wait > 0 || self.waits_for_screen || self.script_goes_on
     }
 
     /// Lines of a script go before all that wait.
@@ -108,6 +124,7 @@ impl Lines {
         self.script_goes_on = false;
         self.pending = None;
         self.frames_to_wait = 0;
+        self.waits_for_screen = false;
     }
 
     /// A line is done.
@@ -174,6 +191,21 @@ mod tests {
         assert_eq!(lines.next(true).map(|line| line.serial), Some(2));
         assert_eq!(lines.next(false).map(|line| line.serial), Some(1));
         assert!(!lines.are_left());
+    }
+
+    #[test]
+    fn lines_wait_for_the_screen() {
+        let mut lines = lines(&[("echo a", Origin::Terminal), ("bounces 1", Origin::Panel)]);
+        lines.wait_for_screen();
+        lines.frames_are_over();
+        assert_eq!(lines.next(false).map(|line| line.serial), Some(2));
+        assert!(lines.next(false).is_none() && lines.are_under_way());
+        lines.screen_is_current();
+        assert_eq!(lines.next(false).map(|line| line.serial), Some(1));
+        // Whoever cancels does not wait for a window that is minimized.
+        lines.wait_for_screen();
+        lines.abandon();
+        assert!(!lines.are_under_way());
     }
 
     #[test]

@@ -68,7 +68,7 @@ impl Inbox {
 
     /// Whether there are orders that change what the panels show.
     pub fn has_changes(&self) -> bool {
-        self.waiting.iter().any(|order| !matches!(order, Order::Probe(_)))
+        self.waiting.iter().any(|order| !matches!(order, Order::Probe(_) | Order::Shown(_)))
     }
 }
 

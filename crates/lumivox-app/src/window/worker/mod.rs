@@ -138,7 +138,12 @@ impl Worker {
                 break;
             }
             is_busy = match self.render_some() {
-                Ok(is_busy) => is_busy || self.has_work(),
+                Ok(is_rendering) => {
+                    if !is_rendering && self.is_screen_current() {
+                        self.lines.screen_is_current();
+                    }
+                    is_rendering || self.has_work()
+                }
                 Err(error) => self.mend(&error),
             };
             self.measure_light();
@@ -203,6 +208,7 @@ impl Worker {
                     self.pictures.screen.draw_with(device);
                     self.pictures.show_again();
                 }
+                Order::Shown(serial) => self.pictures.set_on_screen(serial),
                 Order::CommandLine => self.tell_command_line(),
                 Order::Loaded(loaded) => self.take_scene(*loaded),
                 Order::Traced(traced) => self.take_reference(*traced),
@@ -217,7 +223,8 @@ impl Worker {
 
     /// Whether there are lines whose turn is now.
     fn has_work(&self) -> bool {
-        self.lines.are_left() && !self.jobs.is_opening()
+        let is_held = self.jobs.is_opening() || self.lines.is_waiting_for_screen();
+        self.lines.are_left() && !is_held
     }
 
     /// Whether a line goes before all others. What is piped in is a script, in which `quit` has its turn.

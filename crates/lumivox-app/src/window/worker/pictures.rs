@@ -30,6 +30,8 @@ pub struct Pictures {
     is_current: bool,
     /// Counts pictures.
     serial: u64,
+    /// The number of the newest picture that the window shows.
+    on_screen: u64,
     /// Rendering failed: nothing more is tried until something changes.
     pub has_failed: bool,
     /// Devices that were lost since the last frame.
@@ -52,6 +54,7 @@ impl Pictures {
             split: SplitSchedule::default(),
             is_current: false,
             serial: 0,
+            on_screen: 0,
             has_failed: false,
             losses: 0,
             probe: None,
@@ -82,6 +85,11 @@ impl Pictures {
         self.is_current = false;
     }
 
+    /// The window shows the pictures up to this number.
+    pub fn set_on_screen(&mut self, serial: u64) {
+        self.on_screen = serial;
+    }
+
     fn next_serial(&mut self) -> u64 {
         self.serial += 1;
         self.serial
@@ -89,6 +97,11 @@ impl Pictures {
 }
 
 impl Worker {
+    /// Whether the window shows the last picture, and no other is to come of itself.
+    pub(super) fn is_screen_current(&self) -> bool {
+        !self.jobs.is_tracing() && self.pictures.on_screen >= self.publisher.shared().newest()
+    }
+
     /// Something has changed: what is shown is no longer true.
     pub(super) fn start_again(&mut self) {
         self.pictures.start_again();

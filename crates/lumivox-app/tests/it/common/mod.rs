@@ -62,7 +62,18 @@ pub fn expect_error(folder: &Path, line: &str, code: i32, needles: &[&str]) {
 /// Presses Ctrl-C for a process.
 #[cfg(unix)]
 pub fn interrupt(child: &std::process::Child) {
-    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    signal(child, "-INT");
+}
+
+/// Stops a process where it is, until it is killed.
+#[cfg(unix)]
+pub fn freeze(child: &std::process::Child) {
+    signal(child, "-STOP");
+}
+
+#[cfg(unix)]
+fn signal(child: &std::process::Child, signal: &str) {
+    let kill = std::process::Command::new("kill").args([signal, &child.id().to_string()]).status();
     assert!(kill.unwrap().success());
 }
 

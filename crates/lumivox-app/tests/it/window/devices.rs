@@ -28,7 +28,11 @@ fn all_pictures(display: &Display, device: &str) -> Vec<Seen> {
     let mut seen = vec![first];
     for beside in ["albedo", "reference 1"] {
         let before = right(seen.last().unwrap());
+        let lines = window.lines().len();
         window.tell(&format!("compare_with {beside}"));
+        if beside.starts_with("reference") {
+            window.wait_line(lines, "the reference is complete: 1 samples");
+        }
         window.wait(beside, |window| {
             Some(()).filter(|()| right(&window.picture()).distance(&before) > 2.0)
         });

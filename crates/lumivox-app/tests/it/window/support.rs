@@ -278,13 +278,18 @@ impl Window {
         self.wait(what, |window| Some(window.picture()).filter(|now| now.distance(before) > 2.0))
     }
 
-    /// Waits until the picture is complete: all its frames are there, and the window shows the last.
+    /// Waits until the picture is complete: all its frames are there, and the window has drawn the last, in the size that the
+    /// worker knows of. Then until the display has it.
     #[track_caller]
     pub fn wait_rest(&mut self) -> Seen {
         let before = self.lines().len();
         self.tell("wait 1000");
+        self.tell("wait_shown");
         self.tell("echo complete");
-        self.wait_line(before, "complete");
+        // Not as a part of another line: "the reference is complete" comes when it likes.
+        self.wait("end of waiting", |window| {
+            window.lines().iter().skip(before).any(|line| line == "complete").then_some(())
+        });
         let (mut last, mut same) = (self.picture(), 0);
         self.wait("picture that stays", |window| {
             let now = window.picture();

@@ -15,7 +15,7 @@ use lumivox_classics::locks::locks;
 use crate::testing::nodes::{
     crowded_voxel, expected_nodes, full_grid, odd_grid, speck, turned_room,
 };
-use crate::testing::{device, read};
+use crate::testing::{device, read, wait_told};
 use read::read_bricks;
 use watched::Watched;
 
@@ -136,7 +136,7 @@ fn missing_nodes_are_an_error() {
         let mut recorder = Recorder::new(device, queue);
         let frame = gi.voxelize_frame(&mut recorder, &geometry);
         recorder.submit();
-        device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
+        wait_told(device, &gi);
         frame.err()
     });
     assert_told(frames.expect("a group is missing"));

@@ -1,6 +1,7 @@
 //! What the tests that render built-in scenes share: the device, a rendering, and means over pixels.
 
 mod device;
+pub mod kept;
 mod still;
 pub mod zoo;
 

@@ -62,6 +62,12 @@ export class Messages {
         return this.#bad.splice(0);
     }
 
+    /** The next message that should not have been said; waits until there is one. */
+    async next() {
+        while (this.#bad.length === 0) await new Promise((resolve) => setTimeout(resolve, 20));
+        return /** @type {string} */ (this.#bad.shift());
+    }
+
     /** Fails if anything was said. */
     check() {
         assert.deepEqual(this.take(), [], "the console must be free of errors and warnings");

@@ -31,7 +31,8 @@ mod tests;
 mod tree;
 
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, LateReads, Pipelines, Recorder, ShaderLibrary, read_buffer,
+    BindGroup, BindGroupBuilder, Buffer, LastRead, LateReads, Pipelines, Recorder, ShaderLibrary,
+    read_buffer,
 };
 use crate::volume::changes::ChangedCells;
 use crate::voxels::VoxelList;
@@ -275,6 +276,18 @@ impl OctreeVolume {
     /// Whether what is shown is of an earlier list, as far as the GPU has told.
     pub(super) fn is_late(&self) -> bool {
         self.lacks_room && self.following.is_some()
+    }
+
+    /// Whether what is shown is of an earlier list, and whether the last verdict is pending, by what the GPU has told by now.
+    pub(super) fn told(&self) -> [bool; 2] {
+        let (last, words) = self.late.as_ref().map_or((LastRead::Done, None), LateReads::peek);
+        let lacks_room = match (last, words) {
+            (LastRead::Lost, _) => true,
+            // The verdict's first word.
+            (_, Some(words)) => words[0] != 0,
+            (_, None) => self.lacks_room,
+        };
+        [lacks_room && self.following.is_some(), last == LastRead::Pending]
     }
 
     /// Waits until a list that was followed is taken, and makes room where it lacks. Room to spare is left if

@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+#
+# scripts/repeat_test.sh: runs tests many times while all cores are busy, to find those that fail now and then.
+
+set -euo pipefail
+
+root=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
+# shellcheck source=scripts/setup.sh
+source "$root/scripts/setup.sh"
+
+usage() {
+    cat <<'TEXT'
+Usage: scripts/repeat_test.sh [--times N] [--load N] [--out FOLDER] [CARGO OPTIONS] [NAME...]
+
+Builds tests once, and runs them N times while busy loops load all cores. Says how many runs passed, and exits with 1 if one
+failed. It works in the current folder's workspace: for Lumivox for Bevy, call it in integrations/bevy.
+
+  --times N       the number of runs [default: 200]
+  --load N        the number of busy loops [default: one for each core]
+  --out FOLDER    the folder for what failed runs have said [default: repeated-tests in the target folder]
+  CARGO OPTIONS   as for 'cargo test': -p, --features, --test, --lib, --release, --locked and so on
+  NAME            a part of the tests' names; without one, all tests of the packages run. Ignored tests run, too,
+                  but for those whose names have by_hand in them
+  -h, --help      show this text
+
+Example:
+  scripts/repeat_test.sh --times 200 -p lumivox-classics locks::moves::moves_within_frames_leave_the_bits_of_ranks
+TEXT
+}
+
+times=200 load=$(getconf _NPROCESSORS_ONLN) out='' options=() names=()
+while (($# > 0)); do
+    case $1 in
+    --times) times=${2:?--times needs a number} && shift ;;
+    --load) load=${2:?--load needs a number} && shift ;;
+    --out) out=${2:?--out needs a folder} && shift ;;
+    -p | --package | -F | --features | --test | --bin | --profile) options+=("$1" "${2:?$1 needs a value}") && shift ;;
+    -h | --help) usage && exit ;;
+    -*) options+=("$1") ;;
+    *) names+=("$1") ;;
+    esac
+    shift
+done
+[[ $times =~ ^[1-9][0-9]*$ ]] || die "--times is '$times', which is no number from 1."
+[[ $load =~ ^[0-9]+$ ]] || die "--load is '$load', which is no number."
+
+if on_linux && [[ -z ${LUMIVOX_TEST_ANY_ADAPTER:-} ]] && manifest=$(unset VK_DRIVER_FILES VK_ICD_FILENAMES && software_manifest); then
+    export VK_DRIVER_FILES=$manifest VK_ICD_FILENAMES=$manifest
+fi
+
+which=(--include-ignored ${names[@]+"${names[@]}"})
+# What is there to be run by hand has nothing to fail.
+if [[ ${names[*]-} != *by_hand* ]]; then which+=(--skip by_hand); fi
+
+# A line for each program of tests: the folder of its package, and its file.
+built=$(cargo test --no-run --message-format=json-render-diagnostics ${options[@]+"${options[@]}"} |
+    sed -nE 's|.*"manifest_path":"([^"]*)/Cargo.toml".*"test":true\}.*"executable":"([^"]+)".*|\1\t\2|p')
+programs=()
+while IFS=$'\t' read -r folder program; do
+    if [[ -n $program && $("$program" --list "${which[@]}") == *': test'* ]]; then
+        programs+=("$folder" "$program")
+        out=${out:-$(dirname -- "$(dirname -- "$(dirname -- "$program")")")/repeated-tests}
+    fi
+done <<<"$built"
+((${#programs[@]} > 0)) || die "No test has such a name: ${names[*]-}"
+mkdir -p "$out"
+out=$(readlink -f -- "$out")
+
+loops=()
+for ((i = 0; i < load; i++)); do
+    while :; do :; done &
+    loops+=($!)
+done
+trap 'if ((${#loops[@]} > 0)); then kill "${loops[@]}"; fi; rm -f "$out/running.log"' EXIT
+
+passed=0 failed=0
+for ((run = 1; run <= times; run++)); do
+    status=0
+    for ((i = 0; i < ${#programs[@]}; i += 2)); do
+        (cd "${programs[i]}" && "${programs[i + 1]}" "${which[@]}") || status=1
+    done >"$out/running.log" 2>&1
+    if ((status == 0)); then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        mv "$out/running.log" "$out/run-$run.log"
+        say "run $run failed: $out/run-$run.log"
+    fi
+    say "$run of $times: $passed passed, $failed failed, $SECONDS s"
+done
+printf '%s passed, %s failed\n' "$passed" "$failed"
+((failed == 0))
