@@ -98,7 +98,12 @@ impl SharedGi {
             }
         };
         let pipelines = self.gi.pipelines().clone();
-        pipelines.compile_all(&mut report).await;
+        self.gi.prepare_frames();
+        pipelines.compile(&mut report).await;
+        // Kernels for holes and textures come after the first picture.
+        wasm_bindgen_futures::spawn_local(async move {
+            pipelines.compile_all(&mut |_, _| ()).await;
+        });
     }
 
     /// Makes the buffers of a geometry: bytes, stride and offset of positions; bytes and stride of other attributes, and where

@@ -246,6 +246,16 @@ impl<'a> Join<'a> {
         let module = self.library.module(&used.module, &importer.path)?;
         let found = module.declarations.iter().find(|d| d.name == used.name && d.entry.is_none());
         let declaration = found.ok_or_else(|| {
+            // A caller's module that fills a slot of built modules lacks a part of the interface.
+            if importer.is_built && !module.is_built {
+                return ShaderError {
+                    module: used.module.clone().into_owned(),
+                    message: format!(
+                        "it does not declare `{}`, which `package::{}` imports from it",
+                        used.name, importer.path
+                    ),
+                };
+            }
             fail(format!(
                 "it imports `{}` from `package::{}`, which does not declare it",
                 used.name, used.module

@@ -133,3 +133,16 @@ fn libraries_are_equal_by_content() {
     other.constant_u32("WIDTH", 16);
     assert!(library() != other);
 }
+
+#[test]
+fn a_module_that_lacks_a_part_of_a_slots_interface_is_at_fault() {
+    let mut caller =
+        parse("caller", "import package::slot::part;\nfn f() { part(); }", false).unwrap();
+    caller.is_built = true;
+    let mut library = ShaderLibrary::default();
+    library.add_built(Vec::leak(vec![caller])).add("slot", "fn other() {}");
+    let error = library.link_whole("caller").unwrap_err().to_string();
+    let expected =
+        "shader slot: it does not declare `part`, which `package::caller` imports from it";
+    assert_eq!(error, expected);
+}

@@ -119,6 +119,7 @@ pub(crate) fn make(
             ..GiConfig::new(grid)
         };
         let gi = Gi::with_pipelines(&pipelines, &queue, config)?;
+        gi.prepare_frames();
         // Kernels of these settings are compiled with all others.
         gi.targets(UVec2::splat(8), &settings.trace_settings());
         let compose = Compose::new(&gi)?;
@@ -130,6 +131,9 @@ pub(crate) fn make(
         let (pipelines, mut made) = link()?;
         bevy::tasks::block_on(pipelines.compile(&mut |_, _| ()));
         made.link_probes()?;
+        // Kernels for holes and textures: a frame that needs one earlier waits for it.
+        let rest = async move { bevy::tasks::block_on(pipelines.compile_all(&mut |_, _| ())) };
+        beside_frames(rest).detach();
         Ok(made)
     };
     #[cfg(target_arch = "wasm32")]
@@ -137,6 +141,7 @@ pub(crate) fn make(
         let (pipelines, mut made) = link()?;
         pipelines.compile(&mut |_, _| ()).await;
         made.link_probes()?;
+        beside_frames(async move { pipelines.compile_all(&mut |_, _| ()).await }).detach();
         Ok(made)
     };
     beside_frames(task)

@@ -26,7 +26,7 @@ impl Renderer {
     /// # Errors
     /// When the device fails.
     pub async fn trace_figures(&mut self) -> Result<Option<TraceFigures>, RenderError> {
-        let Self { gpu, settings, passes, .. } = self;
+        let Self { gpu, gi, settings, passes, .. } = self;
         let is_of_voxels = settings.view.is_of_voxels() || settings.shown_look().is_some();
         if is_of_voxels
             || !settings.view.needs_cones(settings.bounces)
@@ -36,7 +36,7 @@ impl Renderer {
         }
         if passes.figures.is_none() {
             passes.figures = Some(FiguresPass::new(&gpu.pipelines, &passes.shaders)?);
-            compile(gpu, settings, &mut |_| {}).await?;
+            compile(gpu, gi, settings, &mut |_| {}).await?;
         }
         let Self { gpu, passes, targets, .. } = self;
         let Some(pass) = &passes.figures else { return Ok(None) };

@@ -36,22 +36,21 @@ pub(super) async fn upload(
     uploaded
 }
 
-/// Compiles all missing pipelines at once; those that only moves and holes need are left to their first use, unless
-/// frames follow what moves.
+/// Compiles all missing pipelines at once, with those of moves if frames follow what moves.
 ///
 /// # Errors
 /// When the device refuses one.
 pub(super) async fn compile(
     gpu: &Gpu,
+    gi: &Gi,
     settings: &RenderSettings,
     progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<(), RenderError> {
     let mut report = |done, total| progress(RenderProgress { stage: "compile", done, total });
     if settings.follows() {
-        gpu.pipelines.compile_all(&mut report).await;
-    } else {
-        gpu.pipelines.compile(&mut report).await;
+        gi.prepare_frames();
     }
+    gpu.pipelines.compile(&mut report).await;
     gpu.save_pipelines();
     gpu.check("compiling pipelines")
 }

@@ -129,6 +129,12 @@ impl Gi {
         self.point_gatherer().map(|_| ())
     }
 
+    /// Lets [`Pipelines::compile`](crate::gpu::Pipelines::compile) make the kernels that only
+    /// [`Self::light_frame`] runs; otherwise their first use makes them.
+    pub fn prepare_frames(&self) {
+        self.lighting.expect_frames(&self.device);
+    }
+
     /// The kernel, made at its first use.
     fn point_gatherer(&self) -> Result<&PointGatherer, GiError> {
         if let Some(gatherer) = self.points.get() {

@@ -56,6 +56,11 @@ impl Kernel {
         Ok(Self { pipeline, workgroup_size, label })
     }
 
+    /// Lets [`Pipelines::compile`] make the pipeline of a deferred kernel.
+    pub(crate) fn expect(&self, pipelines: &Pipelines) {
+        pipelines.expect(&self.pipeline);
+    }
+
     /// Makes the pipelines of kernels that are about to run, all at once.
     pub(crate) async fn make_all(kernels: impl IntoIterator<Item = &Self>) {
         let pipelines: Vec<_> = kernels.into_iter().map(|kernel| kernel.pipeline.clone()).collect();

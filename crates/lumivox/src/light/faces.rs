@@ -31,6 +31,13 @@ pub(super) struct LightKernels {
 }
 
 impl LightKernels {
+    /// Lets all kernels of recorded frames be compiled.
+    pub(super) fn expect_frames(&self, device: &Pipelines) {
+        for [_, fresh] in [&self.bounce, &self.shine] {
+            fresh.expect(device);
+        }
+    }
+
     /// Links them; `grid` is the layout of the grid alone, the others those of groups 0 and 2.
     pub fn new(
         device: &Pipelines,

@@ -86,6 +86,11 @@ enum Direct {
 }
 
 impl Lighting {
+    /// Lets all kernels of recorded frames be compiled.
+    pub(crate) fn expect_frames(&self, device: &Pipelines) {
+        self.kernels.expect_frames(device);
+    }
+
     pub(crate) fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
