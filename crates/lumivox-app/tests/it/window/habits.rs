@@ -13,20 +13,9 @@ fn back(window: &mut Window, before: &Seen) {
 
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
-fn what_people_know_from_other_programs_works_here() {
+fn what_was_changed_is_taken_back() {
     let (display, home) = (Display::start(), home());
     let mut window = open_cornell(&display, home.path());
-    the_light_under_the_pointer_is_told(&mut window);
-    what_was_changed_is_taken_back(&mut window);
-    a_double_click_shows_all_of_a_thing(&mut window);
-    // Without a window manager nobody makes it larger, but nothing goes wrong either.
-    let lines = window.lines().len();
-    window.key(F11);
-    window.wait_line(lines, "> fullscreen");
-    assert_eq!(window.close(), 0);
-}
-
-fn what_was_changed_is_taken_back(window: &mut Window) {
     let first = window.wait_rest();
     let lines = window.lines().len();
     window.click(250, 300);
@@ -38,18 +27,25 @@ fn what_was_changed_is_taken_back(window: &mut Window) {
     let hidden = window.wait_change("picture without the block", &first);
     window.control('z' as u32);
     let lines = window.wait_line(lines, "undone: object \"tall block\"");
-    back(window, &first);
+    back(&mut window, &first);
     window.control('y' as u32);
     let lines = window.wait_line(lines, "redone: object \"tall block\"");
-    back(window, &hidden);
+    back(&mut window, &hidden);
     window.control('z' as u32);
     let lines = window.wait_line(lines, "undone: ");
     window.control('z' as u32);
     window.wait_line(lines, "error: there is nothing to undo");
-    back(window, &first);
+    // Without a window manager nobody makes it larger, but nothing goes wrong either.
+    window.key(F11);
+    window.wait_line(lines, "> fullscreen");
+    assert_eq!(window.close(), 0);
 }
 
-fn a_double_click_shows_all_of_a_thing(window: &mut Window) {
+#[test]
+#[ignore = "slow: a window under Xvfb, in real time"]
+fn a_double_click_shows_all_of_a_thing() {
+    let (display, home) = (Display::start(), home());
+    let mut window = open_cornell(&display, home.path());
     let first = window.wait_rest();
     let lines = window.lines().len();
     window.click(250, 300);
@@ -59,9 +55,14 @@ fn a_double_click_shows_all_of_a_thing(window: &mut Window) {
     window.wait_line(lines, "> camera ");
     window.wait_rest();
     assert!(window.picture().distance(&first) > 4.0);
+    assert_eq!(window.close(), 0);
 }
 
-fn the_light_under_the_pointer_is_told(window: &mut Window) {
+#[test]
+#[ignore = "slow: a window under Xvfb, in real time"]
+fn the_light_under_the_pointer_is_told() {
+    let (display, home) = (Display::start(), home());
+    let mut window = open_cornell(&display, home.path());
     window.wait_rest();
     let status = |window: &Window| {
         let seen = window.see();
@@ -70,7 +71,7 @@ fn the_light_under_the_pointer_is_told(window: &mut Window) {
     };
     window.point(320, 10);
     window.wait_rest();
-    let before = status(window);
+    let before = status(&window);
     window.point(320, 300);
     let inside = window.wait("light in the status bar", |window| {
         Some(status(window)).filter(|now| *now != before)
@@ -82,6 +83,7 @@ fn the_light_under_the_pointer_is_told(window: &mut Window) {
         let now = status(window);
         (now != before && now != inside).then_some(())
     });
+    assert_eq!(window.close(), 0);
 }
 
 /// A scene that only glows says so, until the note is closed.
