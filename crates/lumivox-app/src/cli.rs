@@ -148,7 +148,8 @@ pub enum Command {
     /// Measure memory, build time and trace time of dense and octree volumes
     #[command(after_help = volumes::EXAMPLES)]
     Volumes(Box<VolumesArgs>),
-    /// Measure the speed of standard cases, beside published figures: a report to read or to send in
+    /// Measure the speed of standard cases, beside published figures: a report to read or to send
+    /// in
     #[command(after_help = bench::EXAMPLES)]
     Bench(Box<BenchArgs>),
     /// Write a scene as one GLB file (glTF 2.0)
@@ -198,8 +199,8 @@ pub struct GpuArgs {
 
     /// Folder for compiled pipelines, or `off` [default: the user's cache folder]
     ///
-    /// A driver that keeps none itself starts faster the next time (Vulkan only). The variable LUMIVOX_PIPELINE_CACHE sets
-    /// the default.
+    /// A driver that keeps none itself starts faster the next time (Vulkan only). The variable
+    /// `LUMIVOX_PIPELINE_CACHE` sets the default.
     #[arg(long, value_name = "FOLDER")]
     pub pipeline_cache: Option<PathBuf>,
 }
@@ -284,8 +285,8 @@ impl RenderArgs {
 /// The arguments of `info`.
 #[derive(Args, Debug)]
 pub struct InfoArgs {
-    /// Describe this scene instead: a glTF, OBJ, PLY or STL file, or builtin:NAME [default: describe
-    /// the machine]
+    /// Describe this scene instead: a glTF, OBJ, PLY or STL file, or builtin:NAME [default:
+    /// describe the machine]
     #[arg(value_name = "SCENE", value_parser = scene_source())]
     pub scene: Option<SceneSource>,
 

@@ -195,7 +195,7 @@ mod tests {
             // Another one each time: it has heard of nothing before.
             let watched = watch(&file, false, sender).unwrap();
             change(&file, &other);
-            let told = orders.recv_timeout(Duration::from_secs(120));
+            let told = orders.recv_timeout(Duration::from_mins(2));
             assert!(matches!(told, Ok(Order::FilesChanged)), "{told:?}");
             drop(watched);
         }

@@ -21,6 +21,7 @@ const UPLOADED_BYTES: u64 = 4 << 20;
 const SETTLING_FRAMES: u32 = 8;
 
 /// Changes that the next frames have to follow.
+#[allow(clippy::struct_excessive_bools, reason = "independent facts about one frame")]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Following {
     /// Surfaces have moved.

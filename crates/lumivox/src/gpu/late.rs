@@ -159,16 +159,16 @@ mod tests {
     struct Word {
         device: crate::gpu::Pipelines,
         queue: wgpu::Queue,
-        word: Buffer,
+        buffer: Buffer,
         reads: LateReads,
     }
 
     impl Word {
         fn new() -> Self {
             let (device, queue) = device();
-            let word = storage_buffer(&device, "word", 4);
+            let buffer = storage_buffer(&device, "word", 4);
             let reads = LateReads::new(&device, 4);
-            Self { device, queue, word, reads }
+            Self { device, queue, buffer, reads }
         }
 
         /// An encoder with a read of the word.
@@ -176,14 +176,14 @@ mod tests {
             let mut encoder =
                 self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let mut recorder = Recorder::on(&self.device, &self.queue, &mut encoder);
-            self.reads.record(&mut recorder, &[(&self.word, 0, 4)]);
+            self.reads.record(&mut recorder, &[(&self.buffer, 0, 4)]);
             drop(recorder);
             encoder
         }
 
         /// Writes a value, submits a read, and waits until the read of this number is done.
         fn submit(&mut self, value: u32, encoder: wgpu::CommandEncoder, number: u64) {
-            self.queue.write_buffer(&self.word, 0, bytemuck::bytes_of(&value));
+            self.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(&value));
             self.queue.submit([encoder.finish()]);
             let is_mapped = |slot: &Slot| slot.number == number && slot.is_mapped();
             while !self.reads.slots.iter().any(is_mapped) {
