@@ -197,7 +197,7 @@ pub struct GpuArgs {
     #[arg(long)]
     pub portable: bool,
 
-    /// Folder for compiled pipelines, or `off` [default: the user's cache folder]
+    /// Folder for the file of compiled pipelines, or `off` [default: the user's cache folder]
     ///
     /// A driver that keeps none itself starts faster the next time (Vulkan only). The variable
     /// `LUMIVOX_PIPELINE_CACHE` sets the default.
