@@ -29,7 +29,8 @@ PAGES = {"bench": LIGHT, "quality": LIGHT, "motion": LIGHT, "three": (*LIGHT, "c
 SOURCES = ("crates", "Cargo.lock", ":(exclude)*/published.json", ":(exclude)*/gallery.html")
 
 STAMP = re.compile(r"^Made of commit ([0-9a-f]{7,40})( with local changes)? on \d{4}-\d\d-\d\d\.$", re.M)
-COPY = re.compile(r"(<!-- figure ([\w-]+) -->)(.*?)(<!-- end -->)", re.S)
+COPY = re.compile(r"(<!-- figure ([\w-]+) -->)([^<]*)(<!-- end -->)")
+OPENING = re.compile(r"<!--\s*[Ff]igure\b")
 # A table that a command makes within a page written by hand; its stamp is above it.
 TABLE = re.compile(r"(?<=<!-- made by scripts/figures.sh -->\n).*?(?=<!-- end -->)", re.S)
 
@@ -146,8 +147,11 @@ def problems(names, read=read_file):
     for name in names:
         text = read(name)
         copies = list(COPY.finditer(text))
-        if text.count("<!-- figure ") != len(copies):
-            found.append(f"{name}: a figure has no <!-- end -->")
+        whole = {match.start() for match in copies}
+        for opening in (match.start() for match in OPENING.finditer(text)):
+            if opening not in whole:
+                line = text.count(chr(10), 0, opening) + 1
+                found.append(f"{name}:{line}: a figure has no <!-- end --> after its number; write <!-- figure NAME -->1<!-- end -->")
         for match in (match for match in copies if match[2] != "old"):
             place = f"{name}:{text.count(chr(10), 0, match.start()) + 1}: '{match[2]}'"
             try:
@@ -161,6 +165,9 @@ def problems(names, read=read_file):
 
 
 def fill():
+    lost = [problem for problem in problems(documents()) if "has no <!-- end -->" in problem]
+    if lost:
+        sys.exit("\n".join(lost))
     for name in documents():
         text = read_file(name)
         new = COPY.sub(lambda match: match[1] + (old_in_words() if match[2] == "old" else FIGURES[match[2]](read_file)) + match[4], text)
@@ -199,7 +206,7 @@ def why_old(page):
 def old_in_words():
     """The sentence of README about old pages; empty if there are none."""
     names = [f"[{page}](docs/{page}.md)" for page in PAGES if why_old(page)]
-    return f"Older than the light of this version, until it makes them anew: {', '.join(names)}." if names else ""
+    return f"These pages are older than the light of this version: {', '.join(names)}." if names else ""
 
 
 def stamped(text, made):

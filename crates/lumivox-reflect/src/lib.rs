@@ -28,6 +28,8 @@ fn validated(library: &ShaderLibrary, path: &str) -> naga::Module {
     Validator::new(ValidationFlags::all(), capabilities)
         .validate(&module)
         .unwrap_or_else(|error| panic!("{}", error.emit_to_string_with_path(source, path)));
+    let sizes = module.entry_points.iter().map(|point| (point.name.clone(), point.workgroup_size));
+    assert_eq!(sizes.collect::<Vec<_>>(), linked.entries, "workgroup sizes of {path}");
     module
 }
 

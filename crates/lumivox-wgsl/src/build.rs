@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-use crate::module::{Module, Use, parse, unique_name};
+use crate::module::{Declaration, Module, Use, parse_with_imports, unique_name};
 
 /// Files that implement one path.
 #[derive(Clone, Copy, Debug)]
@@ -43,15 +43,21 @@ pub fn build_modules(prefix: &str, slots: &[Slot]) {
         let path = slot.map_or(name.as_str(), |slot| slot.path);
         let text =
             fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
-        match parse(path, &text, false) {
-            Ok(module) if slot.is_some() => implementations.push((file, name, module)),
-            Ok(module) => modules.push((file, name, module)),
+        match parse_with_imports(path, &text, false) {
+            Ok((mut module, imports)) => {
+                module.is_built = true;
+                let list = if slot.is_some() { &mut implementations } else { &mut modules };
+                list.push(Parsed { file, name, module, imports });
+            }
             Err(error) => {
                 problems.push(format!("{}:{}: {}", file.display(), error.line, error.message));
             }
         }
     }
-    problems.extend(unresolved(prefix, &modules, &implementations, slots));
+    // A module that does not parse would be missed by all that import it.
+    if problems.is_empty() {
+        problems = unresolved(prefix, &modules, &implementations, slots);
+    }
     if !problems.is_empty() {
         for problem in problems {
             println!("cargo::error={problem}");
@@ -61,7 +67,8 @@ pub fn build_modules(prefix: &str, slots: &[Slot]) {
 
     let mut text = String::from("use std::borrow::Cow::Borrowed;\n");
     let _ = write!(text, "pub(crate) static MODULES: &[lumivox_wgsl::Module] = &[");
-    for (_, name, module) in &modules {
+    let _ = fs::remove_dir_all(out.join("wgsl"));
+    for Parsed { name, module, .. } in &modules {
         write_module(&mut text, module);
         write_readable(&out, name, module);
     }
@@ -69,7 +76,7 @@ pub fn build_modules(prefix: &str, slots: &[Slot]) {
     if !slots.is_empty() {
         let _ =
             write!(text, "pub(crate) static IMPLEMENTATIONS: &[(&str, lumivox_wgsl::Module)] = &[");
-        for (_, name, module) in &implementations {
+        for Parsed { name, module, .. } in &implementations {
             let _ = write!(text, "({name:?}, ");
             write_module(&mut text, module);
             text.truncate(text.len() - 1);
@@ -109,61 +116,64 @@ fn path_of(prefix: &str, file: &Path) -> String {
     parts.join("::")
 }
 
-type Named<'a> = (&'a PathBuf, String, Module);
+/// A module with its file.
+struct Parsed<'a> {
+    file: &'a PathBuf,
+    name: String,
+    module: Module,
+    imports: Vec<(Use, u32)>,
+}
 
-/// Uses of names that this crate's modules do not declare, and unique names that are not. Modules
-/// of other crates are not known here: linking checks their names.
+/// Imports of names that this crate's modules do not declare, and unique names that are not. Modules
+/// of other crates and constants are not known here: linking checks their names.
 fn unresolved(
     prefix: &str,
-    modules: &[Named<'_>],
-    implementations: &[Named<'_>],
+    modules: &[Parsed<'_>],
+    implementations: &[Parsed<'_>],
     slots: &[Slot],
 ) -> Vec<String> {
     let mut problems = Vec::new();
-    let mut declared: BTreeMap<&str, Vec<&Module>> = BTreeMap::new();
-    for (_, _, module) in modules.iter().chain(implementations) {
-        declared.entry(&module.path).or_default().push(module);
+    let mut declared: BTreeMap<&str, Vec<&Parsed<'_>>> = BTreeMap::new();
+    for parsed in modules.iter().chain(implementations) {
+        declared.entry(&parsed.module.path).or_default().push(parsed);
     }
     let is_own = |path: &str| prefix.is_empty() || path.split("::").next() == Some(prefix);
-    for (file, _, module) in modules.iter().chain(implementations) {
-        for declaration in module.declarations.iter() {
-            let is_checked = |used: &&Use| {
-                used.module != "constants" && used.module != module.path && is_own(&used.module)
+    for Parsed { file, imports, .. } in modules.iter().chain(implementations) {
+        for (used, line) in imports.iter().filter(|(used, _)| is_own(&used.module)) {
+            if used.module == "constants" {
+                continue;
+            }
+            let place = format!("{}:{line}: ", file.display());
+            let Some(found) = declared.get(used.module.as_ref()) else {
+                problems.push(format!("{place}there is no module `package::{}`", used.module));
+                continue;
             };
-            for used in declaration.uses.iter().filter(is_checked) {
-                let found = declared.get(used.module.as_ref()).map_or(&[][..], Vec::as_slice);
-                let has =
-                    |module: &&Module| module.declarations.iter().any(|d| d.name == used.name);
-                if found.is_empty() || !found.iter().all(has) {
-                    problems.push(format!(
-                        "{}:{}: `{}` is not declared by {}`package::{}`",
-                        file.display(),
-                        declaration.line,
-                        used.name,
-                        if found.len() > 1 { "each implementation of " } else { "" },
-                        used.module,
-                    ));
+            for other in found {
+                let declares = |d: &&Declaration| d.name == used.name && d.entry.is_none();
+                if !other.module.declarations.iter().any(|d| declares(&d)) {
+                    let (name, file) = (&used.name, other.file.display());
+                    problems.push(format!("{place}`{name}` is not declared by {file}"));
                 }
             }
         }
     }
-    let mut unique: HashMap<String, &str> = HashMap::new();
-    for (file, _, module) in modules {
-        for declaration in module.declarations.iter().filter(|d| d.entry.is_none()) {
-            let name = unique_name(&module.path, &declaration.name);
-            if let Some(other) = unique.insert(name.clone(), &module.path) {
-                let message = format!("{}: `{name}` is also of `package::{other}`", file.display());
-                problems.push(message);
+    let mut unique: HashMap<String, &Path> = HashMap::new();
+    for Parsed { file, module, .. } in modules {
+        let names = module.declarations.iter().filter(|d| d.entry.is_none() && !d.name.is_empty());
+        let names = names.map(|d| unique_name(&module.path, &d.name));
+        // A path is taken even if it declares nothing.
+        for name in names.chain([module.path.clone().into_owned()]) {
+            if let Some(other) = unique.insert(name.clone(), file) {
+                let (file, other) = (file.display(), other.display());
+                problems.push(format!("{file}: `{name}` is also of {other}; rename one"));
             }
         }
     }
     for slot in slots {
         for path in slot.implementations {
-            if !implementations.iter().any(|(_, name, _)| name == path) {
-                problems.push(format!(
-                    "there is no file of `{path}`, which implements `{}`",
-                    slot.path
-                ));
+            if !implementations.iter().any(|parsed| parsed.name == *path) {
+                let slot = slot.path;
+                problems.push(format!("there is no file of `{path}`, which implements `{slot}`"));
             }
         }
     }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
-use crate::module::{Declaration, Module, ParseError, Use, parse};
+use crate::module::{Declaration, Module, ParseError, Use, number, parse, value_of_const};
 
 /// A shader that does not parse, link or validate.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -50,9 +50,8 @@ pub struct LinkedShader {
     pub source: String,
     /// Names and workgroup sizes of the entry points; zeros for vertex and fragment shaders.
     pub entries: Vec<(String, [u32; 3])>,
-    /// Whether a build script has parsed all of it; otherwise it contains a module that was added
-    /// at run time.
-    pub is_built: bool,
+    /// The paths of modules in it that were added at run time.
+    pub added: Vec<String>,
     places: Vec<Place>,
     lines: u32,
 }
@@ -63,7 +62,8 @@ struct Place {
     /// Its first line in the linked source, from 1.
     line: u32,
     module: String,
-    line_of_module: u32,
+    /// Of the module's source; `None` in modules of a build script, whose text has fewer lines.
+    line_of_module: Option<u32>,
 }
 
 impl ShaderLibrary {
@@ -182,7 +182,7 @@ impl ShaderLibrary {
                 *along = linked.number(text).ok_or_else(|| ShaderError {
                     module: root.to_owned(),
                     message: format!(
-                        "line {}: the workgroup size `{text}` is no constant whose value is a number",
+                        "line {}: the workgroup size `{text}` is neither a number nor a `const` that is one",
                         declaration.line
                     ),
                 })?;
@@ -219,8 +219,12 @@ impl<'a> Join<'a> {
         for used in declaration.uses.iter() {
             self.add_used(module, used, directives)?;
         }
-        self.linked.is_built &= module.is_built;
-        self.linked.push(&module.path, declaration.line, &declaration.text);
+        let linked = &mut self.linked;
+        if !module.is_built && !linked.added.iter().any(|path| *path == module.path) {
+            linked.added.push(module.path.clone().into_owned());
+        }
+        let line = (!module.is_built).then_some(declaration.line);
+        linked.push(&module.path, line, &declaration.text);
         Ok(())
     }
 
@@ -239,7 +243,7 @@ impl<'a> Join<'a> {
                 .get(&used.name)
                 .ok_or_else(|| fail(format!("Rust defines no constant `{}`", used.name)))?;
             if self.constants.insert(&used.name) {
-                self.linked.push("constants", 1, declaration);
+                self.linked.push("constants", None, declaration);
             }
             return Ok(());
         }
@@ -269,12 +273,12 @@ impl LinkedShader {
     const EMPTY: Self = Self {
         source: String::new(),
         entries: Vec::new(),
-        is_built: true,
+        added: Vec::new(),
         places: Vec::new(),
         lines: 0,
     };
 
-    fn push(&mut self, module: &str, line_of_module: u32, text: &str) {
+    fn push(&mut self, module: &str, line_of_module: Option<u32>, text: &str) {
         let line = self.lines + 1;
         self.places.push(Place { line, module: module.to_owned(), line_of_module });
         self.source.push_str(text);
@@ -282,23 +286,26 @@ impl LinkedShader {
         self.lines += text.matches('\n').count() as u32 + 1;
     }
 
-    /// The module and its line, from 1, that a line of [`Self::source`] is from.
-    pub fn place_of(&self, line: u32) -> Option<(&str, u32)> {
+    /// The module that a line of [`Self::source`] is from, and the line in the module's source, from
+    /// 1, if the module was added at run time.
+    pub fn place_of(&self, line: u32) -> Option<(&str, Option<u32>)> {
         let after = self.places.partition_point(|place| place.line <= line);
         let place = self.places.get(after.checked_sub(1)?)?;
-        Some((&place.module, place.line_of_module + line - place.line))
+        Some((&place.module, place.line_of_module.map(|first| first + line - place.line)))
     }
 
     /// The value of a number, or of the constant of that unique name.
     fn number(&self, text: &str) -> Option<u32> {
-        if text.starts_with(|c: char| c.is_ascii_digit()) {
-            return text.trim_end_matches(['u', 'i']).parse().ok();
+        let mut text = text.to_owned();
+        // A chain of constants ends at a number.
+        for _ in 0..8 {
+            let Err(name) = number(&text) else { return number(&text).ok() };
+            let declared = self.source.lines().find(|line| {
+                let rest = line.strip_prefix("const ").and_then(|rest| rest.strip_prefix(name));
+                rest.is_some_and(|rest| rest.starts_with([' ', ':', '=']))
+            });
+            text = value_of_const(declared?)?;
         }
-        let value = self.source.lines().find_map(|line| {
-            let rest = line.strip_prefix("const ")?.strip_prefix(text)?;
-            let (kind, value) = rest.split_once('=')?;
-            matches!(kind.trim(), "" | ": u32" | ": i32").then_some(value)
-        })?;
-        value.trim().trim_end_matches([';', 'u', 'i']).parse().ok()
+        None
     }
 }

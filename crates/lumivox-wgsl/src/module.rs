@@ -90,15 +90,35 @@ const ATTRIBUTES_OF_WORDS: &[&str] = &["builtin", "interpolate", "diagnostic"];
 /// When brackets are unbalanced, an import is no path below `package::`, or a declaration has no
 /// name or that of another one.
 pub fn parse(path: &str, source: &str, keeps_lines: bool) -> Result<Module, ParseError> {
-    let all = tokens(source);
-    let mut names = HashMap::new();
+    parse_with_imports(path, source, keeps_lines).map(|(module, _)| module)
+}
+
+/// As [`parse`], and what the module imports, each with its line.
+pub(crate) fn parse_with_imports(
+    path: &str,
+    source: &str,
+    keeps_lines: bool,
+) -> Result<(Module, Vec<(Use, u32)>), ParseError> {
+    let is_name = |part: &str| {
+        part.starts_with(|c: char| c.is_alphabetic() || c == '_')
+            && part.chars().all(|c| c.is_alphanumeric() || c == '_')
+    };
+    if path == "constants" || !path.split("::").all(is_name) {
+        let message = format!("`{path}` cannot be a module's path: it is `constants`, or no names");
+        return Err(ParseError::new(None, message));
+    }
+    let all = tokens(source.trim_start_matches('\u{feff}'));
+    if let Some(comment) = all.iter().find(|token| token.kind == Kind::Unclosed) {
+        return Err(ParseError::new(Some(comment), "`/*` is not closed"));
+    }
+    let (mut names, mut imports) = (HashMap::new(), Vec::new());
     let mut directives = String::new();
     let mut pieces = Vec::new();
     for piece in split(&all)? {
         let first = piece.iter().find(|token| token.is_code());
         match first.map_or("", |token| token.text) {
             "" | ";" => {}
-            "import" => import(piece, &mut names)?,
+            "import" => import(piece, &mut names, &mut imports)?,
             "enable" | "requires" | "diagnostic" => {
                 directives.extend(piece.iter().filter(|token| token.is_code()).flat_map(spaced));
                 directives.push('\n');
@@ -123,13 +143,17 @@ pub fn parse(path: &str, source: &str, keeps_lines: bool) -> Result<Module, Pars
             names.remove(head.name);
         }
     }
-    let declarations = pieces.iter().map(|(head, piece)| declare(head, piece, &names, keeps_lines));
-    Ok(Module {
+    // A local of such a name would be taken for the declaration.
+    let unique = names.values().map(|used| unique_name(&used.module, &used.name)).collect();
+    let declarations =
+        pieces.iter().map(|(head, piece)| declare(head, piece, (&names, &unique), keeps_lines));
+    let module = Module {
         path: path.to_owned().into(),
         directives: directives.into(),
         declarations: declarations.collect::<Result<Vec<_>, _>>()?.into(),
         is_built: false,
-    })
+    };
+    Ok((module, imports))
 }
 
 /// A token and what parts it from the next one in a directive.
@@ -184,7 +208,11 @@ fn split<'t, 's>(all: &'t [Token<'s>]) -> Result<Vec<&'t [Token<'s>]>, ParseErro
 }
 
 /// Adds the names of `import package::a::{b, c::d};`.
-fn import(piece: &[Token<'_>], names: &mut HashMap<String, Use>) -> Result<(), ParseError> {
+fn import(
+    piece: &[Token<'_>],
+    names: &mut HashMap<String, Use>,
+    imports: &mut Vec<(Use, u32)>,
+) -> Result<(), ParseError> {
     let code: Vec<_> = piece.iter().filter(|token| token.is_code()).collect();
     if code.get(1).is_none_or(|token| !token.is("package")) {
         return Err(ParseError::new(
@@ -194,11 +222,25 @@ fn import(piece: &[Token<'_>], names: &mut HashMap<String, Use>) -> Result<(), P
     }
     // The path so far, and its length outside each open brace.
     let (mut path, mut outer): (Vec<&str>, Vec<usize>) = (Vec::new(), Vec::new());
+    // Colons since the last word, brace or comma; `package` is before the first.
+    let mut colons = 0;
     for &token in &code[2..] {
+        let is_first = path.len() == outer.last().copied().unwrap_or(0) && !outer.is_empty();
+        let expected = if is_first { 0 } else { 2 };
         match (token.kind, token.text) {
-            (Kind::Word, word) => path.push(word),
-            (_, ":") => {}
-            (_, "{") => outer.push(path.len()),
+            (_, ":") => colons += 1,
+            (Kind::Word, _) | (_, "{") if colons != expected => {
+                let message = format!(
+                    "`::`, `,` or `;` is missing before `{}`; an import cannot be renamed",
+                    token.text
+                );
+                return Err(ParseError::new(Some(token), message));
+            }
+            (Kind::Word, word) => (path, colons) = ([path, vec![word]].concat(), 0),
+            (_, "{") => {
+                outer.push(path.len());
+                colons = 0;
+            }
             (_, "," | "}" | ";") => {
                 let inside = outer.last().copied().unwrap_or(0);
                 if let Some((name, module)) = path.split_last().filter(|_| path.len() > inside) {
@@ -208,6 +250,7 @@ fn import(piece: &[Token<'_>], names: &mut HashMap<String, Use>) -> Result<(), P
                     }
                     let used =
                         Use { module: module.join("::").into(), name: (*name).to_owned().into() };
+                    imports.push((used.clone(), token.line));
                     if names.insert((*name).to_owned(), used).is_some() {
                         let message = format!("`{name}` is imported twice");
                         return Err(ParseError::new(Some(token), message));
@@ -293,7 +336,7 @@ fn skip_brackets<'t, 's: 't>(
 fn declare(
     head: &Head<'_>,
     piece: &[Token<'_>],
-    names: &HashMap<String, Use>,
+    (names, unique): (&HashMap<String, Use>, &HashSet<String>),
     keeps_lines: bool,
 ) -> Result<Declaration, ParseError> {
     let start = piece.iter().position(Token::is_code).unwrap_or(0);
@@ -305,9 +348,8 @@ fn declare(
     let mut words_of_attribute = None::<i32>;
     for (at, token) in piece.iter().enumerate() {
         if !token.is_code() {
-            if keeps_lines || token.kind == Kind::Space {
-                text.push_str(token.text);
-            }
+            // A comment parts words as white space does.
+            text.push_str(if keeps_lines || token.kind == Kind::Space { token.text } else { " " });
             continue;
         }
         let after = piece[at + 1..].iter().find(|token| token.is_code());
@@ -332,6 +374,13 @@ fn declare(
                 }
                 None if token.is("package") && next == ":" => {
                     let message = "a path in code; name it in an `import` at the top of the module";
+                    return Err(ParseError::new(Some(token), message));
+                }
+                None if !is_attribute && !is_member && unique.contains(token.text) => {
+                    let message = format!(
+                        "`{}` is what another declaration is called in shaders; choose another name",
+                        token.text
+                    );
                     return Err(ParseError::new(Some(token), message));
                 }
                 None => text.push_str(token.text),
@@ -362,14 +411,43 @@ fn declare(
     })
 }
 
-/// The arguments of `@workgroup_size`.
+/// The arguments of `@workgroup_size`, as they are written.
 fn workgroup_size(text: &str) -> Cow<'static, [Cow<'static, str>]> {
     let all = tokens(text);
-    let mut code = all.iter().filter(|token| token.is_code());
+    let attributes = all.iter().filter(|token| token.is_code());
+    let mut code = attributes.take_while(|token| !token.is("fn"));
     if !code.any(|token| token.is("workgroup_size")) {
         return Cow::Borrowed(&[]);
     }
-    let arguments = code.skip(1).take_while(|token| !token.is(")"));
-    let sizes = arguments.filter(|token| token.kind != Kind::Symbol);
-    sizes.map(|token| token.text.to_owned().into()).collect::<Vec<_>>().into()
+    let (mut sizes, mut depth) = (vec![String::new()], 1);
+    for token in code.skip(1) {
+        depth += i32::from(token.is("(")) - i32::from(token.is(")"));
+        match token.text {
+            _ if depth == 0 => break,
+            "," if depth == 1 => sizes.push(String::new()),
+            word => sizes.last_mut().expect("it has one").push_str(word),
+        }
+    }
+    sizes.retain(|size| !size.is_empty());
+    sizes.into_iter().map(Cow::Owned).collect::<Vec<_>>().into()
+}
+
+/// The number that a text is, or a constant is declared as; the name of another constant else.
+pub(crate) fn number(text: &str) -> Result<u32, &str> {
+    let value = text.trim_end_matches(['u', 'i']);
+    let parsed = match value.strip_prefix("0x") {
+        Some(hexadecimal) => u32::from_str_radix(hexadecimal, 16),
+        None => value.parse(),
+    };
+    parsed.map_err(|_| text)
+}
+
+/// What a declaration `const name: type = value;` gives.
+pub(crate) fn value_of_const(declaration: &str) -> Option<String> {
+    let all = tokens(declaration);
+    let mut code = all.iter().filter(|token| token.is_code());
+    if !code.next()?.is("const") || !code.any(|token| token.is("=")) {
+        return None;
+    }
+    Some(code.take_while(|token| !token.is(";")).map(|token| token.text).collect())
 }

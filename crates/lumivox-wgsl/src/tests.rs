@@ -53,7 +53,7 @@ fn a_shader_has_what_its_entry_points_reach_under_unique_names() {
 fn a_line_of_a_shader_is_found_in_its_module() {
     let linked = library().link("light::one").unwrap();
     let line = linked.source.lines().position(|line| line.contains("1e-5")).unwrap() as u32 + 1;
-    assert_eq!(linked.place_of(line), Some(("light::one", 10)));
+    assert_eq!(linked.place_of(line), Some(("light::one", Some(10))));
     assert_eq!(
         LIGHT.lines().nth(9).unwrap().trim(),
         "return light.grid * edge(grid) + 1e-5 + 0x1fu;"
@@ -85,6 +85,18 @@ fn mistakes_are_told_with_module_and_line() {
         ("import package::constants::HEIGHT;\nfn f() { _ = HEIGHT; }", "no constant `HEIGHT`"),
         ("import grid::grid;", "line 1: an import starts with `package::`"),
         ("import package::grid;", "line 1: `grid` is a module"),
+        ("import package::grid::grid as g;", "line 1: `::`, `,` or `;` is missing before `as`"),
+        ("import package::grid\nimport package::a::b;", "line 2: `::`, `,` or `;` is missing"),
+        ("import package:grid grid;", "line 1: `::`, `,` or `;` is missing before `grid`"),
+        ("fn f() {}\n/* /* */ fn g() {}", "line 2: `/*` is not closed"),
+        (
+            "import package::grid::edge;\nfn f() {\n let grid_edge = 1; }",
+            "line 3: `grid_edge` is what",
+        ),
+        (
+            "@compute @workgroup_size(8 * 8) fn f() {}",
+            "line 1: the workgroup size `8*8` is neither",
+        ),
         ("import package::grid::{grid, grid};", "line 1: `grid` is imported twice"),
         ("\nfn f() {\n    g(;\n}\n", "line 4: unexpected `}`"),
         ("fn f() {}\n\nfn f() {}", "line 3: `f` is declared or imported twice"),
@@ -94,7 +106,7 @@ fn mistakes_are_told_with_module_and_line() {
         ("fn () {}", "line 1: a name is missing after `fn`"),
         ("var<private> read: u32;", "line 1: `read` is a word of WGSL"),
         ("fn f() {\n    _ = package::grid::grid;\n}", "line 2: a path in code"),
-        ("@compute @workgroup_size(N + 1) fn f() {}", "line 1: the workgroup size `N`"),
+        ("@compute @workgroup_size(N + 1) fn f() {}", "line 1: the workgroup size `N+1`"),
     ];
     for (source, expected) in cases {
         let message = message(source);
@@ -123,7 +135,7 @@ const_assert 1 < 2;
     assert!(linked.source.contains("a_b_c(); _ = grid_edge(grid_grid);"));
     assert_eq!(linked.entries, [("v".to_owned(), [0; 3])]);
     let line = linked.source.lines().position(|line| line.contains("@vertex")).unwrap() as u32 + 1;
-    assert_eq!(linked.place_of(line), Some(("root", 3)));
+    assert_eq!(linked.place_of(line), Some(("root", Some(3))));
 }
 
 #[test]
@@ -145,4 +157,31 @@ fn a_module_that_lacks_a_part_of_a_slots_interface_is_at_fault() {
     let expected =
         "shader slot: it does not declare `part`, which `package::caller` imports from it";
     assert_eq!(error, expected);
+}
+
+#[test]
+fn workgroup_sizes_are_numbers_and_constants() {
+    for (size, expected) in [
+        ("64", [64, 1, 1]),
+        ("0x8u, 4,", [8, 4, 1]),
+        ("A, WIDTH, 2u", [16, 8, 2]),
+        ("B", [16, 1, 1]),
+    ] {
+        let source = format!(
+            "import package::constants::WIDTH;
+            const A:u32=16; const B = A;
+            @compute @workgroup_size({size}) fn main() {{ let workgroup_size = A * B * WIDTH; }}"
+        );
+        let entries = library().add("mine", source).link("mine").unwrap().entries;
+        assert_eq!(entries, [("main".to_owned(), expected)], "{size}");
+    }
+    let mut library = library();
+    let vertex = library.add("v", "@vertex fn v() { let workgroup_size = f32(2.0); }");
+    assert_eq!(vertex.link("v").unwrap().entries, [("v".to_owned(), [0; 3])]);
+}
+
+#[test]
+fn comments_part_words_in_built_text_and_byte_order_marks_are_skipped() {
+    let module = parse("m", "\u{feff}fn f() { return/* x */b; }", false).unwrap();
+    assert_eq!(module.declarations[0].text, "fn m_f() { return b; }");
 }

@@ -11,6 +11,8 @@ pub(crate) enum Kind {
     Symbol,
     /// A comment, without the end of its line.
     Comment,
+    /// The rest of a source after a `/*` that is not closed.
+    Unclosed,
     /// White space.
     Space,
 }
@@ -43,7 +45,10 @@ pub(crate) fn tokens(source: &str) -> Vec<Token<'_>> {
         let (kind, length) = match first {
             _ if first.is_whitespace() => (Kind::Space, run(rest, char::is_whitespace)),
             _ if rest.starts_with("//") => (Kind::Comment, run(rest, |c| c != '\n')),
-            _ if rest.starts_with("/*") => (Kind::Comment, block_comment(rest)),
+            _ if rest.starts_with("/*") => match block_comment(rest) {
+                Some(bytes) => (Kind::Comment, bytes),
+                None => (Kind::Unclosed, rest.len()),
+            },
             _ if first.is_alphabetic() || first == '_' => {
                 (Kind::Word, run(rest, |c| c.is_alphanumeric() || c == '_'))
             }
@@ -66,8 +71,8 @@ fn run(text: &str, belongs: impl Fn(char) -> bool) -> usize {
     text.find(|c| !belongs(c)).unwrap_or(text.len())
 }
 
-/// Bytes of a block comment, which may hold others.
-fn block_comment(text: &str) -> usize {
+/// Bytes of a block comment, which may hold others; `None` if it is not closed.
+fn block_comment(text: &str) -> Option<usize> {
     let (mut depth, mut at) = (0, 0);
     while at < text.len() {
         let rest = &text.as_bytes()[at..];
@@ -79,10 +84,10 @@ fn block_comment(text: &str) -> usize {
             at += 1;
         }
         if depth == 0 {
-            break;
+            return Some(at);
         }
     }
-    at
+    None
 }
 
 /// Bytes of a number, with its exponent and suffix.

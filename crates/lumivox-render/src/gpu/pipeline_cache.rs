@@ -51,7 +51,7 @@ impl PipelineFile {
             info.driver,
             info.driver_info
         );
-        let data = fs::read(&path).ok().and_then(|file| unpack(&identity, file));
+        let data = read(&path).and_then(|file| unpack(&identity, file));
         let descriptor = wgpu::PipelineCacheDescriptor {
             label: Some("lumivox"),
             data: data.as_deref(),
@@ -86,7 +86,8 @@ impl PipelineFile {
         if let Some(folder) = self.path.parent() {
             fs::create_dir_all(folder)?;
         }
-        let new = self.path.with_extension(format!("{}.new", std::process::id()));
+        let name = format!("{}.{:p}.new", std::process::id(), self);
+        let new = self.path.with_extension(name);
         let written = fs::write(&new, bytes).and_then(|()| fs::rename(&new, &self.path));
         if written.is_err() {
             let _ = fs::remove_file(&new);
@@ -99,6 +100,13 @@ impl Drop for PipelineFile {
     fn drop(&mut self) {
         self.save();
     }
+}
+
+/// The content of a file; `None` if it is none, or larger than what any driver keeps.
+fn read(path: &Path) -> Option<Vec<u8>> {
+    let about = fs::metadata(path).ok()?;
+    let is_likely = about.is_file() && about.len() <= 1 << 30;
+    is_likely.then(|| fs::read(path).ok()).flatten()
 }
 
 /// A hash of another version of Rust may differ: the file is then made anew.

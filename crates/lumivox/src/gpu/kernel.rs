@@ -1,4 +1,4 @@
-//! A compute kernel: an entry point with its pipeline and the workgroup size that naga reflects from it.
+//! A compute kernel: an entry point with its pipeline and its workgroup size.
 
 use crate::gpu::pipelines::{ComputePlan, LazyCompute};
 use crate::gpu::{

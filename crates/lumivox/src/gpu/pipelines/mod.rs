@@ -142,7 +142,8 @@ impl Pipelines {
         layouts.entry(entries).or_insert_with_key(create).clone()
     }
 
-    /// A compute pipeline, which is made by [`Self::compile_all`] or at its first use.
+    /// A compute pipeline, which is made by [`Self::compile_all`], by [`Self::compile`] if it is
+    /// expected, or at its first use.
     pub(crate) fn compute(&self, plan: ComputePlan) -> LazyCompute {
         let create = |plan: &ComputePlan| Lazy::new(self, plan.clone());
         lock(&self.cache.compute).entry(plan).or_insert_with_key(create).clone()

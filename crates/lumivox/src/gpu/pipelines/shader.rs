@@ -29,7 +29,7 @@ impl Shader {
         path: &str,
         linked: LinkedShader,
     ) -> Result<Self, ShaderError> {
-        let is_built = linked.is_built;
+        let is_built = linked.added.is_empty();
         let (device, path) = (device.clone(), path.to_owned());
         let shader = Self(Arc::new(Content { device, path, linked, module: OnceLock::new() }));
         if !is_built {
@@ -94,10 +94,10 @@ impl Shader {
         let message = info.messages.iter().find(is_error)?;
         let linked = &self.0.linked;
         let place = message.location.and_then(|location| linked.place_of(location.line_number));
-        let (module, line) = place.unwrap_or((&self.0.path, 0));
+        let (module, line) = place.unwrap_or((&self.0.path, None));
         let message = match line {
-            0 => message.message.clone(),
-            _ => format!("line {line}: {}", message.message),
+            Some(line) => format!("line {line}: {}", message.message),
+            None => format!("with {}: {}", linked.added.join(", "), message.message),
         };
         Some(ShaderError { module: module.to_owned(), message })
     }

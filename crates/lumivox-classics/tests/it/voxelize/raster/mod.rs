@@ -115,7 +115,7 @@ fn a_panel_hides_the_wall_behind_it() {
 
 /// Pipelines that draw are compiled ahead and found again like all others.
 #[test]
-fn all_that_is_pending_is_compiled_and_counted() {
+fn pipelines_that_draw_are_compiled_and_counted() {
     let (device, queue) = crate::common::device();
     let pipelines = Pipelines::new(&device);
     let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO).expect("a grid");
@@ -125,7 +125,7 @@ fn all_that_is_pending_is_compiled_and_counted() {
     let counts = pipelines.counts();
     assert_eq!(counts.made, 0, "{counts:?}");
     let mut told = Vec::new();
-    pollster::block_on(pipelines.compile(&mut |done, total| told.push((done, total))));
+    pollster::block_on(pipelines.compile_all(&mut |done, total| told.push((done, total))));
     let total = counts.pipelines as u32;
     assert_eq!(told, (0..=total).map(|done| (done, total)).collect::<Vec<_>>());
     drop(gi);
