@@ -197,7 +197,7 @@ def why_old(page):
             count = int(git("rev-list", "--count", f"{made[1]}..HEAD", "--", *PAGES[page]))
             reason = f"is older than {count} changes of what it measures" if count else None
         else:
-            reason = "is of no commit alone"
+            reason = "was made with local changes"
     except subprocess.CalledProcessError:
         reason = f"is of commit {made[1]}, which is not in this history"
     return reason and f"docs/{page}.md {reason}: scripts/figures.sh {page}"

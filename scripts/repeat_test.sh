@@ -41,7 +41,7 @@ while (($# > 0)); do
     esac
     shift
 done
-[[ $times =~ ^[1-9][0-9]*$ ]] || die "--times is '$times', which is no number from 1."
+[[ $times =~ ^[1-9][0-9]*$ ]] || die "--times is '$times', but must be a whole number of at least 1."
 [[ $load =~ ^[0-9]+$ ]] || die "--load is '$load', which is no number."
 
 if on_linux && [[ -z ${LUMIVOX_TEST_ANY_ADAPTER:-} ]] && manifest=$(unset VK_DRIVER_FILES VK_ICD_FILENAMES && software_manifest); then

@@ -5,8 +5,8 @@
 
 set -euo pipefail
 
-# The programs of doc tests lie elsewhere, and take no options. Each test of one is a process of its own, by its path, which rustdoc
-# tells only where it is not told of a runner.
+# Programs of doc tests are in another folder and take no options. Each of their tests is a process that they start by their
+# own path; with a runner, rustdoc does not set the variable for it.
 if [[ $1 != */deps/* ]]; then RUSTDOC_DOCTEST_BIN_PATH=$1 exec "$@"; fi
 
 colour=never

@@ -12,7 +12,7 @@ use crate::module::{Declaration, Module, ParseError, Use, number, parse, value_o
 pub struct ShaderError {
     /// The path of the module that is at fault.
     pub module: String,
-    /// What is wrong, with the line of the module's source where it is known.
+    /// The mistake, with its line in the module's source if it is known.
     pub message: String,
 }
 
@@ -93,15 +93,7 @@ impl ShaderLibrary {
 
     /// Defines a `u32` constant of the module `package::constants`.
     pub fn constant_u32(&mut self, name: &'static str, value: u32) -> &mut Self {
-        self.constant(name, format!("const {name}: u32 = {value}u;"))
-    }
-
-    /// Defines an `f32` constant of the module `package::constants`.
-    pub fn constant_f32(&mut self, name: &'static str, value: f32) -> &mut Self {
-        self.constant(name, format!("const {name}: f32 = {value:?}f;"))
-    }
-
-    fn constant(&mut self, name: &'static str, declaration: String) -> &mut Self {
+        let declaration = format!("const {name}: u32 = {value}u;");
         self.content_mut().constants.insert(name.into(), declaration);
         self
     }

@@ -24,7 +24,7 @@ pub fn pipeline_cache_folder() -> Option<PathBuf> {
 #[derive(Debug)]
 pub(super) struct PipelineFile {
     path: PathBuf,
-    /// What the content was compiled by.
+    /// The adapter, the driver and the version of Lumivox that the content is for.
     identity: String,
     pub(super) cache: wgpu::PipelineCache,
     /// The checksum of what the file holds.
@@ -175,7 +175,7 @@ mod tests {
         assert_eq!(files.len(), usize::from(is_kept), "{files:?}");
         let Some(file) = files.first() else { return };
         let content = std::fs::read(file).expect("it is there");
-        // What the file holds is not written again, and a damaged file is replaced.
+        // An unchanged file is not written again; a damaged file is replaced.
         let written = std::fs::metadata(file).expect("it is there").modified().expect("a time");
         let gpu = open();
         compile(&gpu);

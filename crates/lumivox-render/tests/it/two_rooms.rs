@@ -30,7 +30,7 @@ impl Rooms {
         Self { scene, renderer }
     }
 
-    /// The same voxels with other bounces.
+    /// Changes the number of bounces and keeps the voxels.
     fn set_bounces(&mut self, bounces: u32) {
         let settings = RenderSettings { bounces, ..self.renderer.settings().clone() };
         pollster::block_on(self.renderer.set_settings(settings, &mut |_| {})).expect("in range");

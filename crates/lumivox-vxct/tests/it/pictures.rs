@@ -113,7 +113,7 @@ fn pictures_of_the_box_are_those_of_the_program() {
     compare("cornell");
 }
 
-/// The same components on other models.
+/// Compares all components on the gallery's models.
 #[test]
 #[ignore = "release: ten pictures of 640x360 pixels"]
 fn pictures_of_the_gallery_are_those_of_the_program_at_release() {

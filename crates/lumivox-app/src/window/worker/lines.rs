@@ -73,7 +73,7 @@ impl Lines {
         self.frames_to_wait = frames;
     }
 
-    /// Lets lines wait until the window shows the last picture.
+    /// Holds lines back until the window shows the newest picture.
     pub fn wait_for_screen(&mut self) {
         self.waits_for_screen = true;
     }

@@ -20,7 +20,7 @@
 /// So a picture with drawn transparency has 64 frames and an exposure of its own in its settings, and needs no other tolerance.
 pub const MAX_MEAN_FLIP: f32 = 0.008;
 
-/// The same for a comparison by the mean absolute difference of a channel, of 255: half of the codes of a picture are one off. Noise of one
-/// code, which must be seen, makes 1.
+/// The bound on the mean absolute difference of a channel, of 255, where pictures are compared by
+/// codes: half of the codes may be one off. Noise of one code, which must be seen, makes 1.
 #[allow(dead_code)] // The tests of `lumivox-vxct` compare so.
 pub const MAX_MEAN_CODES: f64 = 0.5;

@@ -7,8 +7,8 @@
 //!
 //! Asking for a pipeline links its shader and makes nothing on the device, unless the shader
 //! contains a module that was added at run time: then the device checks it, so that errors come
-//! early. [`Pipelines::compile`] makes all that was asked for, at once: on all cores, or by the
-//! browser beside the page. What it has not made, the first use makes.
+//! early. [`Pipelines::compile`] makes the pipelines that most scenes need, at once: on all cores, or
+//! by the browser beside the page. The first use makes all others.
 //!
 //! Nothing is given up before the last clone goes: pipelines number with the kinds of volumes,
 //! materials and views that were in use, not with scenes.
