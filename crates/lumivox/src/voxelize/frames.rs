@@ -53,6 +53,9 @@ impl Voxelizer {
             }
         } else if is_needed && !scene.has_fixed(self.method, geometry) {
             arrived = self.rebuild(recorder, scene, geometry, &scene.grid.clone())?;
+        } else if is_needed {
+            // Static draws are again what the list has: nobody asks any more for what is on its way.
+            scene.rebuild = None;
         }
         let grid = scene.grid;
         let all = Walked::all(&grid);

@@ -119,3 +119,16 @@ fn voxels_follow_draws_that_never_rest() {
     lit.follow(&geometry, start);
     assert_fresh(&lit, &geometry, start);
 }
+
+/// Where a static draw goes and comes back before the voxels without it are there, those of before are the right ones.
+#[test]
+fn voxels_stay_where_a_draw_comes_back_at_once() {
+    let geometry = plates().build(&device().0);
+    let place = ROOM + Vec3::new(0.5, 0.35, 0.45);
+    let gone = without(&geometry, &[geometry.batches[0].draws.len() - 1]);
+    let mut lit = Lit::of(&geometry, cascades(place, 3, 32), &[], Vec3::ONE, 1);
+    lit.follow(&geometry, place);
+    assert!(lit.frame(&gone).is_late);
+    assert_eq!(lit.follow(&geometry, place), 1);
+    assert_fresh(&lit, &geometry, place);
+}
