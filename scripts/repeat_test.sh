@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 #
-# scripts/repeat_test.sh: runs tests many times while all cores are busy, to find those that fail now and then.
+# scripts/repeat_test.sh: runs tests many times beside each other, so that all cores are busy, to find those that fail now and then.
 
 set -euo pipefail
 
@@ -10,13 +10,13 @@ source "$root/scripts/setup.sh"
 
 usage() {
     cat <<'TEXT'
-Usage: scripts/repeat_test.sh [--times N] [--load N] [--out FOLDER] [CARGO OPTIONS] [NAME...]
+Usage: scripts/repeat_test.sh [--times N] [--beside N] [--out FOLDER] [CARGO OPTIONS] [NAME...]
 
-Builds tests once, and runs them N times while busy loops load all cores. Says how many runs passed, and exits with 1 if one
-failed. It works in the current folder's workspace: for Lumivox for Bevy, call it in integrations/bevy.
+Builds tests once, and runs them N times, some runs beside each other, so that they load all cores. Says how many runs passed,
+and exits with 1 if one failed. It works in the current folder's workspace: for Lumivox for Bevy, call it in integrations/bevy.
 
   --times N       the number of runs [default: 200]
-  --load N        the number of busy loops [default: one for each core]
+  --beside N      the number of runs beside each other [default: two for each core]
   --out FOLDER    the folder for what failed runs have said [default: repeated-tests in the target folder]
   CARGO OPTIONS   as for 'cargo test': -p, --features, --test, --lib, --release, --locked and so on
   NAME            a part of the tests' names; without one, all tests of the packages run. Ignored tests run, too,
@@ -28,11 +28,11 @@ Example:
 TEXT
 }
 
-times=200 load=$(getconf _NPROCESSORS_ONLN) out='' options=() names=()
+times=200 beside=$((2 * $(getconf _NPROCESSORS_ONLN))) out='' options=() names=()
 while (($# > 0)); do
     case $1 in
     --times) times=${2:?--times needs a number} && shift ;;
-    --load) load=${2:?--load needs a number} && shift ;;
+    --beside) beside=${2:?--beside needs a number} && shift ;;
     --out) out=${2:?--out needs a folder} && shift ;;
     -p | --package | -F | --features | --test | --bin | --profile) options+=("$1" "${2:?$1 needs a value}") && shift ;;
     -h | --help) usage && exit ;;
@@ -42,7 +42,7 @@ while (($# > 0)); do
     shift
 done
 [[ $times =~ ^[1-9][0-9]*$ ]] || die "--times is '$times', but must be a whole number of at least 1."
-[[ $load =~ ^[0-9]+$ ]] || die "--load is '$load', which is no number."
+[[ $beside =~ ^[1-9][0-9]*$ ]] || die "--beside is '$beside', but must be a whole number of at least 1."
 
 if on_linux && [[ -z ${LUMIVOX_TEST_ANY_ADAPTER:-} ]] && manifest=$(unset VK_DRIVER_FILES VK_ICD_FILENAMES && software_manifest); then
     export VK_DRIVER_FILES=$manifest VK_ICD_FILENAMES=$manifest
@@ -66,27 +66,33 @@ done <<<"$built"
 mkdir -p "$out"
 out=$(readlink -f -- "$out")
 
-loops=()
-for ((i = 0; i < load; i++)); do
-    while :; do :; done &
-    loops+=($!)
-done
-trap 'if ((${#loops[@]} > 0)); then kill "${loops[@]}"; fi; rm -f "$out/running.log"' EXIT
-
-passed=0 failed=0
-for ((run = 1; run <= times; run++)); do
-    status=0
+# Runs the programs, and keeps what they say where one fails.
+run_once() {
+    local status=0
     for ((i = 0; i < ${#programs[@]}; i += 2)); do
         (cd "${programs[i]}" && "${programs[i + 1]}" "${which[@]}") || status=1
-    done >"$out/running.log" 2>&1
-    if ((status == 0)); then
+    done >"$out/running-$1.log" 2>&1
+    if ((status == 0)); then rm -f "$out/running-$1.log"; else mv "$out/running-$1.log" "$out/run-$1.log"; fi
+    return "$status"
+}
+trap 'rm -f "$out"/running-*.log' EXIT
+
+declare -A runs=()
+started=0 passed=0 failed=0
+while ((passed + failed < times)); do
+    while ((started < times && ${#runs[@]} < beside)); do
+        started=$((started + 1))
+        run_once "$started" &
+        runs[$!]=$started
+    done
+    if wait -n -p ended; then
         passed=$((passed + 1))
     else
         failed=$((failed + 1))
-        mv "$out/running.log" "$out/run-$run.log"
-        say "run $run failed: $out/run-$run.log"
+        say "run ${runs[$ended]} failed: $out/run-${runs[$ended]}.log"
     fi
-    say "$run of $times: $passed passed, $failed failed, $SECONDS s"
+    unset "runs[$ended]"
+    say "$((passed + failed)) of $times: $passed passed, $failed failed, $SECONDS s"
 done
 printf '%s passed, %s failed\n' "$passed" "$failed"
 ((failed == 0))

@@ -382,6 +382,12 @@ impl Parts {
             // It comes again when there is something to see.
             CurrentSurfaceTexture::Occluded => return Drawn::NotNow,
         };
+        // A surface keeps its former size where the worker has submitted something while it got another.
+        if (frame.texture.width(), frame.texture.height()) != (config.width, config.height) {
+            drop(frame);
+            surface.configure(device, config);
+            return Drawn::Again;
+        }
         let screen = egui_wgpu::ScreenDescriptor {
             size_in_pixels: [config.width, config.height],
             pixels_per_point,
