@@ -11,8 +11,9 @@
 //! | `build.rs` | the solids of a room, its surfaces, and what is free between them |
 //! | `dice.rs` | the random numbers |
 //!
-//! The same seed gives the same room on any machine: random numbers are those of an integer hash,
-//! and choices depend only on additions, products and roots, which IEEE 754 rounds in one way.
+//! The same seed gives the same room on any machine: random numbers are those of an integer hash.
+//! Sines and cosines, which systems round differently, only place the corners of round and oblique
+//! things.
 
 mod build;
 mod dice;
@@ -149,6 +150,8 @@ pub struct Room {
     pub scene: Scene,
     /// Places and directions of sensors, at least 3.
     pub sensors: Vec<(Vec3, Vec3)>,
+    /// The seed.
+    pub seed: u32,
     /// The kind.
     pub kind: Kind,
     /// The thickness of the walls in metres; 0 for sheets.
@@ -224,5 +227,5 @@ pub fn room(seed: u32, kind: Kind) -> Result<Room, SceneError> {
         }
     }
     let is_turned = turn.is_some();
-    Ok(Room { scene, sensors, kind, wall_m, is_double_sided, is_turned, light, is_open })
+    Ok(Room { scene, sensors, seed, kind, wall_m, is_double_sided, is_turned, light, is_open })
 }
