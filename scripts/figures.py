@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parent.parent
 DOCUMENTS = ("*.md", "docs/*.md", "crates/*/README.md", "integrations/*/README.md")
 # What a page measures: light and the scenes, without tests of them.
 LIGHT = ("crates/lumivox/src", "crates/lumivox-render/src", "crates/lumivox-scene/src/builtin", ":(exclude,glob)**/tests.rs")
-PAGES = {"bench": LIGHT, "quality": LIGHT, "motion": LIGHT, "three": (*LIGHT, "crates/lumivox-three"), "gallery": LIGHT}
+PAGES = {"bench": LIGHT, "quality": (*LIGHT, "crates/lumivox-scene/src/rooms"), "motion": LIGHT, "three": (*LIGHT, "crates/lumivox-three"), "gallery": LIGHT}
 # What a program is built from, without what the pages' commands write there.
 SOURCES = ("crates", "Cargo.lock", ":(exclude)*/published.json", ":(exclude)*/gallery.html")
 

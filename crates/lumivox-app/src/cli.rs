@@ -15,6 +15,7 @@ mod motion;
 mod picture;
 mod quality;
 mod reference;
+mod rooms;
 mod run;
 mod timeline;
 mod view;
@@ -41,6 +42,7 @@ pub use motion::MotionArgs;
 pub use picture::PictureArgs;
 pub use quality::QualityArgs;
 pub use reference::ReferenceArgs;
+pub use rooms::RoomsArgs;
 pub use run::{CommandsArgs, RunArgs};
 pub use timeline::TimelineArgs;
 pub use view::ViewArgs;
@@ -165,6 +167,9 @@ pub enum Command {
     /// them
     #[command(after_help = quality::EXAMPLES)]
     Quality(Box<QualityArgs>),
+    /// Measure the errors of light in rooms at random, which nobody tuned it for
+    #[command(after_help = rooms::EXAMPLES)]
+    Rooms(Box<RoomsArgs>),
     /// Measure light: lux at points or on a workplane, cd/m2 along rays or in a picture
     #[command(after_help = measure::EXAMPLES, mut_arg("surroundings", measure::of_measurements))]
     Measure(Box<MeasureArgs>),

@@ -83,6 +83,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
         Some(Command::Reference(args)) => commands::reference::run(args, host),
         Some(Command::Merge(args)) => commands::merge::run(args, host),
         Some(Command::Quality(args)) => commands::quality::run(args, host),
+        Some(Command::Rooms(args)) => commands::rooms::run(args, host),
         Some(Command::Measure(args)) => commands::measure::run(args, host),
         Some(Command::Bake(args)) => commands::bake::run(args, host),
         Some(Command::Motion(args)) => commands::motion::run(args, host),

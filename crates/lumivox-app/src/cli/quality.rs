@@ -28,6 +28,14 @@ pub struct QualityArgs {
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
 
+    /// Number of rooms at random of each set, plain ones and all kinds, 0 to 10000 [default: 32; 0 if
+    /// scenes are named]
+    ///
+    /// The page begins with the distribution of their errors. Their seeds are fresh each time.
+    #[arg(long, value_name = "COUNT", value_parser = number::whole(0..=10_000))]
+    #[arg(allow_negative_numbers = true, help_heading = "Measurement")]
+    pub rooms: Option<u32>,
+
     /// Folder for files of references and measurements, so that a later run continues where this
     /// one stopped [default: none]
     ///

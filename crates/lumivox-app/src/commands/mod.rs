@@ -13,6 +13,7 @@ pub mod motion;
 pub mod quality;
 pub mod reference;
 pub mod render;
+pub mod rooms;
 pub mod run;
 pub mod scenes;
 pub mod settings;

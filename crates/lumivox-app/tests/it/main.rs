@@ -20,6 +20,7 @@ mod merge;
 mod motion;
 mod process;
 mod reference;
+mod rooms;
 mod scene_files;
 mod sequences;
 mod truth;

@@ -28,14 +28,14 @@ pub(super) fn diffuse(scene: &mut Scene, name: &str, albedo: Vec3) -> usize {
 }
 
 /// A dielectric with an index of refraction of 1.5.
-pub(super) fn lacquer(scene: &mut Scene, name: &str, color: Vec3, roughness: f32) -> usize {
+pub(crate) fn lacquer(scene: &mut Scene, name: &str, color: Vec3, roughness: f32) -> usize {
     let paint = diffuse(scene, name, color);
     glaze(scene, paint, roughness);
     paint
 }
 
 /// Puts the gloss of a dielectric on a diffuse material.
-pub(super) fn glaze(scene: &mut Scene, material: usize, roughness: f32) {
+pub(crate) fn glaze(scene: &mut Scene, material: usize, roughness: f32) {
     if let Shading::MetallicRoughness(shading) = &mut scene.materials[material].shading {
         *shading = MetallicRoughness {
             base_color: shading.base_color,
@@ -48,14 +48,14 @@ pub(super) fn glaze(scene: &mut Scene, material: usize, roughness: f32) {
 }
 
 /// A material that emits this radiance, in cd/m², and reflects nothing.
-pub(super) fn glowing(scene: &mut Scene, name: &str, radiance: Vec3) -> usize {
+pub(crate) fn glowing(scene: &mut Scene, name: &str, radiance: Vec3) -> usize {
     let mut black = Material::diffuse(name, Vec3::ZERO);
     black.emissive = radiance;
     material(scene, black)
 }
 
 /// A small round lamp without a body.
-pub(super) fn point_light(scene: &mut Scene, name: &str, position: Vec3, intensity_cd: f32) {
+pub(crate) fn point_light(scene: &mut Scene, name: &str, position: Vec3, intensity_cd: f32) {
     scene.lights.push(Light {
         name: name.to_owned(),
         kind: LightKind::Point { intensity_cd, range_m: None },
@@ -66,7 +66,7 @@ pub(super) fn point_light(scene: &mut Scene, name: &str, position: Vec3, intensi
 }
 
 /// Places a mesh that is already in world space.
-pub(super) fn place(scene: &mut Scene, name: &str, mesh: Mesh, material: usize) {
+pub(crate) fn place(scene: &mut Scene, name: &str, mesh: Mesh, material: usize) {
     place_at(scene, name, mesh, material, Mat4::IDENTITY);
 }
 
@@ -135,7 +135,7 @@ impl Lamp {
 
 /// A diffuse checkerboard: a repeating image of two by two texels of sRGB-encoded colours, so one
 /// unit of u is two fields.
-pub(super) fn checker(scene: &mut Scene, name: &str, colors: [[u8; 3]; 2]) -> usize {
+pub(crate) fn checker(scene: &mut Scene, name: &str, colors: [[u8; 3]; 2]) -> usize {
     let [a, b] = colors.map(|[r, g, b]| [r, g, b, 255]);
     scene.textures.push(Texture {
         name: name.to_owned(),
@@ -164,4 +164,25 @@ pub(super) fn tile(mut mesh: Mesh, times_u: f32, times_v: f32) -> Mesh {
         uv.y *= times_v;
     }
     mesh
+}
+
+/// A number from 0 to below 1 that belongs to these three (Jarzynski and Olano 2020, "Hash functions for GPU rendering",
+/// PCG3D).
+pub(crate) fn chance(x: u32, y: u32, z: u32) -> f32 {
+    let step = |v: u32| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+    let (mut x, mut y, mut z) = (step(x), step(y), step(z));
+    for _ in 0..2 {
+        x = x.wrapping_add(y.wrapping_mul(z));
+        y = y.wrapping_add(z.wrapping_mul(x));
+        z = z.wrapping_add(x.wrapping_mul(y));
+        x ^= x >> 16;
+        y ^= y >> 16;
+        z ^= z >> 16;
+    }
+    (x >> 8) as f32 / (1 << 24) as f32
+}
+
+/// One of several things, by a number from 0 to below 1.
+pub(crate) fn pick<T: Copy>(things: &[T], chance: f32) -> T {
+    things[((chance * things.len() as f32) as usize).min(things.len() - 1)]
 }

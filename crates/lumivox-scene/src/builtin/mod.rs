@@ -21,7 +21,7 @@
 //! so that no wall is aligned with a voxel grid. Nothing else may change in the picture.
 
 mod atrium;
-mod build;
+pub(crate) mod build;
 mod city;
 mod clutter;
 mod cornell;

@@ -3,6 +3,7 @@
 mod cases;
 mod glossy;
 mod page;
+mod rooms;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -54,6 +55,7 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
         cases.retain(|case| store.get(&case.key()).is_some());
     }
     progress.stop_on_interrupt(host)?;
+    let rooms = rooms::measure(args, &gpu, &progress)?;
     let mut truths: BTreeMap<String, Truth> = BTreeMap::new();
     for (index, case) in cases.iter().enumerate() {
         let (done, total) = (index as u32, cases.len() as u32);
@@ -79,7 +81,7 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     };
     let chart = page::chart(&cases, &store)?;
     let machine = format!("{}, {} cores", describe(&gpu.adapter_info), cores());
-    let text = page::page(args, &machine, &cases, &store, glossy.as_deref());
+    let text = page::page(args, &machine, &cases, &store, rooms.as_ref(), glossy.as_deref());
     for (file, text) in
         [(pictures.join("error-against-cost.svg"), chart), (args.folder.join("quality.md"), text)]
     {

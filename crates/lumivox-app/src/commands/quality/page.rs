@@ -8,6 +8,7 @@ use lumivox_render::compare::{ErrorFigures, LayerFigures};
 
 use super::cases::{Case, Rotation, middle};
 use super::glossy::Sphere;
+use super::rooms::Rooms;
 use super::{Entry, PICTURES, Store};
 use crate::cli::QualityArgs;
 use crate::quality::{Point, error_against_cost};
@@ -69,10 +70,14 @@ pub fn page(
     machine: &str,
     cases: &[Case],
     store: &Store,
+    rooms: Option<&Rooms>,
     glossy: Option<&[Sphere]>,
 ) -> String {
     let page = Page { args, cases, store };
     let mut text = page.head(machine);
+    if let Some(rooms) = rooms {
+        text += &rooms.section();
+    }
     text += &page.goals();
     text += &page.turned();
     text += &page.leaks();

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+pub(super) use super::super::build::{chance, pick};
 use super::super::shapes::{Faces, append, cuboid, quad};
 use crate::Mesh;
 
@@ -115,25 +116,4 @@ impl Wall {
     fn half_thickness(&self) -> Vec3 {
         self.along.cross(Vec3::Y) * (0.5 * self.thickness_m)
     }
-}
-
-/// A number from 0 to below 1 that belongs to these three (Jarzynski and Olano 2020, "Hash functions for GPU rendering",
-/// PCG3D).
-pub(super) fn chance(x: u32, y: u32, z: u32) -> f32 {
-    let step = |v: u32| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-    let (mut x, mut y, mut z) = (step(x), step(y), step(z));
-    for _ in 0..2 {
-        x = x.wrapping_add(y.wrapping_mul(z));
-        y = y.wrapping_add(z.wrapping_mul(x));
-        z = z.wrapping_add(x.wrapping_mul(y));
-        x ^= x >> 16;
-        y ^= y >> 16;
-        z ^= z >> 16;
-    }
-    (x >> 8) as f32 / (1 << 24) as f32
-}
-
-/// One of several things, by a number from 0 to below 1.
-pub(super) fn pick<T: Copy>(things: &[T], chance: f32) -> T {
-    things[((chance * things.len() as f32) as usize).min(things.len() - 1)]
 }
