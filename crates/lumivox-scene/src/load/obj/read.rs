@@ -55,6 +55,16 @@ pub(super) fn read(
     let mut state = State::default();
     while lines.advance_joined()? {
         let (first, rest) = keyword(lines.line());
+        // The longest statements have eight letters.
+        let mut lower = [0; 8];
+        let first = match lower.get_mut(..first.len()) {
+            Some(lower) => {
+                lower.copy_from_slice(first);
+                lower.make_ascii_lowercase();
+                lower
+            }
+            None => first,
+        };
         match state.statement(first, rest) {
             Ok(()) => {}
             Err(Fault::Text(reason)) => return Err(lines.malformed(reason)),
@@ -234,7 +244,7 @@ impl State {
 
     fn smoothing_group(&mut self, rest: &[u8]) -> Result<(), Fault> {
         let word = words(rest).next().unwrap_or(b"off");
-        let number = match word {
+        let number = match word.to_ascii_lowercase().as_slice() {
             b"off" => 0,
             // Blender's older exporters.
             b"on" => 1,
