@@ -42,7 +42,9 @@ pub(crate) fn validate(scene: &mut Scene, file: &Path) -> Result<(), SceneError>
         let removed = scene.notes.degenerate_triangles;
         return Err(SceneError::NoTriangles {
             file: file.to_owned(),
-            reason: format!("none has an area; {removed} degenerate ones were removed"),
+            reason: format!(
+                "{removed} degenerate ones, without an area or a finite place, were removed"
+            ),
         });
     }
     // The rest may be smaller.

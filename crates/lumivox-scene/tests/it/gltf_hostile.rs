@@ -138,7 +138,7 @@ fn geometry_without_sense() {
         let mut file = File::triangle();
         file.binary[4..8].copy_from_slice(&bad.to_le_bytes());
         let error = fault(&file);
-        assert!(error.contains("mesh \"thing\", position 0"), "{error}");
+        assert!(error.contains("numbers that are not finite"), "{error}");
     }
     let mut beyond = File::triangle();
     let at = beyond.json["bufferViews"][1]["byteOffset"].as_u64().unwrap() as usize;

@@ -68,10 +68,6 @@ pub(super) fn read(
         match state.statement(first, rest) {
             Ok(()) => {}
             Err(Fault::Text(reason)) => return Err(lines.malformed(reason)),
-            Err(Fault::NotFinite) => {
-                let part = format!("line {}", lines.number());
-                return Err(SceneError::NotFinite { file: file.to_owned(), part });
-            }
             Err(Fault::Index { index, count }) => {
                 return Err(SceneError::IndexOutOfRange {
                     file: file.to_owned(),
@@ -93,7 +89,6 @@ pub(super) fn read(
 
 enum Fault {
     Text(String),
-    NotFinite,
     Index { index: usize, count: usize },
 }
 
@@ -134,7 +129,6 @@ struct Skipped {
     lines_and_points: u64,
     free_form: u64,
     short_faces: u64,
-    broken_uvs: u64,
     lost_uvs: u64,
     lost_normals: u64,
     joined_submeshes: u64,
@@ -204,9 +198,6 @@ impl State {
     fn vertex(&mut self, rest: &[u8]) -> Result<(), Fault> {
         let mut words = words(rest);
         let position = Vec3::from_array(numbers::<3>(&mut words)?);
-        if !position.is_finite() {
-            return Err(Fault::NotFinite);
-        }
         if self.model.positions.len() >= Corner::NONE as usize {
             return Err("it is vertex 4294967296, more than indices can number".to_owned().into());
         }
@@ -233,12 +224,7 @@ impl State {
             None => 0.0,
         };
         // OBJ's v grows upwards.
-        let mut uv = Vec2::new(u, 1.0 - v);
-        if !uv.is_finite() {
-            uv = Vec2::ZERO;
-            self.skipped.broken_uvs += 1;
-        }
-        self.model.uvs.push(uv);
+        self.model.uvs.push(Vec2::new(u, 1.0 - v));
         Ok(())
     }
 
@@ -368,7 +354,6 @@ impl State {
                 "free-form curves and surfaces are not supported and were skipped; export polygons",
             ),
             (skipped.short_faces, "faces of fewer than three corners were skipped"),
-            (skipped.broken_uvs, "texture coordinates were not finite and became zero"),
             (skipped.lost_uvs, "corners name texture coordinates that do not exist"),
             (skipped.lost_normals, "corners name normals that do not exist, theirs were computed"),
             (skipped.libraries, "more material libraries were not read"),
