@@ -109,11 +109,11 @@ impl Loader<'_> {
                         site.name
                     ));
                 } else {
-                    self.put_light(&light, &site);
+                    self.put_light(&light, gltf.name(), &site);
                 }
             }
             if let Some(camera) = gltf.camera() {
-                self.put_camera(&camera, &site);
+                self.put_camera(&camera, gltf.name(), &site);
             }
         }
         Ok(())
