@@ -51,6 +51,9 @@ pub(super) fn parse<'a>(
     };
     // Some exporters write a byte order mark, which JSON forbids.
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    // Others pad it with zeros.
+    let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    let json = &json[..end];
     let root = read_root(json, notes);
     if let Some(version) = version::of_document(json, root.as_ref().ok()) {
         return Err(version::unknown(file, version));

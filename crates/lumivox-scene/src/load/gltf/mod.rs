@@ -136,8 +136,10 @@ fn load_bytes(
         }
         scene.notes.warnings = notes.warnings;
         Rig::install(&mut scene, rig)?;
-        crate::validate::validate(&mut scene, file)?;
-        return Ok(scene);
+        return match crate::validate::validate(&mut scene, file) {
+            Ok(()) => Ok(scene),
+            Err(error) => Err(scenes::with_others(error, &parsed.document)),
+        };
     }
 }
 
