@@ -87,11 +87,15 @@ impl Explorer {
         unique("light", lights.map(|light| light.name.as_str()))
     }
 
-    /// The number of the light of this name.
+    /// The number of the light of this name, or on the node of this name.
     ///
     /// # Errors
     /// [`NotFound`], with similar names.
     pub fn light(&self, name: &str) -> Result<usize, NotFound> {
-        NotFound::or_place("light", name, &self.light_names())
+        let (known, scene) = (self.light_names(), self.scene());
+        NotFound::or_place("light", name, &known).or_else(|unknown| {
+            let name = scene.map_or(name, |scene| scene.name_on(name));
+            NotFound::or_place("light", name, &known).map_err(|_| unknown)
+        })
     }
 }

@@ -257,8 +257,8 @@ pub enum SceneError {
 
     /// All vertices are at one point.
     #[error(
-        "{}: the scene has size zero, all of it lies at {point}; check the units and scales of \
-         the export",
+        "{}: the scene has size zero, all of it lies at {point}; check the export for its units, \
+         its scales, and numbers that are not finite",
         file.display()
     )]
     ZeroSize {

@@ -4,7 +4,7 @@ mod outlier;
 
 use std::path::{Path, PathBuf};
 
-use glam::{Mat4, Vec3};
+use glam::{DMat3, DVec3, Mat4, Vec3};
 
 pub use outlier::Outlier;
 
@@ -15,8 +15,9 @@ use crate::{
 
 impl Scene {
     /// Checks a hand-made scene, and removes things without extent: triangles of zero area (counted
-    /// in [`Scene::notes`]), meshes that have none left, and instances whose transform flattens
-    /// them (with a warning). Normals are normalised. Calling it again changes nothing.
+    /// in [`Scene::notes`]), meshes that have none left, and instances whose transform leaves a line
+    /// or a point (with a warning). A transform that flattens gets a thickness of a millionth, since
+    /// normals need its inverse. Normals are normalised. Calling it again changes nothing.
     ///
     /// Areas are computed in local space, in f64, and only exact zeros count: thin triangles stay.
     /// After the transform, f32 may still round a tiny triangle to nothing.
@@ -42,7 +43,9 @@ pub(crate) fn validate(scene: &mut Scene, file: &Path) -> Result<(), SceneError>
         let removed = scene.notes.degenerate_triangles;
         return Err(SceneError::NoTriangles {
             file: file.to_owned(),
-            reason: format!("none has an area; {removed} degenerate ones were removed"),
+            reason: format!(
+                "{removed} degenerate ones, without an area or a finite place, were removed"
+            ),
         });
     }
     // The rest may be smaller.
@@ -81,18 +84,19 @@ fn normalize_normals(mesh: &mut Mesh) {
     }
 }
 
-/// Removes instances that a zero scale hides, as some exporters do.
+/// Removes instances that scales of zero hide, as some exporters do.
 fn drop_flattened_instances(scene: &mut Scene) {
     let mut notes = std::mem::take(&mut scene.notes);
     retain_instances(scene, |instance| {
-        let keep = is_invertible(instance.world_from_local);
-        if !keep {
-            notes.warnings.push(format!(
-                "instance \"{}\" was skipped: its transform has a scale of zero",
+        let placed = invertible(instance.world_from_local, false);
+        match placed {
+            Some(world_from_local) => instance.world_from_local = world_from_local,
+            None => notes.warnings.push(format!(
+                "instance \"{}\" was skipped: its transform scales two axes or more to zero",
                 instance.name
-            ));
+            )),
         }
-        keep
+        placed.is_some()
     });
     scene.notes = notes;
 }
@@ -112,9 +116,29 @@ fn retain_instances(scene: &mut Scene, mut keep: impl FnMut(&mut Instance) -> bo
     });
 }
 
-/// Whether normals can be transformed: the inverse exists, in f32, too.
-pub(crate) fn is_invertible(world_from_local: Mat4) -> bool {
-    world_from_local.as_dmat4().determinant() != 0.0 && world_from_local.inverse().is_finite()
+/// The transform itself if normals can be transformed: its inverse exists, in f32, too. One that
+/// flattens, up to rounding, gets a thickness of about a millionth; it mirrors if `mirrors` is true.
+/// `None` if a line or a point is left.
+pub(crate) fn invertible(world_from_local: Mat4, mirrors: bool) -> Option<Mat4> {
+    // A product of f32 matrices of which one is flat has a determinant of some 2^-24.
+    const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
+    let linear = DMat3::from_mat4(world_from_local.as_dmat4());
+    let [a, b, c] = [linear.x_axis, linear.y_axis, linear.z_axis];
+    // With the singular values s1 >= s2 >= s3, the determinant is s1 s2 s3. If s3 is zero, the
+    // cofactors are s1 s2 times the product of the normals of the plane before and after.
+    let cofactors = DMat3::from_cols(b.cross(c), c.cross(a), a.cross(b));
+    let length =
+        |m: DMat3| DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length()).length();
+    let (size, area) = (length(linear), length(cofactors));
+    let mut made = world_from_local;
+    if linear.determinant().abs() <= ROUNDING * size * area && area > ROUNDING * size * size {
+        let thickness = 4.0 * ROUNDING * size * if mirrors { -1.0 } else { 1.0 };
+        let thick = linear + cofactors * (thickness / area);
+        let columns = [thick.x_axis, thick.y_axis, thick.z_axis].map(|v| v.as_vec3().extend(0.0));
+        made = Mat4::from_cols(columns[0], columns[1], columns[2], world_from_local.w_axis);
+    }
+    let exists = made.as_dmat4().determinant() != 0.0 && made.inverse().is_finite();
+    exists.then_some(made)
 }
 
 /// Removes triangles of zero area, then meshes without triangles, then instances without a mesh.

@@ -26,16 +26,19 @@ pub struct FrameFiles {
 }
 
 impl FrameFiles {
+    /// Whether `output` is the name of a file with a `#`. If nothing moves, it is one picture's.
+    pub fn is_pattern(output: &Path) -> bool {
+        let name = output.file_name().unwrap_or_default().to_string_lossy();
+        name.contains('#') && !ends_as_folder(output) && !output.is_dir()
+    }
+
     /// Whether `output` names a sequence: a name with a `#`, or a folder. `is_asked` says that the
     /// other options ask for a sequence; then a bare name is a folder, too.
     pub fn is_meant(output: &Path, is_asked: bool) -> bool {
-        let name = output.file_name().unwrap_or_default().to_string_lossy();
-        // A slash at the end names a folder; `Path` itself ignores it.
-        let ends_as_folder = output.to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR]);
         let is_picture = ImageFormat::from_path(output).is_ok();
         let is_bare = output.extension().is_none();
-        name.contains('#')
-            || ends_as_folder
+        Self::is_pattern(output)
+            || ends_as_folder(output)
             || (output.is_dir() && (is_asked || !is_picture))
             || (is_bare && is_asked)
     }
@@ -46,7 +49,7 @@ impl FrameFiles {
     /// A [`Failure`] of input when it is neither, and [`lumivox_render::RenderError::UnknownFormat`].
     pub fn new(output: &Path) -> anyhow::Result<Self> {
         let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let Some(first) = name.find('#') else {
+        let Some(first) = name.find('#').filter(|_| Self::is_pattern(output)) else {
             if !Self::is_meant(output, true) {
                 ImageFormat::from_path(output)?;
                 let stem = output.with_extension("");
@@ -194,6 +197,11 @@ impl FrameFiles {
     }
 }
 
+/// Whether a slash at the end names a folder; `Path` itself ignores it.
+fn ends_as_folder(output: &Path) -> bool {
+    output.to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -207,6 +215,13 @@ mod tests {
         assert!(FrameFiles::is_meant(folder.path(), false));
         for name in ["a.png", "b/a.exr", "a.jpg"] {
             assert!(!FrameFiles::is_meant(Path::new(name), true), "{name}");
+        }
+        assert!(FrameFiles::is_pattern(Path::new("a_##.png")));
+        let numbered = folder.path().join("take#2");
+        std::fs::create_dir(&numbered).unwrap();
+        for name in [Path::new("take#1/"), &numbered] {
+            assert!(!FrameFiles::is_pattern(name) && FrameFiles::is_meant(name, false));
+            assert_eq!(FrameFiles::new(name).unwrap().index(), name.join("index.json"));
         }
         // A bare name could be a picture's without its extension.
         assert!(!FrameFiles::is_meant(Path::new("walk"), false));

@@ -68,13 +68,13 @@ fn a_folder_gets_numbered_pictures_and_an_index() {
 #[test]
 fn the_first_picture_of_an_orbit_is_the_still() {
     let folder = folder();
-    let still = format!("render builtin:cornell -o still.exr {SMALL}");
+    let still = format!("render builtin:cornell -o still#1.exr {SMALL}");
     lumivox(folder.path(), &still).expect_ok();
     let turn = format!("render builtin:cornell -o turn_##.exr {SMALL} {ORBIT}");
     lumivox(folder.path(), &turn).expect_ok();
     let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
-    assert!(read("still.exr") == read("turn_00.exr"));
-    let expected = ["still.exr", "turn_00.exr", "turn_01.exr", "turn_02.exr", "turn_index.json"];
+    assert!(read("still#1.exr") == read("turn_00.exr"));
+    let expected = ["still#1.exr", "turn_00.exr", "turn_01.exr", "turn_02.exr", "turn_index.json"];
     assert_eq!(names(folder.path()), expected);
 }
 
@@ -324,7 +324,7 @@ fn what_does_not_fit_together_is_refused() {
         ("-o a_#.png --orbit 90 --fps 30", INPUT, ["120 pictures", "write ###"]),
         ("-o missing/turn/ --orbit 90", OUTPUT, ["missing/turn", "there is no folder missing"]),
         ("-o file/turn/ --orbit 90", OUTPUT, ["file/turn", "is a file, not a folder"]),
-        ("-o a_#.png", INPUT, ["nothing moves", "--orbit"]),
+        ("-o turn/", INPUT, ["nothing moves", "--orbit"]),
         ("-o turn/ --time 0..1", INPUT, ["nothing moves", "--camera-path"]),
         ("-o a.png --time 1", INPUT, ["nothing moves", "cornell"]),
         // One time is one picture, and `turn` no picture's name.

@@ -124,7 +124,8 @@ pub fn resolve_with(
         }
         Some(CameraChoice::Index(index)) => scene.cameras.get(*index).cloned(),
         Some(CameraChoice::Name(name)) => {
-            let known = scene.cameras.iter().find(|camera| camera.name == *name).cloned();
+            let called = |name: &str| scene.cameras.iter().find(|camera| camera.name == name);
+            let known = called(name).or_else(|| called(scene.name_on(name))).cloned();
             match (known, name.as_str()) {
                 (Some(known), _) => Some(known),
                 (None, FRAMING) => Some(framing()),
@@ -207,6 +208,16 @@ mod tests {
         assert_eq!(resolve(None, &bare, 1.5).unwrap().name, FRAMING);
         let framing = CameraChoice::Name(FRAMING.to_owned());
         assert_eq!(resolve(Some(&framing), &scene, 1.5).unwrap().name, FRAMING);
+    }
+
+    #[test]
+    fn a_camera_is_found_by_its_node() {
+        let mut scene = lumivox_scene::builtin::scene("two-rooms").unwrap();
+        let last = scene.cameras.last().unwrap().clone();
+        scene.notes.nodes.insert("stand".to_owned(), last.name.clone());
+        let named = |name: &str| resolve(Some(&CameraChoice::Name(name.to_owned())), &scene, 1.5);
+        assert_eq!(named("stand").unwrap(), last);
+        assert!(named("gone").is_err());
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Radiance pictures (Ward 1991, "Real pixels", Graphics Gems II): three mantissas and an exponent.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 
 use image::ImageDecoder as _;
@@ -9,6 +10,8 @@ use super::load::{Fault, check_size};
 use crate::EnvironmentMap;
 
 pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
+    let (bytes, is_upside_down, is_mirrored) = turned(bytes);
+    let bytes = &*bytes;
     // The strict mode would refuse the signature `#?RGBE`, which many programs write.
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes)).map_err(Fault::broken)?;
     let meta = decoder.metadata();
@@ -21,6 +24,13 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
     let channels = raw.chunks_exact(4).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
     for (channel, value) in rgb.iter_mut().flatten().zip(channels) {
         *channel = value;
+    }
+    if is_upside_down {
+        // Both ways round at once, then the rows back.
+        rgb.reverse();
+    }
+    if is_upside_down != is_mirrored {
+        rgb.chunks_exact_mut(width as usize).for_each(<[_]>::reverse);
     }
     let mut map = EnvironmentMap { width, height, rgb, ..EnvironmentMap::default() };
 
@@ -43,4 +53,20 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
         map.warnings.push(told.to_owned());
     }
     Ok(map)
+}
+
+/// The picture as if its rows ran down and to the right, the one order that the decoder knows, and
+/// whether they run up and to the left. The line behind the header says so.
+fn turned(bytes: &[u8]) -> (Cow<'_, [u8]>, bool, bool) {
+    let begin = bytes.windows(2).position(|pair| pair == b"\n\n").map_or(0, |at| at + 2);
+    let line = bytes[begin..].split(|&byte| byte == b'\n').next().unwrap_or_default();
+    let find = |axis: &[u8; 2]| line.windows(2).position(|pair| pair == axis);
+    let (up, left) = (find(b"+Y"), find(b"-X"));
+    let mut bytes = Cow::Borrowed(bytes);
+    for (at, sign) in [(up, b'-'), (left, b'+')] {
+        if let Some(at) = at {
+            bytes.to_mut()[begin + at] = sign;
+        }
+    }
+    (bytes, up.is_some(), left.is_some())
 }

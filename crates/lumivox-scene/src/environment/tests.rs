@@ -217,6 +217,27 @@ fn openexr_may_be_grey() {
 }
 
 #[test]
+fn rows_may_run_in_either_direction() {
+    let header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
+    let texels: Vec<u8> = (1..=8).flat_map(|value| [value * 16, 0, 0, 128]).collect();
+    let read = |axes: &str| {
+        let bytes = [header.as_bytes(), axes.as_bytes(), &texels].concat();
+        let map = EnvironmentMap::from_memory("sky.hdr", &bytes).unwrap();
+        map.rgb.iter().map(|texel| (texel[0] * 16.0).round() as u32).collect::<Vec<_>>()
+    };
+    for (axes, order) in [
+        ("-Y 2 +X 4\n", [1, 2, 3, 4, 5, 6, 7, 8]),
+        ("+Y 2 +X 4\n", [5, 6, 7, 8, 1, 2, 3, 4]),
+        ("-Y 2 -X 4\n", [4, 3, 2, 1, 8, 7, 6, 5]),
+        ("+Y 2 -X 4\n", [8, 7, 6, 5, 4, 3, 2, 1]),
+    ] {
+        let first = read(axes);
+        let unit = read("-Y 2 +X 4\n")[0];
+        assert_eq!(first, order.map(|value| value * unit), "{axes}");
+    }
+}
+
+#[test]
 fn bad_files_say_what_is_wrong() {
     use exr::prelude::*;
     let folder = Folder::new();
@@ -241,8 +262,8 @@ fn bad_files_say_what_is_wrong() {
 
     let xyz = b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 2\n";
     assert!(message("a.hdr", xyz).contains("xyze"), "{}", message("a.hdr", xyz));
-    let turned = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n+Y 1 +X 2\n";
-    assert!(message("a.hdr", turned).contains("Orientation +Y +X"));
+    let turned = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n+X 1 +Y 2\n";
+    assert!(message("a.hdr", turned).contains("Orientation +X"));
 
     let mut bytes = Cursor::new(Vec::new());
     let channels = SpecificChannels::build().with_channel("Z").with_pixel_fn(|_| (1.0_f32,));

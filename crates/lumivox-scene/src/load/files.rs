@@ -9,6 +9,7 @@ use std::borrow::Cow;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::find::find;
 use super::source::{self, FileSource};
 use crate::{SceneError, check_regular, read_regular};
 
@@ -80,75 +81,67 @@ pub(super) enum Located {
     File(PathBuf),
 }
 
-/// The target of `uri`, named by `part` of the scene in `file`, without reading a file.
+/// The target of `uri`, named by `part` of the scene in `file`, without reading a file (RFC 3986:
+/// percent signs escape). What exists decides: files called `a%20b.png` are there, too, and paths
+/// of other systems.
 pub(super) fn locate_uri(
     file: &Path,
     part: &str,
     uri: &str,
     reach: Reach<'_>,
 ) -> Result<Located, SceneError> {
-    if uri.starts_with("data:") {
-        return read_uri(file, part, uri, reach).map(Located::Data);
+    if let Some((scheme, data)) = uri.split_once(':')
+        && scheme.eq_ignore_ascii_case("data")
+    {
+        return decode_data(data).map(Located::Data).map_err(|reason| SceneError::Malformed {
+            file: file.to_owned(),
+            part: format!("{part}, its data URI,"),
+            reason,
+        });
     }
-    let path = decode_percent(uri).map_err(|reason| refused(file, part, uri, reason))?;
-    admitted(file, part, &path, reach).map(Located::File)
+    let decoded = String::from_utf8(decode_percent(uri)).unwrap_or_else(|_| uri.to_owned());
+    let exact =
+        resolve(file, &decoded, reach.anywhere).and_then(|path| reach.admit(&path).map(|()| path));
+    if !exact.as_ref().is_ok_and(|path| reach.is_file(path)) {
+        // The last one without a query or a fragment.
+        let path = decoded.split(['?', '#']).next().unwrap_or_default();
+        let mut names = [decoded.as_str(), uri, path].into_iter();
+        if let Some(found) = names.find_map(|name| find(&[file], name.as_bytes(), reach).ok()) {
+            return Ok(Located::File(found));
+        }
+    }
+    exact.map(Located::File).map_err(|reason| SceneError::RefusedUri {
+        file: file.to_owned(),
+        part: part.to_owned(),
+        uri: shorten(&decoded),
+        reason,
+    })
 }
 
-/// Reads the target of `uri`, named by `part` of the scene in `file` (RFC 3986: percent signs
-/// escape).
+/// Reads the target of `uri`, named by `part` of the scene in `file`.
 pub(super) fn read_uri(
     file: &Path,
     part: &str,
     uri: &str,
     reach: Reach<'_>,
 ) -> Result<Vec<u8>, SceneError> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        return decode_data(data).map_err(|reason| SceneError::Malformed {
-            file: file.to_owned(),
-            part: format!("{part}, its data URI,"),
-            reason,
-        });
+    match locate_uri(file, part, uri, reach)? {
+        Located::Data(bytes) => Ok(bytes),
+        Located::File(path) => {
+            reach.read(&path).map(Cow::into_owned).map_err(|source| SceneError::ReadExternal {
+                file: file.to_owned(),
+                part: part.to_owned(),
+                missing: path,
+                source,
+            })
+        }
     }
-    let path = decode_percent(uri).map_err(|reason| refused(file, part, uri, reason))?;
-    read_path(file, part, &path, reach)
-}
-
-/// Reads the file `path`, named by `part` of the scene in `file`; relative paths start beside it.
-pub(super) fn read_path(
-    file: &Path,
-    part: &str,
-    path: &str,
-    reach: Reach<'_>,
-) -> Result<Vec<u8>, SceneError> {
-    let path = admitted(file, part, path, reach)?;
-    reach.read(&path).map(Cow::into_owned).map_err(|source| SceneError::ReadExternal {
-        file: file.to_owned(),
-        part: part.to_owned(),
-        missing: path,
-        source,
-    })
-}
-
-/// The path of the file `path`, named by `part` of the scene in `file`, if it may be read.
-fn admitted(file: &Path, part: &str, path: &str, reach: Reach<'_>) -> Result<PathBuf, SceneError> {
-    let found =
-        resolve(file, path, reach.anywhere).and_then(|found| reach.admit(&found).map(|()| found));
-    found.map_err(|reason| refused(file, part, path, reason))
 }
 
 /// The path that `path`, named by `file`, refers to; or why it may not be followed.
 pub(super) fn resolve(file: &Path, path: &str, anywhere: bool) -> Result<PathBuf, String> {
     let checked = check_path(path, anywhere)?;
     Ok(file.parent().unwrap_or(Path::new("")).join(checked))
-}
-
-fn refused(file: &Path, part: &str, uri: &str, reason: String) -> SceneError {
-    SceneError::RefusedUri {
-        file: file.to_owned(),
-        part: part.to_owned(),
-        uri: shorten(uri),
-        reason,
-    }
 }
 
 /// The start of a text that may be long.
@@ -176,30 +169,36 @@ fn check_path(path: &str, anywhere: bool) -> Result<PathBuf, String> {
         if path.starts_with(['/', '\\']) {
             return Err("the path is absolute".to_owned());
         }
-        if path.split(['/', '\\']).any(|word| word == "..") {
-            return Err("the path leaves the scene's folder".to_owned());
-        }
     }
     // Files made on Windows separate folders by backslashes.
-    Ok(PathBuf::from(path.replace('\\', "/")))
+    let mut words: Vec<&str> = Vec::new();
+    for (i, word) in path.split(['/', '\\']).enumerate() {
+        match word {
+            "." => {}
+            "" if i > 0 => {}
+            ".." if words.last().is_some_and(|last| !["", ".."].contains(last)) => {
+                words.pop();
+            }
+            ".." if !anywhere => return Err("the path leaves the scene's folder".to_owned()),
+            word => words.push(word),
+        }
+    }
+    Ok(PathBuf::from(words.join("/")))
 }
 
-/// Replaces `%41` by `A` and so on (RFC 3986, section 2.1).
-fn decode_percent(text: &str) -> Result<String, String> {
+/// Replaces `%41` by `A` and so on (RFC 3986, section 2.1). A percent sign without two hexadecimal
+/// digits is itself.
+fn decode_percent(text: &str) -> Vec<u8> {
+    let text = text.as_bytes();
+    let digit = |at: usize| text.get(at).and_then(|&byte| char::from(byte).to_digit(16));
     let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text.bytes();
-    while let Some(byte) = rest.next() {
-        if byte != b'%' {
-            bytes.push(byte);
-            continue;
-        }
-        let digit = |b: Option<u8>| b.and_then(|b| char::from(b).to_digit(16));
-        let (Some(high), Some(low)) = (digit(rest.next()), digit(rest.next())) else {
-            return Err("a percent sign is not followed by two hexadecimal digits".to_owned());
-        };
-        bytes.push((high * 16 + low) as u8);
+    let mut at = 0;
+    while at < text.len() {
+        let escaped = digit(at + 1).zip(digit(at + 2)).filter(|_| text[at] == b'%');
+        bytes.push(escaped.map_or(text[at], |(high, low)| (high * 16 + low) as u8));
+        at += if escaped.is_some() { 3 } else { 1 };
     }
-    String::from_utf8(bytes).map_err(|_| "the path is not UTF-8".to_owned())
+    bytes
 }
 
 /// The bytes of `[<media type>][;base64],<data>` (RFC 2397).
@@ -207,15 +206,16 @@ fn decode_data(data: &str) -> Result<Vec<u8>, String> {
     let Some((head, body)) = data.split_once(',') else {
         return Err("there is no comma before the data".to_owned());
     };
-    if !head.ends_with(";base64") {
-        return Err("the data is not in base64".to_owned());
-    }
-    decode_base64(body)
+    let body = decode_percent(body);
+    let is_base64 = |word: &str| word.trim().eq_ignore_ascii_case("base64");
+    if head.split(';').skip(1).any(is_base64) { decode_base64(body) } else { Ok(body) }
 }
 
-/// Base64 of RFC 4648, section 4; padding may be missing.
-fn decode_base64(text: &str) -> Result<Vec<u8>, String> {
-    let digits = text.trim_end_matches('=').as_bytes();
+/// Base64 of RFC 4648, sections 4 and 5; padding may be missing, and lines may be broken.
+fn decode_base64(mut digits: Vec<u8>) -> Result<Vec<u8>, String> {
+    digits.retain(|digit| !digit.is_ascii_whitespace());
+    let end = digits.iter().rposition(|&digit| digit != b'=').map_or(0, |last| last + 1);
+    let digits = &digits[..end];
     if digits.len() % 4 == 1 {
         return Err("the base64 text ends in the middle of a byte".to_owned());
     }
@@ -227,8 +227,8 @@ fn decode_base64(text: &str) -> Result<Vec<u8>, String> {
                 b'A'..=b'Z' => digit - b'A',
                 b'a'..=b'z' => digit - b'a' + 26,
                 b'0'..=b'9' => digit - b'0' + 52,
-                b'+' => 62,
-                b'/' => 63,
+                b'+' | b'-' => 62,
+                b'/' | b'_' => 63,
                 _ => return Err(format!("{:?} is not a base64 digit", char::from(digit))),
             };
             bits |= u32::from(value) << (18 - 6 * i);
@@ -250,23 +250,30 @@ mod tests {
         for (text, plain) in
             [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYmE=", "fooba")]
         {
-            assert_eq!(decode_base64(text).unwrap(), plain.as_bytes());
+            assert_eq!(decode_base64(text.into()).unwrap(), plain.as_bytes());
         }
-        assert_eq!(decode_base64("Zg").unwrap(), b"f");
-        assert!(decode_base64("Z").is_err());
-        assert!(decode_base64("Zm9*").is_err());
+        assert_eq!(decode_base64("Zg".into()).unwrap(), b"f");
+        assert_eq!(decode_base64("Zm\r\n 9v=\n".into()).unwrap(), b"foo");
+        assert_eq!(decode_base64("-_-_".into()), decode_base64("+/+/".into()));
+        assert!(decode_base64("Z".into()).is_err());
+        assert!(decode_base64("Zm9*".into()).is_err());
     }
 
     #[test]
     fn paths_stay_in_the_folder() {
-        let relative_path = |uri: &str| check_path(&decode_percent(uri)?, false);
+        let relative_path =
+            |uri: &str| check_path(&String::from_utf8(decode_percent(uri)).unwrap(), false);
         assert_eq!(relative_path("a/b%20c.png").unwrap(), PathBuf::from("a/b c.png"));
-        assert_eq!(relative_path("./a..b.bin").unwrap(), PathBuf::from("./a..b.bin"));
+        assert_eq!(relative_path("./a..b.bin").unwrap(), PathBuf::from("a..b.bin"));
+        assert_eq!(relative_path("./a/..\\b//../c.png").unwrap(), PathBuf::from("c.png"));
+        for literal in ["50%.png", "a%4", "a%zz", "%"] {
+            assert_eq!(relative_path(literal).unwrap(), PathBuf::from(literal));
+        }
         for bad in [
             "",
             "../a.bin",
             "a/../../b",
-            "a\\..\\b",
+            "a\\..\\..\\b",
             "/etc/passwd",
             "\\\\server\\share",
             "%2e%2e/a.bin",
@@ -275,9 +282,6 @@ mod tests {
             "file:///etc/passwd",
             "C:\\a.bin",
             "a%00b",
-            "a%4",
-            "a%zz",
-            "%ff",
         ] {
             assert!(relative_path(bad).is_err(), "{bad}");
         }
@@ -288,10 +292,16 @@ mod tests {
     }
 
     #[test]
-    fn data_needs_base64() {
-        assert_eq!(decode_data("application/octet-stream;base64,AAEC").unwrap(), [0, 1, 2]);
-        assert_eq!(decode_data(";base64,AAEC").unwrap(), [0, 1, 2]);
-        assert!(decode_data("text/plain,hello").is_err());
+    fn data_is_base64_or_escaped() {
+        for data in [
+            "application/octet-stream;base64,AAEC",
+            ";base64,AAEC",
+            "a/b;charset=x; BASE64,AA%45%43",
+            ",%00%01%02",
+        ] {
+            assert_eq!(decode_data(data).unwrap(), [0, 1, 2], "{data}");
+        }
+        assert_eq!(decode_data("text/plain,hello").unwrap(), b"hello");
         assert!(decode_data("application/octet-stream;base64").is_err());
     }
 }

@@ -1,9 +1,10 @@
-//! Finding the files that an OBJ, MTL or VXCT file names.
+//! Finding the files that a scene or a material library names.
 //!
-//! Names are often written on another machine: with backslashes, in another case, or with the whole
-//! path of a folder that is not here. The search goes in this order: the path as it is; the same
-//! path in any case; and the path without its first folders, down to the bare name, below each of
-//! some folders, such as those of the file that names it and of the scene.
+//! Names are often written on another machine: with backslashes, in another case or encoding, or
+//! with the whole path of a folder that is not here. The search goes in this order: the path as it
+//! is; the same path in any case; and the path without its first folders, down to the bare name,
+//! below each of some folders, such as those of the file that names it and of the scene. All of it
+//! is then tried without quotation marks and without a comment behind the name.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -13,6 +14,8 @@ use super::text::readable;
 
 /// Bytes of a path: the limit of Linux.
 const LONGEST_PATH: usize = 4096;
+/// The most folders of a path that is searched without its first ones.
+const MOST_FOLDERS: usize = 32;
 
 /// The file called `name` by a file in the first of `beside`'s places that has it; or why there is
 /// none, with a remedy.
@@ -20,9 +23,32 @@ pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Pa
     if name.len() > LONGEST_PATH {
         return Err(format!("\"{}\" is too long for a path", readable(name)));
     }
+    let found = find_spelling(beside, name, reach);
+    let bare = bare(name);
+    if found.is_ok() || bare == name {
+        return found;
+    }
+    find_spelling(beside, bare, reach).or(found)
+}
+
+/// A name without a comment behind it and without quotation marks around it.
+pub(super) fn bare(name: &[u8]) -> &[u8] {
+    let is_comment = |pair: &[u8]| pair[0].is_ascii_whitespace() && pair[1] == b'#';
+    let end = name.windows(2).position(is_comment).unwrap_or(name.len());
+    let name = name[..end].trim_ascii();
+    match name {
+        [b'"', inner @ .., b'"'] | [b'\'', inner @ .., b'\''] => inner.trim_ascii(),
+        _ => name,
+    }
+}
+
+fn find_spelling(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<PathBuf, String> {
     let text = decode(name);
     let (mut reason, mut unreadable) = (None, None);
     for &base in beside {
+        if let Some(found) = admitted(same_bytes(base, name, reach), reach, &mut reason) {
+            return Ok(found);
+        }
         match files::resolve(base, &text, reach.anywhere) {
             Ok(path) => {
                 let exact = reach.is_file(&path).then(|| path.clone());
@@ -37,7 +63,7 @@ pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Pa
     }
     // Also for paths that lead elsewhere: the rest of them stays below the folder.
     let words: Vec<&str> = text.split(['/', '\\']).filter(|word| !word.is_empty()).collect();
-    for first in 0..words.len() {
+    for first in words.len().saturating_sub(MOST_FOLDERS)..words.len() {
         let rest = words[first..].join("/");
         for &base in beside {
             // Drives and ".." are refused.
@@ -80,6 +106,26 @@ fn decode(name: &[u8]) -> String {
         Ok(text) => text.to_owned(),
         Err(_) => name.iter().map(|&byte| char::from(byte)).collect(),
     }
+}
+
+/// The file whose name has the same bytes as one that is not UTF-8, beside `base`: both were written
+/// in the same other encoding. Only Unix has such names.
+fn same_bytes(base: &Path, name: &[u8], reach: Reach<'_>) -> Option<PathBuf> {
+    if std::str::from_utf8(name).is_ok() || reach.source.is_some() {
+        return None;
+    }
+    // Some encodings have a backslash in the second byte of a character.
+    let last = name.iter().rposition(|byte| b"/\\".contains(byte)).map_or(0, |place| place + 1);
+    let (above, tail) = name.split_at(last);
+    let above = std::str::from_utf8(above).unwrap_or_default();
+    [("", name), (above, tail), ("", tail)].into_iter().find_map(|(above, wanted)| {
+        let folder = files::resolve(base, &format!("./{above}"), false).ok()?;
+        let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
+        let mut entries =
+            std::fs::read_dir(listed).ok()?.filter_map(|entry| Some(entry.ok()?.file_name()));
+        let found = entries.find(|entry| entry.as_encoded_bytes() == wanted)?;
+        Some(folder.join(found)).filter(|path| path.is_file())
+    })
 }
 
 /// The file at `path`, whose words below the folder of `base` may be in upper or lower case.
@@ -148,6 +194,31 @@ mod tests {
         }
         let moved = b"D:\\old project\\textures\\wood planks.png";
         assert_eq!(find(moved).unwrap().canonicalize().unwrap(), wood);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_name_in_another_encoding_is_that_of_the_same_bytes() {
+        use std::os::unix::ffi::OsStrExt as _;
+        let folder = tempfile::tempdir().unwrap();
+        let scene = folder.path().join("scene.obj");
+        // The second character of the name ends in a backslash (Shift JIS).
+        let name = b"\x95\x5c\x83\x5c.mtl";
+        let file = folder.path().join(std::ffi::OsStr::from_bytes(name));
+        std::fs::write(&file, "").unwrap();
+        std::fs::write(folder.path().join("caf\u{e9}.png"), "").unwrap();
+        let folders = [folder.path().to_owned()];
+        let find = |name: &[u8]| find(&[&scene], name, reach(&folders));
+        for name in [&name[..], b"\"\x95\x5c\x83\x5c.mtl\"", b"\x95\x5c\x83\x5c.mtl # sheet"] {
+            assert_eq!(find(name).unwrap(), file);
+        }
+        assert!(find(b"caf\xe9.png").is_ok());
+        let maps = folder.path().join("maps");
+        std::fs::create_dir(&maps).unwrap();
+        std::fs::write(maps.join(std::ffi::OsStr::from_bytes(b"\xff.png")), "").unwrap();
+        assert!(find(b"maps\\\xff.png").is_ok());
+        assert!(find(b"C:\\x\\\x95\x5c\x83\x5c.mtl").is_err());
+        assert!(find(b"\x95\x5d.mtl").is_err());
     }
 
     #[test]

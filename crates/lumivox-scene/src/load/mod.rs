@@ -21,6 +21,7 @@ mod ply;
 #[cfg(any(feature = "obj", feature = "ply", feature = "stl"))]
 mod polygon;
 mod regular;
+mod repair;
 mod source;
 mod stand_in;
 #[cfg(feature = "stl")]

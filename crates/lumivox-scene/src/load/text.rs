@@ -17,18 +17,39 @@ pub(super) struct Lines<'f, R> {
     line: Vec<u8>,
     number: u64,
     after_return: bool,
+    /// Whether the text is UTF-16, whose ASCII characters are bytes beside zeros.
+    is_wide: bool,
+}
+
+/// The marks at the start of a text in UTF-8, and in UTF-16 of both byte orders.
+pub(super) const MARKS: [&[u8]; 3] = [b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff"];
+
+/// A text without the mark at its start, and whether it is UTF-16.
+pub(super) fn without_mark(text: &[u8]) -> (&[u8], bool) {
+    let marked = |mark: &[u8]| Some((text.strip_prefix(mark)?, mark.len() == 2));
+    MARKS.into_iter().find_map(marked).unwrap_or((text, false))
 }
 
 impl<'f, R: BufRead> Lines<'f, R> {
     /// The lines of the rest of `file` in `reader`; `before` lines were read already.
     pub(super) fn new(file: &'f Path, reader: R, before: u64) -> Self {
-        Self { file, reader, line: Vec::new(), number: before, after_return: false }
+        Self { file, reader, line: Vec::new(), number: before, after_return: false, is_wide: false }
     }
 
     /// Reads the next line; `false` at the end of the file.
     pub(super) fn advance(&mut self) -> Result<bool, SceneError> {
         self.line.clear();
-        self.append()
+        let is_first = self.number == 0;
+        let more = self.append()?;
+        if is_first {
+            let (text, is_wide) = without_mark(&self.line);
+            self.is_wide = is_wide;
+            self.line.drain(..self.line.len() - text.len());
+        }
+        if self.is_wide {
+            self.line.retain(|&byte| byte != 0);
+        }
+        Ok(more)
     }
 
     /// The same, joined with the next line if it ends in a backslash.
@@ -110,9 +131,11 @@ impl<'f, R: BufRead> Lines<'f, R> {
     }
 }
 
-/// The words of a line.
+/// The words of a line up to a comment. The `#` in `1.#QNAN` begins none.
 pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+    let begins = |(at, &byte): (usize, &u8)| byte == b'#' && (at == 0 || line[at - 1] != b'.');
+    let end = line.iter().enumerate().position(begins).unwrap_or(line.len());
+    line[..end].split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
 /// A line's first word, and the rest without the spaces around it.
@@ -184,6 +207,24 @@ mod tests {
     }
 
     #[test]
+    fn marks_of_encodings_are_no_text() {
+        let wide = |bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+            "\u{feff}v 1\r\nv 2".encode_utf16().flat_map(bytes).collect()
+        };
+        for text in
+            ["\u{feff}v 1\nv 2".as_bytes(), &wide(u16::to_le_bytes), &wide(u16::to_be_bytes)]
+        {
+            let mut lines = Lines::new(Path::new("text"), text, 0);
+            let mut read = Vec::new();
+            while lines.advance_joined().unwrap() {
+                read.push(lines.line().to_vec());
+            }
+            read.retain(|line| !line.is_empty());
+            assert_eq!(read, [b"v 1", b"v 2"]);
+        }
+    }
+
+    #[test]
     fn endless_lines_are_refused() {
         let endless = std::io::BufReader::new(std::io::Read::take(std::io::repeat(b'x'), 1 << 30));
         let mut lines = Lines::new(Path::new("text"), endless, 0);
@@ -205,6 +246,7 @@ mod tests {
         }
         assert_eq!(numbers::<2>(&mut words(b" 1\t2 3")), Ok([1.0, 2.0]));
         assert!(numbers::<2>(&mut words(b"1")).is_err());
+        assert_eq!(words(b"1 1.#IND 2# 3").count(), 3);
         assert_eq!(keyword(b"  usemtl \t a b \r"), (&b"usemtl"[..], &b"a b"[..]));
     }
 }

@@ -1,5 +1,7 @@
 //! The scene as a whole.
 
+use std::collections::BTreeMap;
+
 use glam::{EulerRot, Mat4, Quat, Vec3};
 
 use super::{Bounds, Camera, Environment, Instance, Light, Material, Mesh, Texture};
@@ -50,6 +52,9 @@ pub struct LoadNotes {
     /// The file's scenes in order, by their names or numbers (glTF, VXCT); see
     /// [`LoadOptions::scene`](crate::LoadOptions::scene).
     pub scenes: Vec<String>,
+    /// The names of nodes with a light or a camera that has another name, and that name (glTF); see
+    /// [`Scene::name_on`].
+    pub nodes: BTreeMap<String, String>,
 }
 
 /// The boxes around a scene's instances. A caller that keeps them pays only for instances that
@@ -97,6 +102,11 @@ impl InstanceBounds {
 }
 
 impl Scene {
+    /// The name of the light or camera on the file's node of that name; otherwise the name itself.
+    pub fn name_on<'a>(&'a self, node: &'a str) -> &'a str {
+        self.notes.nodes.get(node).map_or(node, String::as_str)
+    }
+
     /// The instances that are not hidden.
     pub fn shown(&self) -> impl Iterator<Item = &Instance> {
         self.instances.iter().filter(|instance| !instance.is_hidden)

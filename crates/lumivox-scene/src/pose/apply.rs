@@ -7,7 +7,7 @@ use glam::Mat4;
 
 use super::rig::{Animation, Parts, Pose, Property, moving};
 use super::{AnimationChoice, Rig, place_camera, place_light};
-use crate::validate::is_invertible;
+use crate::validate::invertible;
 use crate::{Instance, Scene, SceneError};
 
 pub(super) fn pose(
@@ -167,11 +167,11 @@ fn place_instances(
             let part = format!("instance \"{}\", its transform,", placed.name);
             return Err(not_finite(&parts.file, part));
         }
-        if !is_invertible(world_from_local) {
-            continue;
-        }
-        let mirrors = world_from_local.as_dmat4().determinant() < 0.0;
         let [upright, mirrored] = placed.meshes;
+        let Some(world_from_local) = invertible(world_from_local, upright.is_none()) else {
+            continue;
+        };
+        let mirrors = world_from_local.as_dmat4().determinant() < 0.0;
         // Rounding may turn the sign of transforms that are almost flat: never hide those.
         let mesh = if mirrors { mirrored.or(upright) } else { upright.or(mirrored) };
         let Some(mesh) = mesh else { continue };

@@ -116,8 +116,8 @@ impl Scene {
     ///
     /// Changes transforms and meshes of instances, places of lights and cameras, and positions,
     /// normals, tangents and triangles of meshes that bones or morph targets deform. Everything
-    /// that the animation does not move is as in the file. An instance whose transform or whose
-    /// triangles are flat at that time is left out of [`Scene::instances`] for as long. Meshes keep
+    /// that the animation does not move is as in the file. An instance whose transform scales two axes
+    /// to zero, or whose triangles have no area, is left out of [`Scene::instances`] for as long. Meshes keep
     /// their numbers; one without a visible triangle stays in the list, empty.
     ///
     /// The rig's instances, lights and cameras are the first of their lists: append others behind

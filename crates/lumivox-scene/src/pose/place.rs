@@ -3,11 +3,13 @@
 use glam::{Mat4, Vec3};
 
 use crate::model::to_unit;
+use crate::validate::invertible;
 use crate::{Camera, Light};
 
-/// A direction of a node in the world; `None` if a scale of zero leaves none.
+/// A direction of a node in the world; `None` if scales of zero leave none.
 fn direction(world_from_node: Mat4, local: Vec3) -> Option<Vec3> {
-    to_unit(world_from_node.transform_vector3(local))
+    let placed = invertible(world_from_node, false).unwrap_or(world_from_node);
+    to_unit(placed.transform_vector3(local))
 }
 
 /// Places a light. Scale does not act on lights, but the direction of -z does

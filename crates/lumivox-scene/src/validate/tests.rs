@@ -144,11 +144,40 @@ fn what_has_no_extent_is_dropped() {
     scene.instances.push(scene.instances[0].clone());
     scene.instances[1].mesh = 1;
     scene.instances.push(scene.instances[1].clone());
-    scene.instances[2].world_from_local = Mat4::from_scale(Vec3::new(1.0, 1.0, 0.0));
+    scene.instances[2].world_from_local = Mat4::from_scale(Vec3::new(0.0, 1.0, 0.0));
     scene.validate().unwrap();
     assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 1));
     assert_eq!(scene.instances[0].mesh, 0);
     assert_eq!(scene.notes.warnings.len(), 1);
+}
+
+/// Whatever flattens is a thin thing, whose normals are those of its plane.
+#[test]
+fn flat_transforms_get_a_thickness() {
+    let turn = Mat4::from_rotation_x(0.7) * Mat4::from_rotation_z(2.0);
+    let sizes = [1e-3, 1.0, 1e6];
+    for (size, first) in sizes.into_iter().flat_map(|size| [(size, Mat4::IDENTITY), (size, turn)]) {
+        // Of the cube's two sides, the plane of the world that the x and z axes span.
+        let flat = first * Mat4::from_scale(Vec3::new(3.0, 0.0, -2.0) * size) * turn;
+        for mirrors in [false, true] {
+            let made = invertible(flat, mirrors).unwrap();
+            assert_eq!(made.determinant() < 0.0, mirrors);
+            assert_eq!(invertible(made, !mirrors), Some(made));
+            let normal =
+                made.inverse().transpose().transform_vector3(turn.inverse().y_axis.truncate());
+            let expected = first.transform_vector3(Vec3::Y);
+            assert!(normal.normalize().cross(expected).length() < 1e-5, "{size} {normal}");
+            let moved = made - flat;
+            assert!(moved.to_cols_array().iter().all(|x| x.abs() < 1e-5 * size));
+        }
+    }
+    for nothing in [Vec3::ZERO, Vec3::X] {
+        assert_eq!(invertible(Mat4::from_scale(nothing), false), None);
+    }
+    let thin = Mat4::from_scale(Vec3::new(1e3, 1e-3, 1e3));
+    assert_eq!(invertible(thin, false), Some(thin));
+    let rod = Mat4::from_scale(Vec3::new(1.0, 1e-8, 1e-8));
+    assert_eq!(invertible(rod, false), Some(rod));
 }
 
 #[test]

@@ -110,8 +110,12 @@ fn tumbling() -> File {
 }
 
 #[test]
-fn what_is_flat_is_hidden_for_as_long() {
-    let mut scene = tumbling().load().unwrap();
+fn what_is_a_line_is_hidden_for_as_long() {
+    let mut file = tumbling();
+    let scales = file.vectors(&[[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0]]);
+    file.json["animations"] = json!([]);
+    file.animation("shrink", &[0.0, 2.0], &[(0, "scale", "LINEAR", scales)]);
+    let mut scene = file.load().unwrap();
     let own = lumivox_scene::Instance { name: "own".to_owned(), ..scene.instances[1].clone() };
     scene.instances.push(own);
     let names = |scene: &Scene| -> Vec<String> {
@@ -123,6 +127,26 @@ fn what_is_flat_is_hidden_for_as_long() {
         let expected: &[&str] =
             if visible { &["stand", "still", "own"] } else { &["still", "own"] };
         assert_eq!(names(&scene), expected, "at {time_s} s");
+    }
+}
+
+/// A square across z, squeezed along z to nothing and further: it shows the same side all the time.
+#[test]
+fn what_is_flat_for_a_moment_stays() {
+    for first in [1.0, -1.0] {
+        let mut file = File::triangle();
+        let scales = file.vectors(&[[1.0, first, 1.0], [1.0, first, 0.0], [1.0, first, -1.0]]);
+        file.animation("press", &[0.0, 1.0, 2.0], &[(0, "scale", "LINEAR", scales)]);
+        let mut scene = file.load().unwrap();
+        for time_s in [0.0, 0.5, 1.0, 1.5] {
+            scene.pose(AnimationChoice::All, time_s).unwrap();
+            let ([a, b, c], normal) = world_triangles(&scene)[0];
+            let face = (b - a).cross(c - a).normalize();
+            assert!(face.dot(normal) > 0.999, "{first} at {time_s} s: {face} {normal}");
+            let mut valid = scene.clone();
+            valid.validate().unwrap();
+            assert_eq!(valid, scene);
+        }
     }
 }
 

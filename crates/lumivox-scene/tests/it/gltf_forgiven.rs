@@ -1,9 +1,13 @@
 //! Faults that cost no more than the faulty part: the rest of the scene is shown, with a warning.
 
+use glam::Vec3;
 use lumivox_scene::{LoadOptions, Scene, SceneError};
 use serde_json::{Value, json};
 
-use crate::common::{File, data_uri, encode, fault, load, load_from_memory, png};
+use crate::common::{
+    File, data_uri, encode, fault, load, load_from_memory, png, textured_cube, world_triangles,
+    write,
+};
 
 /// The warnings of a file that loads.
 fn warnings(file: &File) -> String {
@@ -165,6 +169,178 @@ fn a_scene_need_not_name_nodes() {
     let nothing = br#"{ "asset": { "version": "2.0" }, "meshes": [] }"#;
     let error = load_from_memory("scene.gltf", nothing).unwrap_err();
     assert!(matches!(&error, SceneError::NoTriangles { .. }), "{error}");
+}
+
+#[test]
+fn an_empty_scene_names_the_others() {
+    let mut file = File::triangle();
+    file.json["scenes"] = json!([{ "name": "empty" }, { "name": "full", "nodes": [0] }, {}]);
+    let error = fault(&file);
+    assert!(error.contains("with meshes, for --scene-in-file: 1 \"full\")"), "{error}");
+    file.json["scenes"][1]["nodes"] = json!([]);
+    assert!(!fault(&file).contains("--scene-in-file"));
+}
+
+/// A number that is none costs the place where it is, and is told.
+#[test]
+fn numbers_that_are_none_are_replaced() {
+    let sound = textured_cube().load().unwrap();
+    for (semantic, size, lost, words) in [
+        ("POSITION", 3, 2, "2 triangles with a corner that is not finite were left out"),
+        ("NORMAL", 3, 0, "1 normals without a direction were replaced"),
+        ("TEXCOORD_0", 2, 0, "1 texture coordinates are not finite and became zero"),
+        ("TANGENT", 4, 0, ""),
+        ("COLOR_0", 4, 0, "1 vertices have no colour, or one that is not finite"),
+    ] {
+        for bad in [f32::NAN, f32::NEG_INFINITY] {
+            let mut file = textured_cube();
+            let attributes = &file.json["meshes"][0]["primitives"][0]["attributes"];
+            let accessor = match attributes[semantic].as_u64() {
+                Some(accessor) => accessor as usize,
+                None => file.vectors(&[[1.0, 0.0, 0.0, 1.0]; 24]),
+            };
+            let view = file.json["accessors"][accessor]["bufferView"].as_u64().unwrap() as usize;
+            let begin = file.json["bufferViews"][view]["byteOffset"].as_u64().unwrap() as usize;
+            // The first corner of the first side, which two triangles share.
+            let at = begin + 4 * (size - 1);
+            file.binary[at..at + 4].copy_from_slice(&bad.to_le_bytes());
+            file.json["meshes"][0]["primitives"][0]["attributes"][semantic] = json!(accessor);
+            let scene = file.load().unwrap();
+            assert_eq!(scene.triangle_count() + lost, sound.triangle_count(), "{semantic}");
+            let told = scene.notes.warnings.join("\n");
+            assert!(told.contains(words), "{semantic}: {told}");
+            if lost == 0 {
+                assert_eq!(scene.meshes[0].normals, sound.meshes[0].normals, "{semantic}");
+            }
+        }
+    }
+    // A place that no triangle uses matters to nobody.
+    let mut file = File::triangle();
+    let positions =
+        file.vectors(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [f32::NAN, 0.0, 0.0]]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(positions);
+    assert_eq!(warnings(&file), warnings(&File::triangle()));
+}
+
+/// A node with a scale of zero along one axis is a flat thing.
+#[test]
+fn a_scale_of_zero_flattens() {
+    let whole = textured_cube().load().unwrap();
+    for matrix in [false, true] {
+        let mut file = textured_cube();
+        file.json["nodes"][0] = if matrix {
+            json!({ "mesh": 0, "matrix": [3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, -1, 0, 1] })
+        } else {
+            json!({ "mesh": 0, "scale": [3, 0, 3], "translation": [0, -1, 0] })
+        };
+        let scene = file.load().unwrap();
+        assert_eq!(scene.triangle_count(), whole.triangle_count());
+        let size = scene.bounds().size();
+        assert!(size.y < 1e-4 && size.x == 6.0 && size.z == 6.0, "{size}");
+        let up = |(_, normal): &&([Vec3; 3], Vec3)| normal.y > 0.999;
+        let triangles = world_triangles(&scene);
+        // Two triangles look up and two down.
+        assert_eq!(triangles.iter().filter(up).count(), 2);
+        for ([a, b, c], normal) in triangles.iter().filter(up) {
+            assert!((*b - *a).cross(*c - *a).normalize().dot(*normal) > 0.999);
+        }
+    }
+    // A camera and a lamp on such a node still have a direction; one of zero everywhere has none.
+    let mut file = File::triangle();
+    file.push(
+        "cameras",
+        json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 1 } }),
+    );
+    let turned = [0.0, std::f32::consts::FRAC_1_SQRT_2, 0.0, std::f32::consts::FRAC_1_SQRT_2];
+    file.node(json!({ "camera": 0, "rotation": turned, "scale": [1, 1, 0] }), true);
+    let camera = &file.load().unwrap().cameras[0];
+    assert!((camera.forward + Vec3::X).length() < 1e-5, "{}", camera.forward);
+}
+
+/// Cameras and lights have their own name, or their node's, and are found by both.
+#[test]
+fn nodes_name_cameras_and_lights() {
+    let mut file = File::triangle();
+    let lens = json!({ "yfov": 1, "znear": 1 });
+    file.push("cameras", json!({ "type": "perspective", "perspective": lens }));
+    file.push("cameras", json!({ "name": "lens", "type": "perspective", "perspective": lens }));
+    for (name, camera) in [("front", 0), ("left", 1), ("right", 1)] {
+        file.node(json!({ "name": name, "camera": camera }), true);
+    }
+    file.node(json!({ "camera": 0 }), true);
+    file.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    let lights = json!([{ "type": "point", "name": "bulb" }]);
+    file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": lights } });
+    let on = json!({ "KHR_lights_punctual": { "light": 0 } });
+    file.node(json!({ "name": "lens", "extensions": on }), true);
+    let scene = file.load().unwrap();
+    let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    assert_eq!(names, ["front", "lens", "right", "camera 0"]);
+    assert_eq!(scene.lights[0].name, "bulb");
+    for (node, name) in [("left", "lens"), ("lens", "bulb"), ("right", "right"), ("gone", "gone")] {
+        assert_eq!(scene.name_on(node), name);
+    }
+}
+
+/// What others read although it is against the letter of the format.
+#[test]
+fn small_faults_cost_nothing() {
+    let sound = File::triangle().load().unwrap();
+    let changes: [fn(&mut Value); 2] = [
+        |json| json["buffers"] = json!([{ "byteLength": 1_u64 << 40 }]),
+        |json| json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]),
+    ];
+    for change in changes {
+        let mut file = File::triangle();
+        change(&mut file.json);
+        assert_eq!(file.load().unwrap().instances, sound.instances);
+    }
+    let text = String::from_utf8(File::triangle().embedded()).unwrap();
+    let odd = text.replacen("\"count\":3", "\"count\":3,\"min\":[NaN,-Infinity,Infinity]", 1);
+    let odd = odd.replace("\"stand\"", "\"NaN \\\" Infinity\"") + "\0\0\0";
+    let scene = load("scene.gltf", odd.as_bytes()).unwrap();
+    assert_eq!(scene.meshes, sound.meshes);
+    assert_eq!(scene.instances[0].name, "NaN \" Infinity");
+    assert!(scene.notes.warnings[0].contains("not finite became zero"), "{:?}", scene.notes);
+}
+
+/// The URIs of files that people have, and data in all its spellings.
+#[test]
+fn what_exists_decides_what_a_uri_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = File::triangle();
+    let names = ["50%.bin", "a%20b.bin", "my data.bin", "Case.BIN", "b%ff.bin"];
+    for name in names {
+        write(folder.path(), name, &file.binary);
+    }
+    for uri in [
+        "50%.bin",
+        "50%25.bin",
+        "a%20b.bin",
+        "my%20data.bin",
+        "my data.bin",
+        "./sub/../my%20data.bin",
+        "sub\\..\\case.bin",
+        "C:\\models\\Case.bin",
+        "b%ff.bin",
+        "my%20data.bin?v=2#top",
+    ] {
+        let scene = Scene::load(write(folder.path(), "scene.gltf", &file.naming(uri)));
+        assert_eq!(scene.unwrap().triangle_count(), 1, "{uri}");
+    }
+    let base64 = data_uri("application/octet-stream", &file.binary);
+    let (head, body) = base64.split_once(',').unwrap();
+    let escaped: String =
+        file.binary.iter().fold(String::new(), |text, byte| text + &format!("%{byte:02x}"));
+    for uri in [
+        format!("{head},{}\n{}", &body[..33], &body[33..]),
+        format!("{head}, {}", body.replace('A', "%41").replace('=', "%3D")),
+        format!("DATA:;Base64,{}", body.replace('+', "-").replace('/', "_")),
+        format!("data:application/octet-stream,{escaped}"),
+    ] {
+        let scene = Scene::load(write(folder.path(), "scene.gltf", &file.naming(&uri)));
+        assert_eq!(scene.unwrap().triangle_count(), 1, "{uri}");
+    }
 }
 
 #[test]

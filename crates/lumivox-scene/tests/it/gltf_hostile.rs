@@ -138,7 +138,7 @@ fn geometry_without_sense() {
         let mut file = File::triangle();
         file.binary[4..8].copy_from_slice(&bad.to_le_bytes());
         let error = fault(&file);
-        assert!(error.contains("mesh \"thing\", position 0"), "{error}");
+        assert!(error.contains("numbers that are not finite"), "{error}");
     }
     let mut beyond = File::triangle();
     let at = beyond.json["bufferViews"][1]["byteOffset"].as_u64().unwrap() as usize;
@@ -186,8 +186,6 @@ fn claims_beyond_the_data() {
     assert!(error.contains("do not fit in its buffer"), "{error}");
     let error = changed(|json| json["bufferViews"][0]["byteStride"] = json!(4));
     assert!(error.contains("stride"), "{error}");
-    let error = changed(|json| json["buffers"] = json!([{ "byteLength": 1_u64 << 40 }]));
-    assert!(error.contains("only"), "{error}");
     let zeros = |json: &mut serde_json::Value| {
         json["accessors"][0] =
             json!({ "componentType": 5126, "count": 100_000_000, "type": "VEC3" });
@@ -248,8 +246,6 @@ fn a_deep_hierarchy_is_no_danger() {
 fn transforms_without_sense() {
     let error = changed(|json| json["nodes"][0]["translation"] = json!([1e300, 0, 0]));
     assert!(error.contains("not finite") || error.contains("JSON"), "{error}");
-    let error = changed(|json| json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]));
-    assert!(error.contains("length zero"), "{error}");
     let mut projection = [0.0; 16];
     for i in 0..4 {
         projection[i * 5] = 1.0;

@@ -222,10 +222,32 @@ fn streams_without_sense() {
     assert!(fault(&|e| e["filter"] = json!("OCTAHEDRAL")).contains("filter"));
     fault(&|e| e["mode"] = json!("TRIANGLES"));
     fault(&|e| e["byteLength"] = json!(5));
-    // A buffer without bytes must be a fallback.
+    // A buffer without bytes must be a stand-in.
     let mut file = square();
-    file.json["buffers"][1].as_object_mut().unwrap().remove("extensions");
+    file.json["bufferViews"][0].as_object_mut().unwrap().remove("extensions");
     assert!(file.load().unwrap_err().to_string().contains("buffer 1"));
+}
+
+/// A buffer of which all views are compressed is not read, whether it is marked or not, and whether
+/// its file exists or not.
+#[test]
+fn stand_ins_need_no_mark() {
+    let expected = square().load().unwrap().meshes;
+    let mut unmarked = square();
+    unmarked.json["buffers"][1].as_object_mut().unwrap().remove("extensions");
+    assert_eq!(unmarked.load().unwrap().meshes, expected);
+    for marked in [true, false] {
+        let mut missing = if marked { square() } else { unmarked.clone() };
+        missing.json["buffers"][1]["uri"] = json!("gone.bin");
+        assert_eq!(missing.load().unwrap().meshes, expected);
+    }
+    // The stream of one may lie in a buffer whose other views are compressed.
+    let mut mixed = unmarked;
+    for view in mixed.json["bufferViews"].as_array_mut().unwrap() {
+        view["buffer"] = json!(0);
+    }
+    mixed.json["buffers"].as_array_mut().unwrap().pop();
+    assert_eq!(mixed.load().unwrap().meshes, expected);
 }
 
 #[test]

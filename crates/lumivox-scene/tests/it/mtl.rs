@@ -193,6 +193,72 @@ fn several_libraries_and_names_with_spaces() {
     assert!(warns(&scene, "d.mtl, line 1: \"Kd\" was ignored: it comes before"));
 }
 
+/// A triangle for each material of an OBJ file, and their colours.
+fn colors(files: &[(&str, &str)], libraries: &str, materials: &[&str]) -> Vec<Vec3> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        write(folder.path(), name, text.as_bytes());
+    }
+    let faces: Vec<_> =
+        materials.iter().map(|name| format!("g {name}\nusemtl {name}\nf 1 2 3")).collect();
+    let obj = format!("{libraries}\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{}\n", faces.join("\n"));
+    let scene = Scene::load(write(folder.path(), "house.obj", obj.as_bytes())).unwrap();
+    let color = |i: &lumivox_scene::Instance| match scene.materials[i.material].shading {
+        Shading::Phong(p) => p.diffuse,
+        _ => Vec3::NAN,
+    };
+    scene.instances.iter().map(color).collect()
+}
+
+#[test]
+fn what_exists_decides_between_names() {
+    let files = [
+        ("box red.mtl", "newmtl red\nKd 1 0 0\n"),
+        ("box green.mtl", "newmtl green\nKd 0 1 0\n"),
+        ("blue.mtl", "newmtl blue\nKd 0 0 1\n"),
+    ];
+    let expected = [Vec3::X, Vec3::Y, Vec3::Z];
+    for libraries in [
+        "mtllib box red.mtl box green.mtl blue.mtl",
+        "mtllib blue.mtl box red.mtl   box green.mtl # a comment",
+        "mtllib gone away.mtl box green.mtl blue.mtl gone.mtl box red.mtl",
+        "mtllib \"box red.mtl\" \"Box Green.mtl\" 'blue.mtl'",
+    ] {
+        assert_eq!(colors(&files, libraries, &["red", "green", "blue"]), expected, "{libraries}");
+    }
+    // Materials: the name itself first.
+    let files = [(
+        "house.mtl",
+        "newmtl red\nKd 1 0 0\nnewmtl Red\nKd 0 1 0\nnewmtl \"blue\" # sky\nKd 0 0 1\n",
+    )];
+    let names = ["red", "Red", "BLUE # of the sky", "\"red\"", "\"Red\" # two"];
+    let found = colors(&files, "mtllib house.mtl", &names);
+    assert_eq!(found, [Vec3::X, Vec3::Y, Vec3::Z, Vec3::X, Vec3::X]);
+}
+
+#[test]
+fn images_have_options_before_and_behind() {
+    let files = [("a b.png", dot([9, 9, 9, 255]))];
+    for line in [
+        "map_Kd a b.png -s 2 2 1",
+        "map_Kd -s 2 2 1 \"a b.png\" # wood",
+        "map_Kd -rotate 90 -s 2 2 1 a b.png",
+        "map_Kd \"a b.png\" -s 2 2 -flip",
+    ] {
+        let scene = with(line, &files);
+        let texture = phong(&scene).diffuse_texture.unwrap();
+        assert_eq!(scene.textures[0].rgba8, [9, 9, 9, 255], "{line}: {:?}", scene.notes.warnings);
+        assert_eq!(
+            texture.transform.matrix2,
+            glam::Mat2::from_diagonal(Vec2::splat(2.0)),
+            "{line}"
+        );
+        for option in ["-rotate", "-flip"] {
+            assert_eq!(warns(&scene, option), line.contains(option), "{line}");
+        }
+    }
+}
+
 #[test]
 fn physical_keys_make_metallic_roughness() {
     let files = [

@@ -22,7 +22,9 @@ use crate::cli::RenderArgs;
 use crate::host::Host;
 use crate::progress::ProgressDisplay;
 use crate::sequence::FrameFiles;
-use crate::timeline::{PathFile, PictureTimes, Schedule, ScheduleOptions, TimeChoice};
+use crate::timeline::{
+    AnimationName, PathFile, PictureTimes, Schedule, ScheduleOptions, TimeChoice,
+};
 use clock::Clock;
 
 /// Everything that is needed before the first picture.
@@ -45,8 +47,11 @@ struct RenderJob<'a> {
 /// # Errors
 /// When anything that the arguments ask for cannot be done; the message says what.
 pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> {
-    let is_sequence = FrameFiles::is_meant(&args.output, asks_for_sequence(args));
-    if is_sequence || asks_for_sequence(args) {
+    let is_asked = asks_for_sequence(args);
+    let is_meant = FrameFiles::is_meant(&args.output, is_asked);
+    // A name with # is one picture's if nothing moves, which only the scene can tell.
+    let may_be_one = !is_asked && FrameFiles::is_pattern(&args.output);
+    if (is_meant || is_asked) && !may_be_one {
         FrameFiles::new(&args.output)?.check()?;
     } else {
         output::check(&args.output)?;
@@ -65,6 +70,9 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
     }
     let mut scene = args.scene.load(&progress)?;
     light::add(&mut scene, &args.light.sources, &progress)?;
+    let is_still =
+        scene.animations().is_empty() || args.timeline.animation == Some(AnimationName::None);
+    let is_sequence = is_meant && !(may_be_one && is_still);
     let asked = ScheduleOptions {
         time: args.timeline.time,
         fps: f64::from(args.timeline.fps),

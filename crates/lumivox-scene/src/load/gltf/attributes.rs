@@ -77,37 +77,18 @@ impl Loader<'_> {
         Ok(Vec::new())
     }
 
-    /// Colours of three or four components; `None` if all are white.
-    pub(super) fn read_colors(
-        &mut self,
-        accessor: usize,
-        part: &str,
-    ) -> Result<Vec<Vec4>, SceneError> {
+    /// Colours of three or four components.
+    pub(super) fn read_colors(&self, accessor: usize) -> Result<Vec<Vec4>, SceneError> {
         use gltf::json::accessor::Type;
         let what = "colours";
         let kind = self.root().accessors.get(accessor).map(|json| json.type_);
-        let mut colors: Vec<Vec4> = if kind == Some(Checked::Valid(Type::Vec3)) {
+        let colors: Vec<Vec4> = if kind == Some(Checked::Valid(Type::Vec3)) {
             let colors = self.read_shares::<3>(accessor, what)?;
             colors.into_iter().map(|[r, g, b]| Vec4::new(r, g, b, 1.0)).collect()
         } else {
             let colors = self.read_shares::<4>(accessor, what)?;
             colors.into_iter().map(Vec4::from_array).collect()
         };
-        let mut limited = 0;
-        for color in &mut colors {
-            let within = color.clamp(Vec4::ZERO, Vec4::ONE);
-            // Values that are not finite are refused by name later.
-            if color.is_finite() && *color != within {
-                *color = within;
-                limited += 1;
-            }
-        }
-        if limited > 0 {
-            self.notes.warn(format!("{part}: {limited} colours were limited to 0 to 1"));
-        }
-        if colors.iter().all(|&color| color == Vec4::ONE) {
-            colors = Vec::new();
-        }
         Ok(colors)
     }
 }

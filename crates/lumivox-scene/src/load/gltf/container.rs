@@ -51,6 +51,9 @@ pub(super) fn parse<'a>(
     };
     // Some exporters write a byte order mark, which JSON forbids.
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    // Others pad it with zeros.
+    let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    let json = &json[..end];
     let root = read_root(json, notes);
     if let Some(version) = version::of_document(json, root.as_ref().ok()) {
         return Err(version::unknown(file, version));
@@ -216,24 +219,18 @@ fn read_buffers<'a>(
             part: part.clone(),
             reason,
         };
+        if compression::is_stand_in(root, i) {
+            buffers.push(Cow::Borrowed(&[]));
+            continue;
+        }
         let data = match (&buffer.uri, binary) {
             (Some(uri), _) => Cow::Owned(files::read_uri(file, &part, uri, reach)?),
             // Only the first buffer may be the GLB's own.
             (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
-            // Its data are compressed elsewhere.
-            (None, _) if compression::is_stand_in(buffer) => {
-                buffers.push(Cow::Borrowed(&[]));
-                continue;
-            }
             (None, _) => return Err(malformed("it has neither a URI nor a GLB chunk".to_owned())),
         };
-        if (data.len() as u64) < buffer.byte_length.0 {
-            return Err(malformed(format!(
-                "{} bytes are declared, but only {} exist",
-                buffer.byte_length.0,
-                data.len()
-            )));
-        }
+        // The declared length counts the padding of some programs, which need not be there: what
+        // counts is that views fit.
         buffers.push(data);
     }
     Ok(buffers)

@@ -5,7 +5,7 @@ use glam::{Mat4, Quat, Vec3};
 use super::Loader;
 use crate::SceneError;
 use crate::load::files::shorten;
-use crate::validate::is_invertible;
+use crate::validate::invertible;
 
 const EXTENSION: &str = "EXT_mesh_gpu_instancing";
 
@@ -69,18 +69,12 @@ impl Loader<'_> {
                 rotation,
                 translations.as_ref().map_or(Vec3::ZERO, |t| Vec3::from_array(t[i])),
             );
-            if !matrix.is_finite() {
-                let part = format!("{name}, the transform of copy {i},");
-                return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
-            }
-            if is_invertible(matrix) {
-                copies.push(matrix);
-            }
+            copies.extend(Some(matrix).filter(Mat4::is_finite).and_then(|m| invertible(m, false)));
         }
         let hidden = count as usize - copies.len();
         if hidden > 0 {
             self.notes.warn(format!(
-                "{name}: {hidden} of {count} copies were skipped, because they are scaled to zero"
+                "{name}: {hidden} of {count} copies were skipped, because they are scaled to zero or not finite"
             ));
         }
         Ok(Some(copies))

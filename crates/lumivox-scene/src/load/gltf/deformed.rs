@@ -6,6 +6,7 @@ use gltf::Semantic;
 use super::Loader;
 use super::node::Site;
 use super::primitive::{mesh_name, to_triangles};
+use crate::load::repair;
 use crate::pose::{Base, Deformed, Influences, Target};
 use crate::{Mesh, SceneError};
 
@@ -79,7 +80,9 @@ impl Loader<'_> {
         // Vertices of no triangle may be anything that exists.
         let last = (count.max(1) - 1) as u32;
         let mut of: Vec<u32> = (0..mesh.positions.len() as u32).map(|i| i.min(last)).collect();
-        for (&vertex, &corner) in mesh.indices.iter().zip(&corners) {
+        // Backwards, so that the first use counts: all corners of a triangle that was left out are
+        // its first.
+        for (&vertex, &corner) in mesh.indices.iter().zip(&corners).rev() {
             of[vertex as usize] = corner;
         }
         Ok(Sources { of, count })
@@ -133,14 +136,12 @@ impl Loader<'_> {
             let reason = format!("it has {} {what} for {count} vertices", values.len());
             return Err(self.malformed(part, &reason));
         }
-        let values: Vec<Vec3> = values.into_iter().map(Vec3::from_array).collect();
-        match values.iter().position(|v| !v.is_finite()) {
-            None => Ok(values),
-            Some(i) => Err(SceneError::NotFinite {
-                file: self.file.to_owned(),
-                part: format!("{part}, {what} {i},"),
-            }),
+        let mut values: Vec<Vec3> = values.into_iter().map(Vec3::from_array).collect();
+        let broken = repair::replace(values.iter_mut(), Vec3::is_finite, Vec3::ZERO);
+        if broken > 0 {
+            self.notes.warn(format!("{part}: {broken} {what} are not finite and became zero"));
         }
+        Ok(values)
     }
 
     /// The joints that move each vertex. Common faults of exporters in weights are repaired.
@@ -179,10 +180,6 @@ impl Loader<'_> {
             let pairs = chosen.as_flattened().iter().zip(weights.as_flattened());
             for (i, (&joint, &weight)) in pairs.enumerate() {
                 let vertex = i / 4;
-                if !weight.is_finite() {
-                    let part = format!("{part}, a weight of vertex {vertex},");
-                    return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
-                }
                 // Joints without weight may be anything.
                 if weight == 0.0 {
                     continue;
@@ -202,8 +199,8 @@ impl Loader<'_> {
         let repaired = (0..sources.count).filter(|&vertex| bones.repair(vertex)).count();
         if repaired > 0 {
             self.notes.warn(format!(
-                "{part}: {repaired} vertices have joint weights that are negative, or whose sum is \
-                 not one; they were repaired"
+                "{part}: {repaired} vertices have joint weights that are negative or not finite, or \
+                 whose sum is not one; they were repaired"
             ));
         }
         Ok(sources.influences(&bones))
@@ -244,11 +241,13 @@ impl Bones {
         let begin = vertex * self.most;
         let count = usize::from(self.counts[vertex]);
         let weights = &mut self.weights[begin..begin + count];
-        let mut has_negative = false;
+        let mut has_other = false;
         let mut sum = 0.0;
         for weight in weights.iter_mut() {
-            has_negative |= *weight < 0.0;
-            *weight = weight.max(0.0);
+            if !(weight.is_finite() && *weight >= 0.0) {
+                *weight = 0.0;
+                has_other = true;
+            }
             sum += f64::from(*weight);
         }
         if sum <= 0.0 {
@@ -262,7 +261,7 @@ impl Bones {
             *weight = (f64::from(*weight) / sum) as f32;
         }
         // Each weight is off by half a 255th at most.
-        has_negative || (sum - 1.0).abs() > 0.5 / 255.0 * count as f64 + 1e-3
+        has_other || (sum - 1.0).abs() > 0.5 / 255.0 * count as f64 + 1e-3
     }
 }
 

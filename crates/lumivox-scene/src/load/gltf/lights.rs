@@ -6,11 +6,17 @@ use gltf::khr_lights_punctual::Kind;
 
 use super::node::Site;
 use super::{Loader, extras, name_or_index};
+use crate::load::files;
 use crate::pose::place_camera;
 use crate::{Camera, Light, LightKind};
 
 impl Loader<'_> {
-    pub(super) fn put_light(&mut self, light: &gltf::khr_lights_punctual::Light<'_>, site: &Site) {
+    pub(super) fn put_light(
+        &mut self,
+        light: &gltf::khr_lights_punctual::Light<'_>,
+        node: Option<&str>,
+        site: &Site,
+    ) {
         let intensity = light.intensity();
         // The extension wants a range above zero; zero is a common "unlimited".
         let range_m = light.range().filter(|&range| range != 0.0);
@@ -29,7 +35,7 @@ impl Loader<'_> {
         };
         // The rig puts it in its place.
         let mut converted = Light {
-            name: name_or_index(light.name(), "light", light.index()),
+            name: self.name_on(node, light.name(), "light", light.index()),
             kind,
             color: Vec3::from_array(light.color()),
             ..Light::default()
@@ -39,10 +45,16 @@ impl Loader<'_> {
         self.rig.lights.push(site.node);
     }
 
-    pub(super) fn put_camera(&mut self, camera: &gltf::Camera<'_>, site: &Site) {
+    pub(super) fn put_camera(
+        &mut self,
+        camera: &gltf::Camera<'_>,
+        node: Option<&str>,
+        site: &Site,
+    ) {
         match convert_camera(camera, site) {
-            Some(camera) => {
-                self.scene.cameras.push(camera);
+            Some(converted) => {
+                let name = self.name_on(node, camera.name(), "camera", camera.index());
+                self.scene.cameras.push(Camera { name, ..converted });
                 self.rig.cameras.push(site.node);
             }
             None => self.notes.warn(format!(
@@ -53,6 +65,24 @@ impl Loader<'_> {
             )),
         }
     }
+
+    /// The name of a light or a camera: its own unless another has it, else its node's, which is
+    /// noted if it is another.
+    fn name_on(
+        &mut self,
+        node: Option<&str>,
+        own: Option<&str>,
+        kind: &'static str,
+        index: usize,
+    ) -> String {
+        let is_used = |own: &&str| self.names.contains(&(kind, (*own).to_owned()));
+        let name = name_or_index(own.filter(|own| !is_used(own)).or(node).or(own), kind, index);
+        self.names.insert((kind, name.clone()));
+        if let Some(node) = node.map(files::shorten).filter(|node| *node != name) {
+            self.scene.notes.nodes.entry(node).or_insert_with(|| name.clone());
+        }
+        name
+    }
 }
 
 fn convert_camera(camera: &gltf::Camera<'_>, site: &Site) -> Option<Camera> {
@@ -61,12 +91,7 @@ fn convert_camera(camera: &gltf::Camera<'_>, site: &Site) -> Option<Camera> {
     if !(fov > 0.0 && fov < std::f32::consts::PI && near_m > 0.0) {
         return None;
     }
-    let mut camera = Camera {
-        name: name_or_index(camera.name(), "camera", camera.index()),
-        vertical_fov_rad: fov,
-        near_m,
-        ..Camera::default()
-    };
+    let mut camera = Camera { vertical_fov_rad: fov, near_m, ..Camera::default() };
     // A scale of zero leaves no direction; an animation may give one.
     (place_camera(&mut camera, site.world_from_node) || site.moves).then_some(camera)
 }

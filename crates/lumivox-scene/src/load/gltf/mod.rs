@@ -37,7 +37,7 @@ mod texture;
 mod version;
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use gltf::json::Root;
@@ -71,6 +71,8 @@ struct Loader<'a> {
     budget: Budget<'a>,
     /// Skins of the rig by glTF skin.
     skins: HashMap<usize, usize>,
+    /// The names of lights and cameras so far, by kind.
+    names: HashSet<(&'static str, String)>,
     /// Meshes of the scene by primitive; `None` for skipped ones.
     meshes: HashMap<sharing::MeshKey, Option<usize>>,
     /// The scene's material for each material of a primitive.
@@ -116,6 +118,7 @@ fn load_bytes(
                 weights: 10_000_000,
             },
             skins: HashMap::new(),
+            names: HashSet::new(),
             meshes: HashMap::new(),
             materials: HashMap::new(),
             textures: Textures::default(),
@@ -133,8 +136,10 @@ fn load_bytes(
         }
         scene.notes.warnings = notes.warnings;
         Rig::install(&mut scene, rig)?;
-        crate::validate::validate(&mut scene, file)?;
-        return Ok(scene);
+        return match crate::validate::validate(&mut scene, file) {
+            Ok(()) => Ok(scene),
+            Err(error) => Err(scenes::with_others(error, &parsed.document)),
+        };
     }
 }
 

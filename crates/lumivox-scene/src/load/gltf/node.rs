@@ -109,11 +109,11 @@ impl Loader<'_> {
                         site.name
                     ));
                 } else {
-                    self.put_light(&light, &site);
+                    self.put_light(&light, gltf.name(), &site);
                 }
             }
             if let Some(camera) = gltf.camera() {
-                self.put_camera(&camera, &site);
+                self.put_camera(&camera, gltf.name(), &site);
             }
         }
         Ok(())
@@ -222,13 +222,12 @@ impl Loader<'_> {
                 let rotation = Quat::from_array(rotation);
                 let length = rotation.length();
                 if length <= 0.0 {
-                    return Err(
-                        self.malformed(&name, "its rotation is a quaternion of length zero")
-                    );
+                    self.notes
+                        .warn(format!("{name}: its rotation has length zero and was ignored"));
                 }
                 Local::Parts {
                     translation: Vec3::from_array(translation),
-                    rotation: rotation / length,
+                    rotation: if length > 0.0 { rotation / length } else { Quat::IDENTITY },
                     scale: Vec3::from_array(scale),
                 }
             }

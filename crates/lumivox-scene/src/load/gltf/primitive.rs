@@ -6,6 +6,7 @@ use gltf::mesh::Mode;
 
 use super::{Loader, name_or_index, own_vertices, tangents};
 use crate::load::normals::{self, unit_or_zero};
+use crate::load::repair;
 use crate::{Mesh, SceneError};
 
 impl Loader<'_> {
@@ -55,10 +56,6 @@ impl Loader<'_> {
 
         let positions = self.read_floats::<3>(positions, "positions")?;
         let positions: Vec<Vec3> = positions.into_iter().map(Vec3::from_array).collect();
-        if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
-            let part = format!("{part}, position {i},");
-            return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
-        }
         let count = positions.len();
         let indices = match primitive.indices() {
             Some(indices) => {
@@ -76,7 +73,7 @@ impl Loader<'_> {
         };
         let uvs1 = self.read_second_uvs(primitive, &part, material)?;
         let colors = match accessor(Semantic::Colors(0)) {
-            Some(colors) => self.read_colors(colors, &part)?,
+            Some(colors) => self.read_colors(colors)?,
             None => Vec::new(),
         };
         let normals = match accessor(Semantic::Normals) {
@@ -111,21 +108,22 @@ impl Loader<'_> {
             tangents: Vec::new(),
             indices,
         };
+        repair::attributes(&mut mesh, &mut self.notes);
+        if mesh.colors.iter().all(|&color| color == Vec4::ONE) {
+            mesh.colors = Vec::new();
+        }
         match normals {
             Some(normals) => {
                 mesh.normals = normals.into_iter().map(Vec3::from_array).collect();
                 own_vertices::keep_own(&mut mesh, tangents.as_mut());
-                self.repair_normals(&mut mesh)?;
+                repair::directions(&mut mesh, &mut self.notes);
             }
             None => make_flat(&mut mesh),
         }
         normals::set_any_tangents(&mut mesh);
         match (tangents, self.scene.materials[material].normal_texture) {
             (Some(given), _) => use_tangents(&mut mesh, &given),
-            // Values that are not finite are refused by name later.
-            (None, Some(texture)) if mesh.uvs.iter().chain(&mesh.uvs1).all(|uv| uv.is_finite()) => {
-                tangents::generate_for(&mut mesh, texture);
-            }
+            (None, Some(texture)) => tangents::generate_for(&mut mesh, texture),
             (None, _) => {}
         }
         Ok(Some(mesh))
@@ -147,22 +145,6 @@ impl Loader<'_> {
                 target: "vertices",
             }),
         }
-    }
-
-    /// Normalises normals, and gives those without a direction that of their triangles.
-    fn repair_normals(&mut self, mesh: &mut Mesh) -> Result<(), SceneError> {
-        if let Some(i) = mesh.normals.iter().position(|n| !n.is_finite()) {
-            let part = format!("mesh \"{}\", normal {i},", mesh.name);
-            return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
-        }
-        let broken = normals::repair(&mut mesh.normals, &mesh.positions, &mesh.indices);
-        if broken > 0 {
-            self.notes.warn(format!(
-                "mesh \"{}\": {broken} normals of length zero were replaced",
-                mesh.name
-            ));
-        }
-        Ok(())
     }
 }
 

@@ -9,7 +9,7 @@ use super::extras::Marks;
 use super::node::{Site, Tree};
 use crate::SceneError;
 use crate::pose::Placed;
-use crate::validate::is_invertible;
+use crate::validate::invertible;
 
 impl Loader<'_> {
     pub(super) fn put_mesh(
@@ -24,8 +24,8 @@ impl Loader<'_> {
             node.skin().is_some() && primitive.get(&Semantic::Joints(0)).is_some()
         };
         // Whatever the node's own scale is, joints place the vertices that they move.
-        let is_flat = !site.moves && !is_invertible(site.world_from_node);
-        if is_flat && !mesh.primitives().any(|primitive| is_skinned(&primitive)) {
+        let is_nothing = !site.moves && invertible(site.world_from_node, false).is_none();
+        if is_nothing && !mesh.primitives().any(|primitive| is_skinned(&primitive)) {
             self.notes
                 .warn(format!("{}: its mesh was skipped, because it is scaled to zero", site.name));
             return Ok(());

@@ -7,7 +7,7 @@ use super::{Notes, name_or_index};
 use crate::load::files::shorten;
 
 /// Reads the document. Removes, with a warning, channels that animate something other than nodes
-/// (`KHR_animation_pointer`), malformed animations, and data of morph targets for attributes other
+/// (`KHR_animation_pointer`), malformed animations, numbers that are not finite, and data of morph targets for attributes other
 /// than positions, normals and tangents.
 pub(super) fn read_root(json: &[u8], notes: &mut Notes) -> Result<Root, Error> {
     let root = match Root::from_slice(json) {
@@ -26,14 +26,38 @@ pub(super) fn read_root(json: &[u8], notes: &mut Notes) -> Result<Root, Error> {
 
 /// The JSON in a form that the library accepts, if there is something to repair.
 fn repaired(json: &[u8], notes: &mut Notes) -> Option<Vec<u8>> {
-    let mut document: Value = serde_json::from_slice(json).ok()?;
+    let finite = replace_numbers(json);
+    let mut document: Value = serde_json::from_slice(&finite).ok()?;
+    let is_finite = finite.len() == json.len();
+    if !is_finite {
+        notes.warn("numbers of its JSON that are not finite became zero".to_owned());
+    }
     let are_repaired = [
+        !is_finite,
         name_nodes(&mut document),
         drop_pointers(&mut document, notes),
         // The animations that are left.
         empty_animations(&mut document, notes),
     ];
     are_repaired.contains(&true).then(|| serde_json::to_vec(&document).ok())?
+}
+
+/// The JSON with zero for `NaN` and `Infinity`, as Python writes them.
+fn replace_numbers(json: &[u8]) -> Vec<u8> {
+    let mut finite = Vec::with_capacity(json.len());
+    let (mut in_text, mut at) = (false, 0);
+    while let Some(&byte) = json.get(at) {
+        let rest = &json[at..];
+        let number = [&b"NaN"[..], b"Infinity", b"-Infinity"]
+            .into_iter()
+            .find(|number| !in_text && rest.starts_with(number));
+        // An escaped character ends no text.
+        let taken = number.map_or(if in_text && byte == b'\\' { 2 } else { 1 }, <[u8]>::len);
+        in_text ^= byte == b'"';
+        finite.extend(if number.is_some() { b"0" } else { &rest[..taken.min(rest.len())] });
+        at += taken;
+    }
+    finite
 }
 
 /// A scene need not name nodes (glTF 2.0, section 5.27).

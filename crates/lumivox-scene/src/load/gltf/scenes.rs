@@ -4,6 +4,9 @@ use super::Loader;
 use crate::SceneError;
 use crate::load::files::shorten;
 
+/// The most scenes that an error lists.
+const MOST_LISTED: usize = 20;
+
 impl<'a> Loader<'a> {
     /// The root nodes of the scene of this name or number. Without one, those of the scene that the
     /// file marks, or else of the first. A file without scenes shows all root nodes.
@@ -35,14 +38,43 @@ impl<'a> Loader<'a> {
         number.and_then(|number| scenes.nth(number)).ok_or_else(|| SceneError::UnknownScene {
             file: self.file.to_owned(),
             wanted: shorten(wanted),
-            known: self
-                .document
-                .scenes()
-                .map(|scene| match scene.name() {
-                    Some(name) => format!("{} \"{}\"", scene.index(), shorten(name)),
-                    None => scene.index().to_string(),
-                })
-                .collect(),
+            known: self.document.scenes().map(|scene| number_and_name(&scene)).collect(),
         })
     }
+}
+
+fn number_and_name(scene: &gltf::Scene<'_>) -> String {
+    match scene.name() {
+        Some(name) => format!("{} \"{}\"", scene.index(), shorten(name)),
+        None => scene.index().to_string(),
+    }
+}
+
+/// The error of a scene without triangles, with the scenes of the file that have meshes.
+pub(super) fn with_others(error: SceneError, document: &gltf::Document) -> SceneError {
+    let SceneError::NoTriangles { file, reason } = error else { return error };
+    let has_mesh = |scene: &gltf::Scene<'_>| {
+        let mut is_met = vec![false; document.nodes().len()];
+        let mut open: Vec<_> = scene.nodes().collect();
+        while let Some(node) = open.pop() {
+            if node.mesh().is_some() {
+                return true;
+            }
+            if !std::mem::replace(&mut is_met[node.index()], true) {
+                open.extend(node.children());
+            }
+        }
+        false
+    };
+    let scenes = document.scenes().take(MOST_LISTED).filter(has_mesh);
+    let scenes: Vec<_> = scenes.map(|scene| number_and_name(&scene)).collect();
+    let reason = match scenes.as_slice() {
+        [] => reason,
+        _ if document.scenes().len() < 2 => reason,
+        _ => format!(
+            "{reason}; scenes of the file with meshes, for --scene-in-file: {}",
+            scenes.join(", ")
+        ),
+    };
+    SceneError::NoTriangles { file, reason }
 }

@@ -5,6 +5,7 @@ use glam::Mat4;
 use super::node::Tree;
 use super::{Loader, name_or_index};
 use crate::SceneError;
+use crate::load::repair;
 use crate::pose::Skin;
 
 impl Loader<'_> {
@@ -22,7 +23,7 @@ impl Loader<'_> {
         if joints.is_empty() {
             return Err(self.malformed(&part, "it has no joints"));
         }
-        let joint_from_mesh = match skin.inverse_bind_matrices() {
+        let mut joint_from_mesh = match skin.inverse_bind_matrices() {
             None => vec![Mat4::IDENTITY; joints.len()],
             Some(accessor) => {
                 let matrices = self.read_floats::<16>(accessor.index(), "inverse bind matrices")?;
@@ -37,9 +38,11 @@ impl Loader<'_> {
                 matrices.iter().take(joints.len()).map(Mat4::from_cols_array).collect()
             }
         };
-        if let Some(i) = joint_from_mesh.iter().position(|matrix| !matrix.is_finite()) {
-            let part = format!("{part}, inverse bind matrix {i},");
-            return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
+        let broken = repair::replace(joint_from_mesh.iter_mut(), |m| m.is_finite(), Mat4::IDENTITY);
+        if broken > 0 {
+            self.notes.warn(format!(
+                "{part}: {broken} inverse bind matrices are not finite and became the identity"
+            ));
         }
         self.rig.skins.push(Skin { joints, joint_from_mesh });
         let index = self.rig.skins.len() - 1;

@@ -142,11 +142,14 @@ impl<'a> Loader<'a> {
             ));
             uv_set = 0;
         }
-        if !wanted.transform.is_finite() {
-            let part = format!("material \"{material}\", a texture's transform,");
-            return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
+        let mut transform = wanted.transform;
+        if !transform.is_finite() {
+            self.notes.warn(format!(
+                "material \"{material}\": a texture's transform is not finite and was ignored"
+            ));
+            transform = Affine2::IDENTITY;
         }
-        Ok(Some(Placed { image, sampler, uv_set, transform: wanted.transform }))
+        Ok(Some(Placed { image, sampler, uv_set, transform }))
     }
 
     /// A texture of a single image.

@@ -1,4 +1,5 @@
-//! Statements of MTL that name an image: options, then the file.
+//! Statements of MTL that name an image: options, then the file. Some programs write options behind
+//! the file, and some write options of their own.
 
 use glam::{Affine2, Vec2};
 
@@ -37,8 +38,11 @@ pub(super) enum Channel {
 
 impl Map {
     /// Reads the rest of the line after the keyword; also returns the ignored options. `None` if no
-    /// file is named.
-    pub(super) fn parse(mut rest: &[u8]) -> Option<(Self, Vec<String>)> {
+    /// file is named. If it could be more than one name, the longest that `exists` counts.
+    pub(super) fn parse(
+        rest: &[u8],
+        exists: &dyn Fn(&[u8]) -> bool,
+    ) -> Option<(Self, Vec<String>)> {
         let mut map = Self {
             file: Vec::new(),
             scale: Vec2::ONE,
@@ -48,15 +52,40 @@ impl Map {
             channel: Channel::Unsaid,
         };
         let mut ignored = Vec::new();
+        let rest = map.options(rest, &mut ignored);
+        let (before, name, behind) = name_in(rest, exists);
+        map.file = name.to_vec();
+        // A name of its own ends each part, as numbers could be one.
+        for others in [before, behind] {
+            let line = [others, b" ."].concat();
+            let mut left = map.options(&line, &mut ignored);
+            while !left.is_empty() && left != b"." {
+                let (word, after) = keyword(left);
+                if word.starts_with(b"-") {
+                    ignored.push(readable(word));
+                }
+                left = map.options(after, &mut ignored);
+            }
+        }
+        let finite = map.scale.is_finite() && map.offset.is_finite() && map.bump.is_finite();
+        if !finite {
+            (map.scale, map.offset, map.bump) = (Vec2::ONE, Vec2::ZERO, 1.0);
+            ignored.push("a number that is not finite".to_owned());
+        }
+        (!map.file.is_empty()).then_some((map, ignored))
+    }
+
+    /// Reads the options at the start of a line, and returns the rest.
+    fn options<'t>(&mut self, mut rest: &'t [u8], ignored: &mut Vec<String>) -> &'t [u8] {
         while rest.starts_with(b"-") {
             let (option, mut after) = keyword(rest);
             match option {
-                b"-s" => map.scale = vector(&mut after, 1.0),
-                b"-o" => map.offset = vector(&mut after, 0.0),
-                b"-bm" => map.bump = values(&mut after, 1).first().copied().unwrap_or(1.0),
-                b"-clamp" => map.clamp = word(&mut after).eq_ignore_ascii_case(b"on"),
+                b"-s" => self.scale = vector(&mut after, 1.0),
+                b"-o" => self.offset = vector(&mut after, 0.0),
+                b"-bm" => self.bump = values(&mut after, 1).first().copied().unwrap_or(1.0),
+                b"-clamp" => self.clamp = word(&mut after).eq_ignore_ascii_case(b"on"),
                 b"-imfchan" => {
-                    map.channel = match word(&mut after) {
+                    self.channel = match word(&mut after) {
                         b"r" => Channel::Red,
                         b"g" => Channel::Green,
                         b"b" => Channel::Blue,
@@ -94,13 +123,7 @@ impl Map {
             }
             rest = after;
         }
-        map.file = rest.to_vec();
-        let finite = map.scale.is_finite() && map.offset.is_finite() && map.bump.is_finite();
-        if !finite {
-            (map.scale, map.offset, map.bump) = (Vec2::ONE, Vec2::ZERO, 1.0);
-            ignored.push("a number that is not finite".to_owned());
-        }
-        (!map.file.is_empty()).then_some((map, ignored))
+        rest
     }
 
     /// The texture as this statement uses it.
@@ -126,6 +149,36 @@ impl Map {
             texture.sampler.wrap_v = Wrap::ClampToEdge;
         }
     }
+}
+
+/// The most places where a name may begin, and where it may end, that are tried.
+const MOST_TRIED: usize = 8;
+
+/// Splits the rest of a line at the name of the file: the longest that exists, else all up to the
+/// next option.
+fn name_in<'t>(rest: &'t [u8], exists: &dyn Fn(&[u8]) -> bool) -> (&'t [u8], &'t [u8], &'t [u8]) {
+    let begins = |at: usize| at == 0 || rest[at - 1].is_ascii_whitespace();
+    let words: Vec<usize> =
+        (0..rest.len()).filter(|&at| begins(at) && !rest[at].is_ascii_whitespace()).collect();
+    // Values of an option that is not known come before the name.
+    let starts = if rest.starts_with(b"-") { MOST_TRIED } else { 1 };
+    let begins_option = |at: usize| {
+        at > 0 && rest[at] == b'-' && rest.get(at + 1).is_some_and(u8::is_ascii_alphabetic)
+    };
+    let options = words.iter().copied().filter(|&at| begins_option(at));
+    let ends: Vec<usize> = options.take(MOST_TRIED).chain([rest.len()]).collect();
+    let name =
+        |start: usize, end: usize| (&rest[..start], rest[start..end].trim_ascii(), &rest[end..]);
+    if starts > 1 || ends.len() > 1 {
+        for &start in words.iter().take(starts) {
+            for &end in ends.iter().rev().filter(|&&end| end > start) {
+                if exists(rest[start..end].trim_ascii()) {
+                    return name(start, end);
+                }
+            }
+        }
+    }
+    name(0, ends[0])
 }
 
 /// Takes the next word.
@@ -159,32 +212,62 @@ fn vector(rest: &mut &[u8], default: f32) -> Vec2 {
 mod tests {
     use super::*;
 
+    /// Of a file that does not exist.
+    fn parse(rest: &[u8]) -> Option<(Map, Vec<String>)> {
+        Map::parse(rest, &|_| false)
+    }
+
+    #[test]
+    fn what_exists_decides_between_names_and_options() {
+        let exists = |name: &[u8]| [&b"my wood - dark.png"[..], b"a.png", b"7"].contains(&name);
+        let parse = |rest| Map::parse(rest, &exists).unwrap();
+        for (line, file, ignored) in [
+            (&b"a.png -s 2 2 1"[..], &b"a.png"[..], &[] as &[&str]),
+            (b"-clamp on a.png -s 2 2 -bm 0.5", b"a.png", &[]),
+            (b"my wood - dark.png", b"my wood - dark.png", &[]),
+            (b"my wood - dark.png -s 2 2", b"my wood - dark.png", &[]),
+            (b"-rotate 90 -s 2 2 1 a.png", b"a.png", &["-rotate"]),
+            (b"-rotate 90 a.png -s 2 2 -flip", b"a.png", &["-rotate", "-flip"]),
+            (b"gone.png -s 2 2 1", b"gone.png", &[]),
+            (b"a.png -s 2 2 -clamp", b"a.png", &[]),
+            (b"a.png -s 2 2 -imfchan", b"a.png", &[]),
+            (b"a.png -s 2 2 -bm", b"a.png", &[]),
+            (b"7 -s 2 2", b"7", &[]),
+        ] {
+            let (map, others) = parse(line);
+            assert_eq!(map.file, file);
+            assert_eq!(others, ignored);
+            let scaled = line.windows(2).any(|pair| pair == b"-s");
+            assert_eq!(map.scale, if scaled { Vec2::splat(2.0) } else { Vec2::ONE });
+        }
+    }
+
     #[test]
     fn options_and_names_with_spaces() {
         let (map, ignored) =
-            Map::parse(b"-s 2 3 1 -o 0.5 0.25 -bm 0.3 -clamp on -imfchan g my wood.png").unwrap();
+            parse(b"-s 2 3 1 -o 0.5 0.25 -bm 0.3 -clamp on -imfchan g my wood.png").unwrap();
         assert_eq!(map.file, b"my wood.png");
         assert_eq!((map.scale, map.offset), (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.25)));
         assert_eq!((map.bump, map.clamp, map.channel), (0.3, true, Channel::Green));
         assert!(ignored.is_empty());
 
-        let (map, ignored) = Map::parse(b"-s 2 -t 0 0 0 -mm 0 1 -boost 3 -blendu off 7").unwrap();
+        let (map, ignored) = parse(b"-s 2 -t 0 0 0 -mm 0 1 -boost 3 -blendu off 7").unwrap();
         assert_eq!((map.file.as_slice(), map.scale), (&b"7"[..], Vec2::new(2.0, 1.0)));
         assert_eq!(ignored, ["-boost", "-blendu"]);
 
-        assert_eq!(Map::parse(b"-odd.png").unwrap().0.file, b"-odd.png");
-        assert!(Map::parse(b"").is_none());
-        assert!(Map::parse(b"-clamp on").is_none());
-        assert_eq!(Map::parse(b"-s nan 1 a.png").unwrap().0.scale, Vec2::ONE);
+        assert_eq!(parse(b"-odd.png").unwrap().0.file, b"-odd.png");
+        assert!(parse(b"").is_none());
+        assert!(parse(b"-clamp on").is_none());
+        assert_eq!(parse(b"-s nan 1 a.png").unwrap().0.scale, Vec2::ONE);
     }
 
     #[test]
     fn scale_and_offset_are_those_of_the_images_lower_left_corner() {
-        let (map, _) = Map::parse(b"-s 2 4 -o 0.25 0.125 a.png").unwrap();
+        let (map, _) = parse(b"-s 2 4 -o 0.25 0.125 a.png").unwrap();
         let transform = map.reference(3).transform;
         // In OBJ (0.5, 0.5) becomes (1.25, 2.125); both are turned upside down here.
         let moved = transform.transform_point2(Vec2::new(0.5, 1.0 - 0.5));
         assert!((moved - Vec2::new(1.25, 1.0 - 2.125)).length() < 1e-6, "{moved}");
-        assert_eq!(Map::parse(b"a.png").unwrap().0.reference(3), TextureRef::new(3));
+        assert_eq!(parse(b"a.png").unwrap().0.reference(3), TextureRef::new(3));
     }
 }

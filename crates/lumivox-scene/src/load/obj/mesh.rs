@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use super::corners::{Corner, Normal};
 use super::read::{Model, Submesh};
 use crate::load::geometry::GeometryBudget;
-use crate::load::{Notes, color, normals};
+use crate::load::{Notes, color, normals, repair};
 use crate::{Mesh, SceneError};
 
 /// A finished submesh.
@@ -35,10 +35,10 @@ impl<'m> Builder<'m> {
         group_normals: &'m [Vec3],
         crease_rad: Option<f32>,
     ) -> Self {
-        // Most programs write shares of one, some bytes.
+        // Most programs write shares of one, up to rounding, some bytes.
         let largest =
             model.colors.iter().fold(0.0, |most: f32, color| most.max(color.max_element()));
-        let full_color = if largest > 1.0 { 255.0 } else { 1.0 };
+        let full_color = if largest > 2.0 { 255.0 } else { 1.0 };
         let vertices = vec![Corner::NONE; model.corners.len()];
         Self { model, group_normals, crease_rad, vertices, full_color }
     }
@@ -74,6 +74,7 @@ impl<'m> Builder<'m> {
         if colored {
             mesh.colors = places.clone().map(|c| self.color(c).extend(1.0)).collect();
         }
+        repair::attributes(&mut mesh, notes);
         // Zero where the face decides.
         mesh.normals = order
             .iter()
@@ -99,12 +100,7 @@ impl<'m> Builder<'m> {
             _ => {}
         }
         drop(order);
-        let broken = normals::repair(&mut mesh.normals, &mesh.positions, &mesh.indices);
-        if broken > 0 {
-            notes.warn(format!(
-                "mesh \"{name}\": {broken} normals without a direction were replaced"
-            ));
-        }
+        repair::directions(&mut mesh, notes);
         normals::set_any_tangents(&mut mesh);
         Ok(Some(Built { name, material, mesh }))
     }
@@ -161,12 +157,8 @@ impl<'m> Builder<'m> {
 
     fn color(&self, corner: Corner) -> Vec3 {
         match self.model.colors.get(corner.position as usize) {
-            // In this order a value that is not a number becomes zero.
-            Some(color) if !color.is_nan() => (*color / self.full_color)
-                .max(Vec3::ZERO)
-                .min(Vec3::ONE)
-                .map(color::linear_from_srgb),
-            _ => Vec3::ONE,
+            Some(color) => (*color / self.full_color).map(color::linear_from_srgb),
+            None => Vec3::NAN,
         }
     }
 }

@@ -49,6 +49,8 @@ pub(super) fn first_mesh(
     let crease_rad = options.crease_rad;
     let (reader, _) = stream::open(file, options)?;
     let mut model = read::read(file, reader, notes, budget)?;
+    // VXCT knows no colours of vertices.
+    model.colors = Vec::new();
     let normals = model.group_normals();
     let mut submeshes = std::mem::take(&mut model.submeshes);
     submeshes.retain(|submesh| !submesh.indices.is_empty());

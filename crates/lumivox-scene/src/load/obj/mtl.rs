@@ -8,14 +8,19 @@ use glam::Vec3;
 use super::map::Map;
 use crate::SceneError;
 use crate::load::files::Reach;
-use crate::load::find::find;
+use crate::load::find::{bare, find};
 use crate::load::text::{Lines, keyword, number, numbers, readable, words};
 use crate::load::{LoadOptions, Notes, stream};
+
+/// The most words of a line that may be several names.
+const MOST_WORDS: usize = 32;
 
 /// The materials of all libraries of a scene.
 #[derive(Default)]
 pub(super) struct Library {
     materials: HashMap<Vec<u8>, Mtl>,
+    /// The first name of each [`plain`] one.
+    plain_names: HashMap<Vec<u8>, Vec<u8>>,
 }
 
 /// One material as its file gives it; `None` means not given.
@@ -69,20 +74,15 @@ impl Library {
     ) -> Result<Self, SceneError> {
         let mut library = Self::default();
         for name in names {
-            // One name with spaces, or several names.
-            let found = match find(&[file], name, reach) {
-                Ok(path) => vec![Ok(path)],
-                Err(reason) if words(name).count() < 2 => vec![Err(reason)],
-                Err(_) => words(name).map(|name| find(&[file], name, reach)).collect(),
-            };
+            let found = split(name, &|name| find(&[file], name, reach));
             for path in found {
                 match path {
-                    Ok(path) => library.read(&path, reach, notes)?,
+                    Ok(path) => library.read(&path, file, reach, notes)?,
                     Err(reason) => {
                         let beside = file.with_extension("mtl");
                         let is_there = reach.is_file(&beside) && reach.admit(&beside).is_ok();
                         let instead = if is_there {
-                            library.read(&beside, reach, notes)?;
+                            library.read(&beside, file, reach, notes)?;
                             "; the one of the scene's own name was read instead"
                         } else {
                             ""
@@ -95,11 +95,21 @@ impl Library {
         Ok(library)
     }
 
+    /// The material of a name, else the one whose name differs in case, quotation marks or a
+    /// comment.
     pub(super) fn get(&self, name: &[u8]) -> Option<&Mtl> {
-        self.materials.get(name)
+        let same = || self.materials.get(self.plain_names.get(&plain(name))?);
+        self.materials.get(name).or_else(same)
     }
 
-    fn read(&mut self, file: &Path, reach: Reach<'_>, notes: &mut Notes) -> Result<(), SceneError> {
+    fn read(
+        &mut self,
+        file: &Path,
+        scene: &Path,
+        reach: Reach<'_>,
+        notes: &mut Notes,
+    ) -> Result<(), SceneError> {
+        let exists = |name: &[u8]| find(&[file, scene], name, reach).is_ok();
         let mut options = LoadOptions { files: reach.source, ..LoadOptions::default() };
         let (reader, _) = stream::open(file, &mut options)?;
         let mut lines = Lines::new(file, reader, 0);
@@ -116,7 +126,7 @@ impl Library {
                 continue;
             }
             let said = match &mut current {
-                Some((_, mtl)) => mtl.statement(first, rest),
+                Some((_, mtl)) => mtl.statement(first, rest, &exists),
                 None => Err("it comes before the first \"newmtl\"".to_owned()),
             };
             if let Err(reason) = said {
@@ -135,6 +145,7 @@ impl Library {
     /// Stores a material; the first one of a name counts.
     fn insert(&mut self, named: Option<(Vec<u8>, Mtl)>) {
         if let Some((name, mtl)) = named {
+            self.plain_names.entry(plain(&name)).or_insert_with(|| name.clone());
             self.materials.entry(name).or_insert(mtl);
         }
     }
@@ -150,7 +161,12 @@ impl Mtl {
     }
 
     /// Reads a statement. The error is a sentence on why it has no effect.
-    fn statement(&mut self, first: &[u8], rest: &[u8]) -> Result<(), String> {
+    fn statement(
+        &mut self,
+        first: &[u8],
+        rest: &[u8],
+        exists: &dyn Fn(&[u8]) -> bool,
+    ) -> Result<(), String> {
         let first = first.to_ascii_lowercase();
         match first.as_slice() {
             b"kd" => self.diffuse = Some(color(rest)?),
@@ -174,15 +190,15 @@ impl Mtl {
                 }
                 _ => self.number(Scalar::Opacity, rest)?,
             },
-            b"map_kd" => self.map_statement(Slot::Diffuse, rest)?,
-            b"map_ks" => self.map_statement(Slot::Specular, rest)?,
-            b"map_ke" | b"map_emissive" => self.map_statement(Slot::Emission, rest)?,
-            b"map_d" | b"map_opacity" => self.map_statement(Slot::Opacity, rest)?,
-            b"map_bump" | b"bump" => self.map_statement(Slot::Bump, rest)?,
-            b"norm" | b"map_kn" | b"map_norm" => self.map_statement(Slot::Normal, rest)?,
-            b"map_pr" => self.map_statement(Slot::Roughness, rest)?,
-            b"map_pm" => self.map_statement(Slot::Metallic, rest)?,
-            b"map_ps" => self.map_statement(Slot::Sheen, rest)?,
+            b"map_kd" => self.map_statement(Slot::Diffuse, rest, exists)?,
+            b"map_ks" => self.map_statement(Slot::Specular, rest, exists)?,
+            b"map_ke" | b"map_emissive" => self.map_statement(Slot::Emission, rest, exists)?,
+            b"map_d" | b"map_opacity" => self.map_statement(Slot::Opacity, rest, exists)?,
+            b"map_bump" | b"bump" => self.map_statement(Slot::Bump, rest, exists)?,
+            b"norm" | b"map_kn" | b"map_norm" => self.map_statement(Slot::Normal, rest, exists)?,
+            b"map_pr" => self.map_statement(Slot::Roughness, rest, exists)?,
+            b"map_pm" => self.map_statement(Slot::Metallic, rest, exists)?,
+            b"map_ps" => self.map_statement(Slot::Sheen, rest, exists)?,
             // This program computes ambient light, and every exporter writes both keys. The
             // sharpness of reflections and anti-aliasing are not properties of surfaces.
             b"ka" | b"map_ka" | b"sharpness" | b"map_aat" => {}
@@ -210,14 +226,56 @@ impl Mtl {
         Ok(())
     }
 
-    fn map_statement(&mut self, slot: Slot, rest: &[u8]) -> Result<(), String> {
-        let (map, ignored) = Map::parse(rest).ok_or("it names no file")?;
+    fn map_statement(
+        &mut self,
+        slot: Slot,
+        rest: &[u8],
+        exists: &dyn Fn(&[u8]) -> bool,
+    ) -> Result<(), String> {
+        let (map, ignored) = Map::parse(rest, exists).ok_or("it names no file")?;
         self.maps.insert(slot, map);
         match ignored.first() {
             None => Ok(()),
             Some(_) => Err(format!("only its options {} are not supported", ignored.join(", "))),
         }
     }
+}
+
+/// The names of libraries in one line, each with blanks or without: the longest that are found, else
+/// up to the next `.mtl`.
+fn split<T>(names: &[u8], find: &dyn Fn(&[u8]) -> Result<T, String>) -> Vec<Result<T, String>> {
+    let ends: Vec<usize> = (1..=names.len())
+        .filter(|&at| !names[at - 1].is_ascii_whitespace())
+        .filter(|&at| names.get(at).is_none_or(u8::is_ascii_whitespace))
+        .collect();
+    // A line of that many words is no list of names.
+    if ends.len() > MOST_WORDS {
+        return vec![find(names)];
+    }
+    let mut found = Vec::new();
+    let mut rest = 0;
+    while rest < names.len() {
+        let name = |end: usize| names[rest..end].trim_ascii();
+        let longer = ends.iter().copied().filter(|&end| end > rest);
+        let (end, path) = longer
+            .clone()
+            .rev()
+            .find_map(|end| Some((end, Ok(find(name(end)).ok()?))))
+            .unwrap_or_else(|| {
+                let is_library = |&end: &usize| name(end).to_ascii_lowercase().ends_with(b".mtl");
+                let end = longer.clone().find(is_library).unwrap_or(names.len());
+                (end, find(name(end)))
+            });
+        found.push(path);
+        rest = end;
+    }
+    found
+}
+
+/// A name as far as people take care of it.
+fn plain(name: &[u8]) -> Vec<u8> {
+    let words: Vec<_> = words(bare(name)).collect();
+    words.join(&b' ').to_ascii_lowercase()
 }
 
 /// `r [g b]`, or `xyz x [y z]`; missing numbers equal the first.

@@ -55,13 +55,19 @@ pub(super) fn read(
     let mut state = State::default();
     while lines.advance_joined()? {
         let (first, rest) = keyword(lines.line());
+        // The longest statements have eight letters.
+        let mut lower = [0; 8];
+        let first = match lower.get_mut(..first.len()) {
+            Some(lower) => {
+                lower.copy_from_slice(first);
+                lower.make_ascii_lowercase();
+                lower
+            }
+            None => first,
+        };
         match state.statement(first, rest) {
             Ok(()) => {}
             Err(Fault::Text(reason)) => return Err(lines.malformed(reason)),
-            Err(Fault::NotFinite) => {
-                let part = format!("line {}", lines.number());
-                return Err(SceneError::NotFinite { file: file.to_owned(), part });
-            }
             Err(Fault::Index { index, count }) => {
                 return Err(SceneError::IndexOutOfRange {
                     file: file.to_owned(),
@@ -83,7 +89,6 @@ pub(super) fn read(
 
 enum Fault {
     Text(String),
-    NotFinite,
     Index { index: usize, count: usize },
 }
 
@@ -124,7 +129,6 @@ struct Skipped {
     lines_and_points: u64,
     free_form: u64,
     short_faces: u64,
-    broken_uvs: u64,
     lost_uvs: u64,
     lost_normals: u64,
     joined_submeshes: u64,
@@ -194,9 +198,6 @@ impl State {
     fn vertex(&mut self, rest: &[u8]) -> Result<(), Fault> {
         let mut words = words(rest);
         let position = Vec3::from_array(numbers::<3>(&mut words)?);
-        if !position.is_finite() {
-            return Err(Fault::NotFinite);
-        }
         if self.model.positions.len() >= Corner::NONE as usize {
             return Err("it is vertex 4294967296, more than indices can number".to_owned().into());
         }
@@ -223,18 +224,13 @@ impl State {
             None => 0.0,
         };
         // OBJ's v grows upwards.
-        let mut uv = Vec2::new(u, 1.0 - v);
-        if !uv.is_finite() {
-            uv = Vec2::ZERO;
-            self.skipped.broken_uvs += 1;
-        }
-        self.model.uvs.push(uv);
+        self.model.uvs.push(Vec2::new(u, 1.0 - v));
         Ok(())
     }
 
     fn smoothing_group(&mut self, rest: &[u8]) -> Result<(), Fault> {
         let word = words(rest).next().unwrap_or(b"off");
-        let number = match word {
+        let number = match word.to_ascii_lowercase().as_slice() {
             b"off" => 0,
             // Blender's older exporters.
             b"on" => 1,
@@ -358,7 +354,6 @@ impl State {
                 "free-form curves and surfaces are not supported and were skipped; export polygons",
             ),
             (skipped.short_faces, "faces of fewer than three corners were skipped"),
-            (skipped.broken_uvs, "texture coordinates were not finite and became zero"),
             (skipped.lost_uvs, "corners name texture coordinates that do not exist"),
             (skipped.lost_normals, "corners name normals that do not exist, theirs were computed"),
             (skipped.libraries, "more material libraries were not read"),

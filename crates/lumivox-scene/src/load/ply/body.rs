@@ -8,7 +8,7 @@ use super::header::{Element, Encoding, Header, Property};
 use super::source::Source;
 use crate::load::geometry::GeometryBudget;
 use crate::load::polygon::Cutter;
-use crate::load::{Notes, color};
+use crate::load::{Notes, color, repair};
 use crate::{Mesh, SceneError};
 
 /// The meaning of a vertex's property.
@@ -85,31 +85,22 @@ impl<'f> Body<'f> {
             };
             return Err(SceneError::NoTriangles { file: self.file.to_owned(), reason });
         }
-        // Scans mark unseen points by NaN positions.
-        let lost = |i: u32| !mesh.positions[i as usize].is_finite();
-        if let Some(&i) = mesh.indices.iter().find(|&&i| lost(i)) {
-            let part = format!("vertex {i}, which faces use,");
-            return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
-        }
-        let mut unused = 0_u64;
-        for position in mesh.positions.iter_mut().filter(|position| !position.is_finite()) {
-            *position = Vec3::ZERO;
-            unused += 1;
-        }
-        let mut broken = 0_u64;
-        for uv in mesh.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
-            *uv = Vec2::ZERO;
-            broken += 1;
-        }
         mesh.uvs.resize(mesh.positions.len(), Vec2::ZERO);
-        for (count, what) in [
-            (unused, "vertices that no face uses have places that are not finite"),
-            (broken, "texture coordinates were not finite and became zero"),
-            (self.short_polygons, "faces of fewer than three vertices were skipped"),
-        ] {
-            if count > 0 {
-                self.notes.warn(format!("{count} {what}"));
+        // Floats that are bytes of a screen's colours.
+        let largest =
+            mesh.colors.iter().fold(0.0, |most: f32, color| most.max(color.max_element()));
+        if largest > 2.0 {
+            let byte = color::Decoder::integers(255);
+            for color in &mut mesh.colors {
+                let [r, g, b, a] = color.to_array().map(f64::from);
+                let alpha = if a > 1.0 { byte.linear(a) } else { a as f32 };
+                *color = Vec4::new(byte.color(r), byte.color(g), byte.color(b), alpha);
             }
+        }
+        repair::attributes(mesh, &mut self.notes);
+        let short = self.short_polygons;
+        if short > 0 {
+            self.notes.warn(format!("{short} faces of fewer than three vertices were skipped"));
         }
         Ok((self.mesh, self.budget, self.notes))
     }

@@ -4,7 +4,7 @@ use std::io::{BufRead, ErrorKind};
 use std::path::Path;
 
 use crate::SceneError;
-use crate::load::text::{keyword, readable, words};
+use crate::load::text::{keyword, readable, without_mark, words};
 
 /// The most bytes of a header: a thousand times those of real ones.
 const LONGEST: usize = 1 << 20;
@@ -110,7 +110,7 @@ impl Header {
     pub(super) fn read(file: &Path, reader: &mut impl BufRead) -> Result<(Self, u64), SceneError> {
         let mut lines = HeadLines { file, reader, line: Vec::new(), bytes: 0, number: 0, cr: None };
         lines.advance()?;
-        if lines.line.trim_ascii_end() != b"ply" {
+        if without_mark(&lines.line).0.trim_ascii() != b"ply" {
             return Err(lines.malformed("the file does not begin with \"ply\"".to_owned()));
         }
         let mut encoding = None;
@@ -161,14 +161,15 @@ fn parse_element(rest: &[u8]) -> Result<Element, String> {
     };
     let number = std::str::from_utf8(count).ok().and_then(|count| count.parse().ok());
     let count = number.ok_or_else(|| format!("\"{}\" is not a count", readable(count)))?;
-    Ok(Element { name: readable(name), count, properties: Vec::new() })
+    Ok(Element { name: readable(name).to_ascii_lowercase(), count, properties: Vec::new() })
 }
 
 fn parse_property(rest: &[u8]) -> Result<Property, String> {
     let mut words = words(rest).peekable();
     let scalar = |words: &mut dyn Iterator<Item = &[u8]>| {
         let word = words.next().unwrap_or_default();
-        Scalar::parse(word).ok_or_else(|| format!("\"{}\" is not a type", readable(word)))
+        Scalar::parse(&word.to_ascii_lowercase())
+            .ok_or_else(|| format!("\"{}\" is not a type", readable(word)))
     };
     let list_count = match words.next_if_eq(&&b"list"[..]) {
         Some(_) => Some(scalar(&mut words)?),
@@ -179,7 +180,7 @@ fn parse_property(rest: &[u8]) -> Result<Property, String> {
     }
     let scalar = scalar(&mut words)?;
     let name = words.next().ok_or("a property has no name")?;
-    Ok(Property { name: readable(name), scalar, list_count })
+    Ok(Property { name: readable(name).to_ascii_lowercase(), scalar, list_count })
 }
 
 /// Reads only the lines of the header: the next byte may be anything.

@@ -19,7 +19,7 @@ mod source;
 use std::path::Path;
 
 use super::geometry::GeometryBudget;
-use super::{LoadOptions, Notes, normals, stand_in, stream};
+use super::{LoadOptions, Notes, normals, repair, stand_in, stream};
 use crate::{Instance, Mesh, Scene, SceneError};
 use header::{Encoding, Header};
 
@@ -72,10 +72,7 @@ fn with_normals(
     notes: &mut Notes,
 ) -> Result<Mesh, SceneError> {
     if !mesh.normals.is_empty() {
-        let broken = normals::repair(&mut mesh.normals, &mesh.positions, &mesh.indices);
-        if broken > 0 {
-            notes.warn(format!("{broken} normals without a direction were replaced"));
-        }
+        repair::directions(&mut mesh, notes);
     } else if let Some(crease_rad) = crease_rad {
         budget.spend_split(&mesh)?;
         let corners = normals::creased(&mesh.positions, &mesh.indices, crease_rad);

@@ -19,40 +19,42 @@ impl Reading<'_> {
         // Whether a facet, and a solid, have begun and not ended.
         let (mut in_facet, mut in_solid) = (false, false);
         while lines.advance()? {
-            let (first, name) = keyword(lines.line());
+            let (first, rest) = keyword(lines.line());
+            let mut text = lines.line();
             if first.eq_ignore_ascii_case(b"solid") {
+                // All of a file may be one line.
+                let begin =
+                    rest.windows(12).position(|at| at.eq_ignore_ascii_case(b"facet normal"));
+                let (name, facets) = rest.split_at(begin.unwrap_or(rest.len()));
+                text = facets;
+                in_solid = true;
                 if solids.len() < MOST_SOLIDS {
-                    solids.push(Solid { name: readable(name), corners: Vec::new() });
+                    let name = readable(name.trim_ascii());
+                    solids.push(Solid { name, corners: Vec::new() });
                 } else {
                     self.notes.warn(format!("solids after the {MOST_SOLIDS}th were joined"));
                 }
-                in_solid = true;
-                continue;
             }
-            if first.eq_ignore_ascii_case(b"endsolid") {
-                in_solid = false;
-                continue;
-            }
-            let mut words = words(lines.line());
+            let mut words = words(text);
             while let Some(word) = words.next() {
+                // Some write "end facet" for "endfacet".
+                let (ends, word) = match word.split_at_checked(3) {
+                    Some((start, rest)) if start.eq_ignore_ascii_case(b"end") => (
+                        true,
+                        if rest.is_empty() { words.next().unwrap_or_default() } else { rest },
+                    ),
+                    _ => (false, word),
+                };
                 let is = |keyword: &str| word.eq_ignore_ascii_case(keyword.as_bytes());
-                if is("facet") {
+                if is("facet") && !ends {
                     in_facet = true;
                     facet.clear();
-                } else if is("vertex") {
+                } else if is("vertex") && !ends {
                     let position =
                         numbers::<3>(&mut words).map_err(|reason| lines.malformed(reason))?;
-                    let position = Vec3::from_array(position);
-                    if !position.is_finite() {
-                        let part = format!("line {}", lines.number());
-                        return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
-                    }
-                    facet.push(position);
-                } else if is("endfacet") {
+                    facet.push(Vec3::from_array(position));
+                } else if is("facet") {
                     in_facet = false;
-                    let Some(solid) = solids.last_mut() else {
-                        return Err(lines.malformed("a facet comes before the first \"solid\""));
-                    };
                     if facet.len() < 3 {
                         let reason = format!("a facet ends with {} vertices", facet.len());
                         return Err(lines.malformed(reason));
@@ -64,19 +66,26 @@ impl Reading<'_> {
                         triangles.len(),
                         false,
                     )?;
-                    solid.corners.extend(triangles.iter().map(|&i| facet[i as usize]));
-                } else if is("endsolid") {
+                    if solids.is_empty() {
+                        solids.push(Solid { name: String::new(), corners: Vec::new() });
+                    }
+                    let last = solids.len() - 1;
+                    solids[last].corners.extend(triangles.iter().map(|&i| facet[i as usize]));
+                } else if is("solid") && ends {
                     in_solid = false;
                     break;
-                } else if is("color") {
+                } else if is("color") && !ends {
                     self.notes.warn("the colours of its facets were ignored".to_owned());
                     break;
-                } else if is("normal") {
+                } else if is("normal") && !ends {
                     // The winding gives it, too.
                     for _ in 0..3 {
                         words.next();
                     }
-                } else if !(is("outer") || is("loop") || is("endloop")) {
+                } else if !in_solid && !in_facet {
+                    // Remarks around the solids.
+                    break;
+                } else if !(is("loop") || (is("outer") && !ends)) {
                     let reason = format!("\"{}\" is not a word of STL", readable(word));
                     return Err(lines.malformed(reason));
                 }

@@ -21,7 +21,8 @@ use std::path::Path;
 use glam::{Vec2, Vec3};
 
 use super::geometry::GeometryBudget;
-use super::{LoadOptions, Notes, normals, stand_in, stream};
+use super::text::without_mark;
+use super::{LoadOptions, Notes, normals, repair, stand_in, stream};
 use crate::{Instance, Mesh, Scene, SceneError};
 
 /// Bytes before a binary file's triangles: a free header and their count.
@@ -85,7 +86,7 @@ impl Reading<'_> {
                 material: 0,
                 ..Instance::default()
             });
-            scene.meshes.push(solid.mesh(crease_rad));
+            scene.meshes.push(solid.mesh(crease_rad, &mut self.notes));
         }
         if scene.meshes.is_empty() {
             let reason = "it has no facets".to_owned();
@@ -98,12 +99,13 @@ impl Reading<'_> {
 }
 
 impl Solid {
-    fn mesh(self, crease_rad: Option<f32>) -> Mesh {
+    fn mesh(self, crease_rad: Option<f32>, notes: &mut Notes) -> Mesh {
         let mut mesh = Mesh { name: self.name, ..Mesh::default() };
         match crease_rad {
             Some(crease_rad) if crease_rad > 0.0 => {
                 (mesh.positions, mesh.indices) = weld(&self.corners);
                 drop(self.corners);
+                repair::attributes(&mut mesh, notes);
                 mesh.uvs = vec![Vec2::ZERO; mesh.positions.len()];
                 let normals = normals::creased(&mesh.positions, &mesh.indices, crease_rad);
                 normals::set_corner_normals(&mut mesh, &normals);
@@ -111,6 +113,7 @@ impl Solid {
             _ => {
                 mesh.positions = self.corners;
                 mesh.indices = (0..mesh.positions.len() as u32).collect();
+                repair::attributes(&mut mesh, notes);
                 mesh.uvs = vec![Vec2::ZERO; mesh.positions.len()];
                 mesh.normals = normals::flat(&mesh.positions);
             }
@@ -143,7 +146,10 @@ fn is_binary(head: &[u8], length: u64) -> bool {
     {
         return true;
     }
-    let start = &head[..head.len().min(1024)];
-    let text = start.trim_ascii_start().get(..5);
-    start.contains(&0) || text.is_none_or(|text| !text.eq_ignore_ascii_case(b"solid"))
+    let (start, is_wide) = without_mark(&head[..head.len().min(1024)]);
+    let words = ["solid", "facet"];
+    let mut places = start.windows(5);
+    let is_text =
+        places.any(|at| words.iter().any(|word| at.eq_ignore_ascii_case(word.as_bytes())));
+    !is_wide && (start.contains(&0) || !is_text)
 }

@@ -24,7 +24,7 @@ pub(super) fn decompress(
     sink: &mut Sink<'_>,
 ) -> Result<(), SceneError> {
     for index in 0..root.buffer_views.len() {
-        let Some(stream) = extension(&root.buffer_views[index]) else { continue };
+        let Some(stream) = extension(&root.buffer_views[index]).cloned() else { continue };
         let part = format!("buffer view {index}, its meshopt compression,");
         let bytes = decode(&stream, buffers, &part, sink)?;
         let view_length = root.buffer_views[index].byte_length.0;
@@ -40,9 +40,9 @@ pub(super) fn decompress(
     Ok(())
 }
 
-fn extension(view: &View) -> Option<Value> {
+pub(super) fn extension(view: &View) -> Option<&Value> {
     let others = &view.extensions.as_ref()?.others;
-    MESHOPT.iter().find_map(|name| others.get(*name)).cloned()
+    MESHOPT.iter().find_map(|name| others.get(*name))
 }
 
 fn decode(

@@ -36,11 +36,12 @@ pub(super) fn decompress(
     draco::decompress(root, buffers, &mut sink)
 }
 
-/// Whether a buffer has no bytes of its own, because all of its data is compressed.
-pub(super) fn is_stand_in(buffer: &Buffer) -> bool {
-    let extensions = buffer.extensions.as_ref().map(|extensions| &extensions.others);
-    extensions.is_some_and(|others| {
-        MESHOPT.iter().any(|name| others.get(*name).is_some_and(|e| e["fallback"] == true))
+/// Whether no byte of a buffer is read, because all views of it are compressed elsewhere. The
+/// extension has a mark for such a stand-in, which not all programs write.
+pub(super) fn is_stand_in(root: &Root, buffer: usize) -> bool {
+    root.buffer_views.iter().all(|view| match meshopt::extension(view) {
+        Some(stream) => stream["buffer"].as_u64() != Some(buffer as u64),
+        None => view.buffer.value() != buffer,
     })
 }
 

@@ -391,9 +391,10 @@ fn impossible_lights_are_repaired() {
 
 #[test]
 fn a_scale_of_nothing_hides_and_immense_numbers_are_errors() {
-    let (scene, warnings) = cube("scale_y = 0");
+    let (scene, warnings) = cube("scale_y = 0 scale_x = 0");
     assert_eq!(scene.instances.len(), 0);
-    assert!(warnings[0].contains("a scale of zero"), "{warnings:?}");
+    assert!(warnings[0].contains("scales two axes or more to zero"), "{warnings:?}");
+    assert_eq!(cube("scale_y = 0").0.instances.len(), 1);
     let message = fault("scene {\n model { primitive = cube scale = 3e38 scale_x = 9 } }");
     assert!(
         message.contains("model \"model 1\" at 2:2, its transform has a number that is not finite")
