@@ -346,15 +346,23 @@ impl Parts {
         self.textures.bind(place, picture, &self.gpu, &mut self.painter)
     }
 
-    /// Lets the surface have the window's size, px.
-    fn resize(&mut self, size: [u32; 2]) {
+    /// Lets the surface have the window's size, px, and says whether it has: not where the worker has submitted something to the
+    /// device meanwhile. Then it keeps the size that it had.
+    fn resize(&mut self, size: [u32; 2]) -> bool {
         let device = &self.gpu.device;
         let most = device.limits().max_texture_dimension_2d;
         let [width, height] = size.map(|edge| edge.min(most));
-        if (self.config.width, self.config.height) != (width, height) {
-            (self.config.width, self.config.height) = (width, height);
-            self.surface.configure(device, &self.config);
+        if (self.config.width, self.config.height) == (width, height) {
+            return true;
         }
+        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let config = wgpu::SurfaceConfiguration { width, height, ..self.config.clone() };
+        self.surface.configure(device, &config);
+        let is_resized = pollster::block_on(scope.pop()).is_none();
+        if is_resized {
+            self.config = config;
+        }
+        is_resized
     }
 
     /// Draws a frame of the window.
@@ -365,7 +373,9 @@ impl Parts {
         primitives: &[ClippedPrimitive],
         pixels_per_point: f32,
     ) -> Drawn {
-        self.resize(size);
+        if !self.resize(size) {
+            return Drawn::Again;
+        }
         let Self { surface, config, gpu, painter, textures, canvas, .. } = self;
         let (device, queue) = (&gpu.device, &gpu.queue);
         let frame = match surface.get_current_texture() {
@@ -382,12 +392,6 @@ impl Parts {
             // It comes again when there is something to see.
             CurrentSurfaceTexture::Occluded => return Drawn::NotNow,
         };
-        // A surface keeps its former size where the worker has submitted something while it got another.
-        if (frame.texture.width(), frame.texture.height()) != (config.width, config.height) {
-            drop(frame);
-            surface.configure(device, config);
-            return Drawn::Again;
-        }
         let screen = egui_wgpu::ScreenDescriptor {
             size_in_pixels: [config.width, config.height],
             pixels_per_point,
