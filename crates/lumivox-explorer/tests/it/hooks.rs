@@ -163,7 +163,6 @@ fn a_second_round_asks_for_nothing_new() {
         gpu.pipelines.counts()
     };
     let first = go_round();
-    assert_eq!(first.pipelines, first.made, "{first:?}");
     assert_eq!(go_round(), first);
 }
 
