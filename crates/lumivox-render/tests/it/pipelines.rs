@@ -71,8 +71,9 @@ fn a_second_renderer_asks_for_nothing_new() {
     let renderer = Renderer::new(&gpu, &scene, None, settings.clone(), &mut hear);
     let mut renderer = pollster::block_on(renderer).expect("a renderer");
     let counts = gpu.pipelines.counts();
-    assert_eq!(counts.pipelines, counts.made, "{counts:?}");
-    let total = counts.pipelines as u32;
+    // Those of holes, textures and moving frames are made when something needs them.
+    assert!(counts.made < counts.pipelines, "{counts:?}");
+    let total = counts.made as u32;
     assert_eq!(heard, (0..=total).map(|done| (done, total)).collect::<Vec<_>>());
 
     let volume = VolumeKind::Octree(OctreeOptions::default());
@@ -94,7 +95,6 @@ fn a_second_renderer_asks_for_nothing_new() {
     };
     let first = go_round(&mut renderer);
     assert!(first.pipelines > counts.pipelines, "{first:?}, {counts:?}");
-    assert_eq!(first.pipelines, first.made, "{first:?}");
     assert_eq!(go_round(&mut renderer), first);
     // Another grid, another scene, while the first one is still there.
     let other = builtin("two-rooms");
