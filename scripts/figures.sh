@@ -16,7 +16,7 @@ Usage: scripts/figures.sh [--program FILE] [PAGE...]
 
 Makes pages of measurements in docs/: bench, quality, motion, three, gallery [default: those that are older than what they
 measure]. At the end it writes the numbers that other documents copy (scripts/figures.py). For all pages an idle machine with
-two cores and no GPU takes about 95 minutes, and some more to build first. Stopped by Ctrl+C it loses one case at most: the
+two cores and no GPU takes about 90 minutes, and some more to build first. Stopped by Ctrl+C it loses one case at most: the
 same command goes on. Results of each state of the sources are kept in target/figures.
 
   --program FILE  the program, built of this commit [default: ./lumivox, which builds it first]

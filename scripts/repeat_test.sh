@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 #
-# scripts/repeat_test.sh: runs tests many times beside each other, so that all cores are busy, to find those that fail now and then.
+# scripts/repeat_test.sh: runs tests many times beside each other, to find those that fail now and then on busy cores.
 
 set -euo pipefail
 
@@ -66,33 +66,31 @@ done <<<"$built"
 mkdir -p "$out"
 out=$(readlink -f -- "$out")
 
-# Runs the programs, and keeps what they say where one fails.
-run_once() {
-    local status=0
-    for ((i = 0; i < ${#programs[@]}; i += 2)); do
-        (cd "${programs[i]}" && "${programs[i + 1]}" "${which[@]}") || status=1
-    done >"$out/running-$1.log" 2>&1
-    if ((status == 0)); then rm -f "$out/running-$1.log"; else mv "$out/running-$1.log" "$out/run-$1.log"; fi
-    return "$status"
-}
-trap 'rm -f "$out"/running-*.log' EXIT
+results=$out/results
+: >"$results"
+trap 'rm -f "$results" "$out"/running-*.log' EXIT
+# The runs end with this script: in the background they do not hear Ctrl+C.
+trap 'trap - TERM; kill -TERM 0' INT TERM
 
-declare -A runs=()
-started=0 passed=0 failed=0
-while ((passed + failed < times)); do
-    while ((started < times && ${#runs[@]} < beside)); do
-        started=$((started + 1))
-        run_once "$started" &
-        runs[$!]=$started
-    done
-    if wait -n -p ended; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        say "run ${runs[$ended]} failed: $out/run-${runs[$ended]}.log"
+count() { grep -c "^$1$" "$results" || true; }
+
+# Runs the programs once. What they say is kept if one fails.
+run_once() {
+    local log=$out/running-$1.log result=passed
+    for ((i = 0; i < ${#programs[@]}; i += 2)); do
+        (cd "${programs[i]}" && "${programs[i + 1]}" "${which[@]}") || result=failed
+    done >"$log" 2>&1
+    echo "$result" >>"$results"
+    if [[ $result == failed ]]; then
+        mv "$log" "$out/run-$1.log"
+        say "run $1 failed: $out/run-$1.log"
     fi
-    unset "runs[$ended]"
-    say "$((passed + failed)) of $times: $passed passed, $failed failed, $SECONDS s"
+    say "$(count passed) passed, $(count failed) failed of $times, $SECONDS s"
+}
+
+for ((place = 1; place <= beside; place++)); do
+    for ((run = place; run <= times; run += beside)); do run_once "$run"; done &
 done
-printf '%s passed, %s failed\n' "$passed" "$failed"
-((failed == 0))
+wait
+printf '%s passed, %s failed\n' "$(count passed)" "$(count failed)"
+(($(count failed) == 0))

@@ -28,7 +28,7 @@ pub struct QualityArgs {
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
 
-    /// Number of rooms at random of each set, plain ones and all kinds, 0 to 10000 [default: 32; 0 if
+    /// Number of rooms at random of each set, plain ones and all kinds, 0 to 10000 [default: 20; 0 if
     /// scenes are named]
     ///
     /// The page begins with the distribution of their errors. Their seeds are fresh each time.

@@ -25,7 +25,7 @@ pub struct RoomsArgs {
     /// Seed of the first room, a number from 0 to 4294967295; the next room has the next one
     /// [default: of the clock]
     ///
-    /// The same seeds and kinds give the same rooms on any machine.
+    /// Seeds and kinds decide the rooms, on any machine.
     #[arg(long, value_name = "SEED", value_parser = number::whole(0..=u32::MAX))]
     #[arg(allow_negative_numbers = true, help_heading = "Rooms")]
     pub seed: Option<u32>,

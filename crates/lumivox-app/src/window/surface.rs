@@ -346,8 +346,8 @@ impl Parts {
         self.textures.bind(place, picture, &self.gpu, &mut self.painter)
     }
 
-    /// Lets the surface have the window's size, px, and says whether it has: not where the worker has submitted something to the
-    /// device meanwhile. Then it keeps the size that it had.
+    /// Gives the surface the window's size, px. `false` if the device refuses, as it does when the worker submits something
+    /// at the same time: the surface then has its former size.
     fn resize(&mut self, size: [u32; 2]) -> bool {
         let device = &self.gpu.device;
         let most = device.limits().max_texture_dimension_2d;

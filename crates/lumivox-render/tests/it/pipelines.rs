@@ -71,7 +71,7 @@ fn a_second_renderer_asks_for_nothing_new() {
     let renderer = Renderer::new(&gpu, &scene, None, settings.clone(), &mut hear);
     let mut renderer = pollster::block_on(renderer).expect("a renderer");
     let counts = gpu.pipelines.counts();
-    // Those of holes, textures and moving frames are made when something needs them.
+    // Pipelines of holes, textures and moving frames are made when something needs them.
     assert!(counts.made < counts.pipelines, "{counts:?}");
     let total = counts.made as u32;
     assert_eq!(heard, (0..=total).map(|done| (done, total)).collect::<Vec<_>>());

@@ -11,7 +11,7 @@
 //! | `build.rs` | the solids of a room, its surfaces, and what is free between them |
 //! | `dice.rs` | the random numbers |
 //!
-//! The same seed gives the same room on any machine: random numbers are those of an integer hash.
+//! A seed gives the same room on any machine, since the random numbers are those of an integer hash.
 //! Sines and cosines, which systems round differently, only place the corners of round and oblique
 //! things.
 
@@ -109,7 +109,7 @@ impl Kind {
         self.words().0
     }
 
-    /// What makes the kind.
+    /// A description of the kind.
     pub fn summary(self) -> &'static str {
         self.words().1
     }
@@ -131,6 +131,9 @@ pub enum RoomLight {
 }
 
 impl RoomLight {
+    /// All lights.
+    pub const ALL: [Self; 5] = [Self::Lamp, Self::Panel, Self::Sky, Self::Day, Self::Dark];
+
     /// The light's name.
     pub fn name(self) -> &'static str {
         match self {

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{FEWEST_SENSORS, Kind, Room, room};
+use super::{FEWEST_SENSORS, Kind, Room, RoomLight, room};
 use crate::{Picker, Scene};
 
 fn rooms(seeds: std::ops::Range<u32>) -> impl Iterator<Item = Room> {
@@ -68,8 +68,8 @@ fn sensors_and_cameras_are_in_the_air_of_rooms_that_are_closed_unless_they_say_s
 fn all_lights_sides_and_walls_occur() {
     let rooms: Vec<Room> = rooms(0..200).collect();
     let count = |is: &dyn Fn(&Room) -> bool| rooms.iter().filter(|room| is(room)).count();
-    for name in ["lamp", "panel", "sky", "day", "dark"] {
-        assert!(count(&|room| room.light.name() == name) > 10, "{name}");
+    for light in RoomLight::ALL {
+        assert!(count(&|room| room.light == light) > 10, "{light:?}");
     }
     for wall_m in super::WALLS_M {
         assert!(count(&|room| room.wall_m == wall_m) > 10, "{wall_m} m");

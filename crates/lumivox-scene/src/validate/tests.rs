@@ -157,7 +157,7 @@ fn flat_transforms_get_a_thickness() {
     let turn = Mat4::from_rotation_x(0.7) * Mat4::from_rotation_z(2.0);
     let sizes = [1e-3, 1.0, 1e6];
     for (size, first) in sizes.into_iter().flat_map(|size| [(size, Mat4::IDENTITY), (size, turn)]) {
-        // Of the cube's two sides, the plane of the world that the x and z axes span.
+        // Two sides of the cube are left, in the world's plane of the x and z axes.
         let flat = first * Mat4::from_scale(Vec3::new(3.0, 0.0, -2.0) * size) * turn;
         for mirrors in [false, true] {
             let made = invertible(flat, mirrors).unwrap();

@@ -18,8 +18,8 @@ use crate::quality::check_wish;
 /// The sets of rooms: a value of `lumivox rooms --kinds`, and the kinds.
 const SETS: [(&str, &[Kind]); 2] = [("plain", &[Kind::Plain]), ("all", &Kind::ALL)];
 /// Rooms of each set, if nobody says how many. A room takes about 20 s of CPU time without a GPU, most
-/// of it at 128 voxels, so both sets take 12 minutes on two cores.
-const COUNT: u32 = 32;
+/// of it at 128 voxels, so both sets take 7 minutes on two cores.
+const COUNT: u32 = 20;
 const RESOLUTIONS: [u32; 2] = [64, 128];
 /// The samples of a sensor by paths.
 const SAMPLES: u32 = 2048;

@@ -1,7 +1,7 @@
 //! Median, 90 % and worst of many rooms, as tables in Markdown.
 
 use lumivox_console::report::counted;
-use lumivox_scene::rooms::Kind;
+use lumivox_scene::rooms::{Kind, RoomLight};
 
 use super::RoomFigures;
 
@@ -86,8 +86,8 @@ pub fn by_group(rooms: &[&RoomFigures]) -> String {
     add("two-sided", &|room| room.is_double_sided);
     add("along the grid", &|room| !room.is_turned);
     add("turned", &|room| room.is_turned);
-    for light in ["lamp", "panel", "sky", "day", "dark"] {
-        add(&format!("light: {light}"), &|room| room.light == light);
+    for light in RoomLight::ALL {
+        add(&format!("light: {}", light.name()), &|room| room.light == light.name());
     }
     text
 }

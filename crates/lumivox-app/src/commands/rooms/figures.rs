@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// A mean of the truth below this share of the illuminance outside is darkness.
 const DARK_SHARE: f64 = 1e-3;
-/// The same without light outside, in lux.
+/// A mean of the truth below this, in lux, is darkness where there is no light outside.
 const DARK_LUX: f64 = 1e-6;
 
 /// The errors of one room at one resolution.

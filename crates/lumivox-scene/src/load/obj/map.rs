@@ -212,7 +212,7 @@ fn vector(rest: &mut &[u8], default: f32) -> Vec2 {
 mod tests {
     use super::*;
 
-    /// Of a file that does not exist.
+    /// Parses a statement whose file does not exist.
     fn parse(rest: &[u8]) -> Option<(Map, Vec<String>)> {
         Map::parse(rest, &|_| false)
     }

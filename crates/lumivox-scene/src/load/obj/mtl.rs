@@ -19,7 +19,7 @@ const MOST_WORDS: usize = 32;
 #[derive(Default)]
 pub(super) struct Library {
     materials: HashMap<Vec<u8>, Mtl>,
-    /// The first name of each [`plain`] one.
+    /// For each [`plain`] name, the name of a material as it was written first.
     plain_names: HashMap<Vec<u8>, Vec<u8>>,
 }
 
