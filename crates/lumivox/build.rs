@@ -5,6 +5,8 @@ use lumivox_wgsl::{Slot, build_modules};
 fn main() {
     // The slots whose implementations are chosen at run time (`src/volume/mod.rs`).
     let slots = [
+        // `src/cones/mod.rs`.
+        Slot { path: "cones::way", implementations: &["cones::exact", "cones::march"] },
         Slot { path: "volume", implementations: &["volume::six_lobes", "volume::isotropic"] },
         Slot {
             path: "volume::cells",

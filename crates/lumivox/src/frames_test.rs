@@ -126,7 +126,7 @@ impl Stage {
         nodes
             .iter()
             .zip(&places)
-            .flat_map(|(node, &first)| first..first + (node.lobes & 0x3f).count_ones())
+            .flat_map(|(node, &first)| first..first + node.faces())
             .map(|face| (faces[face as usize], radiance[face as usize]))
             .unzip()
     }

@@ -152,7 +152,7 @@ impl Gi {
             &config.grid,
             (config.volume, config.directionality),
             config.octree_builder.as_deref(),
-            config.memory_budget,
+            (config.memory_budget, config.cones.is_some()),
             &crate::emitters::empty_list(device),
         )?;
         let voxelizer = Voxelizer::with(device, &shaders, config.voxelizer.as_deref())?;

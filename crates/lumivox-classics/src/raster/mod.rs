@@ -18,8 +18,8 @@ const MODULES: &[(&str, &str)] = &[
     ("classics::raster::accumulate", include_str!("accumulate.wgsl")),
     ("classics::raster::corners", include_str!("corners.wgsl")),
     ("classics::raster::fragment", include_str!("fragment.wgsl")),
-    ("classics::raster::lobes", include_str!("lobes.wgsl")),
     ("classics::raster::mark", include_str!("mark.wgsl")),
+    ("classics::raster::planes", include_str!("planes.wgsl")),
     ("classics::raster::share", include_str!("share.wgsl")),
     ("classics::raster::widen", include_str!("widen.wgsl")),
 ];
@@ -99,10 +99,12 @@ impl Voxelization for Raster {
         };
         // Where the surface itself does not matter, what is not pierced is all alike.
         let by_holes = ["opaque", "opaque", "covered"];
+        let again = ["opaque_again", "opaque_again", "covered_again"];
         let by_detail = ["plain", "varied", "pierced"];
         Ok(Box::new(RasterWalker {
             mark: pipelines("classics::raster::mark", by_holes, WalkStep::Mark)?,
-            lobes: pipelines("classics::raster::lobes", by_holes, WalkStep::Lobes)?,
+            first_planes: pipelines("classics::raster::planes", by_holes, WalkStep::Planes)?,
+            more_planes: pipelines("classics::raster::planes", again, WalkStep::MorePlanes)?,
             accumulate: pipelines("classics::raster::accumulate", by_detail, WalkStep::Accumulate)?,
             planes: self.planes(),
         }))
@@ -116,18 +118,19 @@ type Variants = [DrawPipeline; 3];
 #[derive(Debug)]
 struct RasterWalker {
     mark: Variants,
-    lobes: Variants,
+    first_planes: Variants,
+    more_planes: Variants,
     accumulate: Variants,
     planes: u32,
 }
 
 impl Walker for RasterWalker {
-    /// Draws all batches in one pass. Fronts are left to the exact walk.
+    /// Draws all batches in one pass.
     fn walk(&self, recorder: &mut Recorder, step: WalkStep, walk: &Walk<'_>) -> bool {
         let variants = match step {
             WalkStep::Mark => &self.mark,
-            WalkStep::Lobes => &self.lobes,
-            WalkStep::Fronts => return false,
+            WalkStep::Planes => &self.first_planes,
+            WalkStep::MorePlanes => &self.more_planes,
             WalkStep::Accumulate => &self.accumulate,
         };
         let picture = picture(recorder.device(), walk.grid);

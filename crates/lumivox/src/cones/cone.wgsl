@@ -1,36 +1,9 @@
-// One cone through the volume. Lengths here are in the finest voxels.
+// One cone: what it is given, and what it finds. Lengths here are in the finest voxels.
 //
-// The cone is marched in steps of the size of the cells that it reads: at distance t, about
-// v = max(1, growth * t). Levels come in powers of two, so the one to read is drawn: log2(v) is rounded up or
-// down by a number that each cone draws once, so that the mean over cones and frames is what interpolation
-// between the levels gives, for half the look-ups. Steps are as long as the cells: then the filter's weights
-// along the cone, and a wall's coverage with them, add up to one at every level.
-//
-// A cone goes on to a coarser level only where neither level has anything near. From level to level
-// a wall moves by half a cell, since its cell puts it in the middle; a change of level within the
-// wall's reach would count parts of it twice or not at all, and the missing parts leak (12 % of the
-// light of a closed box with a growth of 0.2, against 1.7 % with this rule). On the coarser level
-// walls beside the cone count, too: its cells would reach past them, to the end of the wall at the
-// cone's end.
-//
-// A cell of edge c that covers the share a of its cross-section takes da = min(a * step / c, T) of the
-// transmittance T that is left and adds its radiance for it. The sum is additive, like the pyramid: coverage
-// comes from clipping, so that the pieces of a wall add up to one.
-//
-// They do so exactly only for walls along the grid. An oblique wall climbs the grid in steps, and a
-// ray that crosses it near a step meets it twice or misses parts: its count scatters about one
-// (standard deviation 0.15, mean 1.00 in a rotated furnace). If the sum ended at one, the surplus
-// of some rays would be lost and the deficit of others would leak: 5 % of the light of a closed
-// room. So at an oblique wall T may fall below zero, by SURPLUS at most; light from farther away,
-// past a gap or from outside, pays it back: it counts negative until T is zero again. In the mean
-// over cones that cancels the leaks.
+// How it is traced is the module package::cones::way, with `cone_start` and `trace_cone`: by exact hits (exact.wgsl), or by a
+// march through the volume for a caller's own model (march.wgsl).
 
-import package::cascades::{finest_level, level_count, outer_high, outer_low};
-import package::cones::model::{shown_share, start_of_cones};
-import package::grid::grid_from_world;
-import package::volume::{is_clear, is_empty, is_oblique, probe_volume, sample_probe, Probe};
-
-// Settings of the march; the shader's side of TraceSettings.
+// Settings of cones; the shader's side of TraceSettings.
 struct ConeSettings {
     // Edge of the cells that are read, over the cone's diameter.
     voxel_per_diameter: f32,
@@ -62,8 +35,8 @@ struct Cone {
 
 struct Traced {
     radiance: vec3f,
-    // The share of the cone that met nothing. Below zero, by SURPLUS at most, after an oblique wall
-    // that counted too much.
+    // The share of the cone that met nothing. In a march below zero, by its SURPLUS at most, after an
+    // oblique wall that counted too much.
     transmittance: f32,
     // The same share at the occlusion distance.
     openness: f32,
@@ -72,38 +45,15 @@ struct Traced {
     distance: f32,
 }
 
+// Where cones start above a surface, in its voxels.
+const START: f32 = 0.05;
+
 // How far away what is outside the grid counts as, in sides of the grid.
 const OUTSIDE: f32 = 8.0;
 
 // The least growth: even the cone of a perfect mirror reads coarser cells far away, which bounds
 // its samples.
 const MIN_GROWTH: f32 = 0.02;
-
-// An oblique wall's surplus up to this is taken for scatter; a larger one is a second surface. If
-// it is smaller, more light leaks; if larger, surfaces right behind others count and darken those
-// farther away (docs/experiments.md has both).
-const SURPLUS: f32 = 0.1;
-
-// Where a cascade is left at the first chance, in its voxels from its border; a cone draws up to twice as many.
-const CASCADE_BORDER: f32 = 3.0;
-
-// The smallest surplus that is paid back.
-const LEAST_SURPLUS: f32 = 0.03;
-
-// Whether the rest is small enough to count as nothing. The threshold is smaller for a surplus: it
-// pays for light that other cones let through, and if it were dropped as early, rotated rooms would
-// get more light from outside, not less.
-fn is_spent(transmittance: f32, settings: ConeSettings) -> bool {
-    return transmittance <= settings.min_transmittance
-        && transmittance >= -min(settings.min_transmittance, LEAST_SURPLUS);
-}
-
-// The start of a surface's cones, in the grid's coordinates; `level` is that of its voxels.
-fn cone_start(position_in_world: vec3f, normal: vec3f, level: u32, settings: ConeSettings) -> vec3f {
-    let offset = settings.normal_offset * exp2(f32(level));
-    let above = grid_from_world(position_in_world) + normal * offset;
-    return start_of_cones(above, normal, level, settings.model_values);
-}
 
 // The growth of a cone with a half angle that leaves a surface at a cosine against its normal:
 // cells stay at `voxel_per_diameter` of the diameter, and clear of the cone's own plane.
@@ -113,112 +63,4 @@ fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> 
         growth = min(growth, settings.clearance * cos_normal);
     }
     return max(growth, MIN_GROWTH);
-}
-
-// The part of the transmittance that a sample takes; negative while a surplus is paid back.
-fn taken_by(covered: f32, transmittance: f32, may_exceed: bool, pays_back: bool) -> f32 {
-    if pays_back {
-        return -min(covered, -transmittance);
-    }
-    return min(covered, transmittance + select(0.0, SURPLUS, may_exceed));
-}
-
-fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
-    let low = outer_low();
-    let high = outer_high();
-    let extent = high - low;
-    let side = max(extent.x, max(extent.y, extent.z));
-    let levels = level_count();
-    let smallest_cell = exp2(f32(cone.level));
-    let largest_cell = exp2(f32(levels - 1u));
-    // Nothing is farther than the grid's diagonal (less than 1.74 sides) and the coarsest cells
-    // around it.
-    let reach = min(cone.reach, 1.75 * side + 2.0 * largest_cell);
-
-    var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u, 0.0);
-    var distance = 0.0;
-    var level = cone.level;
-    var length = 0.0;
-    var cell = smallest_cell;
-    var is_inside = reach > 0.0;
-    // Whether this surface is oblique, and whether it is no longer the one that made the surplus.
-    var may_exceed = false;
-    var pays_back = false;
-    loop {
-        // Pass over empty space, probe by probe. The inner loop suits wide machines: their lanes
-        // leave it one by one and then sample together, instead of waiting for each other at every
-        // step.
-        var probe: Probe;
-        loop {
-            let near = clamp(cone.growth * distance, smallest_cell, largest_cell);
-            let wanted =
-                clamp(cone.growth * (distance + 0.5 * near), smallest_cell, largest_cell);
-            let next = cone.origin_in_grid
-                + cone.direction * (distance + 0.5 * settings.step_per_voxel * exp2(f32(level)));
-            // Where a cascade ends, whether there is anything near or not.
-            level = finest_level(next, level, 0.5);
-            let wanted_level = max(
-                min(u32(log2(wanted) + cone.level_offset), levels - 1u),
-                // Shortly before, where there is nothing: each cone at a place of its own.
-                finest_level(next, level, CASCADE_BORDER * (1.0 + cone.level_offset)),
-            );
-            cell = exp2(f32(level));
-            length = settings.step_per_voxel * cell;
-            let middle = distance + 0.5 * length;
-            let position = cone.origin_in_grid + cone.direction * middle;
-            // Outside the grid the cells at its border are still felt for half a cell.
-            let margin = min(cell, 0.5 * side);
-            is_inside = is_inside && distance < reach
-                && all(position >= low - margin) && all(position <= high + margin);
-            if middle > settings.occlusion_distance && traced.openness < 0.0 {
-                traced.openness = traced.transmittance;
-            }
-            probe = probe_volume(position, level, cone.direction);
-            distance += length;
-            if wanted_level > level && is_empty(probe) {
-                level += u32(is_clear(position, level + 1u));
-            }
-            traced.samples += u32(is_inside);
-            // A gap ends a surface.
-            pays_back = pays_back || is_empty(probe);
-            let is_closed = is_spent(traced.transmittance, settings);
-            is_inside = is_inside && !(is_closed && is_empty(probe));
-            continuing {
-                break if !(is_inside && is_empty(probe));
-            }
-        }
-        if is_inside {
-            let seen = sample_probe(probe, cone.direction);
-            if seen.a > 0.0 {
-                // The part of the last step beyond the cone's end does not count.
-                let counted = min(length, reach - (distance - length));
-                may_exceed = is_oblique(probe);
-                pays_back = traced.transmittance < 0.0 && (pays_back || !may_exceed);
-                let taken = taken_by(
-                    seen.a * counted / cell, traced.transmittance, may_exceed, pays_back);
-                let diameter = cone.growth / settings.voxel_per_diameter * (distance - 0.5 * length);
-                let shown = shown_share(
-                    taken, traced.transmittance, level, diameter / side, settings.model_values);
-                traced.radiance += seen.rgb * (shown / seen.a);
-                traced.transmittance -= taken;
-                traced.distance += taken * (distance - 0.5 * length);
-                pays_back = pays_back || traced.transmittance <= -SURPLUS;
-            }
-        }
-        continuing {
-            let is_over = is_spent(traced.transmittance, settings)
-                && (pays_back || !may_exceed);
-            break if !is_inside || is_over;
-        }
-    }
-    if is_spent(traced.transmittance, settings) {
-        traced.radiance /= 1.0 - traced.transmittance;
-        traced.distance /= 1.0 - traced.transmittance;
-        traced.transmittance = 0.0;
-    }
-    if traced.openness < 0.0 {
-        traced.openness = traced.transmittance;
-    }
-    traced.distance = max(traced.distance, 0.0) + max(traced.transmittance, 0.0) * OUTSIDE * side;
-    return traced;
 }

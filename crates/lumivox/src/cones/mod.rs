@@ -12,8 +12,16 @@ mod tests;
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::gpu::ShaderLibrary;
+
 pub use hook::ConeModel;
 pub use settings::{Preset, TraceResolution, TraceSettings};
+
+/// Makes the way that cones are traced `package::cones::way`: a march, or exact hits.
+pub(crate) fn mount(shaders: &mut ShaderLibrary, marches: bool) {
+    let way = if marches { "cones::march" } else { "cones::exact" };
+    shaders.fill(crate::shaders::implementation(way));
+}
 
 /// `ConeSettings` of `cone.wgsl`.
 #[repr(C)]

@@ -5,8 +5,8 @@
 // volume tells whether something does. The mean over frames is exact but for the voxels in the ray's way.
 
 import package::cascades::finest_level;
-import package::cones::cone::{cone_start, trace_cone, Cone, ConeSettings};
-import package::cones::start::clear_of_walls;
+import package::cones::cone::{Cone, ConeSettings, START};
+import package::cones::way::{cone_start, trace_cone};
 import package::emitters::draw::{draw_emitter, emitters, point_of, Drawn};
 import package::emitters::emitter::strength;
 import package::grid::grid_from_world;
@@ -17,11 +17,6 @@ const CANDIDATES: u32 = 8u;
 // lie: among all numbers, 0.46803 has the least discrepancy of its first 4 to 128 multiples and of those of its eightfold.
 // (The sequence of cones has 0.7549, whose eightfold, 6.039, goes on by a 25th.) The second one is theirs.
 const STEPS: vec2f = vec2f(0.46803, 0.7548776662);
-
-// Walls are felt for a voxel and a half from where they are (cones::start): the half of a voxel in which the emitter
-// may be anywhere, and the reach of the filter. So far in front of itself an emitter does not hide itself, nor does
-// what it hangs on.
-const CLEARANCE: f32 = 1.5;
 
 struct FromEmitters {
     irradiance: vec3f,
@@ -108,27 +103,12 @@ fn gather_emitters(
     }
     let kept = point_of(candidates[index], place);
     let origin = cone_start(position_in_world, geometric_normal, level, settings);
-    // Clear of walls beside the emitter, as it is of those beside the start.
+    // To a place just in front of the emitter.
     let at_emitter = finest_level(kept.position, level, 2.0);
-    let clearance = CLEARANCE * exp2(f32(at_emitter));
-    let ahead = kept.position + clearance * kept.normal;
-    let moved = clear_of_walls(ahead, kept.normal, at_emitter) - ahead;
-    let aside = moved - dot(moved, kept.normal) * kept.normal;
-    // The ray ends where it comes as near as that to the emitter's plane, but leaves out no more than that or the emitter's size,
-    // since a wall may be there. Straight ahead it goes to the point itself, since shadows would move otherwise; along the plane it
-    // goes to a place in front of it.
-    let away = origin - kept.position;
-    let height = dot(away, kept.normal);
-    let slant = 1.0 - height / max(length(away), 1e-6);
-    let lift = clamp(clearance * slant, 0.0, max(0.5 * height, 0.0));
-    let to_point = kept.position + aside + lift * kept.normal - origin;
+    let to_point = kept.position + START * exp2(f32(at_emitter)) * kept.normal - origin;
     let distance = length(to_point);
-    let direction = to_point / max(distance, 1e-6);
-    let near = distance * (clearance - lift) / max(height - lift, 1e-3);
-    let reach = distance - min(near, max(clearance, kept.size));
-    let ray = Cone(origin, direction, 0.0, reach, 0.0, level);
+    let ray = Cone(origin, to_point / max(distance, 1e-6), 0.0, distance, 0.0, level);
     let traced = trace_cone(ray, ray_settings(settings));
-    // It may be below zero, which makes up for what other rays leak (cones::cone).
     let seen = sum / f32(CANDIDATES) * traced.transmittance;
     result.irradiance = kept.radiance * (seen / strength(kept.radiance));
     result.samples = traced.samples;

@@ -86,15 +86,26 @@ impl Gi {
         self.lighting.injector()
     }
 
-    /// Group 0: the grid, the volume and the emitters. Ask again after each voxelization: there is another one when an octree or
-    /// the list of emitters has grown.
+    /// Group 0 of everything that traces cones: the grid, all surface and the emitters. Ask again after each voxelization: there is
+    /// another one when anything of it has grown.
     pub fn globals(&self) -> &BindGroup {
         self.volume.globals()
     }
 
-    /// The layout of group 0.
+    /// The layout of [`Self::globals`].
     pub fn globals_layout(&self) -> &wgpu::BindGroupLayout {
         self.volume.globals_layout()
+    }
+
+    /// Group 0 of everything that samples cells (`package::volume`): the grid, the cells and the emitters. Ask again after each
+    /// voxelization: there is another one when an octree or the list of emitters has grown.
+    pub fn cell_globals(&self) -> &BindGroup {
+        self.volume.cell_globals()
+    }
+
+    /// The layout of [`Self::cell_globals`].
+    pub fn cell_globals_layout(&self) -> &wgpu::BindGroupLayout {
+        self.volume.cell_globals_layout()
     }
 
     /// The layout of group 2: lights and shadow maps.

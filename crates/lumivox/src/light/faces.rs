@@ -16,15 +16,15 @@ pub(super) struct LightKernels {
     direct_layout: wgpu::BindGroupLayout,
     bounce_layout: wgpu::BindGroupLayout,
     reflect_layout: wgpu::BindGroupLayout,
-    cover_layout: wgpu::BindGroupLayout,
+    show_layout: wgpu::BindGroupLayout,
     follow_layout: wgpu::BindGroupLayout,
     settle_layout: wgpu::BindGroupLayout,
     inherit_layout: wgpu::BindGroupLayout,
     bounce: [Kernel; 2],
     shine: [Kernel; 2],
     reflect: Kernel,
-    cover: Kernel,
-    cover_without_emission: Kernel,
+    show: Kernel,
+    show_without_emission: Kernel,
     follow: Kernel,
     settle: Kernel,
     inherit: Kernel,
@@ -52,7 +52,7 @@ impl LightKernels {
         };
         let bounce_layout = layout(2, 1, 2, "bounce");
         let reflect_layout = layout(1, 3, 1, "reflect");
-        let cover_layout = layout(1, 6, 1, "cover");
+        let show_layout = layout(1, 2, 1, "show");
         let follow_layout = layout(1, 6, 2, "follow");
         let settle_layout = layout(2, 2, 2, "settle");
         let inherit_layout = layout(0, 6, 1, "inherit");
@@ -64,21 +64,21 @@ impl LightKernels {
             let fresh = Kernel::deferred(device, shaders, module, "fresh", &groups)?;
             Ok::<_, ShaderError>([in_turn, fresh])
         };
-        let cover =
-            |entry| Kernel::new(device, shaders, "light::cover", entry, &[grid, &cover_layout]);
+        let show =
+            |entry| Kernel::new(device, shaders, "light::show", entry, &[grid, &show_layout]);
         Ok(Self {
             direct_layout: layout(1, 1, 1, "direct light"),
             bounce: gather("light::bounce")?,
             shine: gather("light::shine")?,
             reflect: kernel("light::reflect", &reflect_layout)?,
-            cover: cover("main")?,
-            cover_without_emission: cover("without_emission")?,
+            show: show("main")?,
+            show_without_emission: show("without_emission")?,
             follow: kernel("light::follow", &follow_layout)?,
             settle: kernel("light::settle", &settle_layout)?,
             inherit: kernel("light::inherit", &inherit_layout)?,
             bounce_layout,
             reflect_layout,
-            cover_layout,
+            show_layout,
             follow_layout,
             settle_layout,
             inherit_layout,
@@ -125,14 +125,14 @@ impl LightKernels {
     /// what is reflected.
     pub fn reflect(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
         faces.run(recorder, "light::reflect", &self.reflect, &[grid, &faces.reflect]);
-        let cover = if faces.has_emission { &self.cover_without_emission } else { &self.cover };
-        faces.run(recorder, "light::cover", cover, &[grid, &faces.cover]);
+        let show = if faces.has_emission { &self.show_without_emission } else { &self.show };
+        faces.run(recorder, "light::show", show, &[grid, &faces.show]);
     }
 
     /// Computes what the volume shows with emission, and keeps what it shows without.
     pub fn emit(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
         recorder.copy((&faces.shown, 0), (&faces.reflected, 0), faces.shown.size());
-        faces.run(recorder, "light::cover", &self.cover, &[grid, &faces.cover]);
+        faces.run(recorder, "light::show", &self.show, &[grid, &faces.show]);
     }
 
     /// Before a list is taken: the light of faces that it puts elsewhere.
@@ -187,7 +187,7 @@ pub(super) struct Faces {
     irradiance: Buffer,
     /// Radiance with the bounces so far (`array<vec4f>`).
     radiance: Buffer,
-    /// Radiance that the volume shows (`cover.wgsl`).
+    /// Radiance that the volume shows (`show.wgsl`).
     shown: Buffer,
     /// Radiance that the volume holds.
     held: Buffer,
@@ -200,7 +200,7 @@ pub(super) struct Faces {
     direct_group: BindGroup,
     bounce: BindGroup,
     reflect: BindGroup,
-    cover: BindGroup,
+    show: BindGroup,
     follow: BindGroup,
     settle: BindGroup,
     /// Once, from a list that was replaced.
@@ -283,16 +283,12 @@ impl Faces {
             .buffer(&irradiance)
             .buffer(&radiance)
             .build(device, "reflect");
-        let cover = BindGroupBuilder::new(&kernels.cover_layout)
+        let show = BindGroupBuilder::new(&kernels.show_layout)
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
             .buffer(&list.faces)
-            .buffer(&list.nodes)
-            .buffer(&list.first_faces)
-            .buffer(&list.occupancy)
-            .buffer(&list.ranks)
             .buffer(&radiance)
             .buffer(&shown)
-            .build(device, "cover");
+            .build(device, "show");
         let follow = BindGroupBuilder::new(&kernels.follow_layout)
             .buffer(moving.verdict)
             .buffer(moving.united_faces)
@@ -329,7 +325,7 @@ impl Faces {
             direct_group,
             bounce,
             reflect,
-            cover,
+            show,
             follow,
             settle,
             inherit: None,

@@ -17,20 +17,21 @@ import package::voxels::list::Face;
 @group(1) @binding(7) var<storage, read_write> moving_irradiance: array<vec4f>;
 @group(1) @binding(8) var<storage, read_write> moving_held: array<vec4f>;
 
-// The face of that lobe, among those of a voxel that start at `former`.
-fn find_face(former: u32, cell: u32, lobe: u32) -> u32 {
+// The face of that lobe whose surface is nearest, among those of a voxel that start at `former`.
+fn find_face(former: u32, own: Face) -> u32 {
+    var found = NO_FACE;
+    var least = 3e38;
     if former == NO_FACE {
-        return NO_FACE;
+        return found;
     }
-    for (var i = 0u; i < 6u && former + i < arrayLength(&faces); i++) {
-        if faces[former + i].cell != cell {
-            return NO_FACE;
-        }
-        if faces[former + i].lobe == lobe {
-            return former + i;
+    for (var i = former; i < arrayLength(&faces) && faces[i].cell == own.cell; i++) {
+        let apart = distance(faces[i].position_in_world, own.position_in_world);
+        if faces[i].lobe == own.lobe && apart < least {
+            found = i;
+            least = apart;
         }
     }
-    return NO_FACE;
+    return found;
 }
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
@@ -44,7 +45,7 @@ fn main(
     }
     for (var face = united_faces[voxel]; face < united_faces[voxel + 1u]; face++) {
         let own = moving_faces[face];
-        let former = find_face(former_faces[voxel], own.cell, own.lobe);
+        let former = find_face(former_faces[voxel], own);
         var light = vec4f(0.0);
         var in_volume = vec4f(0.0);
         if former != NO_FACE {

@@ -1,4 +1,4 @@
-// The irradiance of the faces of a list from that of the list before: from the same lobe of the same voxel. Where the box of
+// The irradiance of the faces of a list from that of the list before: from the nearest face of the same lobe of the same voxel. Where the box of
 // a clipmap has moved, another voxel may be stored in a voxel's place, a whole box away.
 
 import package::cascades::cascade_of;
@@ -33,14 +33,12 @@ fn main(
         return;
     }
     let first = old_first_faces[old_ranks[word] + bits_below(bits, face.cell % 32u)];
-    for (var i = first; i < first + 6u && i < arrayLength(&old_faces); i++) {
-        if old_faces[i].cell == face.cell && old_faces[i].lobe == face.lobe {
-            let apart = distance(old_faces[i].position_in_world, face.position_in_world);
-            let voxel_m = grid.voxel_size_m * exp2(f32(cascade_of(morton_decode(face.cell))));
-            if apart < 4.0 * voxel_m {
-                irradiance[index] = old_irradiance[i];
-            }
-            return;
+    var least = 4.0 * grid.voxel_size_m * exp2(f32(cascade_of(morton_decode(face.cell))));
+    for (var i = first; i < arrayLength(&old_faces) && old_faces[i].cell == face.cell; i++) {
+        let apart = distance(old_faces[i].position_in_world, face.position_in_world);
+        if old_faces[i].lobe == face.lobe && apart < least {
+            irradiance[index] = old_irradiance[i];
+            least = apart;
         }
     }
 }

@@ -5,7 +5,8 @@ import package::constants::{SHADOW_MAP, SHADOW_NONE};
 import package::grid::{grid, grid_from_world};
 import package::light::lights::{is_parallel, Incident, Light};
 import package::light::shadow_map::shadow_map_visibility;
-import package::cones::cone::{cone_growth, trace_cone, Cone, ConeSettings};
+import package::cones::cone::{cone_growth, Cone, ConeSettings};
+import package::cones::way::trace_cone;
 
 // Shadow cones are narrow, so cells of half their diameter do, and they start a voxel and a half off the
 // surface: a light at a grazing angle would meet the receiver's own neighbourhood otherwise.

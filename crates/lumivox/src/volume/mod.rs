@@ -12,6 +12,7 @@ mod budget;
 pub(crate) mod changes;
 mod dense;
 mod octree;
+mod surface;
 
 use crate::gpu::{BindGroup, Buffer, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
 use crate::voxels::VoxelList;
@@ -23,6 +24,7 @@ use dense::DenseVolume;
 pub(crate) use dense::{Level, MaskLevels, read_levels};
 pub(crate) use octree::Followed;
 use octree::OctreeVolume;
+use surface::Surface;
 pub use octree::{
     Duplication, Mipmapping, OctreeBuilder, OctreeBuilding, OctreeOptions, OctreeParts,
     OctreeStats, TreeToBuild,
@@ -119,9 +121,16 @@ fn sampler(device: &wgpu::Device) -> wgpu::Sampler {
     })
 }
 
-/// A volume on the GPU.
+/// What cones meet on the GPU: cells, and next to them all surface, unless cones march through the cells.
 #[derive(Debug)]
-pub(crate) enum Volume {
+pub(crate) struct Volume {
+    pub(crate) cells: CellVolume,
+    surface: Option<Surface>,
+}
+
+/// Where cells are.
+#[derive(Debug)]
+pub(crate) enum CellVolume {
     /// 3D textures over the whole grid.
     Dense(Box<DenseVolume>),
     /// Nodes and bricks where there is surface.
@@ -131,52 +140,61 @@ pub(crate) enum Volume {
 impl Volume {
     /// Makes an empty volume over a grid, and mounts its shaders. It refuses to take more than
     /// `budget` bytes: a dense volume at once, an octree once there are voxels. An octree's nodes are built as the caller
-    /// wants, or by ranks.
+    /// wants, or by ranks. Without cones that march there is all surface besides.
     pub(crate) fn new(
         device: &Pipelines,
         shaders: &mut ShaderLibrary,
         grid: &Grid,
         (kind, directionality): (VolumeKind, Directionality),
         building: Option<&dyn OctreeBuilding>,
-        budget: Option<u64>,
+        (budget, marches): (Option<u64>, bool),
         emitters: &Buffer,
     ) -> Result<Self, GiError> {
         crate::cascades::check(grid, kind)?;
         mount(shaders, kind, directionality);
         crate::cascades::add_constants(shaders, grid.cascades.as_ref());
-        match kind {
+        crate::cones::mount(shaders, marches);
+        let cells = match kind {
             VolumeKind::Dense | VolumeKind::Cascades => {
                 DenseVolume::new(device, shaders, grid, (directionality, budget), emitters)
-                    .map(|dense| Self::Dense(Box::new(dense)))
+                    .map(|dense| CellVolume::Dense(Box::new(dense)))
             }
             VolumeKind::Octree(options) => {
                 OctreeVolume::new(device, shaders, grid, (options, building, budget), emitters)
-                    .map(|octree| Self::Octree(Box::new(octree)))
+                    .map(|octree| CellVolume::Octree(Box::new(octree)))
             }
-        }
+        }?;
+        let surface = (!marches).then(|| Surface::new(device, shaders, grid, emitters));
+        Ok(Self { cells, surface: surface.transpose()? })
     }
 
     /// Binds another list of emitters.
     pub(crate) fn bind_emitters(&mut self, device: &wgpu::Device, emitters: &Buffer) {
-        match self {
-            Self::Dense(dense) => dense.bind_emitters(device, emitters),
-            Self::Octree(octree) => octree.bind_emitters(device, emitters),
+        if let Some(surface) = &mut self.surface {
+            surface.bind_emitters(device, emitters);
+        }
+        match &mut self.cells {
+            CellVolume::Dense(dense) => dense.bind_emitters(device, emitters),
+            CellVolume::Octree(octree) => octree.bind_emitters(device, emitters),
         }
     }
 
     /// Goes on with a clipmap whose boxes have moved: what is recorded from here on.
     pub(crate) fn move_to(&mut self, device: &Pipelines, grid: &Grid, emitters: &Buffer) {
-        match self {
-            Self::Dense(dense) => dense.move_to(device, grid, emitters),
-            Self::Octree(_) => {}
+        if let Some(surface) = &mut self.surface {
+            surface.move_to(device, grid, emitters);
+        }
+        match &mut self.cells {
+            CellVolume::Dense(dense) => dense.move_to(device, grid, emitters),
+            CellVolume::Octree(_) => {}
         }
     }
 
     /// A word that is not zero while it shows an earlier list, once it follows one; `None`: it never does.
     pub(crate) fn late_word(&self) -> Option<&Buffer> {
-        match self {
-            Self::Dense(_) => None,
-            Self::Octree(octree) => Some(octree.late_word()),
+        match &self.cells {
+            CellVolume::Dense(_) => None,
+            CellVolume::Octree(octree) => Some(octree.late_word()),
         }
     }
 
@@ -185,26 +203,26 @@ impl Volume {
     /// # Errors
     /// [`GiError::Limit`] and [`GiError::Budget`] when an octree does not fit.
     pub(crate) fn hear(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
-        match self {
-            Self::Dense(_) => Ok(()),
-            Self::Octree(octree) => octree.hear(recorder),
+        match &mut self.cells {
+            CellVolume::Dense(_) => Ok(()),
+            CellVolume::Octree(octree) => octree.hear(recorder),
         }
     }
 
     /// Whether it shows an earlier list, for lack of room, as far as the GPU has told. Dense volumes always have room.
     pub(crate) fn is_late(&self) -> bool {
-        match self {
-            Self::Dense(_) => false,
-            Self::Octree(octree) => octree.is_late(),
+        match &self.cells {
+            CellVolume::Dense(_) => false,
+            CellVolume::Octree(octree) => octree.is_late(),
         }
     }
 
     /// Whether it shows an earlier list, and whether the GPU has yet to tell of the last recorded call of [`Self::follow`]: by what
     /// the GPU has told by now. The caller polls the device before it.
     pub(crate) fn told(&self) -> [bool; 2] {
-        match self {
-            Self::Dense(_) => [false, false],
-            Self::Octree(octree) => octree.told(),
+        match &self.cells {
+            CellVolume::Dense(_) => [false, false],
+            CellVolume::Octree(octree) => octree.told(),
         }
     }
 
@@ -216,22 +234,25 @@ impl Volume {
         light: (&VoxelList, &Buffer),
         cells: [&ChangedCells; 2],
     ) {
-        match self {
-            Self::Dense(dense) => dense.bind(device, light, cells),
-            Self::Octree(octree) => octree.unbind(),
+        if let Some(surface) = &mut self.surface {
+            surface.bind(device, light);
+        }
+        match &mut self.cells {
+            CellVolume::Dense(dense) => dense.bind(device, light, cells),
+            CellVolume::Octree(octree) => octree.unbind(),
         }
     }
 
     /// Whether it needs a list of the cells of another surface to follow; an octree has nodes of its own to list.
     pub(crate) fn clears_cells(&self) -> bool {
-        matches!(self, Self::Dense(_))
+        matches!(self.cells, CellVolume::Dense(_))
     }
 
     /// Before the cells of another surface are found by their bits: adds those that it has missed.
     pub(crate) fn join_missed(&mut self, recorder: &mut Recorder<'_>, bits: &Buffer) {
-        match self {
-            Self::Dense(_) => {}
-            Self::Octree(octree) => octree.join_missed(recorder, bits),
+        match &mut self.cells {
+            CellVolume::Dense(_) => {}
+            CellVolume::Octree(octree) => octree.join_missed(recorder, bits),
         }
     }
 
@@ -247,20 +268,23 @@ impl Volume {
         followed: Followed<'_>,
         wrong: &ChangedCells,
     ) -> Result<(), GiError> {
-        match self {
-            Self::Dense(dense) => {
+        if let Some(surface) = &self.surface {
+            surface.follow(recorder);
+        }
+        match &mut self.cells {
+            CellVolume::Dense(dense) => {
                 dense.follow(recorder, wrong);
                 Ok(())
             }
-            Self::Octree(octree) => octree.follow(recorder, followed),
+            CellVolume::Octree(octree) => octree.follow(recorder, followed),
         }
     }
 
     /// Reads whether there was room, to be heard of later.
     pub(crate) fn tell(&mut self, recorder: &mut Recorder<'_>) {
-        match self {
-            Self::Dense(_) => {}
-            Self::Octree(octree) => octree.tell(recorder),
+        match &mut self.cells {
+            CellVolume::Dense(_) => {}
+            CellVolume::Octree(octree) => octree.tell(recorder),
         }
     }
 
@@ -274,49 +298,64 @@ impl Volume {
         followed: Followed<'_>,
         has_moving: bool,
     ) -> Result<(), GiError> {
-        match self {
-            Self::Dense(_) => Ok(()),
-            Self::Octree(octree) => octree.settle(recorder, followed, has_moving).await,
+        match &mut self.cells {
+            CellVolume::Dense(_) => Ok(()),
+            CellVolume::Octree(octree) => octree.settle(recorder, followed, has_moving).await,
         }
     }
 
     /// Stores the radiance of the faces and filters it into the pyramid, where it has changed.
     pub(crate) fn update(&self, recorder: &mut Recorder<'_>, changed: &ChangedCells) {
-        match self {
-            Self::Dense(dense) => dense.update(recorder, changed),
-            Self::Octree(octree) => octree.update(recorder, changed),
+        if let Some(surface) = &self.surface {
+            surface.update(recorder);
+        }
+        match &self.cells {
+            CellVolume::Dense(dense) => dense.update(recorder, changed),
+            CellVolume::Octree(octree) => octree.update(recorder, changed),
         }
     }
 
-    /// Group 0: the grid and the volume, for sampling. Another one after an octree got more room.
+    /// Group 0 of everything that traces cones. Another one after there was more room.
     pub(crate) fn globals(&self) -> &BindGroup {
-        match self {
-            Self::Dense(dense) => dense.globals(),
-            Self::Octree(octree) => octree.globals(),
-        }
+        self.surface.as_ref().map_or_else(|| self.cell_globals(), Surface::globals)
     }
 
     /// The layout of [`Self::globals`].
     pub(crate) fn globals_layout(&self) -> &wgpu::BindGroupLayout {
-        match self {
-            Self::Dense(dense) => dense.globals_layout(),
-            Self::Octree(octree) => octree.globals_layout(),
+        self.surface.as_ref().map_or_else(|| self.cell_globals_layout(), Surface::globals_layout)
+    }
+
+    /// Group 0 of everything that samples cells: the grid and the cells. Another one after an octree got more room.
+    pub(crate) fn cell_globals(&self) -> &BindGroup {
+        match &self.cells {
+            CellVolume::Dense(dense) => dense.globals(),
+            CellVolume::Octree(octree) => octree.globals(),
+        }
+    }
+
+    /// The layout of [`Self::cell_globals`].
+    pub(crate) fn cell_globals_layout(&self) -> &wgpu::BindGroupLayout {
+        match &self.cells {
+            CellVolume::Dense(dense) => dense.globals_layout(),
+            CellVolume::Octree(octree) => octree.globals_layout(),
         }
     }
 
     /// Bytes on the GPU, by use.
     pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
-        match self {
-            Self::Dense(dense) => dense.memory(),
-            Self::Octree(octree) => octree.memory(),
-        }
+        let mut memory = match &self.cells {
+            CellVolume::Dense(dense) => dense.memory(),
+            CellVolume::Octree(octree) => octree.memory(),
+        };
+        memory.extend(self.surface.iter().flat_map(Surface::memory));
+        memory
     }
 
     /// The composition of the octree, if it is one and there are voxels.
     pub(crate) fn octree_stats(&self) -> Option<OctreeStats> {
-        match self {
-            Self::Dense(_) => None,
-            Self::Octree(octree) => octree.stats(),
+        match &self.cells {
+            CellVolume::Dense(_) => None,
+            CellVolume::Octree(octree) => octree.stats(),
         }
     }
 }

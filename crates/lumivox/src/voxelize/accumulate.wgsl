@@ -3,28 +3,29 @@
 // The sums stand in the list of faces itself, each where its mean will be (resolve.wgsl).
 
 import package::constants::{
-    DOUBLE_SIDED, FACE_EMISSION, FACE_GLOSS, FACE_POSITION, FACE_REFLECTANCE, FACE_VECTOR_AREA,
-    FACE_VISIBLE_AREA, FACE_WORDS, LINEAR_WORKGROUP_SIZE,
+    DOUBLE_SIDED, FACE_EMISSION, FACE_FLAGS, FACE_GLOSS, FACE_LOBE, FACE_MASK_HIGH, FACE_MASK_LOW, FACE_POSITION,
+    FACE_PROFILES, FACE_REFLECTANCE, FACE_VECTOR_AREA, FACE_WORDS, LINEAR_WORKGROUP_SIZE,
 };
 import package::gpu::random::hash;
-import package::voxelize::faces::{NO_FRONTS, VoxelFaces};
-import package::voxelize::fronts::visible_shares;
+import package::voxelize::cover::{Cover, cover_of};
+import package::voxelize::faces::VoxelFaces;
 import package::voxelize::items::{Item, find_item};
 import package::voxelize::piece::{Piece, piece_in_voxel};
+import package::voxelize::plane_keys::{Plane, apart, key_of, plane_of, plane_of_walk};
 import package::voxelize::surface::{SurfaceMap, surface_at, surface_map, PIERCED, UNIFORM, VARIED};
 import package::voxelize::triangles::{SMALLEST_COVERAGE, draws};
 import package::voxelize::verdict::Verdict;
 import package::voxelize::footprint::turn_back;
 import package::voxelize::walk::{Walk, walk_begin, walk_cell, walk_on};
+import package::voxels::list::{SINGLE_SIDED, faces_before, faces_in};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_encode;
 
 // The occupancy bits and the rank of each word of the finest level.
 @group(2) @binding(1) var<storage, read> cells: array<vec2u>;
 @group(2) @binding(2) var<storage, read> voxels: array<VoxelFaces>;
-// Per face, three signed numbers each: vector area and, weighted by the area along the lobe that no other layer
-// hides, reflectance, gloss, emission and position within the voxel. Where there may be layers, that area, too. Behind
-// all faces, the fronts of those that have some (fronts.wgsl).
+// Per face, three signed numbers each: vector area and, weighted by the area along the lobe, reflectance, gloss, emission
+// and position within the voxel. Beside them bits: what the face covers (cover.wgsl), its flags, and the key of its plane.
 @group(2) @binding(3) var<storage, read_write> sums: array<atomic<u32>>;
 @group(2) @binding(4) var<uniform> verdict: Verdict;
 
@@ -51,39 +52,65 @@ fn add(first: u32, value: vec3f, seed: u32) {
 
 // A piece of surface in a voxel.
 struct WeightedPiece {
-    // The first face's place in `sums`, the factor that makes integers, and the voxel's lobes.
-    first: u32,
+    voxel: u32,
+    // The factor that makes integers.
     scale: f32,
-    lobes: u32,
+    plane: Plane,
+    cover: Cover,
     // All but the vector area weighted by the area along the lobe.
     vector_area: vec3f,
     reflectance: vec3f,
     position: vec3f,
     emission: vec3f,
     gloss: vec3f,
-    // The area along the lobe, if another layer may hide it, and the share that none does: on the lobe's side, and
-    // on the opposite one.
-    area: f32,
-    visible: vec2f,
 }
 
-// Adds a piece to the face of its lobe, and of the opposite lobe if it has two sides.
+// The face of a voxel's lobe, among its faces there, whose plane is nearest.
+fn nearest_face(voxel: u32, lobes: u32, lobe: u32, plane: Plane) -> u32 {
+    var nearest = 0u;
+    var least = 1e9;
+    for (var i = 0u; i < faces_in(lobes, lobe); i++) {
+        let between = apart(plane, plane_of(voxels[voxel].planes[4u * lobe + i], lobe));
+        if between < least {
+            least = between;
+            nearest = i;
+        }
+    }
+    return nearest;
+}
+
+// Adds bits, which many pieces have in common.
+fn add_bits(word: u32, bits: u32) {
+    if (atomicLoad(&sums[word]) & bits) != bits {
+        atomicOr(&sums[word], bits);
+    }
+}
+
+// Adds a piece to the face of its plane, and to that of the opposite lobe if it has two sides.
 //
 // In loops and not one after the other: what is not needed is then left out on a software GPU as well, which
 // goes through both sides of every `if`.
 fn add_to_faces(piece: WeightedPiece, lobe: u32, sides: u32, seed: u32) {
+    let lobes = voxels[piece.voxel].lobes;
     let all_rows = 7u
-        | select(0u, 8u, piece.area > 0.0)
-        | select(0u, 16u, any(piece.gloss != vec3f(0.0)))
-        | select(0u, 32u, any(piece.emission > vec3f(0.0)));
+        | select(0u, 8u, any(piece.gloss != vec3f(0.0)))
+        | select(0u, 16u, any(piece.emission > vec3f(0.0)));
     for (var side = 0u; side < sides; side++) {
         let own = lobe ^ side;
-        if (piece.lobes & (1u << own)) == 0u {
+        if faces_in(lobes, own) == 0u {
             continue;
         }
-        let first = piece.first + bits_below(piece.lobes, own) * FACE_WORDS;
+        let face = voxels[piece.voxel].first_face + faces_before(lobes, own)
+            + nearest_face(piece.voxel, lobes, own, piece.plane);
+        let first = face * FACE_WORDS;
+        add_bits(first + FACE_MASK_LOW, piece.cover.mask.x);
+        add_bits(first + FACE_MASK_HIGH, piece.cover.mask.y);
+        for (var i = 0u; i < 4u; i++) {
+            add_bits(first + FACE_PROFILES + i, piece.cover.profiles[i]);
+        }
+        add_bits(first + FACE_FLAGS, select(0u, SINGLE_SIDED, sides == 1u));
+        atomicMax(&sums[first + FACE_LOBE], key_of(piece.plane, own));
         let vector_area = select(piece.vector_area, -piece.vector_area, side == 1u);
-        let visible = piece.visible[side];
         var rows = all_rows;
         loop {
             let row = countTrailingZeros(rows);
@@ -92,19 +119,16 @@ fn add_to_faces(piece: WeightedPiece, lobe: u32, sides: u32, seed: u32) {
             var value = vector_area;
             if row == 1u {
                 place = FACE_REFLECTANCE;
-                value = visible * piece.reflectance;
+                value = piece.reflectance;
             } else if row == 2u {
                 place = FACE_POSITION;
-                value = visible * piece.position;
+                value = piece.position;
             } else if row == 3u {
-                place = FACE_VISIBLE_AREA;
-                value = vec3f(visible * piece.area, 0.0, 0.0);
-            } else if row == 4u {
                 place = FACE_GLOSS;
-                value = visible * piece.gloss;
-            } else if row == 5u {
+                value = piece.gloss;
+            } else if row == 4u {
                 place = FACE_EMISSION;
-                value = visible * piece.emission;
+                value = piece.emission;
             }
             add(first + place, value * piece.scale, seed + 8u * side + row);
             continuing {
@@ -142,21 +166,19 @@ fn add_piece(walk: ptr<function, Walk>, summing: Summing, piece: Piece, is_there
     let cell = cells[code / 32u];
     let is_occupied = (cell.x & (1u << (code % 32u))) != 0u;
     if is_there && is_occupied && piece.area > 0.0 && surface.coverage >= SMALLEST_COVERAGE {
-        let faces = voxels[cell.y + bits_below(cell.x, code % 32u)];
+        let voxel = cell.y + bits_below(cell.x, code % 32u);
         let area = piece.area * surface.coverage;
         let position = turn_back(piece.centroid - vec3f((*walk).voxel), (*walk).axis);
-        let visible = visible_shares(walk, piece.centroid, faces, summing.lobe, summing.sides);
         let weighted = WeightedPiece(
-            faces.first_face * FACE_WORDS,
-            bitcast<f32>(faces.area_low),
-            faces.lobes,
+            voxel,
+            bitcast<f32>(voxels[voxel].area_low),
+            plane_of_walk(walk),
+            cover_of(walk, piece.centroid),
             summing.normal * area,
             surface.reflectance * area,
             position * area,
             surface.emission * area,
             draws[(*walk).draw].gloss * area,
-            select(area, 0.0, faces.area_high == NO_FRONTS),
-            visible,
         );
         add_to_faces(weighted, summing.lobe, summing.sides, hash(summing.seed + code));
     }

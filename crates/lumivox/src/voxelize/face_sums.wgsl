@@ -1,6 +1,11 @@
 // From the sums of a face to its means.
 
+import package::cascades::grid_from_stored;
+import package::grid::world_from_grid;
+import package::voxelize::footprint::turn_back;
+import package::voxelize::plane_keys::plane_of;
 import package::voxels::list::{LARGEST_REFLECTANCE, lobe_axis, lobe_sign};
+import package::voxels::morton::morton_decode;
 
 // A face before and after: sums as integers, then the numbers of voxels::list::Face as their bits. In place,
 // since the two together would be the largest thing that voxelization needs.
@@ -9,27 +14,15 @@ struct FaceSlot {
     position_in_world: vec3i,
     cell: u32,
     vector_area: vec3i,
+    // At first the key of the plane (plane_keys.wgsl).
     lobe: u32,
     reflectance: vec3i,
-    // The area along the lobe that no other layer hides, where there may be layers. Zero afterwards.
-    visible_area: i32,
+    flags: u32,
     emission: vec3i,
-    padding_1: u32,
+    mask_low: u32,
     gloss: vec3i,
-    padding_2: u32,
-}
-
-// Sums over pieces of surface, multiplied by `scale`; all but the area weighted by the visible area along the lobe.
-struct FaceSums {
-    scale: f32,
-    // Along the lobe: of all pieces, and of what no other layer hides.
-    along: f32,
-    visible: f32,
-    position: vec3f,
-    area: vec3f,
-    reflectance: vec3f,
-    emission: vec3f,
-    gloss: vec3f,
+    mask_high: u32,
+    profiles: vec4u,
 }
 
 struct FaceMeans {
@@ -41,30 +34,31 @@ struct FaceMeans {
     gloss: vec3f,
 }
 
-fn sums_of(slot: FaceSlot, scale: f32, lobe: u32) -> FaceSums {
+// Of less, in the sums' unit, rounding decides what the normal is.
+const LEAST_SUM = 64.0;
+
+// The normal of a face's plane, by its key.
+fn normal_of(key: u32, lobe: u32) -> vec3f {
+    let plane = plane_of(key, lobe);
+    return turn_back(normalize(vec3f(-plane.slope, 1.0)) * lobe_sign(lobe), lobe_axis(lobe));
+}
+
+// The sums are multiplied by `scale`.
+fn means_of(slot: FaceSlot, scale: f32, lobe: u32) -> FaceMeans {
     // All parts of the area along the lobe have one sign, so that it is zero only where all of them are too small
     // for the sums.
     let along = f32(slot.vector_area[lobe_axis(lobe)]) * lobe_sign(lobe);
-    return FaceSums(
-        scale,
-        along,
-        select(along, f32(slot.visible_area), slot.visible_area > 0),
-        vec3f(slot.position_in_world),
-        vec3f(slot.vector_area),
-        vec3f(slot.reflectance),
-        vec3f(slot.emission),
-        vec3f(slot.gloss),
-    );
-}
-
-fn means_of(sums: FaceSums) -> FaceMeans {
-    let weight = max(sums.visible, 1.0);
+    let weight = max(along, 1.0);
+    var area = vec3f(slot.vector_area) / max(scale, along);
+    if along < LEAST_SUM {
+        area = normal_of(slot.lobe, lobe) * (weight / scale);
+    }
     return FaceMeans(
-        clamp(sums.position / weight, vec3f(0.0), vec3f(1.0)),
-        sums.area / max(sums.scale, sums.along),
-        clamp(sums.reflectance / weight, vec3f(0.0), vec3f(LARGEST_REFLECTANCE)),
-        max(sums.emission / weight, vec3f(0.0)),
-        sums.gloss / weight,
+        clamp(vec3f(slot.position_in_world) / weight, vec3f(0.0), vec3f(1.0)),
+        area,
+        clamp(vec3f(slot.reflectance) / weight, vec3f(0.0), vec3f(LARGEST_REFLECTANCE)),
+        max(vec3f(slot.emission) / weight, vec3f(0.0)),
+        vec3f(slot.gloss) / weight,
     );
 }
 
@@ -76,17 +70,21 @@ fn is_tilted(vector_area: vec3f, lobe: u32) -> bool {
     return any(floor(abs(across) * 127.0 + 0.5) > vec3f(0.0));
 }
 
-fn face_slot(means: FaceMeans, position_in_world: vec3f, emission: vec3f, cell: u32, lobe: u32) -> FaceSlot {
+// The face of a lobe in a voxel that is stored as `cell`; the largest emission of all materials is `emission_scale`.
+fn face_of(sums: FaceSlot, scale: f32, cell: u32, lobe: u32, emission_scale: f32) -> FaceSlot {
+    let means = means_of(sums, scale, lobe);
+    let position = grid_from_stored(morton_decode(cell), means.position_in_voxel);
     return FaceSlot(
-        bitcast<vec3i>(position_in_world),
+        bitcast<vec3i>(world_from_grid(position)),
         cell,
         bitcast<vec3i>(means.vector_area),
         lobe,
         bitcast<vec3i>(means.reflectance),
-        0,
-        bitcast<vec3i>(emission),
-        0u,
+        sums.flags,
+        bitcast<vec3i>(means.emission * emission_scale),
+        sums.mask_low,
         bitcast<vec3i>(means.gloss),
-        0u,
+        sums.mask_high,
+        sums.profiles,
     );
 }

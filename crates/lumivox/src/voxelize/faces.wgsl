@@ -1,7 +1,9 @@
 // What each voxel collects before and while its faces are summed up, and where its faces stand in the list.
 
-import package::constants::{FACE_WORDS, FRONT_WORDS, LINEAR_WORKGROUP_SIZE};
+import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
+import package::voxelize::plane_keys::is_same;
+import package::voxels::list::{faces_of, with_faces};
 
 // Areas are counted in this unit, rounded up, so that their sum is an upper bound.
 const AREAS_PER_UNIT = 4096.0;
@@ -9,55 +11,81 @@ const AREAS_PER_UNIT = 4096.0;
 // Sums stay below this; the sign needs one bit of 32, and rounding half of the rest.
 const LARGEST_SUM = 1073741824.0;
 
-// More surface than this in a voxel, in areas of its side, and one layer may hide another: a plane has at most 1.
-// What is above 1 is for the rounding up of the pieces.
-const SINGLE_LAYER = 1.0 + 1.0 / 32.0;
-
-// Instead of the place of a voxel's fronts: it has none.
-const NO_FRONTS = 0xffffffffu;
-
 struct VoxelFaces {
-    // A bit per lobe that has a piece of surface.
+    // As Node has it (voxels/list.wgsl); how many faces each lobe has is known once they are counted.
     lobes: u32,
-    // First an upper bound of the area of all pieces in the voxel, low and high word; then, in their place, the
-    // factor (f32) that turns a share of a sum into an integer, and the first word of its faces' fronts
-    // (fronts.wgsl) behind the sums, or NO_FRONTS.
+    // First an upper bound of the area of all pieces in the voxel, low and high word; then, in place of the former, the
+    // factor (f32) that turns a share of a sum into an integer.
     area_low: u32,
     area_high: u32,
     first_face: u32,
+    // Four of each lobe (planes.wgsl): of the first walk the largest key and, inverted, the smallest one, at the ends, and
+    // those of the second between them. Then the keys of the planes, those in front first.
+    planes: array<u32, 24>,
 }
 
 @group(1) @binding(0) var<storage, read_write> voxels: array<VoxelFaces>;
 // One more than there are voxels: the total.
 @group(1) @binding(1) var<storage, read_write> first_faces: array<u32>;
-// As `first_faces`, of the faces that have fronts.
-@group(1) @binding(2) var<storage, read_write> first_fronts: array<u32>;
 // Of the finest level; the last one is the number of voxels, for all of which there may be no room.
-@group(1) @binding(3) var<storage, read> ranks: array<u32>;
+@group(1) @binding(2) var<storage, read> ranks: array<u32>;
 
 fn voxel_count() -> u32 {
     return min(ranks[arrayLength(&ranks) - 1u], arrayLength(&voxels));
 }
 
 // In areas of a voxel's side.
-fn area_of(faces: VoxelFaces) -> f32 {
-    let low = f32(faces.area_low);
-    let high = f32(faces.area_high) * 4294967296.0;
+fn area_of(voxel: u32) -> f32 {
+    let low = f32(voxels[voxel].area_low);
+    let high = f32(voxels[voxel].area_high) * 4294967296.0;
     return max(low + high, 1.0) / AREAS_PER_UNIT;
 }
 
-// How many faces each voxel has, and how many of them with fronts. Prefix sums make these the index of the first one.
+// Puts the planes of a lobe in order, and counts them.
+fn order_planes(voxel: u32, lobe: u32) -> u32 {
+    let first = 4u * lobe;
+    let front = voxels[voxel].planes[first];
+    let second = voxels[voxel].planes[first + 1u];
+    let third = ~voxels[voxel].planes[first + 2u];
+    let back = ~voxels[voxel].planes[first + 3u];
+    var count = 1u;
+    if second != 0u {
+        voxels[voxel].planes[first + count] = second;
+        count++;
+        if !is_same(second, third, lobe) {
+            voxels[voxel].planes[first + count] = third;
+            count++;
+        }
+    }
+    if !is_same(front, back, lobe) {
+        voxels[voxel].planes[first + count] = back;
+        count++;
+    }
+    return count;
+}
+
+// How many faces each voxel has: one for each plane. A prefix sum makes it the index of the first one.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn count(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = linear_index(invocation, workgroups);
-    if voxel < voxel_count() {
-        let count = countOneBits(voxels[voxel].lobes);
-        first_faces[voxel] = count;
-        first_fronts[voxel] = select(0u, count, area_of(voxels[voxel]) > SINGLE_LAYER);
+    if voxel >= voxel_count() {
+        return;
     }
+    var lobes = voxels[voxel].lobes;
+    // Not of a voxel that stays of a share before.
+    if faces_of(lobes) == 0u {
+        var left = lobes & 0x3fu;
+        while left != 0u {
+            let lobe = countTrailingZeros(left);
+            left &= left - 1u;
+            lobes = with_faces(lobes, lobe, order_planes(voxel, lobe));
+        }
+        voxels[voxel].lobes = lobes;
+    }
+    first_faces[voxel] = faces_of(lobes);
 }
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
@@ -69,11 +97,7 @@ fn prepare(
     if voxel < voxel_count() {
         // A piece's part of any sum is at most its projected area (the normal's components are at most that
         // along the dominant axis, and all other factors at most 1): as large a scale as the sum allows.
-        let area = area_of(voxels[voxel]);
-        let faces = first_faces[voxel_count()];
-        let fronts = faces * FACE_WORDS + first_fronts[voxel] * FRONT_WORDS;
-        voxels[voxel].area_low = bitcast<u32>(LARGEST_SUM / area);
-        voxels[voxel].area_high = select(NO_FRONTS, fronts, area > SINGLE_LAYER);
+        voxels[voxel].area_low = bitcast<u32>(LARGEST_SUM / area_of(voxel));
         voxels[voxel].first_face = first_faces[voxel];
     }
 }

@@ -3,7 +3,7 @@
 use super::Voxelizer;
 use super::input::{self, ShareInput, ShareKey};
 use super::room::{new_list, resized_list};
-use super::scene::{Fixed, FrameVoxels, Rebuild, Taken, VoxelizedScene, sums_for, with_spare};
+use super::scene::{Fixed, FrameVoxels, Rebuild, Taken, VoxelizedScene, with_spare};
 use super::share::{Share, Work};
 use super::union::{NO_ROOM_FOR_VOXELS, Union, Verdict};
 use crate::cascades::Walked;
@@ -111,7 +111,7 @@ impl Voxelizer {
         }
         union.merge(work);
         if let Some(moving) = &scene.moving {
-            moving.collect_lobes(work, None);
+            moving.collect_planes(work, None);
         }
         union.unite(work);
         scene.union = Some(union);
@@ -218,18 +218,18 @@ impl Voxelizer {
         if rebuild.voxels.is_none() {
             let voxels = share.take_marked(&words)?;
             share.make_room(work, voxels)?;
-            share.collect_lobes(work, kept_share);
-            let sources = share.lobed_counts(voxels);
+            share.collect_planes(work, kept_share);
+            let sources = share.face_counts(voxels);
             rebuild.reads = LateReads::new(device, sources.iter().map(|source| source.2).sum());
             rebuild.reads.record(work.recorder, &sources);
             rebuild.voxels = Some(voxels);
             scene.rebuild = Some(rebuild);
             return Ok(None);
         }
-        let [faces, fronts] = share.take_lobed(&words);
-        let verdict = Verdict::of_fronts(fronts);
+        let faces = share.take_faces(&words);
+        let verdict = Verdict::of_voxels(share.capacity()[0]);
         let verdict = uniform_buffer(device, "verdict", &verdict);
-        share.make_room_for_sums(work, sums_for(faces, fronts), &verdict)?;
+        share.make_room_for_sums(work, faces, &verdict)?;
         share.sum_up(work, kept_share);
         let Rebuild { key, share, .. } = rebuild;
         let counts = kept.map_or(share.counts, |kept| kept.counts);

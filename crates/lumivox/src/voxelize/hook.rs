@@ -11,7 +11,7 @@ use crate::{GiError, Grid};
 /// How voxels of triangles, and the surface in them, are found, instead of by the exact walk.
 ///
 /// Write one to use what your hardware is good at (a rasterizer, ray queries), or to trade voxels for time. It records
-/// what it finds by the functions of `package::voxelize::mark`, `lobes` and `accumulate`, into the same bits and sums,
+/// what it finds by the functions of `package::voxelize::mark`, `planes` and `accumulate`, into the same bits and sums,
 /// so that lists, layers, static shares and all that comes after work with it as they are.
 pub trait Voxelization: Debug + Send + Sync {
     /// The name; settings that name the same voxelization are equal.
@@ -50,11 +50,11 @@ impl<'a> VoxelizationShares<'a> {
     /// The layouts of a step's bind groups: the grid, the triangles, what the step reads and writes, and the textures of
     /// a run of triangles, as `package::voxelize` declares them.
     pub fn layouts(&self, step: WalkStep) -> [&'a wgpu::BindGroupLayout; 4] {
-        let Layouts { grid, triangles, mark, lobes, accumulate, run, .. } = self.layouts;
+        let Layouts { grid, triangles, mark, planes, accumulate, run, .. } = self.layouts;
         let own = match step {
             WalkStep::Mark => mark,
-            WalkStep::Lobes => lobes,
-            WalkStep::Fronts | WalkStep::Accumulate => accumulate,
+            WalkStep::Planes | WalkStep::MorePlanes => planes,
+            WalkStep::Accumulate => accumulate,
         };
         [grid, triangles, own, run]
     }
@@ -65,10 +65,10 @@ impl<'a> VoxelizationShares<'a> {
 pub enum WalkStep {
     /// To find which voxels are occupied.
     Mark,
-    /// To find which lobes they have, and how much surface.
-    Lobes,
-    /// To find what is in front where there are layers.
-    Fronts,
+    /// To find which lobes they have, how much surface, and of each lobe the plane in front and that at the back.
+    Planes,
+    /// To find the planes between these two.
+    MorePlanes,
     /// To sum up what their faces are made of.
     Accumulate,
 }

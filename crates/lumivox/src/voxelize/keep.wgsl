@@ -6,7 +6,7 @@ import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::voxelize::face_sums::FaceSlot;
 import package::voxelize::faces::VoxelFaces;
-import package::voxels::list::Node;
+import package::voxels::list::{Node, faces_of};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_decode;
 
@@ -35,7 +35,7 @@ fn kept_as(old: u32) -> u32 {
     return cell.y + bits_below(cell.x, code % 32u);
 }
 
-// Before faces are counted. Their sums are there, so that nothing of them is in front of anything any more.
+// Before faces are counted: the planes are what they were.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn lobes(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -44,7 +44,7 @@ fn lobes(
     let old = linear_index(invocation, workgroups);
     let kept = kept_as(old);
     if kept != NOTHING {
-        voxels[kept] = VoxelFaces(old_voxels[old].lobes, 1u, 0u, 0u);
+        voxels[kept] = old_voxels[old];
     }
 }
 
@@ -59,10 +59,10 @@ fn faces(
     if kept == NOTHING {
         return;
     }
-    let before = old_voxels[old];
-    voxels[kept].area_low = before.area_low;
+    voxels[kept].area_low = old_voxels[old].area_low;
     let first = voxels[kept].first_face;
-    for (var i = 0u; i < countOneBits(before.lobes); i++) {
-        sums[first + i] = old_sums[before.first_face + i];
+    let old_first = old_voxels[old].first_face;
+    for (var i = 0u; i < faces_of(old_voxels[old].lobes); i++) {
+        sums[first + i] = old_sums[old_first + i];
     }
 }

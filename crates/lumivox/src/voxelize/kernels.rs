@@ -14,7 +14,7 @@ pub(super) struct Layouts {
     pub triangles: wgpu::BindGroupLayout,
     pub split: wgpu::BindGroupLayout,
     pub mark: wgpu::BindGroupLayout,
-    pub lobes: wgpu::BindGroupLayout,
+    pub planes: wgpu::BindGroupLayout,
     pub accumulate: wgpu::BindGroupLayout,
     pub run: wgpu::BindGroupLayout,
     pub faces: wgpu::BindGroupLayout,
@@ -25,6 +25,7 @@ pub(super) struct Layouts {
     pub unite: wgpu::BindGroupLayout,
     pub verdict: wgpu::BindGroupLayout,
     pub resolve_shares: wgpu::BindGroupLayout,
+    pub starts: wgpu::BindGroupLayout,
     pub former: wgpu::BindGroupLayout,
     pub compare: wgpu::BindGroupLayout,
     pub take: wgpu::BindGroupLayout,
@@ -43,7 +44,7 @@ impl Layouts {
         let pass = || LayoutBuilder::new(ShaderStages::COMPUTE | written);
         let triangles = walk().storage().storage().storage().storage();
         let split = compute().uniform().storage_mut().storage_mut();
-        let lobes = pass().storage().storage().storage_mut().storage_mut();
+        let planes = pass().storage().storage().storage_mut().storage_mut();
         let accumulate = pass().storage().storage().storage().storage_mut().uniform();
         let run = (0..3).fold(walk().uniform(), |run, _| run.texture_2d().sampler());
         // Of a pass over voxels: its uniforms, the buffers that it reads, and those that it writes.
@@ -54,13 +55,13 @@ impl Layouts {
         };
         let keep = (0..4).fold(compute(), |layout, _| layout.storage());
         let keep = keep.storage_mut().storage().storage_mut();
-        let faces = compute().storage_mut().storage_mut().storage_mut().storage();
+        let faces = compute().storage_mut().storage_mut().storage();
         Self {
             grid: walk().uniform().build(device, "grid"),
             triangles: triangles.build(device, "voxelize::triangles"),
             split: split.build(device, "voxelize::split"),
             mark: pass().storage().storage_mut().build(device, "voxelize::mark"),
-            lobes: lobes.build(device, "voxelize::lobes"),
+            planes: planes.build(device, "voxelize::planes"),
             accumulate: accumulate.build(device, "voxelize::accumulate"),
             run: run.build(device, "voxelize::run"),
             faces: faces.build(device, "voxelize::faces"),
@@ -69,8 +70,9 @@ impl Layouts {
             keep: keep.build(device, "voxelize::keep"),
             merge_bits: voxels(0, 2, 1, "voxelize::merge_bits"),
             unite: voxels(0, 5, 2, "voxelize::unite"),
-            verdict: voxels(1, 5, 2, "voxelize::verdict"),
+            verdict: voxels(1, 4, 2, "voxelize::verdict"),
             resolve_shares: voxels(2, 4, 2, "voxelize::resolve_shares"),
+            starts: voxels(1, 2, 1, "voxelize::starts"),
             former: voxels(1, 4, 1, "voxelize::former"),
             compare: voxels(1, 5, 1, "voxelize::compare"),
             take: voxels(1, 3, 4, "voxelize::take"),
@@ -99,8 +101,8 @@ pub(super) struct Kernels {
     pub list: ListBuilder,
     pub split: Kernel,
     pub mark: Variants,
-    pub lobes: Variants,
-    pub fronts: Variants,
+    pub planes: Variants,
+    pub more_planes: Variants,
     pub accumulate: Variants,
     pub count_faces: Kernel,
     pub prepare_faces: Kernel,
@@ -112,6 +114,7 @@ pub(super) struct Kernels {
     pub unite: Kernel,
     pub verdict: Kernel,
     pub resolve_shares: Kernel,
+    pub starts: Kernel,
     pub former: Kernel,
     pub compare: Kernel,
     pub take: Kernel,
@@ -141,9 +144,9 @@ impl Kernels {
             Kernel::deferred(device, shaders, module, entry, &groups)
         };
         // Where the surface itself does not matter, what is not pierced is all alike.
-        let by_holes = |module: &str, pass: &wgpu::BindGroupLayout| {
-            let opaque = walk(module, "opaque", pass)?;
-            let covered = deferred(module, "covered", pass)?;
+        let by_holes = |module: &str, again: &str, pass: &wgpu::BindGroupLayout| {
+            let opaque = walk(module, &format!("opaque{again}"), pass)?;
+            let covered = deferred(module, &format!("covered{again}"), pass)?;
             Ok::<_, ShaderError>(Variants([opaque.clone(), opaque, covered]))
         };
         let (module, pass) = ("voxelize::accumulate", &layouts.accumulate);
@@ -157,9 +160,9 @@ impl Kernels {
             indirect: Indirect::new(device, shaders)?,
             list: ListBuilder::new(device, shaders, &layouts.grid)?,
             split: kernel("voxelize::split", "main", &[&layouts.triangles, &layouts.split])?,
-            mark: by_holes("voxelize::mark", &layouts.mark)?,
-            lobes: by_holes("voxelize::lobes", &layouts.lobes)?,
-            fronts: by_holes("voxelize::fronts", &layouts.accumulate)?,
+            mark: by_holes("voxelize::mark", "", &layouts.mark)?,
+            planes: by_holes("voxelize::planes", "", &layouts.planes)?,
+            more_planes: by_holes("voxelize::planes", "_again", &layouts.planes)?,
             accumulate: by_detail,
             count_faces: kernel("voxelize::faces", "count", &[&layouts.faces])?,
             prepare_faces: kernel("voxelize::faces", "prepare", &[&layouts.faces])?,
@@ -171,6 +174,7 @@ impl Kernels {
             unite: kernel("voxelize::unite", "main", &[&layouts.unite])?,
             verdict: kernel("voxelize::verdict", "main", &[&layouts.verdict])?,
             resolve_shares: kernel("voxelize::resolve_shares", "main", &[&layouts.resolve_shares])?,
+            starts: kernel("voxelize::starts", "main", &[&layouts.starts])?,
             former: kernel("voxelize::former", "main", &[&layouts.former])?,
             compare: kernel("voxelize::compare", "main", &[&layouts.compare])?,
             take: kernel("voxelize::take", "cells", &[&layouts.take])?,
@@ -183,7 +187,7 @@ impl Kernels {
 
     /// Makes the walks over runs of some details, all at once.
     pub async fn make(&self, details: impl Iterator<Item = Detail>) {
-        let walks = [&self.mark, &self.lobes, &self.fronts, &self.accumulate];
+        let walks = [&self.mark, &self.planes, &self.more_planes, &self.accumulate];
         let details: HashSet<_> = details.collect();
         let chosen = |detail: &Detail| walks.map(|walk| walk.choose(*detail));
         Kernel::make_all(details.iter().flat_map(chosen)).await;

@@ -17,7 +17,7 @@ fn structs_lie_in_memory_alike() {
     check_struct::<SplitCounts>(library, "voxelize::split", "SplitCounts");
     check_struct::<ItemRun>(library, "voxelize::items", "ItemRun");
     check_struct::<VoxelFaces>(library, "voxelize::faces", "VoxelFaces");
-    check_struct::<VoxelFaces>(library, "voxelize::lobes", "AtomicVoxelFaces");
+    check_struct::<VoxelFaces>(library, "voxelize::planes", "AtomicVoxelFaces");
     check_struct::<ResolveParams>(library, "voxelize::resolve", "ResolveParams");
     check_struct::<UnitedVoxel>(library, "voxelize::unite", "UnitedVoxel");
     check_struct::<Room>(library, "voxelize::verdict", "Room");

@@ -6,15 +6,16 @@
 //!    overflow, no thread that walks a whole wall.
 //! 2. `mark` walks the items and sets the bit of each voxel that its triangle touches, by separating axes
 //!    (Schwarz and Seidel 2010). The pyramid of bits and its ranks are the list of voxels.
-//! 3. `lobes` walks the items again. The piece of the triangle in each voxel belongs to the lobe of its
-//!    normal's dominant axis and side. It sets the lobe's bit and adds up how much surface the voxel has.
-//! 4. Where a voxel has more surface than one layer, `fronts` walks to find out which of them is in front.
-//! 5. `accumulate` walks once more and adds vector area, reflectance, emission and position to the lobe's
-//!    integer sums, all but the first of what is not hidden; `resolve` turns them into faces.
+//! 3. `planes` walks the items twice. The piece of the triangle in each voxel belongs to the lobe of its
+//!    normal's dominant axis and side, and there to one of up to four planes. The walks find these planes, and add up
+//!    how much surface the voxel has.
+//! 4. `accumulate` walks once more and adds vector area, reflectance, emission and position to the integer sums of
+//!    the plane, and the bits of what it covers (`cover`); `resolve` turns them into faces.
+//! 5. `starts` moves the faces' positions into what is seen of them.
 //!
 //! # Parts
 //! What is static and what moves ([`Draw::is_static`](crate::Draw)) are two shares of the surface, each with its own
-//! voxels, lobes and sums (`share.rs`). Nothing in a share depends on the other one: not its bits, and not the scale of
+//! voxels, planes and sums (`share.rs`). Nothing in a share depends on the other one: not its bits, and not the scale of
 //! its sums. So when only dynamic draws changed, the static share is what it was, and the walks are over the dynamic
 //! triangles alone. `union.rs` makes one list of both, the same way whether a share is new or kept: to the bit what
 //! a voxelization of everything gives.
@@ -60,12 +61,6 @@ pub(crate) use union::Moving;
 /// Columns of voxels along the side of a work item's tile.
 const TILE_EDGE: u32 = 4;
 
-/// Points along the side of a face's raster, where layers of surface may hide each other (`fronts.wgsl`).
-const FRONT_SAMPLES: u32 = 4;
-
-/// Words of a face's raster.
-const FRONT_WORDS: u32 = FRONT_SAMPLES * FRONT_SAMPLES;
-
 /// Defines the constants that Rust and the shaders of this stage share.
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library
@@ -76,9 +71,11 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("FACE_REFLECTANCE", offset_of!(FaceRecord, reflectance) as u32 / 4)
         .constant_u32("FACE_EMISSION", offset_of!(FaceRecord, emission) as u32 / 4)
         .constant_u32("FACE_GLOSS", offset_of!(FaceRecord, gloss) as u32 / 4)
-        .constant_u32("FACE_VISIBLE_AREA", offset_of!(FaceRecord, visible_area) as u32 / 4)
-        .constant_u32("FRONT_SAMPLES", FRONT_SAMPLES)
-        .constant_u32("FRONT_WORDS", FRONT_WORDS)
+        .constant_u32("FACE_LOBE", offset_of!(FaceRecord, lobe) as u32 / 4)
+        .constant_u32("FACE_FLAGS", offset_of!(FaceRecord, flags) as u32 / 4)
+        .constant_u32("FACE_MASK_LOW", offset_of!(FaceRecord, mask_low) as u32 / 4)
+        .constant_u32("FACE_MASK_HIGH", offset_of!(FaceRecord, mask_high) as u32 / 4)
+        .constant_u32("FACE_PROFILES", offset_of!(FaceRecord, profiles) as u32 / 4)
         .constant_u32("NO_ROOM_FOR_VOXELS", union::NO_ROOM_FOR_VOXELS)
         .constant_u32("NO_ROOM_FOR_SUMS", union::NO_ROOM_FOR_SUMS)
         .constant_u32("NO_ROOM_FOR_NODES", union::NO_ROOM_FOR_NODES)
@@ -99,6 +96,7 @@ struct VoxelFaces {
     area_low: u32,
     area_high: u32,
     first_face: u32,
+    planes: [u32; 24],
 }
 
 /// What a voxelization found and took.

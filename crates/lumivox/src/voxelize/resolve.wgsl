@@ -1,13 +1,10 @@
 // From the sums of the static share to faces: a thread per voxel.
 
-import package::cascades::grid_from_stored;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::grid::world_from_grid;
-import package::voxelize::face_sums::{FaceSlot, face_slot, is_tilted, means_of, sums_of};
+import package::voxelize::face_sums::{FaceSlot, face_of, is_tilted};
 import package::voxelize::faces::VoxelFaces;
-import package::voxels::list::Node;
-import package::voxels::morton::morton_decode;
+import package::voxels::list::{Node, faces_in};
 
 struct ResolveParams {
     // The largest emission of all materials.
@@ -32,23 +29,18 @@ fn main(
     if voxel >= arrayLength(&voxels) {
         return;
     }
-    let collected = voxels[voxel];
-    let scale = bitcast<f32>(collected.area_low);
+    let scale = bitcast<f32>(voxels[voxel].area_low);
     let cell = nodes[voxel].morton;
-    let stored = morton_decode(cell);
+    let lobes = voxels[voxel].lobes;
     var tilted = 0u;
-    var index = collected.first_face;
-    var lobes = collected.lobes;
-    while lobes != 0u {
-        let lobe = countTrailingZeros(lobes);
-        lobes &= lobes - 1u;
-        let means = means_of(sums_of(sums[index], scale, lobe));
-        if is_tilted(means.vector_area, lobe) {
-            tilted |= 1u << lobe;
+    var index = voxels[voxel].first_face;
+    for (var lobe = 0u; lobe < 6u; lobe++) {
+        for (var i = 0u; i < faces_in(lobes, lobe); i++) {
+            let face = face_of(sums[index], scale, cell, lobe, params.emission_scale);
+            tilted |= select(0u, 1u << lobe, is_tilted(bitcast<vec3f>(face.vector_area), lobe));
+            faces[index] = face;
+            index++;
         }
-        let position = world_from_grid(grid_from_stored(stored, means.position_in_voxel));
-        faces[index] = face_slot(means, position, means.emission * params.emission_scale, cell, lobe);
-        index++;
     }
-    nodes[voxel].lobes = collected.lobes | (tilted << 8u);
+    nodes[voxel].lobes = lobes | (tilted << 8u);
 }

@@ -9,12 +9,12 @@ use super::batch::Fallbacks;
 use super::input::{ShareInput, ShareKey};
 use super::share::{Share, ShareCounts, Work};
 use super::union::{Moving, Union, Verdict, renew, resolve_fixed};
-use super::{FRONT_WORDS, Voxelizer};
+use super::Voxelizer;
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LastRead, LateReads, Memory, Pipelines, Recorder,
     storage_buffer,
 };
-use crate::voxels::{FaceRecord, VoxelList, level_first_word};
+use crate::voxels::{VoxelList, level_first_word};
 use crate::{Geometry, GiError, Grid};
 
 /// The voxels of a scene, and what is kept to make them again when some of its triangles have moved.
@@ -258,11 +258,6 @@ const VERDICT_WORDS: usize = size_of::<Verdict>() / 4;
 /// Room for a number that grows: a quarter to spare, and a thousand, so that little things need no more when they turn.
 pub(super) fn with_spare(count: u64) -> u64 {
     count + count / 4 + 1024
-}
-
-/// Room for the sums of faces with their fronts, in faces, as `verdict.wgsl` counts it.
-pub(super) fn sums_for(faces: u64, fronts: u64) -> u64 {
-    faces + (fronts * u64::from(FRONT_WORDS) * 4).div_ceil(size_of::<FaceRecord>() as u64)
 }
 
 impl Voxelizer {

@@ -7,7 +7,7 @@ use super::batch::{Fallbacks, SplitBatch, SplitCounts};
 use super::hook::{Walk, WalkStep};
 use super::input::{DrawRecord, ShareInput};
 use super::kernels::Kernels;
-use super::{FRONT_WORDS, VoxelFaces, Voxelizer};
+use super::{VoxelFaces, Voxelizer};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, BoundScan, Buffer, Kernel, Recorder, storage_buffer,
 };
@@ -67,16 +67,14 @@ struct Voxels {
     nodes: Buffer,
     /// The index of each voxel's first face, and last the total.
     first_faces: Buffer,
-    /// The same of its faces that have fronts.
-    first_fronts: Buffer,
     pieces: Buffer,
-    scans: [BoundScan; 2],
+    scan: BoundScan,
     bound_nodes: BoundNodes,
     faces_group: BindGroup,
     walk_groups: Vec<BindGroup>,
 }
 
-/// Sums of the faces, as `FaceSlot` of `face_sums.wgsl` has them, and behind them the fronts.
+/// Sums of the faces, as `FaceSlot` of `face_sums.wgsl` has them.
 #[derive(Debug)]
 struct Sums {
     capacity: u64,
@@ -148,13 +146,13 @@ impl Share {
         let cells = &self.cells.buffer;
         self.mark_groups = groups(&layouts.mark, &[&self.bits.occupancy]);
         let Some(voxels) = &mut self.voxels else { return };
-        voxels.walk_groups = groups(&layouts.lobes, &[cells, &voxels.faces, &voxels.pieces]);
+        voxels.walk_groups = groups(&layouts.planes, &[cells, &voxels.faces, &voxels.pieces]);
         let Some(sums) = &mut self.sums else { return };
         let buffers = [cells, &voxels.faces, &sums.buffer, &sums.verdict];
         sums.walk_groups = groups(&layouts.accumulate, &buffers);
     }
 
-    /// Voxels, and faces with fronts, that there is room for.
+    /// Voxels and faces that there is room for.
     pub fn capacity(&self) -> [u64; 2] {
         [
             self.voxels.as_ref().map_or(0, |voxels| voxels.capacity),
@@ -168,30 +166,26 @@ impl Share {
         let stride = size_of::<VoxelFaces>() as u64;
         // A binding of an array has room for one element at least.
         let capacity = capacity.max(1);
-        let faces = work.memory.buffer("lobes of voxels", capacity, stride, remedy)?;
+        let faces = work.memory.buffer("planes of voxels", capacity, stride, remedy)?;
         let stride = size_of::<NodeRecord>() as u64;
         let nodes = work.memory.buffer("nodes of a share", capacity, stride, remedy)?;
         let first_faces = work.memory.buffer("first faces", capacity + 1, 4, remedy)?;
-        let first_fronts = work.memory.buffer("first fronts", capacity + 1, 4, remedy)?;
         let device = work.memory.device();
         let kernels = work.kernels;
         let faces_group = BindGroupBuilder::new(&kernels.layouts.faces)
             .buffer(&faces)
             .buffer(&first_faces)
-            .buffer(&first_fronts)
             .buffer(&self.bits.ranks)
             .build(device, "voxelize::faces");
         let RankedBits { occupancy, ranks, .. } = &self.bits;
         self.voxels = Some(Voxels {
             capacity,
             pieces: storage_buffer(device, "pieces", 8),
-            scans: [&first_faces, &first_fronts]
-                .map(|firsts| kernels.scan.bind(device, firsts, capacity as u32 + 1)),
+            scan: kernels.scan.bind(device, &first_faces, capacity as u32 + 1),
             bound_nodes: kernels.list.bind_nodes(device, [occupancy, ranks, &nodes]),
             faces,
             nodes,
             first_faces,
-            first_fronts,
             faces_group,
             walk_groups: Vec::new(),
         });
@@ -199,15 +193,13 @@ impl Share {
         Ok(())
     }
 
-    /// Makes room for so many faces with their fronts, of which `verdict` will tell whether it is enough.
+    /// Makes room for so many faces, of which `verdict` will tell whether it is enough.
     pub fn make_room_for_sums(
         &mut self,
         work: &mut Work<'_, '_>,
         capacity: u64,
         verdict: &Buffer,
     ) -> Result<(), GiError> {
-        // A raster of fronts takes no more bytes than a face.
-        const { assert!(size_of::<FaceRecord>() >= 4 * FRONT_WORDS as usize) };
         let stride = size_of::<FaceRecord>() as u64;
         let capacity = capacity.max(1);
         let buffer = work.memory.buffer("sums of faces", capacity, stride, work.remedy())?;
@@ -237,22 +229,21 @@ impl Share {
         list.fill_cells(work.recorder, globals, &self.cells);
     }
 
-    /// Collects the lobes of the voxels, with those that stay of a share before, and counts their faces.
-    pub fn collect_lobes(&self, work: &mut Work<'_, '_>, kept: Option<&Self>) {
+    /// Collects the planes of the voxels, with those that stay of a share before, and counts their faces.
+    pub fn collect_planes(&self, work: &mut Work<'_, '_>, kept: Option<&Self>) {
         let Some(voxels) = &self.voxels else { return };
         let (kernels, globals) = (work.kernels, work.globals);
         work.recorder.clear(&voxels.faces);
         work.recorder.clear(&voxels.pieces);
         kernels.list.fill_nodes(work.recorder, globals, &voxels.bound_nodes);
-        self.walk(work, WalkStep::Lobes, &voxels.walk_groups);
+        self.walk(work, WalkStep::Planes, &voxels.walk_groups);
+        self.walk(work, WalkStep::MorePlanes, &voxels.walk_groups);
         if let Some(kept) = kept {
             self.keep(work, kept, &kernels.keep_lobes);
         }
         let groups = [globals, &voxels.faces_group];
         kernels.count_faces.run_linear(work.recorder, &groups, voxels.capacity);
-        for scan in &voxels.scans {
-            kernels.scan.run_bound(work.recorder, scan);
-        }
+        kernels.scan.run_bound(work.recorder, &voxels.scan);
         kernels.prepare_faces.run_linear(work.recorder, &groups, voxels.capacity);
     }
 
@@ -260,7 +251,6 @@ impl Share {
     pub fn sum_up(&self, work: &mut Work<'_, '_>, kept: Option<&Self>) {
         let Some(sums) = &self.sums else { return };
         work.recorder.clear(&sums.buffer);
-        self.walk(work, WalkStep::Fronts, &sums.walk_groups);
         self.walk(work, WalkStep::Accumulate, &sums.walk_groups);
         if let Some(kept) = kept {
             self.keep(work, kept, &work.kernels.keep_faces);
@@ -314,11 +304,10 @@ impl Share {
         &self.cells.buffer
     }
 
-    /// Of each voxel `VoxelFaces`, its node, the index of its first face, and that of its first face with fronts; once there
-    /// is room for them.
-    pub fn voxels(&self) -> Option<[&Buffer; 4]> {
+    /// Of each voxel `VoxelFaces`, its node, and the index of its first face; once there is room for them.
+    pub fn voxels(&self) -> Option<[&Buffer; 3]> {
         let voxels = self.voxels.as_ref()?;
-        Some([&voxels.faces, &voxels.nodes, &voxels.first_faces, &voxels.first_fronts])
+        Some([&voxels.faces, &voxels.nodes, &voxels.first_faces])
     }
 
     /// The faces' sums, once there is room for them.
@@ -348,21 +337,17 @@ impl Share {
         Ok(u64::from(words[0]))
     }
 
-    /// The buffers to read back once lobes are collected of so many voxels: the numbers of faces, of those with fronts, and
-    /// the low and the high word of that of pieces.
-    pub fn lobed_counts(&self, voxels: u64) -> Vec<(&Buffer, u64, u64)> {
+    /// The buffers to read back once planes are collected of so many voxels: the number of faces, and the low and the high
+    /// word of that of pieces.
+    pub fn face_counts(&self, voxels: u64) -> Vec<(&Buffer, u64, u64)> {
         let Some(own) = &self.voxels else { return Vec::new() };
-        vec![
-            (&own.first_faces, voxels * 4, 4),
-            (&own.first_fronts, voxels * 4, 4),
-            (&own.pieces, 0, 8),
-        ]
+        vec![(&own.first_faces, voxels * 4, 4), (&own.pieces, 0, 8)]
     }
 
-    /// Takes what [`Self::lobed_counts`] told. The faces and those with fronts are returned.
-    pub fn take_lobed(&mut self, words: &[u32]) -> [u64; 2] {
-        self.counts.pieces = u64::from(words[3]) << 32 | u64::from(words[2]);
-        [words[0], words[1]].map(u64::from)
+    /// Takes what [`Self::face_counts`] told. The number of faces is returned.
+    pub fn take_faces(&mut self, words: &[u32]) -> u64 {
+        self.counts.pieces = u64::from(words[2]) << 32 | u64::from(words[1]);
+        u64::from(words[0])
     }
 
     /// Bytes on the GPU.

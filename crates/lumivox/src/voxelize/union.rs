@@ -6,6 +6,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::VoxelFaces;
 use super::share::{Share, Work};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, BoundScan, Buffer, Staged, counted_buffer, storage_buffer,
@@ -30,7 +31,9 @@ pub(super) struct ResolveParams {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(super) struct UnitedVoxel {
     pub lobes: u32,
-    padding_0: u32,
+    pub fixed_lobes: u32,
+    pub moving_lobes: u32,
+    padding: u32,
     pub first_sums: [u32; 2],
     pub scales: [f32; 2],
 }
@@ -56,17 +59,17 @@ pub(super) struct Verdict {
     pub moving_faces: u32,
     pub sums: u32,
     pub nodes: u32,
-    pub own_faces: u32,
-    pub fronts: u32,
-    padding: u32,
+    padding: [u32; 3],
 }
 
 impl Verdict {
-    /// There is room, and so many faces have fronts.
-    pub fn of_fronts(fronts: u64) -> Self {
-        Self { fronts: fronts as u32, ..Self::zeroed() }
+    /// There is room, and there are so many voxels.
+    pub fn of_voxels(voxels: u64) -> Self {
+        Self { moving_voxels: voxels as u32, ..Self::zeroed() }
     }
 }
+
+const _: () = assert!(size_of::<VoxelFaces>() >= size_of::<FaceRecord>());
 
 /// Bits of [`Verdict::no_room`].
 pub(super) const NO_ROOM_FOR_VOXELS: u32 = 1;
@@ -118,6 +121,7 @@ struct Taking {
     nodes: u64,
     verdict: BindGroup,
     resolve: BindGroup,
+    starts: BindGroup,
     former: BindGroup,
     compare: BindGroup,
     take: BindGroup,
@@ -153,7 +157,7 @@ impl Union {
         let params = Staged::new(device, "resolve parameters", size_of::<ResolveParams>() as u64);
         Ok(Self {
             // One element of the largest kind: what the binding of an array needs at least.
-            nothing: storage_buffer(device, "nothing", size_of::<FaceRecord>() as u64),
+            nothing: storage_buffer(device, "nothing", size_of::<VoxelFaces>() as u64),
             merged,
             pyramid,
             moving_before: storage_buffer(device, "moving before", bytes),
@@ -213,9 +217,9 @@ impl Union {
         let former = work.memory.buffer("former faces", capacity, 4, remedy)?;
         let device = work.memory.device();
         let nothing = &self.nothing;
-        let [fixed_faces, ..] = fixed.and_then(Share::voxels).unwrap_or([nothing; 4]);
+        let [fixed_faces, ..] = fixed.and_then(Share::voxels).unwrap_or([nothing; 3]);
         let [moving_faces, moving_nodes, ..] =
-            moving.and_then(Share::voxels).unwrap_or([nothing; 4]);
+            moving.and_then(Share::voxels).unwrap_or([nothing; 3]);
         let group = BindGroupBuilder::new(&work.kernels.layouts.unite)
             .buffer(fixed.map_or(nothing, Share::cells))
             .buffer(fixed_faces)
@@ -269,17 +273,16 @@ impl Union {
         let layouts = &kernels.layouts;
         let room_uniform = uniform_buffer(device, "room", &room);
         let nothing = &self.nothing;
-        let [_, fixed_nodes, fixed_faces, _] =
-            fixed.and_then(Share::voxels).unwrap_or([nothing; 4]);
-        let [_, moving_nodes, own_faces, own_fronts] =
-            moving.and_then(Share::voxels).unwrap_or([nothing; 4]);
+        let [_, fixed_nodes, fixed_faces] =
+            fixed.and_then(Share::voxels).unwrap_or([nothing; 3]);
+        let [_, moving_nodes, own_faces] =
+            moving.and_then(Share::voxels).unwrap_or([nothing; 3]);
         let moving_bits = moving.map(Share::bits);
         let verdict = BindGroupBuilder::new(&layouts.verdict)
             .buffer(&room_uniform)
             .buffer(&self.merged.ranks)
             .buffer(moving_bits.map_or(nothing, |bits| &bits.ranks))
             .buffer(own_faces)
-            .buffer(own_fronts)
             .buffer(&united.faces)
             .buffer(&self.verdict)
             .buffer(&list.counts)
@@ -294,6 +297,12 @@ impl Union {
             .buffer(moving_nodes)
             .buffer(&moving_faces)
             .build(device, "voxelize::resolve_shares");
+        let starts = BindGroupBuilder::new(&layouts.starts)
+            .buffer(&self.verdict)
+            .buffer(moving_nodes)
+            .buffer(&united.faces)
+            .buffer(&moving_faces)
+            .build(device, "voxelize::starts");
         let former = BindGroupBuilder::new(&layouts.former)
             .buffer(&self.verdict)
             .buffer(moving_nodes)
@@ -347,6 +356,7 @@ impl Union {
             nodes: list.node_capacity(),
             verdict,
             resolve,
+            starts,
             former,
             compare,
             take,
@@ -374,6 +384,7 @@ impl Union {
         let Work { kernels, recorder, globals, .. } = work;
         let count = united.capacity;
         kernels.resolve_shares.run_linear(recorder, &[globals, &taking.resolve], count);
+        kernels.starts.run_linear(recorder, &[globals, &taking.starts], count);
         kernels.former.run_linear(recorder, &[globals, &taking.former], count);
         kernels.compare.run_linear(recorder, &[globals, &taking.compare], count);
     }
@@ -418,7 +429,7 @@ pub(super) fn resolve_fixed(
     list: &VoxelList,
     emission_scale: f32,
 ) {
-    let Some(([voxels, nodes, ..], sums)) = share.voxels().zip(share.sums()) else { return };
+    let Some(([voxels, nodes, first_faces], sums)) = share.voxels().zip(share.sums()) else { return };
     let params = ResolveParams { emission_scale, padding: [0; 3] };
     let device = work.memory.device();
     let params = uniform_buffer(device, "resolve parameters", &params);
@@ -431,6 +442,14 @@ pub(super) fn resolve_fixed(
         .build(device, "voxelize::resolve");
     let count = share.capacity()[0];
     work.kernels.resolve.run_linear(work.recorder, &[work.globals, &group], count);
+    let verdict = uniform_buffer(device, "verdict", &Verdict::of_voxels(count));
+    let group = BindGroupBuilder::new(&work.kernels.layouts.starts)
+        .buffer(&verdict)
+        .buffer(nodes)
+        .buffer(first_faces)
+        .buffer(&list.faces)
+        .build(device, "voxelize::starts");
+    work.kernels.starts.run_linear(work.recorder, &[work.globals, &group], count);
 }
 
 /// Marks all cells of two lists as changed, one of which comes in the other's place.

@@ -3,16 +3,27 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::voxelize::faces::VoxelFaces;
-import package::voxels::list::Node;
+import package::voxels::list::{MOST_FACES, Node, faces_in, faces_of, with_faces};
 import package::voxels::lookup::bits_below;
 
 struct UnitedVoxel {
-    // Bits 0 to 5: lobes of the static share; bits 8 to 13: of the dynamic one.
+    // As Node has them: of both shares, and of each one.
     lobes: u32,
-    padding_0: u32,
+    fixed_lobes: u32,
+    moving_lobes: u32,
+    padding: u32,
     // The index of the voxel's first face among each share's sums, and the scale of these.
     first_sums: vec2u,
     scales: vec2f,
+}
+
+// All lobes of two shares, with the faces of both.
+fn united_lobes(fixed: u32, moving: u32) -> u32 {
+    var lobes = (fixed | moving) & 0x3fu;
+    for (var lobe = 0u; lobe < 6u; lobe++) {
+        lobes = with_faces(lobes, lobe, min(faces_in(fixed, lobe) + faces_in(moving, lobe), MOST_FACES));
+    }
+    return lobes;
 }
 
 // Of the static share: the occupancy bits and the rank of each word of the finest level, and its voxels.
@@ -43,16 +54,16 @@ fn main(
     if word < arrayLength(&fixed_cells) {
         let fixed = fixed_cells[word];
         if (fixed.x & (1u << bit)) != 0u {
-            let collected = fixed_voxels[fixed.y + bits_below(fixed.x, bit)];
-            result.lobes = collected.lobes;
-            result.first_sums.x = collected.first_face;
-            result.scales.x = bitcast<f32>(collected.area_low);
+            let own = fixed.y + bits_below(fixed.x, bit);
+            result.fixed_lobes = fixed_voxels[own].lobes;
+            result.first_sums.x = fixed_voxels[own].first_face;
+            result.scales.x = bitcast<f32>(fixed_voxels[own].area_low);
         }
     }
-    let collected = moving_voxels[voxel];
-    result.lobes |= collected.lobes << 8u;
-    result.first_sums.y = collected.first_face;
-    result.scales.y = bitcast<f32>(collected.area_low);
+    result.moving_lobes = moving_voxels[voxel].lobes;
+    result.first_sums.y = moving_voxels[voxel].first_face;
+    result.scales.y = bitcast<f32>(moving_voxels[voxel].area_low);
+    result.lobes = united_lobes(result.fixed_lobes, result.moving_lobes);
     united[voxel] = result;
-    united_faces[voxel] = countOneBits((result.lobes | (result.lobes >> 8u)) & 0x3fu);
+    united_faces[voxel] = faces_of(result.lobes);
 }

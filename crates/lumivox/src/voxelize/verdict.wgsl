@@ -3,7 +3,7 @@
 // What does not have room was counted all the same: a thread that writes past the end of a buffer writes nothing that
 // matters, since nothing of this voxelization is taken then.
 
-import package::constants::{COUNT_BLOCK_WORDS, FRONT_WORDS, FACE_WORDS, LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS,
+import package::constants::{COUNT_BLOCK_WORDS, LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS,
     NO_ROOM_FOR_FACES, NO_ROOM_FOR_NODES, NO_ROOM_FOR_SUMS, NO_ROOM_FOR_VOXELS};
 import package::grid::grid;
 import package::voxels::lookup::level_first_word;
@@ -27,13 +27,12 @@ struct Verdict {
     // Voxels that dynamic surface touches, and their faces with those of static surface in them.
     moving_voxels: u32,
     moving_faces: u32,
-    // What is needed: sums in faces, fronts counted by their words.
+    // What is needed; of faces those of dynamic surface alone.
     sums: u32,
     nodes: u32,
-    // Faces of dynamic surface alone, and those of them that have fronts.
-    own_faces: u32,
-    fronts: u32,
-    padding: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 @group(1) @binding(0) var<uniform> room: Room;
@@ -41,10 +40,9 @@ struct Verdict {
 // Of the dynamic share: the last one is the number of its voxels.
 @group(1) @binding(2) var<storage, read> moving_ranks: array<u32>;
 @group(1) @binding(3) var<storage, read> own_faces: array<u32>;
-@group(1) @binding(4) var<storage, read> own_fronts: array<u32>;
-@group(1) @binding(5) var<storage, read> united_faces: array<u32>;
-@group(1) @binding(6) var<storage, read_write> verdict: Verdict;
-@group(1) @binding(7) var<storage, read_write> counts: array<u32>;
+@group(1) @binding(4) var<storage, read> united_faces: array<u32>;
+@group(1) @binding(5) var<storage, read_write> verdict: Verdict;
+@group(1) @binding(6) var<storage, read_write> counts: array<u32>;
 
 fn put_groups(first: u32, threads: u32) {
     let needed = (threads + LINEAR_WORKGROUP_SIZE - 1u) / LINEAR_WORKGROUP_SIZE;
@@ -66,9 +64,7 @@ fn main() {
         now.no_room |= NO_ROOM_FOR_VOXELS;
     } else {
         now.moving_faces = united_faces[voxels];
-        now.own_faces = own_faces[voxels];
-        now.fronts = own_fronts[voxels];
-        now.sums = now.own_faces + (now.fronts * FRONT_WORDS + FACE_WORDS - 1u) / FACE_WORDS;
+        now.sums = own_faces[voxels];
         now.no_room |= select(0u, NO_ROOM_FOR_SUMS, now.sums > room.sums);
         now.no_room |= select(0u, NO_ROOM_FOR_FACES, room.fixed_faces + now.moving_faces > room.faces);
     }

@@ -2,7 +2,7 @@
 
 use super::input::{self, ShareInput, ShareKey};
 use super::room::{new_list, resized_list};
-use super::scene::{Fixed, Taken, VoxelizedScene, sums_for, with_spare};
+use super::scene::{Fixed, Taken, VoxelizedScene, with_spare};
 use super::share::{Share, ShareCounts, Work};
 use super::union::{Union, Verdict};
 use super::{VoxelizeStats, Voxelizer};
@@ -126,17 +126,17 @@ impl Voxelizer {
             scene.place(placed);
         }
 
-        // Which lobes they have, and how much surface.
+        // Which planes they have, and how much surface.
         if let Some(fixed) = &mut fixed {
             fixed.make_room(work, voxels)?;
-            fixed.collect_lobes(work, None);
+            fixed.collect_planes(work, None);
         }
         if let Some(moving) = &mut scene.moving {
             if moving.capacity()[0] < moving_voxels.max(1) {
                 moving.make_room(work, with_spare(moving_voxels))?;
                 scene.is_bound = false;
             }
-            moving.collect_lobes(work, None);
+            moving.collect_planes(work, None);
         }
         let kept = scene.fixed.as_ref().filter(|_| is_reused);
         let kept = kept.and_then(|kept| kept.share.as_ref());
@@ -144,11 +144,11 @@ impl Voxelizer {
             union.bind_voxels(work, [fixed.as_ref().or(kept), scene.moving.as_ref()])?;
         }
         union.unite(work);
-        let of_fixed = fixed.as_ref().map_or_else(Vec::new, |fixed| fixed.lobed_counts(voxels));
+        let of_fixed = fixed.as_ref().map_or_else(Vec::new, |fixed| fixed.face_counts(voxels));
         let of_moving = scene.moving.as_ref();
-        let of_moving = of_moving.map_or_else(Vec::new, |share| share.lobed_counts(moving_voxels));
+        let of_moving = of_moving.map_or_else(Vec::new, |share| share.face_counts(moving_voxels));
         let split =
-            [of_fixed.is_empty(), of_moving.is_empty()].map(|none| if none { 0 } else { 4 });
+            [of_fixed.is_empty(), of_moving.is_empty()].map(|none| if none { 0 } else { 3 });
         let united = union.united_count(moving_voxels).into_iter().collect();
         let words = read(work, &[of_fixed, of_moving, united].concat()).await?;
         let (of_fixed, rest) = words.split_at(split[0]);
@@ -159,16 +159,13 @@ impl Voxelizer {
         let emission_scale = input::emission_scale(geometry);
         let mut faces = scene.fixed.as_ref().filter(|_| is_reused).map_or(0, |kept| kept.faces);
         if let Some(fixed) = &mut fixed {
-            let [count, fronts] = fixed.take_lobed(of_fixed);
-            faces = count;
-            let verdict = Verdict::of_fronts(fronts);
-            let verdict = uniform_buffer(&device, "verdict", &verdict);
-            fixed.make_room_for_sums(work, sums_for(count, fronts), &verdict)?;
+            faces = fixed.take_faces(of_fixed);
+            let verdict = uniform_buffer(&device, "verdict", &Verdict::of_voxels(voxels));
+            fixed.make_room_for_sums(work, faces, &verdict)?;
             fixed.sum_up(work, None);
         }
         if let Some(moving) = &mut scene.moving {
-            let [count, fronts] = moving.take_lobed(of_moving);
-            let needed = sums_for(count, fronts);
+            let needed = moving.take_faces(of_moving);
             if moving.capacity()[1] < needed.max(1) || replaces {
                 moving.make_room_for_sums(work, with_spare(needed), union.verdict())?;
                 scene.is_bound = false;

@@ -9,8 +9,8 @@ impl WalkStep {
     pub(super) fn label(self) -> &'static str {
         match self {
             Self::Mark => "voxelize::mark",
-            Self::Lobes => "voxelize::lobes",
-            Self::Fronts => "voxelize::fronts",
+            Self::Planes => "voxelize::planes",
+            Self::MorePlanes => "voxelize::more_planes",
             Self::Accumulate => "voxelize::accumulate",
         }
     }
@@ -27,8 +27,8 @@ impl Voxelizer {
         }
         let kernels = match step {
             WalkStep::Mark => &self.kernels.mark,
-            WalkStep::Lobes => &self.kernels.lobes,
-            WalkStep::Fronts => &self.kernels.fronts,
+            WalkStep::Planes => &self.kernels.planes,
+            WalkStep::MorePlanes => &self.kernels.more_planes,
             WalkStep::Accumulate => &self.kernels.accumulate,
         };
         recorder.compute(walk.label, |pass| {

@@ -29,7 +29,7 @@ fn main(
     let children = countOneBits((bits >> (first_child % 32u)) & 0xffu);
     var lobes = 0u;
     for (var i = 0u; i < children; i++) {
-        lobes |= nodes[first + i].lobes;
+        lobes |= nodes[first + i].lobes & 0x3fffu;
     }
     nodes[index].lobes = lobes;
 }

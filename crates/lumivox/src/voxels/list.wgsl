@@ -10,13 +10,43 @@ struct Node {
     // The cell's coordinates, interleaved: x in the lowest bit.
     morton: u32,
     // Bits 0..5: which lobes have coverage here or below. Bits 8..13: which of them are tilted,
-    // that is, have a vector area off their axis that survives rounding to 8 bits.
+    // that is, have a vector area off their axis that survives rounding to 8 bits. Of a voxel, bits
+    // 14 to 31: how many faces each lobe has, three bits each.
     lobes: u32,
 }
 
-// The surface of one lobe in one voxel.
+// The most faces of a lobe in a voxel.
+const MOST_FACES = 7u;
+
+// How many faces a voxel has.
+fn faces_of(lobes: u32) -> u32 {
+    let counts = lobes >> 14u;
+    let pairs = (counts & 0x71c7u) + ((counts >> 3u) & 0x71c7u);
+    return (pairs & 0x3fu) + ((pairs >> 6u) & 0x3fu) + (pairs >> 12u);
+}
+
+// How many of them come before those of a lobe.
+fn faces_before(lobes: u32, lobe: u32) -> u32 {
+    return faces_of(lobes & ((1u << (14u + 3u * lobe)) - 1u));
+}
+
+fn faces_in(lobes: u32, lobe: u32) -> u32 {
+    return extractBits(lobes, 14u + 3u * lobe, 3u);
+}
+
+// With a number of faces in a lobe that had none.
+fn with_faces(lobes: u32, lobe: u32, count: u32) -> u32 {
+    return lobes | (count << (14u + 3u * lobe));
+}
+
+// Flags of a face. SINGLE_SIDED: there is no surface behind it that is seen from there; where it is met from behind, it blocks.
+const SINGLE_SIDED = 1u;
+// Nothing of it is seen: it lies inside of other surface.
+const HIDDEN = 2u;
+
+// The surface of a plane in one lobe of a voxel.
 struct Face {
-    // Mean position of the surface, weighted by area along the lobe's axis.
+    // Mean position of the surface that is seen, weighted by area along the lobe's axis.
     position_in_world: vec3f,
     // The voxel's Morton code.
     cell: u32,
@@ -27,15 +57,17 @@ struct Face {
     lobe: u32,
     // Mean share of the light that enters, which leaves again diffusely.
     reflectance: vec3f,
-    // Used while voxelizing (voxelize::face_sums); zero afterwards.
-    visible_area: f32,
+    // SINGLE_SIDED and HIDDEN.
+    flags: u32,
     // Mean emitted radiance.
     emission: vec3f,
-    padding_1: f32,
+    // What it covers, seen along its lobe's axis (voxelize::cover).
+    mask_low: u32,
     // The light that the surface mirrors, and so keeps from entering: mean, grazing, kept_out
     // (light/reflected.wgsl).
     gloss: vec3f,
-    padding_2: f32,
+    mask_high: u32,
+    profiles: vec4u,
 }
 
 fn lobe_axis(lobe: u32) -> u32 {

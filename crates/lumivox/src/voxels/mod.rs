@@ -3,14 +3,14 @@
 //! Memory layout: a bit per cell of every level, in Morton order, all levels in one buffer; the
 //! prefix sum of the bits of its words, so that a cell's rank (its place in the list) is one
 //! look-up and one bit count; a [`Node`](NodeRecord) per occupied cell, level after level; a
-//! [`Face`](FaceRecord) per voxel and lobe with surface. All of it grows only with the occupied
+//! [`Face`](FaceRecord) per voxel, lobe and plane of surface. All of it grows only with the occupied
 //! cells, except for the bits: 2 MB at 256³.
 
 mod build;
 mod pyramid;
 
 pub(crate) use build::{BoundInner, BoundNodes, Cells, ListBuilder, RankedBits};
-pub(crate) use pyramid::{BitLevel, BoundPyramid, Pyramid, level_first_word};
+pub(crate) use pyramid::{BitLevel, BoundPyramid, Pyramid, level_first_word, level_words};
 
 use crate::gpu::{Buffer, Indirect};
 use bytemuck::{Pod, Zeroable};
@@ -64,11 +64,23 @@ pub struct NodeRecord {
     /// The cell's coordinates, interleaved, x in the lowest bit.
     pub morton: u32,
     /// Bits 0 to 5: lobes with coverage here or below; bits 8 to 13: those that are tilted off
-    /// their axis.
+    /// their axis; of a voxel, bits 14 to 31: how many faces each lobe has, three bits each.
     pub lobes: u32,
 }
 
-/// `Face` of `list.wgsl`: the surface of one lobe in one voxel.
+impl NodeRecord {
+    /// How many faces a voxel has.
+    pub fn faces(&self) -> u32 {
+        (0..6).map(|lobe| self.faces_in(lobe)).sum()
+    }
+
+    /// How many of them are those of a lobe.
+    pub fn faces_in(&self, lobe: u32) -> u32 {
+        self.lobes >> (14 + 3 * lobe) & 7
+    }
+}
+
+/// `Face` of `list.wgsl`: the surface of a plane in one lobe of a voxel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct FaceRecord {
@@ -82,16 +94,18 @@ pub struct FaceRecord {
     pub lobe: u32,
     /// Mean share of the light that enters, which leaves again diffusely.
     pub reflectance: [f32; 3],
-    /// Used while voxelizing; zero afterwards.
-    pub visible_area: f32,
+    /// Bit 0: it blocks where it is met from behind. Bit 1: nothing of it is seen.
+    pub flags: u32,
     /// Mean emitted radiance.
     pub emission: [f32; 3],
-    /// Not used.
-    pub padding_1: f32,
+    /// A bit for each of 8 x 8 squares of the voxel's side that it covers: the lower half.
+    pub mask_low: u32,
     /// Means of [`crate::Gloss`], in its order.
     pub gloss: [f32; 3],
-    /// Not used.
-    pub padding_2: f32,
+    /// The upper half.
+    pub mask_high: u32,
+    /// What it covers along u, v, u + v and u - v, a bit for each of 32 parts.
+    pub profiles: [u32; 4],
 }
 
 /// The list of occupied voxels of a scene, on the GPU.

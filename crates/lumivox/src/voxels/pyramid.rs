@@ -20,7 +20,7 @@ pub(super) struct PyramidParams {
 }
 
 /// Words of the occupancy bits of a level; `level_words` of `lookup.wgsl`.
-pub(super) fn level_words(grid: &Grid, level: u32) -> u64 {
+pub(crate) fn level_words(grid: &Grid, level: u32) -> u64 {
     (u64::from(grid.morton_edge(level)).pow(3) / 32).max(1)
 }
 

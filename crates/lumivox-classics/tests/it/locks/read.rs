@@ -102,14 +102,14 @@ fn run(
     let mut shaders = gi.shaders().clone();
     shaders.add("test::nodes", wgsl).constant_u32("NODE_CONTENT_WORDS", words as u32);
     let layout = LayoutBuilder::compute().storage().storage_mut().build(device, "nodes");
-    let layouts = [gi.globals_layout(), &layout];
+    let layouts = [gi.cell_globals_layout(), &layout];
     let kernel = Kernel::new(device, &shaders, "test::nodes", "main", &layouts).expect("links");
     let input = upload(device, "asked", asked);
     let output = storage_buffer(device, "content", (asked.len() * words * 4) as u64);
     let group =
         BindGroupBuilder::new(&layout).buffer(&input).buffer(&output).build(device, "nodes");
     let mut recorder = Recorder::new(device, queue);
-    kernel.run_linear(&mut recorder, &[gi.globals(), &group], asked.len() as u64);
+    kernel.run_linear(&mut recorder, &[gi.cell_globals(), &group], asked.len() as u64);
     recorder.submit();
     read(device, queue, &output, asked.len() * words)
 }

@@ -55,7 +55,7 @@ impl VoxelSet {
         let first_faces: Vec<u32> = read(gpu, &list.first_faces, count).await?;
         let of_voxels =
             nodes.iter().zip(&first_faces).enumerate().flat_map(|(index, (node, &first))| {
-                let count = (node.lobes & 0x3f).count_ones();
+                let count = node.faces();
                 faces[first as usize..(first + count) as usize]
                     .iter()
                     .map(move |face| (index, face))

@@ -45,7 +45,7 @@ impl WireVoxels {
             .storage()
             .build(device, "wire voxels");
         let nothing = LayoutBuilder::compute().build(device, "nothing");
-        let groups = [gi.globals_layout(), &layout, &nothing, gi.gbuffer_layout()];
+        let groups = [gi.cell_globals_layout(), &layout, &nothing, gi.gbuffer_layout()];
         let kernel =
             Kernel::new(device, shaders, "render::passes::overlay::voxels", "main", &groups)?;
         let settings = uniform_buffer(device, "wire voxels", &WireSettings::zeroed());
@@ -77,7 +77,7 @@ impl WireVoxels {
             .view(frame)
             .buffer(&voxels.occupancy)
             .build(recorder.device(), "wire voxels");
-        let groups = [gi.globals(), &group, &self.nothing, &gbuffer.group];
+        let groups = [gi.cell_globals(), &group, &self.nothing, &gbuffer.group];
         self.kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);
     }
 }

@@ -91,7 +91,7 @@ impl VoxelViewPass {
                 .build(recorder.device(), "wire voxels")
         });
         let own = own.as_ref().unwrap_or(&self.group);
-        let groups = [gi.globals(), own, &lights.group, &gbuffer.group];
+        let groups = [gi.cell_globals(), own, &lights.group, &gbuffer.group];
         kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);
         Ok(())
     }
@@ -114,7 +114,7 @@ impl VoxelViewPass {
             View::WireVoxels => ("wires", "main", &self.wires_layout),
             _ => ("cubes", "main", &self.layout),
         };
-        let groups = [gi.globals_layout(), own, gi.lights_layout(), gi.gbuffer_layout()];
+        let groups = [gi.cell_globals_layout(), own, gi.lights_layout(), gi.gbuffer_layout()];
         let module = format!("render::passes::voxel_view::{name}");
         Ok(slot.insert(Kernel::new(gi.pipelines(), &self.shaders, &module, entry, &groups)?))
     }

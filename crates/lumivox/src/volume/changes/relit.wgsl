@@ -3,7 +3,7 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::voxels::counts::NodeRange;
-import package::voxels::list::Node;
+import package::voxels::list::{Node, faces_of};
 
 // The voxels.
 @group(1) @binding(0) var<uniform> finest: NodeRange;
@@ -25,7 +25,7 @@ fn main(
     }
     var is_same = true;
     let first = first_faces[voxel];
-    let end = first + countOneBits(nodes[voxel].lobes & 0x3fu);
+    let end = first + faces_of(nodes[voxel].lobes);
     for (var face = first; face < end; face++) {
         let now = radiance[face];
         // Bits, since a zero has a sign that the volume stores.

@@ -6,7 +6,7 @@ import package::gpu::dispatch::linear_index;
 import package::volume::changes::cells::changed_cell;
 import package::volume::changes::list::NOTHING;
 import package::volume::parts::storable;
-import package::voxels::list::{Face, Node};
+import package::voxels::list::{Face, Node, faces_of};
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(3) var<storage, read> nodes: array<Node>;
@@ -28,7 +28,7 @@ fn store(
     let node = nodes[voxel];
     let first = first_faces[voxel];
     var sum = vec4f(0.0);
-    for (var i = 0u; i < countOneBits(node.lobes & 0x3fu); i++) {
+    for (var i = 0u; i < faces_of(node.lobes); i++) {
         let area = length(faces[first + i].vector_area);
         sum += vec4f(radiance[first + i].rgb * area, area);
     }

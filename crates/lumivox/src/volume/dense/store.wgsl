@@ -5,8 +5,9 @@ import package::gpu::dispatch::linear_index;
 import package::volume::dense::atlas::part_texel;
 import package::volume::changes::cells::changed_cell;
 import package::volume::changes::list::NOTHING;
+import package::volume::layers::{Layers, height_of, opacity_of, with_layer};
 import package::volume::parts::{part_of, storable, POSITIVE, TILT};
-import package::voxels::list::{Face, Node};
+import package::voxels::list::{Face, Node, faces_in};
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(3) var<storage, read> nodes: array<Node>;
@@ -14,6 +15,20 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(5) var<storage, read> faces: array<Face>;
 @group(1) @binding(6) var<storage, read> radiance: array<vec4f>;
 @group(1) @binding(7) var cells_out: texture_storage_3d<rgba16float, write>;
+
+// The faces of a lobe, `count` of them from the `first`.
+fn layers_of(first: u32, count: u32) -> Layers {
+    var layers = Layers(vec4f(0.0), vec2f(0.0));
+    for (var i = first; i < first + count; i++) {
+        var hidden = 0.0;
+        for (var j = first; j < first + count; j++) {
+            let ahead = height_of(faces[j]) - height_of(faces[i]);
+            hidden += select(0.0, opacity_of(faces[j]), ahead > 0.0 || (ahead == 0.0 && j < i));
+        }
+        layers = with_layer(layers, faces[i], radiance[i].rgb, hidden);
+    }
+    return layers;
+}
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn store(
@@ -38,16 +53,12 @@ fn store(
             if (lobes & (1u << side)) == 0u {
                 continue;
             }
-            let area = faces[face].vector_area;
-            let opacity = abs(area[axis]);
-            let across = vec2f(area[(axis + 1u) % 3u], area[(axis + 2u) % 3u]);
-            tilt = select(vec4f(tilt.xy, across), vec4f(across, tilt.zw), side == 0u);
-            textureStore(
-                cells_out,
-                part_texel(cell, part_of(axis, POSITIVE + side), 0u),
-                storable(vec4f(radiance[face].rgb * opacity, opacity)),
-            );
-            face++;
+            let count = faces_in(node.lobes, 2u * axis + side);
+            let layers = layers_of(face, count);
+            tilt = select(vec4f(tilt.xy, layers.tilt), vec4f(layers.tilt, tilt.zw), side == 0u);
+            let texel = part_texel(cell, part_of(axis, POSITIVE + side), 0u);
+            textureStore(cells_out, texel, storable(layers.value));
+            face += count;
         }
         textureStore(cells_out, part_texel(cell, part_of(axis, TILT), 0u), tilt);
     }

@@ -6,13 +6,28 @@ import package::volume::octree::values::{nodes, owner_at, store_value, Owner};
 import package::volume::octree::verdict::Verdict;
 import package::volume::changes::cells::changed_cell;
 import package::volume::changes::list::NOTHING;
+import package::volume::layers::{Layers, height_of, opacity_of, with_layer};
 import package::volume::parts::{part_of, stored_parts, POSITIVE, TILT};
-import package::voxels::list::Face;
+import package::voxels::list::{Face, faces_in, faces_of};
 
 @group(1) @binding(5) var<uniform> verdict: Verdict;
 @group(1) @binding(6) var<storage, read> first_faces: array<u32>;
 @group(1) @binding(7) var<storage, read> faces: array<Face>;
 @group(1) @binding(8) var<storage, read> radiance: array<vec4f>;
+
+// The faces of a lobe, `count` of them from the `first`.
+fn layers_of(first: u32, count: u32) -> Layers {
+    var layers = Layers(vec4f(0.0), vec2f(0.0));
+    for (var i = first; i < first + count; i++) {
+        var hidden = 0.0;
+        for (var j = first; j < first + count; j++) {
+            let ahead = height_of(faces[j]) - height_of(faces[i]);
+            hidden += select(0.0, opacity_of(faces[j]), ahead > 0.0 || (ahead == 0.0 && j < i));
+        }
+        layers = with_layer(layers, faces[i], radiance[i].rgb, hidden);
+    }
+    return layers;
+}
 
 fn store_lobes(voxel: u32, lobes: u32, owner: Owner, octant: u32) {
     let parts = stored_parts(lobes);
@@ -24,13 +39,11 @@ fn store_lobes(voxel: u32, lobes: u32, owner: Owner, octant: u32) {
             if ((lobes >> (2u * axis + side)) & 1u) == 0u {
                 continue;
             }
-            let area = faces[face].vector_area;
-            let opacity = abs(area[axis]);
-            let across = vec2f(area[(axis + 1u) % 3u], area[(axis + 2u) % 3u]);
-            tilt = select(vec4f(tilt.xy, across), vec4f(across, tilt.zw), side == 0u);
-            let value = vec4f(radiance[face].rgb * opacity, opacity);
-            store_value(owner, octant, part_of(axis, POSITIVE + side), value);
-            face++;
+            let count = faces_in(lobes, 2u * axis + side);
+            let layers = layers_of(face, count);
+            tilt = select(vec4f(tilt.xy, layers.tilt), vec4f(layers.tilt, tilt.zw), side == 0u);
+            store_value(owner, octant, part_of(axis, POSITIVE + side), layers.value);
+            face += count;
         }
         if ((parts >> part_of(axis, TILT)) & 1u) != 0u {
             store_value(owner, octant, part_of(axis, TILT), tilt);
@@ -42,7 +55,7 @@ fn store_lobes(voxel: u32, lobes: u32, owner: Owner, octant: u32) {
 fn store_mean(voxel: u32, lobes: u32, owner: Owner, octant: u32) {
     let first = first_faces[voxel];
     var sum = vec4f(0.0);
-    for (var i = 0u; i < countOneBits(lobes & 0x3fu); i++) {
+    for (var i = 0u; i < faces_of(lobes); i++) {
         let area = length(faces[first + i].vector_area);
         sum += vec4f(radiance[first + i].rgb * area, area);
     }

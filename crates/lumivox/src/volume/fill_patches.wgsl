@@ -1,0 +1,50 @@
+// Makes patches of faces, and gives them the light that they show.
+
+import package::cascades::voxel_of;
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::grid::grid_from_world;
+import package::volume::patch::{pack_light, pack_normal, unpack_normal, PATCH_WORDS};
+import package::voxels::counts::ListCounts;
+import package::voxels::list::Face;
+import package::voxels::morton::morton_decode;
+
+@group(1) @binding(0) var<uniform> counts: ListCounts;
+@group(1) @binding(1) var<storage, read> faces: array<Face>;
+@group(1) @binding(2) var<storage, read> shown: array<vec4f>;
+@group(1) @binding(3) var<storage, read_write> patches: array<vec2u>;
+
+// After the list has changed. The light of faces that are new comes with the next light.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn surface(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let face = linear_index(invocation, workgroups);
+    if face >= counts.faces {
+        return;
+    }
+    let own = voxel_of(morton_decode(faces[face].cell));
+    let corner = vec3f(own.voxel);
+    let place = grid_from_world(faces[face].position_in_world) * exp2(-f32(own.cascade)) - corner;
+    let normal = pack_normal(faces[face].vector_area);
+    let first = PATCH_WORDS * face;
+    patches[first] = vec2u(normal, bitcast<u32>(dot(unpack_normal(normal), place)));
+    patches[first + 1u] = vec2u(faces[face].mask_low, faces[face].mask_high);
+    patches[first + 2u] = faces[face].profiles.xy;
+    patches[first + 3u] = faces[face].profiles.zw;
+    patches[first + 4u] = pack_light(shown[face].rgb, faces[face].lobe, faces[face].flags);
+}
+
+// After the light has.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn light(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let face = linear_index(invocation, workgroups);
+    if face < counts.faces {
+        patches[PATCH_WORDS * face + 4u] =
+            pack_light(shown[face].rgb, faces[face].lobe, faces[face].flags);
+    }
+}

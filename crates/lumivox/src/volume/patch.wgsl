@@ -1,0 +1,46 @@
+// A face as rays meet it: ten words.
+
+import package::voxels::list::SINGLE_SIDED;
+
+struct Patch {
+    // The plane, in the voxel's coordinates: dot(normal, p) = offset.
+    normal: vec3f,
+    offset: f32,
+    lobe: u32,
+    is_single_sided: bool,
+}
+
+const PATCH_WORDS = 5u;
+
+// Octahedral (Cigolle et al. 2014, "A survey of efficient representations for independent unit vectors").
+fn pack_normal(normal: vec3f) -> u32 {
+    let size = abs(normal.x) + abs(normal.y) + abs(normal.z);
+    let flat = normal.xy / size;
+    let folded = (1.0 - abs(flat.yx)) * select(vec2f(-1.0), vec2f(1.0), flat >= vec2f(0.0));
+    return pack2x16snorm(select(flat, folded, normal.z < 0.0));
+}
+
+fn unpack_normal(packed: u32) -> vec3f {
+    let flat = unpack2x16snorm(packed);
+    let z = 1.0 - abs(flat.x) - abs(flat.y);
+    let folded = (1.0 - abs(flat.yx)) * select(vec2f(-1.0), vec2f(1.0), flat >= vec2f(0.0));
+    return normalize(vec3f(select(flat, folded, z < 0.0), z));
+}
+
+// The brightest that half floats hold.
+const BRIGHTEST = 65504.0;
+
+fn pack_light(radiance: vec3f, lobe: u32, flags: u32) -> vec2u {
+    let stored = min(radiance, vec3f(BRIGHTEST));
+    let look = lobe | select(0u, 8u, (flags & SINGLE_SIDED) != 0u);
+    return vec2u(pack2x16float(stored.rg), pack2x16float(vec2f(stored.b, 0.0)) | (look << 16u));
+}
+
+fn unpack_radiance(light: vec2u) -> vec3f {
+    return vec3f(unpack2x16float(light.x), unpack2x16float(light.y).x);
+}
+
+fn unpack_patch(plane: vec2u, light: vec2u) -> Patch {
+    let look = light.y >> 16u;
+    return Patch(unpack_normal(plane.x), bitcast<f32>(plane.y), look & 7u, (look & 8u) != 0u);
+}

@@ -1,0 +1,192 @@
+//! All surface as rays meet it: an index of the voxels, and a patch for each face (`patch.wgsl`).
+
+use crate::gpu::{
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    storage_buffer,
+};
+use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList, level_words};
+use crate::{GiError, Grid};
+
+/// Bytes of a patch.
+const PATCH_BYTES: u64 = 40;
+
+/// The level of the blocks that rays pass at once (`voxels/index.wgsl`).
+const BLOCK_LEVEL: u32 = 3;
+
+/// The surface on the GPU.
+#[derive(Debug)]
+pub(crate) struct Surface {
+    globals_layout: wgpu::BindGroupLayout,
+    globals: BindGroup,
+    index_layout: wgpu::BindGroupLayout,
+    patches_layout: wgpu::BindGroupLayout,
+    grid_layout: wgpu::BindGroupLayout,
+    grid_uniform: Buffer,
+    /// The grid alone.
+    grid: BindGroup,
+    cells: Grid,
+    fill_index: Kernel,
+    fill_surface: Kernel,
+    fill_light: Kernel,
+    index: Buffer,
+    patches: Buffer,
+    emitters: Buffer,
+    bound: Option<Bound>,
+}
+
+/// What goes with a list.
+#[derive(Debug)]
+struct Bound {
+    index: BindGroup,
+    threads: u64,
+    patches: BindGroup,
+    counts: Buffer,
+}
+
+impl Surface {
+    /// Without any surface.
+    pub(super) fn new(
+        device: &Pipelines,
+        shaders: &ShaderLibrary,
+        grid: &Grid,
+        emitters: &Buffer,
+    ) -> Result<Self, GiError> {
+        let compute = LayoutBuilder::compute;
+        let grid_layout = compute().uniform().build(device, "grid");
+        let globals_layout =
+            compute().uniform().skip(4).storage().storage().storage().build(device, "surface");
+        let index_layout = (0..4).fold(compute(), |layout, _| layout.storage());
+        let index_layout = index_layout.storage_mut().build(device, "voxels::index");
+        let patches_layout =
+            compute().uniform().storage().storage().storage_mut().build(device, "patches");
+        let kernel = |module, entry, layout| {
+            Kernel::new(device, shaders, module, entry, &[&grid_layout, layout])
+        };
+        let grid_uniform = grid.uniform(device);
+        // A grid without voxels has an index all the same.
+        let index = storage_buffer(device, "index of voxels", index_bytes(grid, 1));
+        let patches = storage_buffer(device, "patches", PATCH_BYTES);
+        Ok(Self {
+            globals: bind_globals(
+                device,
+                &globals_layout,
+                [&grid_uniform, emitters, &index, &patches],
+            ),
+            grid: BindGroupBuilder::new(&grid_layout).buffer(&grid_uniform).build(device, "grid"),
+            fill_index: kernel("voxels::index", "main", &index_layout)?,
+            fill_surface: kernel("volume::fill_patches", "surface", &patches_layout)?,
+            fill_light: kernel("volume::fill_patches", "light", &patches_layout)?,
+            globals_layout,
+            index_layout,
+            patches_layout,
+            grid_layout,
+            grid_uniform,
+            cells: *grid,
+            index,
+            patches,
+            emitters: emitters.clone(),
+            bound: None,
+        })
+    }
+
+    /// Goes on with boxes that have moved.
+    pub(super) fn move_to(&mut self, device: &Pipelines, grid: &Grid, emitters: &Buffer) {
+        self.grid_uniform = grid.uniform(device);
+        self.grid = BindGroupBuilder::new(&self.grid_layout)
+            .buffer(&self.grid_uniform)
+            .build(device, "grid");
+        self.cells = *grid;
+        self.bind_emitters(device, emitters);
+    }
+
+    /// Binds another list of emitters.
+    pub(super) fn bind_emitters(&mut self, device: &wgpu::Device, emitters: &Buffer) {
+        self.emitters = emitters.clone();
+        self.bind_globals(device);
+    }
+
+    fn bind_globals(&mut self, device: &wgpu::Device) {
+        let buffers = [&self.grid_uniform, &self.emitters, &self.index, &self.patches];
+        self.globals = bind_globals(device, &self.globals_layout, buffers);
+    }
+
+    /// Binds another list, or one with other room, and the light that its faces will show.
+    pub(super) fn bind(&mut self, device: &wgpu::Device, (list, shown): (&VoxelList, &Buffer)) {
+        let bytes = index_bytes(&self.cells, list.node_capacity());
+        self.index = storage_buffer(device, "index of voxels", bytes);
+        self.patches = storage_buffer(device, "patches", list.face_capacity() * PATCH_BYTES);
+        let index = BindGroupBuilder::new(&self.index_layout)
+            .buffer(&list.occupancy)
+            .buffer(&list.ranks)
+            .buffer(&list.nodes)
+            .buffer(&list.first_faces)
+            .buffer(&self.index)
+            .build(device, "voxels::index");
+        let patches = BindGroupBuilder::new(&self.patches_layout)
+            .slice(&list.counts, 0, LIST_COUNT_BYTES)
+            .buffer(&list.faces)
+            .buffer(shown)
+            .buffer(&self.patches)
+            .build(device, "patches");
+        let threads = list.node_capacity().max(level_words(&self.cells, 0));
+        self.bound = Some(Bound { index, threads, patches, counts: list.counts.clone() });
+        self.bind_globals(device);
+    }
+
+    /// Follows the list, which has changed.
+    pub(super) fn follow(&self, recorder: &mut Recorder<'_>) {
+        let Some(bound) = &self.bound else { return };
+        recorder.stage("volume");
+        let groups = [&self.grid, &bound.index];
+        self.fill_index.run_linear(recorder, &groups, bound.threads);
+        self.fill(recorder, &self.fill_surface);
+    }
+
+    /// Shows the light of the faces.
+    pub(super) fn update(&self, recorder: &mut Recorder<'_>) {
+        self.fill(recorder, &self.fill_light);
+    }
+
+    fn fill(&self, recorder: &mut Recorder<'_>, kernel: &Kernel) {
+        let Some(bound) = &self.bound else { return };
+        recorder.compute("volume::fill_patches", |pass| {
+            let groups = [&self.grid, &bound.patches];
+            kernel.dispatch_indirect(pass, &groups, &bound.counts, FACE_ARGUMENTS);
+        });
+    }
+
+    pub(super) fn globals(&self) -> &BindGroup {
+        &self.globals
+    }
+
+    pub(super) fn globals_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.globals_layout
+    }
+
+    pub(super) fn memory(&self) -> Vec<(&'static str, u64)> {
+        vec![
+            ("surface: index of the voxels", self.index.size()),
+            ("surface: patches of the faces", self.patches.size()),
+        ]
+    }
+}
+
+/// Group 0 of everything that traces cones.
+fn bind_globals(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    [grid, emitters, index, patches]: [&Buffer; 4],
+) -> BindGroup {
+    BindGroupBuilder::new(layout)
+        .buffer(grid)
+        .skip(4)
+        .buffer(emitters)
+        .buffer(index)
+        .buffer(patches)
+        .build(device, "surface")
+}
+
+/// Bytes of the index of so many voxels.
+fn index_bytes(grid: &Grid, voxels: u64) -> u64 {
+    4 * (2 * level_words(grid, 0) + level_words(grid, BLOCK_LEVEL) + voxels)
+}

@@ -1,0 +1,48 @@
+// The keys of planes (planes.wgsl).
+
+import package::voxelize::walk::Walk;
+
+// A plane of a lobe: w = height + dot(slope, uv - 1/2) in walk order, within the voxel.
+struct Plane {
+    height: f32,
+    slope: vec2f,
+}
+
+// A plane that passes a voxel has a height from -1 to 2 at its middle, and slopes from -1 to 1.
+const HEIGHT_STEPS = 1364.0;
+const SLOPE_STEPS = 511.0;
+
+// Planes that are as close as this all over a voxel, in voxels, are one.
+const SAME_PLANE = 0.02;
+
+// The larger, the nearer to the side that the lobe looks to; never 0.
+fn key_of(plane: Plane, lobe: u32) -> u32 {
+    let steps = u32(round((plane.height + 1.0) * HEIGHT_STEPS));
+    let height = 1u + select(steps, 4092u - min(steps, 4092u), (lobe & 1u) != 0u);
+    let slope = vec2u(round((plane.slope + 1.0) * SLOPE_STEPS));
+    return (height << 20u) | (slope.x << 10u) | slope.y;
+}
+
+fn plane_of(key: u32, lobe: u32) -> Plane {
+    let height = (key >> 20u) - 1u;
+    let steps = select(height, 4092u - height, (lobe & 1u) != 0u);
+    let slope = vec2f(vec2u((key >> 10u) & 0x3ffu, key & 0x3ffu));
+    return Plane(f32(steps) / HEIGHT_STEPS - 1.0, slope / SLOPE_STEPS - 1.0);
+}
+
+// How far two planes are apart at most, in a voxel.
+fn apart(a: Plane, b: Plane) -> f32 {
+    let slope = abs(a.slope - b.slope);
+    return abs(a.height - b.height) + 0.5 * (slope.x + slope.y);
+}
+
+fn is_same(a: u32, b: u32, lobe: u32) -> bool {
+    return apart(plane_of(a, lobe), plane_of(b, lobe)) < SAME_PLANE;
+}
+
+// The plane of the walk's triangle in the current voxel.
+fn plane_of_walk(walk: ptr<function, Walk>) -> Plane {
+    let middle = vec2f((*walk).voxel.xy) + 0.5;
+    let height = (*walk).a.z + dot((*walk).slope, middle - (*walk).a.xy) - f32((*walk).voxel.z);
+    return Plane(clamp(height, -1.0, 2.0), clamp((*walk).slope, vec2f(-1.0), vec2f(1.0)));
+}
