@@ -7,6 +7,10 @@ fn main() {
     let slots = [
         // `src/cones/mod.rs`.
         Slot { path: "cones::way", implementations: &["cones::exact", "cones::march"] },
+        Slot {
+            path: "light::way",
+            implementations: &["light::gather_rays", "light::gather_cones"],
+        },
         Slot { path: "volume", implementations: &["volume::six_lobes", "volume::isotropic"] },
         Slot {
             path: "volume::cells",

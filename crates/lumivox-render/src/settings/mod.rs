@@ -176,7 +176,7 @@ impl Default for RenderSettings {
             look: None,
             trace: TraceSettings::default(),
             cone_model: None,
-            bounces: 8,
+            bounces: 16,
             frames: 16,
             view: View::default(),
             beside: Vec::new(),

@@ -17,10 +17,15 @@ use crate::gpu::ShaderLibrary;
 pub use hook::ConeModel;
 pub use settings::{Preset, TraceResolution, TraceSettings};
 
-/// Makes the way that cones are traced `package::cones::way`: a march, or exact hits.
+/// Makes the way that cones are traced `package::cones::way`, and that of faces `package::light::way`: a march, or exact hits.
 pub(crate) fn mount(shaders: &mut ShaderLibrary, marches: bool) {
-    let way = if marches { "cones::march" } else { "cones::exact" };
-    shaders.fill(crate::shaders::implementation(way));
+    let (cone, face) = match marches {
+        true => ("cones::march", "light::gather_cones"),
+        false => ("cones::exact", "light::gather_rays"),
+    };
+    shaders
+        .fill(crate::shaders::implementation(cone))
+        .fill(crate::shaders::implementation(face));
 }
 
 /// `ConeSettings` of `cone.wgsl`.

@@ -5,26 +5,22 @@ import package::cascades::cascade_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::gpu::random::{hash, random_pair};
-import package::cones::gather::gather;
 import package::light::turn::{
     counts, face_in_turn, faces, first_fresh, from_emitters, irradiance, is_fresh, settings,
 };
+import package::light::way::gathered_at;
 import package::voxels::morton::morton_decode;
 
 fn gather_at(index: u32) {
     let face = faces[index];
-    let normal = normalize(face.vector_area);
     // A face keeps its jitter from bounce to bounce, so that the bounces converge to a fixed point.
     let start = random_pair(face.cell, hash(face.lobe));
     let level = cascade_of(morton_decode(face.cell));
-    let gathered = gather(
-        face.position_in_world, normal, normal, level, settings.cone_count, start, 0u, settings.cones);
-    var sum = gathered.irradiance;
+    var sum = gathered_at(index, face, start, level);
     if settings.has_emitters != 0u {
-        sum += from_emitters[index].rgb;
+        sum += from_emitters(index);
     }
-    // A few cones may sum up below zero (cone.wgsl).
-    irradiance[index] = vec4f(max(sum, vec3f(0.0)), 1.0);
+    irradiance[index] = vec4f(sum, 1.0);
 }
 
 // The faces whose turn it is.

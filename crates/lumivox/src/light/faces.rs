@@ -10,6 +10,9 @@ use crate::volume::changes::Shown;
 use crate::voxelize::{Moving, Taken};
 use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList};
 
+/// Bytes of what the rays of a face meet: `HIT_WORDS` of `turn.wgsl`.
+const HIT_BYTES: u64 = 80;
+
 /// The kernels.
 #[derive(Debug)]
 pub(super) struct LightKernels {
@@ -137,6 +140,8 @@ impl LightKernels {
 
     /// Before a list is taken: the light of faces that it puts elsewhere.
     pub fn follow(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
+        // Other surface is in the way of rays.
+        recorder.clear(&faces.hits);
         recorder.compute("light::follow", |pass| {
             let voxels = faces.moving_voxels;
             self.follow.dispatch_linear(pass, &[grid, &faces.follow], voxels);
@@ -191,10 +196,10 @@ pub(super) struct Faces {
     shown: Buffer,
     /// Radiance that the volume holds.
     held: Buffer,
-    /// Whether there are emitters. If not, the next two have room for nothing.
+    /// Whether there are emitters. If not, there is no room for what is reflected alone.
     has_emission: bool,
-    /// Irradiance straight from emitters (`array<vec4f>`).
-    from_emitters: Buffer,
+    /// What the rays of faces meet, and irradiance straight from emitters (`turn.wgsl`).
+    hits: Buffer,
     /// Radiance that the volume shows without emission.
     reflected: Buffer,
     direct_group: BindGroup,
@@ -253,14 +258,9 @@ impl Faces {
         let radiance = buffer("radiance");
         let shown = buffer("shown radiance");
         let held = buffer("held radiance");
-        let [from_emitters, reflected] =
-            ["irradiance from emitters", "reflected radiance"].map(|label| {
-                storage_buffer(
-                    device,
-                    label,
-                    if has_emission { list.face_capacity() * 16 } else { 0 },
-                )
-            });
+        let hits = storage_buffer(device, "hits", list.face_capacity() * HIT_BYTES);
+        let reflected = if has_emission { list.face_capacity() * 16 } else { 0 };
+        let reflected = storage_buffer(device, "reflected radiance", reflected);
         let moving_count = moving.faces.size() / size_of::<crate::voxels::FaceRecord>() as u64;
         let [moving_irradiance, moving_held] = ["moving irradiance", "moving held radiance"]
             .map(|label| storage_buffer(device, label, moving_count * 16));
@@ -274,7 +274,7 @@ impl Faces {
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
             .buffer(&list.faces)
             .buffer(&irradiance)
-            .buffer(&from_emitters)
+            .buffer(&hits)
             .build(device, "bounce");
         let reflect = BindGroupBuilder::new(&kernels.reflect_layout)
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
@@ -320,7 +320,7 @@ impl Faces {
             shown,
             held,
             has_emission,
-            from_emitters,
+            hits,
             reflected,
             direct_group,
             bounce,
@@ -415,7 +415,7 @@ impl Faces {
             ("light: radiance of the faces", self.radiance.size()),
             ("light: shown radiance of the faces", self.shown.size()),
             ("light: held radiance of the faces", self.held.size()),
-            ("light: irradiance of the faces from emitters", self.from_emitters.size()),
+            ("light: what the faces' rays meet", self.hits.size()),
             ("light: reflected radiance of the faces", self.reflected.size()),
         ]
     }

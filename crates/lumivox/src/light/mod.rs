@@ -184,7 +184,7 @@ impl Lighting {
         }
         let Some((faces, shining)) = self.faces.as_ref().zip(changes.listed()) else { return };
         faces.hide_emission(recorder, hides);
-        volume.update(recorder, shining);
+        volume.bounce(recorder, shining);
     }
 
     /// Before reflected light changes: takes the emission off that is on top of it. Whether it did is returned; where not, the
@@ -269,9 +269,10 @@ impl Lighting {
             self.kernels.gather(recorder, groups, faces, Turn::OF_ALL);
             self.kernels.reflect(recorder, &self.grid, faces);
             recorder.stage("filter");
-            volume.update(recorder, changed);
+            volume.bounce(recorder, changed);
         }
         if gathers > 0 {
+            volume.update(recorder, changed);
             faces.hold(recorder);
         }
         self.emit(recorder, (volume, changes));
@@ -330,7 +331,7 @@ impl Lighting {
     ) {
         recorder.stage("light");
         // With cone shadows the light needs the volume's opacities, which come with any radiance.
-        if lights.has_cone_shadows {
+        if lights.has_cone_shadows && volume.is_marched() {
             recorder.stage("filter");
             if let Some(changed) = changes.surfaces(recorder) {
                 volume.update(recorder, changed);

@@ -7,8 +7,9 @@ import package::emitters::gather::gather_emitters;
 import package::gpu::dispatch::linear_index;
 import package::gpu::random::{hash, random_pair};
 import package::light::turn::{
-    counts, face_in_turn, faces, first_fresh, from_emitters, is_fresh, settings,
+    counts, face_in_turn, faces, first_fresh, is_fresh, keep_from_emitters, settings,
 };
+import package::voxels::list::HIDDEN;
 import package::voxels::morton::morton_decode;
 
 // Points on emitters that a face looks at. Faces look at the same ones in every gather, so their noise stays, but a cone
@@ -17,6 +18,10 @@ const POINTS: u32 = 4u;
 
 fn shine_on(index: u32) {
     let face = faces[index];
+    if (face.flags & HIDDEN) != 0u {
+        keep_from_emitters(index, vec3f(0.0));
+        return;
+    }
     let normal = normalize(face.vector_area);
     let start = random_pair(face.cell ^ 0x9e3779b9u, hash(face.lobe));
     let level = cascade_of(morton_decode(face.cell));
@@ -25,7 +30,7 @@ fn shine_on(index: u32) {
         sum += gather_emitters(
             face.position_in_world, normal, normal, level, start, i, settings.cones).irradiance;
     }
-    from_emitters[index] = vec4f(sum / f32(POINTS), 1.0);
+    keep_from_emitters(index, sum / f32(POINTS));
 }
 
 // The faces whose turn it is.

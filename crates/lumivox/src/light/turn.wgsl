@@ -27,8 +27,25 @@ struct BounceSettings {
 @group(1) @binding(2) var<storage, read> faces: array<Face>;
 // In rgb; w is 1 once a face has gathered.
 @group(1) @binding(3) var<storage, read_write> irradiance: array<vec4f>;
-// The part of it that comes straight from emitters.
-@group(1) @binding(4) var<storage, read_write> from_emitters: array<vec4f>;
+// HIT_WORDS for each face: what its rays meet, FACE_RAYS of them (gather_rays.wgsl), and the irradiance that comes straight
+// from emitters.
+@group(1) @binding(4) var<storage, read_write> hits: array<u32>;
+
+const FACE_RAYS = 16u;
+const HIT_WORDS = 20u;
+
+fn from_emitters(face: u32) -> vec3f {
+    let first = face * HIT_WORDS + FACE_RAYS;
+    return bitcast<vec3f>(vec3u(hits[first], hits[first + 1u], hits[first + 2u]));
+}
+
+fn keep_from_emitters(face: u32, irradiance_of_them: vec3f) {
+    let bits = bitcast<vec3u>(irradiance_of_them);
+    let first = face * HIT_WORDS + FACE_RAYS;
+    for (var i = 0u; i < 3u; i++) {
+        hits[first + i] = bits[i];
+    }
+}
 
 // The most turns from a cascade's gather to its next one, as a power of two.
 const RAREST = 3u;

@@ -315,6 +315,19 @@ impl Volume {
         }
     }
 
+    /// Shows cones the radiance of the faces: all that is needed between bounces.
+    pub(crate) fn bounce(&self, recorder: &mut Recorder, changed: &ChangedCells) {
+        match &self.surface {
+            Some(surface) => surface.update(recorder),
+            None => self.update(recorder, changed),
+        }
+    }
+
+    /// Whether cones march through the cells.
+    pub(crate) fn is_marched(&self) -> bool {
+        self.surface.is_none()
+    }
+
     /// Group 0 of everything that traces cones. Another one after there was more room.
     pub(crate) fn globals(&self) -> &BindGroup {
         self.surface.as_ref().map_or_else(|| self.cell_globals(), Surface::globals)

@@ -288,8 +288,8 @@ pub(super) const LIGHT: &[Row] = &[
         summary: "Bounces of indirect light, including the one at the visible surface",
         help: "0 is only direct light, 1 is light by way of one other surface. N bounces leave out about the share a^N of the light \
                in a room of albedo a. Each costs one more gather in the voxels, once.",
-        // With an albedo of 0.9, a seventeenth would still add 2 % of the light.
-        kind: Kind::whole(0, 16),
+        // With an albedo of 0.9, a 65th would still add 0.01 % of the light.
+        kind: Kind::whole(0, 64),
         redoes: Redoes::Light,
         get: |s| Value::Whole(s.bounces),
         set: |s, v| s.bounces = v.whole(),

@@ -1,0 +1,123 @@
+// A ray that meets surface exactly. Lengths here are in the finest voxels.
+//
+// A ray walks all voxels in its way (Amanatides and Woo 1987, "A fast voxel traversal algorithm for ray tracing"; empty blocks
+// in one step) and ends where it crosses a face's plane inside of what the face covers. A plane has no holes from voxel to voxel, so
+// that nothing leaks through a wall, whatever its angle and thickness, and nothing behind a hit counts.
+//
+// A surface is seen from its front. A single-sided one blocks from behind, and is black there.
+
+import package::cascades::{
+    box_size, finest_level, lowest_voxel, outer_high, outer_low, stored_cell,
+};
+import package::constants::CASCADES;
+import package::volume::patch::{unpack_patch, unpack_radiance, PATCH_WORDS};
+import package::volume::surface::{index, patches};
+import package::voxels::covered::{across, is_covered};
+import package::voxels::index::{first_block, first_entry, FACE_BITS};
+import package::voxels::lookup::bits_below;
+import package::voxels::morton::morton_encode;
+
+// How far a ray looks beyond the end of a voxel, in its edges, to be in the next one. What it passes over by that is less than
+// the tolerance of hits.
+const NUDGE = 0.001;
+
+// How far from its start a ray may meet its own surface from behind, in voxels: where that is curved, planes are beside it.
+const OWN = 1.0;
+
+// What a ray meets first.
+struct Hit {
+    distance: f32,
+    // The face; NOTHING, or BLACK: a single-sided surface from behind.
+    face: u32,
+}
+
+const NOTHING = 0xffffffffu;
+const BLACK = 0xfffffffeu;
+
+// The faces of a voxel with its corner at the origin and an edge of 1, up to a distance.
+fn hit_faces(entry: u32, origin: vec3f, direction: vec3f, own: f32, reach: f32) -> Hit {
+    var hit = Hit(reach, NOTHING);
+    let first = entry & ((1u << FACE_BITS) - 1u);
+    for (var face = first; face < first + (entry >> FACE_BITS); face++) {
+        let place = PATCH_WORDS * face;
+        let plane = unpack_patch(patches[place], patches[place + 4u]);
+        let cosine = dot(plane.normal, direction);
+        let distance = (plane.offset - dot(plane.normal, origin)) / select(cosine, 1e-9, abs(cosine) < 1e-9);
+        let is_back = cosine > 0.0;
+        let is_met = distance > 0.0 && distance < hit.distance
+            && !(is_back && (!plane.is_single_sided || distance < own));
+        let at = across(origin + direction * distance, plane.lobe >> 1u);
+        if is_met && is_covered(at, patches[place + 1u], vec4u(patches[place + 2u], patches[place + 3u])) {
+            hit = Hit(distance, select(face, BLACK, is_back));
+        }
+    }
+    return hit;
+}
+
+struct Ray {
+    origin_in_grid: vec3f,
+    direction: vec3f,
+    reach: f32,
+    // The level of the voxels of the surface that it starts from.
+    level: u32,
+}
+
+// `steps` counts the voxels and blocks on the way.
+fn trace_ray(ray: Ray, steps: ptr<function, u32>) -> Hit {
+    let low = outer_low();
+    let high = outer_high();
+    let inverse = 1.0 / select(ray.direction, vec3f(1e-20), abs(ray.direction) < vec3f(1e-20));
+    let is_forward = ray.direction > vec3f(0.0);
+    // From where the ray enters the grid.
+    let to_low = (low - ray.origin_in_grid) * inverse;
+    let to_high = (high - ray.origin_in_grid) * inverse;
+    let enter = min(to_low, to_high);
+    let leave = max(to_low, to_high);
+    let end = min(min(leave.x, leave.y), min(leave.z, ray.reach));
+    let own = OWN * exp2(f32(ray.level));
+    var distance = max(max(enter.x, enter.y), max(enter.z, 0.0));
+    var hit = Hit(3e38, NOTHING);
+    while distance < end && hit.face == NOTHING {
+        *steps += 1u;
+        let ahead = ray.origin_in_grid + ray.direction * (distance + NUDGE);
+        let cascade = finest_level(ahead, ray.level, 0.0);
+        let edge = exp2(f32(cascade));
+        let lowest = lowest_voxel(cascade);
+        let size = vec3i(box_size());
+        let voxel = clamp(vec3i(floor(ahead / edge)), lowest, lowest + size - 1);
+        let code = morton_encode(stored_cell(voxel, 0u, cascade));
+        let word = code / 32u;
+        let block = code / 512u;
+        var step = 1;
+        if (index[first_block() + block / 32u] & (1u << (block % 32u))) == 0u {
+            step = 8;
+        } else if (index[2u * (word & ~1u)] | index[2u * (word | 1u)]) == 0u {
+            step = 4;
+        }
+        var corner = voxel & vec3i(-step);
+        if CASCADES > 0u && (any(corner < lowest) || any(corner + step > lowest + size)) {
+            // Where it is stored, cells of the box's other end are in the block.
+            corner = voxel;
+            step = 1;
+        }
+        let bits = index[2u * word];
+        if (bits & (1u << (code % 32u))) != 0u {
+            let entry = index[first_entry() + index[2u * word + 1u] + bits_below(bits, code % 32u)];
+            let origin = ray.origin_in_grid / edge - vec3f(voxel);
+            hit = hit_faces(entry, origin, ray.direction, own / edge, ray.reach / edge);
+            hit.distance *= edge;
+        }
+        let wall = select(vec3f(corner), vec3f(corner + step), is_forward) * edge;
+        let walls = (wall - ray.origin_in_grid) * inverse;
+        distance = max(min(walls.x, min(walls.y, walls.z)), distance + NUDGE);
+    }
+    return hit;
+}
+
+// The radiance that a face shows; black is what is no face.
+fn shown_by(face: u32) -> vec3f {
+    if face >= BLACK {
+        return vec3f(0.0);
+    }
+    return unpack_radiance(patches[PATCH_WORDS * face + 4u]);
+}

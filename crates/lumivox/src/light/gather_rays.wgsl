@@ -1,0 +1,44 @@
+// What a face gathers, by rays: the module package::light::way.
+//
+// A face keeps its rays, so that its gathers converge to a fixed point, and what they meet is found once: `hits` keeps it
+// until the list changes. Each further gather only looks up what is there.
+
+import package::cones::ray::{shown_by, trace_ray, NOTHING, Ray};
+import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
+import package::cones::way::cone_start;
+import package::environment::environment_radiance;
+import package::light::turn::{hits, settings, FACE_RAYS, HIT_WORDS};
+import package::voxels::list::{Face, HIDDEN};
+
+const PI: f32 = 3.14159265359;
+
+// Hits are kept with this added, so that zero is none that is known.
+const OFFSET = 3u;
+const UNKNOWN = 0u;
+
+fn gathered_at(index: u32, face: Face, start: vec2f, level: u32) -> vec3f {
+    if (face.flags & HIDDEN) != 0u {
+        return vec3f(0.0);
+    }
+    let normal = normalize(face.vector_area);
+    let origin = cone_start(face.position_in_world, normal, level, settings.cones);
+    let world_from_normal = basis(normal);
+    let jitter = cell_jitter(start, 0u);
+    var sum = vec3f(0.0);
+    var steps = 0u;
+    for (var i = 0u; i < FACE_RAYS; i++) {
+        let local = cell_cone(i, FACE_RAYS, jitter);
+        let direction = world_from_normal * local.direction;
+        let place = index * HIT_WORDS + i;
+        if hits[place] == UNKNOWN {
+            hits[place] = trace_ray(Ray(origin, direction, 3e38, level), &steps).face + OFFSET;
+        }
+        let met = hits[place] - OFFSET;
+        if met == NOTHING {
+            sum += environment_radiance(direction, 2.0 * local.tan_half_angle);
+        } else {
+            sum += shown_by(met);
+        }
+    }
+    return sum * (PI / f32(FACE_RAYS));
+}
