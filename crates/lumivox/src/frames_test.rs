@@ -9,7 +9,7 @@ use crate::gpu::{Pipelines, Recorder, Timing};
 use crate::testing::{
     SceneBuilder, busy_room, device, lambert, moved, read, room_with_a_box, wait_told,
 };
-use crate::volume::{Volume, read_levels, read_nodes};
+use crate::volume::{CellVolume, read_levels, read_nodes};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{
     Duplication, FrameVoxels, Geometry, Gi, GiConfig, Grid, Light, LightSource, Lights,
@@ -51,9 +51,9 @@ impl Stage {
 
     /// Whether the octree had no room for the last list.
     fn lacks_room(&self) -> bool {
-        match self.gi.volume() {
-            Volume::Dense(_) => false,
-            Volume::Octree(octree) => octree.lacks_room_now(&self.device, &self.queue),
+        match self.gi.cells() {
+            CellVolume::Dense(_) => false,
+            CellVolume::Octree(octree) => octree.lacks_room_now(&self.device, &self.queue),
         }
     }
 

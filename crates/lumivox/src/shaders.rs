@@ -17,6 +17,7 @@ pub fn library() -> ShaderLibrary {
     crate::voxelize::add_constants(&mut library);
     crate::volume::add_constants(&mut library);
     crate::cascades::add_constants(&mut library, None);
+    crate::cones::mount(&mut library, false);
     library
         .constant_u32("LINEAR_WORKGROUP_SIZE", crate::gpu::LINEAR_WORKGROUP_SIZE)
         .constant_u32("SCAN_WORKGROUP_SIZE", crate::gpu::SCAN_WORKGROUP_SIZE)

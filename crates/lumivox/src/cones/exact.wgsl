@@ -3,11 +3,45 @@
 
 import package::cascades::{outer_high, outer_low};
 import package::cones::cone::{Cone, ConeSettings, OUTSIDE, START, Traced};
+import package::cones::hemisphere::basis;
 import package::cones::ray::{shown_by, trace_ray, NOTHING, Ray};
+import package::gpu::random::hash;
 import package::grid::grid_from_world;
 
 fn cone_start(position_in_world: vec3f, normal: vec3f, level: u32, settings: ConeSettings) -> vec3f {
     return grid_from_world(position_in_world) + normal * (START * exp2(f32(level)));
+}
+
+// Rays to a source that is not a point.
+const SHADOW_RAYS = 8u;
+
+// The share of a source that a surface sees: rays over its disc, evenly spread (Vogel 1979, "A better way to construct the
+// sunflower head"), turned by a number of the place.
+fn seen_share(
+    position_in_world: vec3f,
+    normal: vec3f,
+    direction: vec3f,
+    tan_half_angle: f32,
+    reach: f32,
+    level: u32,
+) -> f32 {
+    // Short of what is at the source.
+    let offset = START * exp2(f32(level));
+    let origin = grid_from_world(position_in_world) + normal * offset;
+    let bits = bitcast<vec3u>(position_in_world);
+    let turn = f32(hash(bits.x + hash(bits.y + hash(bits.z))) >> 8u) / 16777216.0;
+    let across = basis(direction);
+    let rays = select(1u, SHADOW_RAYS, tan_half_angle > 1e-4);
+    var steps = 0u;
+    var seen = 0.0;
+    for (var i = 0u; i < rays; i++) {
+        let radius = tan_half_angle * sqrt((f32(i) + 0.5) / f32(rays));
+        let angle = 2.39996323 * f32(i) + 6.28318530718 * turn;
+        let aside = across * vec3f(radius * cos(angle), radius * sin(angle), 1.0);
+        let hit = trace_ray(Ray(origin, normalize(aside), max(reach - offset, 0.0), level), &steps);
+        seen += select(0.0, 1.0, hit.face == NOTHING);
+    }
+    return seen / f32(rays);
 }
 
 fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {

@@ -27,7 +27,7 @@
 // over cones that cancels the leaks.
 
 import package::cascades::{finest_level, level_count, outer_high, outer_low};
-import package::cones::cone::{Cone, ConeSettings, OUTSIDE, Traced};
+import package::cones::cone::{cone_growth, Cone, ConeSettings, OUTSIDE, Traced};
 import package::cones::model::{shown_share, start_of_cones};
 import package::grid::grid_from_world;
 import package::volume::{is_clear, is_empty, is_oblique, probe_volume, sample_probe, Probe};
@@ -164,4 +164,34 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     }
     traced.distance = max(traced.distance, 0.0) + max(traced.transmittance, 0.0) * OUTSIDE * side;
     return traced;
+}
+
+// Shadow cones are narrow, so cells of half their diameter do, and they start a voxel and a half off the
+// surface: a light at a grazing angle would meet the receiver's own neighbourhood otherwise.
+fn shadow_cone_settings() -> ConeSettings {
+    var settings = ConeSettings();
+    settings.voxel_per_diameter = 0.5;
+    settings.normal_offset = 1.5;
+    settings.step_per_voxel = 1.0;
+    settings.min_transmittance = 0.004;
+    settings.occlusion_distance = 3e38;
+    return settings;
+}
+
+// The share of a source that a surface sees: a cone as wide as the source.
+fn seen_share(
+    position_in_world: vec3f,
+    normal: vec3f,
+    direction: vec3f,
+    tan_half_angle: f32,
+    reach: f32,
+    level: u32,
+) -> f32 {
+    let settings = shadow_cone_settings();
+    let voxel = exp2(f32(level));
+    let origin = grid_from_world(position_in_world) + normal * (voxel * settings.normal_offset);
+    let growth = cone_growth(tan_half_angle, 1.0, settings);
+    // Not into what carries the source.
+    let cone = Cone(origin, direction, growth, reach - 2.0 * voxel, 0.5, level);
+    return max(trace_cone(cone, settings).transmittance, 0.0);
 }

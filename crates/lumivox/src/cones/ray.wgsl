@@ -4,12 +4,13 @@
 // in one step) and ends where it crosses a face's plane inside of what the face covers. A plane has no holes from voxel to voxel, so
 // that nothing leaks through a wall, whatever its angle and thickness, and nothing behind a hit counts.
 //
-// A surface is seen from its front. A single-sided one blocks from behind, and is black there.
+// A surface is seen from its front. A single-sided one blocks from behind, and is black there, unless light passes it.
 
 import package::cascades::{
     box_size, finest_level, lowest_voxel, outer_high, outer_low, stored_cell,
 };
 import package::constants::CASCADES;
+import package::gpu::random::hash;
 import package::volume::patch::{unpack_patch, unpack_radiance, PATCH_WORDS};
 import package::volume::surface::{index, patches};
 import package::voxels::covered::{across, is_covered};
@@ -34,6 +35,12 @@ struct Hit {
 const NOTHING = 0xffffffffu;
 const BLACK = 0xfffffffeu;
 
+// Whether a ray passes a face with holes: drawn, so that rays of all directions pass in proportion.
+fn passes(direction: vec3f, face: u32, holes: u32) -> bool {
+    let bits = bitcast<vec3u>(direction);
+    return (hash(bits.x + hash(bits.y + hash(bits.z + hash(face)))) >> 16u) * 255u < holes << 16u;
+}
+
 // The faces of a voxel with its corner at the origin and an edge of 1, up to a distance.
 fn hit_faces(entry: u32, origin: vec3f, direction: vec3f, own: f32, reach: f32) -> Hit {
     var hit = Hit(reach, NOTHING);
@@ -44,8 +51,9 @@ fn hit_faces(entry: u32, origin: vec3f, direction: vec3f, own: f32, reach: f32) 
         let cosine = dot(plane.normal, direction);
         let distance = (plane.offset - dot(plane.normal, origin)) / select(cosine, 1e-9, abs(cosine) < 1e-9);
         let is_back = cosine > 0.0;
-        let is_met = distance > 0.0 && distance < hit.distance
-            && !(is_back && (!plane.is_single_sided || distance < own));
+        let blocks = plane.is_single_sided && plane.holes == 0u && distance >= own;
+        let is_met = distance > 0.0 && distance < hit.distance && (!is_back || blocks)
+            && !(plane.holes > 0u && passes(direction, face, plane.holes));
         let at = across(origin + direction * distance, plane.lobe >> 1u);
         if is_met && is_covered(at, patches[place + 1u], vec4u(patches[place + 2u], patches[place + 3u])) {
             hit = Hit(distance, select(face, BLACK, is_back));

@@ -8,7 +8,7 @@ use crate::gpu::{BindGroup, Buffer, Pipelines, ShaderLibrary};
 use crate::light::Injector;
 use crate::volume::OctreeStats;
 #[cfg(test)]
-use crate::volume::Volume;
+use crate::volume::CellVolume;
 use crate::voxels::VoxelList;
 
 impl Gi {
@@ -72,8 +72,8 @@ impl Gi {
     }
 
     #[cfg(test)]
-    pub(crate) fn volume(&self) -> &Volume {
-        &self.volume
+    pub(crate) fn cells(&self) -> &CellVolume {
+        &self.volume.cells
     }
 
     /// The radiance that each face of the list sends out (`array<vec4f>`, rgb), once there is one.

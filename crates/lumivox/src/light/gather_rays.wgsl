@@ -3,8 +3,9 @@
 // A face keeps its rays, so that its gathers converge to a fixed point, and what they meet is found once: `hits` keeps it
 // until the list changes. Each further gather only looks up what is there.
 
-import package::cones::ray::{shown_by, trace_ray, NOTHING, Ray};
+import package::cones::cone::cone_growth;
 import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
+import package::cones::ray::{shown_by, trace_ray, NOTHING, Ray};
 import package::cones::way::cone_start;
 import package::environment::environment_radiance;
 import package::light::turn::{hits, settings, FACE_RAYS, HIT_WORDS};
@@ -35,7 +36,8 @@ fn gathered_at(index: u32, face: Face, start: vec2f, level: u32) -> vec3f {
         }
         let met = hits[place] - OFFSET;
         if met == NOTHING {
-            sum += environment_radiance(direction, 2.0 * local.tan_half_angle);
+            let growth = cone_growth(local.tan_half_angle, local.direction.z, settings.cones);
+            sum += environment_radiance(direction, growth);
         } else {
             sum += shown_by(met);
         }

@@ -427,9 +427,9 @@ fn a_cover_lets_light_through_in_proportion() {
                 "{resolution}: alpha {alpha}, transmission {transmission}: of the sky {sky:.4}, of \
                  the lamp {lamp:.4} are blocked, of {expected}"
             );
-            // llvmpipe: up to 0.033 and 0.005. A whole cover leaks 5 to 7 % of the sky where it meets the walls.
+            // Each ray passes or does not; of the lamp there is one for each of 1000 faces, with a deviation of 0.016.
             assert!((sky - expected).abs() < 0.04, "of the sky's light {sky}, not {expected}");
-            assert!((lamp - expected).abs() < 0.01, "of the lamp's light {lamp}, not {expected}");
+            assert!((lamp - expected).abs() < 0.04, "of the lamp's light {lamp}, not {expected}");
         }
     }
 }

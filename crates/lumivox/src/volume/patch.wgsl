@@ -1,6 +1,6 @@
 // A face as rays meet it: ten words.
 
-import package::voxels::list::SINGLE_SIDED;
+import package::voxels::list::{HOLES, SINGLE_SIDED};
 
 struct Patch {
     // The plane, in the voxel's coordinates: dot(normal, p) = offset.
@@ -8,6 +8,8 @@ struct Patch {
     offset: f32,
     lobe: u32,
     is_single_sided: bool,
+    // The share that light passes, of 255.
+    holes: u32,
 }
 
 const PATCH_WORDS = 5u;
@@ -32,7 +34,7 @@ const BRIGHTEST = 65504.0;
 
 fn pack_light(radiance: vec3f, lobe: u32, flags: u32) -> vec2u {
     let stored = min(radiance, vec3f(BRIGHTEST));
-    let look = lobe | select(0u, 8u, (flags & SINGLE_SIDED) != 0u);
+    let look = lobe | select(0u, 8u, (flags & SINGLE_SIDED) != 0u) | (extractBits(flags, HOLES, 8u) << 4u);
     return vec2u(pack2x16float(stored.rg), pack2x16float(vec2f(stored.b, 0.0)) | (look << 16u));
 }
 
@@ -42,5 +44,5 @@ fn unpack_radiance(light: vec2u) -> vec3f {
 
 fn unpack_patch(plane: vec2u, light: vec2u) -> Patch {
     let look = light.y >> 16u;
-    return Patch(unpack_normal(plane.x), bitcast<f32>(plane.y), look & 7u, (look & 8u) != 0u);
+    return Patch(unpack_normal(plane.x), bitcast<f32>(plane.y), look & 7u, (look & 8u) != 0u, (look >> 4u) & 0xffu);
 }

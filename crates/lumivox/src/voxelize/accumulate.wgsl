@@ -3,7 +3,7 @@
 // The sums stand in the list of faces itself, each where its mean will be (resolve.wgsl).
 
 import package::constants::{
-    DOUBLE_SIDED, FACE_EMISSION, FACE_FLAGS, FACE_GLOSS, FACE_LOBE, FACE_MASK_HIGH, FACE_MASK_LOW, FACE_POSITION,
+    DOUBLE_SIDED, FACE_CELL, FACE_EMISSION, FACE_FLAGS, FACE_GLOSS, FACE_LOBE, FACE_MASK_HIGH, FACE_MASK_LOW, FACE_POSITION,
     FACE_PROFILES, FACE_REFLECTANCE, FACE_VECTOR_AREA, FACE_WORDS, LINEAR_WORKGROUP_SIZE,
 };
 import package::gpu::random::hash;
@@ -25,7 +25,7 @@ import package::voxels::morton::morton_encode;
 @group(2) @binding(1) var<storage, read> cells: array<vec2u>;
 @group(2) @binding(2) var<storage, read> voxels: array<VoxelFaces>;
 // Per face, three signed numbers each: vector area and, weighted by the area along the lobe, reflectance, gloss, emission
-// and position within the voxel. Beside them bits: what the face covers (cover.wgsl), its flags, and the key of its plane.
+// and position within the voxel; and the area of holes. Beside them bits: what the face covers (cover.wgsl), its flags, and the key of its plane.
 @group(2) @binding(3) var<storage, read_write> sums: array<atomic<u32>>;
 @group(2) @binding(4) var<uniform> verdict: Verdict;
 
@@ -63,6 +63,8 @@ struct WeightedPiece {
     position: vec3f,
     emission: vec3f,
     gloss: vec3f,
+    // The area along the lobe that light passes.
+    holes: f32,
 }
 
 // The face of a voxel's lobe, among its faces there, whose plane is nearest.
@@ -94,7 +96,8 @@ fn add_to_faces(piece: WeightedPiece, lobe: u32, sides: u32, seed: u32) {
     let lobes = voxels[piece.voxel].lobes;
     let all_rows = 7u
         | select(0u, 8u, any(piece.gloss != vec3f(0.0)))
-        | select(0u, 16u, any(piece.emission > vec3f(0.0)));
+        | select(0u, 16u, any(piece.emission > vec3f(0.0)))
+        | select(0u, 32u, piece.holes > 0.0);
     for (var side = 0u; side < sides; side++) {
         let own = lobe ^ side;
         if faces_in(lobes, own) == 0u {
@@ -129,6 +132,9 @@ fn add_to_faces(piece: WeightedPiece, lobe: u32, sides: u32, seed: u32) {
             } else if row == 4u {
                 place = FACE_EMISSION;
                 value = piece.emission;
+            } else if row == 5u {
+                place = FACE_CELL;
+                value = vec3f(piece.holes, 0.0, 0.0);
             }
             add(first + place, value * piece.scale, seed + 8u * side + row);
             continuing {
@@ -179,6 +185,7 @@ fn add_piece(walk: ptr<function, Walk>, summing: Summing, piece: Piece, is_there
             position * area,
             surface.emission * area,
             draws[(*walk).draw].gloss * area,
+            piece.area - area,
         );
         add_to_faces(weighted, summing.lobe, summing.sides, hash(summing.seed + code));
     }

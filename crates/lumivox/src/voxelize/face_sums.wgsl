@@ -4,7 +4,7 @@ import package::cascades::grid_from_stored;
 import package::grid::world_from_grid;
 import package::voxelize::footprint::turn_back;
 import package::voxelize::plane_keys::plane_of;
-import package::voxels::list::{LARGEST_REFLECTANCE, lobe_axis, lobe_sign};
+import package::voxels::list::{HOLES, LARGEST_REFLECTANCE, lobe_axis, lobe_sign};
 import package::voxels::morton::morton_decode;
 
 // A face before and after: sums as integers, then the numbers of voxels::list::Face as their bits. In place,
@@ -12,6 +12,7 @@ import package::voxels::morton::morton_decode;
 struct FaceSlot {
     // Within the voxel at first.
     position_in_world: vec3i,
+    // At first the area of holes.
     cell: u32,
     vector_area: vec3i,
     // At first the key of the plane (plane_keys.wgsl).
@@ -62,6 +63,13 @@ fn means_of(slot: FaceSlot, scale: f32, lobe: u32) -> FaceMeans {
     );
 }
 
+// The share of what a face covers that light passes, as a byte.
+fn holes_of(slot: FaceSlot, lobe: u32) -> u32 {
+    let solid = f32(slot.vector_area[lobe_axis(lobe)]) * lobe_sign(lobe);
+    let holes = f32(bitcast<i32>(slot.cell));
+    return u32(255.0 * max(holes, 0.0) / max(solid + holes, 1.0) + 0.5);
+}
+
 // Whether a vector area has a part off its lobe's axis that survives rounding to 8 bits.
 fn is_tilted(vector_area: vec3f, lobe: u32) -> bool {
     var across = vector_area;
@@ -80,7 +88,7 @@ fn face_of(sums: FaceSlot, scale: f32, cell: u32, lobe: u32, emission_scale: f32
         bitcast<vec3i>(means.vector_area),
         lobe,
         bitcast<vec3i>(means.reflectance),
-        sums.flags,
+        sums.flags | (holes_of(sums, lobe) << HOLES),
         bitcast<vec3i>(means.emission * emission_scale),
         sums.mask_low,
         bitcast<vec3i>(means.gloss),

@@ -71,6 +71,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("FACE_REFLECTANCE", offset_of!(FaceRecord, reflectance) as u32 / 4)
         .constant_u32("FACE_EMISSION", offset_of!(FaceRecord, emission) as u32 / 4)
         .constant_u32("FACE_GLOSS", offset_of!(FaceRecord, gloss) as u32 / 4)
+        .constant_u32("FACE_CELL", offset_of!(FaceRecord, cell) as u32 / 4)
         .constant_u32("FACE_LOBE", offset_of!(FaceRecord, lobe) as u32 / 4)
         .constant_u32("FACE_FLAGS", offset_of!(FaceRecord, flags) as u32 / 4)
         .constant_u32("FACE_MASK_LOW", offset_of!(FaceRecord, mask_low) as u32 / 4)

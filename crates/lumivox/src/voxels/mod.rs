@@ -94,7 +94,8 @@ pub struct FaceRecord {
     pub lobe: u32,
     /// Mean share of the light that enters, which leaves again diffusely.
     pub reflectance: [f32; 3],
-    /// Bit 0: it blocks where it is met from behind. Bit 1: nothing of it is seen.
+    /// Bit 0: it blocks where it is met from behind. Bit 1: nothing of it is seen. Bits 8 to 15: the share of what it covers
+    /// that light passes, of 255.
     pub flags: u32,
     /// Mean emitted radiance.
     pub emission: [f32; 3],

@@ -6,7 +6,7 @@ use half::f16;
 use super::Directionality;
 use crate::gpu::{Pipelines, Recorder, Timing};
 use crate::testing::{busy_room, device, read, read_level};
-use crate::volume::Volume;
+use crate::volume::CellVolume;
 use crate::voxels::FaceRecord;
 use crate::{Gi, GiConfig, Grid, TraceSettings};
 
@@ -50,7 +50,7 @@ pub(crate) fn read_levels(device: &wgpu::Device, queue: &wgpu::Queue, gi: &Gi) -
 
 /// The parts of all cells of a level, taken out of the atlas.
 fn read_parts(device: &wgpu::Device, queue: &wgpu::Queue, gi: &Gi, level: u32) -> Level {
-    let Volume::Dense(dense) = gi.volume() else { panic!("it is dense") };
+    let CellVolume::Dense(dense) = gi.cells() else { panic!("it is dense") };
     let texels: Vec<[f32; 4]> = read_level::<[u16; 4]>(device, queue, dense.texture(), level)
         .iter()
         .map(|texel| texel.map(|bits| f16::from_bits(bits).to_f32()))

@@ -8,7 +8,7 @@ use half::f16;
 use crate::Gi;
 use crate::testing::nodes::{NODE_WORDS, NodeAt, walk_nodes};
 use crate::testing::{read, read_level};
-use crate::volume::Volume;
+use crate::volume::CellVolume;
 use crate::volume::octree::TreeUniform;
 use crate::volume::octree::layout::AtlasSize;
 use crate::volume::octree::layout::TreeLayout;
@@ -26,9 +26,9 @@ pub(crate) struct ReadNode {
 }
 
 fn tree(gi: &Gi) -> (&Tree, &TreeLayout) {
-    match gi.volume() {
-        Volume::Octree(octree) => octree.tree(),
-        Volume::Dense(_) => panic!("it is an octree"),
+    match gi.cells() {
+        CellVolume::Octree(octree) => octree.tree(),
+        CellVolume::Dense(_) => panic!("it is an octree"),
     }
 }
 

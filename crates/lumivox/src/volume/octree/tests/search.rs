@@ -46,14 +46,14 @@ fn searches_find_the_nodes_and_nothing_else() {
     let mut shaders = gi.shaders().clone();
     shaders.add("test::search", SEARCH_WGSL);
     let layout = LayoutBuilder::compute().storage().storage_mut().build(device, "searches");
-    let layouts = [gi.globals_layout(), &layout];
+    let layouts = [gi.cell_globals_layout(), &layout];
     let kernel = Kernel::new(device, &shaders, "test::search", "main", &layouts).expect("links");
     let input = upload(device, "wanted", &wanted);
     let output = storage_buffer(device, "found", wanted.len() as u64 * 16);
     let group =
         BindGroupBuilder::new(&layout).buffer(&input).buffer(&output).build(device, "searches");
     let mut recorder = Recorder::new(device, queue);
-    kernel.run_linear(&mut recorder, &[gi.globals(), &group], wanted.len() as u64);
+    kernel.run_linear(&mut recorder, &[gi.cell_globals(), &group], wanted.len() as u64);
     recorder.submit();
     let found: Vec<UVec4> = read(device, queue, &output, wanted.len());
 
