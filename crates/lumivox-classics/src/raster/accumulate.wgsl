@@ -1,9 +1,19 @@
 // Sums up what the fragments bring to their faces, as the exact walk does (voxelize/accumulate.wgsl).
 
 import package::voxelize::accumulate::{add_piece, summing_begin};
-import package::classics::raster::fragment::{fragment_begin, fragment_on, piece_of};
+import package::classics::raster::fragment::{IS_CONSERVATIVE, fragment_begin, fragment_on, piece_of};
+import package::voxelize::cover::{Cover, cover_of};
+import package::voxelize::piece::Piece;
 import package::voxelize::surface::{PIERCED, UNIFORM, VARIED};
 import package::voxelize::walk::Walk;
+
+// A fragment of a pixel's centre stands for all of the pixel.
+fn cover_of_fragment(walk: ptr<function, Walk>, piece: Piece) -> Cover {
+    if IS_CONSERVATIVE {
+        return cover_of(walk, piece.centroid);
+    }
+    return Cover(vec2u(0xffffffffu), vec4u(0xffffffffu));
+}
 
 fn accumulate(position: vec2f, triangle: u32, axis: u32, detail: u32) {
     var walk: Walk;
@@ -13,7 +23,8 @@ fn accumulate(position: vec2f, triangle: u32, axis: u32, detail: u32) {
     summing.seed += axis;
     var is_there = fragment.is_there;
     loop {
-        add_piece(&walk, summing, piece_of(&walk, fragment), is_there, detail);
+        let piece = piece_of(&walk, fragment);
+        add_piece(&walk, summing, piece, cover_of_fragment(&walk, piece), is_there, detail);
         continuing {
             is_there = is_there && fragment_on(&walk);
             break if !is_there;

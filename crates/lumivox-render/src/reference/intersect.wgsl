@@ -23,6 +23,8 @@ struct Hit {
     triangle: u32,
     // Weights of the second and third vertex.
     weights: vec2f,
+    // It is met from behind, where it is not seen.
+    is_back: bool,
 }
 
 const NOTHING: u32 = 0xffffffffu;
@@ -30,10 +32,12 @@ const NOTHING: u32 = 0xffffffffu;
 // of 2^-24 each, relative to the input lengths: 4e-7. This is a little more than twice that.
 const EDGE_TOLERANCE: f32 = 1e-6;
 
-// The surfaces that rays meet: fronts, and backs only of double-sided surfaces.
+// The surfaces that rays meet. For the camera fronts, and backs only of double-sided surfaces.
 const AS_SEEN: u32 = 0u;
 // Both sides of everything.
 const BOTH_SIDES: u32 = 1u;
+// As seen, and the backs of what light does not pass, which block: a wall is a wall from behind, too. As the rays of cones do.
+const BLOCKING: u32 = 2u;
 
 // The distance at which a ray enters a box; above `reach` if it does not.
 fn entry(node: u32, origin: vec3f, inverse: vec3f, reach: f32) -> f32 {
@@ -52,7 +56,7 @@ fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
     // No component is zero, so that no product is undefined.
     let tiny = abs(ray.direction) < vec3f(1e-20);
     let inverse = 1.0 / select(ray.direction, vec3f(1e-20), tiny);
-    var hit = Hit(ray.reach, NOTHING, vec2f(0.0));
+    var hit = Hit(ray.reach, NOTHING, vec2f(0.0), false);
     var stack: array<u32, REFERENCE_STACK>;
     var depth = 0u;
     var current = world.root;
@@ -93,12 +97,13 @@ fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
                 let lengths = sqrt(dot(from_corner, from_corner)
                     * max(dot(triangle.edge_1, triangle.edge_1), dot(triangle.edge_2, triangle.edge_2)));
                 let least = -EDGE_TOLERANCE * (1.0 + lengths * abs(inverse_determinant));
-                let counts = determinant > 0.0 || sides == BOTH_SIDES
-                    || (triangle.vertex_0 & DOUBLE_SIDED) != 0u;
+                let is_back = determinant <= 0.0 && (triangle.vertex_0 & DOUBLE_SIDED) == 0u;
+                let counts = !is_back || sides == BOTH_SIDES
+                    || (sides == BLOCKING && (triangle.vertex_0 & SEE_THROUGH) == 0u);
                 // Written so that an undefined result (a determinant of zero) is not a hit.
                 if counts && u >= least && v >= least && u + v <= 1.0 - least
                     && distance > 0.0 && distance < hit.distance {
-                    hit = Hit(distance, index, vec2f(u, v));
+                    hit = Hit(distance, index, vec2f(u, v), is_back);
                     is_done = is_done || (stops_early && (triangle.vertex_0 & SEE_THROUGH) == 0u);
                 }
             }

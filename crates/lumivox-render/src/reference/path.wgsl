@@ -17,7 +17,9 @@ import package::constants::{
     REFERENCE_HAS_DISCS, REFERENCE_HAS_EMITTERS, REFERENCE_HAS_LIGHTS, REFERENCE_HAS_PANORAMA,
     REFERENCE_HAS_PEAKS, REFERENCE_HAS_SENSORS, REFERENCE_SEE_THROUGH,
 };
-import package::render::reference::intersect::{intersect, ray_from, Hit, Ray, AS_SEEN, NOTHING};
+import package::render::reference::intersect::{
+    intersect, ray_from, Hit, Ray, AS_SEEN, BLOCKING, NOTHING,
+};
 import package::render::reference::panorama::surroundings;
 import package::render::reference::random::{random, random_2, start_random};
 import package::render::reference::scatter::{cos_toward, draw_direction, scatter};
@@ -103,8 +105,8 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             met.surface = white_sensor(start);
         }
         for (var layer = 0u; layer < MOST_LAYERS && !is_white_sensor; layer++) {
-            hit = intersect(ray, AS_SEEN, false);
-            if hit.triangle == NOTHING {
+            hit = intersect(ray, select(BLOCKING, AS_SEEN, vertex == 0u), false);
+            if hit.triangle == NOTHING || hit.is_back {
                 break;
             }
             met = meet(ray, hit, vertex == 0u);
@@ -117,7 +119,11 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
         }
         let is_surface = hit.triangle != NOTHING;
         if vertex == 1u {
-            traced.is_open = !is_surface || travelled > world.occlusion_distance_m;
+            traced.is_open = !is_surface || travelled + hit.distance * f32(hit.is_back) > world.occlusion_distance_m;
+        }
+        if hit.is_back {
+            // Black.
+            break;
         }
 
         // The light at the ray's end, for gathers and for the camera. Only the camera sees peaks in

@@ -5,7 +5,7 @@
 import package::constants::{REFERENCE_CANDIDATES, REFERENCE_HAS_LAYERS, REFERENCE_HAS_PANORAMA};
 import package::light::lights::{incident_light, is_parallel, Incident, Light};
 import package::render::scene::material::TEXTURE_EMISSION;
-import package::render::reference::intersect::{Hit, Ray, AS_SEEN, BOTH_SIDES};
+import package::render::reference::intersect::{Hit, Ray, BLOCKING, BOTH_SIDES};
 import package::render::reference::panorama::{draw_surroundings, surroundings};
 import package::render::reference::random::{random, random_2};
 import package::render::reference::scatter::{cos_toward, scatter, Surface};
@@ -156,7 +156,7 @@ fn ask_disc(surface: Surface, direction: vec3f, weight: vec3f, own_density: f32)
 // The light that a point of a triangle sends along a direction.
 fn emitted(triangle: u32, weights: vec2f, direction: vec3f) -> vec3f {
     if REFERENCE_HAS_LAYERS != 0u {
-        let met = meet(Ray(vec3f(0.0), -direction, 0.0), Hit(0.0, triangle, weights), false);
+        let met = meet(Ray(vec3f(0.0), -direction, 0.0), Hit(0.0, triangle, weights, false), false);
         return met.coverage * met.emission * below_coat(met.surface.coat, cos_toward(met.surface));
     }
     let corners = triangle_at(triangle);
@@ -228,7 +228,7 @@ fn ask_any_emitter(surface: Surface) -> Question {
     // Up to the emitter, which must not block itself: as far from it as rays start from their
     // surface.
     let reach = distance - world.offset_m / max(abs(facing), 1e-8);
-    return Question(direction, reach, AS_SEEN, vec3f(0.0), reflected);
+    return Question(direction, reach, BLOCKING, vec3f(0.0), reflected);
 }
 
 // The panorama without its peaks.
@@ -236,7 +236,7 @@ fn ask_panorama(surface: Surface) -> Question {
     let direction = draw_surroundings();
     let seen = surroundings(direction);
     let reflected = reflected_from(surface, direction, seen.density);
-    return Question(direction, 3e38, AS_SEEN, vec3f(0.0), reflected * seen.soft);
+    return Question(direction, 3e38, BLOCKING, vec3f(0.0), reflected * seen.soft);
 }
 
 // A peak of the panorama: a light, which surfaces block from both sides.

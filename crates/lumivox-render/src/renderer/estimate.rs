@@ -19,10 +19,11 @@ use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL, trace_bytes}
 use crate::scene::{DrawRecord, VERTEX_BYTES};
 use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 
-/// Faces of a voxel; on the built-in scenes 0.9 to 1.5.
-const FACES_PER_VOXEL: f64 = 1.25;
-/// Bytes of a face: its record in the list (80), and its light, five colours in full floats.
-const FACE_BYTES: u64 = 80 + 80;
+/// Faces of a voxel; on the built-in scenes 0.9 to 1.9.
+const FACES_PER_VOXEL: f64 = 1.4;
+/// Bytes of a face: its record in the list (96), its patch (40), what its rays meet (80), and its light, five colours in full
+/// floats.
+const FACE_BYTES: u64 = 96 + 40 + 80 + 80;
 /// Bytes of a node: its record (8), the place of its faces, and room in two lists of changed cells.
 const NODE_BYTES: u64 = 8 + 4 + 24;
 /// Bytes of an octree for each voxel: 160 to 430 on the scenes of docs/octree.md, from 128 voxels
@@ -205,7 +206,7 @@ fn share_inside((low, high): (Vec3, Vec3), (outer_low, outer_high): (Vec3, Vec3)
     f64::from(share.min(Vec3::ONE).element_product())
 }
 
-/// Bits and ranks, once of occupied and twice of changed cells; nodes of all levels; faces and
+/// Bits and ranks, once of occupied and twice of changed cells; nodes of all levels; faces, their rays and
 /// their light.
 fn list_bytes(grid: &Grid, voxels: u64, settings: &RenderSettings) -> u64 {
     let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
@@ -214,18 +215,18 @@ fn list_bytes(grid: &Grid, voxels: u64, settings: &RenderSettings) -> u64 {
     let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
     let own_bytes = settings.injection.as_ref().map_or(0, |injection| injection.bytes_per_face());
     let face_bytes = FACE_BYTES + own_bytes;
-    // The ranks: a word for each word of bits.
-    5 * cells.div_ceil(8) + nodes * NODE_BYTES + faces * face_bytes
+    // The ranks: a word for each word of bits; in the index both again.
+    7 * cells.div_ceil(8) + nodes * NODE_BYTES + faces * face_bytes
 }
 
-/// For each share: bits, ranks, both side by side, lobes, and the faces' sums. For the moving share
+/// For each share: bits, ranks, both side by side, planes, and the faces' sums. For the moving share
 /// also its faces, with a quarter to spare; and the bits of both together.
 fn kept_bytes(grid: &Grid, fixed: u64, voxels: u64) -> u64 {
     let cells = u64::from(grid.morton_edge(0)).pow(3);
     let faces = |voxels: u64| (voxels as f64 * FACES_PER_VOXEL) as u64;
     let face = size_of::<lumivox::voxels::FaceRecord>() as u64;
     let moving = voxels.saturating_sub(fixed);
-    let share = |voxels: u64| 4 * cells.div_ceil(8) + voxels * 32 + faces(voxels) * face;
+    let share = |voxels: u64| 4 * cells.div_ceil(8) + voxels * 128 + faces(voxels) * face;
     let united = moving * 32 + faces(moving) * (face + 32);
     share(fixed) + 5 * (share(moving) + united) / 4 + 3 * cells.div_ceil(8)
 }

@@ -371,7 +371,7 @@ mod tests {
     #[test]
     fn other_settings_are_checked() {
         let cases = [
-            RenderSettings { bounces: 17, ..Default::default() },
+            RenderSettings { bounces: 65, ..Default::default() },
             RenderSettings { frames: 0, ..Default::default() },
             RenderSettings { shadow_resolution: 8, ..Default::default() },
             RenderSettings { exposure: Exposure::Stops(f32::NAN), ..Default::default() },

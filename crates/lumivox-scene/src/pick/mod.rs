@@ -102,6 +102,38 @@ impl Picker {
     pub fn pick(&self, origin: Vec3, direction: Vec3) -> Option<Pick> {
         let origin = origin.as_dvec3();
         let direction = direction.as_dvec3().try_normalize()?;
+        let (placed, hit) = self.nearest((origin, direction), |placed| placed.sides)?;
+        let shape = self.shapes[placed.mesh].as_ref()?;
+        Some(placed.tell(shape, hit, (origin, direction)))
+    }
+
+    /// Whether a point lies inside of something solid: of 14 rays around, three quarters or more first meet the back of a
+    /// single-sided surface.
+    pub fn is_inside(&self, at: Vec3) -> bool {
+        let steps = [-1.0, 0.0, 1.0_f64];
+        let all = steps.iter().flat_map(|x| steps.iter().map(move |y| (x, y)));
+        let all = all.flat_map(|(x, y)| steps.iter().map(move |z| DVec3::new(*x, *y, *z)));
+        // To the sides and the corners of a cube.
+        let around = all.filter(|way| way.length_squared() == 1.0 || way.length_squared() == 3.0);
+        // A little askew, so that none runs along a wall.
+        let skew = DVec3::new(0.0131, 0.0271, 0.0193);
+        let meets_back = |way: DVec3| {
+            let (origin, direction) = (at.as_dvec3(), (way + skew).normalize());
+            let (placed, hit) = self.nearest((origin, direction), |_| Sides::Both)?;
+            let shape = self.shapes[placed.mesh].as_ref()?;
+            let front = placed.front_of(shape, hit);
+            Some(placed.sides != Sides::Both && front.dot(direction) > 0.0)
+        };
+        let backs = around.filter(|way| meets_back(*way) == Some(true)).count();
+        backs >= 11
+    }
+
+    /// The first surface on a ray, among the sides of each instance that count.
+    fn nearest(
+        &self,
+        (origin, direction): (DVec3, DVec3),
+        sides: impl Fn(&PlacedShape) -> Sides,
+    ) -> Option<(&PlacedShape, Hit)> {
         let mut nearest: Option<(&PlacedShape, Hit)> = None;
         for placed in &self.placed {
             let Some(shape) = &self.shapes[placed.mesh] else { continue };
@@ -111,24 +143,27 @@ impl Picker {
                 placed.local_from_world.transform_vector3(direction),
             );
             let limit = nearest.map_or(f64::INFINITY, |(_, hit)| hit.distance);
-            if let Some(hit) = shape.nearest(local, placed.sides, limit) {
+            if let Some(hit) = shape.nearest(local, sides(placed), limit) {
                 nearest = Some((placed, hit));
             }
         }
-        let (placed, hit) = nearest?;
-        let shape = self.shapes[placed.mesh].as_ref()?;
-        Some(placed.tell(shape, hit, (origin, direction)))
+        nearest
     }
 }
 
 impl PlacedShape {
-    /// Converts a hit to world space.
-    fn tell(&self, shape: &Shape, hit: Hit, (origin, direction): (DVec3, DVec3)) -> Pick {
+    /// The way that the front of the triangle looks that was hit, in the world.
+    fn front_of(&self, shape: &Shape, hit: Hit) -> DVec3 {
         let corners = shape
             .corners(hit.triangle)
             .map(|corner| self.world_from_local.as_dmat4().transform_point3(corner));
         let [a, b, c] = corners;
-        let front = (b - a).cross(c - a).normalize_or_zero();
+        (b - a).cross(c - a).normalize_or_zero()
+    }
+
+    /// Converts a hit to world space.
+    fn tell(&self, shape: &Shape, hit: Hit, (origin, direction): (DVec3, DVec3)) -> Pick {
+        let front = self.front_of(shape, hit);
         let is_front = front.dot(direction) <= 0.0;
         let towards = |normal: DVec3| if is_front { normal } else { -normal };
         // As the renderer does: by the inverse transpose, with the determinant's sign.

@@ -34,7 +34,7 @@ import package::volume::{is_clear, is_empty, is_oblique, probe_volume, sample_pr
 
 // An oblique wall's surplus up to this is taken for scatter; a larger one is a second surface. If
 // it is smaller, more light leaks; if larger, surfaces right behind others count and darken those
-// farther away (docs/experiments.md has both).
+// farther away.
 const SURPLUS: f32 = 0.1;
 
 // Where a cascade is left at the first chance, in its voxels from its border; a cone draws up to twice as many.

@@ -1,4 +1,4 @@
-//! The march against a twin on the CPU, and the hemisphere's cells against integrals.
+//! Rays and the march against twins on the CPU, and the hemisphere's cells against integrals.
 
 use std::sync::Arc;
 
@@ -6,10 +6,11 @@ use glam::{UVec3, Vec3, Vec4};
 
 use crate::cones::ConeModel;
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Timing, storage_buffer, upload,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Timing, storage_buffer, upload,
 };
-use crate::testing::{busy_room, device, read};
+use crate::testing::{busy_room, device, morton_decode, read};
 use crate::volume::{Level, read_levels};
+use crate::voxels::FaceRecord;
 use crate::{Gi, GiConfig, Grid, TraceSettings};
 
 use bytemuck::{Pod, Zeroable};
@@ -243,6 +244,115 @@ fn cones(grid: &Grid) -> Vec<ConeIn> {
         .collect()
 }
 
+/// A room with light, and what cones found in it.
+struct Traced {
+    gi: Gi,
+    cones: Vec<ConeIn>,
+    traced: Vec<Vec4>,
+}
+
+fn trace(device: &Pipelines, queue: &wgpu::Queue, config: GiConfig) -> Traced {
+    let grid = config.grid;
+    let mut gi = Gi::with_pipelines(device, queue, config).expect("a device");
+    let geometry = busy_room().build(device);
+    pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+    let lights = gi.bind_lights(&[], Vec3::ZERO, None);
+    let mut recorder = Recorder::new(device, queue);
+    gi.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
+
+    let cones = cones(&grid);
+    let mut shaders = gi.shaders().clone();
+    shaders.add("test::cones", CONES_WGSL);
+    let layout =
+        LayoutBuilder::compute().storage().storage_mut().build(gi.pipelines(), "test cones");
+    let layouts = [gi.globals_layout(), &layout];
+    let kernel =
+        Kernel::new(gi.pipelines(), &shaders, "test::cones", "main", &layouts).expect("it links");
+    let input = upload(device, "cones", &cones);
+    let output = storage_buffer(device, "traced", cones.len() as u64 * 16);
+    let group =
+        BindGroupBuilder::new(&layout).buffer(&input).buffer(&output).build(device, "test cones");
+    kernel.run_linear(&mut recorder, &[gi.globals(), &group], cones.len() as u64);
+    recorder.submit();
+
+    let traced: Vec<Vec4> = read(device, queue, &output, cones.len());
+    Traced { gi, cones, traced }
+}
+
+/// What a ray meets of faces, looked for among all of them.
+struct RayTwin {
+    grid: Grid,
+    faces: Vec<FaceRecord>,
+    radiance: Vec<Vec4>,
+}
+
+impl RayTwin {
+    /// Radiance and the share that meets nothing, as `trace_cone` of `exact.wgsl`.
+    fn trace(&self, ray: &ConeIn) -> Vec4 {
+        let (origin, direction) = (Vec3::from(ray.origin), Vec3::from(ray.direction));
+        let mut nearest = (ray.reach, Vec4::W);
+        for (face, radiance) in self.faces.iter().zip(&self.radiance) {
+            let voxel = morton_decode(face.cell).as_vec3();
+            let place = (Vec3::from(face.position_in_world) - self.grid.origin_in_world)
+                / self.grid.voxel_size_m
+                - voxel;
+            let normal = Vec3::from(face.vector_area).normalize();
+            let cosine = normal.dot(direction);
+            let distance = normal.dot(place - (origin - voxel)) / cosine;
+            let is_back = cosine > 0.0;
+            let blocks = face.flags & 1 != 0 && distance >= 1.0;
+            let at = origin - voxel + direction * distance;
+            if distance > 0.0 && distance < nearest.0 && (!is_back || blocks) && covers(face, at) {
+                let light = if is_back { Vec3::ZERO } else { radiance.truncate() };
+                nearest = (distance, light.extend(0.0));
+            }
+        }
+        nearest.1
+    }
+}
+
+fn covers(face: &FaceRecord, at: Vec3) -> bool {
+    let axis = face.lobe as usize / 2;
+    let (u, v) = (at[(axis + 1) % 3], at[(axis + 2) % 3]);
+    let [x, y] = [u, v].map(|place| place.clamp(0.0, 1.0));
+    let bit = |bits: u32, place: f32| bits >> (32.0 * place).min(31.0) as u32 & 1 == 1;
+    let square = (8.0 * y).min(7.0) as u32 * 8 + (8.0 * x).min(7.0) as u32;
+    let mask = u64::from(face.mask_high) << 32 | u64::from(face.mask_low);
+    let along = [x, y, 0.5 * (x + y), 0.5 * (x - y) + 0.5];
+    (u - x).abs() <= 0.01
+        && (v - y).abs() <= 0.01
+        && mask >> square & 1 == 1
+        && face.profiles.iter().zip(along).all(|(bits, place)| bit(*bits, place))
+}
+
+#[test]
+fn rays_equal_their_twin() {
+    let (device, queue) = device();
+    let grid = Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), 32, Vec3::ZERO).expect("fits");
+    let Traced { gi, cones, traced } = trace(&device, &queue, GiConfig::new(grid));
+    let list = gi.voxels().expect("there are voxels");
+    let count = list.face_count as usize;
+    let radiance = gi.face_radiance().expect("there is light");
+    let twin = RayTwin {
+        grid,
+        faces: read(&device, &queue, &list.faces, count),
+        radiance: read(&device, &queue, radiance, count),
+    };
+    // Where a ray meets the border of what a face covers, rounding decides.
+    let (mut blocked, mut open, mut different) = (0, 0, 0);
+    for (ray, traced) in cones.iter().zip(&traced) {
+        let expected = twin.trace(ray);
+        let is_same = (*traced - expected).abs().max_element()
+            < 0.002 * (1.0 + expected.truncate().max_element());
+        different += usize::from(!is_same);
+        blocked += usize::from(expected.w == 0.0);
+        open += usize::from(expected.w == 1.0);
+    }
+    println!("{blocked} blocked, {open} open, {different} different");
+    assert!(blocked > 50 && open > 5, "{blocked} blocked and {open} open rays test little");
+    assert!(different <= cones.len() / 100, "{different} of {} rays differ", cones.len());
+}
+
 /// A model that is not the physics: samples of coarse levels show more, those of wide cones less.
 #[derive(Debug)]
 struct Stylized;
@@ -283,29 +393,7 @@ fn assert_marches_like_its_twin(model: Arc<dyn ConeModel>, shown_share: ShownSha
     let (device, queue) = device();
     let grid = Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), 32, Vec3::ZERO).expect("fits");
     let config = GiConfig { cones: Some(model), ..GiConfig::new(grid) };
-    let mut gi = Gi::with_pipelines(&device, &queue, config).expect("a device");
-    let geometry = busy_room().build(&device);
-    pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
-    let lights = gi.bind_lights(&[], Vec3::ZERO, None);
-    let mut recorder = Recorder::new(&device, &queue);
-    gi.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
-
-    let cones = cones(&grid);
-    let mut shaders = gi.shaders().clone();
-    shaders.add("test::cones", CONES_WGSL);
-    let layout =
-        LayoutBuilder::compute().storage().storage_mut().build(gi.pipelines(), "test cones");
-    let layouts = [gi.globals_layout(), &layout];
-    let kernel =
-        Kernel::new(gi.pipelines(), &shaders, "test::cones", "main", &layouts).expect("it links");
-    let input = upload(&device, "cones", &cones);
-    let output = storage_buffer(&device, "traced", cones.len() as u64 * 16);
-    let group =
-        BindGroupBuilder::new(&layout).buffer(&input).buffer(&output).build(&device, "test cones");
-    kernel.run_linear(&mut recorder, &[gi.globals(), &group], cones.len() as u64);
-    recorder.submit();
-
-    let traced: Vec<Vec4> = read(&device, &queue, &output, cones.len());
+    let Traced { gi, cones, traced } = trace(&device, &queue, config);
     let twin = VolumeTwin { grid, levels: read_levels(&device, &queue, &gi) };
     let (mut blocked, mut open, mut worst) = (0, 0, 0.0_f32);
     for (cone, traced) in cones.iter().zip(&traced) {

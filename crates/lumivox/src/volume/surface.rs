@@ -165,8 +165,8 @@ impl Surface {
 
     pub(super) fn memory(&self) -> Vec<(&'static str, u64)> {
         vec![
-            ("surface: index of the voxels", self.index.size()),
-            ("surface: patches of the faces", self.patches.size()),
+            ("voxels: index", self.index.size()),
+            ("voxels: patches", self.patches.size()),
         ]
     }
 }

@@ -166,7 +166,14 @@ fn summing_begin(walk: ptr<function, Walk>) -> Summing {
 }
 
 // Adds the piece in the walk's current voxel, if there is one.
-fn add_piece(walk: ptr<function, Walk>, summing: Summing, piece: Piece, is_there: bool, detail: u32) {
+fn add_piece(
+    walk: ptr<function, Walk>,
+    summing: Summing,
+    piece: Piece,
+    cover: Cover,
+    is_there: bool,
+    detail: u32,
+) {
     let surface = surface_at(walk, summing.map, piece.centroid, detail);
     let code = morton_encode(walk_cell(walk));
     let cell = cells[code / 32u];
@@ -179,7 +186,7 @@ fn add_piece(walk: ptr<function, Walk>, summing: Summing, piece: Piece, is_there
             voxel,
             bitcast<f32>(voxels[voxel].area_low),
             plane_of_walk(walk),
-            cover_of(walk, piece.centroid),
+            cover,
             summing.normal * area,
             surface.reflectance * area,
             position * area,
@@ -196,7 +203,8 @@ fn accumulate(item: Item, detail: u32) {
     let summing = summing_begin(&walk);
     var is_there = walk_on(&walk);
     loop {
-        add_piece(&walk, summing, piece_in_voxel(&walk), is_there, detail);
+        let piece = piece_in_voxel(&walk);
+        add_piece(&walk, summing, piece, cover_of(&walk, piece.centroid), is_there, detail);
         continuing {
             is_there = walk_on(&walk);
             break if !is_there;

@@ -12,8 +12,10 @@ struct Plane {
 const HEIGHT_STEPS = 1364.0;
 const SLOPE_STEPS = 511.0;
 
-// Planes that are as close as this all over a voxel, in voxels, are one.
-const SAME_PLANE = 0.02;
+// Parallel planes that are closer than this, in voxels, are one. Those of curved surface meet each other in the voxel; they are
+// one, too, if their slopes differ by less than the second.
+const SAME_HEIGHT = 0.004;
+const SAME_SLOPE = 0.15;
 
 // The larger, the nearer to the side that the lobe looks to; never 0.
 fn key_of(plane: Plane, lobe: u32) -> u32 {
@@ -37,7 +39,12 @@ fn apart(a: Plane, b: Plane) -> f32 {
 }
 
 fn is_same(a: u32, b: u32, lobe: u32) -> bool {
-    return apart(plane_of(a, lobe), plane_of(b, lobe)) < SAME_PLANE;
+    let own = plane_of(a, lobe);
+    let other = plane_of(b, lobe);
+    let slopes = abs(own.slope - other.slope);
+    let apart = abs(own.height - other.height);
+    let slope = slopes.x + slopes.y;
+    return slope < SAME_SLOPE && apart < SAME_HEIGHT + 0.5 * slope;
 }
 
 // The plane of the walk's triangle in the current voxel.

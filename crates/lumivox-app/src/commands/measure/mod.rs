@@ -97,6 +97,7 @@ pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
         summary: Summary::of(&values),
         seconds: start.elapsed().as_secs_f64(),
         adapter: AdapterReport::new(&gpu.adapter_info),
+        inside: places.inside(&scene),
         places: &places,
         readings: &readings,
     };

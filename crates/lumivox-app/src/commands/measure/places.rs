@@ -6,12 +6,14 @@ use glam::{UVec2, Vec3};
 use lumivox_console::Failure;
 use lumivox_render::measure::Workplane;
 use lumivox_render::reference::Sensor;
-use lumivox_scene::{Scene, read_regular};
+use lumivox_scene::{Picker, Scene, read_regular};
 
 use crate::cli::MeasureArgs;
 
 /// The most points of a workplane or a file.
 const MOST: usize = 1 << 20;
+/// The most places that are looked at for solids around them.
+const MOST_LOOKED_AT: usize = 1 << 14;
 /// Cells along the longer side of a workplane without a spacing.
 const CELLS: f32 = 24.0;
 
@@ -83,6 +85,17 @@ impl Places {
     /// Whether luminance is measured, else illuminance.
     pub fn is_luminance(&self) -> bool {
         matches!(self.kind, Kind::Rays | Kind::Picture)
+    }
+
+    /// The places that lie inside of something solid, where no light is, by their numbers. With more than a few thousand, only
+    /// those are looked at.
+    pub fn inside(&self, scene: &Scene) -> Vec<usize> {
+        if self.at.is_empty() {
+            return Vec::new();
+        }
+        let picker = Picker::new(scene);
+        let looked_at = self.at.iter().take(MOST_LOOKED_AT).enumerate();
+        looked_at.filter(|(_, (at, _))| picker.is_inside(*at)).map(|(index, _)| index).collect()
     }
 
     /// The unit of readings.

@@ -33,6 +33,8 @@ pub struct Report<'a> {
     pub seconds: f64,
     /// The GPU.
     pub adapter: AdapterReport,
+    /// The places that lie inside of solids, by their numbers.
+    pub inside: Vec<usize>,
     /// The places.
     pub places: &'a Places,
     /// The light there.
@@ -100,6 +102,7 @@ impl Report<'_> {
             "maximum": maximum,
             "uniformity": uniformity,
             "noise_percent": self.noise_percent(),
+            "inside": self.inside,
             "readings": columns,
             "seconds": self.seconds,
             "adapter": self.adapter,
@@ -144,6 +147,17 @@ impl Report<'_> {
         const MOST: usize = 20;
         let mut text =
             format!("{} ({} places)\n{}\n", self.title(), self.readings.len(), self.figures());
+        if let Some(&first) = self.inside.first() {
+            let place: Vec<String> =
+                self.places.numbers(first)[..3].iter().map(ToString::to_string).collect();
+            let _ = writeln!(
+                text,
+                "{} of them inside of solids, where no light comes; the first is number {} at {}. Move them into the air.",
+                self.inside.len(),
+                first + 1,
+                place.join(",")
+            );
+        }
         let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
         if !names.is_empty() {
             let _ = writeln!(text, "{}", names.join(", "));

@@ -184,5 +184,5 @@ fn presets_give_their_values() {
     let high = PresetChoice::Cones(lumivox::Preset::High);
     let value = |name| Parameter::find(name).expect("a parameter").default(high);
     assert_eq!(value("cones"), Value::Choice("12"));
-    assert_eq!(value("bounces"), Value::Whole(8));
+    assert_eq!(value("bounces"), Value::Whole(16));
 }

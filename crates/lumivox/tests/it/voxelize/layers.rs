@@ -1,72 +1,62 @@
-//! Surfaces one behind the other in a voxel: what is seen is the front one.
-
-use glam::Vec3;
+//! Surfaces one behind the other in a voxel: a face for each plane.
 
 use crate::voxelize::panels::{
-    DOWN, EDGE, Layers, PANEL_REFLECTANCE, WALL_REFLECTANCE, assert_hides, assert_is_panel,
-    ceiling, middle_face,
+    DOWN, EDGE, Layers, PANEL, WALL, assert_are_apart, assert_is, ceiling, middle_faces,
 };
 use crate::voxelize::read::Lab;
-use crate::voxelize::scenes::Mesh;
 
 #[test]
-fn a_panel_hides_the_wall_behind_it() {
-    assert_hides(&Lab::new(), "exact");
+fn a_panel_and_the_wall_behind_it_are_two_faces() {
+    assert_are_apart(&Lab::new(), "exact");
 }
 
 #[test]
-fn half_a_panel_hides_half_of_the_wall() {
-    // The panel ends in the middle of the voxel, along x and z: a quarter of it is the panel's.
+fn a_face_covers_what_is_there() {
+    // The panel ends in the middle of the voxel, along x and z: a quarter of the voxel's side.
     let list = Layers::new(8.6, 0.2, (0.0, 8.5)).voxelize(&Lab::new());
-    let face = middle_face(&list, DOWN);
-    let expected = 0.25 * PANEL_REFLECTANCE + 0.75 * WALL_REFLECTANCE;
-    assert!((face.emission[0] - 2.0).abs() < 1e-3, "{face:?}");
-    assert!((face.reflectance[0] - expected).abs() < 1e-3, "{face:?}");
-    assert!((face.position_in_world[1] - 8.55).abs() < 1e-3, "{face:?}");
-    assert!((face.vector_area[1] + 1.0).abs() < 1e-3, "{face:?}");
+    let faces = middle_faces(&list, DOWN);
+    let [panel, wall] = faces.as_slice() else { panic!("{faces:?}") };
+    assert_is(wall, WALL, 8.6, "the wall");
+    assert!((panel.emission[0] - 8.0).abs() < 1e-3, "{panel:?}");
+    assert!((panel.vector_area[1] + 0.25).abs() < 1e-3, "{panel:?}");
+    // Of x and z the lower halves, each with the part that the border touches.
+    assert_eq!([panel.profiles[0], panel.profiles[1]], [0x1ffff; 2], "{panel:?}");
+    assert_eq!([panel.mask_low, panel.mask_high], [0x1f1f_1f1f, 0x1f], "{panel:?}");
+    // A diagonal from corner to corner of the quarter: u + v up to a half, u - v up to a quarter to both sides.
+    assert_eq!(panel.profiles[2], 0x1ffff, "{panel:?}");
+    assert_eq!(panel.profiles[3] & 0xff, 0x80, "{panel:?}");
 }
 
 #[test]
-fn fine_meshes_hide_as_well() {
+fn fine_meshes_are_planes_as_well() {
     let lab = Lab::new();
     let layers = Layers::new(8.5, 0.1, (0.0, EDGE));
-    // Cells of half a voxel, and smaller than the raster's points are apart.
+    // Cells of half a voxel, and of a tenth.
     for cells in [37, 150] {
         let layers = Layers {
             wall: ceiling(8.5, (0.0, EDGE), cells),
             panel: ceiling(8.4, (0.0, EDGE), cells + 3),
             ..layers.clone()
         };
-        let face = middle_face(&layers.voxelize(&lab), DOWN);
-        assert_is_panel(&face, 8.4, &format!("{cells} cells"));
+        let faces = middle_faces(&layers.voxelize(&lab), DOWN);
+        assert_eq!(faces.len(), 2, "{cells} cells: {faces:?}");
+        assert_is(&faces[0], PANEL, 8.4, &format!("{cells} cells"));
+        assert_is(&faces[1], WALL, 8.5, &format!("{cells} cells"));
     }
 }
 
 #[test]
-fn what_moves_hides_what_is_static_and_the_other_way_round() {
+fn what_moves_and_what_is_static_have_faces_of_their_own() {
     let lab = Lab::new();
     for is_static in [[true, false], [false, true]] {
-        let layers = Layers { is_static, ..Layers::new(8.9, 0.1, (0.0, EDGE)) };
-        assert_is_panel(&middle_face(&layers.voxelize(&lab), DOWN), 8.8, &format!("{is_static:?}"));
+        for gap in [0.0, 0.1] {
+            let layers = Layers { is_static, ..Layers::new(8.9, gap, (0.0, EDGE)) };
+            let mut faces = middle_faces(&layers.voxelize(&lab), DOWN);
+            // In one place the order is that of the shares.
+            faces.sort_by(|a, b| b.emission[0].total_cmp(&a.emission[0]));
+            assert_eq!(faces.len(), 2, "{is_static:?}: {faces:?}");
+            assert_is(&faces[0], PANEL, 8.9 - gap, &format!("{is_static:?}"));
+            assert_is(&faces[1], WALL, 8.9, &format!("{is_static:?}"));
+        }
     }
-}
-
-#[test]
-fn nothing_hides_what_is_beside_it() {
-    // A step of two squares in one voxel, at different heights, and a wall across: more surface than one layer.
-    let mut layers = Layers::new(8.8, 0.5, (0.0, EDGE));
-    let square = |x: (f32, f32), y: f32| {
-        [[x.0, 0.0], [x.1, 0.0], [x.1, EDGE], [x.0, EDGE]].map(|[x, z]| Vec3::new(x, y, z))
-    };
-    layers.wall = Mesh::default();
-    layers.wall.quad(square((8.5, EDGE), 8.8));
-    layers.panel = Mesh::default();
-    layers.panel.quad(square((0.0, 8.5), 8.3));
-    layers.panel.quad(
-        [[0.0, 0.0], [EDGE, 0.0], [EDGE, EDGE], [0.0, EDGE]].map(|[x, y]| Vec3::new(x, y, 8.5)),
-    );
-    let face = middle_face(&layers.voxelize(&Lab::new()), DOWN);
-    let mean = 0.5 * (PANEL_REFLECTANCE + WALL_REFLECTANCE);
-    assert!((face.reflectance[0] - mean).abs() < 1e-3, "{face:?}");
-    assert!((face.emission[0] - 4.0).abs() < 1e-3, "{face:?}");
 }

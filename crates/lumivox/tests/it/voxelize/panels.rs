@@ -78,36 +78,46 @@ impl Layers {
     }
 }
 
-/// The face of that lobe in the middle column's voxel at y = 8.
-pub fn middle_face(list: &ReadList, lobe: u32) -> FaceRecord {
-    *list
-        .faces
-        .iter()
-        .find(|face| face.lobe == lobe && morton_decode(face.cell).to_array() == [8, 8, 8])
-        .expect("a face")
+/// The faces of a lobe in the middle column's voxel at y = 8, the lowest first.
+pub fn middle_faces(list: &ReadList, lobe: u32) -> Vec<FaceRecord> {
+    let in_middle = |face: &&FaceRecord| {
+        face.lobe == lobe && morton_decode(face.cell).to_array() == [8, 8, 8]
+    };
+    let mut faces: Vec<_> = list.faces.iter().filter(in_middle).copied().collect();
+    faces.sort_by(|a, b| a.position_in_world[1].total_cmp(&b.position_in_world[1]));
+    faces
 }
 
-pub fn assert_is_panel(face: &FaceRecord, height: f32, case: &str) {
-    let (emission, reflectance) = (face.emission[0], face.reflectance[0]);
-    assert!((emission - 8.0).abs() < 1e-3, "{case}: emits {emission}, not 8");
-    assert!((reflectance - PANEL_REFLECTANCE).abs() < 1e-3, "{case}: reflects {reflectance}");
+/// That a face has the look, the height and the area of a panel or a wall.
+pub fn assert_is(face: &FaceRecord, (reflectance, emission): (f32, f32), height: f32, case: &str) {
+    let (emits, reflects) = (face.emission[0], face.reflectance[0]);
+    assert!((emits - emission).abs() < 1e-3, "{case}: emits {emits}, not {emission}");
+    assert!((reflects - reflectance).abs() < 1e-3, "{case}: reflects {reflects}");
     let apart = face.position_in_world[1] - height;
-    assert!(apart.abs() < 1e-3, "{case}: {apart} voxels off the panel");
+    assert!(apart.abs() < 1e-3, "{case}: {apart} voxels off");
     let area = face.vector_area;
-    assert!((area[1] + 1.0).abs() < 1e-3, "{case}: an area of {area:?}");
+    assert!((area[1].abs() - 1.0).abs() < 1e-3, "{case}: an area of {area:?}");
+    let covered = [face.mask_low, face.mask_high, face.profiles[0], face.profiles[1]];
+    assert_eq!(covered, [u32::MAX; 4], "{case}");
 }
 
-/// Whether a panel hides the wall behind it, whichever comes first.
-pub fn assert_hides(lab: &Lab, method: &str) {
-    for gap in [0.001, 0.1, 0.8] {
+/// The reflectance and the emission of each.
+pub const WALL: (f32, f32) = (WALL_REFLECTANCE, 0.0);
+pub const PANEL: (f32, f32) = (PANEL_REFLECTANCE, 8.0);
+
+/// That a panel and the wall behind it are two faces, whichever comes first.
+pub fn assert_are_apart(lab: &Lab, method: &str) {
+    for gap in [0.01, 0.1, 0.8] {
         for (double_sided, panel_first) in [(false, false), (false, true), (true, false)] {
             let layers = Layers::new(8.9, gap, (0.0, EDGE));
             let list = Layers { double_sided, panel_first, ..layers }.voxelize(lab);
             let case = format!("{method}, {gap} voxels, {double_sided}");
-            assert_is_panel(&middle_face(&list, DOWN), 8.9 - gap, &case);
-            if double_sided {
-                let above = middle_face(&list, UP);
-                assert!(above.emission[0] < 1e-3, "{case}: the wall is seen, not {above:?}");
+            let lobes = if double_sided { vec![DOWN, UP] } else { vec![DOWN] };
+            for lobe in lobes {
+                let faces = middle_faces(&list, lobe);
+                assert_eq!(faces.len(), 2, "{case}: {faces:?}");
+                assert_is(&faces[0], PANEL, 8.9 - gap, &case);
+                assert_is(&faces[1], WALL, 8.9, &case);
             }
         }
     }

@@ -69,7 +69,7 @@ impl Lab {
         let places: Vec<FaceRecord> = self.read(&list.faces, u64::from(list.face_count));
         // Voxel by voxel, wherever their faces stand.
         let faces = nodes.iter().zip(&first_faces).flat_map(|(node, &first)| {
-            let count = (node.lobes & 0x3f).count_ones();
+            let count = node.faces();
             places[first as usize..(first + count) as usize].to_vec()
         });
         let read = ReadList {
@@ -182,7 +182,8 @@ impl ReadList {
             let children = self.level_starts[level - 1]..self.level_starts[level];
             let mut lobes = std::collections::HashMap::new();
             for child in &self.nodes[children.start as usize..children.end as usize] {
-                *lobes.entry(child.morton / 8).or_insert(0) |= child.lobes;
+                // Without the numbers of faces, which voxels have.
+                *lobes.entry(child.morton / 8).or_insert(0) |= child.lobes & 0x3fff;
             }
             let own = self.level_starts[level]..self.level_starts[level + 1];
             for node in &self.nodes[own.start as usize..own.end as usize] {
@@ -193,19 +194,24 @@ impl ReadList {
         for voxel in 0..self.level_starts[1] {
             let node = self.nodes[voxel as usize];
             let mut tilted = 0;
-            for lobe in (0..6).filter(|lobe| (node.lobes >> lobe) & 1 == 1) {
-                let record = &self.faces[face as usize];
-                assert_eq!((record.cell, record.lobe), (node.morton, lobe), "face {face}");
-                let axis = lobe as usize / 2;
-                let is_tilted = (0..3).any(|i| {
-                    i != axis && (record.vector_area[i].abs() * 127.0 + 0.5).floor() > 0.0
-                });
-                tilted |= u32::from(is_tilted) << lobe;
-                assert!((0.0..=1.0 + 1e-6).contains(&along(record)), "{record:?}");
-                assert!(record.reflectance.iter().all(|r| (0.0..=0.99).contains(r)), "{record:?}");
-                face += 1;
+            for lobe in 0..6 {
+                let count = node.faces_in(lobe);
+                assert_eq!(count > 0, (node.lobes >> lobe) & 1 == 1, "lobe {lobe} of {voxel}");
+                for _ in 0..count {
+                    let record = &self.faces[face as usize];
+                    assert_eq!((record.cell, record.lobe), (node.morton, lobe), "face {face}");
+                    let axis = lobe as usize / 2;
+                    let is_tilted = (0..3).any(|i| {
+                        i != axis && (record.vector_area[i].abs() * 127.0 + 0.5).floor() > 0.0
+                    });
+                    tilted |= u32::from(is_tilted) << lobe;
+                    assert!((0.0..=1.0 + 1e-6).contains(&along(record)), "{record:?}");
+                    let reflectance = record.reflectance.iter();
+                    assert!(reflectance.clone().all(|r| (0.0..=0.99).contains(r)), "{record:?}");
+                    face += 1;
+                }
             }
-            assert_eq!(node.lobes >> 8, tilted, "tilted lobes of voxel {voxel}");
+            assert_eq!(node.lobes >> 8 & 0x3f, tilted, "tilted lobes of voxel {voxel}");
         }
         assert_eq!(self.faces.len() as u32, face);
         assert!(self.stats.faces >= face, "what dynamic surface replaces stays in the list");

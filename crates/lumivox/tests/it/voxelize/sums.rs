@@ -1,6 +1,7 @@
 //! What the faces hold, against clipping in f64.
 
 use glam::{DVec3, Mat4, Vec3, Vec4};
+use lumivox::voxels::FaceRecord;
 use lumivox::{Draw, Geometry, Grid, SurfaceMaterial};
 
 use crate::voxelize::read::{Lab, ReadList, along, morton_decode};
@@ -26,28 +27,42 @@ fn compare(
 ) {
     let triangles: Vec<_> = triangles.iter().map(|t| in_grid(grid, t)).collect();
     let mut expected = twin::faces(grid, &triangles, double_sided);
-    // Where there may be layers, the means are those of what is in front (layers.rs).
-    let mut areas = std::collections::BTreeMap::new();
-    for ((voxel, _), own) in &expected {
-        let sides = if double_sided { 2.0 } else { 1.0 };
-        *areas.entry(*voxel).or_insert(0.0) += own.weight / sides;
+    let mut in_voxel = std::collections::BTreeMap::new();
+    let mut found: std::collections::BTreeMap<_, Vec<&FaceRecord>> = Default::default();
+    for face in &list.faces {
+        let voxel = morton_decode(face.cell).to_array();
+        *in_voxel.entry(voxel).or_insert(0) += 1;
+        found.entry((voxel, face.lobe as usize)).or_default().push(face);
     }
     let faces = list.faces.len();
-    for face in &list.faces {
-        let key = (morton_decode(face.cell).to_array(), face.lobe as usize);
-        let area = Vec3::from(face.vector_area).as_dvec3();
+    for (key, faces) in found {
         let own = expected.remove(&key).unwrap_or_default();
-        let limited = own.area / own.weight.max(1.0);
         let tolerance = TOLERANCE * f64::from(own.pieces.max(1));
-        let error = (area - limited).abs().max_element();
-        assert!(error <= tolerance, "{key:?}: {area}, not {limited}, from {} pieces", own.pieces);
-        if own.weight > 0.01 && areas[&key.0] < 1.0 {
-            let position = grid.grid_from_world(Vec3::from(face.position_in_world)).as_dvec3();
+        // Each plane of the lobe has a face, limited on its own.
+        let area: DVec3 =
+            faces.iter().map(|face| Vec3::from(face.vector_area).as_dvec3()).sum();
+        if own.weight < 1.0 {
+            let error = (area - own.area).abs().max_element();
+            assert!(error <= tolerance, "{key:?}: {area}, not {}, {own:?}", own.area);
+        } else {
+            assert!(area.length() <= own.area.length() + tolerance, "{key:?}: {area}, {own:?}");
+        }
+        // Of single-sided surface the positions are those of what no other face hides.
+        let is_seen = double_sided || in_voxel[&key.0] == 1;
+        if own.weight > 0.01 && own.weight < 1.0 && is_seen {
+            let moment = |face: &&FaceRecord| {
+                let position = grid.grid_from_world(Vec3::from(face.position_in_world));
+                position.as_dvec3() * f64::from(along(face))
+            };
+            let weight: f64 = faces.iter().map(|face| f64::from(along(face))).sum();
+            let position = faces.iter().map(moment).sum::<DVec3>() / weight;
             let mean = own.moment / own.weight;
             // The position's error is that of the area, over the area.
-            let allowed = 2.0 * tolerance / own.weight + 1e-5;
+            let allowed = 2.0 * tolerance / own.weight + 1e-4;
             let error = (position - mean).abs().max_element();
             assert!(error <= allowed, "{key:?}: at {position}, not {mean}, {own:?}");
+        }
+        for face in faces.iter().filter(|face| along(face) > 0.01) {
             let error = (Vec3::from(face.reflectance) - reflectance).abs().max_element();
             assert!(error <= 1e-5, "{key:?}: {:?}, {own:?}", face.reflectance);
         }
@@ -224,10 +239,12 @@ fn full_voxels_do_not_overflow() {
     let face = list.faces.iter().find(|face| along(face) > 0.5).expect("the full voxel");
     assert!((along(face) - 1.0).abs() < 1e-6, "{face:?}");
     let reflectance = Vec3::from(face.reflectance);
-    assert!((reflectance - Vec3::new(0.2, 0.4, 0.6)).abs().max_element() < 1e-5, "{face:?}");
+    assert!((reflectance - Vec3::new(0.2, 0.4, 0.6)).abs().max_element() < 1e-4, "{face:?}");
+    // Each of the 5000 layers belongs to one of four planes, whose positions are means.
+    let count = list.faces.iter().filter(|other| other.cell == face.cell).count();
+    assert!((1..=4).contains(&count), "{count} faces");
     let position = Vec3::from(face.position_in_world);
-    // Of 5000 layers the last is in front; those within 1/2048 of a voxel count as one with it.
-    assert!((position - Vec3::new(3.5, 3.5, 4.0)).abs().max_element() < 1e-3, "{face:?}");
+    assert!((position - 3.5).abs().max_element() <= 0.5, "{face:?}");
 }
 
 #[test]

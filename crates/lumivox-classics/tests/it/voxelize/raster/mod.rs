@@ -11,7 +11,7 @@ use lumivox::hooks::Voxelization;
 use lumivox::{Gi, GiConfig, Grid, SurfaceMaterial};
 use lumivox_classics::raster::Raster;
 
-use crate::voxelize::panels::assert_hides;
+use crate::voxelize::panels::assert_are_apart;
 
 use crate::voxelize::read::{Lab, ReadList};
 use crate::voxelize::scenes::triangle_soup;
@@ -109,7 +109,7 @@ fn what_cannot_be_drawn_is_counted() {
 #[test]
 fn a_panel_hides_the_wall_behind_it() {
     for method in Raster::ALL {
-        assert_hides(&lab(Some(method)), method.name());
+        assert_are_apart(&lab(Some(method)), method.name());
     }
 }
 
