@@ -44,9 +44,10 @@ fn settings_may_change_in_any_order() {
         |s, _| s.shadow_resolution = 48,
         |s, _| s.resolution = 48,
         |s, _| s.size = UVec2::new(33, 21),
+        // Cones that march see the cells; rays do not.
+        |s, _| s.cone_model = Some(Arc::new(StillCones { share: 1.0 })),
         |s, octree| s.volume = octree,
         |s, _| s.directionality = Directionality::Isotropic,
-        |s, _| s.cone_model = Some(Arc::new(StillCones { share: 1.0 })),
         |s, _| s.cone_model = Some(Arc::new(StillCones { share: 0.5 })),
         |s, _| s.trace = TraceSettings::preset(Preset::Fast),
         |s, _| s.bounces = 1,

@@ -4,7 +4,7 @@
 import package::cascades::{outer_high, outer_low};
 import package::cones::cone::{Cone, ConeSettings, OUTSIDE, START, Traced};
 import package::cones::hemisphere::basis;
-import package::cones::ray::{shown_by, trace_ray, NOTHING, Ray};
+import package::cones::ray::{shown_by, trace_ray, NOTHING, Passed, Ray};
 import package::gpu::random::hash;
 import package::grid::grid_from_world;
 
@@ -32,29 +32,29 @@ fn seen_share(
     let turn = f32(hash(bits.x + hash(bits.y + hash(bits.z))) >> 8u) / 16777216.0;
     let across = basis(direction);
     let rays = select(1u, SHADOW_RAYS, tan_half_angle > 1e-4);
-    var steps = 0u;
     var seen = 0.0;
     for (var i = 0u; i < rays; i++) {
         let radius = tan_half_angle * sqrt((f32(i) + 0.5) / f32(rays));
         let angle = 2.39996323 * f32(i) + 6.28318530718 * turn;
         let aside = across * vec3f(radius * cos(angle), radius * sin(angle), 1.0);
-        let hit = trace_ray(Ray(origin, normalize(aside), max(reach - offset, 0.0), level), &steps);
-        seen += select(0.0, 1.0, hit.face == NOTHING);
+        var passed = Passed(0u, false, 1.0);
+        let hit = trace_ray(Ray(origin, normalize(aside), max(reach - offset, 0.0), level), &passed);
+        seen += select(0.0, passed.share, hit.face == NOTHING);
     }
     return seen / f32(rays);
 }
 
 fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
-    var steps = 0u;
+    var passed = Passed(0u, true, 1.0);
     let ray = Ray(cone.origin_in_grid, cone.direction, cone.reach, cone.level);
-    let hit = trace_ray(ray, &steps);
+    let hit = trace_ray(ray, &passed);
     let extent = outer_high() - outer_low();
     let is_met = hit.face != NOTHING;
     return Traced(
         shown_by(hit.face),
         select(1.0, 0.0, is_met),
         select(1.0, 0.0, is_met && hit.distance < settings.occlusion_distance),
-        steps,
+        passed.steps,
         select(OUTSIDE * max(extent.x, max(extent.y, extent.z)), hit.distance, is_met),
     );
 }

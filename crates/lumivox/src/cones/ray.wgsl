@@ -42,7 +42,14 @@ fn passes(direction: vec3f, face: u32, holes: u32) -> bool {
 }
 
 // The faces of a voxel with its corner at the origin and an edge of 1, up to a distance.
-fn hit_faces(entry: u32, origin: vec3f, direction: vec3f, own: f32, reach: f32) -> Hit {
+fn hit_faces(
+    entry: u32,
+    origin: vec3f,
+    direction: vec3f,
+    own: f32,
+    reach: f32,
+    passed: ptr<function, Passed>,
+) -> Hit {
     var hit = Hit(reach, NOTHING);
     let first = entry & ((1u << FACE_BITS) - 1u);
     for (var face = first; face < first + (entry >> FACE_BITS); face++) {
@@ -52,11 +59,15 @@ fn hit_faces(entry: u32, origin: vec3f, direction: vec3f, own: f32, reach: f32) 
         let distance = (plane.offset - dot(plane.normal, origin)) / select(cosine, 1e-9, abs(cosine) < 1e-9);
         let is_back = cosine > 0.0;
         let blocks = plane.is_single_sided && plane.holes == 0u && distance >= own;
-        let is_met = distance > 0.0 && distance < hit.distance && (!is_back || blocks)
-            && !(plane.holes > 0u && passes(direction, face, plane.holes));
+        let is_met = distance > 0.0 && distance < hit.distance && (!is_back || blocks);
         let at = across(origin + direction * distance, plane.lobe >> 1u);
         if is_met && is_covered(at, patches[place + 1u], vec4u(patches[place + 2u], patches[place + 3u])) {
-            hit = Hit(distance, select(face, BLACK, is_back));
+            if plane.holes == 0u || ((*passed).draws && !passes(direction, face, plane.holes)) {
+                hit = Hit(distance, select(face, BLACK, is_back));
+            } else if all(at >= vec2f(0.0)) && all(at < vec2f(1.0)) {
+                // Beyond, the next voxel has it.
+                (*passed).share *= f32(plane.holes) / 255.0;
+            }
         }
     }
     return hit;
@@ -70,8 +81,17 @@ struct Ray {
     level: u32,
 }
 
-// `steps` counts the voxels and blocks on the way.
-fn trace_ray(ray: Ray, steps: ptr<function, u32>) -> Hit {
+// What a ray has passed.
+struct Passed {
+    // Voxels and blocks.
+    steps: u32,
+    // Whether it is drawn if the ray passes a face with holes. If not it does, with a share of the light.
+    draws: bool,
+    // That share, of all faces with holes that it has passed.
+    share: f32,
+}
+
+fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     let low = outer_low();
     let high = outer_high();
     let inverse = 1.0 / select(ray.direction, vec3f(1e-20), abs(ray.direction) < vec3f(1e-20));
@@ -86,7 +106,7 @@ fn trace_ray(ray: Ray, steps: ptr<function, u32>) -> Hit {
     var distance = max(max(enter.x, enter.y), max(enter.z, 0.0));
     var hit = Hit(3e38, NOTHING);
     while distance < end && hit.face == NOTHING {
-        *steps += 1u;
+        (*passed).steps += 1u;
         let ahead = ray.origin_in_grid + ray.direction * (distance + NUDGE);
         let cascade = finest_level(ahead, ray.level, 0.0);
         let edge = exp2(f32(cascade));
@@ -112,7 +132,7 @@ fn trace_ray(ray: Ray, steps: ptr<function, u32>) -> Hit {
         if (bits & (1u << (code % 32u))) != 0u {
             let entry = index[first_entry() + index[2u * word + 1u] + bits_below(bits, code % 32u)];
             let origin = ray.origin_in_grid / edge - vec3f(voxel);
-            hit = hit_faces(entry, origin, ray.direction, own / edge, ray.reach / edge);
+            hit = hit_faces(entry, origin, ray.direction, own / edge, ray.reach / edge, passed);
             hit.distance *= edge;
         }
         let wall = select(vec3f(corner), vec3f(corner + step), is_forward) * edge;

@@ -5,7 +5,7 @@
 
 import package::cones::cone::cone_growth;
 import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
-import package::cones::ray::{shown_by, trace_ray, NOTHING, Ray};
+import package::cones::ray::{shown_by, trace_ray, NOTHING, Passed, Ray};
 import package::cones::way::cone_start;
 import package::environment::environment_radiance;
 import package::light::turn::{hits, settings, FACE_RAYS, HIT_WORDS};
@@ -26,13 +26,13 @@ fn gathered_at(index: u32, face: Face, start: vec2f, level: u32) -> vec3f {
     let world_from_normal = basis(normal);
     let jitter = cell_jitter(start, 0u);
     var sum = vec3f(0.0);
-    var steps = 0u;
+    var passed = Passed(0u, true, 1.0);
     for (var i = 0u; i < FACE_RAYS; i++) {
         let local = cell_cone(i, FACE_RAYS, jitter);
         let direction = world_from_normal * local.direction;
         let place = index * HIT_WORDS + i;
         if hits[place] == UNKNOWN {
-            hits[place] = trace_ray(Ray(origin, direction, 3e38, level), &steps).face + OFFSET;
+            hits[place] = trace_ray(Ray(origin, direction, 3e38, level), &passed).face + OFFSET;
         }
         let met = hits[place] - OFFSET;
         if met == NOTHING {

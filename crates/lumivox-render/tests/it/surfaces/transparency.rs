@@ -197,8 +197,13 @@ fn shadows_are_as_deep_as_what_casts_them_is_solid() {
             let settings = RenderSettings { shadows, frames: 4, ..settings(View::Shadow) };
             let picture = render(&scene, settings);
             let what = format!("{what}, {shadows:?}");
-            // Through voxels the glass reflects as under a sky, 9 % instead of 4.
-            let tolerance = if shadows == ShadowMethod::Cone { 0.03 } else { 0.015 };
+            // In voxels the glass reflects as under a sky, 9 % instead of 4, and each samples the leaf once.
+            let is_even = what.starts_with("a blend") || what == "a whole roof";
+            let tolerance = match shadows {
+                ShadowMethod::Cone if is_even => 0.005,
+                ShadowMethod::Cone => 0.035,
+                _ => 0.015,
+            };
             assert_near(&what, mean(&picture), Vec3::splat(passing), tolerance);
             // The pattern of the map's texels is filtered away, the leaf's own holes are not.
             let noise = rms(&picture, mean(&picture));
