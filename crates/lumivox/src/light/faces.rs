@@ -140,8 +140,6 @@ impl LightKernels {
 
     /// Before a list is taken: the light of faces that it puts elsewhere.
     pub fn follow(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
-        // Other surface is in the way of rays.
-        recorder.clear(&faces.hits);
         recorder.compute("light::follow", |pass| {
             let voxels = faces.moving_voxels;
             self.follow.dispatch_linear(pass, &[grid, &faces.follow], voxels);
@@ -362,6 +360,11 @@ impl Faces {
     /// Irradiance gathered.
     pub fn irradiance(&self) -> &Buffer {
         &self.irradiance
+    }
+
+    /// What the rays of faces meet, and irradiance straight from emitters.
+    pub fn hits(&self) -> &Buffer {
+        &self.hits
     }
 
     /// Radiance without bounces.

@@ -1,14 +1,14 @@
 // What a face gathers, by rays: the module package::light::way.
 //
 // A face keeps its rays, so that its gathers converge to a fixed point, and what they meet is found once: `hits` keeps it
-// until the list changes. Each further gather only looks up what is there.
+// until surface moves. Each further gather only looks up what is there.
 
 import package::cones::cone::cone_growth;
 import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
-import package::cones::ray::{shown_by, trace_ray, NOTHING, Passed, Ray};
+import package::cones::ray::{shown_by, trace_ray, BLACK, NOTHING, Passed, Ray};
 import package::cones::way::cone_start;
 import package::environment::environment_radiance;
-import package::light::turn::{hits, settings, FACE_RAYS, HIT_WORDS};
+import package::light::turn::{counts, hits, settings, FACE_RAYS, HIT_WORDS, RAY_CLASSES};
 import package::voxels::list::{Face, HIDDEN};
 
 const PI: f32 = 3.14159265359;
@@ -16,6 +16,15 @@ const PI: f32 = 3.14159265359;
 // Hits are kept with this added, so that zero is none that is known.
 const OFFSET = 3u;
 const UNKNOWN = 0u;
+
+// Whether a ray has to be traced: it never was, or surface has moved. Then a part of all rays is traced anew at a time, and at
+// once those of surface that moves, whose faces have no fixed places in the list, and those that have met such surface.
+fn is_outdated(hit: u32, face: u32, ray: u32) -> bool {
+    let met = hit - OFFSET;
+    let is_moving = face >= counts.fixed_faces || (met >= counts.fixed_faces && met < BLACK);
+    let is_in_turn = ((settings.rays_anew >> (ray % RAY_CLASSES)) & 1u) != 0u;
+    return hit == UNKNOWN || is_in_turn || (is_moving && settings.rays_anew != 0u);
+}
 
 fn gathered_at(index: u32, face: Face, start: vec2f, level: u32) -> vec3f {
     if (face.flags & HIDDEN) != 0u {
@@ -31,7 +40,7 @@ fn gathered_at(index: u32, face: Face, start: vec2f, level: u32) -> vec3f {
         let local = cell_cone(i, FACE_RAYS, jitter);
         let direction = world_from_normal * local.direction;
         let place = index * HIT_WORDS + i;
-        if hits[place] == UNKNOWN {
+        if is_outdated(hits[place], index, i) {
             hits[place] = trace_ray(Ray(origin, direction, 3e38, level), &passed).face + OFFSET;
         }
         let met = hits[place] - OFFSET;

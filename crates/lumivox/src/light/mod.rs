@@ -56,8 +56,8 @@ pub(crate) struct BounceSettings {
     pub(crate) has_emitters: u32,
     pub(crate) by_cascade: u32,
     pub(crate) is_list_new: u32,
-    pub(crate) padding_1: u32,
-    pub(crate) padding_2: u32,
+    pub(crate) rays_anew: u32,
+    pub(crate) padding: u32,
 }
 
 /// Lights the faces of a voxel list.
@@ -74,6 +74,8 @@ pub(crate) struct Lighting {
     has_emission: bool,
     /// Whether the faces have light that the volume can show with emission and without.
     is_lit: bool,
+    /// Whether surface has moved since faces have traced all their rays.
+    has_moved: bool,
 }
 
 /// How the light of lamps comes in.
@@ -122,6 +124,7 @@ impl Lighting {
             turns: Turns::new(&config.grid),
             has_emission: false,
             is_lit: false,
+            has_moved: false,
         })
     }
 
@@ -137,6 +140,7 @@ impl Lighting {
     pub(crate) fn follow(&mut self, recorder: &mut Recorder<'_>, taken: Taken<'_>) -> bool {
         self.turns.disturb();
         self.is_lit = false;
+        self.has_moved = true;
         if self.faces.as_ref().is_some_and(|faces| faces.is_of(&taken, self.has_emission)) {
             if let Some(faces) = &self.faces {
                 self.kernels.follow(recorder, &self.grid, faces);
@@ -248,6 +252,9 @@ impl Lighting {
         }
         set_bounce(&mut self.settings, recorder, cones, Turn::OF_ALL, has_emission);
         recorder.clear(faces.irradiance());
+        if std::mem::take(&mut self.has_moved) {
+            recorder.clear(faces.hits());
+        }
         self.turns.solved(lights, gathers);
         if gathers == 0 {
             self.conceal(recorder, (volume, changes));
@@ -392,8 +399,8 @@ fn set_bounce(
         has_emitters: u32::from(has_emission),
         by_cascade: u32::from(turn.is_by_cascade),
         is_list_new: u32::from(turn.is_list_new),
-        padding_1: 0,
-        padding_2: 0,
+        rays_anew: turn.rays_anew,
+        padding: 0,
     };
     buffer.set(recorder, bytemuck::bytes_of(&settings));
 }

@@ -18,8 +18,9 @@ struct BounceSettings {
     by_cascade: u32,
     // Whether other faces than those of dynamic surface may never have gathered.
     is_list_new: u32,
-    padding_1: u32,
-    padding_2: u32,
+    // The rays that are traced anew: a bit for each of RAY_CLASSES, zero where nothing has moved.
+    rays_anew: u32,
+    padding: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: BounceSettings;
@@ -33,6 +34,9 @@ struct BounceSettings {
 
 const FACE_RAYS = 16u;
 const HIT_WORDS = 20u;
+
+// Every so many-th ray of a face is traced anew at a time.
+const RAY_CLASSES = 4u;
 
 fn from_emitters(face: u32) -> vec3f {
     let first = face * HIT_WORDS + FACE_RAYS;

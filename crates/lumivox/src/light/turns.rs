@@ -10,6 +10,9 @@ const SETTLING_GATHERS: u32 = 32;
 /// The most frames from a cascade's gather to its next one (`RAREST` of `turn.wgsl`).
 const RAREST_CASCADE: u64 = 8;
 
+/// Every so many-th ray of a face is traced anew in a frame after surface has moved.
+const RAY_CLASSES: u32 = 4;
+
 /// The work of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
@@ -23,6 +26,8 @@ pub(super) struct Turn {
     pub is_list_new: bool,
     /// Counts up.
     pub number: u32,
+    /// The rays that faces trace anew, a bit for each class (`turn.wgsl`).
+    pub rays_anew: u32,
 }
 
 impl Turn {
@@ -33,6 +38,7 @@ impl Turn {
         is_by_cascade: false,
         is_list_new: false,
         number: 0,
+        rays_anew: 0,
     };
 }
 
@@ -43,6 +49,8 @@ pub(super) struct Turns {
     /// Frames until the light has settled.
     left: u64,
     is_disturbed: bool,
+    /// Frames until all faces have traced all their rays anew, and whether each traces all of them at once.
+    anew: (u64, bool),
     /// The list has come in the place of another, or of none.
     is_list_new: bool,
     /// There are cascades.
@@ -86,21 +94,31 @@ impl Turns {
     ) -> Option<Turn> {
         let cones = Some((*settings, values));
         let is_direct_new = self.is_disturbed || self.lights != Some(lights.version);
+        let rarest = if self.has_cascades { RAREST_CASCADE } else { 1 };
+        let turns = budget.map_or(rarest, |budget| capacity.div_ceil(budget.max(1).into()));
         if is_direct_new || self.cones != cones {
-            let rarest = if self.has_cascades { RAREST_CASCADE } else { 1 };
-            let turns = budget.map_or(rarest, |budget| capacity.div_ceil(budget.max(1).into()));
             self.left = u64::from(SETTLING_GATHERS) * turns;
         }
-        self.is_disturbed = false;
+        if std::mem::take(&mut self.is_disturbed) {
+            // Faces that take turns trace all their rays in one.
+            self.anew = if turns == 1 { (RAY_CLASSES.into(), false) } else { (turns, true) };
+        }
         (self.lights, self.cones) = (Some(lights.version), cones);
         self.left = self.left.checked_sub(1)?;
         self.number = self.number.wrapping_add(1);
+        let rays_anew = match self.anew {
+            (0, _) => 0,
+            (_, true) => (1 << RAY_CLASSES) - 1,
+            _ => 1 << (self.number % RAY_CLASSES),
+        };
+        self.anew.0 = self.anew.0.saturating_sub(1);
         Some(Turn {
             is_direct_new,
             faces: budget.unwrap_or(u32::MAX).max(1),
             is_by_cascade: self.has_cascades && budget.is_none(),
             is_list_new: std::mem::take(&mut self.is_list_new),
             number: self.number,
+            rays_anew,
         })
     }
 }
