@@ -29,12 +29,12 @@ pub struct SurfaceMaterial {
     /// Alpha is coverage: a surface's area in a voxel is scaled by it. With alpha-tested materials, upload
     /// alpha already thresholded (0 or 1), so that its mips hold the covered share.
     pub alpha_is_coverage: bool,
-    /// Whether the surface is there seen from behind as well; else it is seen, lit and opaque from the front
-    /// (counter-clockwise) side alone: cones pass it from behind. A back would stand in the same voxel as the
-    /// front, and cones that start near it, on the floor below a wall, would meet it: with backs on all
-    /// surfaces the indirect light of the Cornell box falls by 5 %, of the atrium by 25 % (64 voxels), and there
-    /// are twice as many faces.
+    /// Whether the surface is seen from behind as well; else it is seen and lit from the front (counter-clockwise) side
+    /// alone. From behind it is black, and blocks as from the front, unless light passes it: by coverage, by transmission, or
+    /// because it is `open_behind`.
     pub double_sided: bool,
+    /// Whether light passes a single-sided surface from behind: for stages that are open to a side. Default: no.
+    pub open_behind: bool,
 }
 
 impl Default for SurfaceMaterial {
@@ -50,6 +50,7 @@ impl Default for SurfaceMaterial {
             transmission_texture: None,
             alpha_is_coverage: false,
             double_sided: false,
+            open_behind: false,
         }
     }
 }

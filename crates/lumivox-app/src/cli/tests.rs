@@ -301,7 +301,7 @@ fn the_ends_of_the_ranges_are_the_renderers() {
         Some(settings(&args).validate(&limits).is_ok())
     };
     for (option, low, high) in [
-        ("--bounces", "0", "16"),
+        ("--bounces", "0", "64"),
         ("--frames", "1", "65536"),
         ("--exposure", "-64", "64"),
         ("--shadow-resolution", "16", "8192"),
@@ -310,7 +310,7 @@ fn the_ends_of_the_ranges_are_the_renderers() {
         assert_eq!(valid(option, high), Some(true), "{option} {high}");
     }
     for (option, value) in [
-        ("--bounces", "17"),
+        ("--bounces", "65"),
         ("--frames", "0"),
         ("--frames", "65537"),
         ("--exposure", "65"),

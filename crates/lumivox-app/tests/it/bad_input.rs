@@ -80,7 +80,7 @@ fn values_out_of_range() {
         ("--grid-offset", "0,1,0", "below 1"),
         ("--grid-offset", "-1,0,0", "from 0 to below 1"),
         ("--frames", "0", "from 1 to 65536"),
-        ("--bounces", "17", "from 0 to 16"),
+        ("--bounces", "65", "from 0 to 64"),
         ("--level", "11", "from 0 to 10"),
         ("--exposure", "nan", "from -64 to 64"),
         ("--exposure", "-65", "from -64 to 64"),

@@ -71,32 +71,47 @@ fn cover(face: u32, direction: vec3f) -> f32 {
     return max(-dot(direction, faces[face].vector_area), 0.0);
 }
 
-// Shares a bundle out to the faces of a voxel.
+// How far in front of a face's plane a point lies, in voxels.
+fn lead_of(face: u32, position: vec3f) -> f32 {
+    let normal = normalize(faces[face].vector_area);
+    return dot(position - faces[face].position_in_world, normal) / grid.voxel_size_m;
+}
+
+// Planes that are as near as this to each other share what arrives there, in voxels.
+const SHARED = 1.0 / 64.0;
+
+// Shares a bundle out to the faces of a voxel that it arrives on: those whose planes are nearest.
 fn insert(position: vec3f, voxel: Voxel, direction: vec3f, counts: f32, seed: u32) -> u32 {
     let first = first_faces[voxel.place];
     // A voxel's faces stand one after another, if it has any.
     var end = first;
-    while end < min(first + 6u, arrayLength(&faces)) && faces[end].cell == voxel.code {
+    while end < arrayLength(&faces) && faces[end].cell == voxel.code {
         end++;
+    }
+    var nearest = 3e38;
+    for (var face = first; face < end; face++) {
+        nearest = select(nearest, min(nearest, abs(lead_of(face, position))), cover(face, direction) > 0.0);
     }
     var covered = 0.0;
     for (var face = first; face < end; face++) {
-        covered += cover(face, direction);
+        let is_there = abs(lead_of(face, position)) <= nearest + SHARED;
+        covered += select(0.0, cover(face, direction), is_there);
     }
     if covered <= 0.0 {
         return select(FATE_ABSORBED, FATE_LOST, first == end);
     }
     for (var face = first; face < end; face++) {
+        let lead = lead_of(face, position);
+        if abs(lead) > nearest + SHARED {
+            continue;
+        }
         let share = counts * (cover(face, direction) / covered);
         let dither = f32(hash(seed ^ faces[face].lobe) >> 8u) * (1.0 / 16777216.0);
         let whole = u32(share + dither);
         if whole > 0u {
             atomicAdd(&sums[face].flux, whole);
-            let normal = normalize(faces[face].vector_area);
-            let lead = dot(position - faces[face].position_in_world, normal)
-                / (2.0 * grid.voxel_size_m);
             // Integers wrap around, so that adding a negative number takes away.
-            let weighted = i32(f32(whole) * clamp(lead, -1.0, 1.0));
+            let weighted = i32(f32(whole) * clamp(0.5 * lead, -1.0, 1.0));
             atomicAdd(&sums[face].lead, bitcast<u32>(weighted));
         }
     }

@@ -47,6 +47,7 @@ impl ReportCones {
         TraceSettings {
             voxel_per_diameter: 1.0,
             clearance: 0.0,
+            diffuse_cones: 6,
             normal_offset_voxels: 1.0,
             specular_share: 1.0,
             ..TraceSettings::default()

@@ -164,6 +164,7 @@ pub fn line(opening: &SceneRequest, aspect: Option<f32>) -> String {
         unit,
         crease,
         rotate,
+        open_backs,
         allow_outside,
         ignore_required,
         texture_memory,
@@ -198,6 +199,9 @@ pub fn line(opening: &SceneRequest, aspect: Option<f32>) -> String {
         && aspect.to_bits() != opening.aspect.to_bits()
     {
         option("--aspect", opening.aspect.to_string());
+    }
+    if *open_backs {
+        words.push("--open-backs".to_owned());
     }
     if *allow_outside {
         words.push("--allow-outside".to_owned());

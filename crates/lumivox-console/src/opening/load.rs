@@ -52,6 +52,13 @@ pub struct LoadArgs {
     #[arg(default_value = "0,0,0", allow_hyphen_values = true)]
     pub rotate: Vec3,
 
+    /// Let light pass single-sided surfaces from behind [default: off]
+    ///
+    /// Otherwise they block it there, too, and are black: a wall of one side is a wall. Cones and the path tracer follow the same
+    /// rule.
+    #[arg(long, help_heading = "Scene")]
+    pub open_backs: bool,
+
     /// Let the scene's file refer to files outside its own folder [default: off]
     ///
     /// Only for files that you trust: they may then read any file that you may read.
@@ -115,8 +122,13 @@ impl LoadArgs {
         Ok(())
     }
 
-    /// Rotates a scene as requested.
+    /// Rotates a scene and opens its backs as requested.
     pub fn turn(&self, scene: &mut Scene) {
+        if self.open_backs {
+            for material in &mut scene.materials {
+                material.open_behind = true;
+            }
+        }
         if self.rotate != Vec3::ZERO {
             scene.rotate(self.rotate * RADIANS_PER_DEGREE);
         }

@@ -141,7 +141,8 @@ fn sides(material: &Material, textures: &Textures, shown: &MaterialRecord) -> Si
         is_absent,
         is_plain: material.textures().next().is_none(),
         is_double_sided: material.double_sided,
-        is_see_through: shown.is_blended != 0
+        is_see_through: material.open_behind
+            || shown.is_blended != 0
             || shown.transmission > 0.0
             || shown.mask_threshold > 0.0,
     }

@@ -231,6 +231,7 @@ fn set_factors(
     surface.transmission = mean_transmission(material, record, scene);
     surface.alpha_is_coverage = record.is_blended != 0 || record.mask_threshold > 0.0;
     surface.double_sided = material.double_sided;
+    surface.open_behind = material.open_behind;
 }
 
 /// The gloss of a material's dielectric, non-transmitting part, as if it were uniform and

@@ -75,11 +75,11 @@ impl PresetChoice {
     /// A description in a line without a full stop.
     pub const fn summary(self) -> &'static str {
         match self {
-            Self::Cones(Preset::Fast) => "6 cones, one pixel in four",
+            Self::Cones(Preset::Fast) => "9 cones, one pixel in four",
             Self::Cones(Preset::Realtime) => {
                 "as fast, with the light of earlier frames: for what moves"
             }
-            Self::Cones(Preset::Balanced) => "6 cones, every pixel",
+            Self::Cones(Preset::Balanced) => "9 cones, every pixel",
             Self::Cones(Preset::High) => {
                 "12 cones, every pixel, samples half as large: fewest leaks"
             }

@@ -25,6 +25,9 @@ pub struct Material {
     pub alpha: AlphaMode,
     /// Whether the back side is visible, too, with the normal reversed. Default: no.
     pub double_sided: bool,
+    /// Whether light passes a single-sided surface from behind, where it blocks otherwise: for stages that are open to a side.
+    /// Default: no. Files do not say so; `--open-backs` does for all of a scene.
+    pub open_behind: bool,
     /// A clear coat. Default: none.
     pub clearcoat: Clearcoat,
     /// The sheen of cloth. Default: none.
@@ -47,6 +50,7 @@ impl Default for Material {
             normal_scale: 1.0,
             alpha: AlphaMode::Opaque,
             double_sided: false,
+            open_behind: false,
             clearcoat: Clearcoat::default(),
             sheen: Sheen::default(),
             transmission: Transmission::default(),

@@ -23,9 +23,7 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, marches: bool) {
         true => ("cones::march", "light::gather_cones"),
         false => ("cones::exact", "light::gather_rays"),
     };
-    shaders
-        .fill(crate::shaders::implementation(cone))
-        .fill(crate::shaders::implementation(face));
+    shaders.fill(crate::shaders::implementation(cone)).fill(crate::shaders::implementation(face));
 }
 
 /// `ConeSettings` of `cone.wgsl`.

@@ -103,41 +103,64 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     let leave = max(to_low, to_high);
     let end = min(min(leave.x, leave.y), min(leave.z, ray.reach));
     let own = OWN * exp2(f32(ray.level));
+    let blocks = first_block();
+    let entries = first_entry();
+    let size = vec3i(box_size());
     var distance = max(max(enter.x, enter.y), max(enter.z, 0.0));
     var hit = Hit(3e38, NOTHING);
-    while distance < end && hit.face == NOTHING {
-        (*passed).steps += 1u;
-        let ahead = ray.origin_in_grid + ray.direction * (distance + NUDGE);
-        let cascade = finest_level(ahead, ray.level, 0.0);
-        let edge = exp2(f32(cascade));
-        let lowest = lowest_voxel(cascade);
-        let size = vec3i(box_size());
-        let voxel = clamp(vec3i(floor(ahead / edge)), lowest, lowest + size - 1);
-        let code = morton_encode(stored_cell(voxel, 0u, cascade));
-        let word = code / 32u;
-        let block = code / 512u;
-        var step = 1;
-        if (index[first_block() + block / 32u] & (1u << (block % 32u))) == 0u {
-            step = 8;
-        } else if (index[2u * (word & ~1u)] | index[2u * (word | 1u)]) == 0u {
-            step = 4;
+    var is_inside = distance < end;
+    while is_inside {
+        // Past what is empty. The inner loop suits wide machines: their lanes leave it one by one, and then look at faces
+        // together.
+        var voxel = vec3i(0);
+        var edge = 1.0;
+        var place = 0u;
+        var before = 0u;
+        var next = distance;
+        loop {
+            distance = next;
+            is_inside = distance < end;
+            (*passed).steps += u32(is_inside);
+            let ahead = ray.origin_in_grid + ray.direction * (distance + NUDGE);
+            let cascade = finest_level(ahead, ray.level, 0.0);
+            edge = exp2(f32(cascade));
+            let lowest = lowest_voxel(cascade);
+            voxel = clamp(vec3i(floor(ahead / edge)), lowest, lowest + size - 1);
+            let code = morton_encode(stored_cell(voxel, 0u, cascade));
+            let word = code / 32u;
+            let block = code / 512u;
+            let bits = index[2u * word];
+            // Blocks of 2 x 2 x 2 are a byte, of 4 x 4 x 4 two words.
+            var step = select(1, 2, ((bits >> (code & 24u)) & 0xffu) == 0u);
+            if (index[blocks + block / 32u] & (1u << (block % 32u))) == 0u {
+                step = 8;
+            } else if (bits | index[2u * (word ^ 1u)]) == 0u {
+                step = 4;
+            }
+            var corner = voxel & vec3i(-step);
+            if CASCADES > 0u && (any(corner < lowest) || any(corner + step > lowest + size)) {
+                // Where it is stored, cells of the box's other end are in the block.
+                corner = voxel;
+                step = 1;
+            }
+            let wall = select(vec3f(corner), vec3f(corner + step), is_forward) * edge;
+            let walls = (wall - ray.origin_in_grid) * inverse;
+            next = max(min(walls.x, min(walls.y, walls.z)), distance + NUDGE);
+            place = 2u * word + 1u;
+            before = bits_below(bits, code % 32u);
+            let is_occupied = (bits & (1u << (code % 32u))) != 0u;
+            continuing {
+                break if is_occupied || !is_inside;
+            }
         }
-        var corner = voxel & vec3i(-step);
-        if CASCADES > 0u && (any(corner < lowest) || any(corner + step > lowest + size)) {
-            // Where it is stored, cells of the box's other end are in the block.
-            corner = voxel;
-            step = 1;
-        }
-        let bits = index[2u * word];
-        if (bits & (1u << (code % 32u))) != 0u {
-            let entry = index[first_entry() + index[2u * word + 1u] + bits_below(bits, code % 32u)];
+        if is_inside {
+            let entry = index[entries + index[place] + before];
             let origin = ray.origin_in_grid / edge - vec3f(voxel);
             hit = hit_faces(entry, origin, ray.direction, own / edge, ray.reach / edge, passed);
             hit.distance *= edge;
+            distance = next;
+            is_inside = hit.face == NOTHING && distance < end;
         }
-        let wall = select(vec3f(corner), vec3f(corner + step), is_forward) * edge;
-        let walls = (wall - ray.origin_in_grid) * inverse;
-        distance = max(min(walls.x, min(walls.y, walls.z)), distance + NUDGE);
     }
     return hit;
 }

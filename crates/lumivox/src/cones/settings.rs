@@ -7,14 +7,14 @@ use crate::settings::{self, Choice, Choices as _, Kind, Redoes, Setting, Value};
 /// sharpness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preset {
-    /// 6 diffuse cones at half resolution, voxels of half the cone's diameter.
+    /// 9 diffuse cones at half resolution.
     Fast,
     /// As [`Self::Fast`], with the light of earlier frames.
     Realtime,
-    /// 6 diffuse cones at full resolution, voxels of an eighth of the cone's diameter.
+    /// 9 diffuse cones at full resolution.
     #[default]
     Balanced,
-    /// 12 diffuse cones at full resolution, voxels of a sixteenth of the cone's diameter.
+    /// 12 diffuse cones at full resolution.
     High,
 }
 
@@ -45,24 +45,19 @@ pub struct TraceSettings {
     /// Diffuse cones of a point in a frame: 6, 9 or 12. More: less noise and bias, proportional
     /// cost.
     pub diffuse_cones: u32,
-    /// Edge of the sampled voxels as a share of the cone's diameter, 0.05 to 1. Lower: sharper
-    /// indirect light from more samples. docs/decisions.md has its effect on the error.
+    /// Width of the samples of an environment's map as a share of the cone's diameter, 0.05 to 1. Lower: sharper, and noisier. In
+    /// cones that march, the edge of the sampled voxels as well.
     pub voxel_per_diameter: f32,
-    /// The greatest growth of the sampled voxels, per metre travelled and per cosine against the
-    /// normal: the footprint keeps clear of the plane that the cone starts from. 0 (off) or 0.1 to
-    /// 1; default 1/3.
+    /// In cones that march ([`crate::hooks::ConeModel`]), the greatest growth of the sampled voxels, per metre travelled and per
+    /// cosine against the normal: the footprint keeps clear of the plane that the cone starts from. 0 (off) or 0.1 to 1; default
+    /// 1/3.
     pub clearance: f32,
-    /// Distance of the cones' start above the surface, along its normal, in voxels, 0 to 4; default
-    /// 0.5. Beside walls that would wrongly be sampled, cones start farther away automatically.
-    /// Higher: they pass over near detail. Lower: oblique surfaces darken themselves.
+    /// In cones that march, the distance of their start above the surface, along its normal, in voxels, 0 to 4; default 0.5.
     pub normal_offset_voxels: f32,
-    /// Distance between samples as a share of the sampled voxel's edge, 0.25 to 1; default 1.
-    /// Opacity is corrected for it, so it changes cost and noise, not brightness.
+    /// In cones that march, the distance between samples as a share of the sampled voxel's edge, 0.25 to 1; default 1.
     pub step_per_voxel: f32,
-    /// Share of light below which a cone ends, 0 to 0.25; default 0.15. The rest of the cone is
-    /// assumed to look like what it met. Lower: light of a bright sky leaks into closed rooms.
-    /// Higher: light through dark glass and dense leaves is lost. At oblique walls cones continue
-    /// to the end of the wall.
+    /// In cones that march, the share of light below which they end, 0 to 0.25; default 0.15. The rest of the cone is assumed to
+    /// look like what it met.
     pub min_transmittance: f32,
     /// Whether glossy cones are traced.
     pub specular: bool,
@@ -89,7 +84,7 @@ impl TraceSettings {
     /// The settings of a preset.
     pub fn preset(preset: Preset) -> Self {
         let balanced = Self {
-            diffuse_cones: 6,
+            diffuse_cones: 9,
             voxel_per_diameter: 0.125,
             clearance: 1.0 / 3.0,
             normal_offset_voxels: 0.5,
@@ -171,8 +166,8 @@ impl TraceSettings {
         Setting {
             name: "voxel_per_diameter",
             unit: "share",
-            summary: "Sampled voxel's edge as a share of the cone's diameter",
-            help: "Finer (lower): sharper indirect light, at a higher cost.",
+            summary: "Width of samples of the environment as a share of the cone's diameter",
+            help: "Finer (lower): sharper, and noisier. Where a cone model marches, the edge of the sampled voxels as well.",
             kind: Kind::number(0.05, 1.0),
             get: |s| Value::Number(s.voxel_per_diameter),
             set: |s, v| s.voxel_per_diameter = number(v),
@@ -182,7 +177,7 @@ impl TraceSettings {
             name: "clearance",
             unit: "ratio",
             summary: "Greatest growth of the sampled voxels by metre and cosine; 0 is off",
-            help: "Keeps cones at grazing angles clear of the surface that they start from. Lower: finer \
+            help: "Only where a cone model marches, as in the preset report. Keeps cones at grazing angles clear of the surface that they start from. Lower: finer \
                    samples near the surface, at a higher cost.",
             kind: Kind::Number { low: 0.1, high: 1.0, words: &[], off: Some(0.0) },
             get: |s| Value::Number(s.clearance),
@@ -193,7 +188,7 @@ impl TraceSettings {
             name: "normal_offset",
             unit: "voxels",
             summary: "Start of the cones above the surface",
-            help: "Cones move away from walls beside them automatically. Higher passes over near detail, lower makes \
+            help: "Only where a cone model marches, as in the preset report. Cones move away from walls beside them automatically. Higher passes over near detail, lower makes \
                    oblique surfaces darken themselves.",
             kind: Kind::number(0.0, 4.0),
             get: |s| Value::Number(s.normal_offset_voxels),
@@ -204,7 +199,7 @@ impl TraceSettings {
             name: "step",
             unit: "share",
             summary: "Distance between samples as a share of the sampled voxel's edge",
-            help: "Lower: less noise at a higher cost. The brightness does not depend on it.",
+            help: "Only where a cone model marches, as in the preset report. Lower: less noise at a higher cost. The brightness does not depend on it.",
             kind: Kind::number(0.25, 1.0),
             get: |s| Value::Number(s.step_per_voxel),
             set: |s, v| s.step_per_voxel = number(v),
@@ -214,7 +209,7 @@ impl TraceSettings {
             name: "min_transmittance",
             unit: "share",
             summary: "Share of light below which a cone ends",
-            help: "The rest of the cone is assumed to look like what it met. With a lower share a bright sky leaks \
+            help: "Only where a cone model marches, as in the preset report. The rest of the cone is assumed to look like what it met. With a lower share a bright sky leaks \
                    into closed rooms; with a higher one the light through dark glass is lost.",
             kind: Kind::number(0.0, 0.25),
             get: |s| Value::Number(s.min_transmittance),

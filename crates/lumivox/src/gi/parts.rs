@@ -6,9 +6,9 @@ use crate::Grid;
 use crate::emitters::Emitters;
 use crate::gpu::{BindGroup, Buffer, Pipelines, ShaderLibrary};
 use crate::light::Injector;
-use crate::volume::OctreeStats;
 #[cfg(test)]
 use crate::volume::CellVolume;
+use crate::volume::OctreeStats;
 use crate::voxels::VoxelList;
 
 impl Gi {

@@ -36,7 +36,7 @@ struct GatheredPoint {
 @group(1) @binding(3) var<storage, read_write> gathered: array<GatheredPoint>;
 
 // A point gathers as often in a frame: there are fewer of them than pixels, and nobody looks at the mean of several.
-const GATHERS: u32 = 8u;
+const GATHERS: u32 = 6u;
 
 fn direct_irradiance(position_in_world: vec3f, normal: vec3f) -> vec3f {
     var sum = vec3f(0.0);

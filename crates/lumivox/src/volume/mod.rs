@@ -24,13 +24,13 @@ use dense::DenseVolume;
 pub(crate) use dense::{Level, MaskLevels, read_levels};
 pub(crate) use octree::Followed;
 use octree::OctreeVolume;
-use surface::Surface;
 pub use octree::{
     Duplication, Mipmapping, OctreeBuilder, OctreeBuilding, OctreeOptions, OctreeParts,
     OctreeStats, TreeToBuild,
 };
 #[cfg(test)]
 pub(crate) use octree::{OldAtlas, TreeUniform, Verdict as TreeVerdict, read_nodes};
+use surface::Surface;
 
 /// The format of the textures that hold cells.
 const CELL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;

@@ -3,7 +3,7 @@
 import package::voxels::list::{HOLES, SINGLE_SIDED};
 
 struct Patch {
-    // The plane, in the voxel's coordinates: dot(normal, p) = offset.
+    // The plane, in the voxel's coordinates: dot(normal, p) = offset. The normal has any length.
     normal: vec3f,
     offset: f32,
     lobe: u32,
@@ -22,11 +22,12 @@ fn pack_normal(normal: vec3f) -> u32 {
     return pack2x16snorm(select(flat, folded, normal.z < 0.0));
 }
 
+// Of any length.
 fn unpack_normal(packed: u32) -> vec3f {
     let flat = unpack2x16snorm(packed);
     let z = 1.0 - abs(flat.x) - abs(flat.y);
     let folded = (1.0 - abs(flat.yx)) * select(vec2f(-1.0), vec2f(1.0), flat >= vec2f(0.0));
-    return normalize(vec3f(select(flat, folded, z < 0.0), z));
+    return vec3f(select(flat, folded, z < 0.0), z);
 }
 
 // The brightest that half floats hold.

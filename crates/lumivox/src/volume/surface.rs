@@ -164,10 +164,7 @@ impl Surface {
     }
 
     pub(super) fn memory(&self) -> Vec<(&'static str, u64)> {
-        vec![
-            ("voxels: index", self.index.size()),
-            ("voxels: patches", self.patches.size()),
-        ]
+        vec![("voxels: index", self.index.size()), ("voxels: patches", self.patches.size())]
     }
 }
 

@@ -4,7 +4,7 @@
 
 import package::constants::{
     DOUBLE_SIDED, FACE_CELL, FACE_EMISSION, FACE_FLAGS, FACE_GLOSS, FACE_LOBE, FACE_MASK_HIGH, FACE_MASK_LOW, FACE_POSITION,
-    FACE_PROFILES, FACE_REFLECTANCE, FACE_VECTOR_AREA, FACE_WORDS, LINEAR_WORKGROUP_SIZE,
+    FACE_PROFILES, FACE_REFLECTANCE, FACE_VECTOR_AREA, FACE_WORDS, LINEAR_WORKGROUP_SIZE, OPEN_BEHIND,
 };
 import package::gpu::random::hash;
 import package::voxelize::cover::{Cover, cover_of};
@@ -65,6 +65,8 @@ struct WeightedPiece {
     gloss: vec3f,
     // The area along the lobe that light passes.
     holes: f32,
+    // SINGLE_SIDED, if light does not pass it from behind.
+    flags: u32,
 }
 
 // The face of a voxel's lobe, among its faces there, whose plane is nearest.
@@ -111,7 +113,7 @@ fn add_to_faces(piece: WeightedPiece, lobe: u32, sides: u32, seed: u32) {
         for (var i = 0u; i < 4u; i++) {
             add_bits(first + FACE_PROFILES + i, piece.cover.profiles[i]);
         }
-        add_bits(first + FACE_FLAGS, select(0u, SINGLE_SIDED, sides == 1u));
+        add_bits(first + FACE_FLAGS, piece.flags);
         atomicMax(&sums[first + FACE_LOBE], key_of(piece.plane, own));
         let vector_area = select(piece.vector_area, -piece.vector_area, side == 1u);
         var rows = all_rows;
@@ -181,6 +183,7 @@ fn add_piece(
     if is_there && is_occupied && piece.area > 0.0 && surface.coverage >= SMALLEST_COVERAGE {
         let voxel = cell.y + bits_below(cell.x, code % 32u);
         let area = piece.area * surface.coverage;
+        let is_open = (draws[(*walk).draw].flags & OPEN_BEHIND) != 0u;
         let position = turn_back(piece.centroid - vec3f((*walk).voxel), (*walk).axis);
         let weighted = WeightedPiece(
             voxel,
@@ -193,6 +196,7 @@ fn add_piece(
             surface.emission * area,
             draws[(*walk).draw].gloss * area,
             piece.area - area,
+            select(0u, SINGLE_SIDED, summing.sides == 1u && detail != PIERCED && !is_open),
         );
         add_to_faces(weighted, summing.lobe, summing.sides, hash(summing.seed + code));
     }

@@ -65,6 +65,9 @@ pub(crate) const HAS_SHORT_INDICES: u32 = 8;
 pub(crate) const HAS_FLOAT_COLORS: u32 = 16;
 pub(crate) const HAS_BYTE_COLORS: u32 = 32;
 
+/// Light passes a single-sided surface from behind.
+pub(crate) const OPEN_BEHIND: u32 = 64;
+
 /// Neighbouring draws that share their textures.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct DrawGroup {
@@ -382,6 +385,7 @@ fn draw_record(
         first_index: (batch.indices.offset / index_bytes(&batch.indices)) as u32 + draw.first_index,
         base_vertex: draw.base_vertex,
         flags: flag(material.double_sided, DOUBLE_SIDED)
+            | flag(material.open_behind, OPEN_BEHIND)
             | flag(material.alpha_is_coverage, ALPHA_IS_COVERAGE)
             | color_flags(batch)
             | flag(batch.indices.format == wgpu::IndexFormat::Uint16, HAS_SHORT_INDICES),

@@ -82,6 +82,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("NO_ROOM_FOR_NODES", union::NO_ROOM_FOR_NODES)
         .constant_u32("NO_ROOM_FOR_FACES", union::NO_ROOM_FOR_FACES)
         .constant_u32("DOUBLE_SIDED", input::DOUBLE_SIDED)
+        .constant_u32("OPEN_BEHIND", input::OPEN_BEHIND)
         .constant_u32("ALPHA_IS_COVERAGE", input::ALPHA_IS_COVERAGE)
         .constant_u32("HAS_COLORS", input::HAS_COLORS)
         .constant_u32("HAS_FLOAT_COLORS", input::HAS_FLOAT_COLORS)

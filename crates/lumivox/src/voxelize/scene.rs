@@ -5,11 +5,11 @@
 //! room before it goes on. [`Voxelizer::record`] only records, hears of the counts a few frames late, and makes room
 //! then; until there is room, the list stays what it was.
 
+use super::Voxelizer;
 use super::batch::Fallbacks;
 use super::input::{ShareInput, ShareKey};
 use super::share::{Share, ShareCounts, Work};
 use super::union::{Moving, Union, Verdict, renew, resolve_fixed};
-use super::Voxelizer;
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LastRead, LateReads, Memory, Pipelines, Recorder,
     storage_buffer,

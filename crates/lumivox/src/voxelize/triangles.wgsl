@@ -29,7 +29,7 @@ struct Draw {
     // The first index, counted from the start of the index buffer, and what is added to each index.
     first_index: u32,
     base_vertex: u32,
-    // Bits named in package::constants: DOUBLE_SIDED, ALPHA_IS_COVERAGE, HAS_COLORS, HAS_FLOAT_COLORS,
+    // Bits named in package::constants: DOUBLE_SIDED, OPEN_BEHIND, ALPHA_IS_COVERAGE, HAS_COLORS, HAS_FLOAT_COLORS,
     // HAS_BYTE_COLORS, HAS_SHORT_INDICES.
     flags: u32,
     transmission: f32,

@@ -273,10 +273,8 @@ impl Union {
         let layouts = &kernels.layouts;
         let room_uniform = uniform_buffer(device, "room", &room);
         let nothing = &self.nothing;
-        let [_, fixed_nodes, fixed_faces] =
-            fixed.and_then(Share::voxels).unwrap_or([nothing; 3]);
-        let [_, moving_nodes, own_faces] =
-            moving.and_then(Share::voxels).unwrap_or([nothing; 3]);
+        let [_, fixed_nodes, fixed_faces] = fixed.and_then(Share::voxels).unwrap_or([nothing; 3]);
+        let [_, moving_nodes, own_faces] = moving.and_then(Share::voxels).unwrap_or([nothing; 3]);
         let moving_bits = moving.map(Share::bits);
         let verdict = BindGroupBuilder::new(&layouts.verdict)
             .buffer(&room_uniform)
@@ -429,7 +427,9 @@ pub(super) fn resolve_fixed(
     list: &VoxelList,
     emission_scale: f32,
 ) {
-    let Some(([voxels, nodes, first_faces], sums)) = share.voxels().zip(share.sums()) else { return };
+    let Some(([voxels, nodes, first_faces], sums)) = share.voxels().zip(share.sums()) else {
+        return;
+    };
     let params = ResolveParams { emission_scale, padding: [0; 3] };
     let device = work.memory.device();
     let params = uniform_buffer(device, "resolve parameters", &params);

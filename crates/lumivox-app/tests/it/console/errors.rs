@@ -104,7 +104,7 @@ fn mistakes_are_told_with_what_would_be_right() {
     let summary = format!("error: {} commands failed", expected.len());
     assert!(run.stderr.contains(&summary), "{}", run.stderr);
     // Nothing has changed, and what comes after errors is done.
-    assert_eq!(run.stdout, "bounces 8\n");
+    assert_eq!(run.stdout, "bounces 16\n");
 }
 
 /// Settings that the GPU cannot have fail at their own line and take nothing along.

@@ -32,7 +32,7 @@ pub fn lights_come_change_and_go() {
 
 #[test]
 pub fn surroundings_are_light_and_panoramas() {
-    let mut session = Session::new("--scene builtin:spheres --exposure -12");
+    let mut session = Session::new("--scene builtin:atrium --exposure -12");
     session.picture();
     session.changes("environment 20000,10000,5000");
     session.says("environment", &["20000,10000,5000"]);

@@ -8,7 +8,7 @@ pub fn help_echo_and_lists() {
     let mut session = Session::new("");
     session.says("help", &["Settings: cones", "translate", "`help NAME`"]);
     session.says("help translate", &["translate NAME X Y Z", "along its own axes", "In VXCT"]);
-    session.says("? bounces", &["a whole number from 0 to 16"]);
+    session.says("? bounces", &["a whole number from 0 to 64"]);
     session.says("commands cone", &["side_cones", "front_cone"]);
     session.says("echo 'two  lamps'; echo three # four", &["two  lamps\nthree\n"]);
     session.says("parameters cones", &["voxel_per_diameter", "from 0.05 to 1"]);
@@ -20,10 +20,10 @@ pub fn help_echo_and_lists() {
 #[test]
 pub fn settings_are_printed_set_and_reset() {
     let mut session = Session::new("");
-    session.says("bounces", &["bounces 8"]);
+    session.says("bounces", &["bounces 16"]);
     session.does("bounces 3; cones 12");
-    session.says("reset", &["bounces 3 (preset: 8)", "cones 12 (preset: 6)"]);
-    session.says("reset bounces", &["bounces 8"]);
+    session.says("reset", &["bounces 3 (preset: 16)", "cones 12 (preset: 9)"]);
+    session.says("reset bounces", &["bounces 16"]);
     session.does("view albedo; reset all");
     session.says("reset", &["all settings are those of the preset balanced"]);
     session.says("size", &["48x36"]);

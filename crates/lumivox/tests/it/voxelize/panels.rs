@@ -80,9 +80,8 @@ impl Layers {
 
 /// The faces of a lobe in the middle column's voxel at y = 8, the lowest first.
 pub fn middle_faces(list: &ReadList, lobe: u32) -> Vec<FaceRecord> {
-    let in_middle = |face: &&FaceRecord| {
-        face.lobe == lobe && morton_decode(face.cell).to_array() == [8, 8, 8]
-    };
+    let in_middle =
+        |face: &&FaceRecord| face.lobe == lobe && morton_decode(face.cell).to_array() == [8, 8, 8];
     let mut faces: Vec<_> = list.faces.iter().filter(in_middle).copied().collect();
     faces.sort_by(|a, b| a.position_in_world[1].total_cmp(&b.position_in_world[1]));
     faces

@@ -39,8 +39,7 @@ fn compare(
         let own = expected.remove(&key).unwrap_or_default();
         let tolerance = TOLERANCE * f64::from(own.pieces.max(1));
         // Each plane of the lobe has a face, limited on its own.
-        let area: DVec3 =
-            faces.iter().map(|face| Vec3::from(face.vector_area).as_dvec3()).sum();
+        let area: DVec3 = faces.iter().map(|face| Vec3::from(face.vector_area).as_dvec3()).sum();
         if own.weight < 1.0 {
             let error = (area - own.area).abs().max_element();
             assert!(error <= tolerance, "{key:?}: {area}, not {}, {own:?}", own.area);
