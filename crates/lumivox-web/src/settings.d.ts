@@ -46,19 +46,19 @@ export interface Settings {
   voxelizer?: "exact" | "dominant-axis" | "conservative" | "three-plane";
   /** How light comes into the voxels: direct or photons. Default: direct. */
   injection?: "direct" | "photons";
-  /** Bounces of indirect light, including the one at the visible surface: a whole number from 0 to 16. Default: 8. */
+  /** Bounces of indirect light, including the one at the visible surface: a whole number from 0 to 64. Default: 16. */
   bounces?: number;
   /** How shadows of lamps and sun are found: map or cone. Default: map. */
   shadows?: "map" | "cone";
   /** Edge of a shadow map: a whole number from 16 to 32768, texels. Default: 1024. */
   shadow_resolution?: number;
-  /** Diffuse cones of a pixel in a frame: 6, 9 or 12. Default: 6. */
+  /** Diffuse cones of a pixel in a frame: 6, 9 or 12. Default: 9. */
   cones?: "6" | "9" | "12";
   /** Cones from every pixel, or from one of each 2x2 block: full or half. Default: full. */
   trace_resolution?: "full" | "half";
   /** Light of earlier frames, carried along with the surfaces that it is on: on or off. Default: false. */
   temporal?: boolean;
-  /** Sampled voxel's edge as a share of the cone's diameter: a number from 0.05 to 1, share. Default: 0.125. */
+  /** Width of samples of the environment as a share of the cone's diameter: a number from 0.05 to 1, share. Default: 0.125. */
   voxel_per_diameter?: number;
   /** Greatest growth of the sampled voxels by metre and cosine; 0 is off: a number from 0.1 to 1, or 0, ratio. Default: 0.33333334. */
   clearance?: number;

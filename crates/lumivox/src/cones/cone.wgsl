@@ -54,13 +54,3 @@ const OUTSIDE: f32 = 8.0;
 // The least growth: even the cone of a perfect mirror reads coarser cells far away, which bounds
 // its samples.
 const MIN_GROWTH: f32 = 0.02;
-
-// The growth of a cone with a half angle that leaves a surface at a cosine against its normal:
-// cells stay at `voxel_per_diameter` of the diameter, and clear of the cone's own plane.
-fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> f32 {
-    var growth = 2.0 * tan_half_angle * settings.voxel_per_diameter;
-    if settings.clearance > 0.0 {
-        growth = min(growth, settings.clearance * cos_normal);
-    }
-    return max(growth, MIN_GROWTH);
-}

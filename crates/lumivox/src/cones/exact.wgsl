@@ -2,7 +2,7 @@
 // so that the mean of many is that over the cone.
 
 import package::cascades::{outer_high, outer_low};
-import package::cones::cone::{Cone, ConeSettings, OUTSIDE, START, Traced};
+import package::cones::cone::{Cone, ConeSettings, MIN_GROWTH, OUTSIDE, START, Traced};
 import package::cones::hemisphere::basis;
 import package::cones::ray::{shown_by, trace_ray, NOTHING, Passed, Ray};
 import package::gpu::random::hash;
@@ -25,7 +25,6 @@ fn seen_share(
     reach: f32,
     level: u32,
 ) -> f32 {
-    // Short of what is at the source.
     let offset = START * exp2(f32(level));
     let origin = grid_from_world(position_in_world) + normal * offset;
     let bits = bitcast<vec3u>(position_in_world);
@@ -38,10 +37,16 @@ fn seen_share(
         let angle = 2.39996323 * f32(i) + 6.28318530718 * turn;
         let aside = across * vec3f(radius * cos(angle), radius * sin(angle), 1.0);
         var passed = Passed(0u, false, 1.0);
+        // To the source, but not to what is at it.
         let hit = trace_ray(Ray(origin, normalize(aside), max(reach - offset, 0.0), level), &passed);
         seen += select(0.0, passed.share, hit.face == NOTHING);
     }
     return seen / f32(rays);
+}
+
+// The width of the samples of the environment, over the distance.
+fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> f32 {
+    return max(2.0 * tan_half_angle * settings.voxel_per_diameter, MIN_GROWTH);
 }
 
 fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {

@@ -2,8 +2,8 @@
 // weight of pi / N, plus the environment through their open share.
 
 import package::environment::environment_radiance;
-import package::cones::cone::{cone_growth, Cone, ConeSettings};
-import package::cones::way::{cone_start, trace_cone};
+import package::cones::cone::{Cone, ConeSettings};
+import package::cones::way::{cone_growth, cone_start, trace_cone};
 import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
 import package::cones::model::place_in_cell;
 

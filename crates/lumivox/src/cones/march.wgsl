@@ -27,7 +27,7 @@
 // over cones that cancels the leaks.
 
 import package::cascades::{finest_level, level_count, outer_high, outer_low};
-import package::cones::cone::{cone_growth, Cone, ConeSettings, OUTSIDE, Traced};
+import package::cones::cone::{Cone, ConeSettings, MIN_GROWTH, OUTSIDE, Traced};
 import package::cones::model::{shown_share, start_of_cones};
 import package::grid::grid_from_world;
 import package::volume::{is_clear, is_empty, is_oblique, probe_volume, sample_probe, Probe};
@@ -56,6 +56,16 @@ fn cone_start(position_in_world: vec3f, normal: vec3f, level: u32, settings: Con
     let offset = settings.normal_offset * exp2(f32(level));
     let above = grid_from_world(position_in_world) + normal * offset;
     return start_of_cones(above, normal, level, settings.model_values);
+}
+
+// The growth of a cone with a half angle that leaves a surface at a cosine against its normal:
+// cells stay at `voxel_per_diameter` of the diameter, and clear of the cone's own plane.
+fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> f32 {
+    var growth = 2.0 * tan_half_angle * settings.voxel_per_diameter;
+    if settings.clearance > 0.0 {
+        growth = min(growth, settings.clearance * cos_normal);
+    }
+    return max(growth, MIN_GROWTH);
 }
 
 // The part of the transmittance that a sample takes; negative while a surplus is paid back.

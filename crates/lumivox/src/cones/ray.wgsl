@@ -18,9 +18,12 @@ import package::voxels::index::{first_block, first_entry, FACE_BITS};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_encode;
 
-// How far a ray looks beyond the end of a voxel, in its edges, to be in the next one. What it passes over by that is less than
-// the tolerance of hits.
+// How far past the end of a voxel a ray looks for the next one, in edges, across what is not the voxel's wall there. What it
+// passes over by that is less than the tolerance of hits.
 const NUDGE = 0.001;
+
+// How far past the end of a voxel a ray may meet its faces, in edges.
+const BEYOND = 0.05;
 
 // How far from its start a ray may meet its own surface from behind, in voxels: where that is curved, planes are beside it.
 const OWN = 1.0;
@@ -35,10 +38,11 @@ struct Hit {
 const NOTHING = 0xffffffffu;
 const BLACK = 0xfffffffeu;
 
-// Whether a ray passes a face with holes: drawn, so that rays of all directions pass in proportion.
-fn passes(direction: vec3f, face: u32, holes: u32) -> bool {
+// Whether a ray passes a face with holes: drawn, so that rays of all directions pass in proportion. `plane` is a number of the
+// face.
+fn passes(direction: vec3f, plane: u32, holes: u32) -> bool {
     let bits = bitcast<vec3u>(direction);
-    return (hash(bits.x + hash(bits.y + hash(bits.z + hash(face)))) >> 16u) * 255u < holes << 16u;
+    return (hash(bits.x + hash(bits.y + hash(bits.z + hash(plane)))) >> 16u) * 255u < holes << 16u;
 }
 
 // The faces of a voxel with its corner at the origin and an edge of 1, up to a distance.
@@ -60,11 +64,14 @@ fn hit_faces(
         let is_back = cosine > 0.0;
         let blocks = plane.is_single_sided && plane.holes == 0u && distance >= own;
         let is_met = distance > 0.0 && distance < hit.distance && (!is_back || blocks);
-        let at = across(origin + direction * distance, plane.lobe >> 1u);
+        let point = origin + direction * distance;
+        let at = across(point, plane.lobe >> 1u);
         if is_met && is_covered(at, patches[place + 1u], vec4u(patches[place + 2u], patches[place + 3u])) {
-            if plane.holes == 0u || ((*passed).draws && !passes(direction, face, plane.holes)) {
+            let is_solid = plane.holes == 0u
+                || ((*passed).draws && !passes(direction, patches[place].y, plane.holes));
+            if is_solid {
                 hit = Hit(distance, select(face, BLACK, is_back));
-            } else if all(at >= vec2f(0.0)) && all(at < vec2f(1.0)) {
+            } else if all(point >= vec3f(0.0)) && all(point < vec3f(1.0)) {
                 // Beyond, the next voxel has it.
                 (*passed).share *= f32(plane.holes) / 255.0;
             }
@@ -95,7 +102,7 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     let low = outer_low();
     let high = outer_high();
     let inverse = 1.0 / select(ray.direction, vec3f(1e-20), abs(ray.direction) < vec3f(1e-20));
-    let is_forward = ray.direction > vec3f(0.0);
+    let is_forward = inverse > vec3f(0.0);
     // From where the ray enters the grid.
     let to_low = (low - ray.origin_in_grid) * inverse;
     let to_high = (high - ray.origin_in_grid) * inverse;
@@ -109,11 +116,14 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     var distance = max(max(enter.x, enter.y), max(enter.z, 0.0));
     var hit = Hit(3e38, NOTHING);
     var is_inside = distance < end;
+    var edge = 1.0;
+    // Where the ray goes on behind a voxel's wall: the coordinates across that wall, in voxels of `edge`.
+    var is_known = vec3<bool>(false);
+    var known = vec3i(0);
     while is_inside {
         // Past what is empty. The inner loop suits wide machines: their lanes leave it one by one, and then look at faces
         // together.
         var voxel = vec3i(0);
-        var edge = 1.0;
         var place = 0u;
         var before = 0u;
         var next = distance;
@@ -121,11 +131,13 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             distance = next;
             is_inside = distance < end;
             (*passed).steps += u32(is_inside);
-            let ahead = ray.origin_in_grid + ray.direction * (distance + NUDGE);
+            let ahead = ray.origin_in_grid + ray.direction * (distance + NUDGE * edge);
             let cascade = finest_level(ahead, ray.level, 0.0);
+            let is_other = edge != exp2(f32(cascade));
             edge = exp2(f32(cascade));
             let lowest = lowest_voxel(cascade);
-            voxel = clamp(vec3i(floor(ahead / edge)), lowest, lowest + size - 1);
+            voxel = select(vec3i(floor(ahead / edge)), known, is_known & vec3<bool>(!is_other));
+            voxel = clamp(voxel, lowest, lowest + size - 1);
             let code = morton_encode(stored_cell(voxel, 0u, cascade));
             let word = code / 32u;
             let block = code / 512u;
@@ -145,7 +157,10 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             }
             let wall = select(vec3f(corner), vec3f(corner + step), is_forward) * edge;
             let walls = (wall - ray.origin_in_grid) * inverse;
-            next = max(min(walls.x, min(walls.y, walls.z)), distance + NUDGE);
+            let least = min(walls.x, min(walls.y, walls.z));
+            next = max(least, distance);
+            is_known = walls == vec3f(least);
+            known = select(corner - 1, corner + step, is_forward);
             place = 2u * word + 1u;
             before = bits_below(bits, code % 32u);
             let is_occupied = (bits & (1u << (code % 32u))) != 0u;
@@ -156,7 +171,9 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
         if is_inside {
             let entry = index[entries + index[place] + before];
             let origin = ray.origin_in_grid / edge - vec3f(voxel);
-            hit = hit_faces(entry, origin, ray.direction, own / edge, ray.reach / edge, passed);
+            // What is met beyond the voxel is the next one's.
+            let reach = min(ray.reach, next + BEYOND * edge) / edge;
+            hit = hit_faces(entry, origin, ray.direction, own / edge, reach, passed);
             hit.distance *= edge;
             distance = next;
             is_inside = hit.face == NOTHING && distance < end;

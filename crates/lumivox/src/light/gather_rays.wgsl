@@ -3,22 +3,21 @@
 // A face keeps its rays, so that its gathers converge to a fixed point, and what they meet is found once: `hits` keeps it
 // until surface moves. Each further gather only looks up what is there.
 
-import package::cones::cone::cone_growth;
 import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
 import package::cones::ray::{shown_by, trace_ray, BLACK, NOTHING, Passed, Ray};
-import package::cones::way::cone_start;
+import package::cones::way::{cone_growth, cone_start};
 import package::environment::environment_radiance;
 import package::light::turn::{counts, hits, settings, FACE_RAYS, HIT_WORDS, RAY_CLASSES};
 import package::voxels::list::{Face, HIDDEN};
 
 const PI: f32 = 3.14159265359;
 
-// Hits are kept with this added, so that zero is none that is known.
+// Hits are kept plus this; zero is unknown.
 const OFFSET = 3u;
 const UNKNOWN = 0u;
 
-// Whether a ray has to be traced: it never was, or surface has moved. Then a part of all rays is traced anew at a time, and at
-// once those of surface that moves, whose faces have no fixed places in the list, and those that have met such surface.
+// Whether a ray has to be traced: it never was, its group is due after surface has moved, or it starts on dynamic surface or has met
+// some, whose faces have no fixed places in the list.
 fn is_outdated(hit: u32, face: u32, ray: u32) -> bool {
     let met = hit - OFFSET;
     let is_moving = face >= counts.fixed_faces || (met >= counts.fixed_faces && met < BLACK);

@@ -138,7 +138,7 @@ impl Lighting {
     /// Follows a list that is about to be taken: the light of its faces goes with them. Whether it is bound to other
     /// buffers than before is returned.
     pub(crate) fn follow(&mut self, recorder: &mut Recorder<'_>, taken: Taken<'_>) -> bool {
-        self.turns.disturb();
+        self.turns.surface_moved();
         self.is_lit = false;
         self.has_moved = true;
         if self.faces.as_ref().is_some_and(|faces| faces.is_of(&taken, self.has_emission)) {

@@ -35,7 +35,7 @@ struct BounceSettings {
 const FACE_RAYS = 16u;
 const HIT_WORDS = 20u;
 
-// Every so many-th ray of a face is traced anew at a time.
+// Rays are traced anew in so many groups.
 const RAY_CLASSES = 4u;
 
 fn from_emitters(face: u32) -> vec3f {

@@ -10,7 +10,7 @@ const SETTLING_GATHERS: u32 = 32;
 /// The most frames from a cascade's gather to its next one (`RAREST` of `turn.wgsl`).
 const RAREST_CASCADE: u64 = 8;
 
-/// Every so many-th ray of a face is traced anew in a frame after surface has moved.
+/// Rays are traced anew in so many groups, one a frame, after surface has moved.
 const RAY_CLASSES: u32 = 4;
 
 /// The work of a frame.
@@ -49,6 +49,8 @@ pub(super) struct Turns {
     /// Frames until the light has settled.
     left: u64,
     is_disturbed: bool,
+    /// Surface has moved since the last frame.
+    has_moved: bool,
     /// Frames until all faces have traced all their rays anew, and whether each traces all of them at once.
     anew: (u64, bool),
     /// The list has come in the place of another, or of none.
@@ -65,9 +67,14 @@ impl Turns {
         Self { has_cascades: grid.cascades.is_some(), ..Self::default() }
     }
 
-    /// Geometry has changed.
+    /// Light has changed.
     pub fn disturb(&mut self) {
         self.is_disturbed = true;
+    }
+
+    /// Surface has moved.
+    pub fn surface_moved(&mut self) {
+        (self.is_disturbed, self.has_moved) = (true, true);
     }
 
     /// In the next frame all faces gather that never have, whatever the budget.
@@ -82,6 +89,7 @@ impl Turns {
         // Others will go on where these stopped.
         self.is_disturbed = gathers < SETTLING_GATHERS;
         self.is_list_new = false;
+        (self.has_moved, self.anew) = (false, (0, false));
     }
 
     /// The work of the next frame; none once the light has settled.
@@ -99,7 +107,8 @@ impl Turns {
         if is_direct_new || self.cones != cones {
             self.left = u64::from(SETTLING_GATHERS) * turns;
         }
-        if std::mem::take(&mut self.is_disturbed) {
+        self.is_disturbed = false;
+        if std::mem::take(&mut self.has_moved) {
             // Faces that take turns trace all their rays in one.
             self.anew = if turns == 1 { (RAY_CLASSES.into(), false) } else { (turns, true) };
         }

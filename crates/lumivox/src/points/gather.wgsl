@@ -35,7 +35,7 @@ struct GatheredPoint {
 @group(1) @binding(2) var<storage, read> normals: array<vec4f>;
 @group(1) @binding(3) var<storage, read_write> gathered: array<GatheredPoint>;
 
-// A point gathers as often in a frame: there are fewer of them than pixels, and nobody looks at the mean of several.
+// Gathers of a point in a frame. Points are few, so each gathers more often than a pixel.
 const GATHERS: u32 = 6u;
 
 fn direct_irradiance(position_in_world: vec3f, normal: vec3f) -> vec3f {

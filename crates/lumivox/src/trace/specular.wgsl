@@ -16,8 +16,8 @@ import package::trace::brdf::{
 };
 import package::trace::coat::{below_coat, coat_fresnel, coat_of};
 import package::cascades::drawn_level;
-import package::cones::cone::{cone_growth, Cone};
-import package::cones::way::{cone_start, trace_cone};
+import package::cones::cone::Cone;
+import package::cones::way::{cone_growth, cone_start, trace_cone};
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::cones::hemisphere::basis;
 import package::cones::model::glossy_half_vector;

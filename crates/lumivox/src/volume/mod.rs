@@ -190,8 +190,11 @@ impl Volume {
         }
     }
 
-    /// A word that is not zero while it shows an earlier list, once it follows one; `None`: it never does.
+    /// A word that is not zero while cones see an earlier list, once it follows one; `None`: they never do.
     pub(crate) fn late_word(&self) -> Option<&Buffer> {
+        if !self.is_marched() {
+            return None;
+        }
         match &self.cells {
             CellVolume::Dense(_) => None,
             CellVolume::Octree(octree) => Some(octree.late_word()),

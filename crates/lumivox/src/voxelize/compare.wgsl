@@ -35,7 +35,8 @@ fn main(
         let now = moving_faces[first + i];
         // Bits, since a zero has a sign that the volume stores.
         is_same = before.cell == cell && before.lobe == now.lobe
-            && all(bitcast<vec3u>(before.vector_area) == bitcast<vec3u>(now.vector_area));
+            && all(bitcast<vec3u>(before.vector_area) == bitcast<vec3u>(now.vector_area))
+            && all(bitcast<vec3u>(before.position_in_world) == bitcast<vec3u>(now.position_in_world));
     }
     // It may have had more.
     if is_same && former + count < arrayLength(&faces) {

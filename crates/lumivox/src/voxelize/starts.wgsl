@@ -20,6 +20,9 @@ import package::voxels::morton::morton_decode;
 // Surfaces that are as close as this touch, in voxels.
 const TOUCHING = 0.02;
 
+// As far as a surface is off its plane by rounding.
+const ROUNDING = 0.001;
+
 // Where a voxel is: its corner in the grid, and its edge.
 struct Place {
     corner: vec3f,
@@ -39,8 +42,8 @@ fn hides(other: u32, point: vec3f, normal: vec3f, is_single_sided: bool, place: 
     let cosine = dot(facing, normal);
     let to = dot(facing, in_voxel(faces[other].position_in_world, place) - point);
     let distance = to / select(cosine, 1e-6, abs(cosine) < 1e-6);
-    let is_back = cosine > 0.001 && distance > -TOUCHING;
-    let is_touching = is_single_sided && cosine < -0.001 && abs(distance) < TOUCHING;
+    let is_back = cosine > 0.001 && distance > ROUNDING;
+    let is_touching = is_single_sided && cosine < -0.001 && distance > -ROUNDING && distance < TOUCHING;
     let at = across(point + normal * distance, lobe_axis(faces[other].lobe));
     return (is_back || is_touching)
         && is_covered(at, vec2u(faces[other].mask_low, faces[other].mask_high), faces[other].profiles);
@@ -62,8 +65,7 @@ fn find_start(index: u32, first: u32, count: u32, place: Place) -> vec4f {
         var point = vec3f(0.0);
         point[(axis + 1u) % 3u] = uv.x;
         point[(axis + 2u) % 3u] = uv.y;
-        let height = dot(normal, middle - point) / normal[axis];
-        point[axis] = clamp(height, 0.0, 1.0);
+        point[axis] = dot(normal, middle - point) / normal[axis];
         var is_hidden = false;
         for (var i = 0u; i < count && !is_hidden; i++) {
             let other = first + i;

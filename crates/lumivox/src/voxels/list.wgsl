@@ -41,7 +41,7 @@ fn with_faces(lobes: u32, lobe: u32, count: u32) -> u32 {
 
 // Flags of a face. SINGLE_SIDED: there is no surface behind it that is seen from there; where it is met from behind, it blocks.
 const SINGLE_SIDED = 1u;
-// Nothing of it is seen: it lies inside of other surface.
+// Nothing of it is seen: it lies inside of other surface, and gathers nothing.
 const HIDDEN = 2u;
 // The lowest of eight bits: the share of what it covers that light passes, of 255.
 const HOLES = 8u;
