@@ -45,7 +45,7 @@ picture() {
 }
 
 picture sun "The sun crosses an atrium" "scene=builtin:atrium&camera=-4.5,2.2,0,2,2.4,0,60" 120 <<'END'
-Shadows, sky and eight bounces follow the sun. The floor and the cloths that it reaches light the rest of the hall in their colours.
+Shadows, sky and all bounces follow the sun. The floor and the cloths that it reaches light the rest of the hall in their colours.
 {
     echo 'load builtin:atrium; remove_light all; camera -4.5,2.2,0,2,2.4,0,60; size 400x225; preset realtime; frames 16'
     echo 'resolution 80; shadow_resolution 4096; exposure -12.1'
@@ -70,7 +70,7 @@ The sun alone: what it does not reach is black.
 END
 
 picture atrium "All light" "scene=builtin:atrium" <<'END'
-The same hall at the same exposure with the light of the sky, and eight bounces of both.
+The same hall at the same exposure with the light of the sky, and all bounces of both.
 ./lumivox render builtin:atrium -o atrium.png --exposure -12 --shadow-resolution 4096 --frames 64
 END
 
