@@ -201,6 +201,7 @@ impl SurfaceTable {
             transmission_texture: None,
             alpha_is_coverage: !is_covering,
             double_sided: surface.double_sided,
+            open_behind: false,
         }
     }
 }

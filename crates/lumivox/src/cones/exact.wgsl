@@ -12,6 +12,9 @@ fn cone_start(position_in_world: vec3f, normal: vec3f, level: u32, settings: Con
     return grid_from_world(position_in_world) + normal * (START * exp2(f32(level)));
 }
 
+// The greatest width, per cosine against the plane that a cone starts from.
+const MOST_GROWTH = 0.333;
+
 // Rays to a source that is not a point.
 const SHADOW_RAYS = 8u;
 
@@ -44,9 +47,10 @@ fn seen_share(
     return seen / f32(rays);
 }
 
-// The width of the samples of the environment, over the distance.
+// The width of the samples of the environment, over the distance: no sample looks below the plane that the cone starts from.
 fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> f32 {
-    return max(2.0 * tan_half_angle * settings.voxel_per_diameter, MIN_GROWTH);
+    let growth = 2.0 * tan_half_angle * settings.voxel_per_diameter;
+    return max(min(growth, MOST_GROWTH * cos_normal), MIN_GROWTH);
 }
 
 fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {

@@ -1,7 +1,7 @@
 // The hemisphere divided into cells of equal cosine weight, one cone for each.
 //
 // With s = sin^2(theta), equal steps of s and of phi have equal cosine weight (Malley's method). 6,
-// 9 or 12 cells form two rings: 1 + 5, 3 + 6, 4 + 8. A round cone of the same solid angle replaces
+// 9, 12 or 16 cells form two rings: 1 + 5, 3 + 6, 4 + 8, 5 + 11. A round cone of the same solid angle replaces
 // a cell of solid angle W = 2 pi (cos t0 - cos t1) / m: cos(half angle) = 1 - W / (2 pi).
 
 import package::gpu::random::sequence_pair;

@@ -5,8 +5,10 @@ use std::fmt::Debug;
 
 use crate::settings::SettingError;
 
-/// A model of where cones start and point, and how much each of their samples shows, in place of
-/// the physical one.
+/// A model of where cones start and point, and how much each of their samples shows.
+///
+/// Without one, cones are rays that meet surface exactly. With one, they march through the cells of the volume, faces gather by such
+/// cones, and emission is found by cones instead of drawn.
 ///
 /// Write one to distribute the cones of a hemisphere in another way, for an artistic falloff of
 /// light, to find the effect of one of Lumivox's measures, or to repeat what others have published.

@@ -1,6 +1,6 @@
-//! Cones through the volume: their start, their distribution over a hemisphere, their march and
-//! their settings. A caller's own [`ConeModel`] can decide where they start and point, and how much
-//! their samples show.
+//! Cones: their start, their distribution over a hemisphere, the rays that they are made of, and their
+//! settings. With a caller's own [`ConeModel`], which decides where they start and point, and how much
+//! their samples show, they march through cells instead.
 //!
 //! The bounces in the voxels (`light/bounce.wgsl`), shadow cones and the cones from the screen
 //! (`trace/`) are all made of these modules.

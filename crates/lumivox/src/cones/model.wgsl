@@ -24,7 +24,7 @@ fn start_of_cones(above: vec3f, normal: vec3f, level: u32, values: vec4f) -> vec
 }
 
 // The share of a cone that shows a sample's radiance. `taken` is the part that the sample takes of
-// the transmittance left, negative if it pays a surplus back (`cone.wgsl`). `level` is that of the
+// the transmittance left, negative if it pays a surplus back (`march.wgsl`). `level` is that of the
 // sampled cells, `width` the cone's diameter there in longest sides of the grid.
 fn shown_share(taken: f32, transmittance: f32, level: u32, width: f32, values: vec4f) -> f32 {
     return taken;

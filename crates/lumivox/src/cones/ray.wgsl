@@ -22,6 +22,12 @@ import package::voxels::morton::morton_encode;
 // passes over by that is less than the tolerance of hits.
 const NUDGE = 0.001;
 
+// At least as a share of the way, which is what numbers can tell.
+const LEAST_NUDGE = 1e-6;
+
+// No ray has more, unless it creeps along a border.
+const MOST_STEPS = 8192u;
+
 // How far past the end of a voxel a ray may meet its faces, in edges.
 const BEYOND = 0.05;
 
@@ -117,7 +123,7 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     var hit = Hit(3e38, NOTHING);
     var is_inside = distance < end;
     var edge = 1.0;
-    // Where the ray goes on behind a voxel's wall: the coordinates across that wall, in voxels of `edge`.
+    // Where the ray goes on behind a voxel's wall: the coordinates across that wall, whatever rounding says.
     var is_known = vec3<bool>(false);
     var known = vec3i(0);
     while is_inside {
@@ -129,14 +135,14 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
         var next = distance;
         loop {
             distance = next;
-            is_inside = distance < end;
+            is_inside = distance < end && (*passed).steps < MOST_STEPS;
             (*passed).steps += u32(is_inside);
-            let ahead = ray.origin_in_grid + ray.direction * (distance + NUDGE * edge);
+            let nudge = max(NUDGE * edge, LEAST_NUDGE * distance);
+            let ahead = ray.origin_in_grid + ray.direction * (distance + nudge);
             let cascade = finest_level(ahead, ray.level, 0.0);
-            let is_other = edge != exp2(f32(cascade));
             edge = exp2(f32(cascade));
             let lowest = lowest_voxel(cascade);
-            voxel = select(vec3i(floor(ahead / edge)), known, is_known & vec3<bool>(!is_other));
+            voxel = select(vec3i(floor(ahead / edge)), known, is_known);
             voxel = clamp(voxel, lowest, lowest + size - 1);
             let code = morton_encode(stored_cell(voxel, 0u, cascade));
             let word = code / 32u;
@@ -158,8 +164,9 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             let wall = select(vec3f(corner), vec3f(corner + step), is_forward) * edge;
             let walls = (wall - ray.origin_in_grid) * inverse;
             let least = min(walls.x, min(walls.y, walls.z));
-            next = max(least, distance);
-            is_known = walls == vec3f(least);
+            // From box to box voxels change, so that the ray itself has to go on.
+            next = max(least, distance + select(0.0, nudge, CASCADES > 0u));
+            is_known = (walls == vec3f(least)) & vec3<bool>(CASCADES == 0u);
             known = select(corner - 1, corner + step, is_forward);
             place = 2u * word + 1u;
             before = bits_below(bits, code % 32u);

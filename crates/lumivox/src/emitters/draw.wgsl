@@ -20,8 +20,6 @@ struct EmitterPoint {
     radiance: vec3f,
     // One over the density of the direction, sr; 0: nothing shines on the place.
     solid_angle: f32,
-    // Of the emitter, its longer edge at the first corner.
-    size: f32,
 }
 
 // Smaller solid angles, sr, than this are sampled by area.
@@ -96,8 +94,7 @@ fn point_of(drawn: Drawn, place: vec3f) -> EmitterPoint {
     let ahead = -dot(corner, front);
     let normal = select(front, -front, ahead < 0.0);
     let height = abs(ahead);
-    let size = max(length(emitter.along_ab), length(emitter.along_ac));
-    var point = EmitterPoint(vec3f(0.0), normal, vec3f(0.0), emitter.radiance, 0.0, size);
+    var point = EmitterPoint(vec3f(0.0), normal, vec3f(0.0), emitter.radiance, 0.0);
     if emitter.power <= 0.0 || drawn.share <= 0.0 || (ahead <= 0.0 && emitter.is_double_sided == 0u) || height < 1e-4 {
         return point;
     }

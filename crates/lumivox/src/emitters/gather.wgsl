@@ -1,8 +1,8 @@
 // Irradiance at a place, straight from emitters.
 //
 // Of several candidates one is kept, in proportion to what it would bring if nothing stood in its way (resampled
-// importance sampling: Talbot et al. 2005, "Importance resampling for global illumination"), and a ray through the
-// volume tells whether something does. The mean over frames is exact but for the voxels in the ray's way.
+// importance sampling: Talbot et al. 2005, "Importance resampling for global illumination"), and a ray
+// tells whether something does. The mean over frames is exact but for the faces in the ray's way.
 
 import package::cascades::finest_level;
 import package::cones::cone::{Cone, ConeSettings, START};
@@ -23,7 +23,7 @@ struct FromEmitters {
     samples: u32,
 }
 
-// A ray reads the finest cells that there are: what the emitter's size makes soft, the mean over its points does.
+// What the emitter's size makes soft, the mean over its points does.
 fn ray_settings(settings: ConeSettings) -> ConeSettings {
     var ray = settings;
     ray.step_per_voxel = 1.0;

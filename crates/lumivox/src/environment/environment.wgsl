@@ -1,8 +1,6 @@
-// The radiance that a cone sees outside the grid: the surroundings at the resolution of its last
-// cells.
+// The radiance that a cone sees outside the grid: the surroundings at a resolution of its own.
 //
-// A cone reads cells of an edge that grows with the distance, growth * t; seen from its start they
-// all have the angle `growth`. It reads the mip at which a bilinear sample is as wide. Mips hold
+// Seen from its start a sample has the angle `growth`. It reads the mip at which a bilinear sample is as wide. Mips hold
 // means over solid angles, in multiples of `light_globals.environment`.
 //
 // The cube is flat in a texture (atlas.rs): every face of every mip has a border of the texels

@@ -1,4 +1,4 @@
-// One bounce: faces gather the irradiance that the volume holds for them. Reflectance stays below one, so the repetition
+// One bounce: faces gather the light that other faces show. Reflectance stays below one, so the repetition
 // converges.
 
 import package::cascades::cascade_of;

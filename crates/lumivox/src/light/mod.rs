@@ -1,9 +1,9 @@
 //! Light in the voxels: direct light and emission, and bounces.
 //!
 //! Everything here runs over the faces of the voxel list alone. A face sends out `Le + reflectance / pi * E`;
-//! `E` is the irradiance from the analytic lights (`direct.wgsl`) and what cones gather from
-//! the volume (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives through gathers: cones see the
-//! latter, emitters are drawn (`shine.wgsl`). In the meantime the volume shows reflected light alone, and between calls all light.
+//! `E` is the irradiance from the analytic lights (`direct.wgsl`) and what faces gather from
+//! each other (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives through gathers: cones see the
+//! latter, emitters are drawn (`shine.wgsl`). In the meantime faces show reflected light alone, and between calls all light.
 //! A caller's own [`Injection`] takes the place of the direct evaluation.
 //!
 //! The irradiance that faces have gathered is kept. A still picture starts from darkness and gathers once for each bounce

@@ -127,8 +127,7 @@ fn a_turned_furnace_keeps_its_light() {
     }
 }
 
-/// What a surplus at oblique walls takes back from a bright sky may exceed what a few cones find: a face is never darker
-/// than black for it.
+/// A face is never darker than black.
 #[test]
 fn no_face_sends_out_less_than_nothing() {
     let corner = Vec3::splat(0.5);

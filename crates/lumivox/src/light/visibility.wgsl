@@ -1,4 +1,4 @@
-// The share of a light that reaches a point: from a shadow map, or by a cone as wide as the source.
+// The share of a light that reaches a point: from a shadow map, or by rays to the source.
 
 import package::cascades::finest_level;
 import package::constants::{SHADOW_MAP, SHADOW_NONE};

@@ -35,9 +35,6 @@ struct GatheredPoint {
 @group(1) @binding(2) var<storage, read> normals: array<vec4f>;
 @group(1) @binding(3) var<storage, read_write> gathered: array<GatheredPoint>;
 
-// Gathers of a point in a frame. Points are few, so each gathers more often than a pixel.
-const GATHERS: u32 = 6u;
-
 fn direct_irradiance(position_in_world: vec3f, normal: vec3f) -> vec3f {
     var sum = vec3f(0.0);
     for (var i = 0u; i < light_globals.light_count; i++) {
@@ -73,18 +70,15 @@ fn main(
     let start = start_of(position, normal);
     var sum = gathered[index];
     for (var i = 0u; i < settings.frames; i++) {
-        var frame = vec4f(0.0);
-        for (var turn = GATHERS * sum.frames; turn < GATHERS * (sum.frames + 1u); turn++) {
-            let level = drawn_level(position, fract(start.x + 0.618034 * f32(turn & 0xffffu)));
-            let once = gather(
-                position, normal, normal, level, settings.cone_count, start, turn, settings.cones);
-            let lit = gather_emitters(position, normal, normal, level, start.yx, turn, settings.cones);
-            frame += vec4f(once.irradiance + lit.irradiance, once.openness) / f32(GATHERS);
-        }
+        let level = drawn_level(position, fract(start.x + 0.618034 * f32(sum.frames & 0xffffu)));
+        let once = gather(
+            position, normal, normal, level, settings.cone_count, start, sum.frames, settings.cones);
+        let lit = gather_emitters(
+            position, normal, normal, level, start.yx, sum.frames, settings.cones);
         sum.frames += 1u;
         let share = 1.0 / f32(sum.frames);
-        sum.indirect = mix(sum.indirect, frame.rgb, share);
-        sum.openness = mix(sum.openness, frame.a, share);
+        sum.indirect = mix(sum.indirect, once.irradiance + lit.irradiance, share);
+        sum.openness = mix(sum.openness, once.openness, share);
     }
     if settings.has_direct != 0u {
         sum.direct = direct_irradiance(position, normal);

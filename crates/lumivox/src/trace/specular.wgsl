@@ -95,7 +95,7 @@ fn trace_turn(pixel: vec2u, turn: u32) -> Reflection {
     let growth = cone_growth(tan_half, cos_plane, settings.cones);
     let level_offset = fract(start.x + start.y + 0.754878 * f32(turn & 0xffffu));
     let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset, level), settings.cones);
-    // A mirror shows the surroundings sharply, though its cone never reads the finest cells far away.
+    // A mirror shows the surroundings sharply, whatever the width of its cone.
     let outside_width = min(growth, 2.0 * tan_half * settings.cones.voxel_per_diameter);
     let outside = environment_reflection(direction, outside_width, alpha);
     // A mirror looks along one ray, over which nothing evens out: no pixel of it may be darker than black.

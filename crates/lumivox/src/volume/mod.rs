@@ -1,8 +1,8 @@
-//! Volumes: where the radiance of the voxel list is stored, filtered into a pyramid, and sampled by
-//! cones.
+//! What cones meet. Their rays meet the faces of the voxel list (`surface.rs`). Next to these the radiance of the
+//! faces is stored in cells and filtered into a pyramid, for views, and for cones of a caller's own model, which march through it.
 //!
-//! All volumes are filled from the same [`VoxelList`](crate::voxels::VoxelList) and have one
-//! interface: in Rust the methods of [`Volume`], in shaders the module `package::volume` with
+//! All kinds of cells are filled from the same [`VoxelList`](crate::voxels::VoxelList) and have one
+//! interface: in Rust the methods of [`Volume`] that match on [`CellVolume`], in shaders the module `package::volume` with
 //! `probe_volume`, `is_empty`, `is_oblique`, `sample_probe`, `wall_coverage` and `load_cell`, bound
 //! as group 0. That module is `six_lobes.wgsl` or `isotropic.wgsl`; the module
 //! `package::volume::cells`, which each kind of volume has, knows where cells are stored
@@ -121,7 +121,7 @@ fn sampler(device: &wgpu::Device) -> wgpu::Sampler {
     })
 }
 
-/// What cones meet on the GPU: cells, and next to them all surface, unless cones march through the cells.
+/// What cones meet on the GPU: cells, and all surface, unless cones march through the cells.
 #[derive(Debug)]
 pub(crate) struct Volume {
     pub(crate) cells: CellVolume,

@@ -1,10 +1,10 @@
 // A grid of probes in the air, each with the irradiance towards six directions, as Bevy's irradiance volumes hold them.
 
-import package::cascades::{finest_level, outer_high, outer_low};
+import package::cascades::finest_level;
+import package::cones::ray::{trace_ray, BLACK, Passed, Ray};
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid_from_world;
-import package::volume::wall_coverage;
 
 const PI: f32 = 3.14159265359;
 const SIDES: u32 = 6u;
@@ -72,31 +72,12 @@ fn probe_count() -> u32 {
     return settings.cells.x * settings.cells.y * settings.cells.z;
 }
 
-// The steps of a look along an axis for what stands there.
-const MAX_STEPS: u32 = 96u;
-const FELT: f32 = 0.5;
-
 // Whether the first surface along a direction shows its back: from inside of something solid, or from behind a wall that has one
 // side.
 fn sees_back(start: vec3f, side: u32) -> bool {
-    let axis = side / 2u;
-    let direction = side_direction(side);
-    var position = start;
-    for (var step = 0u; step < MAX_STEPS; step++) {
-        let level = finest_level(position, 0u, 0.5);
-        position += direction * exp2(f32(level));
-        if any(position < outer_low()) || any(position > outer_high()) {
-            return false;
-        }
-        // The coverage of surfaces that face along the axis, and against it.
-        let coverage = wall_coverage(position, level, axis);
-        let facing = select(coverage.y, coverage.x, direction[axis] < 0.0);
-        let averted = select(coverage.x, coverage.y, direction[axis] < 0.0);
-        if max(facing, averted) > FELT {
-            return facing < 0.5 * averted;
-        }
-    }
-    return false;
+    var passed = Passed(0u, true, 1.0);
+    let ray = Ray(start, side_direction(side), 3e38, finest_level(start, 0u, 0.5));
+    return trace_ray(ray, &passed).face == BLACK;
 }
 
 // Sets the points of a turn.

@@ -27,7 +27,7 @@ use crate::host::Host;
 use crate::progress::ProgressDisplay;
 use crate::quality::{FalseColor, false_color_png};
 use places::Places;
-pub use readings::Task;
+pub use readings::{Task, gathers};
 use report::Report;
 
 /// The kind of an output file.

@@ -62,7 +62,7 @@ impl Task<'_> {
                 direct: Some(photometric(light.direct.to_array())),
                 openness: Some(light.openness),
             };
-            let gathered = self.gathered(&places.at, settings, frames)?;
+            let gathered = self.gathered(&places.at, settings, gathers(frames))?;
             return Ok(gathered.into_iter().map(reading).collect());
         }
         let size = places.size.unwrap_or_default();
@@ -176,6 +176,11 @@ impl Task<'_> {
         }
         Ok(())
     }
+}
+
+/// The gathers of a sensor in so many frames: six in each, since sensors are few, and a gather is all that the noise of one falls by.
+pub fn gathers(frames: u32) -> u32 {
+    frames.saturating_mul(6).min(65_536)
 }
 
 impl Reading {

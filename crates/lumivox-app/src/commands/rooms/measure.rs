@@ -12,6 +12,7 @@ use lumivox_render::{Gpu, RenderProgress, RenderSettings, Renderer, View};
 use lumivox_scene::rooms::Room;
 
 use super::RoomFigures;
+use crate::commands::measure::gathers;
 use crate::progress::ProgressDisplay;
 
 /// The most bounces of paths.
@@ -95,7 +96,7 @@ impl<'a> Meter<'a> {
             let renderer = Renderer::new(self.gpu, &room.scene, None, settings, &mut tell);
             let mut renderer = pollster::block_on(renderer)?;
             let (points, normals): (Vec<_>, Vec<_>) = room.sensors.iter().copied().unzip();
-            let light = renderer.irradiance(&points, &normals, self.settings.frames);
+            let light = renderer.irradiance(&points, &normals, gathers(self.settings.frames));
             let cones: Vec<f32> = pollster::block_on(light)?
                 .iter()
                 .map(|light| photometric(light.total().to_array()))

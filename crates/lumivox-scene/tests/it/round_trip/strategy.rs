@@ -260,6 +260,7 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
             normal_scale: if normal.0.is_some() { normal.1 } else { 1.0 },
             alpha,
             double_sided,
+            open_behind: false,
             clearcoat: layers.0,
             sheen: layers.1,
             transmission: layers.2,
