@@ -357,7 +357,8 @@ mod tests {
             let argument = command.get_arguments().find(|a| a.get_id() == id).unwrap();
             argument.get_help().unwrap().to_string()
         };
-        assert!(help("cones").ends_with("[default: 6; preset high: 12]"), "{}", help("cones"));
+        let cones = "[default: 9; preset high: 12; preset report: 6]";
+        assert!(help("cones").ends_with(cones), "{}", help("cones"));
         let clearance = "a number from 0.1 to 1, or 0 (ratio) [default: 0.3333; presets fast and realtime: 0.5; \
                          presets high and report: 0]";
         assert!(help("clearance").ends_with(clearance), "{}", help("clearance"));
