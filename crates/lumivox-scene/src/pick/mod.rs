@@ -11,7 +11,7 @@ mod shape;
 #[cfg(test)]
 mod tests;
 
-use glam::{DMat4, DVec3, Mat3, Mat4, Vec3};
+use glam::{DMat4, DVec3, IVec3, Mat3, Mat4, Vec3};
 
 use crate::Scene;
 use shape::{Hit, Shape, Sides};
@@ -110,11 +110,11 @@ impl Picker {
     /// Whether a point lies inside of something solid: of 14 rays around, three quarters or more first meet the back of a
     /// single-sided surface.
     pub fn is_inside(&self, at: Vec3) -> bool {
-        let steps = [-1.0, 0.0, 1.0_f64];
+        let steps = [-1, 0, 1];
         let all = steps.iter().flat_map(|x| steps.iter().map(move |y| (x, y)));
-        let all = all.flat_map(|(x, y)| steps.iter().map(move |z| DVec3::new(*x, *y, *z)));
+        let all = all.flat_map(|(x, y)| steps.iter().map(move |z| IVec3::new(*x, *y, *z)));
         // To the sides and the corners of a cube.
-        let around = all.filter(|way| way.length_squared() == 1.0 || way.length_squared() == 3.0);
+        let around = all.filter(|way| matches!(way.length_squared(), 1 | 3)).map(IVec3::as_dvec3);
         // A little askew, so that none runs along a wall.
         let skew = DVec3::new(0.0131, 0.0271, 0.0193);
         let meets_back = |way: DVec3| {

@@ -19,9 +19,10 @@ pub use settings::{Preset, TraceResolution, TraceSettings};
 
 /// Makes the way that cones are traced `package::cones::way`, and that of faces `package::light::way`: a march, or exact hits.
 pub(crate) fn mount(shaders: &mut ShaderLibrary, marches: bool) {
-    let (cone, face) = match marches {
-        true => ("cones::march", "light::gather_cones"),
-        false => ("cones::exact", "light::gather_rays"),
+    let (cone, face) = if marches {
+        ("cones::march", "light::gather_cones")
+    } else {
+        ("cones::exact", "light::gather_rays")
     };
     shaders.fill(crate::shaders::implementation(cone)).fill(crate::shaders::implementation(face));
 }

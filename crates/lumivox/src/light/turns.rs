@@ -42,6 +42,18 @@ impl Turn {
     };
 }
 
+/// Whether what the rays of faces have met is still there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Rays {
+    /// It is.
+    #[default]
+    Traced,
+    /// Surface has moved since the last frame.
+    Outdated,
+    /// It has, and for so many frames more rays are traced anew: of the faces whose turn it is all, or a group.
+    Renewed { frames: u64, all_at_once: bool },
+}
+
 /// The frames since the last change.
 #[derive(Debug, Default)]
 pub(super) struct Turns {
@@ -49,10 +61,7 @@ pub(super) struct Turns {
     /// Frames until the light has settled.
     left: u64,
     is_disturbed: bool,
-    /// Surface has moved since the last frame.
-    has_moved: bool,
-    /// Frames until all faces have traced all their rays anew, and whether each traces all of them at once.
-    anew: (u64, bool),
+    rays: Rays,
     /// The list has come in the place of another, or of none.
     is_list_new: bool,
     /// There are cascades.
@@ -74,7 +83,7 @@ impl Turns {
 
     /// Surface has moved.
     pub fn surface_moved(&mut self) {
-        (self.is_disturbed, self.has_moved) = (true, true);
+        (self.is_disturbed, self.rays) = (true, Rays::Outdated);
     }
 
     /// In the next frame all faces gather that never have, whatever the budget.
@@ -89,7 +98,7 @@ impl Turns {
         // Others will go on where these stopped.
         self.is_disturbed = gathers < SETTLING_GATHERS;
         self.is_list_new = false;
-        (self.has_moved, self.anew) = (false, (0, false));
+        self.rays = Rays::Traced;
     }
 
     /// The work of the next frame; none once the light has settled.
@@ -108,19 +117,22 @@ impl Turns {
             self.left = u64::from(SETTLING_GATHERS) * turns;
         }
         self.is_disturbed = false;
-        if std::mem::take(&mut self.has_moved) {
+        if self.rays == Rays::Outdated {
             // Faces that take turns trace all their rays in one.
-            self.anew = if turns == 1 { (RAY_CLASSES.into(), false) } else { (turns, true) };
+            let all_at_once = turns > 1;
+            let frames = if all_at_once { turns } else { RAY_CLASSES.into() };
+            self.rays = Rays::Renewed { frames, all_at_once };
         }
         (self.lights, self.cones) = (Some(lights.version), cones);
         self.left = self.left.checked_sub(1)?;
         self.number = self.number.wrapping_add(1);
-        let rays_anew = match self.anew {
-            (0, _) => 0,
-            (_, true) => (1 << RAY_CLASSES) - 1,
-            _ => 1 << (self.number % RAY_CLASSES),
+        let rays_anew = match &mut self.rays {
+            Rays::Renewed { frames, all_at_once } if *frames > 0 => {
+                *frames -= 1;
+                if *all_at_once { (1 << RAY_CLASSES) - 1 } else { 1 << (self.number % RAY_CLASSES) }
+            }
+            _ => 0,
         };
-        self.anew.0 = self.anew.0.saturating_sub(1);
         Some(Turn {
             is_direct_new,
             faces: budget.unwrap_or(u32::MAX).max(1),

@@ -26,7 +26,7 @@ pub(crate) struct Surface {
     grid: BindGroup,
     cells: Grid,
     fill_index: Kernel,
-    fill_surface: Kernel,
+    fill_patches: Kernel,
     fill_light: Kernel,
     index: Buffer,
     patches: Buffer,
@@ -74,7 +74,7 @@ impl Surface {
             ),
             grid: BindGroupBuilder::new(&grid_layout).buffer(&grid_uniform).build(device, "grid"),
             fill_index: kernel("voxels::index", "main", &index_layout)?,
-            fill_surface: kernel("volume::fill_patches", "surface", &patches_layout)?,
+            fill_patches: kernel("volume::fill_patches", "surface", &patches_layout)?,
             fill_light: kernel("volume::fill_patches", "light", &patches_layout)?,
             globals_layout,
             index_layout,
@@ -139,7 +139,7 @@ impl Surface {
         recorder.stage("volume");
         let groups = [&self.grid, &bound.index];
         self.fill_index.run_linear(recorder, &groups, bound.threads);
-        self.fill(recorder, &self.fill_surface);
+        self.fill(recorder, &self.fill_patches);
     }
 
     /// Shows the light of the faces.
