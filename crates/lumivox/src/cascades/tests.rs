@@ -83,7 +83,7 @@ impl Lit {
         let faces: Vec<FaceRecord> = read(&device, &queue, &list.faces, list.face_count as usize);
         let voxels = list.voxel_count() as usize;
         let nodes: Vec<NodeRecord> = read(&device, &queue, &list.nodes, voxels);
-        let lobes: u32 = nodes.iter().map(|node| node.faces()).sum();
+        let lobes: u32 = nodes.iter().map(NodeRecord::faces).sum();
         assert_eq!(lobes, list.face_count);
         let key = |face: &FaceRecord| (morton_decode(face.cell).to_array(), face.lobe);
         faces.iter().map(|face| (key(face), *face)).collect()

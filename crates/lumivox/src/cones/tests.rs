@@ -248,7 +248,7 @@ fn cones(grid: &Grid) -> Vec<ConeIn> {
 struct Traced {
     gi: Gi,
     cones: Vec<ConeIn>,
-    traced: Vec<Vec4>,
+    found: Vec<Vec4>,
 }
 
 fn trace(device: &Pipelines, queue: &wgpu::Queue, config: GiConfig) -> Traced {
@@ -276,7 +276,7 @@ fn trace(device: &Pipelines, queue: &wgpu::Queue, config: GiConfig) -> Traced {
     recorder.submit();
 
     let traced: Vec<Vec4> = read(device, queue, &output, cones.len());
-    Traced { gi, cones, traced }
+    Traced { gi, cones, found: traced }
 }
 
 /// What a ray meets of faces, looked for among all of them.
@@ -329,7 +329,7 @@ fn covers(face: &FaceRecord, at: Vec3) -> bool {
 fn rays_equal_their_twin() {
     let (device, queue) = device();
     let grid = Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), 32, Vec3::ZERO).expect("fits");
-    let Traced { gi, cones, traced } = trace(&device, &queue, GiConfig::new(grid));
+    let Traced { gi, cones, found: traced } = trace(&device, &queue, GiConfig::new(grid));
     let list = gi.voxels().expect("there are voxels");
     let count = list.face_count as usize;
     let radiance = gi.face_radiance().expect("there is light");
@@ -345,8 +345,8 @@ fn rays_equal_their_twin() {
         let is_same = (*traced - expected).abs().max_element()
             < 0.002 * (1.0 + expected.truncate().max_element());
         different += usize::from(!is_same);
-        blocked += usize::from(expected.w == 0.0);
-        open += usize::from(expected.w == 1.0);
+        blocked += usize::from(expected.w < 0.5);
+        open += usize::from(expected.w > 0.5);
     }
     println!("{blocked} blocked, {open} open, {different} different");
     assert!(blocked > 50 && open > 5, "{blocked} blocked and {open} open rays test little");
@@ -393,7 +393,7 @@ fn assert_marches_like_its_twin(model: Arc<dyn ConeModel>, shown_share: ShownSha
     let (device, queue) = device();
     let grid = Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), 32, Vec3::ZERO).expect("fits");
     let config = GiConfig { cones: Some(model), ..GiConfig::new(grid) };
-    let Traced { gi, cones, traced } = trace(&device, &queue, config);
+    let Traced { gi, cones, found: traced } = trace(&device, &queue, config);
     let twin = VolumeTwin { grid, levels: read_levels(&device, &queue, &gi) };
     let (mut blocked, mut open, mut worst) = (0, 0, 0.0_f32);
     for (cone, traced) in cones.iter().zip(&traced) {

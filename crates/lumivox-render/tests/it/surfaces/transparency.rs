@@ -202,7 +202,7 @@ fn shadows_are_as_deep_as_what_casts_them_is_solid() {
             let tolerance = match shadows {
                 ShadowMethod::Cone if is_even => 0.005,
                 ShadowMethod::Cone => 0.035,
-                _ => 0.015,
+                ShadowMethod::Map => 0.015,
             };
             assert_near(&what, mean(&picture), Vec3::splat(passing), tolerance);
             // The pattern of the map's texels is filtered away, the leaf's own holes are not.

@@ -28,7 +28,7 @@ fn compare(
     let triangles: Vec<_> = triangles.iter().map(|t| in_grid(grid, t)).collect();
     let mut expected = twin::faces(grid, &triangles, double_sided);
     let mut in_voxel = std::collections::BTreeMap::new();
-    let mut found: std::collections::BTreeMap<_, Vec<&FaceRecord>> = Default::default();
+    let mut found = std::collections::BTreeMap::<_, Vec<&FaceRecord>>::new();
     for face in &list.faces {
         let voxel = morton_decode(face.cell).to_array();
         *in_voxel.entry(voxel).or_insert(0) += 1;
