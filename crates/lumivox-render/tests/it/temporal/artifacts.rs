@@ -115,8 +115,8 @@ fn rmse_where_smooth(picture: &Picture, truth: &Picture) -> f64 {
 /// Where a picture is smooth its first frame is already near what many frames come to.
 #[test]
 fn first_frames_are_worth_keeping() {
-    // Measured: 3.6 and 10.8 %; with one turn of cones 4.4 and 12.5, without the filter's finer steps 5.4 and 13.2.
-    for (name, most) in [("spheres", 0.04), ("glow", 0.117)] {
+    // Measured: 4.5 and 10.6 %; with cones that marched 3.6 and 10.8.
+    for (name, most) in [("spheres", 0.05), ("glow", 0.117)] {
         let scene = builtin(name);
         let camera = orbit(&scene, 0);
         let truth = still(Preset::Balanced, &scene, &camera, 96);
