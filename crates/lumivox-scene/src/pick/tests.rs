@@ -215,6 +215,35 @@ fn backs_let_rays_pass_unless_they_are_surfaces() {
 }
 
 #[test]
+fn points_inside_of_solids_are_told_from_those_in_rooms() {
+    // The Cornell box: a room of walls that face inwards, with two blocks on its floor.
+    let scene = builtin::scene("cornell").unwrap();
+    let picker = Picker::new(&scene);
+    let bounds = scene.bounds();
+    let at = |x: f32, y: f32, z: f32| bounds.min + bounds.size() * Vec3::new(x, y, z);
+    assert!(!picker.is_inside(at(0.5, 0.8, 0.5)), "in the air");
+    assert!(!picker.is_inside(at(0.5, 0.001, 0.9)), "just above the floor");
+    assert!(picker.is_inside(block(&scene)), "in a block");
+    // Nothing is inside of what has two sides.
+    let mut two_sided = scene.clone();
+    two_sided.materials.iter_mut().for_each(|material| material.double_sided = true);
+    assert!(!Picker::new(&two_sided).is_inside(block(&scene)), "in a block of sheets");
+}
+
+/// The middle of a block: half way down from the highest point below the lamp that a ray meets beside the floor.
+fn block(scene: &Scene) -> Vec3 {
+    let picker = Picker::new(scene);
+    let (low, size) = (scene.bounds().min, scene.bounds().size());
+    let places = (1..20).flat_map(|x| (1..20).map(move |z| (x as f32 / 20.0, z as f32 / 20.0)));
+    let tops = places.filter_map(|(x, z)| {
+        let eye = low + size * Vec3::new(x, 0.8, z);
+        picker.pick(eye, Vec3::NEG_Y).map(|met| met.position)
+    });
+    let top = tops.max_by(|a, b| a.y.total_cmp(&b.y)).expect("there is a floor");
+    Vec3::new(top.x, 0.5 * (top.y + low.y), top.z)
+}
+
+#[test]
 fn rays_pass_what_is_hidden() {
     let mut scene = square(false, Mat4::from_translation(Vec3::Z));
     let behind = Instance { world_from_local: Mat4::IDENTITY, ..scene.instances[0].clone() };

@@ -28,8 +28,7 @@ fn wall(double_sided: bool, lamp_x: f32, seen_x: f32) -> Scene {
     scene
 }
 
-/// Both sides of every wall cast shadows into maps; cones meet the side that a voxel has. So a lamp behind a wall
-/// does not shine through it to those that it faces.
+/// Both sides of every wall cast shadows, in maps and for cones: a wall of one side blocks from behind as well.
 #[test]
 fn a_lamp_behind_a_wall_does_not_shine_through() {
     for double_sided in [false, true] {
@@ -44,16 +43,32 @@ fn a_lamp_behind_a_wall_does_not_shine_through() {
             let beside = lit(0.7, 0.7);
             assert!(beside > 1.0, "the lamp lights its own side: {beside}");
             assert!(behind < 0.01 * beside, "{shadows:?}, {double_sided}: {behind} of {beside}");
-            // The wall faces the lamp, and what is seen is behind it. Cones pass the back of a single side.
-            if shadows == ShadowMethod::Map || double_sided {
-                let behind = lit(0.7, -0.7);
-                assert!(
-                    behind < 0.01 * beside,
-                    "{shadows:?}, {double_sided}: {behind} of {beside}"
-                );
-            }
+            // The wall faces the lamp, and what is seen is behind it.
+            let behind = lit(0.7, -0.7);
+            assert!(behind < 0.01 * beside, "{shadows:?}, {double_sided}: {behind} of {beside}");
         }
     }
+}
+
+/// Cones pass the back of a wall that is open from behind, and no other side.
+#[test]
+fn an_open_back_lets_light_pass() {
+    let lit = |lamp_x, seen_x| {
+        let mut scene = wall(false, lamp_x, seen_x);
+        for material in &mut scene.materials {
+            material.open_behind = true;
+        }
+        let settings = RenderSettings {
+            shadows: ShadowMethod::Cone,
+            resolution: 64,
+            ..settings(View::Direct)
+        };
+        mean(&render(&scene, settings)).x
+    };
+    let beside = lit(0.7, 0.7);
+    let (to_the_front, to_the_back) = (lit(0.7, -0.7), lit(-0.7, 0.7));
+    assert!(to_the_front > 0.05 * beside, "{to_the_front} of {beside}");
+    assert!(to_the_back < 0.01 * beside, "{to_the_back} of {beside}");
 }
 
 /// What the wall itself sends on: light on the side that the lamp is on, none from the other.
