@@ -15,7 +15,7 @@ fn cone_start(position_in_world: vec3f, normal: vec3f, level: u32, settings: Con
 // The greatest width, per cosine against the plane that a cone starts from.
 const MOST_GROWTH = 0.333;
 
-// Rays to a source that is not a point.
+// The number of rays to a source that is not a point.
 const SHADOW_RAYS = 8u;
 
 // The share of a source that a surface sees: rays over its disc, evenly spread (Vogel 1979, "A better way to construct the
@@ -40,7 +40,7 @@ fn seen_share(
         let angle = 2.39996323 * f32(i) + 6.28318530718 * turn;
         let aside = across * vec3f(radius * cos(angle), radius * sin(angle), 1.0);
         var passed = Passed(0u, false, 1.0);
-        // To the source, but not to what is at it.
+        // The ray ends before the surface of the source.
         let hit = trace_ray(Ray(origin, normalize(aside), max(reach - offset, 0.0), level), &passed);
         seen += select(0.0, passed.share, hit.face == NOTHING);
     }

@@ -18,14 +18,14 @@ import package::voxels::index::{first_block, first_entry, FACE_BITS};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_encode;
 
-// How far past the end of a voxel a ray looks for the next one, in edges, across what is not the voxel's wall there. What it
-// passes over by that is less than the tolerance of hits.
+// The distance past a voxel's end, in edges, at which a ray looks for the next voxel, so that rounding cannot keep it in the
+// first one. It is less than the tolerance of hits.
 const NUDGE = 0.001;
 
-// At least as a share of the way, which is what numbers can tell.
+// The least such distance as a share of the way: a few roundings.
 const LEAST_NUDGE = 1e-6;
 
-// No ray has more, unless it creeps along a border.
+// A ray ends after so many, which only one that creeps along a border reaches.
 const MOST_STEPS = 8192u;
 
 // How far past the end of a voxel a ray may meet its faces, in edges.
@@ -34,7 +34,7 @@ const BEYOND = 0.05;
 // How far from its start a ray may meet its own surface from behind, in voxels: where that is curved, planes are beside it.
 const OWN = 1.0;
 
-// What a ray meets first.
+// The first surface on a ray.
 struct Hit {
     distance: f32,
     // The face; NOTHING, or BLACK: a single-sided surface from behind.
@@ -94,13 +94,13 @@ struct Ray {
     level: u32,
 }
 
-// What a ray has passed.
+// The voxels and the holes that a ray has passed.
 struct Passed {
     // Voxels and blocks.
     steps: u32,
-    // Whether it is drawn if the ray passes a face with holes. If not it does, with a share of the light.
+    // True: each face with holes is passed or met by chance. False: all are passed, each with its share of the light.
     draws: bool,
-    // That share, of all faces with holes that it has passed.
+    // The product of these shares.
     share: f32,
 }
 
@@ -178,7 +178,7 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
         if is_inside {
             let entry = index[entries + index[place] + before];
             let origin = ray.origin_in_grid / edge - vec3f(voxel);
-            // What is met beyond the voxel is the next one's.
+            // Hits beyond the voxel belong to the next one.
             let reach = min(ray.reach, next + BEYOND * edge) / edge;
             hit = hit_faces(entry, origin, ray.direction, own / edge, reach, passed);
             hit.distance *= edge;

@@ -279,7 +279,7 @@ fn trace(device: &Pipelines, queue: &wgpu::Queue, config: GiConfig) -> Traced {
     Traced { gi, cones, found: traced }
 }
 
-/// What a ray meets of faces, looked for among all of them.
+/// Rays against all faces, one after another.
 struct RayTwin {
     grid: Grid,
     faces: Vec<FaceRecord>,

@@ -23,7 +23,7 @@ struct FromEmitters {
     samples: u32,
 }
 
-// What the emitter's size makes soft, the mean over its points does.
+// The mean over an emitter's points makes its shadows soft, not the ray's width.
 fn ray_settings(settings: ConeSettings) -> ConeSettings {
     var ray = settings;
     ray.step_per_voxel = 1.0;

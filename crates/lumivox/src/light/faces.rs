@@ -10,7 +10,7 @@ use crate::volume::changes::Shown;
 use crate::voxelize::{Moving, Taken};
 use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList};
 
-/// Bytes of what the rays of a face meet: `HIT_WORDS` of `turn.wgsl`.
+/// Bytes of the hits of a face: `HIT_WORDS` of `turn.wgsl`.
 const HIT_BYTES: u64 = 80;
 
 /// The kernels.
@@ -190,13 +190,13 @@ pub(super) struct Faces {
     irradiance: Buffer,
     /// Radiance with the bounces so far (`array<vec4f>`).
     radiance: Buffer,
-    /// Radiance that the volume shows (`show.wgsl`).
+    /// Radiance that cones see (`show.wgsl`).
     shown: Buffer,
     /// Radiance that the volume holds.
     held: Buffer,
-    /// Whether there are emitters. If not, there is no room for what is reflected alone.
+    /// Whether there are emitters. If not, `reflected` is empty.
     has_emission: bool,
-    /// What the rays of faces meet, and irradiance straight from emitters (`turn.wgsl`).
+    /// The hits of the faces' rays, and irradiance straight from emitters (`turn.wgsl`).
     hits: Buffer,
     /// Radiance that the volume shows without emission.
     reflected: Buffer,
@@ -362,7 +362,7 @@ impl Faces {
         &self.irradiance
     }
 
-    /// What the rays of faces meet, and irradiance straight from emitters.
+    /// The hits of the faces' rays, and irradiance straight from emitters.
     pub fn hits(&self) -> &Buffer {
         &self.hits
     }

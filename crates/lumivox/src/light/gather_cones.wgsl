@@ -1,4 +1,4 @@
-// What a face gathers, by cones that march: the module package::light::way.
+// The irradiance of a face by cones that march: the module package::light::way.
 
 import package::cones::gather::gather;
 import package::light::turn::settings;

@@ -1,4 +1,4 @@
-// What a face gathers, by rays: the module package::light::way.
+// The irradiance of a face by rays: the module package::light::way.
 //
 // A face keeps its rays, so that its gathers converge to a fixed point, and what they meet is found once: `hits` keeps it
 // until surface moves. Each further gather only looks up what is there.

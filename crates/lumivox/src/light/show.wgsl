@@ -1,4 +1,4 @@
-// What the volume shows of each face: its radiance.
+// The radiance of each face that cones see.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -178,7 +178,7 @@ impl Task<'_> {
     }
 }
 
-/// The gathers of a sensor in so many frames: six in each, since sensors are few, and a gather is all that the noise of one falls by.
+/// The gathers of a sensor in so many frames: six in each, since sensors are few and noisy.
 pub fn gathers(frames: u32) -> u32 {
     frames.saturating_mul(6).min(65_536)
 }
