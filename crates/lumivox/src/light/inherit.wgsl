@@ -1,6 +1,5 @@
 // The irradiance of the faces of a list from that of the list before: from the nearest face of the same lobe of the same voxel.
-// Where the box of
-// a clipmap has moved, another voxel may be stored in a voxel's place, a whole box away.
+// Where the box of a clipmap has moved, another voxel may be stored in a voxel's place, a whole box away.
 
 import package::cascades::cascade_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
