@@ -365,14 +365,14 @@ fn settings_change_at_run_time() {
     let worst = (0..120).map(|_| difference(&stage.next(), &high)).fold(0.0, f32::max);
     println!("the worst frame while another volume is made: {worst}");
     assert!(worst < 0.2, "{worst}");
-    let other = stage.settled();
+    let other = stage.settled_over(24);
     // Without global illumination for so long that nothing is kept.
     let gi = *stage.app.world().get::<LumivoxGi>(camera).expect("it is there");
     stage.app.world_mut().entity_mut(camera).remove::<LumivoxGi>();
     stage.frames(130);
     stage.app.world_mut().entity_mut(camera).insert(gi);
     headless::wait_until_ready(&mut stage.app);
-    let again = stage.settled();
+    let again = stage.settled_over(24);
     let [from_high, from_other] = [difference(&other, &high), difference(&again, &other)];
     println!("another volume {from_high}, once more {from_other}");
     assert!(from_high < 0.1 && from_other < 0.03, "{from_high} {from_other}");

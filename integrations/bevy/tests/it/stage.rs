@@ -101,8 +101,13 @@ impl Stage {
 
     /// The mean of frames once light has settled.
     pub fn settled(&mut self) -> headless::Shot {
+        self.settled_over(8)
+    }
+
+    /// The mean of so many frames once light has settled.
+    pub fn settled_over(&mut self, frames: u32) -> headless::Shot {
         self.frames(40);
-        headless::mean_shot(&mut self.app, &self.image.clone(), 8)
+        headless::mean_shot(&mut self.app, &self.image.clone(), frames)
     }
 
     /// What was told since the app began.
