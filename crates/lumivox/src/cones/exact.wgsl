@@ -4,9 +4,10 @@
 import package::cascades::{outer_high, outer_low};
 import package::cones::cone::{Cone, ConeSettings, MIN_GROWTH, OUTSIDE, START, Traced};
 import package::cones::hemisphere::basis;
-import package::cones::ray::{shown_by, trace_ray, NOTHING, Passed, Ray};
+import package::cones::ray::{shown_by, trace_ray, Passed, Ray};
 import package::gpu::random::hash;
 import package::grid::grid_from_world;
+import package::volume::patch::NOTHING;
 
 fn cone_start(position_in_world: vec3f, normal: vec3f, level: u32, settings: ConeSettings) -> vec3f {
     return grid_from_world(position_in_world) + normal * (START * exp2(f32(level)));

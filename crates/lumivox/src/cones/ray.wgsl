@@ -4,14 +4,17 @@
 // in one step) and ends where it crosses a face's plane inside of what the face covers. A plane has no holes from voxel to voxel, so
 // that nothing leaks through a wall, whatever its angle and thickness, and nothing behind a hit counts.
 //
-// A surface is seen from its front. A single-sided one blocks from behind, and is black there, unless light passes it.
+// A surface is seen from its front, in the light of the side that is seen (side.wgsl). A single-sided one blocks from behind, and is black there, unless light passes it.
 
 import package::cascades::{
     box_size, finest_level, lowest_voxel, outer_high, outer_low, stored_cell,
 };
 import package::constants::CASCADES;
+import package::cones::side::face_seen_at;
 import package::gpu::random::hash;
-import package::volume::patch::{unpack_patch, unpack_radiance, PATCH_WORDS};
+import package::volume::patch::{
+    unpack_patch, unpack_radiance, BLACK, NOTHING, PATCH_WORDS, UNLIT,
+};
 import package::volume::surface::{index, patches};
 import package::voxels::covered::{across, is_covered};
 import package::voxels::index::{first_block, first_entry, FACE_BITS};
@@ -37,12 +40,10 @@ const OWN = 1.0;
 // The first surface on a ray.
 struct Hit {
     distance: f32,
-    // The face; NOTHING, or BLACK: a single-sided surface from behind.
+    // The face; or NOTHING, BLACK or UNLIT.
     face: u32,
+    is_parted: bool,
 }
-
-const NOTHING = 0xffffffffu;
-const BLACK = 0xfffffffeu;
 
 // Whether a ray passes a face with holes: drawn, so that rays of all directions pass in proportion. `plane` is a number of the
 // face.
@@ -60,7 +61,7 @@ fn hit_faces(
     reach: f32,
     passed: ptr<function, Passed>,
 ) -> Hit {
-    var hit = Hit(reach, NOTHING);
+    var hit = Hit(reach, NOTHING, false);
     let first = entry & ((1u << FACE_BITS) - 1u);
     for (var face = first; face < first + (entry >> FACE_BITS); face++) {
         let place = PATCH_WORDS * face;
@@ -76,7 +77,7 @@ fn hit_faces(
             let is_solid = plane.holes == 0u
                 || ((*passed).draws && !passes(direction, patches[place].y, plane.holes));
             if is_solid {
-                hit = Hit(distance, select(face, BLACK, is_back));
+                hit = Hit(distance, select(face, BLACK, is_back), plane.is_parted && !is_back);
             } else if all(point >= vec3f(0.0)) && all(point < vec3f(1.0)) {
                 // Beyond, the next voxel has it.
                 (*passed).share *= f32(plane.holes) / 255.0;
@@ -120,16 +121,18 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     let entries = first_entry();
     let size = vec3i(box_size());
     var distance = max(max(enter.x, enter.y), max(enter.z, 0.0));
-    var hit = Hit(3e38, NOTHING);
+    var hit = Hit(3e38, NOTHING, false);
     var is_inside = distance < end;
     var edge = 1.0;
+    var voxel = vec3i(0);
+    var cascade = 0u;
+    var entry = 0u;
     // Where the ray goes on behind a voxel's wall: the coordinates across that wall, whatever rounding says.
     var is_known = vec3<bool>(false);
     var known = vec3i(0);
     while is_inside {
         // Past what is empty. The inner loop suits wide machines: their lanes leave it one by one, and then look at faces
         // together.
-        var voxel = vec3i(0);
         var place = 0u;
         var before = 0u;
         var next = distance;
@@ -139,7 +142,7 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             (*passed).steps += u32(is_inside);
             let nudge = max(NUDGE * edge, LEAST_NUDGE * distance);
             let ahead = ray.origin_in_grid + ray.direction * (distance + nudge);
-            let cascade = finest_level(ahead, ray.level, 0.0);
+            cascade = finest_level(ahead, ray.level, 0.0);
             edge = exp2(f32(cascade));
             let lowest = lowest_voxel(cascade);
             voxel = select(vec3i(floor(ahead / edge)), known, is_known);
@@ -176,7 +179,7 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             }
         }
         if is_inside {
-            let entry = index[entries + index[place] + before];
+            entry = index[entries + index[place] + before];
             let origin = ray.origin_in_grid / edge - vec3f(voxel);
             // Hits beyond the voxel belong to the next one.
             let reach = min(ray.reach, next + BEYOND * edge) / edge;
@@ -186,12 +189,16 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             is_inside = hit.face == NOTHING && distance < end;
         }
     }
+    if hit.is_parted {
+        let point = (ray.origin_in_grid + ray.direction * hit.distance) / edge - vec3f(voxel);
+        hit.face = face_seen_at(hit.face, entry, point, voxel, cascade);
+    }
     return hit;
 }
 
 // The radiance that a face shows; black is what is no face.
 fn shown_by(face: u32) -> vec3f {
-    if face >= BLACK {
+    if face >= UNLIT {
         return vec3f(0.0);
     }
     return unpack_radiance(patches[PATCH_WORDS * face + 4u]);

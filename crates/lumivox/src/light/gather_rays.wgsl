@@ -4,23 +4,24 @@
 // until surface moves. Each further gather only looks up what is there.
 
 import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
-import package::cones::ray::{shown_by, trace_ray, BLACK, NOTHING, Passed, Ray};
+import package::cones::ray::{shown_by, trace_ray, Passed, Ray};
 import package::cones::way::{cone_growth, cone_start};
 import package::environment::environment_radiance;
 import package::light::turn::{counts, hits, settings, FACE_RAYS, HIT_WORDS, RAY_CLASSES};
+import package::volume::patch::{NOTHING, UNLIT};
 import package::voxels::list::{Face, HIDDEN};
 
 const PI: f32 = 3.14159265359;
 
 // Hits are kept plus this; zero is unknown.
-const OFFSET = 3u;
+const OFFSET = 4u;
 const UNKNOWN = 0u;
 
 // Whether a ray has to be traced: it never was, its group is due after surface has moved, or it starts on dynamic surface or has met
 // some, whose faces have no fixed places in the list.
 fn is_outdated(hit: u32, face: u32, ray: u32) -> bool {
     let met = hit - OFFSET;
-    let is_moving = face >= counts.fixed_faces || (met >= counts.fixed_faces && met < BLACK);
+    let is_moving = face >= counts.fixed_faces || (met >= counts.fixed_faces && met < UNLIT);
     let is_in_turn = ((settings.rays_anew >> (ray % RAY_CLASSES)) & 1u) != 0u;
     return hit == UNKNOWN || is_in_turn || (is_moving && settings.rays_anew != 0u);
 }

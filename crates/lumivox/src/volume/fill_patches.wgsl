@@ -4,9 +4,10 @@ import package::cascades::voxel_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid_from_world;
-import package::volume::patch::{pack_light, pack_normal, unpack_normal, PATCH_WORDS};
+import package::volume::patch::{pack_light, pack_normal, pack_offset, unpack_normal, PATCH_WORDS};
 import package::voxels::counts::ListCounts;
-import package::voxels::list::Face;
+import package::voxels::covered::across;
+import package::voxels::list::{Face, lobe_axis};
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(0) var<uniform> counts: ListCounts;
@@ -29,7 +30,8 @@ fn surface(
     let place = grid_from_world(faces[face].position_in_world) * exp2(-f32(own.cascade)) - corner;
     let normal = pack_normal(faces[face].vector_area);
     let first = PATCH_WORDS * face;
-    patches[first] = vec2u(normal, bitcast<u32>(dot(unpack_normal(normal), place)));
+    let start = across(place, lobe_axis(faces[face].lobe));
+    patches[first] = vec2u(normal, pack_offset(dot(unpack_normal(normal), place), start));
     patches[first + 1u] = vec2u(faces[face].mask_low, faces[face].mask_high);
     patches[first + 2u] = faces[face].profiles.xy;
     patches[first + 3u] = faces[face].profiles.zw;

@@ -1,6 +1,6 @@
 // A face as rays meet it: ten words.
 
-import package::voxels::list::{HOLES, SINGLE_SIDED};
+import package::voxels::list::{HOLES, PARTED, SINGLE_SIDED};
 
 struct Patch {
     // The plane, in the voxel's coordinates: dot(normal, p) = offset. The normal has any length.
@@ -10,9 +10,30 @@ struct Patch {
     is_single_sided: bool,
     // The share that light passes, of 255.
     holes: u32,
+    is_parted: bool,
 }
 
 const PATCH_WORDS = 5u;
+
+// What a ray meets in place of a face's light: no surface, a single-sided surface from behind, or a surface whose light
+// nothing tells.
+const NOTHING = 0xffffffffu;
+const BLACK = 0xfffffffeu;
+const UNLIT = 0xfffffffdu;
+
+// Offsets are up to this, and have 20 bits; the start, where the face's light is found, has six along each side.
+const MOST_OFFSET = 1.05;
+const OFFSET_STEPS = 1048575.0;
+
+fn pack_offset(offset: f32, start: vec2f) -> u32 {
+    let steps = round((clamp(offset / MOST_OFFSET, -1.0, 1.0) * 0.5 + 0.5) * OFFSET_STEPS);
+    let place = vec2u(clamp(floor(64.0 * start), vec2f(0.0), vec2f(63.0)));
+    return u32(steps) | (place.x << 20u) | (place.y << 26u);
+}
+
+fn unpack_offset(packed: u32) -> f32 {
+    return (f32(packed & 0xfffffu) / OFFSET_STEPS * 2.0 - 1.0) * MOST_OFFSET;
+}
 
 // Octahedral (Cigolle et al. 2014, "A survey of efficient representations for independent unit vectors").
 fn pack_normal(normal: vec3f) -> u32 {
@@ -35,7 +56,10 @@ const BRIGHTEST = 65504.0;
 
 fn pack_light(radiance: vec3f, lobe: u32, flags: u32) -> vec2u {
     let stored = min(radiance, vec3f(BRIGHTEST));
-    let look = lobe | select(0u, 8u, (flags & SINGLE_SIDED) != 0u) | (extractBits(flags, HOLES, 8u) << 4u);
+    let look = lobe
+        | select(0u, 8u, (flags & SINGLE_SIDED) != 0u)
+        | select(0u, 0x1000u, (flags & PARTED) != 0u)
+        | (extractBits(flags, HOLES, 8u) << 4u);
     return vec2u(pack2x16float(stored.rg), pack2x16float(vec2f(stored.b, 0.0)) | (look << 16u));
 }
 
@@ -45,5 +69,23 @@ fn unpack_radiance(light: vec2u) -> vec3f {
 
 fn unpack_patch(plane: vec2u, light: vec2u) -> Patch {
     let look = light.y >> 16u;
-    return Patch(unpack_normal(plane.x), bitcast<f32>(plane.y), look & 7u, (look & 8u) != 0u, (look >> 4u) & 0xffu);
+    return Patch(
+        unpack_normal(plane.x),
+        unpack_offset(plane.y),
+        look & 7u,
+        (look & 8u) != 0u,
+        (look >> 4u) & 0xffu,
+        (look & 0x1000u) != 0u,
+    );
+}
+
+// Where the light of a face is found; `packed` is the second word of its patch.
+fn start_of(plane: Patch, packed: u32) -> vec3f {
+    let axis = plane.lobe >> 1u;
+    let uv = (vec2f(vec2u(extractBits(packed, 20u, 6u), packed >> 26u)) + 0.5) / 64.0;
+    var start = vec3f(0.0);
+    start[(axis + 1u) % 3u] = uv.x;
+    start[(axis + 2u) % 3u] = uv.y;
+    start[axis] = (plane.offset - dot(plane.normal, start)) / plane.normal[axis];
+    return start;
 }

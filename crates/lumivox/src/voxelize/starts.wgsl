@@ -1,7 +1,8 @@
 // Where the light of a face is found: in the middle of what is seen of it. A thread per voxel.
 //
-// Of a floor under a box or a wall, a part lies inside of other surface. Light starts where the squares of the face's mask
-// are that no back in the voxel covers, and that no front touches; a face without such squares is HIDDEN.
+// Of a floor under a box or a wall, a part lies inside of other surface: the squares of the face's mask that a back in the
+// voxel covers, or that a front touches. A face without other squares is HIDDEN. A wall on the floor also parts the squares before it
+// from those behind it: light starts on the side of most of them.
 
 import package::cascades::voxel_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
@@ -9,7 +10,7 @@ import package::gpu::dispatch::linear_index;
 import package::grid::{grid_from_world, world_from_grid};
 import package::voxelize::verdict::Verdict;
 import package::voxels::covered::{across, is_covered};
-import package::voxels::list::{Face, HIDDEN, Node, SINGLE_SIDED, faces_of, lobe_axis};
+import package::voxels::list::{Face, HIDDEN, Node, PARTED, SINGLE_SIDED, faces_of, lobe_axis};
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(0) var<uniform> verdict: Verdict;
@@ -23,6 +24,10 @@ const TOUCHING = 0.02;
 // As far as a surface is off its plane by rounding.
 const ROUNDING = 0.001;
 
+// More than half the diagonal of a square, and the cosine of planes that do not cross in it.
+const NEAR = 0.15;
+const PARALLEL = 0.99;
+
 // Where a voxel is: its corner in the grid, and its edge.
 struct Place {
     corner: vec3f,
@@ -33,54 +38,107 @@ fn in_voxel(position_in_world: vec3f, place: Place) -> vec3f {
     return grid_from_world(position_in_world) / place.edge - place.corner;
 }
 
-// Whether another face of the voxel hides a point of a face.
-fn hides(other: u32, point: vec3f, normal: vec3f, is_single_sided: bool, place: Place) -> bool {
-    if (faces[other].flags & SINGLE_SIDED) == 0u {
-        return false;
-    }
+// What another face of the voxel does to a point of a face: it hides it, or has it on one of its sides.
+struct Beside {
+    is_hidden: bool,
+    is_behind: bool,
+    // It may pass through the point's square.
+    is_near: bool,
+}
+
+fn beside(other: u32, point: vec3f, normal: vec3f, is_single_sided: bool, place: Place) -> Beside {
     let facing = normalize(faces[other].vector_area);
-    let cosine = dot(facing, normal);
     let to = dot(facing, in_voxel(faces[other].position_in_world, place) - point);
+    let cosine = dot(facing, normal);
+    let is_near = abs(to) < NEAR && abs(cosine) < PARALLEL;
+    if (faces[other].flags & SINGLE_SIDED) == 0u {
+        return Beside(false, to > ROUNDING, is_near);
+    }
     let distance = to / select(cosine, 1e-6, abs(cosine) < 1e-6);
     let is_back = cosine > 0.001 && distance > ROUNDING;
     let is_touching = is_single_sided && cosine < -0.001 && distance > -ROUNDING && distance < TOUCHING;
     let at = across(point + normal * distance, lobe_axis(faces[other].lobe));
-    return (is_back || is_touching)
+    let is_hidden = (is_back || is_touching)
         && is_covered(at, vec2u(faces[other].mask_low, faces[other].mask_high), faces[other].profiles);
+    return Beside(is_hidden, to > ROUNDING, is_near);
 }
 
-fn find_start(index: u32, first: u32, count: u32, place: Place) -> vec4f {
+// A square of a face's mask: whether it is seen, and a bit for each other face that has it behind.
+struct Square {
+    point: vec3f,
+    is_covered: bool,
+    is_seen: bool,
+    is_parted: bool,
+    sides: u32,
+}
+
+fn square_of(index: u32, square: u32, first: u32, count: u32, place: Place) -> Square {
     let axis = lobe_axis(faces[index].lobe);
+    let mask = vec2u(faces[index].mask_low, faces[index].mask_high);
+    let uv = (vec2f(vec2u(square % 8u, square / 8u)) + 0.5) / 8.0;
+    var found = Square(vec3f(0.0), false, false, false, 0u);
+    if ((mask[square / 32u] >> (square % 32u)) & 1u) == 0u || !is_covered(uv, mask, faces[index].profiles) {
+        return found;
+    }
     let normal = normalize(faces[index].vector_area);
     let middle = in_voxel(faces[index].position_in_world, place);
     let is_single_sided = (faces[index].flags & SINGLE_SIDED) != 0u;
-    let mask = vec2u(faces[index].mask_low, faces[index].mask_high);
+    found.point[(axis + 1u) % 3u] = uv.x;
+    found.point[(axis + 2u) % 3u] = uv.y;
+    found.point[axis] = dot(normal, middle - found.point) / normal[axis];
+    found.is_covered = true;
+    found.is_seen = true;
+    for (var i = 0u; i < count && found.is_seen; i++) {
+        let other = first + i;
+        if other != index {
+            let its = beside(other, found.point, normal, is_single_sided, place);
+            found.is_seen = !its.is_hidden;
+            found.is_parted |= its.is_near;
+            found.sides |= select(0u, 1u << (i % 32u), its.is_behind);
+        }
+    }
+    return found;
+}
+
+struct Start {
+    point: vec3f,
+    // HIDDEN, PARTED or none.
+    flags: u32,
+}
+
+// The middle of what is seen on the sides of the other faces on which most squares are.
+fn find_start(index: u32, first: u32, count: u32, place: Place) -> Start {
     var seen = vec4f(0.0);
-    var hidden = 0.0;
-    for (var square = 0u; square < 64u; square++) {
-        let uv = (vec2f(vec2u(square % 8u, square / 8u)) + 0.5) / 8.0;
-        if ((mask[square / 32u] >> (square % 32u)) & 1u) == 0u || !is_covered(uv, mask, faces[index].profiles) {
-            continue;
-        }
-        var point = vec3f(0.0);
-        point[(axis + 1u) % 3u] = uv.x;
-        point[(axis + 2u) % 3u] = uv.y;
-        point[axis] = dot(normal, middle - point) / normal[axis];
-        var is_hidden = false;
-        for (var i = 0u; i < count && !is_hidden; i++) {
-            let other = first + i;
-            is_hidden = other != index && hides(other, point, normal, is_single_sided, place);
-        }
-        if is_hidden {
-            hidden += 1.0;
+    var is_whole = true;
+    var is_parted = false;
+    // Boyer and Moore 1991, "MJRTY: a fast majority vote algorithm".
+    var most = 0u;
+    var votes = 0;
+    for (var i = 0u; i < 64u; i++) {
+        let square = square_of(index, i, first, count, place);
+        is_parted |= square.is_parted;
+        if square.is_seen {
+            let is_first = seen.w == 0.0;
+            is_whole = is_whole && (is_first || square.sides == most);
+            most = select(most, square.sides, votes == 0);
+            votes += select(-1, 1, square.sides == most);
+            seen += vec4f(square.point, 1.0);
         } else {
-            seen += vec4f(point, 1.0);
+            is_whole = is_whole && !square.is_covered;
         }
     }
-    if hidden == 0.0 {
-        return vec4f(middle, 1.0);
+    if seen.w == 0.0 {
+        return Start(vec3f(0.0), HIDDEN);
     }
-    return vec4f(seen.xyz / max(seen.w, 1.0), seen.w);
+    if is_whole {
+        return Start(in_voxel(faces[index].position_in_world, place), select(0u, PARTED, is_parted));
+    }
+    var sum = vec4f(0.0);
+    for (var i = 0u; i < 64u; i++) {
+        let square = square_of(index, i, first, count, place);
+        sum += select(vec4f(0.0), vec4f(square.point, 1.0), square.is_seen && square.sides == most);
+    }
+    return Start(sum.xyz / sum.w, select(0u, PARTED, is_parted || sum.w < seen.w));
 }
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
@@ -102,10 +160,9 @@ fn main(
     // A start lies in the face's plane, so that planes stay where they are.
     for (var i = 0u; i < count; i++) {
         let start = find_start(first + i, first, count, place);
-        if start.w == 0.0 {
-            faces[first + i].flags |= HIDDEN;
-        } else {
-            faces[first + i].position_in_world = world_from_grid((place.corner + start.xyz) * place.edge);
+        faces[first + i].flags |= start.flags;
+        if start.flags != HIDDEN {
+            faces[first + i].position_in_world = world_from_grid((place.corner + start.point) * place.edge);
         }
     }
 }

@@ -43,6 +43,8 @@ fn with_faces(lobes: u32, lobe: u32, count: u32) -> u32 {
 const SINGLE_SIDED = 1u;
 // Nothing of it is seen: it lies inside of other surface, and gathers nothing.
 const HIDDEN = 2u;
+// Other surface parts some of what is seen of it from where its light is found.
+const PARTED = 4u;
 // The lowest of eight bits: the share of what it covers that light passes, of 255.
 const HOLES = 8u;
 
@@ -59,7 +61,7 @@ struct Face {
     lobe: u32,
     // Mean share of the light that enters, which leaves again diffusely.
     reflectance: vec3f,
-    // SINGLE_SIDED, HIDDEN and HOLES.
+    // SINGLE_SIDED, HIDDEN, PARTED and HOLES.
     flags: u32,
     // Mean emitted radiance.
     emission: vec3f,

@@ -1,10 +1,11 @@
 // A grid of probes in the air, each with the irradiance towards six directions, as Bevy's irradiance volumes hold them.
 
 import package::cascades::finest_level;
-import package::cones::ray::{trace_ray, BLACK, Passed, Ray};
+import package::cones::ray::{trace_ray, Passed, Ray};
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid_from_world;
+import package::volume::patch::BLACK;
 
 const PI: f32 = 3.14159265359;
 const SIDES: u32 = 6u;
