@@ -35,7 +35,7 @@ impl Stage {
     fn with(volume: VolumeKind, max: Vec3, resolution: u32) -> Self {
         let (device, queue) = device();
         let grid = Grid::fit(Vec3::ZERO, max, resolution, Vec3::ZERO).expect("it fits");
-        let config = GiConfig { volume, ..GiConfig::new(grid) };
+        let config = GiConfig { volume, keeps_cells: true, ..GiConfig::new(grid) };
         let gi = Gi::with_pipelines(&device, &queue, config).expect("a device");
         Self { device, queue, grid, gi }
     }
@@ -52,8 +52,8 @@ impl Stage {
     /// Whether the octree had no room for the last list.
     fn lacks_room(&self) -> bool {
         match self.gi.cells() {
-            CellVolume::Dense(_) => false,
-            CellVolume::Octree(octree) => octree.lacks_room_now(&self.device, &self.queue),
+            None | Some(CellVolume::Dense(_)) => false,
+            Some(CellVolume::Octree(octree)) => octree.lacks_room_now(&self.device, &self.queue),
         }
     }
 

@@ -122,7 +122,7 @@ impl Gi {
     ///
     /// # Errors
     /// [`GiError::Limit`] when the device cannot hold the volume: it names the limit and what would fit;
-    /// [`GiError::Budget`] when a dense volume takes more than it may; [`GiError::Shader`] when a kernel does not link,
+    /// [`GiError::Budget`] when dense cells take more than they may; [`GiError::Shader`] when a kernel does not link,
     /// which is a defect of this crate.
     pub fn with_pipelines(
         device: &Pipelines,
@@ -152,7 +152,7 @@ impl Gi {
             &config.grid,
             (config.volume, config.directionality),
             config.octree_builder.as_deref(),
-            (config.memory_budget, config.cones.is_some()),
+            (config.memory_budget, config.cones.is_some(), config.has_cells()),
             &crate::emitters::empty_list(device),
         )?;
         let voxelizer = Voxelizer::with(device, &shaders, config.voxelizer.as_deref())?;

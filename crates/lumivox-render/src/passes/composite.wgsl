@@ -7,7 +7,7 @@ import package::constants::{
 };
 import package::environment::environment_background;
 import package::temporal::record::decode_record;
-import package::trace::brdf::{fresnel_schlick, PI};
+import package::trace::brdf::{fresnel_of_even_light, PI};
 import package::trace::coat::{below_coat, load_coat};
 import package::trace::gbuffer::{
     gbuffer_diffuse, gbuffer_emission, gbuffer_specular, load_surface,
@@ -70,7 +70,7 @@ fn direct_light(pixel: vec2u, surface: Surface) -> vec3f {
 fn indirect_light(pixel: vec2u, surface: Surface) -> vec3f {
     let albedo = textureLoad(gbuffer_diffuse, pixel, 0).rgb;
     let f0 = textureLoad(gbuffer_specular, pixel, 0).rgb;
-    let fresnel = fresnel_schlick(f0, cos_view(surface));
+    let fresnel = fresnel_of_even_light(f0, cos_view(surface));
     let below = below_coat(load_coat(pixel), cos_view(surface));
     let diffuse = traced_irradiance(pixel).rgb * albedo / PI * (1.0 - fresnel) * below;
     return diffuse + traced_specular(pixel).rgb;

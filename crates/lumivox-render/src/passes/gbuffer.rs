@@ -1,11 +1,11 @@
-//! The G-buffer: the visible surface of each pixel, in 28 bytes.
+//! The G-buffer: the visible surface of each pixel, in 36 bytes.
 //!
 //! | target | format | holds |
 //! | --- | --- | --- |
 //! | depth | `Depth32Float` | reversed, without a far plane |
 //! | normals | `Rgba16Float` | octahedral shading normal and geometric normal |
-//! | diffuse | `Rgba8UnormSrgb` | diffuse albedo, 1 - the strength of a clear coat (linear) |
-//! | specular | `Rgba8UnormSrgb` | reflectance at normal incidence, perceptual roughness (linear) |
+//! | diffuse | `Rgba16Float` | diffuse albedo, 1 - the strength of a clear coat |
+//! | specular | `Rgba16Float` | reflectance at normal incidence, perceptual roughness |
 //! | emission | `Rgba16Float` | emitted radiance, the coat's perceptual roughness |
 //!
 //! The geometric normal is that of the triangle's plane, from the derivatives of the position: it
@@ -45,8 +45,8 @@ pub const NORMALS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float
 /// Formats of the colour targets, in the order of their locations.
 const FORMATS: [wgpu::TextureFormat; 4] = [
     NORMALS_FORMAT,
-    wgpu::TextureFormat::Rgba8UnormSrgb,
-    wgpu::TextureFormat::Rgba8UnormSrgb,
+    wgpu::TextureFormat::Rgba16Float,
+    wgpu::TextureFormat::Rgba16Float,
     wgpu::TextureFormat::Rgba16Float,
 ];
 

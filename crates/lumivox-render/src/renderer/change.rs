@@ -35,8 +35,8 @@ struct Redo {
 }
 
 impl Redo {
-    /// Compares settings; `is_same_grid` says that both have the same grid.
-    fn between(old: &RenderSettings, new: &RenderSettings, is_same_grid: bool) -> Self {
+    /// Compares settings; `is_same_volume` says that both have the same grid, and that the cells are there that are shown.
+    fn between(old: &RenderSettings, new: &RenderSettings, is_same_volume: bool) -> Self {
         let changed = PARAMETERS.iter().filter(|row| row.get(old) != row.get(new));
         let changed: HashSet<Redoes> = changed.map(|row| row.redoes).collect();
         // Another model of the cones is other shaders, other values of the same model are not.
@@ -45,7 +45,7 @@ impl Redo {
             && old.injection == new.injection
             && old.octree_builder == new.octree_builder
             && model(old) == model(new);
-        let volume = !is_same_grid || !are_same_hooks || changed.contains(&Redoes::Voxels);
+        let volume = !is_same_volume || !are_same_hooks || changed.contains(&Redoes::Voxels);
         let targets = volume || changed.contains(&Redoes::Targets) || old.size != new.size;
         let light = volume
             || changed.contains(&Redoes::Light)
@@ -88,7 +88,9 @@ impl Renderer {
         let bounds = settings.grid_bounds.unwrap_or(self.scene_bounds);
         let grid = settings.grid(bounds, self.camera.position)?;
         validate_level(&settings, &grid)?;
-        let redo = Redo::between(&self.settings, &settings, grid == *self.gi.grid());
+        let lacks_cells = settings.shows_cells() && !self.gi.config().has_cells();
+        let is_same_volume = grid == *self.gi.grid() && !lacks_cells;
+        let redo = Redo::between(&self.settings, &settings, is_same_volume);
         // A picture of another size keeps the light of earlier frames.
         let is_resized =
             RenderSettings { size: self.settings.size, ..settings.clone() } == self.settings;

@@ -16,7 +16,7 @@ use lumivox_scene::Bounds;
 use crate::look::{Look, LookChoice};
 use crate::passes::overlay::LineRecord;
 use crate::renderer::beside;
-use crate::{Overlay, RenderError};
+use crate::{Overlay, RenderError, Wires};
 
 use parameters::{Choices as _, PARAMETERS};
 pub use view::{COST_SCALE_SAMPLES, HISTORY_SCALE_FRAMES, View};
@@ -89,7 +89,7 @@ pub const PHYSICAL: &str = "physical";
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
     /// Width and height in pixels, at least 1, at most the device's `max_texture_dimension_2d`.
-    /// Default: 640 x 360. Cost and memory (about 120 bytes) are per pixel.
+    /// Default: 640 x 360. Cost and memory (about 130 bytes) are per pixel.
     pub size: UVec2,
     /// Voxels along the scene's longest axis, a multiple of 8 from 16 to 1024. Default: 128. Higher
     /// resolves finer detail and leaks less; memory and time for voxels grow with its square.
@@ -210,6 +210,7 @@ impl RenderSettings {
             grid,
             directionality: self.directionality,
             volume: self.volume,
+            keeps_cells: self.shows_cells(),
             octree_builder: self.octree_builder.clone(),
             memory_budget: self.volume_memory,
             voxelizer: self.voxelizer.clone(),
@@ -217,6 +218,14 @@ impl RenderSettings {
             cones: self.cone_model.clone(),
             ..GiConfig::new(grid)
         }
+    }
+
+    /// Whether a picture, an overlay or a look may show the volume's cells.
+    pub(crate) fn shows_cells(&self) -> bool {
+        let mut views = std::iter::once(&self.view).chain(&self.beside);
+        views.any(|view| view.is_of_voxels() || *view == View::Lod)
+            || self.overlay.wire_voxels != Wires::Off
+            || self.look.is_some()
     }
 
     /// The bounces in the voxels: the view of lit voxels needs none.

@@ -33,7 +33,7 @@ impl Lit {
     fn of(geometry: &Geometry, grid: Grid, lights: &[Light], sky: Vec3, bounces: u32) -> Self {
         let (device, queue) = device();
         let volume = if grid.cascades.is_some() { VolumeKind::Cascades } else { VolumeKind::Dense };
-        let config = GiConfig { volume, ..GiConfig::new(grid) };
+        let config = GiConfig { volume, keeps_cells: true, ..GiConfig::new(grid) };
         let mut gi = Gi::with_pipelines(&device, &queue, config).expect("it fits");
         pollster::block_on(gi.voxelize(geometry, Timing::Off)).expect("there are voxels");
         let lights = gi.bind_lights(lights, sky, None);
@@ -357,7 +357,8 @@ fn impossible_sizes_are_refused() {
     let error = Gi::with_pipelines(&device, &queue, GiConfig::new(grid)).expect_err("no dense");
     assert!(error.to_string().contains("volume is Dense, but must be Cascades"), "{error}");
     let fitted = Grid::fit(Vec3::ZERO, Vec3::ONE, 32, Vec3::ZERO).expect("it fits");
-    let config = GiConfig { volume: VolumeKind::Cascades, ..GiConfig::new(fitted) };
+    let config =
+        GiConfig { volume: VolumeKind::Cascades, keeps_cells: true, ..GiConfig::new(fitted) };
     let error = Gi::with_pipelines(&device, &queue, config).expect_err("no cascades");
     assert!(error.to_string().contains("a grid made by Grid::cascades"), "{error}");
 }

@@ -18,10 +18,13 @@ pub struct GiConfig {
     pub directionality: Directionality,
     /// Where cells are stored.
     pub volume: VolumeKind,
+    /// Whether the light of the faces is also stored in cells and filtered into a pyramid, for views of them. Default: false. Cells
+    /// are there anyway with [`Self::cones`], which march through them, and in an octree.
+    pub keeps_cells: bool,
     /// How an octree's nodes come into being; `None` (the default): numbered by ranks in bit masks, in the same order in
     /// every run. A dense volume has no nodes.
     pub octree_builder: Option<Arc<dyn OctreeBuilding>>,
-    /// The most bytes that the volume may take; `None` (the default): as much as the device gives. While an octree grows,
+    /// The most bytes that the cells may take; `None` (the default): as much as the device gives. While an octree grows,
     /// what it was is there besides.
     pub memory_budget: Option<u64>,
     /// How triangles become voxels; `None` (the default): every voxel that they touch, by the exact walk.
@@ -48,6 +51,7 @@ impl GiConfig {
             grid,
             directionality: Directionality::default(),
             volume: VolumeKind::default(),
+            keeps_cells: false,
             octree_builder: None,
             memory_budget: None,
             voxelizer: None,
@@ -56,5 +60,10 @@ impl GiConfig {
             gbuffer: None,
             shadow_maps: None,
         }
+    }
+
+    /// Whether there are cells.
+    pub fn has_cells(&self) -> bool {
+        self.keeps_cells || self.cones.is_some() || matches!(self.volume, VolumeKind::Octree(_))
     }
 }

@@ -72,8 +72,8 @@ impl Gi {
     }
 
     #[cfg(test)]
-    pub(crate) fn cells(&self) -> &CellVolume {
-        &self.volume.cells
+    pub(crate) fn cells(&self) -> Option<&CellVolume> {
+        self.volume.cells.as_ref()
     }
 
     /// The radiance that each face of the list sends out (`array<vec4f>`, rgb), once there is one.
@@ -100,12 +100,12 @@ impl Gi {
     /// Group 0 of everything that samples cells (`package::volume`): the grid, the cells and the emitters. Ask again after each
     /// voxelization: there is another one when an octree or the list of emitters has grown.
     pub fn cell_globals(&self) -> &BindGroup {
-        self.volume.cell_globals()
+        self.volume.cell_globals().expect("GiConfig::has_cells")
     }
 
     /// The layout of [`Self::cell_globals`].
     pub fn cell_globals_layout(&self) -> &wgpu::BindGroupLayout {
-        self.volume.cell_globals_layout()
+        self.volume.cell_globals_layout().expect("GiConfig::has_cells")
     }
 
     /// The layout of group 2: lights and shadow maps.

@@ -19,6 +19,15 @@ fn fresnel_schlick(f0: vec3f, cos_theta: f32) -> vec3f {
     return f0 + (vec3f(f90) - f0) * (rest_2 * rest_2 * rest);
 }
 
+// The mean of fresnel_schlick at the half vectors to a camera, over light that arrives evenly from the hemisphere, weighted by its
+// cosine. The polynomial is fitted to numeric integrals of (1 - cosine)^5, within 0.00001.
+fn fresnel_of_even_light(f0: vec3f, n_dot_v: f32) -> vec3f {
+    let f90 = saturate(dot(f0, vec3f(50.0 * 0.33)));
+    let x = 1.0 - saturate(n_dot_v);
+    let mean = (((0.00901218 * x + 0.00769301) * x + 0.00936738) * x + 0.00200958) * x + 0.0000827514;
+    return f0 + (vec3f(f90) - f0) * mean;
+}
+
 // Walter et al. 2007, equation 33.
 fn ggx_distribution(n_dot_h: f32, alpha: f32) -> f32 {
     let a2 = alpha * alpha;

@@ -121,10 +121,10 @@ fn sampler(device: &wgpu::Device) -> wgpu::Sampler {
     })
 }
 
-/// What cones meet on the GPU: cells, and all surface, unless cones march through the cells.
+/// What cones meet on the GPU: all surface, unless they march through cells; and cells, if something shows them.
 #[derive(Debug)]
 pub(crate) struct Volume {
-    pub(crate) cells: CellVolume,
+    pub(crate) cells: Option<CellVolume>,
     surface: Option<Surface>,
 }
 
@@ -138,23 +138,23 @@ pub(crate) enum CellVolume {
 }
 
 impl Volume {
-    /// Makes an empty volume over a grid, and mounts its shaders. It refuses to take more than
-    /// `budget` bytes: a dense volume at once, an octree once there are voxels. An octree's nodes are built as the caller
-    /// wants, or by ranks. Without cones that march there is all surface besides.
+    /// Makes an empty volume over a grid, and mounts its shaders. Its cells refuse to take more than
+    /// `budget` bytes: dense ones at once, an octree once there are voxels. An octree's nodes are built as the caller
+    /// wants, or by ranks. Without cones that march there is all surface.
     pub(crate) fn new(
         device: &Pipelines,
         shaders: &mut ShaderLibrary,
         grid: &Grid,
         (kind, directionality): (VolumeKind, Directionality),
         building: Option<&dyn OctreeBuilding>,
-        (budget, marches): (Option<u64>, bool),
+        (budget, marches, has_cells): (Option<u64>, bool, bool),
         emitters: &Buffer,
     ) -> Result<Self, GiError> {
         crate::cascades::check(grid, kind)?;
         mount(shaders, kind, directionality);
         crate::cascades::add_constants(shaders, grid.cascades.as_ref());
         crate::cones::mount(shaders, marches);
-        let cells = match kind {
+        let cells = has_cells.then(|| match kind {
             VolumeKind::Dense | VolumeKind::Cascades => {
                 DenseVolume::new(device, shaders, grid, (directionality, budget), emitters)
                     .map(|dense| CellVolume::Dense(Box::new(dense)))
@@ -163,9 +163,9 @@ impl Volume {
                 OctreeVolume::new(device, shaders, grid, (options, building, budget), emitters)
                     .map(|octree| CellVolume::Octree(Box::new(octree)))
             }
-        }?;
+        });
         let surface = (!marches).then(|| Surface::new(device, shaders, grid, emitters));
-        Ok(Self { cells, surface: surface.transpose()? })
+        Ok(Self { cells: cells.transpose()?, surface: surface.transpose()? })
     }
 
     /// Binds another list of emitters.
@@ -174,8 +174,9 @@ impl Volume {
             surface.bind_emitters(device, emitters);
         }
         match &mut self.cells {
-            CellVolume::Dense(dense) => dense.bind_emitters(device, emitters),
-            CellVolume::Octree(octree) => octree.bind_emitters(device, emitters),
+            None => {}
+            Some(CellVolume::Dense(dense)) => dense.bind_emitters(device, emitters),
+            Some(CellVolume::Octree(octree)) => octree.bind_emitters(device, emitters),
         }
     }
 
@@ -185,8 +186,8 @@ impl Volume {
             surface.move_to(device, grid, emitters);
         }
         match &mut self.cells {
-            CellVolume::Dense(dense) => dense.move_to(device, grid, emitters),
-            CellVolume::Octree(_) => {}
+            Some(CellVolume::Dense(dense)) => dense.move_to(device, grid, emitters),
+            None | Some(CellVolume::Octree(_)) => {}
         }
     }
 
@@ -196,8 +197,8 @@ impl Volume {
             return None;
         }
         match &self.cells {
-            CellVolume::Dense(_) => None,
-            CellVolume::Octree(octree) => Some(octree.late_word()),
+            None | Some(CellVolume::Dense(_)) => None,
+            Some(CellVolume::Octree(octree)) => Some(octree.late_word()),
         }
     }
 
@@ -207,16 +208,16 @@ impl Volume {
     /// [`GiError::Limit`] and [`GiError::Budget`] when an octree does not fit.
     pub(crate) fn hear(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
         match &mut self.cells {
-            CellVolume::Dense(_) => Ok(()),
-            CellVolume::Octree(octree) => octree.hear(recorder),
+            None | Some(CellVolume::Dense(_)) => Ok(()),
+            Some(CellVolume::Octree(octree)) => octree.hear(recorder),
         }
     }
 
     /// Whether it shows an earlier list, for lack of room, as far as the GPU has told. Dense volumes always have room.
     pub(crate) fn is_late(&self) -> bool {
         match &self.cells {
-            CellVolume::Dense(_) => false,
-            CellVolume::Octree(octree) => octree.is_late(),
+            None | Some(CellVolume::Dense(_)) => false,
+            Some(CellVolume::Octree(octree)) => octree.is_late(),
         }
     }
 
@@ -224,8 +225,8 @@ impl Volume {
     /// the GPU has told by now. The caller polls the device before it.
     pub(crate) fn told(&self) -> [bool; 2] {
         match &self.cells {
-            CellVolume::Dense(_) => [false, false],
-            CellVolume::Octree(octree) => octree.told(),
+            None | Some(CellVolume::Dense(_)) => [false, false],
+            Some(CellVolume::Octree(octree)) => octree.told(),
         }
     }
 
@@ -241,21 +242,22 @@ impl Volume {
             surface.bind(device, light);
         }
         match &mut self.cells {
-            CellVolume::Dense(dense) => dense.bind(device, light, cells),
-            CellVolume::Octree(octree) => octree.unbind(),
+            None => {}
+            Some(CellVolume::Dense(dense)) => dense.bind(device, light, cells),
+            Some(CellVolume::Octree(octree)) => octree.unbind(),
         }
     }
 
     /// Whether it needs a list of the cells of another surface to follow; an octree has nodes of its own to list.
     pub(crate) fn clears_cells(&self) -> bool {
-        matches!(self.cells, CellVolume::Dense(_))
+        matches!(self.cells, Some(CellVolume::Dense(_)))
     }
 
     /// Before the cells of another surface are found by their bits: adds those that it has missed.
     pub(crate) fn join_missed(&mut self, recorder: &mut Recorder<'_>, bits: &Buffer) {
         match &mut self.cells {
-            CellVolume::Dense(_) => {}
-            CellVolume::Octree(octree) => octree.join_missed(recorder, bits),
+            None | Some(CellVolume::Dense(_)) => {}
+            Some(CellVolume::Octree(octree)) => octree.join_missed(recorder, bits),
         }
     }
 
@@ -275,19 +277,20 @@ impl Volume {
             surface.follow(recorder);
         }
         match &mut self.cells {
-            CellVolume::Dense(dense) => {
+            None => Ok(()),
+            Some(CellVolume::Dense(dense)) => {
                 dense.follow(recorder, wrong);
                 Ok(())
             }
-            CellVolume::Octree(octree) => octree.follow(recorder, followed),
+            Some(CellVolume::Octree(octree)) => octree.follow(recorder, followed),
         }
     }
 
     /// Reads whether there was room, to be heard of later.
     pub(crate) fn tell(&mut self, recorder: &mut Recorder<'_>) {
         match &mut self.cells {
-            CellVolume::Dense(_) => {}
-            CellVolume::Octree(octree) => octree.tell(recorder),
+            None | Some(CellVolume::Dense(_)) => {}
+            Some(CellVolume::Octree(octree)) => octree.tell(recorder),
         }
     }
 
@@ -302,8 +305,8 @@ impl Volume {
         has_moving: bool,
     ) -> Result<(), GiError> {
         match &mut self.cells {
-            CellVolume::Dense(_) => Ok(()),
-            CellVolume::Octree(octree) => octree.settle(recorder, followed, has_moving).await,
+            None | Some(CellVolume::Dense(_)) => Ok(()),
+            Some(CellVolume::Octree(octree)) => octree.settle(recorder, followed, has_moving).await,
         }
     }
 
@@ -313,8 +316,9 @@ impl Volume {
             surface.update(recorder);
         }
         match &self.cells {
-            CellVolume::Dense(dense) => dense.update(recorder, changed),
-            CellVolume::Octree(octree) => octree.update(recorder, changed),
+            None => {}
+            Some(CellVolume::Dense(dense)) => dense.update(recorder, changed),
+            Some(CellVolume::Octree(octree)) => octree.update(recorder, changed),
         }
     }
 
@@ -333,35 +337,38 @@ impl Volume {
 
     /// Group 0 of everything that traces cones. Another one after there was more room.
     pub(crate) fn globals(&self) -> &BindGroup {
-        self.surface.as_ref().map_or_else(|| self.cell_globals(), Surface::globals)
+        let surface = self.surface.as_ref().map(Surface::globals);
+        surface.or_else(|| self.cell_globals()).expect("cones meet surface or cells")
     }
 
     /// The layout of [`Self::globals`].
     pub(crate) fn globals_layout(&self) -> &wgpu::BindGroupLayout {
-        self.surface.as_ref().map_or_else(|| self.cell_globals_layout(), Surface::globals_layout)
+        let surface = self.surface.as_ref().map(Surface::globals_layout);
+        surface.or_else(|| self.cell_globals_layout()).expect("cones meet surface or cells")
     }
 
     /// Group 0 of everything that samples cells: the grid and the cells. Another one after an octree got more room.
-    pub(crate) fn cell_globals(&self) -> &BindGroup {
-        match &self.cells {
+    pub(crate) fn cell_globals(&self) -> Option<&BindGroup> {
+        self.cells.as_ref().map(|cells| match cells {
             CellVolume::Dense(dense) => dense.globals(),
             CellVolume::Octree(octree) => octree.globals(),
-        }
+        })
     }
 
     /// The layout of [`Self::cell_globals`].
-    pub(crate) fn cell_globals_layout(&self) -> &wgpu::BindGroupLayout {
-        match &self.cells {
+    pub(crate) fn cell_globals_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        self.cells.as_ref().map(|cells| match cells {
             CellVolume::Dense(dense) => dense.globals_layout(),
             CellVolume::Octree(octree) => octree.globals_layout(),
-        }
+        })
     }
 
     /// Bytes on the GPU, by use.
     pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
         let mut memory = match &self.cells {
-            CellVolume::Dense(dense) => dense.memory(),
-            CellVolume::Octree(octree) => octree.memory(),
+            None => Vec::new(),
+            Some(CellVolume::Dense(dense)) => dense.memory(),
+            Some(CellVolume::Octree(octree)) => octree.memory(),
         };
         memory.extend(self.surface.iter().flat_map(Surface::memory));
         memory
@@ -370,8 +377,8 @@ impl Volume {
     /// The composition of the octree, if it is one and there are voxels.
     pub(crate) fn octree_stats(&self) -> Option<OctreeStats> {
         match &self.cells {
-            CellVolume::Dense(_) => None,
-            CellVolume::Octree(octree) => octree.stats(),
+            None | Some(CellVolume::Dense(_)) => None,
+            Some(CellVolume::Octree(octree)) => octree.stats(),
         }
     }
 }

@@ -1,6 +1,6 @@
 // Adds the light of the cones to Bevy's picture.
 
-import package::trace::brdf::{fresnel_schlick, PI};
+import package::trace::brdf::{fresnel_of_even_light, PI};
 import package::trace::coat::{below_coat, load_coat};
 import package::trace::gbuffer::{load_albedo, load_specular, load_surface, place};
 import package::trace::view::view;
@@ -36,7 +36,7 @@ fn add(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let to_camera = normalize(view.position_in_world - surface.position_in_world);
     let cosine = saturate(dot(surface.shading_normal, to_camera));
     let albedo = load_albedo(pixel);
-    let enters = 1.0 - fresnel_schlick(load_specular(pixel).reflectance, cosine);
+    let enters = 1.0 - fresnel_of_even_light(load_specular(pixel).reflectance, cosine);
     let below = below_coat(load_coat(pixel), cosine);
     let gathered = textureLoad(irradiance, pixel, 0).rgb * albedo.rgb / PI * enters * below * albedo.a;
     let mirrored = textureLoad(specular, pixel, 0).rgb;

@@ -32,6 +32,49 @@ fn fresnel(f0: f32, angle: f32) -> f32 {
     f0 + (1.0 - f0) * (1.0 - angle.cos()).powi(5)
 }
 
+/// What a dielectric of albedo 0.5 shows of a sky of one: diffuse light below its gloss, and the gloss, integrated over
+/// the directions of light (GGX, height-correlated Smith, Schlick).
+fn dielectric_in_even_light(roughness: f32, angle: f32) -> f32 {
+    let (alpha_2, view) = (roughness.powi(4), Vec3::new(angle.sin(), 0.0, angle.cos()));
+    let lambda = |z: f32| (alpha_2 + (1.0 - alpha_2) * z * z).sqrt();
+    const STEPS: u32 = 1024;
+    let mut sum = 0.0;
+    // Evenly over the squared sine and the azimuth, as the cosine weighs the hemisphere.
+    for i in 0..STEPS {
+        for j in 0..STEPS {
+            let sine_2 = (i as f32 + 0.5) / STEPS as f32;
+            let azimuth = PI * (j as f32 + 0.5) / STEPS as f32;
+            let (sine, z) = (sine_2.sqrt(), (1.0 - sine_2).sqrt());
+            let light = Vec3::new(azimuth.cos() * sine, azimuth.sin() * sine, z);
+            let half = (view + light).normalize();
+            let fresnel = 0.04 + 0.96 * (1.0 - half.dot(view)).powi(5);
+            let spread = half.z * half.z * (alpha_2 - 1.0) + 1.0;
+            let visibility = 0.5 / (z * lambda(view.z) + view.z * lambda(z));
+            let gloss = alpha_2 / (PI * spread * spread) * visibility * fresnel;
+            sum += f64::from(0.5 * (1.0 - fresnel) + PI * gloss);
+        }
+    }
+    (sum / f64::from(STEPS * STEPS)) as f32
+}
+
+/// From the front to grazing angles, a floor in an even sky has the light that its BRDF gives it.
+#[test]
+fn a_dielectric_in_even_light_is_right_at_every_angle() {
+    for roughness in [0.3, 0.6, 1.0] {
+        let paint = MetallicRoughness {
+            base_color: Vec4::new(0.5, 0.5, 0.5, 1.0),
+            roughness,
+            ..Default::default()
+        };
+        for degrees in [0.0_f32, 60.0, 75.0, 83.0] {
+            let found = under_the_sky(degrees.to_radians(), metallic_roughness(paint.clone()));
+            let expected = dielectric_in_even_light(roughness, degrees.to_radians());
+            println!("roughness {roughness}, {degrees} degrees: {found}, expected {expected}");
+            assert_near("floor", found / expected, Vec3::ONE, 0.02);
+        }
+    }
+}
+
 fn coat(strength: f32, roughness: f32) -> Clearcoat {
     Clearcoat { strength, roughness, texture: None }
 }

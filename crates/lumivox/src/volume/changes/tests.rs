@@ -24,7 +24,7 @@ impl Stage {
         let size = Vec3::new(1.0, 0.7, 0.9);
         let grid = Grid::fit(Vec3::ZERO, size, 32, Vec3::ZERO).expect("it fits");
         let geometry = room_with_a_box().build(&device);
-        let config = GiConfig { directionality, volume, ..GiConfig::new(grid) };
+        let config = GiConfig { directionality, volume, keeps_cells: true, ..GiConfig::new(grid) };
         Self { device, queue, config, geometry }
     }
 

@@ -32,9 +32,12 @@ fn lit_room(resolution: u32, directionality: Directionality) -> (Pipelines, wgpu
     let (device, queue) = device();
     let grid =
         Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), resolution, Vec3::ZERO).expect("fits");
-    let mut gi =
-        Gi::with_pipelines(&device, &queue, GiConfig { directionality, ..GiConfig::new(grid) })
-            .expect("a device");
+    let mut gi = Gi::with_pipelines(
+        &device,
+        &queue,
+        GiConfig { directionality, keeps_cells: true, ..GiConfig::new(grid) },
+    )
+    .expect("a device");
     let geometry = busy_room().build(&device);
     pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let lights = gi.bind_lights(&[], Vec3::ZERO, None);
@@ -50,7 +53,7 @@ pub(crate) fn read_levels(device: &wgpu::Device, queue: &wgpu::Queue, gi: &Gi) -
 
 /// The parts of all cells of a level, taken out of the atlas.
 fn read_parts(device: &wgpu::Device, queue: &wgpu::Queue, gi: &Gi, level: u32) -> Level {
-    let CellVolume::Dense(dense) = gi.cells() else { panic!("it is dense") };
+    let Some(CellVolume::Dense(dense)) = gi.cells() else { panic!("it is dense") };
     let texels: Vec<[f32; 4]> = read_level::<[u16; 4]>(device, queue, dense.texture(), level)
         .iter()
         .map(|texel| texel.map(|bits| f16::from_bits(bits).to_f32()))

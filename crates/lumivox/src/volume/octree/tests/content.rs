@@ -11,7 +11,7 @@ use crate::volume::{Level, read_levels};
 const DIRECTIONALITIES: [Directionality; 2] = [Directionality::SixLobes, Directionality::Isotropic];
 
 fn config(volume: VolumeKind, directionality: Directionality) -> GiConfig {
-    GiConfig { directionality, volume, ..GiConfig::new(odd_grid()) }
+    GiConfig { directionality, volume, keeps_cells: true, ..GiConfig::new(odd_grid()) }
 }
 
 /// A part of a cell of the dense volume: zero outside of the grid.

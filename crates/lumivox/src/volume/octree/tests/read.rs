@@ -27,8 +27,8 @@ pub(crate) struct ReadNode {
 
 fn tree(gi: &Gi) -> (&Tree, &TreeLayout) {
     match gi.cells() {
-        CellVolume::Octree(octree) => octree.tree(),
-        CellVolume::Dense(_) => panic!("it is an octree"),
+        Some(CellVolume::Octree(octree)) => octree.tree(),
+        _ => panic!("it is an octree"),
     }
 }
 
