@@ -4,7 +4,6 @@
 import package::cascades::cascade_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::gpu::random::{hash, random_pair};
 import package::light::turn::{
     counts, face_in_turn, faces, first_fresh, from_emitters, irradiance, is_fresh, settings,
 };
@@ -13,10 +12,8 @@ import package::voxels::morton::morton_decode;
 
 fn gather_at(index: u32) {
     let face = faces[index];
-    // A face keeps its jitter from bounce to bounce, so that the bounces converge to a fixed point.
-    let start = random_pair(face.cell, hash(face.lobe));
     let level = cascade_of(morton_decode(face.cell));
-    var sum = gathered_at(index, face, start, level);
+    var sum = gathered_at(index, face, level);
     if settings.has_emitters != 0u {
         sum += from_emitters(index);
     }

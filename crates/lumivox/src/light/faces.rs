@@ -23,6 +23,8 @@ pub(super) struct LightKernels {
     follow_layout: wgpu::BindGroupLayout,
     settle_layout: wgpu::BindGroupLayout,
     inherit_layout: wgpu::BindGroupLayout,
+    /// None where cones march.
+    find: Option<[Kernel; 2]>,
     bounce: [Kernel; 2],
     shine: [Kernel; 2],
     reflect: Kernel,
@@ -36,17 +38,18 @@ pub(super) struct LightKernels {
 impl LightKernels {
     /// Lets all kernels of recorded frames be compiled.
     pub(super) fn expect_frames(&self, device: &Pipelines) {
-        for [_, fresh] in [&self.bounce, &self.shine] {
+        for [_, fresh] in [&self.bounce, &self.shine].into_iter().chain(&self.find) {
             fresh.expect(device);
         }
     }
 
-    /// Links them; `grid` is the layout of the grid alone, the others those of groups 0 and 2.
+    /// Links them; `grid` is the layout of the grid alone, the others those of groups 0 and 2. Cones that march find no faces.
     pub fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
         grid: &wgpu::BindGroupLayout,
         [globals, lights]: [&wgpu::BindGroupLayout; 2],
+        marches: bool,
     ) -> Result<Self, GiError> {
         let layout = |uniforms: u32, read: u32, written: u32, label: &str| {
             let layout = (0..uniforms).fold(LayoutBuilder::compute(), |layout, _| layout.uniform());
@@ -71,6 +74,7 @@ impl LightKernels {
             |entry| Kernel::new(device, shaders, "light::show", entry, &[grid, &show_layout]);
         Ok(Self {
             direct_layout: layout(1, 1, 1, "direct light"),
+            find: (!marches).then(|| gather("light::find")).transpose()?,
             bounce: gather("light::bounce")?,
             shine: gather("light::shine")?,
             reflect: kernel("light::reflect", &reflect_layout)?,
@@ -97,6 +101,19 @@ impl LightKernels {
     ) -> Result<Kernel, ShaderError> {
         let groups = [globals, &self.direct_layout, lights];
         Kernel::new(device, shaders, "light::direct", "main", &groups)
+    }
+
+    /// Finds what the rays of the faces whose turn it is meet, as far as it is not known.
+    pub fn find(
+        &self,
+        recorder: &mut Recorder<'_>,
+        groups: [&BindGroup; 2],
+        faces: &Faces,
+        turn: Turn,
+    ) {
+        if let Some(find) = &self.find {
+            run_turn(recorder, "light::find", find, groups, faces, turn);
+        }
     }
 
     /// Gathers of the faces whose turn it is, and of those that never have.

@@ -1,13 +1,13 @@
 // The irradiance of a face by cones that march: the module package::light::way.
 
 import package::cones::gather::gather;
-import package::light::turn::settings;
+import package::light::turn::{face_start, settings};
 import package::voxels::list::Face;
 
-fn gathered_at(index: u32, face: Face, start: vec2f, level: u32) -> vec3f {
+fn gathered_at(index: u32, face: Face, level: u32) -> vec3f {
     let normal = normalize(face.vector_area);
     let gathered = gather(
-        face.position_in_world, normal, normal, level, settings.cone_count, start, 0u, settings.cones);
+        face.position_in_world, normal, normal, level, settings.cone_count, face_start(face), 0u, settings.cones);
     // A few cones may sum up below zero (march.wgsl).
     return max(gathered.irradiance, vec3f(0.0));
 }

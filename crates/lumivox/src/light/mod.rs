@@ -105,7 +105,13 @@ impl Lighting {
         let grid = BindGroupBuilder::new(&grid_layout)
             .buffer(&config.grid.uniform(device))
             .build(device, "grid");
-        let kernels = LightKernels::new(device, shaders, &grid_layout, [globals, lights])?;
+        let kernels = LightKernels::new(
+            device,
+            shaders,
+            &grid_layout,
+            [globals, lights],
+            config.cones.is_some(),
+        )?;
         let direct = match &config.injection {
             None => Direct::Faces(kernels.direct(device, shaders, [globals, lights])?),
             Some(injection) => {
@@ -269,6 +275,7 @@ impl Lighting {
         let groups = [volume.globals(), &lights.group];
         if gathers > 0 {
             recorder.stage("bounce");
+            self.kernels.find(recorder, groups, faces, Turn::OF_ALL);
             self.kernels.shine(recorder, groups, faces, Turn::OF_ALL);
         }
         for _ in 0..gathers {
@@ -317,6 +324,7 @@ impl Lighting {
         }
         recorder.stage("bounce");
         let groups = [volume.globals(), &lights.group];
+        self.kernels.find(recorder, groups, faces, turn);
         self.kernels.shine(recorder, groups, faces, turn);
         self.kernels.gather(recorder, groups, faces, turn);
         self.kernels.reflect(recorder, &self.grid, faces);

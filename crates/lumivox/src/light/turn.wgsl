@@ -2,6 +2,8 @@
 
 import package::cascades::cascade_of;
 import package::cones::cone::ConeSettings;
+import package::cones::hemisphere::cell_jitter;
+import package::gpu::random::{hash, random_pair};
 import package::voxels::counts::ListCounts;
 import package::voxels::list::Face;
 import package::voxels::morton::morton_decode;
@@ -28,15 +30,27 @@ struct BounceSettings {
 @group(1) @binding(2) var<storage, read> faces: array<Face>;
 // In rgb; w is 1 once a face has gathered.
 @group(1) @binding(3) var<storage, read_write> irradiance: array<vec4f>;
-// HIT_WORDS for each face: what its rays meet, FACE_RAYS of them (gather_rays.wgsl), and the irradiance that comes straight
+// HIT_WORDS for each face: what its rays meet, FACE_RAYS of them (find.wgsl), and the irradiance that comes straight
 // from emitters.
 @group(1) @binding(4) var<storage, read_write> hits: array<u32>;
 
 const FACE_RAYS = 16u;
 const HIT_WORDS = 20u;
 
+// Hits are kept plus this; zero is unknown.
+const HIT_OFFSET = 4u;
+
 // Rays are traced anew in so many groups.
 const RAY_CLASSES = 4u;
+
+// A face keeps its jitter from bounce to bounce, so that the bounces converge to a fixed point.
+fn face_start(face: Face) -> vec2f {
+    return random_pair(face.cell, hash(face.lobe));
+}
+
+fn face_jitter(face: Face) -> vec2f {
+    return cell_jitter(face_start(face), 0u);
+}
 
 fn from_emitters(face: u32) -> vec3f {
     let first = face * HIT_WORDS + FACE_RAYS;
