@@ -11,6 +11,7 @@ fn main() {
             path: "light::way",
             implementations: &["light::gather_rays", "light::gather_cones"],
         },
+        Slot { path: "trace::way", implementations: &["trace::near_and_far", "trace::by_cones"] },
         Slot { path: "volume", implementations: &["volume::six_lobes", "volume::isotropic"] },
         Slot {
             path: "volume::cells",

@@ -17,14 +17,17 @@ use crate::gpu::ShaderLibrary;
 pub use hook::ConeModel;
 pub use settings::{Preset, TraceResolution, TraceSettings};
 
-/// Makes the way that cones are traced `package::cones::way`, and that of faces `package::light::way`: a march, or exact hits.
+/// Makes the way that cones are traced `package::cones::way`, that of faces `package::light::way`, and that of pixels
+/// `package::trace::way`: a march, or exact hits.
 pub(crate) fn mount(shaders: &mut ShaderLibrary, marches: bool) {
-    let (cone, face) = if marches {
-        ("cones::march", "light::gather_cones")
+    let ways = if marches {
+        ["cones::march", "light::gather_cones", "trace::by_cones"]
     } else {
-        ("cones::exact", "light::gather_rays")
+        ["cones::exact", "light::gather_rays", "trace::near_and_far"]
     };
-    shaders.fill(crate::shaders::implementation(cone)).fill(crate::shaders::implementation(face));
+    for way in ways {
+        shaders.fill(crate::shaders::implementation(way));
+    }
 }
 
 /// `ConeSettings` of `cone.wgsl`.

@@ -13,6 +13,9 @@ use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList};
 /// Bytes of the hits of a face: `HIT_WORDS` of `turn.wgsl`.
 const HIT_BYTES: u64 = 80;
 
+/// Bytes of the light from afar of a face: `FAR_CELLS` words of `far_light.wgsl`.
+pub(crate) const FAR_BYTES: u64 = 64;
+
 /// The kernels.
 #[derive(Debug)]
 pub(super) struct LightKernels {
@@ -25,6 +28,7 @@ pub(super) struct LightKernels {
     inherit_layout: wgpu::BindGroupLayout,
     /// None where cones march.
     find: Option<[Kernel; 2]>,
+    far: Option<FarKernels>,
     bounce: [Kernel; 2],
     shine: [Kernel; 2],
     reflect: Kernel,
@@ -33,6 +37,15 @@ pub(super) struct LightKernels {
     follow: Kernel,
     settle: Kernel,
     inherit: Kernel,
+}
+
+/// The kernels of light from afar.
+#[derive(Debug)]
+struct FarKernels {
+    share_layout: wgpu::BindGroupLayout,
+    collect: Kernel,
+    rows: Kernel,
+    columns: Kernel,
 }
 
 impl LightKernels {
@@ -70,11 +83,23 @@ impl LightKernels {
             let fresh = Kernel::deferred(device, shaders, module, "fresh", &groups)?;
             Ok::<_, ShaderError>([in_turn, fresh])
         };
+        let far = || {
+            let share_layout = layout(1, 2, 1, "share far light");
+            let share = |entry| {
+                let groups = [globals, &share_layout];
+                Kernel::new(device, shaders, "light::share_far", entry, &groups)
+            };
+            let [rows, columns] = [share("rows")?, share("columns")?];
+            let groups = [globals, &bounce_layout, lights];
+            let collect = Kernel::new(device, shaders, "light::far", "main", &groups)?;
+            Ok::<_, ShaderError>(FarKernels { share_layout, collect, rows, columns })
+        };
         let show =
             |entry| Kernel::new(device, shaders, "light::show", entry, &[grid, &show_layout]);
         Ok(Self {
             direct_layout: layout(1, 1, 1, "direct light"),
             find: (!marches).then(|| gather("light::find")).transpose()?,
+            far: (!marches).then(far).transpose()?,
             bounce: gather("light::bounce")?,
             shine: gather("light::shine")?,
             reflect: kernel("light::reflect", &reflect_layout)?,
@@ -114,6 +139,22 @@ impl LightKernels {
         if let Some(find) = &self.find {
             run_turn(recorder, "light::find", find, groups, faces, turn);
         }
+    }
+
+    /// Finds the light that all faces get from afar, shared among neighbours. `None`: cones march.
+    pub fn far<'f>(
+        &self,
+        recorder: &mut Recorder<'_>,
+        [globals, lights]: [&BindGroup; 2],
+        faces: &'f Faces,
+    ) -> Option<&'f Buffer> {
+        let (kernels, far) = (self.far.as_ref()?, faces.far.as_ref()?);
+        recorder.compute("light::far", |pass| {
+            kernels.collect.dispatch_linear(pass, &[globals, &far.collect, lights], faces.capacity);
+            kernels.rows.dispatch_linear(pass, &[globals, &far.rows], faces.capacity);
+            kernels.columns.dispatch_linear(pass, &[globals, &far.columns], faces.capacity);
+        });
+        Some(&far.light[0])
     }
 
     /// Gathers of the faces whose turn it is, and of those that never have.
@@ -215,6 +256,8 @@ pub(super) struct Faces {
     has_emission: bool,
     /// The hits of the faces' rays, and irradiance straight from emitters (`turn.wgsl`).
     hits: Buffer,
+    /// None where cones march.
+    far: Option<Far>,
     /// Radiance that the volume shows without emission.
     reflected: Buffer,
     direct_group: BindGroup,
@@ -225,6 +268,45 @@ pub(super) struct Faces {
     settle: BindGroup,
     /// Once, from a list that was replaced.
     inherit: Option<BindGroup>,
+}
+
+/// Light from afar.
+#[derive(Debug)]
+struct Far {
+    /// That of each face, and that of rows of faces: from the first to the second and back.
+    light: [Buffer; 2],
+    collect: BindGroup,
+    rows: BindGroup,
+    columns: BindGroup,
+}
+
+impl Far {
+    fn new(
+        device: &wgpu::Device,
+        kernels: &LightKernels,
+        (settings, hits): (&Buffer, &Buffer),
+        list: &VoxelList,
+    ) -> Option<Self> {
+        let far = kernels.far.as_ref()?;
+        let light = ["far light", "far light of rows"]
+            .map(|label| storage_buffer(device, label, list.face_capacity() * FAR_BYTES));
+        let collect = BindGroupBuilder::new(&kernels.bounce_layout)
+            .buffer(settings)
+            .slice(&list.counts, 0, LIST_COUNT_BYTES)
+            .buffer(&list.faces)
+            .buffer(&light[0])
+            .buffer(hits)
+            .build(device, "far light");
+        let [rows, columns] = [[&light[0], &light[1]], [&light[1], &light[0]]].map(|[from, to]| {
+            BindGroupBuilder::new(&far.share_layout)
+                .slice(&list.counts, 0, LIST_COUNT_BYTES)
+                .buffer(&list.faces)
+                .buffer(from)
+                .buffer(to)
+                .build(device, "share far light")
+        });
+        Some(Self { light, collect, rows, columns })
+    }
 }
 
 impl Faces {
@@ -274,6 +356,7 @@ impl Faces {
         let shown = buffer("shown radiance");
         let held = buffer("held radiance");
         let hits = storage_buffer(device, "hits", list.face_capacity() * HIT_BYTES);
+        let far = Far::new(device, kernels, (settings, &hits), list);
         let reflected = if has_emission { list.face_capacity() * 16 } else { 0 };
         let reflected = storage_buffer(device, "reflected radiance", reflected);
         let moving_count = moving.faces.size() / size_of::<crate::voxels::FaceRecord>() as u64;
@@ -336,6 +419,7 @@ impl Faces {
             held,
             has_emission,
             hits,
+            far,
             reflected,
             direct_group,
             bounce,
@@ -436,6 +520,10 @@ impl Faces {
             ("light: shown radiance of the faces", self.shown.size()),
             ("light: held radiance of the faces", self.held.size()),
             ("light: what the faces' rays meet", self.hits.size()),
+            (
+                "light: from afar",
+                self.far.iter().flat_map(|far| &far.light).map(|light| light.size()).sum(),
+            ),
             ("light: reflected radiance of the faces", self.reflected.size()),
         ]
     }

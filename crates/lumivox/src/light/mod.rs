@@ -34,6 +34,7 @@ use crate::{GiConfig, GiError, Grid};
 use faces::{Faces, LightKernels};
 use turns::{Turn, Turns};
 
+pub(crate) use faces::FAR_BYTES;
 pub use injection::{FaceLight, Injection, InjectionParts, Injector};
 pub(crate) use lights::{
     LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPOT, SHADOW_CONE, SHADOW_MAP,
@@ -273,9 +274,9 @@ impl Lighting {
         let Some(changed) = changed else { return };
         volume.update(recorder, changed);
         let groups = [volume.globals(), &lights.group];
+        recorder.stage("bounce");
+        self.kernels.find(recorder, groups, faces, Turn::OF_ALL);
         if gathers > 0 {
-            recorder.stage("bounce");
-            self.kernels.find(recorder, groups, faces, Turn::OF_ALL);
             self.kernels.shine(recorder, groups, faces, Turn::OF_ALL);
         }
         for _ in 0..gathers {
@@ -289,6 +290,7 @@ impl Lighting {
             volume.update(recorder, changed);
             faces.hold(recorder);
         }
+        self.show_far(recorder, volume, lights, faces);
         self.emit(recorder, (volume, changes));
     }
 
@@ -332,8 +334,24 @@ impl Lighting {
         if let Some(changed) = changes.find(recorder) {
             volume.update(recorder, changed);
         }
+        self.show_far(recorder, volume, lights, faces);
         self.emit(recorder, (volume, changes));
         true
+    }
+
+    /// Shows pixels the light that faces get from afar.
+    fn show_far(
+        &self,
+        recorder: &mut Recorder<'_>,
+        volume: &Volume,
+        lights: &Lights,
+        faces: &Faces,
+    ) {
+        recorder.stage("far light");
+        let far = self.kernels.far(recorder, [volume.globals(), &lights.group], faces);
+        if let Some(far) = far {
+            volume.show_far(recorder, far);
+        }
     }
 
     /// Direct light and emission of the faces.

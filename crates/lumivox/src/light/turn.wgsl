@@ -1,11 +1,10 @@
 // Whose turn it is: faces gather a share at a time.
 
-import package::cascades::cascade_of;
+import package::cascades::{cascade_of, voxel_of};
 import package::cones::cone::ConeSettings;
-import package::cones::hemisphere::cell_jitter;
 import package::gpu::random::{hash, random_pair};
 import package::voxels::counts::ListCounts;
-import package::voxels::list::Face;
+import package::voxels::list::{Face, lobe_axis};
 import package::voxels::morton::morton_decode;
 
 struct BounceSettings {
@@ -43,13 +42,19 @@ const HIT_OFFSET = 4u;
 // Rays are traced anew in so many groups.
 const RAY_CLASSES = 4u;
 
-// A face keeps its jitter from bounce to bounce, so that the bounces converge to a fixed point.
+// A face's own place in the jitter's sequence. It keeps its jitter from bounce to bounce, so that the bounces converge to a fixed
+// point.
 fn face_start(face: Face) -> vec2f {
     return random_pair(face.cell, hash(face.lobe));
 }
 
+// Where a face's rays are in their cells. Any 5 x 5 faces of a plane have 25 places that lie evenly: in a grid of 5 x 5, and
+// along both of its sides.
 fn face_jitter(face: Face) -> vec2f {
-    return cell_jitter(face_start(face), 0u);
+    let voxel = vec3u(voxel_of(morton_decode(face.cell)).voxel + 0x400000);
+    let axis = lobe_axis(face.lobe);
+    let square = vec2f(vec2u(voxel[(axis + 1u) % 3u], voxel[(axis + 2u) % 3u]) % 5u);
+    return (square + (square.yx + 0.5) / 5.0) / 5.0;
 }
 
 fn from_emitters(face: u32) -> vec3f {

@@ -2,9 +2,9 @@
 
 import package::cascades::drawn_level;
 import package::gpu::random::{hash, random_pair};
-import package::cones::gather::gather;
 import package::emitters::gather::gather_emitters;
 import package::trace::gbuffer::load_surface;
+import package::trace::way::gather_surface;
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
 
 @group(1) @binding(1) var irradiance_out: texture_storage_2d<rgba16float, write>;
@@ -25,7 +25,7 @@ fn gather_at(
 ) -> TracedDiffuse {
     let start = random_pair(pixel.x, hash(pixel.y));
     let level = drawn_level(position_in_world, fract(start.x + 0.618034 * f32(turn & 0xffffu)));
-    let gathered = gather(
+    let gathered = gather_surface(
         position_in_world,
         shading_normal,
         geometric_normal,

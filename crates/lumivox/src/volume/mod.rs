@@ -330,6 +330,13 @@ impl Volume {
         }
     }
 
+    /// Shows the light that faces get from afar.
+    pub(crate) fn show_far(&self, recorder: &mut Recorder<'_>, far: &Buffer) {
+        if let Some(surface) = &self.surface {
+            surface.show_far(recorder, far);
+        }
+    }
+
     /// Whether cones march through the cells.
     pub(crate) fn is_marched(&self) -> bool {
         self.surface.is_none()

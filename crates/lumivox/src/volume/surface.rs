@@ -4,6 +4,7 @@ use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
     storage_buffer,
 };
+use crate::light::FAR_BYTES;
 use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList, level_words};
 use crate::{GiError, Grid};
 
@@ -65,7 +66,7 @@ impl Surface {
         let grid_uniform = grid.uniform(device);
         // A grid without voxels has an index all the same.
         let index = storage_buffer(device, "index of voxels", index_bytes(grid, 1));
-        let patches = storage_buffer(device, "patches", PATCH_BYTES);
+        let patches = storage_buffer(device, "patches", PATCH_BYTES + FAR_BYTES);
         Ok(Self {
             globals: bind_globals(
                 device,
@@ -114,7 +115,8 @@ impl Surface {
     pub(super) fn bind(&mut self, device: &wgpu::Device, (list, shown): (&VoxelList, &Buffer)) {
         let bytes = index_bytes(&self.cells, list.node_capacity());
         self.index = storage_buffer(device, "index of voxels", bytes);
-        self.patches = storage_buffer(device, "patches", list.face_capacity() * PATCH_BYTES);
+        self.patches =
+            storage_buffer(device, "patches", list.face_capacity() * (PATCH_BYTES + FAR_BYTES));
         let index = BindGroupBuilder::new(&self.index_layout)
             .buffer(&list.occupancy)
             .buffer(&list.ranks)
@@ -145,6 +147,12 @@ impl Surface {
     /// Shows the light of the faces.
     pub(super) fn update(&self, recorder: &mut Recorder<'_>) {
         self.fill(recorder, &self.fill_light);
+    }
+
+    /// Shows the light that faces get from afar, behind the patches.
+    pub(super) fn show_far(&self, recorder: &mut Recorder<'_>, far: &Buffer) {
+        let first = self.patches.size() / (PATCH_BYTES + FAR_BYTES) * PATCH_BYTES;
+        recorder.copy((far, 0), (&self.patches, first), far.size());
     }
 
     fn fill(&self, recorder: &mut Recorder<'_>, kernel: &Kernel) {

@@ -1,0 +1,18 @@
+// Irradiance at a surface by cones that march: the module package::trace::way.
+
+import package::cones::cone::ConeSettings;
+import package::cones::gather::{gather, Gathered};
+
+fn gather_surface(
+    position_in_world: vec3f,
+    shading_normal: vec3f,
+    geometric_normal: vec3f,
+    level: u32,
+    cone_count: u32,
+    start: vec2f,
+    frame: u32,
+    settings: ConeSettings,
+) -> Gathered {
+    return gather(
+        position_in_world, shading_normal, geometric_normal, level, cone_count, start, frame, settings);
+}

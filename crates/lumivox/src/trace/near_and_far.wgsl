@@ -1,0 +1,127 @@
+// Irradiance at a surface: the module package::trace::way.
+//
+// What is farther than NEAR is known: the faces around have gathered it (light/far.wgsl, light/share_far.wgsl). It is summed up over the
+// hemisphere without chance. Rays find what is nearer, and put it in the place of what is known in their direction. Where
+// nothing is known, rays find all.
+
+import package::cones::cone::ConeSettings;
+import package::cones::gather::Gathered;
+import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
+import package::cones::ray::{shown_by, trace_ray, Passed, Ray};
+import package::cones::way::{cone_growth, cone_start};
+import package::environment::environment_radiance;
+import package::grid::grid_from_world;
+import package::volume::beside::spot_at;
+import package::volume::far_light::{unpack_far_light, FAR_CELLS, NEAR, NO_FAR_LIGHT};
+import package::volume::patch::NOTHING;
+import package::volume::surface::far_light_of;
+
+const PI: f32 = 3.14159265359;
+
+// The cell of FAR_CELLS that a direction is in: cell_cone of hemisphere.wgsl has 5 in the inner ring and 11 in the outer one.
+const INNER_CELLS = 5.0;
+
+fn cell_of(local: vec3f) -> u32 {
+    let is_inner = (1.0 - local.z * local.z) * f32(FAR_CELLS) < INNER_CELLS;
+    let ring = select(f32(FAR_CELLS) - INNER_CELLS, INNER_CELLS, is_inner);
+    let turn = fract(atan2(local.y, local.x) / 6.28318530718 + 1.0);
+    return u32(select(INNER_CELLS, 0.0, is_inner) + min(floor(turn * ring), ring - 1.0));
+}
+
+// Radiance in rgb and openness in a, of each cell; zero where nothing is known.
+var<private> known: array<vec4f, FAR_CELLS>;
+var<private> is_known: array<bool, FAR_CELLS>;
+
+// The mean of the four faces around a point, by their distance.
+fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
+    let point = grid_from_world(position_in_world) * exp2(-f32(level));
+    let size = abs(normal);
+    let axis = select(select(2u, 1u, size.y > size.z), 0u, size.x > max(size.y, size.z));
+    let lobe = 2u * axis + select(1u, 0u, normal[axis] > 0.0);
+    let along = vec2u((axis + 1u) % 3u, (axis + 2u) % 3u);
+    let low = floor(vec2f(point[along.x], point[along.y]) - 0.5);
+    let share = vec2f(point[along.x], point[along.y]) - 0.5 - low;
+    var faces = array<u32, 4>();
+    var weights = vec4f(0.0);
+    for (var i = 0u; i < 4u; i++) {
+        let side = vec2f(vec2u(i & 1u, i >> 1u));
+        let parts = mix(1.0 - share, share, side);
+        let away = low + side + 0.5 - vec2f(point[along.x], point[along.y]);
+        var place = point;
+        place[along.x] += away.x;
+        place[along.y] += away.y;
+        place[axis] -= (normal[along.x] * away.x + normal[along.y] * away.y) / normal[axis];
+        let spot = spot_at(place, point, lobe, normal, level);
+        faces[i] = spot.face;
+        weights[i] = select(parts.x * parts.y, 0.0, spot.face == NOTHING);
+    }
+    for (var cell = 0u; cell < FAR_CELLS; cell++) {
+        var sum = vec4f(0.0);
+        var weight = 0.0;
+        for (var i = 0u; i < 4u; i++) {
+            if weights[i] > 0.0 {
+                let packed = far_light_of(faces[i], cell);
+                if packed != NO_FAR_LIGHT {
+                    let its = unpack_far_light(packed);
+                    sum += weights[i] * vec4f(its.radiance, its.openness);
+                    weight += weights[i];
+                }
+            }
+        }
+        is_known[cell] = weight > 0.0;
+        known[cell] = select(vec4f(0.0), sum / weight, weight > 0.0);
+    }
+}
+
+// As package::cones::gather.
+fn gather_surface(
+    position_in_world: vec3f,
+    shading_normal: vec3f,
+    geometric_normal: vec3f,
+    level: u32,
+    cone_count: u32,
+    start: vec2f,
+    frame: u32,
+    settings: ConeSettings,
+) -> Gathered {
+    find_known(position_in_world, geometric_normal, level);
+    let world_from_cells = basis(geometric_normal);
+    let cells_from_world = transpose(world_from_cells);
+    var sum = vec4f(0.0);
+    for (var cell = 0u; cell < FAR_CELLS; cell++) {
+        let local = cell_cone(cell, FAR_CELLS, vec2f(0.5)).direction;
+        let cosine = max(dot(world_from_cells * local, shading_normal), 0.0);
+        sum += known[cell] * (cosine / local.z / f32(FAR_CELLS));
+    }
+    let origin = cone_start(position_in_world, geometric_normal, level, settings);
+    let world_from_normal = basis(shading_normal);
+    let jitter = cell_jitter(start, frame);
+    // Where only near surface occludes, rays find all of it.
+    let near = NEAR * exp2(f32(level));
+    let is_occlusion_near = settings.occlusion_distance < 3e38;
+    let least_reach = select(near, max(near, settings.occlusion_distance), is_occlusion_near);
+    var passed = Passed(0u, true, 1.0);
+    var openness = 0.0;
+    for (var i = 0u; i < cone_count; i++) {
+        let local = cell_cone(i, cone_count, jitter);
+        var direction = world_from_normal * local.direction;
+        // With a normal map, a part of the hemisphere is below the surface; it is folded up.
+        let below = min(dot(direction, geometric_normal), 0.0);
+        direction = direction - 2.0 * below * geometric_normal;
+        let cell = cell_of(cells_from_world * direction);
+        let reach = select(3e38, least_reach, is_known[cell]);
+        let hit = trace_ray(Ray(origin, direction, reach, level), &passed);
+        var found = known[cell];
+        if hit.face != NOTHING && (hit.distance < near || !is_known[cell]) {
+            found = vec4f(shown_by(hit.face), 0.0);
+        } else if !is_known[cell] {
+            let growth = cone_growth(local.tan_half_angle, dot(direction, geometric_normal), settings);
+            found = vec4f(environment_radiance(direction, growth), 1.0);
+        }
+        sum += (found - known[cell]) / f32(cone_count);
+        openness += select(1.0, 0.0, hit.face != NOTHING && hit.distance < settings.occlusion_distance);
+    }
+    sum = max(sum, vec4f(0.0));
+    return Gathered(
+        PI * sum.rgb, select(min(sum.a, 1.0), openness / f32(cone_count), is_occlusion_near), passed.steps);
+}

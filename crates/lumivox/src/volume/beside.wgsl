@@ -1,0 +1,104 @@
+// Faces beside one another: of the same surface, and parted by other surface.
+
+import package::cascades::{box_size, lowest_voxel, stored_cell};
+import package::volume::patch::{start_of, unpack_patch, NOTHING, Patch, PATCH_WORDS};
+import package::volume::surface::{index, patches};
+import package::voxels::covered::{across, is_covered};
+import package::voxels::index::{first_entry, FACE_BITS};
+import package::voxels::lookup::bits_below;
+import package::voxels::morton::morton_encode;
+
+// Surface parts what is farther from it than this, in voxels.
+const PARTED = 0.02;
+
+fn patch_of(face: u32) -> Patch {
+    return unpack_patch(patches[PATCH_WORDS * face], patches[PATCH_WORDS * face + 4u]);
+}
+
+fn start_of_face(face: u32) -> vec3f {
+    return start_of(patch_of(face), patches[PATCH_WORDS * face].y);
+}
+
+// The entry of a voxel of the index; zero if it is empty or not there.
+fn entry_at(voxel: vec3i, cascade: u32) -> u32 {
+    let lowest = lowest_voxel(cascade);
+    if any(voxel < lowest) || any(voxel >= lowest + vec3i(box_size())) {
+        return 0u;
+    }
+    let code = morton_encode(stored_cell(voxel, 0u, cascade));
+    let bits = index[2u * (code / 32u)];
+    if ((bits >> (code % 32u)) & 1u) == 0u {
+        return 0u;
+    }
+    return index[first_entry() + index[2u * (code / 32u) + 1u] + bits_below(bits, code % 32u)];
+}
+
+// The face of a voxel between two points in its coordinates, other than a given one, or NOTHING.
+fn face_between(entry: u32, but: u32, start: vec3f, end: vec3f) -> u32 {
+    let first = entry & ((1u << FACE_BITS) - 1u);
+    for (var other = first; other < first + (entry >> FACE_BITS); other++) {
+        let plane = patch_of(other);
+        let ours = dot(plane.normal, start) - plane.offset;
+        let its = dot(plane.normal, end) - plane.offset;
+        let is_near = min(abs(ours), abs(its)) < PARTED * length(plane.normal);
+        if other == but || plane.holes != 0u || is_near || ours * its > 0.0 {
+            continue;
+        }
+        let crossed = mix(start, end, ours / (ours - its));
+        let place = PATCH_WORDS * other;
+        if is_covered(across(crossed, plane.lobe >> 1u), patches[place + 1u], vec4u(patches[place + 2u], patches[place + 3u])) {
+            return other;
+        }
+    }
+    return NOTHING;
+}
+
+// How much faces of one surface may differ: the cosine of their normals, and the height of one over the other, in voxels.
+struct Likeness {
+    least_cosine: f32,
+    most_height: f32,
+}
+
+// The face of a voxel that is nearest to a point of a surface, or NOTHING.
+fn face_like(entry: u32, lobe: u32, normal: vec3f, point: vec3f, likeness: Likeness) -> u32 {
+    var found = NOTHING;
+    var least = likeness.most_height;
+    let first = entry & ((1u << FACE_BITS) - 1u);
+    for (var face = first; face < first + (entry >> FACE_BITS); face++) {
+        let other = patch_of(face);
+        let size = length(other.normal);
+        let height = abs(dot(other.normal, point) - other.offset) / size;
+        let cosine = dot(other.normal, normal) / size;
+        if other.lobe == lobe && cosine > likeness.least_cosine && height < least {
+            found = face;
+            least = height;
+        }
+    }
+    return found;
+}
+
+// A face with its voxel, and where in the voxel its light is found.
+struct Spot {
+    face: u32,
+    entry: u32,
+    voxel: vec3i,
+    start: vec3f,
+}
+
+// What light from afar is shared among, and how many voxels a curved surface may rise over one.
+const SHARED = Likeness(0.9, 0.4);
+
+// The face of a surface at a point of it, if nothing in its voxel is between it and another point; in voxels of a cascade.
+fn spot_at(point: vec3f, seen_from: vec3f, lobe: u32, normal: vec3f, cascade: u32) -> Spot {
+    let voxel = vec3i(floor(point));
+    let corner = vec3f(voxel);
+    let entry = entry_at(voxel, cascade);
+    var spot = Spot(face_like(entry, lobe, normal, point - corner, SHARED), entry, voxel, vec3f(0.0));
+    if spot.face != NOTHING {
+        spot.start = start_of_face(spot.face);
+        if face_between(entry, spot.face, seen_from - corner, spot.start) != NOTHING {
+            spot.face = NOTHING;
+        }
+    }
+    return spot;
+}
