@@ -1,7 +1,7 @@
 //! Undo and redo.
 
 use glam::Vec3;
-use lumivox::Preset;
+use lumivox::{OctreeOptions, Preset, VolumeKind};
 use pollster::block_on;
 
 use super::tests::{explorer, fresh, opened, picture, small};
@@ -130,7 +130,9 @@ fn what_is_refused_leaves_no_step() {
     picture(&mut explorer);
     explorer.set_hidden(0, true);
     explorer.end_gesture();
-    let ask = |e: &Explorer| RenderSettings { volume_memory: Some(1), ..e.settings().clone() };
+    let volume = VolumeKind::Octree(OctreeOptions::default());
+    let ask =
+        |e: &Explorer| RenderSettings { volume, volume_memory: Some(1), ..e.settings().clone() };
     let (asked, preset) = (ask(&explorer), explorer.preset());
     assert!(block_on(explorer.try_settings(asked, preset, &mut |_| {})).is_err());
     explorer.end_gesture();

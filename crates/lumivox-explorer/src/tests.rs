@@ -111,7 +111,8 @@ fn what_the_renderer_refuses_is_taken_back() {
     assert!(explorer.set_settings(asked).is_err(), "out of range: refused at once");
     explorer.set_settings(explorer.settings_of(PresetChoice::Cones(Preset::High))).unwrap();
     explorer.note_preset(PresetChoice::Cones(Preset::High));
-    let asked = RenderSettings { volume_memory: Some(1), ..explorer.settings().clone() };
+    let volume = lumivox::VolumeKind::Octree(lumivox::OctreeOptions::default());
+    let asked = RenderSettings { volume, volume_memory: Some(1), ..explorer.settings().clone() };
     explorer.set_settings(asked).unwrap();
     assert!(
         block_on(explorer.update(&mut |_| {})).is_err(),

@@ -133,7 +133,12 @@ fn more_than_the_gpu_holds() {
     let needles = ["max_texture_dimension_2d", "16384x16", "at most 8192x8192"];
     expect_error(folder.path(), line, GPU, &needles);
     let line = "voxels builtin:cornell --portable --resolution 1024";
-    expect_error(folder.path(), line, GPU, &["max_texture_dimension_3d", "resolution to at most"]);
+    expect_error(
+        folder.path(),
+        line,
+        GPU,
+        &["max_storage_buffer_binding_size", "resolution to at most"],
+    );
 }
 
 #[test]

@@ -64,7 +64,7 @@ fn what_cannot_be_is_refused_with_numbers_and_a_remedy() {
     let render = "render builtin:cornell -o a.png --size 40x30 --resolution 64 --frames 1";
     let small = format!("{render} --volume octree --volume-memory 1MiB");
     expect_error(folder.path(), &small, GPU, &["the octree", "1048576 are allowed", "resolution"]);
-    let small = format!("{render} --volume-memory 1MiB");
+    let small = format!("{render} --view lod --volume-memory 1MiB");
     expect_error(folder.path(), &small, GPU, &["a dense volume", "1048576 are allowed"]);
     let view = format!("{render} --view bricks");
     expect_error(folder.path(), &view, INPUT, &["bricks", "--volume octree"]);

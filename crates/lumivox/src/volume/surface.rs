@@ -63,6 +63,7 @@ impl Surface {
         let kernel = |module, entry, layout| {
             Kernel::new(device, shaders, module, entry, &[&grid_layout, layout])
         };
+        check_index(grid, &device.limits())?;
         let grid_uniform = grid.uniform(device);
         // A grid without voxels has an index all the same.
         let index = storage_buffer(device, "index of voxels", index_bytes(grid, 1));
@@ -194,4 +195,29 @@ fn bind_globals(
 /// Bytes of the index of so many voxels.
 fn index_bytes(grid: &Grid, voxels: u64) -> u64 {
     4 * (2 * level_words(grid, 0) + level_words(grid, BLOCK_LEVEL) + voxels)
+}
+
+/// Whether a device can bind the index of a grid without voxels; voxels add a word each.
+fn check_index(grid: &Grid, limits: &wgpu::Limits) -> Result<(), GiError> {
+    let available = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    let needed = index_bytes(grid, 1);
+    if needed <= available {
+        return Ok(());
+    }
+    // Twice the edge takes eight times as much.
+    let fitting =
+        (0..).map(|halvings| (needed >> (3 * halvings), grid.dimensions.max_element() >> halvings));
+    let fitting =
+        fitting.into_iter().find(|(bytes, _)| *bytes <= available).map_or(0, |(_, edge)| edge);
+    Err(GiError::Limit {
+        what: format!(
+            "an index of {} voxels along its longest axis",
+            grid.dimensions.max_element()
+        ),
+        needed,
+        unit: "bytes",
+        limit: "max_storage_buffer_binding_size",
+        available,
+        remedy: format!("set the resolution to at most {fitting}"),
+    })
 }

@@ -264,7 +264,10 @@ fn warm_up(work: &mut dyn FnMut() -> Result<(), RenderError>) -> Result<(), Rend
 /// The counts and sizes that a renderer tells without measuring.
 fn figures(scene: &Scene, renderer: &Renderer, frame: Part) -> Figures {
     let memory = renderer.memory();
-    let volume = memory.iter().filter(|part| part.name.starts_with("volume"));
+    let is_volume = |name: &str| {
+        name.starts_with("volume") || ["voxels: index", "voxels: patches"].contains(&name)
+    };
+    let volume = memory.iter().filter(|part| is_volume(&part.name));
     Figures {
         triangles: scene.triangle_count() as u64,
         voxels: 0,

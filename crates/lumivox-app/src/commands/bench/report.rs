@@ -84,7 +84,7 @@ pub struct Figures {
     pub voxels: u64,
     /// GPU memory of everything.
     pub memory_bytes: u64,
-    /// The volume's share of it.
+    /// The share of what cones meet: faces with their index, or cells.
     pub volume_bytes: u64,
     /// Everything voxelized and lit again, with all bounces; of still cases alone.
     pub change: Option<Part>,

@@ -250,7 +250,7 @@ mod tests {
         for directionality in [Directionality::SixLobes, Directionality::Isotropic] {
             let grid = Grid::fit(glam::Vec3::ZERO, glam::Vec3::ONE, 32, glam::Vec3::ZERO).unwrap();
             assert_eq!(grid.dimensions, glam::UVec3::splat(32));
-            let config = GiConfig { directionality, ..GiConfig::new(grid) };
+            let config = GiConfig { directionality, keeps_cells: true, ..GiConfig::new(grid) };
             let gi = Gi::new(&gpu.device, &gpu.queue, config).unwrap();
             let memory = gi.memory();
             let volume = memory.iter().filter(|(name, _)| name.starts_with("volume"));

@@ -122,7 +122,10 @@ fn what_is_refused_is_taken_back_alone() {
         "screenshot c.png",
     ];
     let mut words = vec!["run", "-", "--keep-going"];
-    words.extend("--size 24x18 --resolution 64 --frames 1 --scene builtin:cornell".split(' '));
+    words.extend(
+        "--size 24x18 --resolution 64 --frames 1 --volume octree --scene builtin:cornell"
+            .split(' '),
+    );
     let run = lumivox_with(folder.path(), &words, &lines.join("\n"));
     let failed = |line: u32| run.stderr.contains(&format!("error: stdin:{line}: "));
     // Without a picture yet it fails where one is asked for.

@@ -192,7 +192,8 @@ fn a_new_list_leaves_nothing_of_the_old_one() {
     gi.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
     recorder.submit();
 
-    let mut fresh = Gi::new(&device, &queue, GiConfig::new(*gi.grid())).expect("a device");
+    let config = GiConfig { keeps_cells: true, ..GiConfig::new(*gi.grid()) };
+    let mut fresh = Gi::new(&device, &queue, config).expect("a device");
     pollster::block_on(fresh.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let mut recorder = Recorder::new(&device, &queue);
     fresh.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
