@@ -7,23 +7,10 @@ use lumivox::gpu::Recorder;
 use super::Renderer;
 use crate::RenderError;
 use crate::passes::gbuffer;
-use crate::passes::overlay::{Overlay, OverlayPass, OverlayView, Shown};
+use crate::passes::overlay::{OverlayPass, OverlayView, Shown};
 use crate::picture::tone_map::Encoding;
 
 impl Renderer {
-    /// Changes the overlay. The picture's frames stay; the overlay's start again, and come with the
-    /// picture's next ones or by [`Self::render_overlay_frame`]. When an overlay is switched off
-    /// its frames stay, in case it returns, until [`Self::set_settings`] finds it off.
-    ///
-    /// # Errors
-    /// [`RenderError::Limit`] when there are more lines than a buffer holds.
-    pub fn set_overlay(&mut self, overlay: Overlay) -> Result<(), RenderError> {
-        let settings = crate::RenderSettings { overlay, ..self.settings.clone() };
-        settings.validate(&self.gpu.device.limits())?;
-        self.settings = settings;
-        Ok(())
-    }
-
     /// The number of frames of the present overlay. There are none without frames of the picture
     /// below it.
     pub fn overlay_frame_count(&self) -> u32 {

@@ -100,7 +100,7 @@ fn what_is_refused_changes_nothing() {
         RenderSettings { resolution: 33, ..settings() },
         RenderSettings { voxel_level: 9, ..settings() },
         RenderSettings { view: View::Bricks, ..settings() },
-        RenderSettings { volume_memory: Some(1), ..settings() },
+        RenderSettings { view: View::Lod, volume_memory: Some(1), ..settings() },
     ];
     for settings_refused in refused {
         let refused =

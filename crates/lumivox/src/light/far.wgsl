@@ -13,6 +13,7 @@ import package::light::turn::{
 };
 import package::volume::far_light::{pack_far_light, FarLight, NEAR, NO_FAR_LIGHT};
 import package::volume::patch::{NOTHING, UNLIT};
+import package::volume::surface::far_cells;
 import package::voxels::list::{Face, HIDDEN};
 import package::voxels::morton::morton_decode;
 
@@ -49,7 +50,8 @@ fn main(
         return;
     }
     let face = faces[index];
-    for (var i = 0u; i < FACE_RAYS; i++) {
+    let rays = far_cells();
+    for (var i = 0u; i < rays; i++) {
         far[index * FACE_RAYS + i] = brought(index, face, i);
     }
 }

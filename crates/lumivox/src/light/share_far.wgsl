@@ -10,6 +10,7 @@ import package::volume::far_light::{
     pack_far_light, unpack_far_light, FarLight, FAR_CELLS, NO_FAR_LIGHT,
 };
 import package::volume::patch::NOTHING;
+import package::volume::surface::far_cells;
 import package::voxels::counts::ListCounts;
 import package::voxels::list::Face;
 import package::voxels::morton::morton_decode;
@@ -26,7 +27,8 @@ var<private> light: array<vec4f, FAR_CELLS>;
 var<private> known: array<f32, FAR_CELLS>;
 
 fn add(face: u32) {
-    for (var i = 0u; i < FAR_CELLS; i++) {
+    let cells = far_cells();
+    for (var i = 0u; i < cells; i++) {
         let packed = far[face * FAR_CELLS + i];
         if packed != NO_FAR_LIGHT {
             let its = unpack_far_light(packed);
@@ -54,7 +56,8 @@ fn next(spot: Spot, axis: u32, step: f32, cascade: u32) -> Spot {
 
 // `along` is 1 or 2: which axis next to that of the lobe.
 fn share(face: u32, along: u32) {
-    for (var i = 0u; i < FAR_CELLS; i++) {
+    let cells = far_cells();
+    for (var i = 0u; i < cells; i++) {
         light[i] = vec4f(0.0);
         known[i] = 0.0;
     }
@@ -71,7 +74,7 @@ fn share(face: u32, along: u32) {
             }
         }
     }
-    for (var i = 0u; i < FAR_CELLS; i++) {
+    for (var i = 0u; i < cells; i++) {
         let mean = light[i] / max(known[i], 1.0);
         shared_far[face * FAR_CELLS + i] =
             select(NO_FAR_LIGHT, pack_far_light(FarLight(mean.rgb, mean.a)), known[i] > 0.0);

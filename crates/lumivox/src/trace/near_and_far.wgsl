@@ -14,7 +14,7 @@ import package::grid::grid_from_world;
 import package::volume::beside::spot_at;
 import package::volume::far_light::{unpack_far_light, FAR_CELLS, NEAR, NO_FAR_LIGHT};
 import package::volume::patch::NOTHING;
-import package::volume::surface::far_light_of;
+import package::volume::surface::{far_cells, far_light_of};
 
 const PI: f32 = 3.14159265359;
 
@@ -28,9 +28,10 @@ fn cell_of(local: vec3f) -> u32 {
     return u32(select(INNER_CELLS, 0.0, is_inner) + min(floor(turn * ring), ring - 1.0));
 }
 
-// Radiance in rgb and openness in a, of each cell; zero where nothing is known.
+// Radiance in rgb and openness in a of each cell; zero where nothing is known.
 var<private> known: array<vec4f, FAR_CELLS>;
-var<private> is_known: array<bool, FAR_CELLS>;
+// A bit for each of them.
+var<private> known_cells: u32;
 
 // The mean of the four faces around a point, by their distance.
 fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
@@ -41,9 +42,11 @@ fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
     let along = vec2u((axis + 1u) % 3u, (axis + 2u) % 3u);
     let low = floor(vec2f(point[along.x], point[along.y]) - 0.5);
     let share = vec2f(point[along.x], point[along.y]) - 0.5 - low;
+    known_cells = 0u;
     var faces = array<u32, 4>();
     var weights = vec4f(0.0);
-    for (var i = 0u; i < 4u; i++) {
+    let cells = far_cells();
+    for (var i = 0u; i < cells / 4u; i++) {
         let side = vec2f(vec2u(i & 1u, i >> 1u));
         let parts = mix(1.0 - share, share, side);
         let away = low + side + 0.5 - vec2f(point[along.x], point[along.y]);
@@ -55,10 +58,10 @@ fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
         faces[i] = spot.face;
         weights[i] = select(parts.x * parts.y, 0.0, spot.face == NOTHING);
     }
-    for (var cell = 0u; cell < FAR_CELLS; cell++) {
+    for (var cell = 0u; cell < cells; cell++) {
         var sum = vec4f(0.0);
         var weight = 0.0;
-        for (var i = 0u; i < 4u; i++) {
+        for (var i = 0u; i < cells / 4u; i++) {
             if weights[i] > 0.0 {
                 let packed = far_light_of(faces[i], cell);
                 if packed != NO_FAR_LIGHT {
@@ -68,7 +71,7 @@ fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
                 }
             }
         }
-        is_known[cell] = weight > 0.0;
+        known_cells |= select(0u, 1u << cell, weight > 0.0);
         known[cell] = select(vec4f(0.0), sum / weight, weight > 0.0);
     }
 }
@@ -88,7 +91,8 @@ fn gather_surface(
     let world_from_cells = basis(geometric_normal);
     let cells_from_world = transpose(world_from_cells);
     var sum = vec4f(0.0);
-    for (var cell = 0u; cell < FAR_CELLS; cell++) {
+    let cells = far_cells();
+    for (var cell = 0u; cell < cells; cell++) {
         let local = cell_cone(cell, FAR_CELLS, vec2f(0.5)).direction;
         let cosine = max(dot(world_from_cells * local, shading_normal), 0.0);
         sum += known[cell] * (cosine / local.z / f32(FAR_CELLS));
@@ -109,12 +113,13 @@ fn gather_surface(
         let below = min(dot(direction, geometric_normal), 0.0);
         direction = direction - 2.0 * below * geometric_normal;
         let cell = cell_of(cells_from_world * direction);
-        let reach = select(3e38, least_reach, is_known[cell]);
+        let is_known = (known_cells & (1u << cell)) != 0u;
+        let reach = select(3e38, least_reach, is_known);
         let hit = trace_ray(Ray(origin, direction, reach, level), &passed);
         var found = known[cell];
-        if hit.face != NOTHING && (hit.distance < near || !is_known[cell]) {
+        if hit.face != NOTHING && (hit.distance < near || !is_known) {
             found = vec4f(shown_by(hit.face), 0.0);
-        } else if !is_known[cell] {
+        } else if !is_known {
             let growth = cone_growth(local.tan_half_angle, dot(direction, geometric_normal), settings);
             found = vec4f(environment_radiance(direction, growth), 1.0);
         }

@@ -8,6 +8,11 @@ import package::volume::patch::PATCH_WORDS;
 // The faces (patch.wgsl), and behind all of them their light from afar (far_light.wgsl).
 @group(0) @binding(7) var<storage, read> patches: array<vec2u>;
 
+// FAR_CELLS, but no constant: drivers unroll loops whose length they know, and take three times as long to compile them.
+fn far_cells() -> u32 {
+    return min(FAR_CELLS, arrayLength(&patches));
+}
+
 // A word of far_light.wgsl.
 fn far_light_of(face: u32, cell: u32) -> u32 {
     let words = FAR_CELLS / 2u;
