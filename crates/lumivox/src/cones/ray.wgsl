@@ -45,11 +45,10 @@ struct Hit {
     is_parted: bool,
 }
 
-// Whether a ray passes a face with holes: drawn, so that rays of all directions pass in proportion. `plane` is a number of the
-// face.
-fn passes(direction: vec3f, plane: u32, holes: u32) -> bool {
+// Whether a ray passes a face with holes: drawn, so that rays of all directions pass in proportion.
+fn passes(direction: vec3f, face: u32, holes: u32) -> bool {
     let bits = bitcast<vec3u>(direction);
-    return (hash(bits.x + hash(bits.y + hash(bits.z + hash(plane)))) >> 16u) * 255u < holes << 16u;
+    return (hash(bits.x + hash(bits.y + hash(bits.z + hash(face)))) >> 16u) * 255u < holes << 16u;
 }
 
 // The faces of a voxel with its corner at the origin and an edge of 1, up to a distance.
@@ -75,7 +74,7 @@ fn hit_faces(
         let at = across(point, plane.lobe >> 1u);
         if is_met && is_covered(at, patches[place + 1u], vec4u(patches[place + 2u], patches[place + 3u])) {
             let is_solid = plane.holes == 0u
-                || ((*passed).draws && !passes(direction, patches[place].y, plane.holes));
+                || ((*passed).draws && !passes(direction, face, plane.holes));
             if is_solid {
                 hit = Hit(distance, select(face, BLACK, is_back), plane.is_parted && !is_back);
             } else if all(point >= vec3f(0.0)) && all(point < vec3f(1.0)) {

@@ -2,10 +2,10 @@
 //!
 //! A picture becomes a cube map whose mips are means over their solid angle, computed in f32 on the
 //! CPU ([`cube`]). A cone that leaves the grid continues to infinity: it reads the mip whose texels
-//! are as wide as the last cells that it read (`environment.wgsl`). Its directions are jittered
+//! are as wide as a share of it (`environment.wgsl`). Its directions are jittered
 //! over the whole hemisphere, so that the mean over frames is the integral over the mips.
 //!
-//! Six cones cannot find a sun: it would be a speck of noise, and its shadow as wide as a cone.
+//! A few rays cannot find a sun: it would be a speck of noise, and its shadow as wide as a cone.
 //! Compact peaks are therefore cut out ([`peaks`]) and become directional lights, with shadow maps
 //! and exact highlights; the rest is the *soft* cube. The *sharp* cube holds everything, for the
 //! background and for lobes that are narrower than the peaks: mirrors show the sun's disc and not

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use lumivox::TraceResolution;
 use lumivox::gpu::{StageTime, Timing};
-use lumivox::{Directionality, TraceResolution};
 use lumivox_console::report::TimesReport;
 use lumivox_render::{Companions, Gpu, RenderError, RenderSettings, Renderer, View};
 use lumivox_scene::{Camera, Scene};
@@ -173,8 +173,7 @@ impl Bench<'_> {
 
     /// The samples of a frame, counted by the shaders.
     fn cones(&self, renderer: &mut Renderer) -> Result<Cones, RenderError> {
-        let (trace, directionality) =
-            (renderer.settings().trace, renderer.settings().directionality);
+        let trace = renderer.settings().trace;
         renderer.set_view(View::Cost, 0)?;
         self.frame(renderer)?;
         let picture = block_on(renderer.finish())?;
@@ -182,12 +181,7 @@ impl Bench<'_> {
         let is_counted = trace.resolution == TraceResolution::Full;
         // Pixels between traced ones show the mean of those.
         let share = if is_counted { 1.0 } else { 0.25 };
-        // On each axis the lobe that faces the direction.
-        let look_ups = match directionality {
-            Directionality::SixLobes => 3,
-            Directionality::Isotropic => 1,
-        };
-        Ok(Cones::new(shown * share, is_counted, look_ups))
+        Ok(Cones { samples: shown * share, is_counted })
     }
 
     /// The times of some work by the clock, ms.

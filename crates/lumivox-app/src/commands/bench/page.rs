@@ -32,10 +32,8 @@ const EXPLANATION: &str = "\
   parts; *frame* is a frame of a picture in which nothing changes, of which *trace* is the part of the cones.
 - *Moving*: a lamp (or the sun) and a block move in every frame; the frame voxelizes the block, lights the voxels with one more
   bounce (`Gi::voxelize_frame`, `Gi::light_frame`), and draws the picture. *Late* frames showed the voxels of an earlier one.
-- *Samples* are the cones' samples of the volume in a frame, counted by the shaders; with `~` an estimate (of pictures of which
-  one pixel in four is traced). *GB* is an estimate of what they read: samples x look-ups (3 of six lobes, one a axis; 1 of an
-  isotropic volume) x 8 texels x 8 bytes, as if every sample met surface and no cache helped. Divided by the time of *trace* it
-  is *GB/s*, to hold against the GPU's bandwidth: far below it, the cones wait for something else than memory.
+- *Samples* are the steps of the cones' rays in a frame, counted by the shaders; with `~` an estimate (of pictures of which
+  one pixel in four is traced).
 ";
 
 /// The heading of a column, whether published figures stand beside it, and its cells.
@@ -150,10 +148,6 @@ impl Page<'_> {
                 ("frame", true, |f| figure(Some(f.frame.whole.median))),
                 ("p95", false, |f| figure(Some(f.frame.whole.p95))),
                 ("samples", false, samples),
-                ("GB", false, |f| {
-                    f.cones.map_or(NONE.to_owned(), |cones| format!("{:.2}", cones.bytes / 1e9))
-                }),
-                ("GB/s", false, |f| rate(f).map_or(NONE.to_owned(), |rate| format!("{rate:.1}"))),
             ],
         );
         format!("## Still\n\n{table}\n")
@@ -245,12 +239,6 @@ fn samples(figures: &Figures) -> String {
     let Some(cones) = figures.cones else { return NONE.to_owned() };
     let about = if cones.is_counted { "" } else { "~" };
     format!("{about}{} M", figure(Some(cones.samples / 1e6)))
-}
-
-/// The estimated bytes over the time of the cones, GB/s.
-fn rate(figures: &Figures) -> Option<f64> {
-    let ms = figures.frame.sum_of(TRACE).filter(|ms| *ms > 0.0)?;
-    Some(figures.cones?.bytes / 1e6 / ms)
 }
 
 /// A text within a table or a line: without what Markdown would take for its own.

@@ -143,27 +143,11 @@ impl Spread {
 /// The work of a frame's cones.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cones {
-    /// Samples of the volume in a frame.
+    /// Steps of their rays in a frame.
     pub samples: f64,
     /// Whether they were counted in a frame, pixel by pixel. With one pixel in four traced they are estimated: those of the
     /// picture's pixels, divided by four; pixels at edges, which are traced by themselves, then count too little.
     pub is_counted: bool,
-    /// The most bytes that a sample reads: `look_ups` x 8 texels x 8 bytes.
-    pub bytes_per_sample: u32,
-    /// An estimate: samples x bytes a sample, as if every sample met surface and no cache helped.
-    pub bytes: f64,
-}
-
-impl Cones {
-    /// Texels of a trilinear look-up, of four half floats each.
-    const LOOK_UP_BYTES: u32 = 8 * 8;
-
-    /// The work of so many samples, of which each takes so many look-ups.
-    pub fn new(samples: f64, is_counted: bool, look_ups: u32) -> Self {
-        let bytes_per_sample = look_ups * Self::LOOK_UP_BYTES;
-        let bytes = samples * f64::from(bytes_per_sample);
-        Self { samples, is_counted, bytes_per_sample, bytes }
-    }
 }
 
 #[cfg(test)]
@@ -176,11 +160,5 @@ mod tests {
         assert_eq!(Spread::of(vec![7.0]), Spread { median: 7.0, p95: 7.0 });
         let hundred = (1..=100).rev().map(f64::from).collect();
         assert_eq!(Spread::of(hundred), Spread { median: 50.0, p95: 95.0 });
-    }
-
-    #[test]
-    fn a_sample_of_six_lobes_reads_three_look_ups_of_eight_texels() {
-        let cones = Cones::new(1000.0, true, 3);
-        assert_eq!((cones.bytes_per_sample, cones.bytes), (192, 192_000.0));
     }
 }

@@ -133,8 +133,8 @@ pub(super) const VOLUME: &[Row] = &[
         name: "resolution",
         unit: "voxels",
         summary: "Voxels along the longest axis",
-        help: "Higher resolves finer detail and leaks less. Memory grows with the cube in a dense volume (169 MiB at 128 \
-               for a cube-shaped scene; `lumivox info` says what fits), with the square in an octree; time with the square.",
+        help: "Higher resolves finer detail. Memory and time grow with the square. Views of voxels have cells besides, in a dense \
+               volume with the cube (165 MiB at 128 for a cube-shaped scene; `lumivox info` says what fits).",
         kind: Kind::Whole { low: MIN_RESOLUTION, high: MAX_RESOLUTION, multiple: 8 },
         redoes: Redoes::Voxels,
         get: |s| Value::Whole(s.resolution),
@@ -154,9 +154,9 @@ pub(super) const VOLUME: &[Row] = &[
     },
     Row {
         name: "directionality",
-        summary: "A radiance for each of six directions, or one a voxel",
-        help: "One a voxel takes a ninth of a dense volume's memory, or half of an octree's; but surfaces light and shadow \
-               themselves, and thin walls leak.",
+        summary: "A radiance for each of six directions, or one a cell",
+        help: "Of the cells that views of voxels show, and that the cones of the preset report and of VXCT march through. One a cell \
+               takes a ninth of a dense volume's memory, or half of an octree's; but then thin walls leak there.",
         kind: Kind::Choice(Directionality::CHOICES),
         shorthands: &[
             ("isotropic", Value::Choice("isotropic")),
@@ -169,10 +169,10 @@ pub(super) const VOLUME: &[Row] = &[
     },
     Row {
         name: "volume",
-        summary: "Where the voxels' light is stored",
-        help: "The picture is the same to 0.2 % on average. A dense volume is faster below 256 voxels (docs/octree.md has \
-               figures) and takes memory with the cube of the resolution; an octree takes it with the surface. Cascades have \
-               fine voxels near the camera and coarse ones far away, for scenes that are much larger than what is seen closely.",
+        summary: "Where cells are stored, or cascades",
+        help: "Rays meet faces, so pictures are the same. Dense cells are made for views of voxels alone, and take memory with the \
+               cube of the resolution; an octree takes it with the surface. Cascades have fine voxels near the camera and coarse \
+               ones far away, for scenes that are much larger than what is seen closely.",
         kind: Kind::Choice(&[
             Choice::new("dense", "3D textures over the whole grid"),
             Choice::new("octree", "nodes and bricks where there is surface"),
