@@ -5,6 +5,7 @@ mod changes;
 mod common;
 mod determinism;
 mod environment;
+mod first_frames;
 mod furnace;
 mod moving;
 mod octree;

@@ -281,7 +281,7 @@ fn radiance_never_meets_the_overlay() {
 
     // A renderer on which it comes and goes gives the same bits at each time. It has the cells that wires are coloured by.
     let mut changing = renderer(&gpu, &scene, drawn.clone());
-    let mut set = |changing: &mut Renderer, settings: &RenderSettings| {
+    let set = |changing: &mut Renderer, settings: &RenderSettings| {
         block_on(changing.set_settings(settings.clone(), &mut |_| {})).expect("few lines");
     };
     assert!(picture(&mut changing) == first);

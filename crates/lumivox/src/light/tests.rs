@@ -457,6 +457,32 @@ fn a_thin_wall_keeps_the_dark_room_dark() {
     assert!(worst < 0.015, "the dark room has {worst} of the lit one's light");
 }
 
+/// Walls of a sheet on a ground that goes on: the ground inside is not lit by the sky outside, whichever side of a voxel the
+/// walls are on.
+#[test]
+fn a_house_on_the_ground_keeps_the_sky_out() {
+    let bounds = (Vec3::new(-2.0, -0.1, -2.0), Vec3::new(2.0, 1.1, 2.0));
+    let sheet = crate::SurfaceMaterial { double_sided: true, ..lambert(0.7, 0.0) };
+    for offset in [Vec3::ZERO, Vec3::new(0.5, 0.25, 0.75), Vec3::new(0.25, 0.6, 0.1)] {
+        let (x, y, z) = (Vec3::X * 1.2, Vec3::Y, Vec3::Z * 1.2);
+        let corner = Vec3::new(-0.6, 0.0, -0.6);
+        let scene = SceneBuilder::default()
+            .quad(Vec3::new(-2.0, 0.0, -2.0), Vec3::Z * 4.0, Vec3::X * 4.0, lambert(0.7, 0.0))
+            .quad(corner, x, y, sheet.clone())
+            .quad(corner + z, x, y, sheet.clone())
+            .quad(corner, z, y, sheet.clone())
+            .quad(corner + x, z, y, sheet.clone())
+            .quad(corner + y, x, z, sheet.clone());
+        let mut bench = Bench::new(bounds, 64, offset, scene);
+        let lit = bench.light(&[], Vec3::ONE, 3);
+        let is_inside = |at: [f32; 3]| at[0].abs().max(at[2].abs()) < 0.55 && at[1] < 0.95;
+        let inside = lit.mean(|face| is_inside(face.position_in_world));
+        let outside = lit.mean(|face| face.position_in_world[0] > 0.7);
+        println!("offset {offset}: {:.3} % inside", 100.0 * inside / outside);
+        assert!(inside < 0.001 * outside, "{inside} inside, {outside} outside");
+    }
+}
+
 #[test]
 fn two_runs_have_the_same_bits() {
     let bounds = (Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9));

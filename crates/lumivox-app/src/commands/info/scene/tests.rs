@@ -19,7 +19,7 @@ fn every_builtin_scene_is_described() {
         for material in &scene.materials {
             assert!(text.contains(&material.name), "{text}");
         }
-        assert!(text.contains("voxel volume"), "{text}");
+        assert!(text.contains("voxel list"), "{text}");
         serde_json::to_string(&report).unwrap();
     }
 }
