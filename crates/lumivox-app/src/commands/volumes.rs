@@ -8,7 +8,7 @@ use lumivox::{
 use lumivox_console::report::{AdapterReport, SceneCounts, Table, bytes, count};
 use lumivox_console::{Failure, shown};
 use lumivox_explorer::parameters::{Value, find_parameter};
-use lumivox_render::{Gpu, RenderSettings, Renderer, View};
+use lumivox_render::{Gpu, Overlay, RenderSettings, Renderer, Wires};
 use lumivox_scene::{Scene, Staging, write_atomically};
 use serde::Serialize;
 
@@ -162,8 +162,8 @@ impl Row {
             directionality,
             volume: variant.volume,
             bounces: 1,
-            // A view of cells, so that there are some.
-            beside: vec![View::Lod],
+            // Something that shows cells, so that there are some.
+            overlay: Overlay { wire_voxels: Wires::Over, ..Overlay::default() },
             frames: FRAMES,
             timing: Timing::for_device(&gpu.device),
             ..RenderSettings::default()

@@ -30,7 +30,9 @@ fn a_switched_lamp_is_measured_step_by_step() {
         assert!(number(&spread["bias_percent"]["median"]).abs() < 30.0, "{layer}: {spread}");
         let rmse = &spread["rmse_percent"];
         assert!(number(&rmse["worst"]) >= number(&rmse["median"]), "{layer}: {spread}");
-        assert!(number(&spread["rmse_of_still"]["median"]) > 1.0, "{layer}: {spread}");
+        // At rest the irradiance is right but for the truth's own noise.
+        let of_still = &spread["rmse_of_still"];
+        assert!(of_still.is_null() || number(&of_still["median"]) > 1.0, "{layer}: {spread}");
         assert!(number(&spread["flip"]["median"]) > 0.0, "{layer}: {spread}");
     }
     assert!(number(&switch["flicker"]["display"]["worst"]) < 0.1, "{}", switch["flicker"]);

@@ -30,8 +30,8 @@ fn a_scene_is_told_whole() {
     assert_eq!(paint["double_sided"], true);
     assert_eq!(paint["kind"], "metallic-roughness");
     let memory = report["memory"].as_array().unwrap();
-    let volume = memory.iter().find(|part| part["name"] == "voxel volume").unwrap();
-    assert!(volume["bytes"].as_u64().unwrap() > 1 << 20, "{volume}");
+    let list = memory.iter().find(|part| part["name"] == "voxel list (about)").unwrap();
+    assert!(list["bytes"].as_u64().unwrap() > 1 << 20, "{list}");
     assert_eq!(report["resolution"], 64);
     let text = lumivox(folder.path(), "info moving.glb").expect_ok().stdout;
     for needle in [
@@ -40,7 +40,7 @@ fn a_scene_is_told_whole() {
         "slide",
         "paint",
         "both sides",
-        "voxel volume",
+        "voxel list",
         "eye",
     ] {
         assert!(text.contains(needle), "{needle} is missing in {text}");
