@@ -35,9 +35,9 @@ pub(crate) struct Targets {
     pub(crate) bytes: u64,
 }
 
-/// Bytes a pixel of everything in [`Targets`] but the cones: G-buffer 28, direct light 16, picture and mean 48, illuminance 4,
+/// Bytes a pixel of everything in [`Targets`] but the cones: G-buffer 36, direct light 16, picture and mean 48, illuminance 4,
 /// screen 4.
-pub(crate) const BYTES_PER_PIXEL: u64 = 100;
+pub(crate) const BYTES_PER_PIXEL: u64 = 108;
 
 /// Additional bytes a pixel for motion, where light of earlier frames is kept.
 const MOTION_BYTES_PER_PIXEL: u64 = 4;

@@ -132,6 +132,12 @@ impl MemoryEstimate {
 
 /// The change of settings that reduces the memory of voxels.
 fn voxel_remedy(settings: &RenderSettings) -> &'static str {
+    if settings.volume == VolumeKind::Dense
+        && !settings.shows_cells()
+        && settings.cone_model.is_none()
+    {
+        return "lower the voxels' resolution";
+    }
     match (settings.volume, settings.directionality) {
         (VolumeKind::Dense, Directionality::SixLobes) => {
             "lower the voxels' resolution, keep them isotropic, or store them in an octree \
@@ -340,7 +346,7 @@ mod tests {
         if gpu.is_software() {
             assert!(text.contains(" MiB are free"), "{text}");
         }
-        for needle in ["\"cornell\"", "voxel volume", "MiB", "lower the voxels' resolution"] {
+        for needle in ["\"cornell\"", "voxel list", "MiB", "lower the voxels' resolution"] {
             assert!(text.contains(needle), "{text}");
         }
     }
