@@ -53,11 +53,14 @@ fn shift(light: vec3f, change: vec3f, was: vec3f) -> vec3f {
     return select(light + change, light * scale, change < vec3f(0.0));
 }
 
-// This frame's light without its noise: the wide filter's, and from step to step of it what is finer, by the
+// The steps of the filter that this frame's light goes through: light from afar has no noise, and what is near has little.
+const FILTERED: u32 = 1u;
+
+// This frame's light without its noise: the filter's, and from step to step of it what is finer, by the
 // share of it that is not noise (Wiener's filter), as in a penumbra.
 fn filtered(fresh: Fresh, frames: f32) -> vec3f {
-    var light = fresh.steps[WIDEST];
-    for (var i = i32(WIDEST) - 1; i >= 0; i--) {
+    var light = fresh.steps[FILTERED];
+    for (var i = i32(FILTERED) - 1; i >= 0; i--) {
         let detail = fresh.steps[i] - fresh.steps[i + 1];
         let size = dot(abs(detail), vec3f(1.0 / 3.0));
         // A few cones may sum up below zero.

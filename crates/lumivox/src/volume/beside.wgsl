@@ -9,7 +9,7 @@ import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_encode;
 
 // Surface parts what is farther from it than this, in voxels.
-const PARTED = 0.02;
+const PARTED = 0.002;
 
 fn patch_of(face: u32) -> Patch {
     return unpack_patch(patches[PATCH_WORDS * face], patches[PATCH_WORDS * face + 4u]);
