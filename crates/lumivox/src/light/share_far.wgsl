@@ -5,7 +5,7 @@
 import package::cascades::voxel_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::volume::beside::{entry_at, face_between, patch_of, spot_at, start_of_face, Spot};
+import package::volume::beside::{is_parted, patch_of, spot_at, start_of_face, Spot};
 import package::volume::far_light::{
     pack_far_light, unpack_far_light, FarLight, FAR_CELLS, NO_FAR_LIGHT,
 };
@@ -42,13 +42,11 @@ fn add(face: u32) {
 fn next(spot: Spot, axis: u32, step: f32, cascade: u32) -> Spot {
     let plane = patch_of(spot.face);
     let normal = normalize(plane.normal);
-    let corner = vec3f(spot.voxel);
-    var point = corner + spot.start;
+    var point = spot.start;
     point[axis] += step;
     point[plane.lobe >> 1u] -= step * normal[axis] / normal[plane.lobe >> 1u];
-    var found = spot_at(point, corner + spot.start, plane.lobe, normal, cascade);
-    let there = vec3f(found.voxel - spot.voxel) + found.start;
-    if found.face != NOTHING && face_between(spot.entry, spot.face, spot.start, there) != NOTHING {
+    var found = spot_at(point, plane.lobe, normal, cascade);
+    if found.face != NOTHING && is_parted(spot.start, found.start, normal, cascade) {
         found.face = NOTHING;
     }
     return found;
@@ -62,11 +60,10 @@ fn share(face: u32, along: u32) {
         known[i] = 0.0;
     }
     let own = voxel_of(morton_decode(faces[face].cell));
-    let voxel = vec3i(own.voxel);
     let axis = ((faces[face].lobe >> 1u) + along) % 3u;
     add(face);
     for (var side = -1.0; side < 2.0; side += 2.0) {
-        var spot = Spot(face, entry_at(voxel, own.cascade), voxel, start_of_face(face));
+        var spot = Spot(face, vec3f(own.voxel) + start_of_face(face));
         for (var i = 0; i < REACH && spot.face != NOTHING; i++) {
             spot = next(spot, axis, side, own.cascade);
             if spot.face != NOTHING {

@@ -11,7 +11,7 @@ import package::cones::ray::{shown_by, trace_ray, Passed, Ray};
 import package::cones::way::{cone_growth, cone_start};
 import package::environment::environment_radiance;
 import package::grid::grid_from_world;
-import package::volume::beside::{face_between, spot_at, Spot};
+import package::volume::beside::{is_parted, spot_at};
 import package::volume::far_light::{unpack_far_light, FAR_CELLS, NEAR, NO_FAR_LIGHT};
 import package::volume::patch::NOTHING;
 import package::volume::surface::{far_cells, far_light_of};
@@ -43,7 +43,7 @@ fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
     let low = floor(vec2f(point[along.x], point[along.y]) - 0.5);
     let share = vec2f(point[along.x], point[along.y]) - 0.5 - low;
     known_cells = 0u;
-    var spots = array<Spot, 4>();
+    var faces = array<u32, 4>();
     var weights = vec4f(0.0);
     let cells = far_cells();
     for (var i = 0u; i < cells / 4u; i++) {
@@ -54,24 +54,17 @@ fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
         place[along.x] += away.x;
         place[along.y] += away.y;
         place[axis] -= (normal[along.x] * away.x + normal[along.y] * away.y) / normal[axis];
-        spots[i] = spot_at(place, point, lobe, normal, level);
-        weights[i] = select(parts.x * parts.y, 0.0, spots[i].face == NOTHING);
-    }
-    // Nothing in the other voxels may be between, either.
-    for (var i = 0u; i < cells; i++) {
-        let other = i / 4u;
-        let corner = vec3f(spots[i % 4u].voxel);
-        let start = vec3f(spots[other].voxel) + spots[other].start;
-        if face_between(spots[i % 4u].entry, spots[other].face, point - corner, start - corner) != NOTHING {
-            weights[other] = 0.0;
-        }
+        let spot = spot_at(place, lobe, normal, level);
+        faces[i] = spot.face;
+        let is_there = spot.face != NOTHING && !is_parted(point, spot.start, normal, level);
+        weights[i] = select(0.0, parts.x * parts.y, is_there);
     }
     for (var cell = 0u; cell < cells; cell++) {
         var sum = vec4f(0.0);
         var weight = 0.0;
         for (var i = 0u; i < cells / 4u; i++) {
             if weights[i] > 0.0 {
-                let packed = far_light_of(spots[i].face, cell);
+                let packed = far_light_of(faces[i], cell);
                 if packed != NO_FAR_LIGHT {
                     let its = unpack_far_light(packed);
                     sum += weights[i] * vec4f(its.radiance, its.openness);

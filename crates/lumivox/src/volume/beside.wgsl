@@ -77,28 +77,39 @@ fn face_like(entry: u32, lobe: u32, normal: vec3f, point: vec3f, likeness: Liken
     return found;
 }
 
-// A face with its voxel, and where in the voxel its light is found.
+// Whether other surface is between two points of a surface, in voxels of a cascade: looked for as far above it as rays start, where
+// what stands on it is, in the voxels of both and of the middle.
+fn is_parted(start: vec3f, end: vec3f, normal: vec3f, cascade: u32) -> bool {
+    let first = start + ABOVE * normal;
+    let last = end + ABOVE * normal;
+    var parted = false;
+    for (var i = 0; i < 3; i++) {
+        let voxel = vec3i(floor(mix(first, last, 0.5 * f32(i))));
+        let corner = vec3f(voxel);
+        let between = face_between(entry_at(voxel, cascade), NOTHING, first - corner, last - corner);
+        parted = parted || between != NOTHING;
+    }
+    return parted;
+}
+
+const ABOVE = 0.05;
+
+// A face, and where its light is found, in voxels of a cascade.
 struct Spot {
     face: u32,
-    entry: u32,
-    voxel: vec3i,
     start: vec3f,
 }
 
 // What light from afar is shared among, and how many voxels a curved surface may rise over one.
 const SHARED = Likeness(0.9, 0.4);
 
-// The face of a surface at a point of it, if nothing in its voxel is between it and another point; in voxels of a cascade.
-fn spot_at(point: vec3f, seen_from: vec3f, lobe: u32, normal: vec3f, cascade: u32) -> Spot {
+// The face of a surface at a point of it.
+fn spot_at(point: vec3f, lobe: u32, normal: vec3f, cascade: u32) -> Spot {
     let voxel = vec3i(floor(point));
     let corner = vec3f(voxel);
-    let entry = entry_at(voxel, cascade);
-    var spot = Spot(face_like(entry, lobe, normal, point - corner, SHARED), entry, voxel, vec3f(0.0));
-    if spot.face != NOTHING {
-        spot.start = start_of_face(spot.face);
-        if face_between(entry, spot.face, seen_from - corner, spot.start) != NOTHING {
-            spot.face = NOTHING;
-        }
+    let face = face_like(entry_at(voxel, cascade), lobe, normal, point - corner, SHARED);
+    if face == NOTHING {
+        return Spot(NOTHING, point);
     }
-    return spot;
+    return Spot(face, corner + start_of_face(face));
 }
