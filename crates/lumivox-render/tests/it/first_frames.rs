@@ -16,27 +16,21 @@ fn irradiance(name: &str, frames: u32) -> Picture {
     picture(&mut renderer(&gpu(), &builtin(name), settings))
 }
 
-/// Blocks of 8 x 8 pixels: the median of the root mean square of the relative difference.
+/// The median of the relative difference over the pixels that are lit: borders of things, where pixels are jittered, are few.
 fn noise(picture: &Picture, mean: &Picture) -> f32 {
-    let mut blocks: Vec<f32> = (0..48)
-        .map(|block| {
-            let corner = (block / 8 * 8 * 64 + block % 8 * 8) as usize;
-            let pixels = (0..64).map(|pixel| corner + pixel / 8 * 64 + pixel % 8);
-            let of = |pixel: usize| picture.hdr[pixel][1] / mean.hdr[pixel][1].max(1e-3) - 1.0;
-            (pixels.map(|pixel| of(pixel).powi(2)).sum::<f32>() / 64.0).sqrt()
-        })
-        .collect();
-    blocks.sort_by(f32::total_cmp);
-    blocks[24]
+    let pairs = picture.hdr.iter().zip(&mean.hdr).filter(|(_, mean)| mean[1] > 1e-3);
+    let mut apart: Vec<f32> = pairs.map(|(one, mean)| (one[1] / mean[1] - 1.0).abs()).collect();
+    apart.sort_by(f32::total_cmp);
+    apart[apart.len() / 2]
 }
 
-/// Nine rays a pixel would leave 15 %.
+/// Nine rays a pixel alone leave 10 % in Cornell and 25 % in the atrium.
 #[test]
 fn a_first_frame_is_smooth() {
     for name in ["cornell", "atrium"] {
         let mean = irradiance(name, 64);
         let [first, few] = [1, 8].map(|frames| noise(&irradiance(name, frames), &mean));
         println!("{name}: noise {first} in the first frame, {few} after eight");
-        assert!(first < 0.08 && few < 0.03, "{name}: {first}, {few}");
+        assert!(first < 0.06 && few < 0.03, "{name}: {first}, {few}");
     }
 }
