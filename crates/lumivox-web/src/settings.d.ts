@@ -22,9 +22,9 @@ export interface Settings {
   resolution?: number;
   /** Shift of the grid against the scene: three numbers x,y,z, each from 0 to below 1, voxels. Default: 0,0,0. */
   grid_offset?: [number, number, number];
-  /** A radiance for each of six directions, or one a voxel: six_lobes or isotropic. Default: six_lobes. */
+  /** A radiance for each of six directions, or one a cell: six_lobes or isotropic. Default: six_lobes. */
   directionality?: "six_lobes" | "isotropic";
-  /** Where the voxels' light is stored: dense, octree or cascades. Default: dense. */
+  /** Where cells are stored, or cascades: dense, octree or cascades. Default: dense. */
   volume?: "dense" | "octree" | "cascades";
   /** How an octree's nodes are made; selects an octree: ranks or locks. Default: ranks. */
   octree_builder?: "ranks" | "locks";
