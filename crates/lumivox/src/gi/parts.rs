@@ -99,11 +99,17 @@ impl Gi {
 
     /// Group 0 of everything that samples cells (`package::volume`): the grid, the cells and the emitters. Ask again after each
     /// voxelization: there is another one when an octree or the list of emitters has grown.
+    ///
+    /// # Panics
+    /// Without [`GiConfig::has_cells`].
     pub fn cell_globals(&self) -> &BindGroup {
         self.volume.cell_globals().expect("GiConfig::has_cells")
     }
 
     /// The layout of [`Self::cell_globals`].
+    ///
+    /// # Panics
+    /// Without [`GiConfig::has_cells`].
     pub fn cell_globals_layout(&self) -> &wgpu::BindGroupLayout {
         self.volume.cell_globals_layout().expect("GiConfig::has_cells")
     }

@@ -35,9 +35,9 @@ fn fresnel(f0: f32, angle: f32) -> f32 {
 /// What a dielectric of albedo 0.5 shows of a sky of one: diffuse light below its gloss, and the gloss, integrated over
 /// the directions of light (GGX, height-correlated Smith, Schlick).
 fn dielectric_in_even_light(roughness: f32, angle: f32) -> f32 {
+    const STEPS: u32 = 1024;
     let (alpha_2, view) = (roughness.powi(4), Vec3::new(angle.sin(), 0.0, angle.cos()));
     let lambda = |z: f32| (alpha_2 + (1.0 - alpha_2) * z * z).sqrt();
-    const STEPS: u32 = 1024;
     let mut sum = 0.0;
     // Evenly over the squared sine and the azimuth, as the cosine weighs the hemisphere.
     for i in 0..STEPS {
@@ -67,7 +67,7 @@ fn a_dielectric_in_even_light_is_right_at_every_angle() {
             ..Default::default()
         };
         for degrees in [0.0_f32, 60.0, 75.0, 83.0] {
-            let found = under_the_sky(degrees.to_radians(), metallic_roughness(paint.clone()));
+            let found = under_the_sky(degrees.to_radians(), metallic_roughness(paint));
             let expected = dielectric_in_even_light(roughness, degrees.to_radians());
             println!("roughness {roughness}, {degrees} degrees: {found}, expected {expected}");
             assert_near("floor", found / expected, Vec3::ONE, 0.02);
