@@ -164,8 +164,9 @@ impl Volume {
                     .map(|octree| CellVolume::Octree(Box::new(octree)))
             }
         });
+        let cells = cells.transpose()?;
         let surface = (!marches).then(|| Surface::new(device, shaders, grid, emitters));
-        Ok(Self { cells: cells.transpose()?, surface: surface.transpose()? })
+        Ok(Self { cells, surface: surface.transpose()? })
     }
 
     /// Binds another list of emitters.
