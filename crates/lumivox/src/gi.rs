@@ -411,10 +411,9 @@ impl Gi {
     ) -> Result<(), GiError> {
         settings.validate()?;
         self.bounces = bounces;
-        let gathers = bounces.saturating_sub(1);
         let volume = (&mut self.volume, &mut self.changes);
         let cones = (settings, self.cone_values);
-        self.lighting.solve(recorder, volume, (lights, &self.emitters), gathers, cones);
+        self.lighting.solve(recorder, volume, (lights, &self.emitters), bounces, cones);
         self.content += 1;
         Ok(())
     }

@@ -4,7 +4,8 @@
 // in one step) and ends where it crosses a face's plane inside of what the face covers. A plane has no holes from voxel to voxel, so
 // that nothing leaks through a wall, whatever its angle and thickness, and nothing behind a hit counts.
 //
-// A surface is seen from its front, in the light of the side that is seen (side.wgsl). A single-sided one blocks from behind, and is black there, unless light passes it.
+// A surface is seen from its front, in the light of the side that is seen (side.wgsl). A single-sided one blocks from behind, and is
+// black there, unless light passes it.
 
 import package::cascades::{
     box_size, finest_level, lowest_voxel, outer_high, outer_low, stored_cell,

@@ -273,7 +273,7 @@ pub(super) struct Faces {
 /// Light from afar.
 #[derive(Debug)]
 struct Far {
-    /// That of each face, and that of rows of faces: from the first to the second and back.
+    /// Far light of single faces, then of 5 x 5; and between, of rows of 5.
     light: [Buffer; 2],
     collect: BindGroup,
     rows: BindGroup,

@@ -19,7 +19,7 @@ import package::voxels::morton::morton_decode;
 
 @group(1) @binding(3) var<storage, read_write> far: array<u32>;
 
-// What a ray of a face brings from afar.
+// The far light of one ray of a face, packed.
 fn brought(index: u32, face: Face, ray: u32) -> u32 {
     let hit = hits[index * HIT_WORDS + ray];
     let met = hit - HIT_OFFSET;

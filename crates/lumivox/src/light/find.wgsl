@@ -1,4 +1,4 @@
-// What the rays of faces meet: once, and anew where surface has moved.
+// Traces the rays of faces: each once, and anew where surface has moved.
 //
 // A kernel of its own, since machines without branches would trace in each gather what they then leave out.
 

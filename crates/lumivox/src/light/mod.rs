@@ -240,7 +240,7 @@ impl Lighting {
         self.faces.as_ref().map(Faces::shown)
     }
 
-    /// From darkness: direct light, then `gathers` bounces, each stored and filtered into the volume.
+    /// From darkness: direct light, then a gather for each bounce but the last, which pixels do.
     ///
     /// Without bounces what did not change is not stored again. With them nearly everything changes, in every
     /// gather, and looking for what does not would cost more than it saves.
@@ -249,9 +249,10 @@ impl Lighting {
         recorder: &mut Recorder<'_>,
         (volume, changes): (&mut Volume, &mut Changes),
         (lights, emitters): (&Lights, &Emitters),
-        gathers: u32,
+        bounces: u32,
         cones: (&TraceSettings, [f32; 4]),
     ) {
+        let gathers = bounces.saturating_sub(1);
         let Some(faces) = &self.faces else { return };
         let has_emission = faces.has_emission();
         if has_emission {
@@ -274,8 +275,10 @@ impl Lighting {
         let Some(changed) = changed else { return };
         volume.update(recorder, changed);
         let groups = [volume.globals(), &lights.group];
-        recorder.stage("bounce");
-        self.kernels.find(recorder, groups, faces, Turn::OF_ALL);
+        if bounces > 0 {
+            recorder.stage("bounce");
+            self.kernels.find(recorder, groups, faces, Turn::OF_ALL);
+        }
         if gathers > 0 {
             self.kernels.shine(recorder, groups, faces, Turn::OF_ALL);
         }
@@ -290,7 +293,9 @@ impl Lighting {
             volume.update(recorder, changed);
             faces.hold(recorder);
         }
-        self.show_far(recorder, volume, lights, faces);
+        if bounces > 0 {
+            self.show_far(recorder, volume, lights, faces);
+        }
         self.emit(recorder, (volume, changes));
     }
 

@@ -22,7 +22,7 @@ import package::voxels::morton::morton_decode;
 
 const REACH = 2;
 
-// Of each cell the sums of radiance and openness, and how many faces know of it.
+// For each cell: sums of radiance (rgb) and openness (a), and the number of faces in them.
 var<private> light: array<vec4f, FAR_CELLS>;
 var<private> known: array<f32, FAR_CELLS>;
 

@@ -1,6 +1,6 @@
 // Irradiance at a surface: the module package::trace::way.
 //
-// What is farther than NEAR is known: the faces around have gathered it (light/far.wgsl, light/share_far.wgsl). It is summed up over the
+// Light from farther than NEAR is known: the faces around have gathered it (light/far.wgsl, light/share_far.wgsl). It is summed up over the
 // hemisphere without chance. Rays find what is nearer, and put it in the place of what is known in their direction. Where
 // nothing is known, rays find all.
 

@@ -100,7 +100,7 @@ struct Spot {
     start: vec3f,
 }
 
-// What light from afar is shared among, and how many voxels a curved surface may rise over one.
+// Faces that share light from afar: curved surface may turn and rise so much from voxel to voxel.
 const SHARED = Likeness(0.9, 0.4);
 
 // The face of a surface at a point of it.

@@ -3,7 +3,7 @@
 
 const FAR_CELLS = 16u;
 
-// What is nearer than this each pixel finds by itself, in voxels.
+// Up to this distance, in voxels, pixels find surface by rays of their own.
 const NEAR = 6.0;
 
 // Nothing is known of a cell: all is near, or nothing was gathered. The exponent of light is not zero.

@@ -8,7 +8,8 @@ import package::volume::patch::PATCH_WORDS;
 // The faces (patch.wgsl), and behind all of them their light from afar (far_light.wgsl).
 @group(0) @binding(7) var<storage, read> patches: array<vec2u>;
 
-// FAR_CELLS, but no constant: drivers unroll loops whose length they know, and take three times as long to compile them.
+// FAR_CELLS, but no constant: drivers unroll loops whose length they know. With constants a start without compiled pipelines takes
+// 11.6 s in place of 9.2 (lavapipe).
 fn far_cells() -> u32 {
     return min(FAR_CELLS, arrayLength(&patches));
 }

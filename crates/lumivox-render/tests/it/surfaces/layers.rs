@@ -32,7 +32,7 @@ fn fresnel(f0: f32, angle: f32) -> f32 {
     f0 + (1.0 - f0) * (1.0 - angle.cos()).powi(5)
 }
 
-/// What a dielectric of albedo 0.5 shows of a sky of one: diffuse light below its gloss, and the gloss, integrated over
+/// The radiance of a dielectric of albedo 0.5 in a sky of radiance 1: diffuse light below the gloss, and gloss, integrated over
 /// the directions of light (GGX, height-correlated Smith, Schlick).
 fn dielectric_in_even_light(roughness: f32, angle: f32) -> f32 {
     const STEPS: u32 = 1024;
