@@ -27,7 +27,7 @@ pub(super) struct LightKernels {
     settle_layout: wgpu::BindGroupLayout,
     inherit_layout: wgpu::BindGroupLayout,
     /// None where cones march.
-    find: Option<[Kernel; 2]>,
+    find: Option<Kernel>,
     far: Option<FarKernels>,
     bounce: [Kernel; 2],
     shine: [Kernel; 2],
@@ -51,7 +51,7 @@ struct FarKernels {
 impl LightKernels {
     /// Lets all kernels of recorded frames be compiled.
     pub(super) fn expect_frames(&self, device: &Pipelines) {
-        for [_, fresh] in [&self.bounce, &self.shine].into_iter().chain(&self.find) {
+        for [_, fresh] in [&self.bounce, &self.shine] {
             fresh.expect(device);
         }
     }
@@ -83,6 +83,10 @@ impl LightKernels {
             let fresh = Kernel::deferred(device, shaders, module, "fresh", &groups)?;
             Ok::<_, ShaderError>([in_turn, fresh])
         };
+        let find = || {
+            let groups = [globals, &bounce_layout];
+            Kernel::new(device, shaders, "light::find", "main", &groups)
+        };
         let far = || {
             let share_layout = layout(1, 2, 1, "share far light");
             let share = |entry| {
@@ -98,7 +102,7 @@ impl LightKernels {
             |entry| Kernel::new(device, shaders, "light::show", entry, &[grid, &show_layout]);
         Ok(Self {
             direct_layout: layout(1, 1, 1, "direct light"),
-            find: (!marches).then(|| gather("light::find")).transpose()?,
+            find: (!marches).then(find).transpose()?,
             far: (!marches).then(far).transpose()?,
             bounce: gather("light::bounce")?,
             shine: gather("light::shine")?,
@@ -128,16 +132,10 @@ impl LightKernels {
         Kernel::new(device, shaders, "light::direct", "main", &groups)
     }
 
-    /// Finds what the rays of the faces whose turn it is meet, as far as it is not known.
-    pub fn find(
-        &self,
-        recorder: &mut Recorder<'_>,
-        groups: [&BindGroup; 2],
-        faces: &Faces,
-        turn: Turn,
-    ) {
+    /// Finds what the rays of faces meet, as far as it is not known.
+    pub fn find(&self, recorder: &mut Recorder<'_>, globals: &BindGroup, faces: &Faces) {
         if let Some(find) = &self.find {
-            run_turn(recorder, "light::find", find, groups, faces, turn);
+            faces.run(recorder, "light::find", find, &[globals, &faces.bounce]);
         }
     }
 
@@ -149,10 +147,21 @@ impl LightKernels {
         faces: &'f Faces,
     ) -> Option<&'f Buffer> {
         let (kernels, far) = (self.far.as_ref()?, faces.far.as_ref()?);
+        let count = &faces.counts;
         recorder.compute("light::far", |pass| {
-            kernels.collect.dispatch_linear(pass, &[globals, &far.collect, lights], faces.capacity);
-            kernels.rows.dispatch_linear(pass, &[globals, &far.rows], faces.capacity);
-            kernels.columns.dispatch_linear(pass, &[globals, &far.columns], faces.capacity);
+            kernels.collect.dispatch_indirect(
+                pass,
+                &[globals, &far.collect, lights],
+                count,
+                FACE_ARGUMENTS,
+            );
+            kernels.rows.dispatch_indirect(pass, &[globals, &far.rows], count, FACE_ARGUMENTS);
+            kernels.columns.dispatch_indirect(
+                pass,
+                &[globals, &far.columns],
+                count,
+                FACE_ARGUMENTS,
+            );
         });
         Some(&far.light[0])
     }

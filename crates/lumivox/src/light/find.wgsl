@@ -9,7 +9,7 @@ import package::cones::way::cone_start;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::light::turn::{
-    counts, face_in_turn, face_jitter, faces, first_fresh, hits, is_fresh, settings, FACE_RAYS, HIT_OFFSET, HIT_WORDS,
+    counts, face_jitter, faces, first_fresh, hits, is_fresh, is_in_turn, settings, FACE_RAYS, HIT_OFFSET, HIT_WORDS,
     RAY_CLASSES,
 };
 import package::volume::patch::UNLIT;
@@ -18,13 +18,14 @@ import package::voxels::morton::morton_decode;
 
 const UNKNOWN = 0u;
 
-// Whether a ray has to be traced: it never was, its group is due after surface has moved, or it starts on dynamic surface or has met
-// some, whose faces have no fixed places in the list.
-fn is_outdated(hit: u32, face: u32, ray: u32) -> bool {
+// Whether a ray has to be traced. If it is its face's turn: it never was, or its group is due after surface has moved. In any
+// turn: it starts on dynamic surface or has met some, whose faces have no fixed places in the list.
+fn is_outdated(hit: u32, face: u32, ray: u32, is_due: bool) -> bool {
     let met = hit - HIT_OFFSET;
     let is_moving = face >= counts.fixed_faces || (met >= counts.fixed_faces && met < UNLIT);
-    let is_in_turn = ((settings.rays_anew >> (ray % RAY_CLASSES)) & 1u) != 0u;
-    return hit == UNKNOWN || is_in_turn || (is_moving && settings.rays_anew != 0u);
+    let is_in_group = ((settings.rays_anew >> (ray % RAY_CLASSES)) & 1u) != 0u;
+    return (is_due && (hit == UNKNOWN || is_in_group))
+        || (hit != UNKNOWN && is_moving && settings.rays_anew != 0u);
 }
 
 fn find_at(index: u32) {
@@ -37,36 +38,24 @@ fn find_at(index: u32) {
     let origin = cone_start(face.position_in_world, normal, level, settings.cones);
     let world_from_normal = basis(normal);
     let jitter = face_jitter(face);
+    let is_due = is_in_turn(index) || (index >= first_fresh() && is_fresh(index));
     var passed = Passed(0u, true, 1.0);
     for (var i = 0u; i < FACE_RAYS; i++) {
         let place = index * HIT_WORDS + i;
-        if is_outdated(hits[place], index, i) {
+        if is_outdated(hits[place], index, i, is_due) {
             let direction = world_from_normal * cell_cone(i, FACE_RAYS, jitter).direction;
             hits[place] = trace_ray(Ray(origin, direction, 3e38, level), &passed).face + HIT_OFFSET;
         }
     }
 }
 
-// The faces whose turn it is.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let index = face_in_turn(linear_index(invocation, workgroups));
+    let index = linear_index(invocation, workgroups);
     if index < counts.faces {
-        find_at(index);
-    }
-}
-
-// Faces that have never gathered and whose turn it is not.
-@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
-fn fresh(
-    @builtin(global_invocation_id) invocation: vec3u,
-    @builtin(num_workgroups) workgroups: vec3u,
-) {
-    let index = first_fresh() + linear_index(invocation, workgroups);
-    if is_fresh(index) {
         find_at(index);
     }
 }

@@ -277,7 +277,7 @@ impl Lighting {
         let groups = [volume.globals(), &lights.group];
         if bounces > 0 {
             recorder.stage("bounce");
-            self.kernels.find(recorder, groups, faces, Turn::OF_ALL);
+            self.kernels.find(recorder, volume.globals(), faces);
         }
         if gathers > 0 {
             self.kernels.shine(recorder, groups, faces, Turn::OF_ALL);
@@ -331,7 +331,7 @@ impl Lighting {
         }
         recorder.stage("bounce");
         let groups = [volume.globals(), &lights.group];
-        self.kernels.find(recorder, groups, faces, turn);
+        self.kernels.find(recorder, volume.globals(), faces);
         self.kernels.shine(recorder, groups, faces, turn);
         self.kernels.gather(recorder, groups, faces, turn);
         self.kernels.reflect(recorder, &self.grid, faces);
