@@ -11,7 +11,7 @@ use crate::voxelize::{Moving, Taken};
 use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList};
 
 /// Bytes of the hits of a face: `HIT_WORDS` of `turn.wgsl`.
-const HIT_BYTES: u64 = 80;
+const HIT_BYTES: u64 = 96;
 
 /// Bytes of the light from afar of a face: `FAR_CELLS` words of `far_light.wgsl`.
 pub(crate) const FAR_BYTES: u64 = 64;
@@ -27,7 +27,7 @@ pub(super) struct LightKernels {
     settle_layout: wgpu::BindGroupLayout,
     inherit_layout: wgpu::BindGroupLayout,
     /// None where cones march.
-    find: Option<Kernel>,
+    find: Option<[Kernel; 2]>,
     far: Option<FarKernels>,
     bounce: [Kernel; 2],
     shine: [Kernel; 2],
@@ -85,13 +85,13 @@ impl LightKernels {
         };
         let find = || {
             let groups = [globals, &bounce_layout];
-            Kernel::new(device, shaders, "light::find", "main", &groups)
+            let find = |entry| Kernel::new(device, shaders, "light::find", entry, &groups);
+            Ok::<_, ShaderError>([find("main")?, find("beside")?])
         };
         let far = || {
             let share_layout = layout(1, 2, 1, "share far light");
             let share = |entry| {
-                let groups = [globals, &share_layout];
-                Kernel::new(device, shaders, "light::share_far", entry, &groups)
+                Kernel::new(device, shaders, "light::share_far", entry, &[globals, &share_layout])
             };
             let [rows, columns] = [share("rows")?, share("columns")?];
             let groups = [globals, &bounce_layout, lights];
@@ -132,9 +132,9 @@ impl LightKernels {
         Kernel::new(device, shaders, "light::direct", "main", &groups)
     }
 
-    /// Finds what the rays of faces meet, as far as it is not known.
+    /// Finds what the rays of faces meet and the faces beside them, as far as it is not known.
     pub fn find(&self, recorder: &mut Recorder<'_>, globals: &BindGroup, faces: &Faces) {
-        if let Some(find) = &self.find {
+        for find in self.find.iter().flatten() {
             faces.run(recorder, "light::find", find, &[globals, &faces.bounce]);
         }
     }
@@ -263,7 +263,7 @@ pub(super) struct Faces {
     held: Buffer,
     /// Whether there are emitters. If not, `reflected` is empty.
     has_emission: bool,
-    /// The hits of the faces' rays, and irradiance straight from emitters (`turn.wgsl`).
+    /// The hits of the faces' rays, the faces beside them, and irradiance straight from emitters (`turn.wgsl`).
     hits: Buffer,
     /// None where cones march.
     far: Option<Far>,
@@ -309,7 +309,7 @@ impl Far {
         let [rows, columns] = [[&light[0], &light[1]], [&light[1], &light[0]]].map(|[from, to]| {
             BindGroupBuilder::new(&far.share_layout)
                 .slice(&list.counts, 0, LIST_COUNT_BYTES)
-                .buffer(&list.faces)
+                .buffer(hits)
                 .buffer(from)
                 .buffer(to)
                 .build(device, "share far light")

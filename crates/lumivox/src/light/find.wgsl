@@ -1,18 +1,19 @@
-// Traces the rays of faces: each once, and anew where surface has moved.
+// Finds what the rays of faces meet, and the faces beside them: each once, and anew where surface has moved.
 //
-// A kernel of its own, since machines without branches would trace in each gather what they then leave out.
+// Kernels of their own, since machines without branches would find in each gather what they then leave out.
 
-import package::cascades::cascade_of;
+import package::cascades::{cascade_of, voxel_of};
 import package::cones::hemisphere::{basis, cell_cone};
 import package::cones::ray::{trace_ray, Passed, Ray};
 import package::cones::way::cone_start;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::light::turn::{
-    counts, face_jitter, faces, first_fresh, hits, is_fresh, is_in_turn, settings, FACE_RAYS, HIT_OFFSET, HIT_WORDS,
-    RAY_CLASSES,
+    counts, face_jitter, faces, first_fresh, hits, is_fresh, is_in_turn, settings, FACES_BESIDE, FACE_RAYS, FIRST_BESIDE,
+    HIT_OFFSET, HIT_WORDS, RAY_CLASSES,
 };
-import package::volume::patch::UNLIT;
+import package::volume::beside::{is_parted, patch_of, spot_at, start_of_face};
+import package::volume::patch::{NOTHING, UNLIT};
 import package::voxels::list::HIDDEN;
 import package::voxels::morton::morton_decode;
 
@@ -28,6 +29,10 @@ fn is_outdated(hit: u32, face: u32, ray: u32, is_due: bool) -> bool {
         || (hit != UNKNOWN && is_moving && settings.rays_anew != 0u);
 }
 
+fn is_due_to_look(index: u32) -> bool {
+    return is_in_turn(index) || (index >= first_fresh() && is_fresh(index));
+}
+
 fn find_at(index: u32) {
     let face = faces[index];
     if (face.flags & HIDDEN) != 0u {
@@ -38,7 +43,7 @@ fn find_at(index: u32) {
     let origin = cone_start(face.position_in_world, normal, level, settings.cones);
     let world_from_normal = basis(normal);
     let jitter = face_jitter(face);
-    let is_due = is_in_turn(index) || (index >= first_fresh() && is_fresh(index));
+    let is_due = is_due_to_look(index);
     var passed = Passed(0u, true, 1.0);
     for (var i = 0u; i < FACE_RAYS; i++) {
         let place = index * HIT_WORDS + i;
@@ -57,5 +62,40 @@ fn main(
     let index = linear_index(invocation, workgroups);
     if index < counts.faces {
         find_at(index);
+    }
+}
+
+// The face of the same surface in the next voxel along an axis, or NOTHING where other surface is between.
+fn face_beside(index: u32, axis: u32, step: f32) -> u32 {
+    let own = voxel_of(morton_decode(faces[index].cell));
+    let plane = patch_of(index);
+    let normal = normalize(plane.normal);
+    let start = vec3f(own.voxel) + start_of_face(index);
+    var point = start;
+    point[axis] += step;
+    point[plane.lobe >> 1u] -= step * normal[axis] / normal[plane.lobe >> 1u];
+    let found = spot_at(point, plane.lobe, normal, own.cascade);
+    if found.face != NOTHING && is_parted(start, found.start, normal, own.cascade) {
+        return NOTHING;
+    }
+    return found.face;
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn beside(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let index = linear_index(invocation, workgroups);
+    if index >= counts.faces {
+        return;
+    }
+    let is_due = is_due_to_look(index);
+    for (var i = 0u; i < FACES_BESIDE; i++) {
+        let place = index * HIT_WORDS + FIRST_BESIDE + i;
+        if is_outdated(hits[place], index, i, is_due) {
+            let axis = ((faces[index].lobe >> 1u) + 1u + i / 2u) % 3u;
+            hits[place] = face_beside(index, axis, select(-1.0, 1.0, (i & 1u) != 0u)) + HIT_OFFSET;
+        }
     }
 }

@@ -332,14 +332,18 @@ impl Lighting {
         recorder.stage("bounce");
         let groups = [volume.globals(), &lights.group];
         self.kernels.find(recorder, volume.globals(), faces);
-        self.kernels.shine(recorder, groups, faces, turn);
+        if turn.may_shine_anew {
+            self.kernels.shine(recorder, groups, faces, turn);
+        }
         self.kernels.gather(recorder, groups, faces, turn);
         self.kernels.reflect(recorder, &self.grid, faces);
         recorder.stage("filter");
         if let Some(changed) = changes.find(recorder) {
             volume.update(recorder, changed);
         }
-        self.show_far(recorder, volume, lights, faces);
+        if turn.shows_far {
+            self.show_far(recorder, volume, lights, faces);
+        }
         self.emit(recorder, (volume, changes));
         true
     }

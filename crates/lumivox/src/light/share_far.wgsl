@@ -2,21 +2,17 @@
 // and then over rows along the other one. With turn.wgsl's rays these 5 x 5 faces look into 400 directions that lie evenly. A row
 // ends where other surface crosses it.
 
-import package::cascades::voxel_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::volume::beside::{is_parted, patch_of, spot_at, start_of_face, Spot};
+import package::light::turn::{FIRST_BESIDE, HIT_OFFSET, HIT_WORDS};
 import package::volume::far_light::{
     pack_far_light, unpack_far_light, FarLight, FAR_CELLS, NO_FAR_LIGHT,
 };
-import package::volume::patch::NOTHING;
 import package::volume::surface::far_cells;
 import package::voxels::counts::ListCounts;
-import package::voxels::list::Face;
-import package::voxels::morton::morton_decode;
 
 @group(1) @binding(0) var<uniform> counts: ListCounts;
-@group(1) @binding(1) var<storage, read> faces: array<Face>;
+@group(1) @binding(1) var<storage, read> beside: array<u32>;
 @group(1) @binding(2) var<storage, read> far: array<u32>;
 @group(1) @binding(3) var<storage, read_write> shared_far: array<u32>;
 
@@ -38,36 +34,20 @@ fn add(face: u32) {
     }
 }
 
-// The face of the same surface in the next voxel along an axis.
-fn next(spot: Spot, axis: u32, step: f32, cascade: u32) -> Spot {
-    let plane = patch_of(spot.face);
-    let normal = normalize(plane.normal);
-    var point = spot.start;
-    point[axis] += step;
-    point[plane.lobe >> 1u] -= step * normal[axis] / normal[plane.lobe >> 1u];
-    var found = spot_at(point, plane.lobe, normal, cascade);
-    if found.face != NOTHING && is_parted(spot.start, found.start, normal, cascade) {
-        found.face = NOTHING;
-    }
-    return found;
-}
-
-// `along` is 1 or 2: which axis next to that of the lobe.
-fn share(face: u32, along: u32) {
+// `axis` is 0 or 1, of those along the surface.
+fn share(face: u32, axis: u32) {
     let cells = far_cells();
     for (var i = 0u; i < cells; i++) {
         light[i] = vec4f(0.0);
         known[i] = 0.0;
     }
-    let own = voxel_of(morton_decode(faces[face].cell));
-    let axis = ((faces[face].lobe >> 1u) + along) % 3u;
     add(face);
-    for (var side = -1.0; side < 2.0; side += 2.0) {
-        var spot = Spot(face, vec3f(own.voxel) + start_of_face(face));
-        for (var i = 0; i < REACH && spot.face != NOTHING; i++) {
-            spot = next(spot, axis, side, own.cascade);
-            if spot.face != NOTHING {
-                add(spot.face);
+    for (var side = 0u; side < 2u; side++) {
+        var next = face;
+        for (var i = 0; i < REACH && next < counts.faces; i++) {
+            next = beside[next * HIT_WORDS + FIRST_BESIDE + 2u * axis + side] - HIT_OFFSET;
+            if next < counts.faces {
+                add(next);
             }
         }
     }
@@ -85,7 +65,7 @@ fn rows(
 ) {
     let face = linear_index(invocation, workgroups);
     if face < counts.faces {
-        share(face, 1u);
+        share(face, 0u);
     }
 }
 
@@ -96,6 +76,6 @@ fn columns(
 ) {
     let face = linear_index(invocation, workgroups);
     if face < counts.faces {
-        share(face, 2u);
+        share(face, 1u);
     }
 }

@@ -29,12 +29,17 @@ struct BounceSettings {
 @group(1) @binding(2) var<storage, read> faces: array<Face>;
 // In rgb; w is 1 once a face has gathered.
 @group(1) @binding(3) var<storage, read_write> irradiance: array<vec4f>;
-// HIT_WORDS for each face: what its rays meet, FACE_RAYS of them (find.wgsl), and the irradiance that comes straight
-// from emitters.
+// HIT_WORDS for each face: what its rays meet, FACE_RAYS of them, and the faces beside it (find.wgsl); and the irradiance that
+// comes straight from emitters.
 @group(1) @binding(4) var<storage, read_write> hits: array<u32>;
 
 const FACE_RAYS = 16u;
-const HIT_WORDS = 20u;
+const HIT_WORDS = 24u;
+
+// The faces beside a face on its surface, behind its rays: the one before and the one after it along each axis.
+const FIRST_BESIDE = FACE_RAYS;
+const FACES_BESIDE = 4u;
+const FROM_EMITTERS = FIRST_BESIDE + FACES_BESIDE;
 
 // Hits are kept plus this; zero is unknown.
 const HIT_OFFSET = 4u;
@@ -58,13 +63,13 @@ fn face_jitter(face: Face) -> vec2f {
 }
 
 fn from_emitters(face: u32) -> vec3f {
-    let first = face * HIT_WORDS + FACE_RAYS;
+    let first = face * HIT_WORDS + FROM_EMITTERS;
     return bitcast<vec3f>(vec3u(hits[first], hits[first + 1u], hits[first + 2u]));
 }
 
 fn keep_from_emitters(face: u32, irradiance_of_them: vec3f) {
     let bits = bitcast<vec3u>(irradiance_of_them);
-    let first = face * HIT_WORDS + FACE_RAYS;
+    let first = face * HIT_WORDS + FROM_EMITTERS;
     for (var i = 0u; i < 3u; i++) {
         hits[first + i] = bits[i];
     }

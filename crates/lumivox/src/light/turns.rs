@@ -13,11 +13,18 @@ const RAREST_CASCADE: u64 = 8;
 /// Rays are traced anew in so many groups, one a frame, after surface has moved.
 const RAY_CLASSES: u32 = 4;
 
+/// The gathers of every face after which pixels are shown the light from afar anew: later ones bring less and less.
+const SHOWN_GATHERS: [u32; 8] = [4, 6, 8, 12, 16, 20, 26, SETTLING_GATHERS];
+
 /// The work of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
     /// Direct light is not what it was.
     pub is_direct_new: bool,
+    /// What faces get straight from emitters may not be what it was.
+    pub may_shine_anew: bool,
+    /// Pixels are shown the light from afar anew.
+    pub shows_far: bool,
     /// The most faces that gather.
     pub faces: u32,
     /// The faces of a cascade take turns together, those of coarse ones less often.
@@ -34,6 +41,8 @@ impl Turn {
     /// All faces gather.
     pub const OF_ALL: Self = Self {
         is_direct_new: true,
+        may_shine_anew: true,
+        shows_far: true,
         faces: u32::MAX,
         is_by_cascade: false,
         is_list_new: false,
@@ -60,6 +69,10 @@ pub(super) struct Turns {
     number: u32,
     /// Frames until the light has settled.
     left: u64,
+    /// The gathers that have made the light from darkness, before the next frame.
+    solved: Option<u32>,
+    /// Frames until all faces have looked at the emitters again.
+    shines: u64,
     is_disturbed: bool,
     rays: Rays,
     /// The list has come in the place of another, or of none.
@@ -95,8 +108,10 @@ impl Turns {
     pub fn solved(&mut self, lights: &Lights, gathers: u32) {
         self.lights = Some(lights.version);
         self.cones = None;
-        // Others will go on where these stopped.
-        self.is_disturbed = gathers < SETTLING_GATHERS;
+        // Others go on where these stopped.
+        self.solved = Some(gathers);
+        self.is_disturbed = false;
+        self.shines = 0;
         self.is_list_new = false;
         self.rays = Rays::Traced;
     }
@@ -113,8 +128,13 @@ impl Turns {
         let is_direct_new = self.is_disturbed || self.lights != Some(lights.version);
         let rarest = if self.has_cascades { RAREST_CASCADE } else { 1 };
         let turns = budget.map_or(rarest, |budget| capacity.div_ceil(budget.max(1).into()));
+        let done = self.solved.take();
+        if is_direct_new {
+            self.shines = turns;
+        }
         if is_direct_new || self.cones != cones {
-            self.left = u64::from(SETTLING_GATHERS) * turns;
+            let done = done.filter(|_| !is_direct_new).unwrap_or(0);
+            self.left = u64::from(SETTLING_GATHERS.saturating_sub(done)) * turns;
         }
         self.is_disturbed = false;
         if self.rays == Rays::Outdated {
@@ -126,6 +146,13 @@ impl Turns {
         (self.lights, self.cones) = (Some(lights.version), cones);
         self.left = self.left.checked_sub(1)?;
         self.number = self.number.wrapping_add(1);
+        let may_shine_anew = self.shines > 0;
+        self.shines = self.shines.saturating_sub(1);
+        let gathers = u64::from(SETTLING_GATHERS).saturating_sub(self.left / turns);
+        let is_shown = |shown: &u32| u64::from(*shown) == gathers;
+        let shows_far = is_direct_new
+            || gathers < SHOWN_GATHERS[0].into()
+            || (self.left.is_multiple_of(turns) && SHOWN_GATHERS.iter().any(is_shown));
         let rays_anew = match &mut self.rays {
             Rays::Renewed { frames, all_at_once } if *frames > 0 => {
                 *frames -= 1;
@@ -135,6 +162,8 @@ impl Turns {
         };
         Some(Turn {
             is_direct_new,
+            may_shine_anew,
+            shows_far: shows_far || rays_anew != 0,
             faces: budget.unwrap_or(u32::MAX).max(1),
             is_by_cascade: self.has_cascades && budget.is_none(),
             is_list_new: std::mem::take(&mut self.is_list_new),
