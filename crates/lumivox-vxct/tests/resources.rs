@@ -24,7 +24,12 @@ fn nothing_outlives_the_look() {
         frames: 2,
         ..RenderSettings::default()
     };
-    let look = RenderSettings { look: Some(Arc::new(VxctSettings::default())), ..physical.clone() };
+    // A volume keeps the cells that a look had it make: another one has none.
+    let look = RenderSettings {
+        look: Some(Arc::new(VxctSettings::default())),
+        resolution: 32,
+        ..physical.clone()
+    };
     let scene = builtin("cornell");
     let held = [&physical, &look].map(|settings| {
         let mut renderer = renderer(&gpu, &scene, settings.clone());

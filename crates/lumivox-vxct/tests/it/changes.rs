@@ -38,7 +38,8 @@ fn the_look_comes_and_goes() {
         |s| s.view = View::Voxels,
         |s| s.voxel_level = 2,
         |s| s.look = None,
-        |s| (s.view, s.voxel_level) = (View::Final, 0),
+        // Another volume, without the cells that the last one keeps.
+        |s| (s.view, s.voxel_level, s.resolution) = (View::Final, 0, 40),
         |s| (s.look, s.bounces) = (Some(vxct(|_| {})), 0),
     ];
     for (step, change) in changes.into_iter().enumerate() {

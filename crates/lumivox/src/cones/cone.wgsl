@@ -43,6 +43,8 @@ struct Traced {
     samples: u32,
     // The mean distance of what it met, in voxels; what is outside counts as far away.
     distance: f32,
+    // Whether it ends at a face that emits light. A march does not tell.
+    emits: bool,
 }
 
 // Where cones start above a surface, in its voxels.

@@ -14,7 +14,7 @@ import package::constants::CASCADES;
 import package::cones::side::face_seen_at;
 import package::gpu::random::hash;
 import package::volume::patch::{
-    unpack_patch, unpack_radiance, BLACK, NOTHING, PATCH_WORDS, UNLIT,
+    unpack_patch, unpack_radiance, BLACK, EMITS, NOTHING, PATCH_WORDS, UNLIT,
 };
 import package::volume::surface::{index, patches};
 import package::voxels::covered::{across, is_covered};
@@ -194,6 +194,14 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
         hit.face = face_seen_at(hit.face, entry, point, voxel, cascade);
     }
     return hit;
+}
+
+// Whether a face emits light.
+fn emits(face: u32) -> bool {
+    if face >= UNLIT {
+        return false;
+    }
+    return (patches[PATCH_WORDS * face + 4u].y & (EMITS << 16u)) != 0u;
 }
 
 // The radiance that a face shows; black is what is no face.

@@ -5,9 +5,9 @@
 // tells whether something does. The mean over frames is exact but for the faces in the ray's way.
 
 import package::cascades::finest_level;
-import package::cones::cone::{Cone, ConeSettings, START};
+import package::cones::cone::{Cone, ConeSettings, START, Traced};
 import package::cones::way::{cone_start, trace_cone};
-import package::emitters::draw::{draw_emitter, emitters, point_of, Drawn};
+import package::emitters::draw::{draw_emitter, emitters, point_of, Drawn, EmitterPoint};
 import package::emitters::emitter::strength;
 import package::grid::grid_from_world;
 
@@ -48,6 +48,23 @@ fn candidate(numbers: vec2f, index: u32) -> vec2f {
         (f32(index) + fract(numbers.x * parts)) / parts,
         fract(numbers.y + 0.618034 * f32(index)),
     );
+}
+
+// A ray from a place to a point of an emitter.
+fn trace_to(
+    point: EmitterPoint,
+    position_in_world: vec3f,
+    geometric_normal: vec3f,
+    level: u32,
+    settings: ConeSettings,
+) -> Traced {
+    let origin = cone_start(position_in_world, geometric_normal, level, settings);
+    // To a place just in front of the emitter.
+    let at_emitter = finest_level(point.position, level, 2.0);
+    let to_point = point.position + START * exp2(f32(at_emitter)) * point.normal - origin;
+    let distance = length(to_point);
+    let ray = Cone(origin, to_point / max(distance, 1e-6), 0.0, distance, 0.0, level);
+    return trace_cone(ray, ray_settings(settings));
 }
 
 // `level` is that of the voxels of the place's surface, `start` in [0, 1)^2 is its own place in the sequence, and `turn` counts
@@ -102,13 +119,7 @@ fn gather_emitters(
         so_far += weights[i];
     }
     let kept = point_of(candidates[index], place);
-    let origin = cone_start(position_in_world, geometric_normal, level, settings);
-    // To a place just in front of the emitter.
-    let at_emitter = finest_level(kept.position, level, 2.0);
-    let to_point = kept.position + START * exp2(f32(at_emitter)) * kept.normal - origin;
-    let distance = length(to_point);
-    let ray = Cone(origin, to_point / max(distance, 1e-6), 0.0, distance, 0.0, level);
-    let traced = trace_cone(ray, ray_settings(settings));
+    let traced = trace_to(kept, position_in_world, geometric_normal, level, settings);
     let seen = sum / f32(CANDIDATES) * traced.transmittance;
     result.irradiance = kept.radiance * (seen / strength(kept.radiance));
     result.samples = traced.samples;

@@ -36,19 +36,16 @@ impl Gi {
     }
 
     fn prepare_targets(&self, targets: &TraceTargets) -> Result<(), GiError> {
+        let (tracer, device, shaders) = (&self.tracer, &self.device, &self.shaders);
+        let layouts = [self.volume.globals_layout(), &self.lights_layout, &self.gbuffer_layout];
         if targets.resolution() == TraceResolution::Half {
-            self.prepare_half()?;
+            tracer.prepare_half(device, shaders, layouts)?;
         }
         if targets.is_temporal() {
-            let layouts = [self.volume.globals_layout(), &self.lights_layout, &self.gbuffer_layout];
-            self.tracer.prepare_temporal(&self.device, &self.shaders, layouts)?;
+            tracer.prepare_temporal(device, shaders, layouts)
+        } else {
+            tracer.prepare_reconstruct(device, shaders, layouts)
         }
-        Ok(())
-    }
-
-    fn prepare_half(&self) -> Result<(), GiError> {
-        let layouts = [self.volume.globals_layout(), &self.lights_layout, &self.gbuffer_layout];
-        self.tracer.prepare_half(&self.device, &self.shaders, layouts)
     }
 
     /// Binds the caller's G-buffer for [`Self::trace`].
@@ -196,7 +193,8 @@ impl Gi {
         let cones = (settings, self.cone_values);
         let resolution = targets.resolution();
         let voxel_size_m = self.config.grid.voxel_size_m;
-        let screen = ScreenSettings::new(cones, resolution, voxel_size_m, self.bounces);
+        let light = (self.bounces, self.volume.is_marched());
+        let screen = ScreenSettings::new(cones, resolution, voxel_size_m, light);
         let bound = Bound {
             globals: self.volume.globals(),
             lights: &lights.group,

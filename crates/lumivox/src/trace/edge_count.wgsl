@@ -1,4 +1,4 @@
-// The arguments of the dispatch over the pixels that upsampling listed.
+// The arguments of the dispatch over the pixels that are listed (`reconstruct.wgsl`).
 
 import package::constants::{LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS};
 

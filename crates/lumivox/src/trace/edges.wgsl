@@ -1,6 +1,6 @@
 // Pixels at half resolution that no traced neighbour fits, traced themselves: thin things and silhouettes.
 //
-// The upsampling lists them (`upsample.wgsl`); a thread then stands for an element of the list, so that no group waits
+// They are listed by `reconstruct.wgsl`; a thread then stands for an element of the list, so that no group waits
 // for a few of its threads.
 
 import package::gpu::dispatch::linear_index;

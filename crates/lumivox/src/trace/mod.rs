@@ -43,6 +43,8 @@ pub(crate) struct ScreenSettings {
     pub(crate) has_changed: u32,
     pub(crate) turns: u32,
     pub(crate) listed_turns: u32,
+    pub(crate) shares: u32,
+    padding: [u32; 3],
 }
 
 impl ScreenSettings {
@@ -51,7 +53,7 @@ impl ScreenSettings {
         (settings, model_values): (&TraceSettings, [f32; 4]),
         resolution: TraceResolution,
         voxel_size_m: f32,
-        bounces: u32,
+        (bounces, marches): (u32, bool),
     ) -> Self {
         Self {
             cones: settings.cones(voxel_size_m, model_values),
@@ -64,6 +66,9 @@ impl ScreenSettings {
             has_changed: 0,
             turns: 1,
             listed_turns: 1,
+            // Marches have cones wide enough.
+            shares: u32::from(!marches),
+            padding: [0; 3],
         }
     }
 }
@@ -78,18 +83,20 @@ pub(crate) struct Tracer {
     specular: Kernel,
     diffuse_layout: wgpu::BindGroupLayout,
     specular_layout: wgpu::BindGroupLayout,
-    half: Layouts,
+    reconstruct_layout: wgpu::BindGroupLayout,
+    half: HalfLayouts,
     temporal: temporal::Layouts,
+    /// Once something was traced without the light of earlier frames.
+    reconstruct: OnceLock<Kernel>,
     /// Once something was traced at half resolution.
-    kernels: OnceLock<HalfKernels>,
+    half_kernels: OnceLock<HalfKernels>,
     /// Once something was traced with the light of earlier frames.
     temporal_kernels: OnceLock<temporal::Kernels>,
 }
 
 /// What half resolution binds.
 #[derive(Debug)]
-struct Layouts {
-    upsample: wgpu::BindGroupLayout,
+struct HalfLayouts {
     count: wgpu::BindGroupLayout,
     edges: wgpu::BindGroupLayout,
 }
@@ -97,7 +104,6 @@ struct Layouts {
 /// What half resolution needs besides.
 #[derive(Debug)]
 struct HalfKernels {
-    upsample: Kernel,
     count: Kernel,
     edges: [Kernel; 2],
 }
@@ -122,16 +128,16 @@ impl Tracer {
             .storage_texture(d2, OUTPUT_FORMAT)
             .storage_texture(d2, SAMPLES_FORMAT)
             .build(device, "glossy cones");
-        let half = Layouts {
-            upsample: LayoutBuilder::compute()
-                .uniform()
-                .texture_2d_unfilterable()
-                .texture_2d_unfilterable()
-                .storage_texture(d2, OUTPUT_FORMAT)
-                .storage_texture(d2, OUTPUT_FORMAT)
-                .storage_mut()
-                .storage_mut()
-                .build(device, "upsample"),
+        let reconstruct_layout = LayoutBuilder::compute()
+            .uniform()
+            .texture_2d_unfilterable()
+            .texture_2d_unfilterable()
+            .storage_texture(d2, OUTPUT_FORMAT)
+            .storage_texture(d2, OUTPUT_FORMAT)
+            .storage_mut()
+            .storage_mut()
+            .build(device, "reconstruct");
+        let half = HalfLayouts {
             count: LayoutBuilder::compute().storage_mut().storage_mut().build(device, "edge count"),
             edges: LayoutBuilder::compute()
                 .uniform()
@@ -149,11 +155,28 @@ impl Tracer {
             specular: kernel("trace::specular", &specular_layout)?,
             diffuse_layout,
             specular_layout,
+            reconstruct_layout,
             half,
             temporal: temporal::Layouts::new(device),
-            kernels: OnceLock::new(),
+            reconstruct: OnceLock::new(),
+            half_kernels: OnceLock::new(),
             temporal_kernels: OnceLock::new(),
         })
+    }
+
+    /// Links what makes a picture without the light of earlier frames, at its first use.
+    pub(crate) fn prepare_reconstruct(
+        &self,
+        device: &Pipelines,
+        shaders: &ShaderLibrary,
+        [globals, lights, gbuffer]: [&wgpu::BindGroupLayout; 3],
+    ) -> Result<(), GiError> {
+        if self.reconstruct.get().is_none() {
+            let groups = [globals, &self.reconstruct_layout, lights, gbuffer];
+            let kernel = Kernel::new(device, shaders, "trace::reconstruct", "main", &groups)?;
+            let _ = self.reconstruct.set(kernel);
+        }
+        Ok(())
     }
 
     /// Links what half resolution needs, at its first use.
@@ -163,15 +186,14 @@ impl Tracer {
         shaders: &ShaderLibrary,
         [globals, lights, gbuffer]: [&wgpu::BindGroupLayout; 3],
     ) -> Result<(), GiError> {
-        if self.kernels.get().is_some() {
+        if self.half_kernels.get().is_some() {
             return Ok(());
         }
         let kernel = |module, entry, layout| {
             Kernel::new(device, shaders, module, entry, &[globals, layout, lights, gbuffer])
         };
         let edges = |entry| kernel("trace::edges", entry, &self.half.edges);
-        let _ = self.kernels.set(HalfKernels {
-            upsample: kernel("trace::upsample", "main", &self.half.upsample)?,
+        let _ = self.half_kernels.set(HalfKernels {
             count: kernel("trace::edge_count", "main", &self.half.count)?,
             edges: [edges("diffuse")?, edges("specular")?],
         });
@@ -232,11 +254,11 @@ impl Tracer {
                 let former = past.former_group(&device, &self.temporal, settings);
                 let groups_of = [bound.globals, &bound.gbuffer.group];
                 past.blend(recorder, kernels, groups, groups_of, former.as_ref());
-            } else if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
+            } else if let (Some(own), Some(kernel)) = (&slot.reconstruct, self.reconstruct.get()) {
                 let UVec2 { x, y } = targets.size();
-                kernels.upsample.run(recorder, &group(&half.upsample), [x, y, 1]);
+                kernel.run(recorder, &group(own), [x, y, 1]);
             }
-            if let (Some(half), Some(kernels)) = (&slot.half, self.kernels.get()) {
+            if let (Some(half), Some(kernels)) = (&slot.half, self.half_kernels.get()) {
                 kernels.count.run(recorder, &group(&half.count), [1, 1, 1]);
                 let groups = group(&half.edges);
                 let trace_edges = |recorder: &mut Recorder<'_>, kernel: &Kernel| {

@@ -18,6 +18,11 @@ struct ScreenSettings {
     // How many turns of their sequences a frame traces of a pixel, and of one that it lists (`edges.wgsl`).
     turns: u32,
     listed_turns: u32,
+    // Whether pixels share what they have gathered.
+    shares: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: ScreenSettings;

@@ -7,20 +7,31 @@
 //
 // Under a clear coat there are two lobes. A frame draws one of them, as often as it reflects more, and divides by
 // that probability.
+//
+// Emitters are drawn as well, since a wide lobe rarely looks at a small one: the light of each direction counts partly where the
+// lobe has drawn it, and partly where the emitters have, by the squares of both densities (the power heuristic: Veach and Guibas
+// 1995, "Optimally combining sampling techniques for Monte Carlo rendering").
 
 import package::gpu::random::{hash, random_pair, sequence_pair};
 import package::environment::environment_reflection;
 import package::trace::brdf::{
-    alpha_from_roughness, fresnel_schlick, ggx_masking, ggx_visibility, mirrored_density,
+    alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_masking, ggx_visibility, mirrored_density,
     sample_visible_normal,
 };
-import package::trace::coat::{below_coat, coat_fresnel, coat_of};
+import package::trace::coat::{below_coat, coat_fresnel, coat_of, Coat};
 import package::cascades::drawn_level;
 import package::cones::cone::Cone;
 import package::cones::way::{cone_growth, cone_start, trace_cone};
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::cones::hemisphere::basis;
 import package::cones::model::glossy_half_vector;
+import package::emitters::draw::{
+    draw_emitter, emitters, expected_irradiance, point_of, EmitterPoint,
+};
+import package::emitters::emitter::strength;
+import package::emitters::gather::{candidate, trace_to, CANDIDATES, STEPS};
+import package::grid::grid_from_world;
+import package::trace::surface::Surface;
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
 import package::trace::view::view;
 
@@ -48,6 +59,83 @@ fn trace_specular(pixel: vec2u, turn: u32, turns: u32, samples: f32) -> Reflecti
         mean.distance += traced.distance / f32(turns);
     }
     return mean;
+}
+
+// The lobe that a frame has drawn.
+struct Lobe {
+    // The unit vector to the camera, in the frame whose z is the normal.
+    view: vec3f,
+    alpha: f32,
+    is_coat: bool,
+    reflectance: vec3f,
+    coat: Coat,
+    // Over the probability of the lobe.
+    below: f32,
+    coat_share: f32,
+}
+
+fn fresnel_of(lobe: Lobe, cosine: f32) -> vec3f {
+    if lobe.is_coat {
+        return vec3f(coat_fresnel(lobe.coat, cosine) / lobe.coat_share);
+    }
+    return fresnel_schlick(lobe.reflectance, cosine) * (lobe.below / (1.0 - lobe.coat_share));
+}
+
+// The share of the light of a direction that counts where the lobe has drawn it: `density` is the lobe's, `emitted` about that of
+// the emitters, both in 1/sr.
+fn share_of_lobe(density: f32, emitted: f32) -> f32 {
+    return density * density / max(density * density + emitted * emitted, 1e-30);
+}
+
+// What the lobe reflects of a point on an emitter, if nothing is between, but for the share that counts where the lobe draws it;
+// times the point's solid angle. `expected` is about the irradiance from all emitters.
+fn reflected_from(point: EmitterPoint, lobe: Lobe, normal_from_world: mat3x3f, geometric_normal: vec3f, expected: f32) -> vec3f {
+    let light = normal_from_world * point.direction;
+    if light.z <= 0.0 || dot(point.direction, geometric_normal) <= 0.0 || point.solid_angle <= 0.0 {
+        return vec3f(0.0);
+    }
+    let half_vector = normalize(light + lobe.view);
+    let brdf = fresnel_of(lobe, dot(lobe.view, half_vector))
+        * (ggx_distribution(half_vector.z, lobe.alpha) * ggx_visibility(lobe.view.z, light.z, lobe.alpha));
+    let density = mirrored_density(lobe.view.z, half_vector.z, lobe.alpha);
+    let share = share_of_lobe(density, strength(point.radiance) * light.z / expected);
+    return point.radiance * brdf * (light.z * point.solid_angle * (1.0 - share));
+}
+
+// What the lobe reflects of emitters, as far as it is not for the lobe to find: of several candidates one is kept, as in
+// emitters/gather.wgsl.
+fn reflect_emitters(
+    surface: Surface,
+    lobe: Lobe,
+    normal_from_world: mat3x3f,
+    level: u32,
+    expected: f32,
+    numbers: vec2f,
+) -> vec4f {
+    let place = grid_from_world(surface.position_in_world);
+    var kept: EmitterPoint;
+    var sum = 0.0;
+    // What is left of the number once it has chosen.
+    var lot = fract(numbers.x * 4096.0);
+    for (var i = 0u; i < CANDIDATES; i++) {
+        let point = point_of(draw_emitter(place, surface.geometric_normal, candidate(numbers, i)), place);
+        let brings = strength(reflected_from(point, lobe, normal_from_world, surface.geometric_normal, expected));
+        sum += brings;
+        let share = brings / max(sum, 1e-30);
+        if brings > 0.0 && lot < share {
+            kept = point;
+            lot /= share;
+        } else {
+            lot = (lot - share) / max(1.0 - share, 1e-6);
+        }
+    }
+    if sum <= 0.0 {
+        return vec4f(0.0);
+    }
+    let traced = trace_to(kept, surface.position_in_world, surface.geometric_normal, level, settings.cones);
+    let its = reflected_from(kept, lobe, normal_from_world, surface.geometric_normal, expected);
+    let seen = traced.transmittance * sum / f32(CANDIDATES);
+    return vec4f(its * (seen / max(strength(its), 1e-30)), f32(traced.samples));
 }
 
 // `turn` is the place in the sequence of the jitter.
@@ -99,20 +187,28 @@ fn trace_turn(pixel: vec2u, turn: u32) -> Reflection {
     let outside_width = min(growth, 2.0 * tan_half * settings.cones.voxel_per_diameter);
     let outside = environment_reflection(direction, outside_width, alpha);
     // A mirror looks along one ray, over which nothing evens out: no pixel of it may be darker than black.
-    let radiance = max(traced.radiance + traced.transmittance * outside, vec3f(0.0));
+    var radiance = max(traced.radiance + traced.transmittance * outside, vec3f(0.0));
 
-    let cos_half_vector = dot(local_view, half_vector);
-    let fresnel = select(
-        fresnel_schlick(material.reflectance, cos_half_vector) * (below / (1.0 - coat_share)),
-        vec3f(coat_fresnel(coat, cos_half_vector) / coat_share),
-        is_coat,
-    );
+    let lobe = Lobe(local_view, alpha, is_coat, material.reflectance, coat, below, coat_share);
+    var from_emitters = vec4f(0.0);
+    if emitters.count > 0u && emitters.is_shown == 0u {
+        let place = grid_from_world(surface.position_in_world);
+        let expected = max(expected_irradiance(place, surface.geometric_normal), 1e-20);
+        let numbers = fract(start.yx + fract(STEPS * f32(turn & 0xffffu)));
+        from_emitters = reflect_emitters(surface, lobe, transpose(world_from_normal), level, expected, numbers);
+        if traced.emits {
+            let density = mirrored_density(local_view.z, half_vector.z, alpha);
+            radiance *= share_of_lobe(density, strength(radiance) * local_light.z / expected);
+        }
+    }
+
+    let fresnel = fresnel_of(lobe, dot(local_view, half_vector));
     let both = ggx_visibility(local_view.z, local_light.z, alpha) * 4.0 * local_view.z
         * local_light.z;
     let weight = fresnel * (both / ggx_masking(local_view.z, alpha));
     // A mirror of the sun may exceed the largest half float.
-    let reflected = min(radiance * weight, vec3f(65504.0));
-    return Reflection(vec4f(reflected, f32(traced.samples)), traced.distance);
+    let reflected = min(radiance * weight + from_emitters.rgb, vec3f(65504.0));
+    return Reflection(vec4f(reflected, f32(traced.samples) + from_emitters.a), traced.distance);
 }
 
 @compute @workgroup_size(8, 8)

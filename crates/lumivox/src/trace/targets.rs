@@ -59,6 +59,7 @@ pub(super) struct TraceSlot {
     settings: Buffer,
     pub(super) diffuse: BindGroup,
     pub(super) specular: BindGroup,
+    pub(super) reconstruct: Option<BindGroup>,
     pub(super) half: Option<HalfSlot>,
     pub(super) temporal: Option<temporal::Groups>,
     pub(super) counts: Buffer,
@@ -66,7 +67,6 @@ pub(super) struct TraceSlot {
 
 #[derive(Debug)]
 pub(super) struct HalfSlot {
-    pub(super) upsample: BindGroup,
     pub(super) count: BindGroup,
     pub(super) edges: BindGroup,
 }
@@ -125,12 +125,8 @@ impl TraceTargets {
         let samples = texture("diffuse samples", traced_size, SAMPLES_FORMAT).view();
         let reflected_size = if settings.temporal { traced_size } else { UVec2::ONE };
         let distance = texture("reflected distance", reflected_size, SAMPLES_FORMAT).view();
-        // Without a further step cones write the outputs themselves.
-        let outputs = if scale > 1 || settings.temporal {
-            [texture("irradiance", size, OUTPUT_FORMAT), texture("specular", size, OUTPUT_FORMAT)]
-        } else {
-            traced.clone()
-        };
+        let outputs =
+            [texture("irradiance", size, OUTPUT_FORMAT), texture("specular", size, OUTPUT_FORMAT)];
         let sizes = (size, traced_size);
         let past = settings.temporal.then(|| Past::new(device, sizes, &mut texture));
         let pixels = if scale > 1 { u64::from(size.x) * u64::from(size.y) } else { 0 };
@@ -166,7 +162,7 @@ impl TraceTargets {
             [size, traced_size].map(|size| u64::from(size.x) * u64::from(size.y));
         // Two pictures and the counts of samples that cones write; what is made of them at the size of the picture.
         let cones = 20 * traced;
-        let outputs = if scale > 1 || settings.temporal { 16 * pixels } else { 0 };
+        let outputs = 16 * pixels;
         let listed = 16 + if scale > 1 { 4 * (pixels + 1) } else { 16 };
         let past = if settings.temporal {
             temporal::past_bytes(pixels, traced_size) + 4 * traced
@@ -241,8 +237,8 @@ impl TraceTargets {
         let Traced { irradiance, specular, samples, distance, .. } = &self.traced;
         let Listed { counts, pixels } = &self.listed;
         let settings = uniform_buffer(device, "screen settings", &ScreenSettings::zeroed());
-        let half = (self.resolution == TraceResolution::Half).then(|| HalfSlot {
-            upsample: BindGroupBuilder::new(&tracer.half.upsample)
+        let reconstruct = self.past.is_none().then(|| {
+            BindGroupBuilder::new(&tracer.reconstruct_layout)
                 .buffer(&settings)
                 .view(irradiance)
                 .view(specular)
@@ -250,7 +246,9 @@ impl TraceTargets {
                 .view(&self.specular)
                 .buffer(counts)
                 .buffer(pixels)
-                .build(device, "upsample"),
+                .build(device, "reconstruct")
+        });
+        let half = (self.resolution == TraceResolution::Half).then(|| HalfSlot {
             count: BindGroupBuilder::new(&tracer.half.count)
                 .buffer(counts)
                 .buffer(pixels)
@@ -282,6 +280,7 @@ impl TraceTargets {
                 .view(specular)
                 .view(distance)
                 .build(device, "glossy cones"),
+            reconstruct,
             half,
             temporal,
             counts: counts.clone(),

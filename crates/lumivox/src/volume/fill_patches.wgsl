@@ -15,6 +15,11 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(2) var<storage, read> shown: array<vec4f>;
 @group(1) @binding(3) var<storage, read_write> patches: array<vec2u>;
 
+fn light_of(face: u32) -> vec2u {
+    let emits = any(faces[face].emission > vec3f(0.0));
+    return pack_light(shown[face].rgb, faces[face].lobe, faces[face].flags, emits);
+}
+
 // After the list has changed. The light of faces that are new comes with the next light.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn surface(
@@ -35,7 +40,7 @@ fn surface(
     patches[first + 1u] = vec2u(faces[face].mask_low, faces[face].mask_high);
     patches[first + 2u] = faces[face].profiles.xy;
     patches[first + 3u] = faces[face].profiles.zw;
-    patches[first + 4u] = pack_light(shown[face].rgb, faces[face].lobe, faces[face].flags);
+    patches[first + 4u] = light_of(face);
 }
 
 // After the light has.
@@ -46,7 +51,6 @@ fn light(
 ) {
     let face = linear_index(invocation, workgroups);
     if face < counts.faces {
-        patches[PATCH_WORDS * face + 4u] =
-            pack_light(shown[face].rgb, faces[face].lobe, faces[face].flags);
+        patches[PATCH_WORDS * face + 4u] = light_of(face);
     }
 }

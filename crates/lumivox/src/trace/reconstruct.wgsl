@@ -1,0 +1,133 @@
+// From traced pixels to the picture: each pixel takes the weighted mean of the four traced pixels around it (`around.wgsl`), or
+// itself at full resolution, and in the first frames of a mean what the traced pixels beside have gathered as well. Where none of
+// the four fits, the pixel is listed, to be traced itself (`edges.wgsl`).
+
+import package::trace::around::{traced_around, FITS};
+import package::trace::fit::fit;
+import package::trace::gbuffer::load_surface;
+import package::trace::screen::{settings, traced_pixel, traced_share, traced_size};
+import package::trace::surface::Surface;
+import package::trace::view::view;
+
+@group(1) @binding(1) var irradiance_in: texture_2d<f32>;
+@group(1) @binding(2) var specular_in: texture_2d<f32>;
+@group(1) @binding(3) var irradiance_out: texture_storage_2d<rgba16float, write>;
+@group(1) @binding(4) var specular_out: texture_storage_2d<rgba16float, write>;
+// How many are listed.
+@group(1) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
+// From its second element on: their numbers, row by row.
+@group(1) @binding(6) var<storage, read_write> listed: array<u32>;
+
+// The frame of a mean in which half of the light is what is shared.
+const SHARED_FRAMES: f32 = 2.0;
+
+// Differences below this many times their noise are noise.
+const CERTAIN: f32 = 3.0;
+
+// The light of 5 x 5 traced pixels around a pixel, and how far they share its surface.
+var<private> light: array<vec4f, 25>;
+var<private> weights: array<f32, 25>;
+
+fn brightness(of_light: vec4f) -> f32 {
+    return dot(of_light.rgb, vec3f(1.0 / 3.0));
+}
+
+// The variance of a traced pixel's noise: what is left where all that is even or has a straight edge is taken away (Immerkaer 1996,
+// "Fast noise variance estimation").
+fn noise_variance() -> f32 {
+    var sum = 0.0;
+    var count = 0.0;
+    for (var i = 0; i < 9; i++) {
+        let centre = 6 + i % 3 + 5 * (i / 3);
+        var rest = 0.0;
+        var least = 1.0;
+        for (var j = 0; j < 9; j++) {
+            let x = j % 3 - 1;
+            let y = j / 3 - 1;
+            let part = f32((2 - 3 * abs(x)) * (2 - 3 * abs(y)));
+            let place = centre + x + 5 * y;
+            rest += part * brightness(light[place]);
+            least = min(least, weights[place]);
+        }
+        sum += least * rest * rest / 36.0;
+        count += least;
+    }
+    return sum / max(count, 1e-3);
+}
+
+// `difference` without what may be noise of that variance (Wiener's filter).
+fn without_noise(difference: vec4f, variance: f32) -> vec4f {
+    let size = brightness(abs(difference));
+    return difference * max(1.0 - CERTAIN * CERTAIN * variance / max(size * size, 1e-20), 0.0);
+}
+
+// The mean of what 5 x 5 traced pixels have gathered; and what 3 x 3, and the pixel itself, differ from it by more than noise does.
+fn gathered_beside(centre: vec2u, surface: Surface, own: vec4f) -> vec4f {
+    let last = vec2i(traced_size()) - 1;
+    var near = vec4f(0.0);
+    var near_weight = 0.0;
+    var wide = vec4f(0.0);
+    var wide_weight = 0.0;
+    for (var i = 0; i < 25; i++) {
+        let offset = vec2i(i % 5, i / 5) - 2;
+        let place = clamp(vec2i(centre) + offset, vec2i(0), last);
+        let other = load_surface(traced_pixel(vec2u(place)));
+        let between = other.position_in_world - surface.position_in_world;
+        light[i] = textureLoad(irradiance_in, place, 0);
+        weights[i] = select(0.0, fit(between, other.shading_normal, surface), other.depth > 0.0);
+        wide += weights[i] * light[i];
+        wide_weight += weights[i];
+        if all(abs(offset) < vec2i(2)) {
+            near += weights[i] * light[i];
+            near_weight += weights[i];
+        }
+    }
+    if near_weight < 0.5 {
+        return own;
+    }
+    near /= near_weight;
+    wide /= wide_weight;
+    let variance = noise_variance();
+    return wide + without_noise(near - wide, variance / near_weight) + without_noise(own - near, variance);
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let pixel = invocation.xy;
+    if any(pixel >= view.size) {
+        return;
+    }
+    let surface = load_surface(pixel);
+    if surface.depth <= 0.0 {
+        textureStore(irradiance_out, pixel, vec4f(0.0, 0.0, 0.0, 1.0));
+        textureStore(specular_out, pixel, vec4f(0.0));
+        return;
+    }
+    let around = traced_around(pixel, surface);
+    var irradiance = vec4f(0.0);
+    var specular = vec4f(0.0);
+    var weights = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let weight = around.weights[i];
+        if weight > 0.0 {
+            irradiance += weight * textureLoad(irradiance_in, around.sources[i], 0);
+            specular += weight * textureLoad(specular_in, around.sources[i], 0);
+            weights += weight;
+        }
+    }
+    if settings.shares != 0u {
+        let share = SHARED_FRAMES / (SHARED_FRAMES + f32(view.frame));
+        irradiance = mix(irradiance, gathered_beside(pixel / settings.scale, surface, irradiance), share);
+    }
+    specular.a *= traced_share();
+    irradiance.a = select(irradiance.a, 1.0, weights <= 0.0);
+    textureStore(irradiance_out, pixel, irradiance);
+    textureStore(specular_out, pixel, specular);
+    if around.best < FITS && settings.bounces > 0u {
+        // In whatever order: each is traced by itself.
+        let place = 1u + atomicAdd(&counts[0], 1u);
+        if place < arrayLength(&listed) {
+            listed[place] = pixel.y * view.size.x + pixel.x;
+        }
+    }
+}
