@@ -21,9 +21,9 @@ use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 
 /// Faces of a voxel; on the built-in scenes 0.9 to 1.9.
 const FACES_PER_VOXEL: f64 = 1.4;
-/// Bytes of a face: its record in the list (96), its patch (40), what its rays meet (80), its light, five colours in full
+/// Bytes of a face: its record in the list (96), its patch (48), what its rays meet (96), its light, five colours in full
 /// floats, and three times the light from afar (64).
-const FACE_BYTES: u64 = 96 + 40 + 80 + 80 + 3 * 64;
+const FACE_BYTES: u64 = 96 + 48 + 96 + 80 + 3 * 64;
 /// Bytes of a node: its record (8), the place of its faces, and room in two lists of changed cells.
 const NODE_BYTES: u64 = 8 + 4 + 24;
 /// Bytes of an octree for each voxel: 160 to 430 on the scenes of docs/octree.md, from 128 voxels

@@ -43,8 +43,8 @@ struct Traced {
     samples: u32,
     // The mean distance of what it met, in voxels; what is outside counts as far away.
     distance: f32,
-    // Whether it ends at a face that emits light. A march does not tell.
-    emits: bool,
+    // The radiance of the face that it ends at that this emits by itself, whether the volume shows it or not. A march does not tell.
+    emission: vec3f,
 }
 
 // Where cones start above a surface, in its voxels.

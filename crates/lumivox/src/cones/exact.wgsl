@@ -4,7 +4,7 @@
 import package::cascades::{outer_high, outer_low};
 import package::cones::cone::{Cone, ConeSettings, MIN_GROWTH, OUTSIDE, START, Traced};
 import package::cones::hemisphere::basis;
-import package::cones::ray::{emits, shown_by, trace_ray, Passed, Ray};
+import package::cones::ray::{emitted_by, shown_by, trace_ray, Passed, Ray};
 import package::gpu::random::hash;
 import package::grid::grid_from_world;
 import package::volume::patch::NOTHING;
@@ -66,6 +66,6 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
         select(1.0, 0.0, is_met && hit.distance < settings.occlusion_distance),
         passed.steps,
         select(OUTSIDE * max(extent.x, max(extent.y, extent.z)), hit.distance, is_met),
-        emits(hit.face),
+        emitted_by(hit.face),
     );
 }

@@ -14,7 +14,7 @@ import package::constants::CASCADES;
 import package::cones::side::face_seen_at;
 import package::gpu::random::hash;
 import package::volume::patch::{
-    unpack_patch, unpack_radiance, BLACK, EMITS, NOTHING, PATCH_WORDS, UNLIT,
+    unpack_patch, unpack_radiance, BLACK, NOTHING, PATCH_WORDS, UNLIT,
 };
 import package::volume::surface::{index, patches};
 import package::voxels::covered::{across, is_covered};
@@ -196,12 +196,12 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     return hit;
 }
 
-// Whether a face emits light.
-fn emits(face: u32) -> bool {
+// The radiance that a face emits by itself.
+fn emitted_by(face: u32) -> vec3f {
     if face >= UNLIT {
-        return false;
+        return vec3f(0.0);
     }
-    return (patches[PATCH_WORDS * face + 4u].y & (EMITS << 16u)) != 0u;
+    return unpack_radiance(patches[PATCH_WORDS * face + 5u]);
 }
 
 // The radiance that a face shows; black is what is no face.

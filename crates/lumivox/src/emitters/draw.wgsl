@@ -59,12 +59,6 @@ fn draw_emitter(place: vec3f, normal: vec3f, random: vec2f) -> Drawn {
     return drawn;
 }
 
-// About the irradiance from all emitters, if nothing stands in their way. There must be some.
-fn expected_irradiance(place: vec3f, normal: vec3f) -> f32 {
-    let root = emitters.records[emitters.count];
-    return importance(unpack(root[0], root[1]), place, normal) + importance(unpack(root[2], root[3]), place, normal);
-}
-
 // The part of a unit vector at a right angle to another one, as a unit vector.
 fn away_from(vector: vec3f, base: vec3f) -> vec3f {
     let part = vector - dot(vector, base) * base;

@@ -5,9 +5,9 @@ import package::temporal::blend::{blend, Fresh, Known, FILTER_STEPS};
 import package::temporal::record::{encode_record, Record};
 import package::trace::around::{traced_around, Around, FITS};
 import package::trace::gbuffer::{load_specular, load_surface};
-import package::trace::fit::fit;
 import package::trace::screen::{settings, traced_pixel, traced_share, traced_size};
-import package::trace::surface::{Specular, Surface};
+import package::trace::reflections::filter_reflection;
+import package::trace::surface::Surface;
 import package::trace::view::view;
 import package::voxelize::reproducible::is_finite;
 
@@ -39,39 +39,6 @@ const MOST_MOVED: f32 = 0.1;
 
 // With more frames than this, what a pixel reflects itself is taken, unfiltered.
 const FILTERED_REFLECTIONS: f32 = 32.0;
-// Traced pixels in each direction over which reflections on a rough surface are filtered.
-const REFLECTION_RADIUS: i32 = 2;
-
-// This frame's reflections around a pixel, as far as they are on the same surface and the lobes overlap: the rougher it is, the
-// more.
-fn filtered_reflection(centre: vec2u, surface: Surface, material: Specular) -> vec4f {
-    let alpha = max(material.roughness * material.roughness, 1e-3);
-    let last = vec2i(traced_size()) - 1;
-    var sum = vec3f(0.0);
-    var weights = 0.0;
-    for (var y = -REFLECTION_RADIUS; y <= REFLECTION_RADIUS; y++) {
-        for (var x = -REFLECTION_RADIUS; x <= REFLECTION_RADIUS; x++) {
-            let place = clamp(vec2i(centre) + vec2i(x, y), vec2i(0), last);
-            let pixel = traced_pixel(vec2u(place));
-            let other = load_surface(pixel);
-            if other.depth <= 0.0 {
-                continue;
-            }
-            let its = load_specular(pixel);
-            let offset = other.position_in_world - surface.position_in_world;
-            let bend = 1.0 - dot(other.shading_normal, surface.shading_normal);
-            let unlike = dot(abs(its.reflectance - material.reflectance), vec3f(1.0))
-                + abs(its.roughness - material.roughness);
-            let spread = f32(x * x + y * y) / (4.0 * alpha + 0.1);
-            let weight = fit(offset, other.geometric_normal, surface)
-                * exp(-4.0 * bend / (alpha * alpha) - 10.0 * unlike - spread);
-            sum += weight * textureLoad(traced_specular, place, 0).rgb;
-            weights += weight;
-        }
-    }
-    return vec4f(sum, weights);
-}
-
 // The known reflection, held within the range of this frame's reflections around it.
 fn plausible(known: vec3f, centre: vec2u) -> vec3f {
     var mean = vec3f(0.0);
@@ -100,11 +67,9 @@ fn blend_specular(pixel: vec2u, surface: Surface, around: Around, known: vec4f, 
     let material = load_specular(pixel);
     let roughness = material.roughness;
     if frames < FILTERED_REFLECTIONS && any(material.reflectance > vec3f(0.0)) {
-        let filtered = filtered_reflection(around.sources[0], surface, material);
         let share = 1.0 - max(frames, 0.0) / FILTERED_REFLECTIONS;
-        if filtered.a > 1e-3 {
-            fresh = vec4f(mix(fresh.rgb, filtered.rgb / filtered.a, share), fresh.a);
-        }
+        let filtered = filter_reflection(fresh.rgb, share, traced_specular, around.sources[0], surface, material);
+        fresh = vec4f(filtered, fresh.a);
     }
     if known.a == 0.0 {
         return fresh;

@@ -4,7 +4,8 @@
 
 import package::trace::around::{traced_around, FITS};
 import package::trace::fit::fit;
-import package::trace::gbuffer::load_surface;
+import package::trace::gbuffer::{load_specular, load_surface};
+import package::trace::reflections::filter_reflection;
 import package::trace::screen::{settings, traced_pixel, traced_share, traced_size};
 import package::trace::surface::Surface;
 import package::trace::view::view;
@@ -117,7 +118,11 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
     if settings.shares != 0u {
         let share = SHARED_FRAMES / (SHARED_FRAMES + f32(view.frame));
-        irradiance = mix(irradiance, gathered_beside(pixel / settings.scale, surface, irradiance), share);
+        let centre = pixel / settings.scale;
+        irradiance = mix(irradiance, gathered_beside(centre, surface, irradiance), share);
+        let filtered =
+            filter_reflection(specular.rgb, share, specular_in, centre, surface, load_specular(pixel));
+        specular = vec4f(filtered, specular.a);
     }
     specular.a *= traced_share();
     irradiance.a = select(irradiance.a, 1.0, weights <= 0.0);

@@ -26,7 +26,7 @@ import package::trace::gbuffer::{load_specular, load_surface};
 import package::cones::hemisphere::basis;
 import package::cones::model::glossy_half_vector;
 import package::emitters::draw::{
-    draw_emitter, emitters, expected_irradiance, point_of, EmitterPoint,
+    draw_emitter, emitters, point_of, EmitterPoint,
 };
 import package::emitters::emitter::strength;
 import package::emitters::gather::{candidate, trace_to, CANDIDATES, STEPS};
@@ -100,6 +100,18 @@ fn reflected_from(point: EmitterPoint, lobe: Lobe, normal_from_world: mat3x3f, g
     let density = mirrored_density(lobe.view.z, half_vector.z, lobe.alpha);
     let share = share_of_lobe(density, strength(point.radiance) * light.z / expected);
     return point.radiance * brdf * (light.z * point.solid_angle * (1.0 - share));
+}
+
+// About the irradiance from all emitters, if nothing stands in their way: always the same for a place, so that both ways of drawing
+// share light by the same number.
+fn expected_irradiance(surface: Surface) -> f32 {
+    let place = grid_from_world(surface.position_in_world);
+    var sum = 0.0;
+    for (var i = 0u; i < CANDIDATES; i++) {
+        let point = point_of(draw_emitter(place, surface.geometric_normal, candidate(vec2f(0.5), i)), place);
+        sum += strength(point.radiance) * max(dot(point.direction, surface.geometric_normal), 0.0) * point.solid_angle;
+    }
+    return max(sum / f32(CANDIDATES), 1e-20);
 }
 
 // What the lobe reflects of emitters, as far as it is not for the lobe to find: of several candidates one is kept, as in
@@ -192,14 +204,12 @@ fn trace_turn(pixel: vec2u, turn: u32) -> Reflection {
     let lobe = Lobe(local_view, alpha, is_coat, material.reflectance, coat, below, coat_share);
     var from_emitters = vec4f(0.0);
     if emitters.count > 0u && emitters.is_shown == 0u {
-        let place = grid_from_world(surface.position_in_world);
-        let expected = max(expected_irradiance(place, surface.geometric_normal), 1e-20);
+        let expected = expected_irradiance(surface);
         let numbers = fract(start.yx + fract(STEPS * f32(turn & 0xffffu)));
         from_emitters = reflect_emitters(surface, lobe, transpose(world_from_normal), level, expected, numbers);
-        if traced.emits {
-            let density = mirrored_density(local_view.z, half_vector.z, alpha);
-            radiance *= share_of_lobe(density, strength(radiance) * local_light.z / expected);
-        }
+        let density = mirrored_density(local_view.z, half_vector.z, alpha);
+        let share = share_of_lobe(density, strength(traced.emission) * local_light.z / expected);
+        radiance = max(radiance - (1.0 - share) * traced.emission, vec3f(0.0));
     }
 
     let fresnel = fresnel_of(lobe, dot(local_view, half_vector));

@@ -4,7 +4,7 @@ import package::cascades::voxel_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid_from_world;
-import package::volume::patch::{pack_light, pack_normal, pack_offset, unpack_normal, PATCH_WORDS};
+import package::volume::patch::{pack_emission, pack_light, pack_normal, pack_offset, unpack_normal, PATCH_WORDS};
 import package::voxels::counts::ListCounts;
 import package::voxels::covered::across;
 import package::voxels::list::{Face, lobe_axis};
@@ -16,8 +16,7 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(3) var<storage, read_write> patches: array<vec2u>;
 
 fn light_of(face: u32) -> vec2u {
-    let emits = any(faces[face].emission > vec3f(0.0));
-    return pack_light(shown[face].rgb, faces[face].lobe, faces[face].flags, emits);
+    return pack_light(shown[face].rgb, faces[face].lobe, faces[face].flags);
 }
 
 // After the list has changed. The light of faces that are new comes with the next light.
@@ -41,6 +40,7 @@ fn surface(
     patches[first + 2u] = faces[face].profiles.xy;
     patches[first + 3u] = faces[face].profiles.zw;
     patches[first + 4u] = light_of(face);
+    patches[first + 5u] = pack_emission(faces[face].emission);
 }
 
 // After the light has.

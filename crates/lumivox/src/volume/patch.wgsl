@@ -1,4 +1,4 @@
-// A face as rays meet it: ten words.
+// A face as rays meet it: twelve words. The last two are the light that it emits, which is part of what it shows.
 
 import package::voxels::list::{HOLES, PARTED, SINGLE_SIDED};
 
@@ -13,10 +13,8 @@ struct Patch {
     is_parted: bool,
 }
 
-// A face that emits light.
-const EMITS = 0x2000u;
 
-const PATCH_WORDS = 5u;
+const PATCH_WORDS = 6u;
 
 // What a ray meets in place of a face's light: no surface, a single-sided surface from behind, or a surface whose light
 // nothing tells.
@@ -57,14 +55,18 @@ fn unpack_normal(packed: u32) -> vec3f {
 // The brightest that half floats hold.
 const BRIGHTEST = 65504.0;
 
-fn pack_light(radiance: vec3f, lobe: u32, flags: u32, emits: bool) -> vec2u {
+fn pack_light(radiance: vec3f, lobe: u32, flags: u32) -> vec2u {
     let stored = min(radiance, vec3f(BRIGHTEST));
     let look = lobe
         | select(0u, 8u, (flags & SINGLE_SIDED) != 0u)
         | select(0u, 0x1000u, (flags & PARTED) != 0u)
-        | select(0u, EMITS, emits)
         | (extractBits(flags, HOLES, 8u) << 4u);
     return vec2u(pack2x16float(stored.rg), pack2x16float(vec2f(stored.b, 0.0)) | (look << 16u));
+}
+
+fn pack_emission(emission: vec3f) -> vec2u {
+    let stored = min(emission, vec3f(BRIGHTEST));
+    return vec2u(pack2x16float(stored.rg), pack2x16float(vec2f(stored.b, 0.0)));
 }
 
 fn unpack_radiance(light: vec2u) -> vec3f {

@@ -9,7 +9,7 @@ use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList, level_words};
 use crate::{GiError, Grid};
 
 /// Bytes of a patch.
-const PATCH_BYTES: u64 = 40;
+const PATCH_BYTES: u64 = 48;
 
 /// The level of the blocks that rays pass at once (`voxels/index.wgsl`).
 const BLOCK_LEVEL: u32 = 3;
