@@ -41,9 +41,9 @@ fn folded_cosine(direction: vec3f, shading_normal: vec3f, geometric_normal: vec3
     return max(dot(direction, shading_normal), 0.0) + max(dot(mirrored, shading_normal), 0.0);
 }
 
-// The numbers of a candidate: each is in a part of the first number's range, all at the same place of their parts.
-fn candidate(numbers: vec2f, index: u32) -> vec2f {
-    let parts = f32(CANDIDATES);
+// The numbers of one of so many candidates: each is in a part of the first number's range, all at the same place of their parts.
+fn candidate(numbers: vec2f, index: u32, count: u32) -> vec2f {
+    let parts = f32(count);
     return vec2f(
         (f32(index) + fract(numbers.x * parts)) / parts,
         fract(numbers.y + 0.618034 * f32(index)),
@@ -89,7 +89,7 @@ fn gather_emitters(
     var hues: array<f32, CANDIDATES>;
     var sum = 0.0;
     for (var i = 0u; i < CANDIDATES; i++) {
-        let drawn = draw_emitter(place, geometric_normal, candidate(numbers, i));
+        let drawn = draw_emitter(place, geometric_normal, candidate(numbers, i, CANDIDATES));
         let point = point_of(drawn, place);
         let cosine = folded_cosine(point.direction, shading_normal, geometric_normal);
         let weight = strength(point.radiance) * cosine * point.solid_angle;

@@ -120,9 +120,11 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         let share = SHARED_FRAMES / (SHARED_FRAMES + f32(view.frame));
         let centre = pixel / settings.scale;
         irradiance = mix(irradiance, gathered_beside(centre, surface, irradiance), share);
-        let filtered =
-            filter_reflection(specular.rgb, share, specular_in, centre, surface, load_specular(pixel));
-        specular = vec4f(filtered, specular.a);
+        let material = load_specular(pixel);
+        if any(material.reflectance > vec3f(0.0)) || material.coat > 0.0 {
+            let filtered = filter_reflection(specular.rgb, share, specular_in, centre, surface, material);
+            specular = vec4f(filtered, specular.a);
+        }
     }
     specular.a *= traced_share();
     irradiance.a = select(irradiance.a, 1.0, weights <= 0.0);

@@ -29,7 +29,7 @@ import package::emitters::draw::{
     draw_emitter, emitters, point_of, EmitterPoint,
 };
 import package::emitters::emitter::strength;
-import package::emitters::gather::{candidate, trace_to, CANDIDATES, STEPS};
+import package::emitters::gather::{candidate, trace_to, STEPS};
 import package::grid::grid_from_world;
 import package::trace::surface::Surface;
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
@@ -39,6 +39,10 @@ import package::trace::view::view;
 @group(1) @binding(2) var specular_out: texture_storage_2d<rgba16float, write>;
 // How far away what is reflected is, in voxels. It has one texel where nobody asks.
 @group(1) @binding(3) var distance_out: texture_storage_2d<r32float, write>;
+
+// Points of emitters among which the lobe's is drawn, and those that tell what to expect.
+const REFLECTED: u32 = 4u;
+const EXPECTING: u32 = 2u;
 
 // Half of a hemisphere: wider cones would reach below the surface that they leave.
 const MIN_COS_HALF_ANGLE: f32 = 0.5;
@@ -107,11 +111,11 @@ fn reflected_from(point: EmitterPoint, lobe: Lobe, normal_from_world: mat3x3f, g
 fn expected_irradiance(surface: Surface) -> f32 {
     let place = grid_from_world(surface.position_in_world);
     var sum = 0.0;
-    for (var i = 0u; i < CANDIDATES; i++) {
-        let point = point_of(draw_emitter(place, surface.geometric_normal, candidate(vec2f(0.5), i)), place);
+    for (var i = 0u; i < EXPECTING; i++) {
+        let point = point_of(draw_emitter(place, surface.geometric_normal, candidate(vec2f(0.5), i, EXPECTING)), place);
         sum += strength(point.radiance) * max(dot(point.direction, surface.geometric_normal), 0.0) * point.solid_angle;
     }
-    return max(sum / f32(CANDIDATES), 1e-20);
+    return max(sum / f32(EXPECTING), 1e-20);
 }
 
 // What the lobe reflects of emitters, as far as it is not for the lobe to find: of several candidates one is kept, as in
@@ -129,8 +133,8 @@ fn reflect_emitters(
     var sum = 0.0;
     // What is left of the number once it has chosen.
     var lot = fract(numbers.x * 4096.0);
-    for (var i = 0u; i < CANDIDATES; i++) {
-        let point = point_of(draw_emitter(place, surface.geometric_normal, candidate(numbers, i)), place);
+    for (var i = 0u; i < REFLECTED; i++) {
+        let point = point_of(draw_emitter(place, surface.geometric_normal, candidate(numbers, i, REFLECTED)), place);
         let brings = strength(reflected_from(point, lobe, normal_from_world, surface.geometric_normal, expected));
         sum += brings;
         let share = brings / max(sum, 1e-30);
@@ -146,7 +150,7 @@ fn reflect_emitters(
     }
     let traced = trace_to(kept, surface.position_in_world, surface.geometric_normal, level, settings.cones);
     let its = reflected_from(kept, lobe, normal_from_world, surface.geometric_normal, expected);
-    let seen = traced.transmittance * sum / f32(CANDIDATES);
+    let seen = traced.transmittance * sum / f32(REFLECTED);
     return vec4f(its * (seen / max(strength(its), 1e-30)), f32(traced.samples));
 }
 
