@@ -17,6 +17,7 @@ const RAY_CLASSES: u32 = 4;
 const SHOWN_GATHERS: [u32; 8] = [4, 6, 8, 12, 16, 20, 26, SETTLING_GATHERS];
 
 /// The work of a frame.
+#[allow(clippy::struct_excessive_bools, reason = "independent facts about one frame")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
     /// Direct light is not what it was.
