@@ -49,12 +49,13 @@ impl Redo {
         let targets = volume || changed.contains(&Redoes::Targets) || old.size != new.size;
         let light = volume
             || changed.contains(&Redoes::Light)
+            || (new.cone_model.is_some() && changed.contains(&Redoes::MarchedLight))
             || old.cone_model != new.cone_model
             || (old.shown_look().is_some() && new.shown_look().is_none())
             || old.voxel_bounces() != new.voxel_bounces();
         let mean = targets
             || light
-            || changed.contains(&Redoes::Frames)
+            || [Redoes::Frames, Redoes::MarchedLight].iter().any(|redo| changed.contains(redo))
             || old.look != new.look
             || old.beside != new.beside;
         Self { volume, targets, light, mean }

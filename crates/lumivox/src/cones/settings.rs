@@ -138,7 +138,7 @@ impl TraceSettings {
                 other => Value::Whole(other),
             },
             set: |s, v| s.diffuse_cones = v.name().parse().unwrap_or(s.diffuse_cones),
-            ..CONES
+            ..MARCHED
         },
         Setting {
             name: "trace_resolution",
@@ -182,7 +182,7 @@ impl TraceSettings {
             kind: Kind::Number { low: 0.1, high: 1.0, words: &[], off: Some(0.0) },
             get: |s| Value::Number(s.clearance),
             set: |s, v| s.clearance = number(v),
-            ..CONES
+            ..MARCHED
         },
         Setting {
             name: "normal_offset",
@@ -193,7 +193,7 @@ impl TraceSettings {
             kind: Kind::number(0.0, 4.0),
             get: |s| Value::Number(s.normal_offset_voxels),
             set: |s, v| s.normal_offset_voxels = number(v),
-            ..CONES
+            ..MARCHED
         },
         Setting {
             name: "step",
@@ -203,7 +203,7 @@ impl TraceSettings {
             kind: Kind::number(0.25, 1.0),
             get: |s| Value::Number(s.step_per_voxel),
             set: |s, v| s.step_per_voxel = number(v),
-            ..CONES
+            ..MARCHED
         },
         Setting {
             name: "min_transmittance",
@@ -214,7 +214,7 @@ impl TraceSettings {
             kind: Kind::number(0.0, 0.25),
             get: |s| Value::Number(s.min_transmittance),
             set: |s, v| s.min_transmittance = number(v),
-            ..CONES
+            ..MARCHED
         },
         Setting {
             name: "specular",
@@ -257,9 +257,11 @@ impl TraceSettings {
 /// The word for an unlimited reach.
 const UNLIMITED: &str = "unlimited";
 
-/// The base of rows whose change lights the voxels again: their light is gathered by the same cones
-/// as the picture's.
+/// The base of rows whose change lights the voxels again.
 const CONES: Setting<TraceSettings> = Setting { redoes: Redoes::Light, ..Setting::ROW };
+
+/// The base of rows whose change does so where the voxels' light is gathered by the same cones as the picture's.
+const MARCHED: Setting<TraceSettings> = Setting { redoes: Redoes::MarchedLight, ..Setting::ROW };
 
 /// The number of a row that only has numbers.
 fn number(value: Value) -> f32 {

@@ -310,7 +310,12 @@ impl Lighting {
         cones: (&TraceSettings, [f32; 4]),
     ) -> bool {
         let Some(faces) = &self.faces else { return false };
-        let turn = self.turns.next(lights, cones, faces.capacity(), budget);
+        // Of rays, a setting only tells how wide the samples of the environment are.
+        let (settings, values) = cones;
+        let width = settings.voxel_per_diameter;
+        let rays = TraceSettings { voxel_per_diameter: width, ..TraceSettings::default() };
+        let seen = if volume.is_marched() { *settings } else { rays };
+        let turn = self.turns.next(lights, (seen, values), faces.capacity(), budget);
         let Some(turn) = turn else { return false };
         let has_emission = faces.has_emission();
         if has_emission {

@@ -121,11 +121,11 @@ impl Turns {
     pub fn next(
         &mut self,
         lights: &Lights,
-        (settings, values): (&TraceSettings, [f32; 4]),
+        cones: (TraceSettings, [f32; 4]),
         capacity: u64,
         budget: Option<u32>,
     ) -> Option<Turn> {
-        let cones = Some((*settings, values));
+        let cones = Some(cones);
         let is_direct_new = self.is_disturbed || self.lights != Some(lights.version);
         let rarest = if self.has_cascades { RAREST_CASCADE } else { 1 };
         let turns = budget.map_or(rarest, |budget| capacity.div_ceil(budget.max(1).into()));

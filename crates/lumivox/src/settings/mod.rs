@@ -71,6 +71,8 @@ pub enum Redoes {
     Frames,
     /// The light in the voxels, and frames.
     Light,
+    /// The same where a cone model marches; where rays meet surface, frames alone.
+    MarchedLight,
     /// The textures of the picture's size, and frames.
     Targets,
     /// The voxels and everything made from them.

@@ -9,6 +9,7 @@ import package::trace::reflections::filter_reflection;
 import package::trace::screen::{settings, traced_pixel, traced_share, traced_size};
 import package::trace::surface::Surface;
 import package::trace::view::view;
+import package::voxelize::reproducible::is_finite;
 
 @group(1) @binding(1) var irradiance_in: texture_2d<f32>;
 @group(1) @binding(2) var specular_in: texture_2d<f32>;
@@ -27,7 +28,7 @@ const CERTAIN: f32 = 3.0;
 
 // The light of 5 x 5 traced pixels around a pixel, and how far they share its surface.
 var<private> light: array<vec4f, 25>;
-var<private> weights: array<f32, 25>;
+var<private> shares: array<f32, 25>;
 
 fn brightness(of_light: vec4f) -> f32 {
     return dot(of_light.rgb, vec3f(1.0 / 3.0));
@@ -48,7 +49,7 @@ fn noise_variance() -> f32 {
             let part = f32((2 - 3 * abs(x)) * (2 - 3 * abs(y)));
             let place = centre + x + 5 * y;
             rest += part * brightness(light[place]);
-            least = min(least, weights[place]);
+            least = min(least, shares[place]);
         }
         sum += least * rest * rest / 36.0;
         count += least;
@@ -74,13 +75,16 @@ fn gathered_beside(centre: vec2u, surface: Surface, own: vec4f) -> vec4f {
         let place = clamp(vec2i(centre) + offset, vec2i(0), last);
         let other = load_surface(traced_pixel(vec2u(place)));
         let between = other.position_in_world - surface.position_in_world;
-        light[i] = textureLoad(irradiance_in, place, 0);
-        weights[i] = select(0.0, fit(between, other.shading_normal, surface), other.depth > 0.0);
-        wide += weights[i] * light[i];
-        wide_weight += weights[i];
+        let gathered = textureLoad(irradiance_in, place, 0);
+        // Light that is not a number must not reach the pixels around.
+        let is_light = other.depth > 0.0 && is_finite(gathered.rgb);
+        light[i] = select(vec4f(0.0), gathered, is_light);
+        shares[i] = select(0.0, fit(between, other.shading_normal, surface), is_light);
+        wide += shares[i] * light[i];
+        wide_weight += shares[i];
         if all(abs(offset) < vec2i(2)) {
-            near += weights[i] * light[i];
-            near_weight += weights[i];
+            near += shares[i] * light[i];
+            near_weight += shares[i];
         }
     }
     if near_weight < 0.5 {

@@ -4,6 +4,7 @@ import package::trace::fit::fit;
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::trace::screen::{traced_pixel, traced_size};
 import package::trace::surface::{Specular, Surface};
+import package::voxelize::reproducible::is_finite;
 
 // The reflections of 5 x 5 traced pixels around a pixel, and their weights.
 var<private> reflected: array<vec3f, 25>;
@@ -50,8 +51,11 @@ fn filter_reflection(
         let spread = f32(dot(step, step)) / (16.0 * alpha + 0.1);
         let weight = fit(offset, other.geometric_normal, surface)
             * exp(-4.0 * bend / (alpha * alpha) - 10.0 * unlike - spread);
-        weights[i] = select(0.0, weight, other.depth > 0.0);
-        reflected[i] = textureLoad(reflections, place, 0).rgb;
+        let light = textureLoad(reflections, place, 0).rgb;
+        // Light that is not a number must not reach the pixels around.
+        let is_light = other.depth > 0.0 && is_finite(light);
+        reflected[i] = select(vec3f(0.0), light, is_light);
+        weights[i] = select(0.0, weight, is_light);
         sum += weights[i] * reflected[i];
         roots += weights[i] * sqrt(max(brightness(reflected[i]), 0.0));
         all += weights[i];
