@@ -4,10 +4,9 @@ use std::fs;
 
 use crate::common::{INPUT, USAGE, expect_error, folder, lumivox, names};
 
-/// By cones a lamp by night in a closed room is known within 15 % today: by 0.2 and 4.3 % in these two
-/// rooms (lavapipe). The room between them is lit by day through a window, which is far worse.
+/// A lamp by night, daylight through a window, a lamp: 1.2, 2.7 and 0.9 % off, their pictures 1.4, 2.5 and 1.1 % (lavapipe).
 #[test]
-fn lamps_in_closed_rooms_are_measured_within_fifteen_percent() {
+fn rooms_are_measured_within_six_percent() {
     let folder = folder();
     let line = "rooms --seed 8 --count 3 --kinds plain --resolution 64 --samples 512 --frames 8 \
                 --size 16x12 --keep kept --json rooms.json";
@@ -24,9 +23,9 @@ fn lamps_in_closed_rooms_are_measured_within_fifteen_percent() {
             (Some(8 + index as u64), Some(light))
         );
         let number = |name: &str| room[name].as_f64().unwrap_or_else(|| panic!("{name}: {room}"));
-        let most = if light == "lamp" { 15.0 } else { f64::INFINITY };
-        assert!(number("error_percent").abs() < most, "{room}");
-        assert!(number("bias_percent").abs() < most, "{room}");
+        assert!(number("error_percent").abs() < 6.0, "{room}");
+        assert!(number("bias_percent").abs() < 6.0, "{room}");
+        assert!(number("faulty_pixels") == 0.0, "{room}");
         assert!(number("noise_percent") > 0.0 && number("rmse_percent") >= 0.0, "{room}");
     }
 
