@@ -263,7 +263,7 @@ impl Lighting {
         if std::mem::take(&mut self.has_moved) {
             recorder.clear(faces.hits());
         }
-        self.turns.solved(lights, gathers);
+        self.turns.solved(lights.version, gathers);
         if gathers == 0 {
             self.conceal(recorder, (volume, changes));
         }
@@ -315,7 +315,7 @@ impl Lighting {
         let width = settings.voxel_per_diameter;
         let rays = TraceSettings { voxel_per_diameter: width, ..TraceSettings::default() };
         let seen = if volume.is_marched() { *settings } else { rays };
-        let turn = self.turns.next(lights, (seen, values), faces.capacity(), budget);
+        let turn = self.turns.next(lights.version, (seen, values), faces.capacity(), budget);
         let Some(turn) = turn else { return false };
         let has_emission = faces.has_emission();
         if has_emission {

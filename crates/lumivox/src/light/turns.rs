@@ -1,7 +1,7 @@
 //! Who gathers when: faces take turns, from each change until the light has settled.
 
+use crate::Grid;
 use crate::cones::TraceSettings;
-use crate::{Grid, Lights};
 
 /// Gathers of every face after a change. In a closed room whose walls reflect 80 %, less than a thousandth of the change
 /// is left then; in most rooms far less.
@@ -105,9 +105,9 @@ impl Turns {
         self.is_list_new = true;
     }
 
-    /// Light came from darkness by so many gathers.
-    pub fn solved(&mut self, lights: &Lights, gathers: u32) {
-        self.lights = Some(lights.version);
+    /// Light came from darkness by so many gathers; `lights` is the version of the lights.
+    pub fn solved(&mut self, lights: u64, gathers: u32) {
+        self.lights = Some(lights);
         self.cones = None;
         // Others go on where these stopped.
         self.solved = Some(gathers);
@@ -120,13 +120,13 @@ impl Turns {
     /// The work of the next frame; none once the light has settled.
     pub fn next(
         &mut self,
-        lights: &Lights,
+        lights: u64,
         cones: (TraceSettings, [f32; 4]),
         capacity: u64,
         budget: Option<u32>,
     ) -> Option<Turn> {
         let cones = Some(cones);
-        let is_direct_new = self.is_disturbed || self.lights != Some(lights.version);
+        let is_direct_new = self.is_disturbed || self.lights != Some(lights);
         let rarest = if self.has_cascades { RAREST_CASCADE } else { 1 };
         let turns = budget.map_or(rarest, |budget| capacity.div_ceil(budget.max(1).into()));
         let done = self.solved.take();
@@ -144,7 +144,7 @@ impl Turns {
             let frames = if all_at_once { turns } else { RAY_CLASSES.into() };
             self.rays = Rays::Renewed { frames, all_at_once };
         }
-        (self.lights, self.cones) = (Some(lights.version), cones);
+        (self.lights, self.cones) = (Some(lights), cones);
         self.left = self.left.checked_sub(1)?;
         self.number = self.number.wrapping_add(1);
         let may_shine_anew = self.shines > 0;
@@ -171,5 +171,39 @@ impl Turns {
             number: self.number,
             rays_anew,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn next(turns: &mut Turns, budget: Option<u32>) -> Option<Turn> {
+        turns.next(1, (TraceSettings::default(), [0.0; 4]), 100, budget)
+    }
+
+    #[test]
+    fn light_that_was_solved_goes_on_without_what_has_not_changed() {
+        let mut turns = Turns::default();
+        turns.solved(1, 16);
+        let all: Vec<Turn> = std::iter::from_fn(|| next(&mut turns, None)).collect();
+        assert_eq!(all.len(), 16);
+        assert!(all.iter().all(|turn| !turn.is_direct_new && !turn.may_shine_anew));
+        let shown = all.iter().filter(|turn| turn.shows_far).count();
+        assert!(all[15].shows_far && shown < 6, "{shown} of 16");
+    }
+
+    #[test]
+    fn all_faces_look_at_emitters_again_after_a_move() {
+        let mut turns = Turns::default();
+        turns.solved(1, 16);
+        turns.surface_moved();
+        // Four turns of 25 faces.
+        let all: Vec<Turn> = std::iter::from_fn(|| next(&mut turns, Some(25))).collect();
+        assert_eq!(all.len(), 4 * 32);
+        let shining: Vec<bool> = all.iter().map(|turn| turn.may_shine_anew).collect();
+        assert!(shining[..4].iter().all(|shines| *shines) && !shining[4..].contains(&true));
+        assert!(all[0].is_direct_new && !all[1].is_direct_new);
+        assert!(all[..16].iter().all(|turn| turn.shows_far) && all[127].shows_far);
     }
 }
