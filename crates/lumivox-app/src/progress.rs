@@ -133,7 +133,9 @@ impl ProgressReader {
     /// The stage, its progress, and the estimated time left.
     pub fn words(&self) -> String {
         let (stage, steps) = (self.0.prefix(), self.0.message());
-        format!("{stage}{steps}, {}{}", FormattedDuration(self.0.elapsed()), left(self.0.eta()))
+        let elapsed = self.0.elapsed();
+        let left = left(f64::from(self.share().unwrap_or(0.0)), elapsed);
+        format!("{stage}{steps}, {}{left}", FormattedDuration(elapsed))
     }
 
     /// The share of the stage that is done, from 0 to 1; `None` if it has only one step.
@@ -177,15 +179,24 @@ fn style(has_steps: bool) -> ProgressStyle {
     ))
     .unwrap_or_else(|_| ProgressStyle::default_spinner())
     .with_key("left", |state: &ProgressState, out: &mut dyn fmt::Write| {
-        let _ = out.write_str(&left(state.eta()));
+        let share = if state.len().is_some() { f64::from(state.fraction()) } else { 0.0 };
+        let _ = out.write_str(&left(share, state.elapsed()));
     })
     .tick_chars("-\\|/ ")
     .progress_chars("= ")
 }
 
-/// The estimated time left, as text; empty while it is unknown.
-fn left(eta: Duration) -> String {
-    if eta.is_zero() { String::new() } else { format!(", about {:#} left", HumanDuration(eta)) }
+/// The estimated time left, as text, if the rest of the stage goes as its first part went. Empty before a tenth is done, when that
+/// says little, and at the end.
+fn left(share: f64, elapsed: Duration) -> String {
+    if !(0.1..1.0).contains(&share) {
+        return String::new();
+    }
+    let left = elapsed.mul_f64((1.0 - share) / share);
+    if left < Duration::from_secs(1) {
+        return String::new();
+    }
+    format!(", about {:#} left", HumanDuration(left))
 }
 
 #[cfg(test)]
@@ -206,7 +217,12 @@ mod tests {
         assert_eq!(watch.share(), Some(8.5 / 16.0));
         progress.set("uploading", 0, 1);
         assert_eq!((watch.words(), watch.share()), ("uploading, 00:00:00".to_owned(), None));
-        assert_eq!(left(Duration::from_secs(754)), ", about 13m left");
+        let left = |share| left(share, Duration::from_secs(754));
+        let expected =
+            [(0.05, ""), (0.25, ", about 38m left"), (0.5, ", about 13m left"), (1.0, "")];
+        for (share, words) in expected {
+            assert_eq!(left(share), words);
+        }
     }
 
     #[test]

@@ -92,6 +92,11 @@ impl Scene {
         ignore_required: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
+        if let Some(name) =
+            path.to_str().and_then(|path| path.strip_prefix(lumivox_console::BUILTIN))
+        {
+            return Self::builtin(py, name.to_owned());
+        }
         let mut progress = Progress::new(progress);
         detached(py, || {
             let up = match up.as_str() {

@@ -25,6 +25,7 @@ def test_builtin_scenes_are_named() -> None:
     assert "cornell" in lumivox.BUILTIN
     with pytest.raises(InputError, match='no built-in scene is called "cornel"; there are: .*cornell'):
         Scene.builtin("cornel")
+    assert Scene.load("builtin:cornell").triangles == Scene.builtin("cornell").triangles
 
 
 def test_arrays_of_any_kind_become_triangles() -> None:

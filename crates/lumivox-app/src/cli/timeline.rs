@@ -61,7 +61,7 @@ pub struct TimelineArgs {
     pub camera_path: Option<PathBuf>,
 
     /// Whether pictures of a sequence take over light of those before them, where the settings keep
-    /// any (--temporal on, --preset realtime)
+    /// any (--temporal, --preset realtime)
     ///
     /// `kept` gives a film as the window shows it: one renderer, in which things and camera move,
     /// and --frames frames for each picture. A sequence that was stopped then begins again at its

@@ -1,4 +1,4 @@
-//! Octrees on the command line: what they take, what they show, and what they refuse.
+//! Kinds of volumes on the command line: what they take, what they show, and what they refuse.
 
 use std::fs;
 
@@ -71,4 +71,28 @@ fn what_cannot_be_is_refused_with_numbers_and_a_remedy() {
     expect_error(folder.path(), "volumes builtin:cornell -o a.png", INPUT, &["a.png", ".svg"]);
     expect_error(folder.path(), &format!("{render} --volume tree"), USAGE, &["dense", "octree"]);
     assert!(names(folder.path()).is_empty(), "a refused command left files");
+}
+
+#[test]
+fn commands_take_every_volume_with_every_preset_or_refuse_it_by_name() {
+    let folder = folder();
+    for volume in ["dense", "octree", "cascades"] {
+        let small = format!("--volume {volume} --resolution 16 --cascade-resolution 32");
+        let line = format!("voxels builtin:cornell {small} --json");
+        let report = lumivox(folder.path(), &line).expect_ok().json();
+        assert!(report["voxels"].as_u64().unwrap() > 500, "{report}");
+        for preset in ["fast", "realtime", "balanced", "high", "report"] {
+            let line = format!(
+                "render builtin:cornell {small} --preset {preset} --size 16x12 --frames 1 \
+                 --shadow-resolution 64 -o {preset}.png"
+            );
+            if (volume, preset) == ("cascades", "report") {
+                fs::remove_file(folder.path().join("report.png")).unwrap();
+                let words = ["volume is cascades, with the injection photons", "octree"];
+                expect_error(folder.path(), &line, INPUT, &words);
+            } else {
+                lumivox(folder.path(), &line).expect_ok();
+            }
+        }
+    }
 }

@@ -69,7 +69,7 @@ class Scene:
         ignore_required: bool = False,
         progress: Progress | None = None,
     ) -> Scene:
-        """Reads a glTF, OBJ, PLY, STL or VXCT file.
+        """Reads a glTF, OBJ, PLY, STL or VXCT file, or makes ``"builtin:NAME"``.
 
         ``unit_m`` is the file's unit in metres, ``up`` its upward axis, ``crease_deg`` the angle
         above which edges without normals stay sharp (default: as the format has it), ``scene`` the

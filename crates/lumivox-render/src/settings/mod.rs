@@ -294,8 +294,16 @@ impl RenderSettings {
                 value: view.name().to_owned(),
                 expected:
                     "a view of single frames; history and disocclusion are those of the light of \
-                           earlier frames (--temporal on, or --preset realtime)"
+                           earlier frames (--temporal, or --preset realtime)"
                         .to_owned(),
+            });
+        }
+        if let (VolumeKind::Cascades, Some(injection)) = (self.volume, &self.injection) {
+            return Err(RenderError::Setting {
+                name: "volume",
+                value: format!("cascades, with the injection {}", injection.name()),
+                expected: "dense or an octree with such an injection, as the preset report has it"
+                    .to_owned(),
             });
         }
         if self.geometry_budget.is_some() && self.look_name() != PHYSICAL {

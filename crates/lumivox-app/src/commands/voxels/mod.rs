@@ -7,7 +7,7 @@ mod picture;
 use std::time::Instant;
 
 use lumivox::gpu::Timing;
-use lumivox::{Gi, Grid, VoxelizeStats};
+use lumivox::{Gi, VoxelizeStats};
 use lumivox_console::report::{
     AdapterReport, GridReport, MemoryReport, OctreeReport, SceneCounts, Table, TimesReport, count,
     memory_table, total_bytes,
@@ -18,6 +18,7 @@ use lumivox_render::{GpuScene, Lighting, RenderError, global_illumination, radia
 use lumivox_scene::Scene;
 use serde::Serialize;
 
+use crate::args::camera::resolve;
 use crate::args::scene;
 use crate::cli::VoxelsArgs;
 use crate::commands::settings;
@@ -42,8 +43,8 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     }
     let scene = scene;
     let bounds = scene.voxel_bounds();
-    let (resolution, offset) = (settings.resolution, settings.grid_offset);
-    let grid = Grid::fit(bounds.min, bounds.max, resolution, offset)?;
+    // Cascades are around the camera that pictures are seen from.
+    let grid = settings.grid(bounds, resolve(None, &scene, 16.0 / 9.0)?.position)?;
 
     progress.set("uploading", 0, 1);
     let lighting = Lighting::of(&scene);
