@@ -76,8 +76,9 @@ fn what_cannot_be_is_refused_with_numbers_and_a_remedy() {
 #[test]
 fn commands_take_every_volume_with_every_preset_or_refuse_it_by_name() {
     let folder = folder();
-    for volume in ["dense", "octree", "cascades"] {
-        let small = format!("--volume {volume} --resolution 16 --cascade-resolution 32");
+    let sizes = ["--resolution 16", "--resolution 16", "--cascade-resolution 32"];
+    for (volume, size) in ["dense", "octree", "cascades"].into_iter().zip(sizes) {
+        let small = format!("--volume {volume} {size}");
         let line = format!("voxels builtin:cornell {small} --json");
         let report = lumivox(folder.path(), &line).expect_ok().json();
         assert!(report["voxels"].as_u64().unwrap() > 500, "{report}");
