@@ -85,5 +85,5 @@ fn a_lamp_leaves_no_stars_on_gloss() {
     assert!(shares.iter().all(|share| *share < 0.002), "{shares:?}");
     let [first, few] =
         pictures.map(|picture| picture.hdr.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>());
-    assert!((first / few - 1.0).abs() < 0.03, "{first} is not {few}");
+    assert!((first / few - 1.0).abs() < 0.06, "{first} is not {few}");
 }
