@@ -204,6 +204,7 @@ mod tests {
         let shining: Vec<bool> = all.iter().map(|turn| turn.may_shine_anew).collect();
         assert!(shining[..4].iter().all(|shines| *shines) && !shining[4..].contains(&true));
         assert!(all[0].is_direct_new && !all[1].is_direct_new);
-        assert!(all[..16].iter().all(|turn| turn.shows_far) && all[127].shows_far);
+        assert!(all[..12].iter().all(|turn| turn.shows_far));
+        assert!(all[15].shows_far && all[127].shows_far && !all[14].shows_far);
     }
 }
