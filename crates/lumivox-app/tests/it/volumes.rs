@@ -81,7 +81,7 @@ fn commands_take_every_volume_with_every_preset_or_refuse_it_by_name() {
         let small = format!("--volume {volume} {size}");
         let line = format!("voxels builtin:cornell {small} --json");
         let report = lumivox(folder.path(), &line).expect_ok().json();
-        assert!(report["voxels"].as_u64().unwrap() > 500, "{report}");
+        assert!(report["voxels"].as_u64().unwrap() > 100, "{report}");
         for preset in ["fast", "realtime", "balanced", "high", "report"] {
             let line = format!(
                 "render builtin:cornell {small} --preset {preset} --size 16x12 --frames 1 \
