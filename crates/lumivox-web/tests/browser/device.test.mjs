@@ -81,6 +81,10 @@ test("more than the device holds is refused with what to choose instead, and the
     }
     await t.test("by hand", async () => {
         const field = app.page.locator("#set-resolution");
+        // A view of cells: others take any resolution that there is memory for.
+        await app.call("set", { view: "lod" });
+        await app.render();
+        const cells = await app.pixels();
         await app.inPanel("Volume", async () => {
             await field.fill("1024");
             await field.press("Enter");
@@ -89,6 +93,10 @@ test("more than the device holds is refused with what to choose instead, and the
             assert.ok(!text.includes("--"), `a page has no command line: ${text}`);
         });
         assert.equal(await field.inputValue(), "32");
+        assert.equal(different(cells, await app.pixels()), 0);
+        await app.check();
+        await app.call("set", { view: settings.view });
+        await app.render();
         assert.equal(different(before, await app.pixels()), 0);
         await app.check();
     });
