@@ -44,8 +44,11 @@ test("built-in scenes agree with the native picture", async (t) => {
         await t.test(name, async () => {
             // The page shows the first by itself, as its link says.
             if (name !== "cornell") await app.call("loadScene", `builtin:${name}`);
+            // By itself the exposure of surfaces that shine differs by a tenth of a stop between the two drivers.
+            const exposure = name === "glow" ? -5.4 : "auto";
+            await app.call("set", { exposure });
             await app.render();
-            await agrees(`builtin:${name}`, [], name);
+            await agrees(`builtin:${name}`, [`--exposure=${exposure}`], name);
             await app.check();
         });
     }
@@ -103,7 +106,8 @@ test("every view is a picture of its own, and all volumes have views", async (t)
     // Other volumes have other look-ups and no other views: light, voxels, and those that they have alone.
     const inOthers = new Set(["final", "voxels", "lit", ...octrees]);
     for (const volume of ["dense", "octree", "cascades"]) {
-        await app.call("set", { volume, view: "final" });
+        // Nothing is open in a closed room but up to a distance.
+        await app.call("set", { volume, view: "final", occlusion_distance: 0.5 });
         for (const view of views.filter((/** @type {string} */ view) => isRelease() || volume === "dense" || inOthers.has(view))) {
             await t.test(`${view}, ${volume}`, async () => {
                 if (octrees.has(view) && volume !== "octree") {
@@ -123,7 +127,7 @@ test("every view is a picture of its own, and all volumes have views", async (t)
             });
         }
     }
-    await app.call("set", { volume: "dense", view: "final" });
+    await app.call("set", { volume: "dense", view: "final", occlusion_distance: "unlimited" });
     await app.check();
 });
 

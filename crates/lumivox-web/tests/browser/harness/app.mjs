@@ -16,8 +16,8 @@ export const VIEWPORT = { width: 384, height: 288 };
 export const SIZE = { width: 96, height: 72 };
 /** Mean FLIP that pictures of two software GPUs, SwiftShader here and lavapipe there, may have between them: an edge that
  * goes through the middle of a row of pixels falls to either side, and so do cones that begin beside it; and the last bit
- * decides which point of a lamp a pixel draws. Measured: 0.0006 to 0.036 (atrium), and 0.058 and 0.086 (glow) where surfaces
- * shine by themselves; a picture that was wrong had 0.12 and more. */
+ * decides which point of a lamp a pixel draws. Measured: 0.0019 to 0.025, 0.047 (glow) and 0.069 (atrium); a picture that was
+ * wrong had 0.12 and more. */
 export const BOUND = 0.1;
 /** Small and quick; the native program's words for it are in `NATIVE`. */
 export const QUICK = { resolution: 32, frames: 4, bounces: 1 };
