@@ -1,6 +1,9 @@
 //! A first frame shows what many frames show: light from afar is not drawn.
 
+use std::ops::ControlFlow;
+
 use glam::UVec2;
+use lumivox_render::reference::{PathTracer, ReferenceSettings};
 use lumivox_render::{Picture, RenderSettings, View};
 use lumivox_scene::{MetallicRoughness, Scene, Shading};
 
@@ -86,4 +89,33 @@ fn a_lamp_leaves_no_stars_on_gloss() {
     let [first, few] =
         pictures.map(|picture| picture.hdr.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>());
     assert!((first / few - 1.0).abs() < 0.06, "{first} is not {few}");
+}
+
+/// All that a metal wall shows is gloss. 8 % too bright on llvmpipe; 13 % where only rays of the lobe find the lamp, whose faces are
+/// larger than it is.
+#[test]
+#[ignore = "slow: traces paths"]
+fn a_metal_wall_reflects_the_lamp_as_it_is() {
+    let (gpu, mut scene) = (gpu(), glossy_box());
+    let red = scene.materials.iter_mut().find(|material| material.name == "red");
+    let Some(Shading::MetallicRoughness(red)) = red.map(|material| &mut material.shading) else {
+        panic!("no red wall")
+    };
+    (red.metallic, red.base_color) = (1.0, glam::Vec4::ONE);
+
+    let size = UVec2::new(48, 36);
+    let settings = ReferenceSettings { size, samples: 256, ..ReferenceSettings::default() };
+    let mut tracer =
+        pollster::block_on(PathTracer::new(&gpu, &scene, None, settings)).expect("a path tracer");
+    pollster::block_on(tracer.render(&mut |_| ControlFlow::Continue(()))).expect("traced");
+    let settings = RenderSettings { size, resolution: 64, frames: 16, ..RenderSettings::default() };
+    let ours = picture(&mut renderer(&gpu, &scene, settings)).hdr;
+    // Well within the wall.
+    let mean = |radiance: &[[f32; 4]]| -> f32 {
+        let pixels = (8..28).flat_map(|y| (8..12).map(move |x| radiance[48 * y + x][1]));
+        pixels.sum::<f32>() / 80.0
+    };
+    let ratio = mean(&ours) / mean(&tracer.layers().picture());
+    println!("ours over paths: {ratio}");
+    assert!((0.95..=1.1).contains(&ratio), "{ratio}");
 }

@@ -43,7 +43,7 @@ struct Traced {
     samples: u32,
     // The mean distance of what it met, in voxels; what is outside counts as far away.
     distance: f32,
-    // The radiance of the face that it ends at that this emits by itself, whether the volume shows it or not. A march does not tell.
+    // The radiance that the face at its end emits, whether the volume shows emission or not. A march leaves it at zero.
     emission: vec3f,
 }
 

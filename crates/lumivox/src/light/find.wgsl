@@ -19,8 +19,8 @@ import package::voxels::morton::morton_decode;
 
 const UNKNOWN = 0u;
 
-// Whether a ray has to be traced. If it is its face's turn: it never was, or its group is due after surface has moved. In any
-// turn: it starts on dynamic surface or has met some, whose faces have no fixed places in the list.
+// Whether the face that a ray has met, or that is beside, has to be found again. If it is the face's turn: it never was found, or its
+// group is due after surface has moved. In any turn: one of the two is dynamic, and has no fixed place in the list.
 fn is_outdated(hit: u32, face: u32, ray: u32, is_due: bool) -> bool {
     let met = hit - HIT_OFFSET;
     let is_moving = face >= counts.fixed_faces || (met >= counts.fixed_faces && met < UNLIT);

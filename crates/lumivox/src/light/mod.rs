@@ -310,7 +310,7 @@ impl Lighting {
         cones: (&TraceSettings, [f32; 4]),
     ) -> bool {
         let Some(faces) = &self.faces else { return false };
-        // Of rays, a setting only tells how wide the samples of the environment are.
+        // The only setting that changes the light of faces, where rays find it: the width of samples of the environment.
         let (settings, values) = cones;
         let width = settings.voxel_per_diameter;
         let rays = TraceSettings { voxel_per_diameter: width, ..TraceSettings::default() };

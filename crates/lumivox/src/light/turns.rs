@@ -22,7 +22,7 @@ const SHOWN_GATHERS: [u32; 8] = [4, 6, 8, 12, 16, 20, 26, SETTLING_GATHERS];
 pub(super) struct Turn {
     /// Direct light is not what it was.
     pub is_direct_new: bool,
-    /// What faces get straight from emitters may not be what it was.
+    /// Faces find the irradiance that comes straight from emitters again: emitters, or what is between, may have changed.
     pub may_shine_anew: bool,
     /// Pixels are shown the light from afar anew.
     pub shows_far: bool,

@@ -71,7 +71,7 @@ pub enum Redoes {
     Frames,
     /// The light in the voxels, and frames.
     Light,
-    /// The same where a cone model marches; where rays meet surface, frames alone.
+    /// With a cone model, which gathers the voxels' light as well, that light and frames; without one, frames alone.
     MarchedLight,
     /// The textures of the picture's size, and frames.
     Targets,

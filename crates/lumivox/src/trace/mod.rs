@@ -1,8 +1,8 @@
 //! Cones from the pixels of a G-buffer: diffuse irradiance, occlusion, glossy reflection.
 //!
 //! A frame traces one jittered direction in each cell of the hemisphere and one in the glossy lobe; the mean
-//! over frames is what the settings describe. Output textures hold a single frame, so that the caller can
-//! accumulate, reproject or filter as it likes.
+//! over frames is what the settings describe. Output textures hold a single frame, in which pixels beside one another share
+//! their light, the less the more frames there are (`reconstruct.wgsl`), or with the setting `temporal` the mean of the frames so far.
 
 mod gbuffer;
 mod targets;

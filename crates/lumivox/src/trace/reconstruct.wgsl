@@ -5,7 +5,7 @@
 import package::trace::around::{traced_around, FITS};
 import package::trace::fit::fit;
 import package::trace::gbuffer::{load_specular, load_surface};
-import package::trace::reflections::filter_reflection;
+import package::trace::reflections::{brightness, filter_reflection};
 import package::trace::screen::{settings, traced_pixel, traced_share, traced_size};
 import package::trace::surface::Surface;
 import package::trace::view::view;
@@ -30,10 +30,6 @@ const CERTAIN: f32 = 3.0;
 var<private> light: array<vec4f, 25>;
 var<private> shares: array<f32, 25>;
 
-fn brightness(of_light: vec4f) -> f32 {
-    return dot(of_light.rgb, vec3f(1.0 / 3.0));
-}
-
 // The variance of a traced pixel's noise: what is left where all that is even or has a straight edge is taken away (Immerkaer 1996,
 // "Fast noise variance estimation").
 fn noise_variance() -> f32 {
@@ -48,7 +44,7 @@ fn noise_variance() -> f32 {
             let y = j / 3 - 1;
             let part = f32((2 - 3 * abs(x)) * (2 - 3 * abs(y)));
             let place = centre + x + 5 * y;
-            rest += part * brightness(light[place]);
+            rest += part * brightness(light[place].rgb);
             least = min(least, shares[place]);
         }
         sum += least * rest * rest / 36.0;
@@ -59,7 +55,7 @@ fn noise_variance() -> f32 {
 
 // `difference` without what may be noise of that variance (Wiener's filter).
 fn without_noise(difference: vec4f, variance: f32) -> vec4f {
-    let size = brightness(abs(difference));
+    let size = brightness(abs(difference.rgb));
     return difference * max(1.0 - CERTAIN * CERTAIN * variance / max(size * size, 1e-20), 0.0);
 }
 

@@ -10,8 +10,8 @@ import package::voxelize::reproducible::is_finite;
 var<private> reflected: array<vec3f, 25>;
 var<private> weights: array<f32, 25>;
 
-// What is brighter than so many times the typical reflection around is shared by all pixels around: one of them has found by chance
-// what all reflect.
+// Reflections brighter than so many times the typical one around are spread over all pixels around: one pixel's ray has met by chance
+// what all of them reflect.
 const TYPICAL: f32 = 2.0;
 
 fn brightness(light: vec3f) -> f32 {

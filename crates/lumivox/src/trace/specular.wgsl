@@ -91,8 +91,8 @@ fn share_of_lobe(density: f32, emitted: f32) -> f32 {
     return density * density / max(density * density + emitted * emitted, 1e-30);
 }
 
-// What the lobe reflects of a point on an emitter, if nothing is between, but for the share that counts where the lobe draws it;
-// times the point's solid angle. `expected` is about the irradiance from all emitters.
+// The light of a point on an emitter that the lobe reflects to the camera, if nothing is between, times the point's solid angle and the
+// share that counts where emitters are drawn. `expected` is about the irradiance from all emitters.
 fn reflected_from(point: EmitterPoint, lobe: Lobe, normal_from_world: mat3x3f, geometric_normal: vec3f, expected: f32) -> vec3f {
     let light = normal_from_world * point.direction;
     if light.z <= 0.0 || dot(point.direction, geometric_normal) <= 0.0 || point.solid_angle <= 0.0 {
@@ -118,8 +118,8 @@ fn expected_irradiance(surface: Surface) -> f32 {
     return max(sum / f32(EXPECTING), 1e-20);
 }
 
-// What the lobe reflects of emitters, as far as it is not for the lobe to find: of several candidates one is kept, as in
-// emitters/gather.wgsl.
+// Reflected light of drawn emitters, by the share that counts there: of several points one is kept, as in emitters/gather.wgsl. In a
+// the samples of its ray.
 fn reflect_emitters(
     surface: Surface,
     lobe: Lobe,
@@ -131,7 +131,7 @@ fn reflect_emitters(
     let place = grid_from_world(surface.position_in_world);
     var kept: EmitterPoint;
     var sum = 0.0;
-    // What is left of the number once it has chosen.
+    // A random number, stretched to [0, 1) again after each choice.
     var lot = fract(numbers.x * 4096.0);
     for (var i = 0u; i < REFLECTED; i++) {
         let point = point_of(draw_emitter(place, surface.geometric_normal, candidate(numbers, i, REFLECTED)), place);

@@ -13,7 +13,6 @@ struct Patch {
     is_parted: bool,
 }
 
-
 const PATCH_WORDS = 6u;
 
 // What a ray meets in place of a face's light: no surface, a single-sided surface from behind, or a surface whose light

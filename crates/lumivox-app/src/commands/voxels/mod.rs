@@ -6,8 +6,9 @@ mod picture;
 
 use std::time::Instant;
 
+use glam::Vec3;
 use lumivox::gpu::Timing;
-use lumivox::{Gi, VoxelizeStats};
+use lumivox::{Gi, VolumeKind, VoxelizeStats};
 use lumivox_console::report::{
     AdapterReport, GridReport, MemoryReport, OctreeReport, SceneCounts, Table, TimesReport, count,
     memory_table, total_bytes,
@@ -43,8 +44,12 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     }
     let scene = scene;
     let bounds = scene.voxel_bounds();
-    // Cascades are around the camera that pictures are seen from.
-    let grid = settings.grid(bounds, resolve(None, &scene, 16.0 / 9.0)?.position)?;
+    let centre = match settings.volume {
+        // Around the camera that pictures are seen from.
+        VolumeKind::Cascades => resolve(None, &scene, 16.0 / 9.0)?.position,
+        VolumeKind::Dense | VolumeKind::Octree(_) => Vec3::ZERO,
+    };
+    let grid = settings.grid(bounds, centre)?;
 
     progress.set("uploading", 0, 1);
     let lighting = Lighting::of(&scene);
