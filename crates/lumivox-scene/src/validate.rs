@@ -118,8 +118,20 @@ fn retain_instances(scene: &mut Scene, mut keep: impl FnMut(&mut Instance) -> bo
 
 /// The transform itself if normals can be transformed: its inverse exists, in f32, too. One that
 /// flattens, up to rounding, gets a thickness of about a millionth; it mirrors if `mirrors` is true.
-/// `None` if a line or a point is left.
+/// `None` if a line or a point is left. What comes out comes out again.
 pub(crate) fn invertible(world_from_local: Mat4, mirrors: bool) -> Option<Mat4> {
+    let mut made = world_from_local;
+    // Rounding may take some of the thickness away again, where columns are of very different lengths.
+    for _ in 0..8 {
+        let Some(thicker) = thickened(made, mirrors) else { break };
+        made = thicker;
+    }
+    let exists = made.as_dmat4().determinant() != 0.0 && made.inverse().is_finite();
+    exists.then_some(made)
+}
+
+/// A transform that flattens, with a thickness; `None` for others.
+fn thickened(world_from_local: Mat4, mirrors: bool) -> Option<Mat4> {
     // A product of f32 matrices of which one is flat has a determinant of some 2^-24.
     const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
     let linear = DMat3::from_mat4(world_from_local.as_dmat4());
@@ -130,15 +142,15 @@ pub(crate) fn invertible(world_from_local: Mat4, mirrors: bool) -> Option<Mat4> 
     let length =
         |m: DMat3| DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length()).length();
     let (size, area) = (length(linear), length(cofactors));
-    let mut made = world_from_local;
-    if linear.determinant().abs() <= ROUNDING * size * area && area > ROUNDING * size * size {
-        let thickness = 4.0 * ROUNDING * size * if mirrors { -1.0 } else { 1.0 };
-        let thick = linear + cofactors * (thickness / area);
-        let columns = [thick.x_axis, thick.y_axis, thick.z_axis].map(|v| v.as_vec3().extend(0.0));
-        made = Mat4::from_cols(columns[0], columns[1], columns[2], world_from_local.w_axis);
+    let is_flat =
+        linear.determinant().abs() <= ROUNDING * size * area && area > ROUNDING * size * size;
+    if !is_flat {
+        return None;
     }
-    let exists = made.as_dmat4().determinant() != 0.0 && made.inverse().is_finite();
-    exists.then_some(made)
+    let thickness = 4.0 * ROUNDING * size * if mirrors { -1.0 } else { 1.0 };
+    let thick = linear + cofactors * (thickness / area);
+    let columns = [thick.x_axis, thick.y_axis, thick.z_axis].map(|v| v.as_vec3().extend(0.0));
+    Some(Mat4::from_cols(columns[0], columns[1], columns[2], world_from_local.w_axis))
 }
 
 /// Removes triangles of zero area, then meshes without triangles, then instances without a mesh.

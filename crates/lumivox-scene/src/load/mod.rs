@@ -16,6 +16,7 @@ mod image;
 mod normals;
 #[cfg(feature = "obj")]
 mod obj;
+mod origin;
 #[cfg(feature = "ply")]
 mod ply;
 #[cfg(any(feature = "obj", feature = "ply", feature = "stl"))]

@@ -2,6 +2,7 @@
 
 use std::io::{BufRead, ErrorKind};
 use std::path::Path;
+use std::str::FromStr;
 
 use super::files::shorten;
 use crate::SceneError;
@@ -147,20 +148,20 @@ pub(super) fn keyword(line: &[u8]) -> (&[u8], &[u8]) {
 
 /// A number; infinities and NaN are read as such, in all spellings of common C libraries
 /// (`nan(ind)`, `1.#QNAN`).
-pub(super) fn number(word: &[u8]) -> Option<f32> {
+pub(super) fn number<T: FromStr + From<f32>>(word: &[u8]) -> Option<T> {
     let text = std::str::from_utf8(word).ok()?;
     if let Ok(number) = text.parse() {
         return Some(number);
     }
     let digits = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
-    (digits.starts_with("nan(") || digits.starts_with("1.#")).then_some(f32::NAN)
+    (digits.starts_with("nan(") || digits.starts_with("1.#")).then_some(f32::NAN.into())
 }
 
 /// The next `N` numbers of a line, or a sentence on what is wrong.
-pub(super) fn numbers<'w, const N: usize>(
+pub(super) fn numbers<'w, const N: usize, T: FromStr + From<f32> + Copy>(
     words: &mut impl Iterator<Item = &'w [u8]>,
-) -> Result<[f32; N], String> {
-    let mut values = [0.0; N];
+) -> Result<[T; N], String> {
+    let mut values = [T::from(0.0); N];
     for (i, value) in values.iter_mut().enumerate() {
         let Some(word) = words.next() else {
             return Err(format!("it has {i} numbers instead of {N}"));
@@ -239,13 +240,13 @@ mod tests {
         assert_eq!(number(b"5."), Some(5.0));
         assert_eq!(number(b"1e999"), Some(f32::INFINITY));
         for word in ["nan", "NaN", "-nan", "-nan(ind)", "1.#QNAN", "-1.#IND"] {
-            assert!(number(word.as_bytes()).unwrap().is_nan(), "{word}");
+            assert!(number::<f32>(word.as_bytes()).unwrap().is_nan(), "{word}");
         }
         for word in ["", "x", "1,5", "0x10", "1.0f", "1#"] {
-            assert_eq!(number(word.as_bytes()), None, "{word}");
+            assert_eq!(number::<f32>(word.as_bytes()), None, "{word}");
         }
-        assert_eq!(numbers::<2>(&mut words(b" 1\t2 3")), Ok([1.0, 2.0]));
-        assert!(numbers::<2>(&mut words(b"1")).is_err());
+        assert_eq!(numbers::<2, f32>(&mut words(b" 1\t2 3")), Ok([1.0, 2.0]));
+        assert!(numbers::<2, f32>(&mut words(b"1")).is_err());
         assert_eq!(words(b"1 1.#IND 2# 3").count(), 3);
         assert_eq!(keyword(b"  usemtl \t a b \r"), (&b"usemtl"[..], &b"a b"[..]));
     }

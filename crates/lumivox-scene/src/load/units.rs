@@ -55,6 +55,7 @@ pub(super) fn apply(
         return Ok(());
     }
     scene.transform(rotation);
+    scene.origin = f64::from(unit_m) * (up.rotation().as_dmat3() * scene.origin);
     // Animations keep their unit at all times.
     if let Some(rig) = &mut scene.rig {
         rig.transform(scale);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::{EulerRot, Mat4, Quat, Vec3};
+use glam::{DVec3, EulerRot, Mat4, Quat, Vec3};
 
 use super::{Bounds, Camera, Environment, Instance, Light, Material, Mesh, Texture};
 use crate::pose::Rig;
@@ -26,6 +26,9 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// The surroundings.
     pub environment: Environment,
+    /// The place in the file's coordinates, in metres with y up, of the scene's zero. Default: zero. Places on a map, such as
+    /// UTM's, are far from zero, where 32-bit floats are off by half a metre: the readers take the origin from them in f64.
+    pub origin: DVec3,
     /// The data of [`Scene::pose`]; `None` without animations. Setting it to `None` keeps the
     /// present pose, and frees the memory.
     pub rig: Option<Rig>,

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
 
+use glam::DVec3;
 use serde_json::{Map, Value, json};
 
 use super::binary::{Binary, Source, Target};
@@ -16,7 +17,9 @@ pub(super) struct Document<'a> {
     lists: BTreeMap<&'static str, List>,
     extensions: BTreeSet<&'static str>,
     pub(super) binary: Binary<'a>,
-    /// The scene's entry; the numbers of its nodes, all roots, are added at the end.
+    /// The place of the scene's zero.
+    pub(super) origin: DVec3,
+    /// The scene's entry; the numbers of its root nodes are added at the end.
     pub(super) scene: Map<String, Value>,
 }
 
@@ -28,6 +31,11 @@ struct List {
 }
 
 impl<'a> Document<'a> {
+    /// An empty document, whose nodes will be at a place.
+    pub(super) fn at(origin: DVec3) -> Self {
+        Self { origin, ..Self::default() }
+    }
+
     /// Appends to a list of the document, and returns the index.
     pub(super) fn push(&mut self, list: &'static str, entry: &Value) -> usize {
         self.lists.entry(list).or_default().push(&entry.to_string())
@@ -91,7 +99,13 @@ impl<'a> Document<'a> {
             // A list may not be empty, and many readers insist on there being one.
             self.push("nodes", &json!({ "name": "empty" }));
         }
-        self.scene.insert("nodes".to_owned(), (0..nodes.max(1)).collect());
+        let mut roots: Value = (0..nodes.max(1)).collect();
+        if self.origin != DVec3::ZERO {
+            let place = self.origin.to_array();
+            let moved = json!({ "name": "origin", "translation": place, "children": roots });
+            roots = json!([self.push("nodes", &moved)]);
+        }
+        self.scene.insert("nodes".to_owned(), roots);
 
         let mut json = format!(
             r#"{{"asset":{{"generator":"Lumivox {}","version":"2.0"}}"#,

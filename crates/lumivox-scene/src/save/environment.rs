@@ -17,7 +17,8 @@ impl<'a> Writer<'a> {
             own.insert("environment".to_owned(), environment);
         }
         if let Some(Bounds { min, max }) = scene.grid_bounds {
-            let grid = json!({ "min": numbers(min.as_ref()), "max": numbers(max.as_ref()) });
+            let [min, max] = [min, max].map(|corner| (corner.as_dvec3() + scene.origin).to_array());
+            let grid = json!({ "min": min, "max": max });
             own.insert("grid".to_owned(), grid);
         }
         own_extras(&mut self.document.scene, &own);

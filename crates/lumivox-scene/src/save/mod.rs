@@ -97,7 +97,7 @@ impl<'a> Writer<'a> {
     fn new(scene: &'a Scene, file: &Path) -> Result<Self, SceneError> {
         let mut writer = Self {
             scene,
-            document: Document::default(),
+            document: Document::at(scene.origin),
             materials: vec![None; scene.materials.len()],
             textures: vec![None; scene.textures.len()],
         };

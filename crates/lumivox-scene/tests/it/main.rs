@@ -27,6 +27,7 @@ mod in_memory;
 mod links;
 mod mtl;
 mod obj;
+mod origin;
 mod ply;
 mod round_trip;
 mod stl;

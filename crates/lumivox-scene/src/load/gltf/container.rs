@@ -23,6 +23,7 @@ const BINARY_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
 pub(super) struct Parsed<'a> {
     pub(super) document: Document,
     pub(super) buffers: Buffers<'a>,
+    pub(super) json: &'a [u8],
     pub(super) about: LoadNotes,
 }
 
@@ -67,7 +68,8 @@ pub(super) fn parse<'a>(
     check_indices(&mut root, notes).map_err(|(part, reason)| malformed(&part, reason))?;
     let mut buffers = read_buffers(file, &root, binary, reach)?;
     compression::decompress(file, &mut root, &mut buffers, options.budget.geometry_bytes)?;
-    Ok(Parsed { document: Document::from_json_without_validation(root), buffers, about })
+    let document = Document::from_json_without_validation(root);
+    Ok(Parsed { document, buffers, json, about })
 }
 
 /// The JSON and the binary chunk. Lengths are checked against the bytes that exist.

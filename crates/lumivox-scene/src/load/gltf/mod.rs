@@ -26,6 +26,7 @@ mod extras;
 mod lights;
 mod material;
 mod node;
+mod origin;
 mod own_vertices;
 mod primitive;
 mod put;
@@ -64,6 +65,8 @@ struct Loader<'a> {
     reach: Reach<'a>,
     document: &'a gltf::Document,
     buffers: &'a [Cow<'a, [u8]>],
+    /// The text of the document.
+    json: &'a [u8],
     scene: Scene,
     /// The rig that places the scene's instances, lights and cameras.
     rig: Parts,
@@ -109,6 +112,7 @@ fn load_bytes(
             reach,
             document: &parsed.document,
             buffers: &parsed.buffers,
+            json: parsed.json,
             scene: Scene { name, notes: parsed.about.clone(), ..Scene::default() },
             rig: Parts { file: file.to_owned(), ..Parts::default() },
             notes: notes.clone(),

@@ -21,6 +21,11 @@ pub(super) struct Tree {
 }
 
 impl Tree {
+    /// The file's number of one of the rig's nodes.
+    pub(super) fn number(&self, place: usize) -> usize {
+        self.numbers[place]
+    }
+
     /// The place in the rig of a node of the file.
     pub(super) fn place(&self, number: usize) -> Option<usize> {
         self.places.get(number).copied().flatten()
@@ -71,6 +76,7 @@ impl Loader<'_> {
         let in_scene = tree.numbers.len();
         self.walk_to_joints(&nodes, &mut tree)?;
         self.load_animations(&tree);
+        self.take_origin(&tree, in_scene);
 
         let rig = &self.rig;
         let world_from_node =

@@ -34,7 +34,7 @@ use std::path::Path;
 
 use super::files::folder_of;
 use super::geometry::GeometryBudget;
-use super::{LoadOptions, Notes, stream, tangents};
+use super::{LoadOptions, Notes, origin, stream, tangents};
 use crate::{Instance, Scene, SceneError};
 
 /// The first mesh of a file, without its materials, and how many others there are; `None` where
@@ -69,11 +69,13 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
     let mut budget = GeometryBudget::new(file, memory.geometry_bytes);
     let (reader, _) = stream::open(file, options)?;
     let mut model = read::read(file, reader, &mut notes, &budget)?;
+    let origin = model.rest.take_origin([model.positions.as_mut_slice()]);
+    origin::tell(&mut notes, origin, false);
     let normals = model.group_normals();
     let submeshes = std::mem::take(&mut model.submeshes);
 
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let mut scene = Scene { name: name.unwrap_or_default(), ..Scene::default() };
+    let mut scene = Scene { name: name.unwrap_or_default(), origin, ..Scene::default() };
     let library = mtl::Library::load(file, reach, &model.libraries, &mut notes)?;
     let mut materials = material::Materials::new(file, reach, library, options);
     let mut builder = mesh::Builder::new(&model, &normals, crease_rad);

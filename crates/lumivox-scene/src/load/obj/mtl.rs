@@ -218,7 +218,7 @@ impl Mtl {
     }
 
     fn number(&mut self, scalar: Scalar, rest: &[u8]) -> Result<(), String> {
-        let [value] = numbers::<1>(&mut words(rest))?;
+        let [value] = numbers::<1, f32>(&mut words(rest))?;
         if !value.is_finite() {
             return Err("its number is not finite".to_owned());
         }
@@ -287,7 +287,7 @@ fn color(rest: &[u8]) -> Result<Vec3, String> {
         _ => (false, rest),
     };
     let mut words = words(rest);
-    let [x] = numbers::<1>(&mut words)?;
+    let [x] = numbers::<1, f32>(&mut words)?;
     let mut next = || words.next().map_or(Some(x), number).ok_or("its numbers are malformed");
     let color = Vec3::new(x, next()?, next()?);
     if !color.is_finite() {

@@ -4,11 +4,12 @@ use std::collections::{BTreeMap, HashMap};
 use std::io::BufRead;
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::corners::{Corner, Corners, Normal};
 use crate::SceneError;
 use crate::load::geometry::GeometryBudget;
+use crate::load::origin::Rest;
 use crate::load::polygon::Cutter;
 use crate::load::text::{Lines, keyword, number, numbers, readable, words};
 use crate::load::{Notes, normals};
@@ -22,6 +23,8 @@ const MOST_LIBRARIES: usize = 64;
 #[derive(Default)]
 pub(super) struct Model {
     pub(super) positions: Vec<Vec3>,
+    /// What positions lose as f32.
+    pub(super) rest: Rest,
     /// Colours as in the file, NaN for vertices without one; shorter than `positions`, or empty.
     pub(super) colors: Vec<Vec3>,
     pub(super) uvs: Vec<Vec2>,
@@ -143,7 +146,7 @@ impl State {
             b"vt" => self.texture_coordinate(rest)?,
             b"vn" => {
                 // Normals without a direction are repaired later.
-                let normal = numbers::<3>(&mut words(rest))?;
+                let normal = numbers(&mut words(rest))?;
                 self.model.normals.push(Vec3::from_array(normal));
             }
             b"f" | b"fo" => self.face(rest)?,
@@ -197,10 +200,11 @@ impl State {
     /// `x y z [w]`, or `x y z r g b [a]`. The weight w is for free-form shapes.
     fn vertex(&mut self, rest: &[u8]) -> Result<(), Fault> {
         let mut words = words(rest);
-        let position = Vec3::from_array(numbers::<3>(&mut words)?);
+        let place = DVec3::from_array(numbers(&mut words)?);
         if self.model.positions.len() >= Corner::NONE as usize {
             return Err("it is vertex 4294967296, more than indices can number".to_owned().into());
         }
+        let position = self.model.rest.place(place);
         self.model.positions.push(position);
         let Some(red) = words.next() else { return Ok(()) };
         if let (Some(green), Some(blue)) = (words.next(), words.next())
@@ -215,7 +219,7 @@ impl State {
 
     fn texture_coordinate(&mut self, rest: &[u8]) -> Result<(), Fault> {
         let mut words = words(rest);
-        let [u] = numbers::<1>(&mut words)?;
+        let [u] = numbers(&mut words)?;
         // Coordinates of lines have no v.
         let v = match words.next() {
             Some(word) => {

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::header::{Element, Encoding, Header, Property};
+use super::header::{Element, Encoding, Header, Property, Scalar};
 use super::source::Source;
 use crate::load::geometry::GeometryBudget;
+use crate::load::origin::{self, Rest};
 use crate::load::polygon::Cutter;
 use crate::load::{Notes, color, repair};
 use crate::{Mesh, SceneError};
@@ -30,10 +31,22 @@ pub(super) struct Body<'f> {
     length: u64,
     notes: Notes,
     mesh: Mesh,
+    /// What positions lose as f32.
+    rest: Rest,
     cutter: Cutter,
     corners: Vec<u32>,
     points: Vec<Vec3>,
     short_polygons: u64,
+}
+
+/// A file that was read.
+pub(super) struct Done<'f> {
+    /// Without derived data.
+    pub(super) mesh: Mesh,
+    /// What its positions were moved by.
+    pub(super) origin: DVec3,
+    pub(super) budget: GeometryBudget<'f>,
+    pub(super) notes: Notes,
 }
 
 impl<'f> Body<'f> {
@@ -51,6 +64,7 @@ impl<'f> Body<'f> {
             length,
             notes: Notes::default(),
             mesh: Mesh { name: name.unwrap_or_default(), ..Mesh::default() },
+            rest: Rest::default(),
             cutter: Cutter::default(),
             corners: Vec::new(),
             points: Vec::new(),
@@ -73,7 +87,7 @@ impl<'f> Body<'f> {
     }
 
     /// The mesh, without derived data.
-    pub(super) fn finish(mut self) -> Result<(Mesh, GeometryBudget<'f>, Notes), SceneError> {
+    pub(super) fn finish(mut self) -> Result<Done<'f>, SceneError> {
         let mesh = &mut self.mesh;
         if mesh.indices.is_empty() {
             let reason = match mesh.positions.len() {
@@ -102,7 +116,16 @@ impl<'f> Body<'f> {
         if short > 0 {
             self.notes.warn(format!("{short} faces of fewer than three vertices were skipped"));
         }
-        Ok((self.mesh, self.budget, self.notes))
+        let origin = self.rest.take_origin([mesh.positions.as_mut_slice()]);
+        let mut elements = self.header.elements.iter();
+        let vertex = elements.find(|element| element.name == "vertex");
+        let is_f32 = self.header.encoding != Encoding::Ascii
+            && vertex.is_some_and(|vertex| {
+                let stores = |property: &Property| property.scalar == Scalar::F32;
+                vertex.properties.iter().any(|property| property.name == "x" && stores(property))
+            });
+        origin::tell(&mut self.notes, origin, is_f32);
+        Ok(Done { mesh: self.mesh, origin, budget: self.budget, notes: self.notes })
     }
 
     /// The elements that the header declares must fit into the file.
@@ -155,7 +178,7 @@ impl<'f> Body<'f> {
         let decoders: Vec<(Use, color::Decoder)> = decoders.collect();
         for _ in 0..count {
             source.begin()?;
-            let (mut position, mut normal, mut uv) = (Vec3::ZERO, Vec3::ZERO, Vec2::ZERO);
+            let (mut position, mut normal, mut uv) = (DVec3::ZERO, Vec3::ZERO, Vec2::ZERO);
             let mut color = Vec4::ONE;
             for (property, (used, decoder)) in element.properties.iter().zip(&decoders) {
                 if let Some(list_count) = property.list_count {
@@ -165,7 +188,7 @@ impl<'f> Body<'f> {
                 }
                 let value = source.value(property.scalar)?;
                 match *used {
-                    Use::Position(i) => position[i] = value as f32,
+                    Use::Position(i) => position[i] = value,
                     Use::Normal(i) => normal[i] = value as f32,
                     Use::Uv(i) => uv[i] = value as f32,
                     Use::Color(3) => color[3] = decoder.linear(value),
@@ -173,7 +196,7 @@ impl<'f> Body<'f> {
                     Use::Nothing => {}
                 }
             }
-            mesh.positions.push(position);
+            mesh.positions.push(self.rest.place(position));
             if normals {
                 mesh.normals.push(normal);
             }

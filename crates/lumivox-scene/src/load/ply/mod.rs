@@ -34,7 +34,7 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
         Encoding::LittleEndian => body.read(&mut source::Binary::<_, false>::new(file, reader))?,
         Encoding::BigEndian => body.read(&mut source::Binary::<_, true>::new(file, reader))?,
     }
-    let (mesh, budget, mut notes) = body.finish()?;
+    let body::Done { mesh, origin, budget, mut notes } = body.finish()?;
     if let Some(texture) = &header.texture {
         notes.warn(format!(
             "its image \"{texture}\" is not shown, because PLY has no materials; save as OBJ or glTF"
@@ -58,6 +58,7 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
         }],
         meshes: vec![mesh],
         materials: vec![material],
+        origin,
         ..Scene::default()
     };
     scene.notes.warnings = notes.warnings;

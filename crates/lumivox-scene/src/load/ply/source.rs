@@ -65,7 +65,7 @@ impl<R: BufRead> Source for Text<'_, R> {
         let word = &self.lines.line()[range];
         let parsed = std::str::from_utf8(word).ok().and_then(|text| text.parse().ok());
         parsed
-            .or_else(|| crate::load::text::number(word).map(f64::from))
+            .or_else(|| crate::load::text::number(word))
             .ok_or_else(|| self.lines.malformed(format!("\"{}\" is not a number", readable(word))))
     }
 }

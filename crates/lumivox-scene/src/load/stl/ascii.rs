@@ -3,7 +3,7 @@
 
 use std::io::BufRead;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::{MOST_SOLIDS, Reading, Solid};
 use crate::SceneError;
@@ -15,7 +15,7 @@ impl Reading<'_> {
         let mut lines = Lines::new(self.file, reader, 0);
         let mut solids: Vec<Solid> = Vec::new();
         let mut cutter = Cutter::default();
-        let mut facet: Vec<Vec3> = Vec::new();
+        let (mut facet, mut exact): (Vec<Vec3>, Vec<DVec3>) = Default::default();
         // Whether a facet, and a solid, have begun and not ended.
         let (mut in_facet, mut in_solid) = (false, false);
         while lines.advance()? {
@@ -49,10 +49,11 @@ impl Reading<'_> {
                 if is("facet") && !ends {
                     in_facet = true;
                     facet.clear();
+                    exact.clear();
                 } else if is("vertex") && !ends {
-                    let position =
-                        numbers::<3>(&mut words).map_err(|reason| lines.malformed(reason))?;
-                    facet.push(Vec3::from_array(position));
+                    let place = numbers(&mut words).map_err(|reason| lines.malformed(reason))?;
+                    exact.push(DVec3::from_array(place));
+                    facet.push(DVec3::from_array(place).as_vec3());
                 } else if is("facet") {
                     in_facet = false;
                     if facet.len() < 3 {
@@ -70,7 +71,8 @@ impl Reading<'_> {
                         solids.push(Solid { name: String::new(), corners: Vec::new() });
                     }
                     let last = solids.len() - 1;
-                    solids[last].corners.extend(triangles.iter().map(|&i| facet[i as usize]));
+                    let places = triangles.iter().map(|&i| self.rest.place(exact[i as usize]));
+                    solids[last].corners.extend(places);
                 } else if is("solid") && ends {
                     in_solid = false;
                     break;

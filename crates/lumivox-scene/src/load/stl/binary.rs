@@ -40,13 +40,15 @@ impl Reading<'_> {
         let mut corners = Vec::with_capacity(corner_count);
         let mut colored = false;
         let mut triangle = [0; BINARY_TRIANGLE];
+        self.is_f32 = true;
         for _ in 0..count {
             reader.read_exact(&mut triangle).map_err(|error| self.cut_off(error))?;
             for corner in triangle[12..48].chunks_exact(12) {
                 let float = |at: usize| {
                     f32::from_le_bytes([corner[at], corner[at + 1], corner[at + 2], corner[at + 3]])
                 };
-                corners.push(Vec3::new(float(0), float(4), float(8)));
+                let place = Vec3::new(float(0), float(4), float(8));
+                corners.push(place);
             }
             colored |= triangle[48..] != [0, 0];
         }

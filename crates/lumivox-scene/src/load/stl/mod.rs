@@ -18,9 +18,10 @@ use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::geometry::GeometryBudget;
+use super::origin::{self, Rest};
 use super::text::without_mark;
 use super::{LoadOptions, Notes, normals, repair, stand_in, stream};
 use crate::{Instance, Mesh, Scene, SceneError};
@@ -43,15 +44,23 @@ struct Reading<'f> {
     file: &'f Path,
     notes: Notes,
     budget: GeometryBudget<'f>,
+    /// What corners lose as f32.
+    rest: Rest,
+    /// Whether the file stores them as f32.
+    is_f32: bool,
 }
 
 pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
     let crease_rad = options.crease_rad;
     let budget = GeometryBudget::new(file, options.budget.geometry_bytes);
-    let mut reading = Reading { file, notes: Notes::default(), budget };
+    let (notes, rest) = (Notes::default(), Rest::default());
+    let mut reading = Reading { file, notes, budget, rest, is_f32: false };
     let (reader, length) = stream::open(file, options)?;
-    let solids = reading.solids(reader, length)?;
-    reading.scene(solids, crease_rad)
+    let mut solids = reading.solids(reader, length)?;
+    let all = solids.iter_mut().map(|solid| solid.corners.as_mut_slice());
+    let origin = reading.rest.take_origin(all);
+    origin::tell(&mut reading.notes, origin, reading.is_f32);
+    reading.scene(solids, origin, crease_rad)
 }
 
 impl Reading<'_> {
@@ -72,9 +81,14 @@ impl Reading<'_> {
         self.ascii(reader)
     }
 
-    fn scene(mut self, solids: Vec<Solid>, crease_rad: Option<f32>) -> Result<Scene, SceneError> {
+    fn scene(
+        mut self,
+        solids: Vec<Solid>,
+        origin: DVec3,
+        crease_rad: Option<f32>,
+    ) -> Result<Scene, SceneError> {
         let name = self.file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-        let mut scene = Scene { name: name.unwrap_or_default(), ..Scene::default() };
+        let mut scene = Scene { name: name.unwrap_or_default(), origin, ..Scene::default() };
         scene.materials.push(stand_in::no_material(&mut self.notes));
         for (i, mut solid) in solids.into_iter().filter(|s| !s.corners.is_empty()).enumerate() {
             if solid.name.is_empty() {

@@ -1,0 +1,153 @@
+//! Places on a map: coordinates of millions of metres, of which 32-bit floats keep half a metre.
+//!
+//! Readers keep what f32 loses of such places ([`Rest`]). Once all are known, the scene is moved by a round number near its middle,
+//! its *origin*, in f64.
+
+use glam::{DVec3, Vec3};
+
+use super::Notes;
+
+/// The least coordinate that is far, in the file's unit: up to it f32 is exact to a quarter of a thousandth.
+pub(super) const FAR: f64 = 4096.0;
+/// Origins are multiples of this, a power of two: to take them from a place that is f32 already loses nothing.
+const ROUND: f64 = 1024.0;
+/// From here on f32 is exact to a thousandth only, which is a millimetre in metres: always worth an origin.
+const ALWAYS: f64 = 16384.0;
+/// Nearer, an origin is worth it where the distance from zero is this many times the size.
+const TIMES: f64 = 8.0;
+/// The places that the middle is found from, at most: every so many.
+const MOST_SAMPLES: usize = 4096;
+
+/// What f32 loses of places, in their order; empty while none is far.
+#[derive(Debug, Default)]
+pub(super) struct Rest {
+    count: usize,
+    lost: Vec<Vec3>,
+}
+
+impl Rest {
+    /// The next place as f32.
+    pub(super) fn place(&mut self, place: DVec3) -> Vec3 {
+        let rounded = place.as_vec3();
+        if !self.lost.is_empty() || is_far(place) {
+            self.lost.resize(self.count, Vec3::ZERO);
+            let lost = (place - rounded.as_dvec3()).as_vec3();
+            self.lost.push(if lost.is_finite() { lost } else { Vec3::ZERO });
+        }
+        self.count += 1;
+        rounded
+    }
+
+    /// Moves the places, in one list or several, to their origin, and returns it: zero where they stay.
+    pub(super) fn take_origin<'a>(&self, lists: impl IntoIterator<Item = &'a mut [Vec3]>) -> DVec3 {
+        let mut lists: Vec<&mut [Vec3]> = lists.into_iter().collect();
+        let origin =
+            origin_of(|| lists.iter().flat_map(|list| list.iter()).map(|place| place.as_dvec3()));
+        if origin != DVec3::ZERO {
+            let lost = self.lost.iter().copied().chain(std::iter::repeat(Vec3::ZERO));
+            for (place, lost) in lists.iter_mut().flat_map(|list| list.iter_mut()).zip(lost) {
+                *place = (place.as_dvec3() + lost.as_dvec3() - origin).as_vec3();
+            }
+        }
+        origin
+    }
+}
+
+fn is_far(place: DVec3) -> bool {
+    place.abs().max_element() >= FAR
+}
+
+/// The origin of places: zero, if none helps.
+pub(super) fn origin_of<I: Iterator<Item = DVec3>>(places: impl Fn() -> I) -> DVec3 {
+    let finite = || places().filter(|place| place.as_vec3().is_finite());
+    if !finite().any(is_far) {
+        return DVec3::ZERO;
+    }
+    let step = finite().count().div_ceil(MOST_SAMPLES);
+    // Stray places, such as vertices at zero that nothing uses, don't move the median.
+    let median = |axis: usize| {
+        let mut values: Vec<f64> = finite().step_by(step).map(|place| place[axis]).collect();
+        let middle = values.len() / 2;
+        *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    };
+    let origin = (DVec3::from_array([0, 1, 2].map(median)) / ROUND).round() * ROUND;
+    let far = origin.abs().max_element();
+    let is_near = |place: &DVec3| (*place - origin).abs().max_element() < 0.25 * far;
+    let (mut low, mut high, mut near) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0);
+    for place in finite().filter(is_near) {
+        (low, high, near) = (low.min(place), high.max(place), near + 1);
+    }
+    let helps = far >= ALWAYS || far > TIMES * (high - low).max_element();
+    if far > 0.0 && 2 * near > finite().count() && helps { origin } else { DVec3::ZERO }
+}
+
+/// Tells that a scene was moved, and what its file has lost if it stores places as f32 itself.
+pub(super) fn tell(notes: &mut Notes, origin: DVec3, is_f32: bool) {
+    if origin == DVec3::ZERO {
+        return;
+    }
+    let [x, y, z] = origin.to_array();
+    notes.warn(format!(
+        "its places are far from zero, so it was moved by -({x}, {y}, {z}) before it became 32-bit floats; points and cameras are \
+         given and told in the file's coordinates all the same"
+    ));
+    if is_f32 {
+        // Half a step is the most that a place is off.
+        let step =
+            f64::from((origin.abs().max_element() as f32).next_up()) - origin.abs().max_element();
+        notes.warn(format!(
+            "it stores places as 32-bit floats itself, which are off by up to {} thousandths of its unit there; export it near \
+             zero, or as text",
+            (500.0 * step).round().max(1.0)
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn placed(places: &[[f64; 3]]) -> (Vec<Vec3>, DVec3) {
+        let mut rest = Rest::default();
+        let mut all: Vec<Vec3> = places.iter().map(|&place| rest.place(place.into())).collect();
+        let origin = rest.take_origin([all.as_mut_slice()]);
+        (all, origin)
+    }
+
+    #[test]
+    fn places_on_a_map_keep_their_millimetres() {
+        let on_map = |x: f64, y: f64, z: f64| [500_000.123 + x, 400.0 + y, 4_649_776.456 + z];
+        let (places, origin) =
+            placed(&[on_map(0.0, 0.0, 0.0), on_map(0.001, 0.0, 0.0), on_map(0.0, 2.5, 8.125)]);
+        assert_eq!(origin, DVec3::new(499_712.0, 0.0, 4_649_984.0));
+        assert!((places[1].x - places[0].x - 0.001).abs() < 2e-5, "{places:?}");
+        assert!((places[2] - places[0] - Vec3::new(0.0, 2.5, 8.125)).length() < 2e-5);
+    }
+
+    /// Vertices that nothing uses are at zero in many files.
+    #[test]
+    fn a_stray_place_at_zero_is_no_reason_to_stay() {
+        let (places, origin) =
+            placed(&[[0.0; 3], [5e5, 0.0, 4e6], [5e5, 1.0, 4e6], [5e5, 1.0, 4e6 + 1.0]]);
+        assert_eq!(places[0], (-origin).as_vec3());
+        assert_eq!(places[3] - places[1], Vec3::new(0.0, 1.0, 1.0));
+    }
+
+    #[test]
+    fn what_spans_zero_or_is_large_itself_stays_where_it_is() {
+        for given in [
+            vec![[5000.0, 1.0, 2.0], [-5000.0, 0.0, 1.0], [3.0, 4.0, 5.0]],
+            vec![[0.5, 1.0, 2.0], [1.5, 2.0, 4000.0]],
+            vec![[4500.0, 1.0, 2.0], [5200.0, 0.0, 1.0], [5100.0, 4.0, 800.0]],
+            vec![[f64::INFINITY, 0.0, 0.0], [f64::NAN, 0.0, 1.0], [1e300, 0.0, 0.0]],
+            vec![[1e30, 0.0, 0.0], [1.0, 0.0, 1.0], [1.0, 0.5, 0.0]],
+        ] {
+            let (places, origin) = placed(&given);
+            assert_eq!(origin, DVec3::ZERO);
+            let bits = |place: Vec3| place.to_array().map(f32::to_bits);
+            for (place, given) in places.into_iter().zip(given) {
+                assert_eq!(bits(place), bits(DVec3::from(given).as_vec3()));
+            }
+        }
+    }
+}
