@@ -149,6 +149,11 @@ impl Scene {
     }
 
     #[getter]
+    fn origin(&self, py: Python<'_>) -> [f64; 3] {
+        self.read(py, |model| model.origin.to_array())
+    }
+
+    #[getter]
     fn warnings(&self, py: Python<'_>) -> Vec<String> {
         self.read(py, |model| model.notes.warnings.clone())
     }

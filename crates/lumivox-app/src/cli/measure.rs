@@ -62,7 +62,7 @@ pub struct MeasureArgs {
     /// The part of the --workplane between two corners, in metres [default: all of the scene]
     #[arg(long, value_name = "X,Z,X,Z", value_parser = area)]
     #[arg(allow_hyphen_values = true, help_heading = "Measurement")]
-    pub area: Option<[f32; 4]>,
+    pub area: Option<[f64; 4]>,
 
     /// Edge of the --workplane's cells in metres, 1e-3 to 1e6 [default: a 24th of the longer side]
     #[arg(long, value_name = "METRES", value_parser = number::number(1e-3..=1e6))]
@@ -142,12 +142,16 @@ pub fn of_measurements(surroundings: Arg) -> Arg {
 }
 
 /// Two corners of a level rectangle.
-fn area(text: &str) -> Result<[f32; 4], Refused> {
-    let corners @ [x, z, other_x, other_z] = number::list(text, "X,Z,X,Z")?;
-    let is_far = corners.iter().any(|number| number.abs() > 1e6);
+fn area(text: &str) -> Result<[f64; 4], Refused> {
+    let _: [f32; 4] = number::list(text, "X,Z,X,Z")?;
+    // Places on a map need f64.
+    let corners = text.split(',').filter_map(|part| part.trim().parse().ok());
+    let corners: Vec<f64> = corners.collect();
+    let [x, z, other_x, other_z] = corners.try_into().unwrap_or_default();
+    let is_far = [x, z, other_x, other_z].iter().any(|number| number.abs() > 1e8);
     let is_flat = (x - other_x).abs() <= 0.0 || (z - other_z).abs() <= 0.0;
     if is_far || is_flat {
-        let rule = "expected two corners that differ in both numbers, each from -1e6 to 1e6";
+        let rule = "expected two corners that differ in both numbers, each from -1e8 to 1e8";
         return Err(Refused::OutOfRange(rule.to_owned()));
     }
     Ok([x.min(other_x), z.min(other_z), x.max(other_x), z.max(other_z)])

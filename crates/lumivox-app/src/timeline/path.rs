@@ -27,7 +27,7 @@ use crate::args::camera::{CameraChoice, DEFAULT_FOV_DEG, fit_near, resolve};
 const MOST_BYTES: u64 = 16 << 20;
 const MOST_KEYS: usize = 10_000;
 /// The farthest coordinate, m; even the square is far from overflowing f32.
-const FARTHEST_M: f32 = 1e9;
+const FARTHEST_M: f64 = 1e9;
 
 /// The keys of a file, checked as far as possible without a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,10 +45,10 @@ pub struct Key {
     pub time_s: f64,
     /// The eye in the world, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub position: Option<[f32; 3]>,
+    pub position: Option<[f64; 3]>,
     /// A point at the centre of the picture, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub target: Option<[f32; 3]>,
+    pub target: Option<[f64; 3]>,
     /// A camera of the scene instead of position and target.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<NameOrNumber>,
@@ -128,13 +128,15 @@ impl PathFile {
                 }
                 (None, position, target) => {
                     let [position, target] = [position, target].map(Option::unwrap_or_default);
-                    Camera::look_at(position.into(), target.into(), 1.0)
+                    let [position, target] =
+                        [position, target].map(|place| scene.from_file(DVec3::from_array(place)));
+                    Camera::look_at(position, target, 1.0)
                 }
             };
             fov_deg = key.fov_deg.map_or(fov_deg, f64::from);
             // A camera only has a direction: its target is as far away as the scene is large.
             let target = match key.target {
-                Some(target) if key.camera.is_none() => Vec3::from(target),
+                Some(target) if key.camera.is_none() => scene.from_file(DVec3::from_array(target)),
                 _ => camera.position + camera.forward * bounds.radius_m(),
             };
             positions.push(camera.position.as_dvec3());
@@ -191,7 +193,7 @@ fn check(key: &Key) -> Result<(), String> {
         return Err(format!("\"fov_deg\" is {fov_deg}, but must be from 1 to 170 degrees"));
     }
     for (name, point) in [("position", key.position), ("target", key.target)] {
-        let near = |value: &f32| value.abs() <= FARTHEST_M;
+        let near = |value: &f64| value.abs() <= FARTHEST_M;
         if point.is_some_and(|point| !point.iter().all(near)) {
             return Err(format!(
                 "\"{name}\" is too far away; each of its numbers must be from -1e9 to 1e9 metres"
@@ -204,7 +206,7 @@ fn check(key: &Key) -> Result<(), String> {
                               camera or both of the others"
             .to_owned()),
         (None, Some(position), Some(target)) => {
-            if (Vec3::from(target) - Vec3::from(position)).try_normalize().is_none() {
+            if (DVec3::from(target) - DVec3::from(position)).as_vec3().try_normalize().is_none() {
                 return Err(
                     "\"position\" and \"target\" are the same point; move one of them".to_owned()
                 );

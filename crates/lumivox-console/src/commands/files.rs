@@ -274,6 +274,6 @@ fn camera_words(camera: &CameraChoice) -> String {
     ];
     let exact =
         numbers.into_iter().find(|n| n.to_radians().to_bits() == vertical_fov_rad.to_bits());
-    let commas = crate::arguments::commas;
-    format!("{},{},{}", commas(*position), commas(*target), exact.unwrap_or(near))
+    let [p, t] = [position, target];
+    format!("{},{},{},{},{},{},{}", p.x, p.y, p.z, t.x, t.y, t.z, exact.unwrap_or(near))
 }

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::fmt;
 
 use anyhow::bail;
-use glam::Vec3;
+use glam::DVec3;
 use lumivox_scene::{Camera, Framing, Scene};
 
 use super::Refused;
@@ -31,10 +31,10 @@ pub enum CameraChoice {
     Index(usize),
     /// A camera given by two points.
     LookAt {
-        /// The eye in the world, m.
-        position: Vec3,
+        /// The eye, m, in the coordinates of the scene's file.
+        position: DVec3,
         /// A point in the middle of the picture, m.
-        target: Vec3,
+        target: DVec3,
         /// The angle between the bottom and the top of the picture.
         vertical_fov_rad: f32,
     },
@@ -67,9 +67,13 @@ pub fn camera(text: &str) -> Result<CameraChoice, Refused> {
         return Ok(CameraChoice::Name(text.to_owned()));
     }
     let numbers = some(text, FORM)?;
-    let (&[px, py, pz, tx, ty, tz], rest) = numbers.split_first_chunk().ok_or_else(|| {
-        Refused::Malformed(format!("expected {FORM}; got {} numbers", numbers.len()))
-    })?;
+    // Places on a map need f64.
+    let exact: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    let (Some(&[px, py, pz, tx, ty, tz]), Some(rest)) = (exact.first_chunk(), numbers.get(6..))
+    else {
+        let count = numbers.len();
+        return Err(Refused::Malformed(format!("expected {FORM}; got {count} numbers")));
+    };
     let fov_deg = match rest {
         [] => DEFAULT_FOV_DEG,
         [fov_deg] => in_range(*fov_deg, &(1.0..=170.0), "the field of view in degrees")?,
@@ -78,9 +82,9 @@ pub fn camera(text: &str) -> Result<CameraChoice, Refused> {
             return Err(Refused::Malformed(format!("expected {FORM}; got {count} numbers")));
         }
     };
-    let (position, target) = (Vec3::new(px, py, pz), Vec3::new(tx, ty, tz));
+    let (position, target) = (DVec3::new(px, py, pz), DVec3::new(tx, ty, tz));
     // This also refuses distances too small or too large for f32.
-    if (target - position).try_normalize().is_none() {
+    if (target - position).as_vec3().try_normalize().is_none() {
         return Err(Refused::OutOfRange(
             "the position and the target must be different points, and not too far apart"
                 .to_owned(),
@@ -117,7 +121,8 @@ pub fn resolve_with(
     let found = match choice {
         None => return Ok(scene.cameras.first().cloned().unwrap_or_else(framing)),
         Some(CameraChoice::LookAt { position, target, vertical_fov_rad }) => {
-            let mut camera = Camera::look_at(*position, *target, *vertical_fov_rad);
+            let [position, target] = [*position, *target].map(|place| scene.from_file(place));
+            let mut camera = Camera::look_at(position, target, *vertical_fov_rad);
             "command line".clone_into(&mut camera.name);
             fit_near(&mut camera, scene.bounds().radius_m());
             return Ok(camera);
@@ -183,8 +188,8 @@ mod tests {
         else {
             panic!("seven numbers are a view")
         };
-        assert_eq!(position, Vec3::new(1.0, 2.0, 3.0));
-        assert_eq!(target, Vec3::new(-4.0, 0.5, 6.0));
+        assert_eq!(position, DVec3::new(1.0, 2.0, 3.0));
+        assert_eq!(target, DVec3::new(-4.0, 0.5, 6.0));
         assert!((vertical_fov_rad - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
         assert!(matches!(camera("-1,2,3,4,5,6"), Ok(CameraChoice::LookAt { .. })));
     }

@@ -209,6 +209,15 @@ class Scene:
         return self._scene.triangles
 
     @property
+    def origin(self) -> tuple[float, float, float]:
+        """Where the scene's zero lies in the file's coordinates, m: zero, but for places on a map, which 32-bit floats cannot hold.
+
+        All positions count from there.
+        """
+        x, y, z = self._scene.origin
+        return x, y, z
+
+    @property
     def warnings(self) -> list[str]:
         """Sentences on what was ignored or replaced in the file."""
         return self._scene.warnings

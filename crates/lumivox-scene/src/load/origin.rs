@@ -88,8 +88,8 @@ pub(super) fn tell(notes: &mut Notes, origin: DVec3, is_f32: bool) {
     }
     let [x, y, z] = origin.to_array();
     notes.warn(format!(
-        "its places are far from zero, so it was moved by -({x}, {y}, {z}) before it became 32-bit floats; points and cameras are \
-         given and told in the file's coordinates all the same"
+        "its places are far from zero, where 32-bit floats are coarse, so the scene counts from ({x}, {y}, {z}); the command line \
+         takes and tells the file's coordinates"
     ));
     if is_f32 {
         // Half a step is the most that a place is off.

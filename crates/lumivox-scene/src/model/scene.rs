@@ -110,6 +110,21 @@ impl Scene {
         self.notes.nodes.get(node).map_or(node, String::as_str)
     }
 
+    /// A place of the scene in the file's coordinates, m: its decimals, and to a micrometre with an [`Scene::origin`].
+    pub fn to_file(&self, place: Vec3) -> DVec3 {
+        if self.origin == DVec3::ZERO {
+            // The shortest decimals that are this f32.
+            let decimal = |number: f32| number.to_string().parse().unwrap_or(f64::from(number));
+            return DVec3::from_array(place.to_array().map(decimal));
+        }
+        ((place.as_dvec3() + self.origin) * 1e6).round() / 1e6
+    }
+
+    /// A place in the file's coordinates, m, as the scene has it.
+    pub fn from_file(&self, place: DVec3) -> Vec3 {
+        (place - self.origin).as_vec3()
+    }
+
     /// The instances that are not hidden.
     pub fn shown(&self) -> impl Iterator<Item = &Instance> {
         self.instances.iter().filter(|instance| !instance.is_hidden)

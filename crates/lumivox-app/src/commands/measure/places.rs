@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::{UVec2, Vec3};
+use glam::{DVec3, UVec2, Vec3};
 use lumivox_console::Failure;
 use lumivox_render::measure::Workplane;
 use lumivox_render::reference::Sensor;
@@ -21,8 +21,10 @@ const CELLS: f32 = 24.0;
 #[derive(Clone, Debug)]
 pub struct Places {
     kind: Kind,
-    /// The places, m, and the directions of surfaces or lines of sight; none for a picture.
+    /// The places in the scene, m, and the directions of surfaces or lines of sight; none for a picture.
     pub at: Vec<(Vec3, Vec3)>,
+    /// The places in the coordinates of the scene's file, as they are given and told.
+    given: Vec<DVec3>,
     /// Columns and rows of a workplane or a picture.
     pub size: Option<UVec2>,
 }
@@ -41,13 +43,15 @@ impl Places {
     /// # Errors
     /// When the file cannot be read, or a line of it; the message names it.
     pub fn read(args: &MeasureArgs) -> anyhow::Result<Self> {
-        let (kind, at) = match (&args.points, &args.rays, args.workplane) {
+        let (kind, read) = match (&args.points, &args.rays, args.workplane) {
             (Some(file), _, _) => (Kind::Points, table(file, ["nx", "ny", "nz"], Some(Vec3::Y))?),
             (_, Some(file), _) => (Kind::Rays, table(file, ["dx", "dy", "dz"], None)?),
             (_, _, Some(height_m)) => (Kind::Workplane { height_m }, Vec::new()),
             _ => (Kind::Picture, Vec::new()),
         };
-        Ok(Self { kind, at, size: (kind == Kind::Picture).then_some(args.size) })
+        let (given, at) =
+            read.into_iter().map(|(place, towards)| (place, (place.as_vec3(), towards))).unzip();
+        Ok(Self { kind, at, given, size: (kind == Kind::Picture).then_some(args.size) })
     }
 
     /// The places in a scene.
@@ -55,10 +59,17 @@ impl Places {
     /// # Errors
     /// When a workplane has too many cells.
     pub fn of_scene(mut self, scene: &Scene, args: &MeasureArgs) -> anyhow::Result<Self> {
+        for (at, given) in self.at.iter_mut().zip(&self.given) {
+            at.0 = scene.from_file(*given);
+        }
         let Kind::Workplane { height_m } = self.kind else { return Ok(self) };
         let bounds = scene.bounds();
         let [x, z, end_x, end_z] =
-            args.area.unwrap_or([bounds.min.x, bounds.min.z, bounds.max.x, bounds.max.z]);
+            args.area.map_or([bounds.min.x, bounds.min.z, bounds.max.x, bounds.max.z], |area| {
+                let [x, z] = [scene.origin.x, scene.origin.z];
+                let [low_x, low_z, high_x, high_z] = area;
+                [low_x - x, low_z - z, high_x - x, high_z - z].map(|place| place as f32)
+            });
         let (width, depth) = (end_x - x, end_z - z);
         let spacing = args.spacing.unwrap_or(width.max(depth) / CELLS);
         let cells = |edge: f32| (edge / spacing).round().max(1.0);
@@ -71,13 +82,14 @@ impl Places {
             .into());
         }
         let plane = Workplane {
-            origin: Vec3::new(x, height_m, z),
+            origin: Vec3::new(x, (f64::from(height_m) - scene.origin.y) as f32, z),
             along: Vec3::X * width,
             across: Vec3::Z * depth,
             columns: cells(width) as u32,
             rows: cells(depth) as u32,
         };
         self.at = plane.points().into_iter().map(|point| (point, Vec3::Y)).collect();
+        self.given = self.at.iter().map(|(at, _)| scene.to_file(*at)).collect();
         self.size = Some(UVec2::new(plane.columns, plane.rows));
         Ok(self)
     }
@@ -136,11 +148,14 @@ impl Places {
     }
 
     /// The numbers of a place's columns.
-    pub fn numbers(&self, index: usize) -> Vec<f32> {
-        match (self.at.get(index), self.size) {
-            (Some((at, direction)), _) => [at.to_array(), direction.to_array()].concat(),
+    pub fn numbers(&self, index: usize) -> Vec<f64> {
+        match (self.at.get(index).zip(self.given.get(index)), self.size) {
+            (Some(((_, direction), given)), _) => {
+                let decimal = |number: f32| number.to_string().parse().unwrap_or_default();
+                [given.to_array(), direction.to_array().map(decimal)].concat()
+            }
             (None, Some(size)) => {
-                vec![(index as u32 % size.x) as f32, (index as u32 / size.x) as f32]
+                vec![f64::from(index as u32 % size.x), f64::from(index as u32 / size.x)]
             }
             (None, None) => Vec::new(),
         }
@@ -152,7 +167,7 @@ fn table(
     file: &Path,
     directions: [&str; 3],
     without: Option<Vec3>,
-) -> anyhow::Result<Vec<(Vec3, Vec3)>> {
+) -> anyhow::Result<Vec<(DVec3, Vec3)>> {
     let name = file.display();
     let refuse = |reason: String| anyhow::Error::from(Failure::input(format!("{name}: {reason}")));
     let bytes = read_regular(file)
@@ -180,23 +195,23 @@ fn table(
     let mut places = Vec::new();
     for (number, line) in lines {
         let words: Vec<&str> = line.split(',').map(str::trim).collect();
-        let read = |axis: &str| -> anyhow::Result<Option<f32>> {
+        let read = |axis: &str| -> anyhow::Result<Option<f64>> {
             let Some(text) = column(axis).and_then(|column| words.get(column)) else {
                 return Ok(None);
             };
-            let value = text.parse::<f32>().ok().filter(|value| value.is_finite());
+            let value = text.parse::<f64>().ok().filter(|value| (*value as f32).is_finite());
             let reason = || {
                 refuse(format!("line {number}, column {axis}: \"{text}\" is not a finite number"))
             };
             value.map(Some).ok_or_else(reason)
         };
-        let vector = |axes: [&str; 3]| -> anyhow::Result<Option<Vec3>> {
+        let vector = |axes: [&str; 3]| -> anyhow::Result<Option<DVec3>> {
             let [x, y, z] = [read(axes[0])?, read(axes[1])?, read(axes[2])?];
-            Ok(x.zip(y).zip(z).map(|((x, y), z)| Vec3::new(x, y, z)))
+            Ok(x.zip(y).zip(z).map(|((x, y), z)| DVec3::new(x, y, z)))
         };
         let lacks = |what: &str| refuse(format!("line {number}: it lacks {what}"));
         let at = vector(["x", "y", "z"])?.ok_or_else(|| lacks("x,y,z"))?;
-        let direction = vector(directions)?.or(without);
+        let direction = vector(directions)?.map(|direction| direction.as_vec3()).or(without);
         let direction = direction.ok_or_else(|| lacks(&directions.join(",")))?;
         if direction.try_normalize().is_none() {
             return Err(refuse(format!("line {number}: its direction is zero")));
@@ -214,7 +229,7 @@ fn table(
 mod tests {
     use super::*;
 
-    fn read(text: &str, is_of_rays: bool) -> anyhow::Result<Vec<(Vec3, Vec3)>> {
+    fn read(text: &str, is_of_rays: bool) -> anyhow::Result<Vec<(DVec3, Vec3)>> {
         let folder = tempfile::tempdir()?;
         let file = folder.path().join("places.csv");
         std::fs::write(&file, text)?;
@@ -226,7 +241,7 @@ mod tests {
 
     #[test]
     fn columns_are_found_by_name_and_by_place() {
-        let at = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, -1.0));
+        let at = (DVec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, -1.0));
         for text in [
             "1,2,3,0,0,-1",
             "\u{feff}x,y,z,nx,ny,nz\r\n 1, 2 ,3,0,0,-1\r\n",

@@ -62,16 +62,11 @@ impl Report<'_> {
         let names: Vec<&str> = names.chain(columns.iter().map(|(name, _)| name.as_str())).collect();
         let mut text = names.join(",") + "\n";
         for index in 0..self.readings.len() {
-            let place = self.places.numbers(index).into_iter().map(Some);
-            let numbers = place.chain(columns.iter().map(|(_, values)| values[index]));
-            for (column, number) in numbers.enumerate() {
-                let comma = if column > 0 { "," } else { "" };
-                // The shortest text that is this f32.
-                let _ = match number {
-                    Some(number) => write!(text, "{comma}{number}"),
-                    None => write!(text, "{comma}"),
-                };
-            }
+            // The shortest text that is this f64, and this f32.
+            let place = self.places.numbers(index).into_iter().map(|number| number.to_string());
+            let values = columns.iter().map(|(_, values)| values[index]);
+            let values = values.map(|value| value.map_or(String::new(), |value| value.to_string()));
+            text += &place.chain(values).collect::<Vec<_>>().join(",");
             text.push('\n');
         }
         text

@@ -108,7 +108,7 @@ impl RendererReport {
 #[derive(Clone, Debug, Serialize)]
 pub struct CameraReport {
     name: String,
-    position: [f32; 3],
+    position: [f64; 3],
     forward: [f32; 3],
     up: [f32; 3],
     vertical_fov_deg: f32,
@@ -116,10 +116,10 @@ pub struct CameraReport {
 
 impl CameraReport {
     /// The report on a camera.
-    pub fn new(camera: &Camera) -> Self {
+    pub fn new(scene: &Scene, camera: &Camera) -> Self {
         Self {
             name: camera.name.clone(),
-            position: camera.position.to_array(),
+            position: scene.to_file(camera.position).to_array(),
             forward: camera.forward.to_array(),
             up: camera.up.to_array(),
             vertical_fov_deg: camera.vertical_fov_rad.to_degrees(),
@@ -144,7 +144,7 @@ impl Report {
             file: file.display().to_string(),
             size: picture.size.to_array(),
             scene: SceneCounts::new(scene),
-            camera: CameraReport::new(renderer.camera()),
+            camera: CameraReport::new(scene, renderer.camera()),
             renderer: RendererReport::new(renderer),
             seconds,
             exposure: metering.map(|metering| metering.stops),

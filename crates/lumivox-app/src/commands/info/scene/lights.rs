@@ -1,7 +1,7 @@
 //! The reports on lights and cameras of a scene.
 
 use lumivox_console::report::Table;
-use lumivox_scene::{Camera, Environment, Light, LightKind};
+use lumivox_scene::{Camera, Environment, Light, LightKind, Scene};
 use serde::Serialize;
 
 use super::point;
@@ -16,7 +16,7 @@ pub struct LightReport {
     unit: &'static str,
     color: [f32; 3],
     /// `None` for directional lights.
-    position: Option<[f32; 3]>,
+    position: Option<[f64; 3]>,
     /// The direction in which the light travels; `None` for point lights.
     direction: Option<[f32; 3]>,
 }
@@ -25,7 +25,7 @@ pub struct LightReport {
 #[derive(Clone, Debug, Serialize)]
 pub struct CameraReport {
     pub name: String,
-    position: [f32; 3],
+    position: [f64; 3],
     forward: [f32; 3],
     vertical_fov_deg: f32,
 }
@@ -41,8 +41,9 @@ pub struct PanoramaReport {
 
 impl LightReport {
     /// The report on a light.
-    pub fn new(light: &Light) -> Self {
-        let (position, direction) = (light.position.to_array(), light.direction.to_array());
+    pub fn new(scene: &Scene, light: &Light) -> Self {
+        let (position, direction) =
+            (scene.to_file(light.position).to_array(), light.direction.to_array());
         let (kind, strength, unit, position, direction) = match light.kind {
             LightKind::Directional { illuminance_lux, .. } => {
                 ("directional", illuminance_lux, "lux", None, Some(direction))
@@ -61,10 +62,10 @@ impl LightReport {
 
 impl CameraReport {
     /// The report on a camera.
-    pub fn new(camera: &Camera) -> Self {
+    pub fn new(scene: &Scene, camera: &Camera) -> Self {
         Self {
             name: camera.name.clone(),
-            position: camera.position.to_array(),
+            position: scene.to_file(camera.position).to_array(),
             forward: camera.forward.to_array(),
             vertical_fov_deg: camera.vertical_fov_rad.to_degrees(),
         }
@@ -105,7 +106,7 @@ pub fn light_table(lights: &[LightReport]) -> Table {
             format!("{} {}", light.strength, light.unit),
             format!("{r:.3},{g:.3},{b:.3}"),
             light.position.map_or(String::new(), point),
-            light.direction.map_or(String::new(), point),
+            light.direction.map_or(String::new(), |towards| point(towards.map(f64::from))),
         ]);
     }
     table
@@ -119,7 +120,7 @@ pub fn camera_table(cameras: &[CameraReport]) -> Table {
             index.to_string(),
             camera.name.clone(),
             point(camera.position),
-            point(camera.forward),
+            point(camera.forward.map(f64::from)),
             format!("{:.1}", camera.vertical_fov_deg),
         ]);
     }

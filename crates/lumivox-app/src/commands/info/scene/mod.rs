@@ -7,7 +7,7 @@ mod tests;
 
 use std::cell::OnceCell;
 
-use glam::Vec3;
+use glam::DVec3;
 use lumivox_console::report::{
     MemoryReport, SceneCounts, Table, bytes, count, counted, memory_table, total_bytes,
 };
@@ -39,8 +39,8 @@ pub struct Report {
     /// Vertices of all meshes, each once.
     vertices: usize,
     /// The corners of the box around everything, m; null if nothing is shown.
-    bounds_min: Option<[f32; 3]>,
-    bounds_max: Option<[f32; 3]>,
+    bounds_min: Option<[f64; 3]>,
+    bounds_max: Option<[f64; 3]>,
     /// The program that wrote the file.
     generator: Option<String>,
     extensions_used: Vec<String>,
@@ -138,8 +138,8 @@ impl Report {
             hidden_instances: scene.instances.len() - scene.shown().count(),
             unvoxelized_instances: scene.shown().filter(|i| !i.is_voxelized).count(),
             vertices: scene.meshes.iter().map(|mesh| mesh.positions.len()).sum(),
-            bounds_min: bounds.map(|bounds| bounds.min.to_array()),
-            bounds_max: bounds.map(|bounds| bounds.max.to_array()),
+            bounds_min: bounds.map(|bounds| scene.to_file(bounds.min).to_array()),
+            bounds_max: bounds.map(|bounds| scene.to_file(bounds.max).to_array()),
             generator: notes.generator.clone(),
             extensions_used: notes.extensions_used.clone(),
             extensions_required: notes.extensions_required.clone(),
@@ -153,9 +153,9 @@ impl Report {
             texels: texels.sum(),
             environment: scene.environment.radiance.to_array(),
             panorama: PanoramaReport::new(&scene.environment),
-            lights: scene.lights.iter().map(LightReport::new).collect(),
-            cameras: scene.cameras.iter().map(CameraReport::new).collect(),
-            default_camera: CameraReport::new(&sight.camera),
+            lights: scene.lights.iter().map(|light| LightReport::new(scene, light)).collect(),
+            cameras: scene.cameras.iter().map(|camera| CameraReport::new(scene, camera)).collect(),
+            default_camera: CameraReport::new(scene, &sight.camera),
             default_light: sight.light.map(|light| light.to_string()),
             sight: sight.notes.iter().map(ToString::to_string).collect(),
             animations: animations.collect(),
@@ -221,7 +221,7 @@ impl Report {
         let (Some(min), Some(max)) = (self.bounds_min, self.bounds_max) else {
             return "none".to_owned();
         };
-        let size = Vec3::from(max) - Vec3::from(min);
+        let size = DVec3::from(max) - DVec3::from(min);
         format!("{:.3} x {:.3} x {:.3} m", size.x, size.y, size.z)
     }
 
@@ -278,7 +278,7 @@ impl Report {
                     bytes(self.texture_bytes)
                 ),
             ),
-            ("environment", format!("{} cd/m2", point(self.environment))),
+            ("environment", format!("{} cd/m2", point(self.environment.map(f64::from)))),
             ("lights", self.lights_used()),
             ("cameras", format!("{}; used: {}", counts.cameras, self.camera_used())),
             ("animations", count(self.animations.len() as u64)),
@@ -360,6 +360,6 @@ fn bytes_of(mesh: &Mesh) -> u64 {
     bytes as u64
 }
 
-fn point([x, y, z]: [f32; 3]) -> String {
+fn point([x, y, z]: [f64; 3]) -> String {
     format!("({x:.3}, {y:.3}, {z:.3})")
 }

@@ -114,7 +114,7 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
             file: files.name(number),
             bytes: std::fs::metadata(files.path(number))?.len(),
             time_s,
-            camera: serde_json::to_value(CameraReport::new(&camera))?,
+            camera: serde_json::to_value(CameraReport::new(&stage.scene, &camera))?,
             exposure: metering.map(|metering| metering.stops),
             seconds: start.elapsed().as_secs_f64(),
         };
