@@ -19,6 +19,7 @@ fn structs_lie_in_memory_alike() {
     use crate::passes::accumulate::AccumulateSettings;
     use crate::passes::composite::CompositeSettings;
     use crate::passes::gbuffer::RasterView;
+    use crate::passes::near_shadows::NearLayerRecord;
     use crate::passes::shadow_maps::ShadowView;
     use crate::passes::voxel_view::VoxelViewSettings;
     use crate::picture::tone_map::ToneMapSettings;
@@ -27,6 +28,7 @@ fn structs_lie_in_memory_alike() {
     let library = &libraries()[0];
     check_struct::<AccumulateSettings>(library, "render::passes::accumulate", "AccumulateSettings");
     check_struct::<CompositeSettings>(library, "render::passes::composite", "CompositeSettings");
+    check_struct::<NearLayerRecord>(library, "render::passes::direct", "NearLayer");
     check_struct::<RasterView>(library, "render::passes::gbuffer", "RasterView");
     check_struct::<ShadowView>(library, "render::passes::shadow_maps", "ShadowView");
     check_struct::<ToneMapSettings>(library, "render::picture::tone_map", "ToneMapSettings");

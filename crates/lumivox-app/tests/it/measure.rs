@@ -55,6 +55,73 @@ fn points_read_the_inverse_square_of_their_lamp() {
     }
 }
 
+/// Places on a map: a step on a floor, near zero and in UTM coordinates.
+#[test]
+fn points_have_the_coordinates_of_their_file() {
+    let folder = folder();
+    let path = folder.path();
+    let place = |at: [f64; 3], far: f64| {
+        let [x, y, z] = [at[0] + 500_123.457 * far, at[1], at[2] + 4_649_776.891 * far];
+        [x, y, z].map(|number| ((number * 1e3).round() / 1e3).to_string())
+    };
+    let mut lux = Vec::new();
+    for (name, far) in [("near", 0.0), ("utm", 1.0)] {
+        let (mut text, mut count) = (String::new(), 0);
+        for [x, y, z, width, depth] in [[-2.0, 0.0, -2.0, 4.0, 4.0], [0.1, 0.05, 0.0, 0.06, 2.0]] {
+            for (x, z) in [(x, z), (x, z + depth), (x + width, z + depth), (x + width, z)] {
+                text += &format!("v {}\n", place([x, y, z], far).join(" "));
+            }
+            text += &format!("f {} {} {} {}\n", count + 1, count + 2, count + 3, count + 4);
+            count += 4;
+        }
+        fs::write(path.join(format!("{name}.obj")), text).unwrap();
+        let point = place([0.13, 0.01, 1.0], far).join(",");
+        fs::write(path.join("points.csv"), format!("x,y,z\n{point}\n")).unwrap();
+        let line =
+            format!("measure {name}.obj --points points.csv {SMALL} --environment 1000,1000,1000");
+        let report = lumivox(path, &format!("{line} -o lux.csv --json")).expect_ok().json();
+        let table = fs::read_to_string(path.join("lux.csv")).unwrap();
+        assert!(table.lines().nth(1).unwrap().starts_with(&format!("{point},0,1,0,")), "{table}");
+        lux.push(numbers(&report, "lux")[0]);
+    }
+    // Below a strip whose corners 32-bit floats would move by half its width.
+    assert!(lux[0] < 2500.0 && (lux[1] / lux[0] - 1.0).abs() < 0.03, "{lux:?}");
+}
+
+/// As programs for buildings snap them: the lamp of [`glb`] lies in the plane of a ceiling, within the resolution of f32.
+#[test]
+fn a_lamp_in_the_plane_of_a_ceiling_lights_the_room_by_every_method() {
+    let folder = folder();
+    let path = folder.path();
+    for height in [2.0_f32, 2.0_f32.next_up(), 2.0_f32.next_down()] {
+        let corner = |x: f32, y: f32, z: f32| [3.0 * x, y, 3.0 * z];
+        let quad = |y: f32, x: f32| {
+            let [a, b] = [corner(-x, y, 1.0), corner(x, y, 1.0)];
+            let [c, d] = [corner(x, y, -1.0), corner(-x, y, -1.0)];
+            [a, b, c, a, c, d]
+        };
+        fs::write(path.join("room.glb"), glb(&[quad(0.0, 1.0), quad(height, -1.0)].concat()))
+            .unwrap();
+        let places = [(0.2, 0.3), (1.2, 0.3), (-2.0, -1.5)];
+        let rows = places.map(|(x, z)| format!("{x},0.01,{z},0,1,0\n")).concat();
+        fs::write(path.join("points.csv"), format!("x,y,z,nx,ny,nz\n{rows}")).unwrap();
+        for method in ["paths --samples 4", "cones", "cones --shadows cone"] {
+            let line = format!(
+                "measure room.glb --points points.csv --resolution 32 --frames 1 --bounces 0 --json"
+            );
+            let report = lumivox(path, &format!("{line} --method {method}")).expect_ok().json();
+            for (found, (x, z)) in numbers(&report, "direct_lux").iter().zip(places) {
+                let away = (f64::hypot(x - 0.2, z - 0.3), 1.99);
+                let expected = 100.0 * away.1 / f64::hypot(away.0, away.1).powi(3);
+                assert!(
+                    (found - expected).abs() <= 1e-3 * expected,
+                    "{height}, {method}, at {x}, {z}: {found} lux, not {expected}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn a_workplane_is_a_table_an_object_and_a_picture() {
     let folder = folder();

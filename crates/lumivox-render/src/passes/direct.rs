@@ -2,12 +2,13 @@
 //! reflection and the microfacet gloss of `package::trace::brdf`, per pixel and light.
 
 use lumivox::gpu::{
-    BindGroup, BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
-    ShaderLibrary, TextureView,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    TextureView,
 };
 use lumivox::{GBuffer, Gi, Lights};
 
 use crate::gpu::textures::ScreenTextures;
+use crate::passes::near_shadows::NearShadows;
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
@@ -25,7 +26,6 @@ pub struct DirectTargets {
     pub diffuse: TextureView,
     /// Glossily reflected radiance in rgb, the illuminance of the surface in a.
     pub specular: TextureView,
-    group: BindGroup,
 }
 
 impl DirectPass {
@@ -38,36 +38,37 @@ impl DirectPass {
         let layout = LayoutBuilder::compute()
             .storage_texture(d2, FORMAT)
             .storage_texture(d2, FORMAT)
+            .storage()
+            .depth_2d_array()
             .build(device, "direct light");
         let groups = [gi.globals_layout(), &layout, gi.lights_layout(), gi.gbuffer_layout()];
         let kernel = Kernel::new(device, shaders, "render::passes::direct", "main", &groups)?;
         Ok(Self { kernel, layout })
     }
 
-    pub(crate) fn targets(
-        &self,
-        device: &wgpu::Device,
-        textures: &mut ScreenTextures<'_>,
-    ) -> DirectTargets {
+    pub(crate) fn targets(textures: &mut ScreenTextures<'_>) -> DirectTargets {
         let diffuse = textures.storage("direct diffuse light", FORMAT);
         let specular = textures.storage("direct specular light", FORMAT);
-        let group = BindGroupBuilder::new(&self.layout)
-            .view(&diffuse)
-            .view(&specular)
-            .build(device, "direct light");
-        DirectTargets { diffuse, specular, group }
+        DirectTargets { diffuse, specular }
     }
 
-    /// Lights the G-buffer.
-    pub fn record(
+    /// Lights the G-buffer. The shadow maps around the camera are drawn already.
+    pub(crate) fn record(
         &self,
+        device: &wgpu::Device,
         recorder: &mut Recorder,
         gi: &Gi,
-        lights: &Lights,
+        (lights, near): (&Lights, &NearShadows),
         gbuffer: &GBuffer,
         targets: &DirectTargets,
     ) {
-        let groups = [gi.globals(), &targets.group, &lights.group, &gbuffer.group];
+        let group = BindGroupBuilder::new(&self.layout)
+            .view(&targets.diffuse)
+            .view(&targets.specular)
+            .buffer(&near.layers)
+            .view(&near.maps)
+            .build(device, "direct light");
+        let groups = [gi.globals(), &group, &lights.group, &gbuffer.group];
         self.kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);
     }
 }

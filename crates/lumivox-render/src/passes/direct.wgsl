@@ -2,6 +2,7 @@
 
 import package::environment::glossy_share;
 import package::light::lights::{incident_light, light_globals, lights};
+import package::light::shadow_map::{compare_depths, place_in_layer, shadow_sampler, ShadowLayer};
 import package::light::visibility::light_visibility;
 import package::trace::brdf::{
     alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_visibility, PI,
@@ -15,12 +16,43 @@ import package::trace::view::view;
 // Reflected radiance in rgb, illuminance in a.
 @group(1) @binding(1) var direct_specular: texture_storage_2d<rgba16float, write>;
 
+// A square of a parallel light's shadow map around the camera.
+struct NearLayer {
+    layer: ShadowLayer,
+    // The place of its light among `lights`.
+    light: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+}
+
+// In the order of the lights, the smallest square of each first.
+@group(1) @binding(2) var<storage, read> near_layers: array<NearLayer>;
+@group(1) @binding(3) var near_maps: texture_depth_2d_array;
+
 // The largest half float: a mirror's highlight may exceed it.
 const MAX_HALF: f32 = 65504.0;
 
 fn luminance(color: vec3f) -> f32 {
     // ITU-R BT.709-6, section 3.2.
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));
+}
+
+// The visibility of a light by the smallest of its squares that a point lies in; negative in none. `next` is the first of them, and
+// after them the first of other lights.
+fn near_visibility(next: ptr<function, u32>, index: u32, position_in_world: vec3f, normal: vec3f) -> f32 {
+    var found = -1.0;
+    while *next < arrayLength(&near_layers) && near_layers[*next].light <= index {
+        let near = near_layers[*next];
+        let place = place_in_layer(near.layer, near.layer.texel_size, position_in_world, normal);
+        // The filter stays within the square.
+        let margin = 2.0 / vec2f(textureDimensions(near_maps));
+        if found < 0.0 && near.light == index && all(place.xy >= margin) && all(place.xy <= 1.0 - margin) {
+            found = compare_depths(near_maps, shadow_sampler, *next, place);
+        }
+        *next += 1u;
+    }
+    return found;
 }
 
 @compute @workgroup_size(8, 8)
@@ -50,6 +82,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     var illuminance = 0.0;
     var arriving = 0.0;
     var sent = 0.0;
+    var next_near = 0u;
     for (var index = 0u; index < light_globals.light_count; index++) {
         let light = lights[index];
         let incident = incident_light(light, surface.position_in_world);
@@ -62,8 +95,11 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
             || dot(surface.geometric_normal, incident.direction) <= 0.0 {
             continue;
         }
-        let visible = light_visibility(
-            light, incident, surface.position_in_world, surface.geometric_normal);
+        let normal_of_faces = surface.geometric_normal;
+        var visible = near_visibility(&next_near, index, surface.position_in_world, normal_of_faces);
+        if visible < 0.0 {
+            visible = light_visibility(light, incident, surface.position_in_world, normal_of_faces);
+        }
         arriving += visible * brightness;
         let irradiance = visible * n_dot_l * incident.irradiance;
         illuminance += luminance(irradiance);

@@ -3,6 +3,7 @@
 //! | file | does | reads |
 //! | --- | --- | --- |
 //! | `shadow_maps` | depth from each light | the scene |
+//! | `near_shadows` | depth from the sun around the camera | the scene |
 //! | `gbuffer` | the surface at each pixel | the scene |
 //! | `direct` | light that comes from lamps and the sun without a detour | G-buffer, shadow maps |
 //! | (`lumivox`) | the cones: indirect light | G-buffer, volume |
@@ -22,6 +23,7 @@ pub(crate) mod direct;
 pub(crate) mod figures;
 pub(crate) mod gbuffer;
 pub(crate) mod motion;
+pub(crate) mod near_shadows;
 pub(crate) mod overlay;
 pub(crate) mod raster;
 pub(crate) mod shadow_maps;

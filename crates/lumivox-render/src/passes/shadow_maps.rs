@@ -1,6 +1,7 @@
 //! Shadow maps: the scene's depth as each light sees it, in the layers of one depth array.
 //!
-//! A directional light has one layer, a parallel projection fitted to the scene's bounds; a spot
+//! A directional light has one layer, a parallel projection fitted to the scene's bounds (on screen, more of them around the
+//! camera: [`NearShadows`](super::near_shadows::NearShadows)); a spot
 //! light has one, a perspective projection as wide as its cone; a point light has six, the faces of
 //! a cube. Depth is reversed (1 near, 0 far) and, in perspective, without a far plane: a float's
 //! precision then falls off as perspective's own (Reed 2015, "Depth precision visualized"). Both
@@ -15,10 +16,11 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use glam::camera::rh::proj::directx::{orthographic, perspective_infinite_reverse};
 use glam::camera::rh::view::look_to_mat4;
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 use lumivox::gpu::pipelines::{DrawPipeline, Shader};
 use lumivox::gpu::{
     BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture,
+    TextureView,
 };
 use lumivox::{Light, LightSource, Shadow, ShadowLayer, ShadowMaps};
 use lumivox_scene::Bounds;
@@ -37,8 +39,9 @@ const BORDER_TEXELS: f32 = 4.0;
 /// The widest spot light for one perspective layer: at this angle its middle has a quarter of the
 /// resolution of a 90-degree map.
 const MAX_SPOT_ANGLE_RAD: f32 = 1.32;
-/// The near plane of a light without radius, as a share of the scene's radius.
-const NEAR_SHARE: f32 = 1e-4;
+/// The near plane of a light without radius, as a share of the scene's radius: sixteen times the resolution of f32 there, by which
+/// the path tracer's rays end before a lamp, too. A lamp may lie in the plane of a surface.
+const NEAR_SHARE: f32 = 1.0 / (1 << 18) as f32;
 
 /// `ShadowView` of `shadow_maps.wgsl`.
 #[repr(C)]
@@ -164,42 +167,21 @@ impl ShadowMapPass {
         if layers.is_empty() {
             return None;
         }
-        let texture = Texture::new(
-            &gpu.device,
-            &wgpu::TextureDescriptor {
-                label: Some("shadow maps"),
-                size: wgpu::Extent3d {
-                    width: resolution,
-                    height: resolution,
-                    depth_or_array_layers: layers.len() as u32,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: raster::DEPTH_FORMAT,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::RENDER_ATTACHMENT,
-                view_formats: &[],
-            },
-        );
+        let texture = depth_array(&gpu.device, "shadow maps", resolution, layers.len() as u32);
         for (index, layer) in layers.iter().enumerate() {
-            self.record_layer(gpu, recorder, scene, &texture, index as u32, layer);
+            self.record_layer(gpu, recorder, scene, &texture, (index as u32, layer));
         }
-        let depth = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        });
-        Some(ShadowMaps { depth, layers })
+        Some(ShadowMaps { depth: view_of_all(&texture), layers })
     }
 
-    fn record_layer(
+    /// Draws one layer of a depth array.
+    pub(super) fn record_layer(
         &self,
         gpu: &Gpu,
         recorder: &mut Recorder,
         scene: &GpuScene,
         texture: &Texture,
-        index: u32,
-        layer: &ShadowLayer,
+        (index, layer): (u32, &ShadowLayer),
     ) {
         let view = ShadowView { clip_from_world: layer.clip_from_world };
         let view = lumivox::gpu::uniform_buffer(&gpu.device, "shadow view", &view);
@@ -235,6 +217,35 @@ impl ShadowMapPass {
             }
         });
     }
+}
+
+/// Square depth maps of one size.
+pub(super) fn depth_array(
+    device: &wgpu::Device,
+    label: &'static str,
+    resolution: u32,
+    layers: u32,
+) -> Texture {
+    let edge = resolution;
+    let descriptor = wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width: edge, height: edge, depth_or_array_layers: layers },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: raster::DEPTH_FORMAT,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    };
+    Texture::new(device, &descriptor)
+}
+
+/// A view of all layers of a depth array.
+pub(super) fn view_of_all(texture: &Texture) -> TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
 }
 
 /// The ranges of each run of draws that may be visible in a projection.
@@ -311,26 +322,47 @@ fn layers_of(source: &LightSource, bounds: Bounds, resolution: u32) -> Vec<Shado
 }
 
 fn parallel_layer(direction: Vec3, bounds: Bounds, resolution: u32) -> ShadowLayer {
-    let view = look_to_mat4(bounds.center(), direction, direction.any_orthonormal_vector());
-    let seen = Bounds::from_points(corners(bounds).map(|corner| view.transform_point3(corner)));
-    // Square, so that one number is the size of a texel; never flat.
-    let extent_m = seen.size().truncate().max_element().max(bounds.radius_m() * 1e-3);
-    let half_m = 0.5 * extent_m * border(resolution);
-    let middle = seen.center();
-    let depth_margin_m = bounds.radius_m() * 1e-3;
-    // The camera looks along -z; near and far are exchanged to reverse the depth.
-    let projection = orthographic(
-        middle.x - half_m,
-        middle.x + half_m,
-        middle.y - half_m,
-        middle.y + half_m,
-        -seen.min.z + depth_margin_m,
-        -seen.max.z - depth_margin_m,
-    );
-    ShadowLayer {
-        clip_from_world: projection * view,
-        is_perspective: false,
-        texel_size: 2.0 * half_m / resolution as f32,
+    let sight = ParallelSight::new(direction, bounds);
+    sight.layer(sight.seen.center().truncate(), sight.half_m, resolution)
+}
+
+/// A scene as parallel light sees it, along -z.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ParallelSight {
+    pub(super) view: Mat4,
+    /// The scene's box in the view.
+    seen: Bounds,
+    /// Half the edge of the square around it.
+    pub(super) half_m: f32,
+    depth_margin_m: f32,
+}
+
+impl ParallelSight {
+    pub(super) fn new(direction: Vec3, bounds: Bounds) -> Self {
+        let view = look_to_mat4(bounds.center(), direction, direction.any_orthonormal_vector());
+        let seen = Bounds::from_points(corners(bounds).map(|corner| view.transform_point3(corner)));
+        // Square, so that one number is the size of a texel; never flat.
+        let extent_m = seen.size().truncate().max_element().max(bounds.radius_m() * 1e-3);
+        Self { view, seen, half_m: 0.5 * extent_m, depth_margin_m: bounds.radius_m() * 1e-3 }
+    }
+
+    /// The layer of a square of the view, as deep as the whole scene.
+    pub(super) fn layer(&self, middle: Vec2, half_m: f32, resolution: u32) -> ShadowLayer {
+        let half_m = half_m * border(resolution);
+        // Near and far are exchanged to reverse the depth.
+        let projection = orthographic(
+            middle.x - half_m,
+            middle.x + half_m,
+            middle.y - half_m,
+            middle.y + half_m,
+            -self.seen.min.z + self.depth_margin_m,
+            -self.seen.max.z - self.depth_margin_m,
+        );
+        ShadowLayer {
+            clip_from_world: projection * self.view,
+            is_perspective: false,
+            texel_size: 2.0 * half_m / resolution as f32,
+        }
     }
 }
 

@@ -61,7 +61,7 @@ impl Targets {
         gpu: &Gpu,
         shaders: &ShaderLibrary,
         gi: &Gi,
-        passes: (&DirectPass, &CompositePass),
+        composite: &CompositePass,
         size: UVec2,
         trace: &TraceSettings,
         is_tinted: bool,
@@ -79,7 +79,7 @@ impl Targets {
             return Err(too_large());
         }
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let targets = Self::create(gpu, shaders, gi, passes, size, trace, is_tinted);
+        let targets = Self::create(gpu, shaders, gi, composite, size, trace, is_tinted);
         if scope.pop().await.is_some() {
             return Err(too_large());
         }
@@ -99,7 +99,7 @@ impl Targets {
         gpu: &Gpu,
         shaders: &ShaderLibrary,
         gi: &Gi,
-        (direct, composite): (&DirectPass, &CompositePass),
+        composite: &CompositePass,
         size: UVec2,
         trace: &TraceSettings,
         is_tinted: bool,
@@ -110,7 +110,7 @@ impl Targets {
         let gbuffer_textures = GBufferTargets::new(gpu, &mut textures, wanted);
         let view = lumivox::CameraView::new(Mat4::IDENTITY, glam::Vec3::ZERO, size);
         let gbuffer = gi.bind_gbuffer(gbuffer_textures.views(), view);
-        let direct = direct.targets(device, &mut textures);
+        let direct = DirectPass::targets(&mut textures);
         let traced = gi.targets(size, trace);
         let composite =
             composite.targets(device, &mut textures, &gbuffer_textures, &direct, &traced);

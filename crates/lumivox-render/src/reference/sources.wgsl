@@ -57,21 +57,21 @@ fn cap_height(spread: f32) -> f32 {
     return spread / (1.0 + sqrt(1.0 - spread));
 }
 
-// The distance to the surface of a light in a direction; `height` is 1 - cos of the angle to its
-// middle.
+// How far a ray to a light in a direction goes: up to the light's surface, less what f32 cannot tell apart, so that a surface in
+// whose plane a lamp lies does not block it. `height` is 1 - cos of the angle to the light's middle.
 fn light_reach(light: Light, incident: Incident, height: f32) -> f32 {
     if is_parallel(light) {
         return 3e38;
     }
     let aside = incident.distance_m * incident.distance_m * height * (2.0 - height);
     let depth = sqrt(max(light.radius * light.radius - aside, 0.0));
-    return max(incident.distance_m * (1.0 - height) - depth, 0.0);
+    return max(incident.distance_m * (1.0 - height) - depth - world.offset_m, 0.0);
 }
 
-// The light that a lamp sends to a point. Inside a lamp, its middle is still in a direction of unit
-// length.
-fn light_at(index: u32, position: vec3f) -> Incident {
-    var incident = incident_light(lights[index], position);
+// The light that a lamp sends to where rays start from a surface: aimed from the surface itself they would end beside the lamp.
+// Inside a lamp, its middle is still in a direction of unit length.
+fn light_at(index: u32, surface: Surface) -> Incident {
+    var incident = incident_light(lights[index], surface.position + surface.geometric * world.offset_m);
     incident.direction /= max(length(incident.direction), 1e-20);
     return incident;
 }
@@ -105,7 +105,7 @@ fn ask_light(surface: Surface) -> Question {
     }
     let probability = chosen_brightness / sum;
     let light = lights[chosen];
-    let incident = light_at(chosen, surface.position);
+    let incident = light_at(chosen, surface);
     let spread = light_spread(light, incident);
     let height = place.x * cap_height(spread);
     let cosine = 1.0 - height;
@@ -132,7 +132,7 @@ fn ask_disc(surface: Surface, direction: vec3f, weight: vec3f, own_density: f32)
     var question = NEVER;
     for (var index = 0u; index < world.light_count; index++) {
         let light = lights[index];
-        let incident = light_at(index, surface.position);
+        let incident = light_at(index, surface);
         let spread = light_spread(light, incident);
         // From the chord: the cosine of a small angle is one.
         let chord = direction - incident.direction;

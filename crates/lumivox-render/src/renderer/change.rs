@@ -480,7 +480,7 @@ impl Renderer {
 
     /// Renders the shadow maps and binds the lights.
     pub(super) fn bind_lights(&mut self, recorder: &mut Recorder) {
-        (self.lights, self.shadow_bytes) = bind_lights(
+        (self.lights, self.near_shadows, self.shadow_bytes) = bind_lights(
             &self.gpu,
             recorder,
             self.passes.shadows.as_ref(),

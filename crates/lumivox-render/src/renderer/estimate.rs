@@ -13,6 +13,7 @@ use lumivox::{Directionality, Grid, VolumeKind, dense_volume_bytes};
 use lumivox_scene::{Instance, LightKind, Material, Scene, Shading, Texture};
 
 use crate::gpu::memory::available_memory;
+use crate::passes::near_shadows::SQUARES;
 use crate::passes::overlay::OVERLAY_BYTES_PER_PIXEL;
 use crate::passes::shadow_maps::MAX_BYTES as MAX_SHADOW_BYTES;
 use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL, trace_bytes};
@@ -270,7 +271,8 @@ fn shadow_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
         return 0;
     }
     let layers = scene.lights.iter().map(|light| match light.kind {
-        LightKind::Directional { .. } | LightKind::Spot { .. } => 1,
+        LightKind::Directional { .. } => 1 + u64::from(SQUARES),
+        LightKind::Spot { .. } => 1,
         LightKind::Point { .. } => 6,
     });
     let layer_bytes = 4 * u64::from(settings.shadow_resolution).pow(2);

@@ -22,6 +22,7 @@ use crate::gpu::memory::MemoryUse;
 use crate::gpu::times::StageTimes;
 use crate::look::{LookFrame, LookParts, LookPasses, LookScene};
 use crate::passes::gbuffer;
+use crate::passes::near_shadows::NearShadows;
 use crate::passes::targets::Targets;
 use crate::scene::{GpuScene, Lighting, radiance_unit_within};
 use crate::{Gpu, Picture, RenderError, RenderSettings, View};
@@ -62,6 +63,8 @@ pub struct Renderer {
     lighting: Lighting,
     gi: Gi,
     lights: Lights,
+    /// What the screen has beside the shadow maps of the lights.
+    near_shadows: NearShadows,
     voxels: VoxelizeStats,
     voxels_are_stale: bool,
     following: Following,
@@ -143,7 +146,7 @@ impl Renderer {
         progress(RenderProgress { stage: "light", done: 0, total: 1 });
         let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
         let map = environment_map(gpu, &lighting)?;
-        let (lights, shadow_bytes) = bind_lights(
+        let (lights, near_shadows, shadow_bytes) = bind_lights(
             gpu,
             &mut recorder,
             passes.shadows.as_ref(),
@@ -179,6 +182,7 @@ impl Renderer {
             lighting,
             gi,
             lights,
+            near_shadows,
             voxels: voxelized.stats,
             voxels_are_stale: false,
             following: Following::default(),
@@ -282,7 +286,7 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         let frame = self.frame_count();
         let is_relit = self.following.is_settling();
-        let Self { settings, camera, scene, gi, lights, passes, targets, .. } = self;
+        let Self { settings, camera, scene, gi, lights, near_shadows, passes, targets, .. } = self;
         let mut is_traced = false;
         let (drawn, former_camera) = (&self.drawn, &self.former_camera);
         // Frames that are blended must not repeat each other.
@@ -325,8 +329,13 @@ impl Renderer {
                 targets.voxel_view.record(recorder, gi, lights, gbuffer, what, fov)?;
             } else {
                 if settings.view.needs_direct() {
+                    if let Some(pass) = &passes.shadows {
+                        near_shadows.record(&self.gpu, recorder, pass, scene, camera.position);
+                    }
                     recorder.stage("direct light");
-                    passes.direct.record(recorder, gi, lights, gbuffer, &targets.direct);
+                    let lit_by = (&*lights, &*near_shadows);
+                    let device = &self.gpu.device;
+                    passes.direct.record(device, recorder, gi, lit_by, gbuffer, &targets.direct);
                 }
                 let has_cones = settings.view.needs_cones(settings.bounces);
                 if has_cones {

@@ -81,9 +81,9 @@ impl Passes {
         scene: &GpuScene,
         settings: &RenderSettings,
     ) -> Result<Targets, RenderError> {
-        let passes = (&self.direct, &self.composite);
         let size = settings.size;
         let is_tinted = scene.is_tinted();
-        Targets::new(gpu, &self.shaders, gi, passes, size, &settings.trace, is_tinted).await
+        Targets::new(gpu, &self.shaders, gi, &self.composite, size, &settings.trace, is_tinted)
+            .await
     }
 }

@@ -10,6 +10,7 @@ use lumivox::{
 use lumivox_scene::{Bounds, Scene};
 
 use super::RenderProgress;
+use crate::passes::near_shadows::NearShadows;
 use crate::passes::shadow_maps::ShadowMapPass;
 use crate::renderer::estimate::MemoryEstimate;
 use crate::scene::{GeometryBudget, GpuScene, Lighting, corners};
@@ -119,8 +120,8 @@ pub(super) fn environment_map(
     Ok(Some(EnvironmentMap::new(&gpu.device, &gpu.queue, panorama)?))
 }
 
-/// Renders shadow maps if there is a pass for them, and binds the lights. Also returns the bytes of
-/// the maps.
+/// Renders shadow maps if there is a pass for them, and binds the lights. Also makes room for shadow maps around the camera, and
+/// tells the bytes of all maps.
 pub(super) fn bind_lights(
     gpu: &Gpu,
     recorder: &mut Recorder,
@@ -129,7 +130,7 @@ pub(super) fn bind_lights(
     (lighting, map): (&Lighting, Option<&EnvironmentMap>),
     gi: &Gi,
     settings: &RenderSettings,
-) -> (Lights, u64) {
+) -> (Lights, NearShadows, u64) {
     let shadow_resolution = settings.shadow_resolution;
     let mut lights = lighting.to_gpu(scene.radiance_unit);
     let radiance = lighting.environment.radiance / scene.radiance_unit;
@@ -152,7 +153,10 @@ pub(super) fn bind_lights(
     let layer_bytes = 4 * u64::from(shadow_resolution).pow(2);
     let bytes = maps.as_ref().map_or(0, |maps| maps.layers.len() as u64 * layer_bytes);
     let environment = EnvironmentLight { radiance, map, rotation_rad };
-    (gi.bind_lights(&lights, environment, maps.as_ref()), bytes)
+    let lights = gi.bind_lights(&lights, environment, maps.as_ref());
+    let near = NearShadows::new(gpu, &lights);
+    let bytes = bytes + near.bytes();
+    (lights, near, bytes)
 }
 
 /// The edge of the largest texel of the maps, m: at the far end of the scene, or of a light's

@@ -33,7 +33,10 @@ fn seen_share(
     let origin = grid_from_world(position_in_world) + normal * offset;
     let bits = bitcast<vec3u>(position_in_world);
     let turn = f32(hash(bits.x + hash(bits.y + hash(bits.z))) >> 8u) / 16777216.0;
-    let across = basis(direction);
+    // From where rays start, too, the source's surface is aimed at.
+    let away = select(direction * reach - normal * offset, direction, reach > 1e30);
+    let distance = select(length(away), reach, reach > 1e30);
+    let across = basis(normalize(away));
     let rays = select(1u, SHADOW_RAYS, tan_half_angle > 1e-4);
     var seen = 0.0;
     for (var i = 0u; i < rays; i++) {
@@ -41,8 +44,8 @@ fn seen_share(
         let angle = 2.39996323 * f32(i) + 6.28318530718 * turn;
         let aside = across * vec3f(radius * cos(angle), radius * sin(angle), 1.0);
         var passed = Passed(0u, false, 1.0);
-        // The ray ends before the surface of the source.
-        let hit = trace_ray(Ray(origin, normalize(aside), max(reach - offset, 0.0), level), &passed);
+        // Rays end before the source, which may lie in the plane of a surface.
+        let hit = trace_ray(Ray(origin, normalize(aside), max(distance - offset, 0.0), level), &passed);
         seen += select(0.0, passed.share, hit.face == NOTHING);
     }
     return seen / f32(rays);

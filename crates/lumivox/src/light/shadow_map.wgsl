@@ -42,27 +42,39 @@ fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) 
     if layer.is_perspective != 0u {
         texel_m *= distance(position_in_world, light.position_in_world);
     }
+    let place = place_in_layer(layer, texel_m, position_in_world, normal);
+    if any(place.xy < vec2f(0.0)) || any(place.xy > vec2f(1.0)) {
+        return 1.0;
+    }
+    return compare_depths(shadow_maps, shadow_sampler, layer_index, place);
+}
+
+// Where a surface point is looked up in a layer: texture coordinates in xy, negative behind the light, and depth in z.
+fn place_in_layer(layer: ShadowLayer, texel_m: f32, position_in_world: vec3f, normal: vec3f) -> vec3f {
     // Within the filter's reach of 2 texels a plane tilted against the light changes its depth by at most
     // 2 texels times the tangent of the tilt; moving the receiver along its normal by 2 texels undoes that at
     // any tilt, since the move's share towards the light is the cosine and its share across is the sine.
     let receiver = position_in_world + normal * (2.0 * texel_m);
     let clip = layer.clip_from_world * vec4f(receiver, 1.0);
     if clip.w <= 0.0 {
-        return 1.0;
+        return vec3f(-1.0);
     }
     let ndc = clip.xyz / clip.w;
-    let uv = vec2f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y);
-    if any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) {
-        return 1.0;
-    }
     // A ground that reaches far behind the scene lies behind the map's far plane: what is in its way there is so here.
-    let depth = max(ndc.z, 0.0);
-    let texel = 1.0 / vec2f(textureDimensions(shadow_maps));
+    return vec3f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y, max(ndc.z, 0.0));
+}
+
+fn compare_depths(
+    maps: texture_depth_2d_array,
+    compare: sampler_comparison,
+    layer_index: u32,
+    place: vec3f,
+) -> f32 {
+    let texel = 1.0 / vec2f(textureDimensions(maps));
     var visible = 0.0;
     for (var tap = 0; tap < 4; tap++) {
         let shift = vec2f(f32(tap & 1) - 0.5, f32(tap >> 1) - 0.5) * texel;
-        visible += textureSampleCompareLevel(
-            shadow_maps, shadow_sampler, uv + shift, layer_index, depth);
+        visible += textureSampleCompareLevel(maps, compare, place.xy + shift, layer_index, place.z);
     }
     return 0.25 * visible;
 }

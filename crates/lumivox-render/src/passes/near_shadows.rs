@@ -1,0 +1,204 @@
+//! Shadow maps of parallel light around the camera: squares within the map of the whole scene, each a quarter as wide as the one
+//! before, as engines cascade them (Engel 2006, "Cascaded shadow maps"). A thing of a metre on a wide ground has its shadow.
+//!
+//! They are for what is seen, and follow the camera; the light of voxels keeps the map of the whole scene, so that it doesn't
+//! depend on where one looks from. A square has its place by the camera's cell, not by its view: turning draws nothing anew, and
+//! edges of shadows don't crawl.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec3};
+use lumivox::gpu::{Buffer, Recorder, Texture, TextureView, upload};
+use lumivox::{LightSource, Lights, ShadowLayer};
+
+use super::shadow_maps::{MAX_BYTES, ParallelSight, ShadowMapPass, depth_array, view_of_all};
+use crate::Gpu;
+use crate::scene::GpuScene;
+
+/// The most squares of a light: the smallest is a 64th as wide as the scene.
+pub(crate) const SQUARES: u32 = 3;
+/// How much narrower each square is.
+const STEP: f32 = 4.0;
+/// The edge of the cells in which the camera moves before a square does, over half the edge of the square.
+const CELL: f32 = 0.25;
+
+/// `NearLayer` of `direct.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct NearLayerRecord {
+    clip_from_world: Mat4,
+    texel_size: f32,
+    is_perspective: u32,
+    padding: [u32; 2],
+    light: u32,
+    light_padding: [u32; 3],
+}
+
+/// The squares of all parallel lights.
+#[derive(Debug)]
+pub(crate) struct NearShadows {
+    texture: Texture,
+    pub(crate) maps: TextureView,
+    pub(crate) layers: Buffer,
+    /// The lights that have squares, with their direction.
+    suns: Vec<(u32, Vec3)>,
+    /// What is drawn, in the order of the layers.
+    drawn: Vec<NearLayerRecord>,
+    resolution: u32,
+}
+
+impl NearShadows {
+    /// Makes room for the squares of parallel lights that have shadow maps, as far as it reaches. Nothing is drawn yet.
+    pub(crate) fn new(gpu: &Gpu, lights: &Lights) -> Self {
+        let resolution = lights.map_size[0].max(1);
+        let layer_bytes = 4 * u64::from(resolution).pow(2);
+        let taken = lights.mapped.iter().map(|light| light.layers.len() as u64).sum::<u64>();
+        let most = (MAX_BYTES / layer_bytes).saturating_sub(taken) / u64::from(SQUARES);
+        let direction = |source: &LightSource| match *source {
+            LightSource::Directional { direction, .. }
+            | LightSource::Environment { direction, .. } => Some(direction),
+            LightSource::Point { .. } | LightSource::Spot { .. } => None,
+        };
+        let suns = lights.mapped.iter().filter_map(|l| Some((l.index, direction(&l.source)?)));
+        let suns: Vec<_> = suns.take(most as usize).collect();
+        let edge = if suns.is_empty() { 1 } else { resolution };
+        // Nothing that is bound may be empty.
+        let count = (SQUARES * suns.len() as u32).max(1);
+        let texture = depth_array(&gpu.device, "shadow maps around the camera", edge, count);
+        let none = vec![NearLayerRecord::of_none(); count as usize];
+        Self {
+            maps: view_of_all(&texture),
+            layers: upload(&gpu.device, "shadow layers around the camera", &none),
+            texture,
+            suns,
+            drawn: Vec::new(),
+            resolution,
+        }
+    }
+
+    /// Bytes of the maps.
+    pub(crate) fn bytes(&self) -> u64 {
+        4 * u64::from(self.resolution).pow(2) * u64::from(SQUARES) * self.suns.len() as u64
+    }
+
+    /// Draws the squares around a camera, unless they are drawn already.
+    pub(crate) fn record(
+        &mut self,
+        gpu: &Gpu,
+        recorder: &mut Recorder,
+        pass: &ShadowMapPass,
+        scene: &GpuScene,
+        camera: Vec3,
+    ) {
+        if self.suns.is_empty() {
+            return;
+        }
+        let mut wanted = Vec::new();
+        for &(light, direction) in &self.suns {
+            let sight = ParallelSight::new(direction, scene.bounds);
+            let away_m = camera.distance(camera.clamp(scene.bounds.min, scene.bounds.max));
+            let squares = squares(&sight, camera, away_m, self.resolution);
+            wanted.extend(squares.map(|layer| NearLayerRecord::new(light, &layer)));
+        }
+        wanted.resize(SQUARES as usize * self.suns.len(), NearLayerRecord::of_none());
+        if wanted == self.drawn {
+            return;
+        }
+        recorder.stage("shadow maps");
+        gpu.queue.write_buffer(&self.layers, 0, bytemuck::cast_slice(&wanted));
+        for (index, record) in wanted.iter().enumerate() {
+            if self.drawn.get(index) != Some(record) && record.light != u32::MAX {
+                let layer = (index as u32, &record.layer());
+                pass.record_layer(gpu, recorder, scene, &self.texture, layer);
+            }
+        }
+        self.drawn = wanted;
+    }
+}
+
+impl NearLayerRecord {
+    /// Behind all others: no light has its number.
+    fn of_none() -> Self {
+        Self { light: u32::MAX, ..Self::zeroed() }
+    }
+
+    fn new(light: u32, layer: &ShadowLayer) -> Self {
+        Self {
+            clip_from_world: layer.clip_from_world,
+            texel_size: layer.texel_size,
+            light,
+            ..Self::zeroed()
+        }
+    }
+
+    fn layer(&self) -> ShadowLayer {
+        ShadowLayer {
+            clip_from_world: self.clip_from_world,
+            is_perspective: false,
+            texel_size: self.texel_size,
+        }
+    }
+}
+
+/// The squares around a camera, the smallest first. `away_m` is the camera's distance from the scene: what is nearer than
+/// anything needs none.
+fn squares(
+    sight: &ParallelSight,
+    camera: Vec3,
+    away_m: f32,
+    resolution: u32,
+) -> impl Iterator<Item = ShadowLayer> {
+    let middle = sight.view.transform_point3(camera).truncate();
+    (1..=SQUARES as i32).rev().filter_map(move |level| {
+        let half_m = sight.half_m / STEP.powi(level);
+        // Wider by as much as the camera may be from the middle of its cell.
+        let square = |middle| sight.layer(middle, half_m * (1.0 + 0.5 * CELL), resolution);
+        let texel_m = square(middle).texel_size;
+        let cell_m = texel_m * (CELL * half_m / texel_m).floor().max(1.0);
+        (half_m >= away_m).then(|| square(cell_m * (middle / cell_m).round()))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lumivox_scene::Bounds;
+
+    const BOUNDS: Bounds =
+        Bounds { min: Vec3::new(-80.0, 0.0, -80.0), max: Vec3::new(80.0, 1.0, 80.0) };
+
+    fn at(camera: Vec3, away_m: f32) -> Vec<ShadowLayer> {
+        let sight = ParallelSight::new(Vec3::new(0.4, -1.0, 0.3).normalize(), BOUNDS);
+        squares(&sight, camera, away_m, 1024).collect()
+    }
+
+    #[test]
+    fn squares_lie_around_the_camera_and_are_finer_the_smaller_they_are() {
+        let camera = Vec3::new(20.0, 1.5, -31.0);
+        let layers = at(camera, 0.0);
+        assert_eq!(layers.len(), 3);
+        for (layer, reach_m) in layers.iter().zip([1.2, 5.0, 20.0]) {
+            for side in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
+                let ndc = layer.clip_from_world.project_point3(camera + reach_m * side);
+                assert!(ndc.x.abs() < 1.0 && ndc.y.abs() < 1.0, "{ndc}");
+            }
+            assert!(layer.texel_size < reach_m / 300.0, "{}", layer.texel_size);
+        }
+        assert!(layers[0].texel_size < layers[1].texel_size);
+    }
+
+    #[test]
+    fn small_steps_of_the_camera_leave_the_squares_where_they_are() {
+        let camera = Vec3::new(20.1, 1.5, -31.2);
+        let same =
+            (0..64).filter(|i| at(camera + Vec3::X * 0.004 * *i as f32, 0.0) == at(camera, 0.0));
+        assert!(same.count() > 40);
+        assert_ne!(at(camera + Vec3::X, 0.0)[0], at(camera, 0.0)[0]);
+    }
+
+    #[test]
+    fn from_afar_only_wide_squares_are_drawn() {
+        let camera = Vec3::Y * 20.0;
+        assert_eq!(at(camera, 19.0).len(), 1);
+        assert_eq!(at(camera, 400.0).len(), 0);
+    }
+}
