@@ -77,8 +77,9 @@ fn points_have_the_coordinates_of_their_file() {
         fs::write(path.join(format!("{name}.obj")), text).unwrap();
         let point = place([0.13, 0.01, 1.0], far).join(",");
         fs::write(path.join("points.csv"), format!("x,y,z\n{point}\n")).unwrap();
-        let line =
-            format!("measure {name}.obj --points points.csv {SMALL} --environment 1000,1000,1000");
+        let line = format!(
+            "measure {name}.obj --points points.csv --method paths --samples 256 --environment 1000,1000,1000"
+        );
         let report = lumivox(path, &format!("{line} -o lux.csv --json")).expect_ok().json();
         let table = fs::read_to_string(path.join("lux.csv")).unwrap();
         assert!(table.lines().nth(1).unwrap().starts_with(&format!("{point},0,1,0,")), "{table}");
