@@ -27,13 +27,38 @@ need_bevy_rust() {
 
 # The files of its tests, by their names as modules: a line for each process that runs them. Mesa 22.3's software driver keeps
 # 3.4 MB of each of Bevy's frames until its process ends. There are some 2600 frames in `changes`, 1900 in the second line, and
-# 1800 in all others, which compare with the same pictures: 9 GB, 7 GB and 6 GB.
+# 1800 in all others, which compare with the same pictures: 9 GB, 7 GB and 6 GB, of which two run at a time.
 bevy_test_groups() {
     local groups=(changes "deforming worlds") file others=()
     for file in $(cd "$root/$bevy_crate/tests/it" && grep -l '#\[test\]' -- *.rs); do
         case " ${groups[*]} " in *" ${file%.rs} "*) ;; *) others+=("${file%.rs}") ;; esac
     done
-    printf '%s\n' "${groups[@]}" "${others[*]}"
+    # The longest first.
+    printf '%s\n' "${others[*]}" "${groups[@]}"
+}
+
+# run_bevy_tests CARGO_ARGUMENTS... -- TEST_ARGUMENTS...: the groups, two at a time where there is memory for two, since each process
+# keeps little more than one core busy. Each line begins with the group's first file.
+run_bevy_tests() {
+    local cargo=() files most=1 running=0 status=0 free_kib
+    while (($# > 0)) && [[ $1 != -- ]]; do cargo+=("$1") && shift; done
+    shift
+    free_kib=$(sed -n 's/^MemAvailable: *\([0-9]*\) kB/\1/p' /proc/meminfo 2>/dev/null || true)
+    if ((${free_kib:-0} > 18 << 20)); then most=2; fi
+    while read -r -a files <&3; do
+        if ((running == most)); then
+            # macOS has an old bash, and no /proc.
+            if ((most > 1)); then wait -n || status=1; else wait "$!" || status=1; fi
+            running=$((running - 1))
+        fi
+        in_bevy test ${cargo[@]+"${cargo[@]}"} --test it -- "${files[@]/%/::}" "$@" 2>&1 | sed "s/^/${files[0]}| /" &
+        running=$((running + 1))
+    done 3< <(bevy_test_groups)
+    while ((running > 0)); do
+        if ((most > 1)); then wait -n || status=1; else wait "$!" || status=1; fi
+        running=$((running - 1))
+    done
+    return "$status"
 }
 
 # in_bevy COMMAND...: cargo in its folder, with that Rust and a target folder of its own.

@@ -77,7 +77,7 @@ pub fn stage(
     if let (Some(camera), Staging::None) = (&given, staging) {
         return Ok(Staged { scene: scene.clone(), camera: camera.clone(), notes: Vec::new() });
     }
-    let options = SightOptions { camera: given, aspect, staging };
+    let options = SightOptions { camera: given, aspect, staging, voxel_m: None };
     let sight = Sight::of(scene, &options, &OnceCell::new());
     let mut scene = scene.clone();
     if sight.light.is_some() {

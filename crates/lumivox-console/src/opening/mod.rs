@@ -7,7 +7,7 @@ mod source;
 use std::cell::OnceCell;
 
 use lumivox_explorer::PreparedScene;
-use lumivox_render::RenderProgress;
+use lumivox_render::{RenderProgress, RenderSettings};
 use lumivox_scene::{Scene, SightOptions};
 
 use crate::values::camera::{CameraChoice, resolve_with};
@@ -48,6 +48,7 @@ impl SceneRequest {
             camera: camera.transpose()?,
             aspect: self.aspect,
             staging: self.light.staging(),
+            voxel_m: RenderSettings::default().uniform_voxel_m(&scene),
         };
         let prepared = PreparedScene::surveyed(scene, &options, &framing, progress)?;
         Ok(OpenedScene { request: self, prepared })

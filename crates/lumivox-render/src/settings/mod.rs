@@ -11,7 +11,7 @@ use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
 use lumivox::hooks::{ConeModel, Injection, OctreeBuilding, Voxelization};
 use lumivox::{CascadeOptions, Directionality, GiConfig, GiError, Grid, TraceSettings, VolumeKind};
-use lumivox_scene::Bounds;
+use lumivox_scene::{Bounds, Scene};
 
 use crate::look::{Look, LookChoice};
 use crate::passes::overlay::LineRecord;
@@ -202,6 +202,14 @@ impl RenderSettings {
         }
         let bounds = self.grid_bounds.unwrap_or(bounds);
         Grid::fit(bounds.min, bounds.max, self.resolution, self.grid_offset)
+    }
+
+    /// The edge of a voxel, m, where all of a scene's have one size. `None` for cascades.
+    pub fn uniform_voxel_m(&self, scene: &Scene) -> Option<f32> {
+        if self.volume == VolumeKind::Cascades {
+            return None;
+        }
+        self.grid(scene.voxel_bounds(), Vec3::ZERO).ok().map(|grid| grid.voxel_size_m)
     }
 
     /// The configuration of the library for these settings.

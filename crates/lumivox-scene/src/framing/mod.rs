@@ -22,6 +22,7 @@
 
 mod directions;
 mod emission;
+mod fineness;
 mod inside;
 mod lamps;
 mod outside;

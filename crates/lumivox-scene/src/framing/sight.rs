@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 
 use super::emission::Emission;
+use super::fineness;
 use super::own_light::{self, OwnLight};
 use super::subject::Subject;
 use super::survey::Patch;
@@ -48,18 +49,23 @@ pub struct SightOptions {
     pub aspect: f32,
     /// The surroundings. Default: what suits the scene.
     pub staging: Staging,
+    /// The edge of a voxel, m, if a note should tell that it is coarse for what is seen. Default: none.
+    pub voxel_m: Option<f32>,
 }
 
 impl Default for SightOptions {
     fn default() -> Self {
-        Self { camera: None, aspect: 16.0 / 9.0, staging: Staging::Auto }
+        Self { camera: None, aspect: 16.0 / 9.0, staging: Staging::Auto, voxel_m: None }
     }
 }
+
+/// The voxels across the thinnest side of a scene from which on it is not thin.
+const THIN: f32 = 24.0;
 
 /// A choice that was made for the user, who should be told about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
-    /// The subject: `camera` or `light`.
+    /// The subject: `camera`, `light` or `grid`.
     pub about: &'static str,
     /// The choice and its reason, without a full stop.
     pub text: String,
@@ -107,6 +113,15 @@ impl Sight {
                 light
             }
         };
+        // Where a scene is many voxels wide in all directions, its distances are, too, and the survey is not made for this alone.
+        let may_be_coarse = |voxel_m: &f32| {
+            framing.get().is_some() || scene.bounds().size().min_element() < THIN * voxel_m
+        };
+        if let Some(voxel_m) = options.voxel_m.filter(may_be_coarse) {
+            let Framing { rays, unit, .. } = survey();
+            let seen = own_light::seen(scene, rays, *unit, &camera, options.aspect);
+            notes.extend(fineness::note(&seen, rays, *unit, voxel_m));
+        }
         Self { camera, light, notes }
     }
 }
