@@ -12,7 +12,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
-    ShaderLibrary, Texture, TextureView, uniform_buffer,
+    ShaderLibrary, Texture, TextureView, upload,
 };
 use lumivox::{GBuffer, Gi};
 
@@ -71,7 +71,7 @@ impl AccumulatePass {
         (frame, blended): (&TextureView, Option<&Gi>),
     ) -> Result<Self, ShaderError> {
         let layout = LayoutBuilder::compute()
-            .uniform()
+            .storage()
             .texture_2d_unfilterable()
             .texture_2d_unfilterable()
             .storage_texture(wgpu::TextureViewDimension::D2, PICTURE_FORMAT)
@@ -79,7 +79,7 @@ impl AccumulatePass {
         let kernel =
             Kernel::new(device, shaders, "render::passes::accumulate", "main", &[&layout])?;
         let follow = blended.map(|gi| Follow::new(device, shaders, &layout, gi)).transpose()?;
-        let settings = uniform_buffer(device, "accumulate", &AccumulateSettings::zeroed());
+        let settings = upload(device, "accumulate", &[AccumulateSettings::zeroed()]);
         let means = [(); 2].map(|()| {
             textures.create("mean", PICTURE_FORMAT, wgpu::TextureUsages::STORAGE_BINDING)
         });

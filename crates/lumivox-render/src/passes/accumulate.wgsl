@@ -9,7 +9,7 @@ struct AccumulateSettings {
     padding_1: u32,
 }
 
-@group(0) @binding(0) var<uniform> accumulate_settings: AccumulateSettings;
+@group(0) @binding(0) var<storage, read> accumulate_settings: AccumulateSettings;
 @group(0) @binding(1) var frame: texture_2d<f32>;
 @group(0) @binding(2) var old_mean: texture_2d<f32>;
 @group(0) @binding(3) var new_mean: texture_storage_2d<rgba32float, write>;

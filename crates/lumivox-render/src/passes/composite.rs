@@ -8,7 +8,7 @@
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
-    ShaderLibrary, Texture, TextureView, uniform_buffer,
+    ShaderLibrary, Texture, TextureView, upload,
 };
 use lumivox::{GBuffer, Gi, Lights, TraceTargets};
 
@@ -62,7 +62,7 @@ impl CompositePass {
     /// # Errors
     /// When the shader does not link.
     pub fn new(device: &Pipelines, shaders: &ShaderLibrary, gi: &Gi) -> Result<Self, ShaderError> {
-        let layout = LayoutBuilder::compute().uniform();
+        let layout = LayoutBuilder::compute().storage();
         let layout = (0..5)
             .fold(layout, |layout, _| layout.texture_2d_unfilterable())
             .texture(wgpu::TextureViewDimension::D2, wgpu::TextureSampleType::Uint)
@@ -105,7 +105,7 @@ impl CompositePass {
         let picture = textures.storage("picture", PICTURE_FORMAT);
         let usage = wgpu::TextureUsages::STORAGE_BINDING;
         let illuminance = textures.create("illuminance", ILLUMINANCE_FORMAT, usage);
-        let settings = uniform_buffer(device, "composite", &CompositeSettings::zeroed());
+        let settings = upload(device, "composite", &[CompositeSettings::zeroed()]);
         let group = BindGroupBuilder::new(&self.layout)
             .buffer(&settings)
             .view(&direct.diffuse)

@@ -26,7 +26,7 @@ struct CompositeSettings {
     padding_0: u32,
 }
 
-@group(1) @binding(0) var<uniform> composite_settings: CompositeSettings;
+@group(1) @binding(0) var<storage, read> composite_settings: CompositeSettings;
 // Reflected radiance; visibility of the lights in a of the first.
 @group(1) @binding(1) var direct_diffuse: texture_2d<f32>;
 // The illuminance in a of the second.

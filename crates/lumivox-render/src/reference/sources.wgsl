@@ -71,9 +71,10 @@ fn light_reach(light: Light, incident: Incident, height: f32) -> f32 {
 // The light that a lamp sends to where rays start from a surface: aimed from the surface itself they would end beside the lamp.
 // Inside a lamp, its middle is still in a direction of unit length.
 fn light_at(index: u32, surface: Surface) -> Incident {
-    var incident = incident_light(lights[index], surface.position + surface.geometric * world.offset_m);
-    incident.direction /= max(length(incident.direction), 1e-20);
-    return incident;
+    let irradiance = incident_light(lights[index], surface.position).irradiance;
+    let aimed = incident_light(lights[index], surface.position + surface.geometric * world.offset_m);
+    let length = max(length(aimed.direction), 1e-20);
+    return Incident(aimed.direction / length, aimed.distance_m, irradiance);
 }
 
 // The sum of the light that all lights could give a surface that faces them.

@@ -39,11 +39,7 @@ pub(super) fn note(seen: &[Patch], rays: &Rays, unit: Unit, voxel_m: f32) -> Opt
         three_digits(voxel_m),
         100.0 * share
     );
-    Some(Note {
-        about: "grid",
-        text,
-        option: "--volume cascades has finer ones around the camera",
-    })
+    Some(Note { about: "grid", text, option: "--volume cascades has finer ones around the camera" })
 }
 
 #[cfg(test)]
