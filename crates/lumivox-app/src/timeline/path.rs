@@ -15,7 +15,7 @@
 use std::io::Read as _;
 use std::path::{Path as FilePath, PathBuf};
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use lumivox_console::Failure;
 use lumivox_scene::{Camera, Scene, check_regular};
 use serde::{Deserialize, Serialize};
@@ -255,6 +255,7 @@ impl CameraPath {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     fn scene() -> Scene {
         lumivox_scene::builtin::scene("cornell").unwrap()

@@ -66,14 +66,13 @@ fn points_have_the_coordinates_of_their_file() {
     };
     let mut lux = Vec::new();
     for (name, far) in [("near", 0.0), ("utm", 1.0)] {
-        let (mut text, mut count) = (String::new(), 0);
-        for [x, y, z, width, depth] in [[-2.0, 0.0, -2.0, 4.0, 4.0], [0.1, 0.05, 0.0, 0.06, 2.0]] {
-            for (x, z) in [(x, z), (x, z + depth), (x + width, z + depth), (x + width, z)] {
-                text += &format!("v {}\n", place([x, y, z], far).join(" "));
-            }
-            text += &format!("f {} {} {} {}\n", count + 1, count + 2, count + 3, count + 4);
-            count += 4;
-        }
+        let quads = [[-2.0, 0.0, -2.0, 4.0, 4.0], [0.1, 0.05, 0.0, 0.06, 2.0]];
+        let corners = quads.iter().flat_map(|&[x, y, z, width, depth]| {
+            [(0.0, 0.0), (0.0, depth), (width, depth), (width, 0.0)]
+                .map(|by| [x + by.0, y, z + by.1])
+        });
+        let lines = corners.map(|corner| format!("v {}\n", place(corner, far).join(" ")));
+        let text = lines.collect::<String>() + "f 1 2 3 4\nf 5 6 7 8\n";
         fs::write(path.join(format!("{name}.obj")), text).unwrap();
         let point = place([0.13, 0.01, 1.0], far).join(",");
         fs::write(path.join("points.csv"), format!("x,y,z\n{point}\n")).unwrap();
@@ -107,9 +106,7 @@ fn a_lamp_in_the_plane_of_a_ceiling_lights_the_room_by_every_method() {
         let rows = places.map(|(x, z)| format!("{x},0.01,{z},0,1,0\n")).concat();
         fs::write(path.join("points.csv"), format!("x,y,z,nx,ny,nz\n{rows}")).unwrap();
         for method in ["paths --samples 4", "cones", "cones --shadows cone"] {
-            let line = format!(
-                "measure room.glb --points points.csv --resolution 32 --frames 1 --bounces 0 --json"
-            );
+            let line = "measure room.glb --points points.csv --resolution 32 --frames 1 --bounces 0 --json";
             let report = lumivox(path, &format!("{line} --method {method}")).expect_ok().json();
             for (found, (x, z)) in numbers(&report, "direct_lux").iter().zip(places) {
                 let away = (f64::hypot(x - 0.2, z - 0.3), 1.99);

@@ -211,7 +211,7 @@ fn table(
         };
         let lacks = |what: &str| refuse(format!("line {number}: it lacks {what}"));
         let at = vector(["x", "y", "z"])?.ok_or_else(|| lacks("x,y,z"))?;
-        let direction = vector(directions)?.map(|direction| direction.as_vec3()).or(without);
+        let direction = vector(directions)?.map(DVec3::as_vec3).or(without);
         let direction = direction.ok_or_else(|| lacks(&directions.join(",")))?;
         if direction.try_normalize().is_none() {
             return Err(refuse(format!("line {number}: its direction is zero")));
