@@ -309,7 +309,7 @@ pub(super) const LIGHT: &[Row] = &[
         unit: "texels",
         summary: "Edge of a shadow map",
         help: "Higher: sharper shadows that begin nearer to their caster, and photons that scatter less. Four bytes a texel; \
-               a point light has six maps. The GPU may allow less.",
+               a point light has six maps, a sun four. The GPU may allow less.",
         kind: Kind::whole(16, 32_768),
         redoes: Redoes::Light,
         get: |s| Value::Whole(s.shadow_resolution),
