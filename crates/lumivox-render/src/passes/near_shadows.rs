@@ -10,12 +10,16 @@ use glam::{Mat4, Vec3};
 use lumivox::gpu::{Buffer, Recorder, Texture, TextureView, upload};
 use lumivox::{LightSource, Lights, ShadowLayer};
 
-use super::shadow_maps::{MAX_BYTES, ParallelSight, ShadowMapPass, depth_array, view_of_all};
+use super::shadow_maps::{ParallelSight, ShadowMapPass, depth_array, view_of_all};
 use crate::Gpu;
 use crate::scene::GpuScene;
 
 /// The most squares of a light: the smallest is a 64th as wide as the scene.
 pub(crate) const SQUARES: u32 = 3;
+/// The most lights that have squares.
+const MOST_SUNS: usize = 16;
+/// The most memory of all squares.
+pub(crate) const MAX_NEAR_BYTES: u64 = 64 << 20;
 /// How much narrower each square is.
 const STEP: f32 = 4.0;
 /// The edge of the cells in which the camera moves before a square does, over half the edge of the square.
@@ -54,19 +58,21 @@ pub(crate) struct NearShadows {
 }
 
 impl NearShadows {
-    /// Makes room for the squares of parallel lights that have shadow maps, as far as it reaches. Nothing is drawn yet.
+    /// Makes room for the squares of parallel lights that have shadow maps. Nothing is drawn yet.
     pub(crate) fn new(gpu: &Gpu, lights: &Lights) -> Self {
-        let resolution = lights.map_size[0].max(1);
-        let layer_bytes = 4 * u64::from(resolution).pow(2);
-        let taken = lights.mapped.iter().map(|light| light.layers.len() as u64).sum::<u64>();
-        let most = (MAX_BYTES / layer_bytes).saturating_sub(taken) / u64::from(SQUARES);
         let direction = |source: &LightSource| match *source {
             LightSource::Directional { direction, .. }
             | LightSource::Environment { direction, .. } => Some(direction),
             LightSource::Point { .. } | LightSource::Spot { .. } => None,
         };
         let suns = lights.mapped.iter().filter_map(|l| Some((l.index, direction(&l.source)?)));
-        let suns: Vec<_> = suns.take(most as usize).collect();
+        let suns: Vec<_> = suns.take(MOST_SUNS).collect();
+        // Less fine maps rather than none.
+        let mut resolution = lights.map_size[0].max(1);
+        let bytes = |edge: u32| 4 * u64::from(edge).pow(2) * u64::from(SQUARES) * suns.len() as u64;
+        while bytes(resolution) > MAX_NEAR_BYTES {
+            resolution /= 2;
+        }
         let edge = if suns.is_empty() { 1 } else { resolution };
         // Nothing that is bound may be empty.
         let count = (SQUARES * suns.len() as u32).max(1);

@@ -43,6 +43,9 @@ const MAX_SPOT_ANGLE_RAD: f32 = 1.32;
 /// the path tracer's rays end before a lamp, too. A lamp may lie in the plane of a surface.
 const NEAR_SHARE: f32 = 1.0 / (1 << 18) as f32;
 
+/// Two steps of f32, over the distance from zero: places there are rounded.
+const COARSENESS: f32 = 1.0 / (1 << 22) as f32;
+
 /// `ShadowView` of `shadow_maps.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -296,7 +299,8 @@ fn assign_layers(lights: &mut [Light], bounds: Bounds, resolution: u32) -> Vec<S
 
 /// The layers of one light; none if no projection is wide enough.
 fn layers_of(source: &LightSource, bounds: Bounds, resolution: u32) -> Vec<ShadowLayer> {
-    let least_near_m = bounds.radius_m() * NEAR_SHARE;
+    let far_m = bounds.center().abs().max_element();
+    let least_near_m = bounds.radius_m() * NEAR_SHARE + far_m * COARSENESS;
     match *source {
         LightSource::Directional { direction, .. } | LightSource::Environment { direction, .. } => {
             vec![parallel_layer(direction, bounds, resolution)]

@@ -96,7 +96,7 @@ fn partial_fragment(fragment: PartialFragment) {
     let alpha = select(1.0, base.a, material.is_blended != 0u);
     let coverage = alpha * (1.0 - saturate(passing));
     let seed = surface_seed(fragment.draw, fragment.is_front, fragment.texel.z);
-    let is_masked_out = material.mask_threshold > 0.0 && base.a < material.mask_threshold;
+    let is_masked_out = base.a < material.mask_threshold;
     if is_masked_out || !is_there(coverage, vec2u(fragment.texel.xy), seed, 0u) {
         discard;
     }

@@ -29,6 +29,9 @@ const MANY_CANDIDATES: u32 = 64;
 /// times the resolution of f32 there.
 const OFFSET: f32 = 1.0 / (1 << 18) as f32;
 
+/// Two steps of f32, over the distance from zero.
+const COARSENESS: f64 = 1.0 / (1 << 22) as f64;
+
 /// The resources of a path tracer on the GPU.
 #[derive(Debug)]
 pub(super) struct Uploaded {
@@ -298,6 +301,8 @@ fn world(
     let environment = &scene.environment;
     let mut peaks = [PeakRecord::zeroed(); MOST_PEAKS];
     peaks[..surroundings.peaks.len()].copy_from_slice(&surroundings.peaks);
+    // Places far from zero are rounded before they come here.
+    let coarseness_m = (triangles.origin.abs().max_element() * COARSENESS) as f32;
     WorldRecord {
         camera: position.to_array(),
         near_m: camera.near_m,
@@ -312,7 +317,7 @@ fn world(
         peak_count: surroundings.peaks.len() as u32,
         occlusion_distance_m: settings.occlusion_distance_m,
         root: triangles.root,
-        offset_m: (triangles.radius_m * OFFSET).max(f32::MIN_POSITIVE),
+        offset_m: (triangles.radius_m * OFFSET + coarseness_m).max(f32::MIN_POSITIVE),
         peaks,
         ..WorldRecord::zeroed()
     }

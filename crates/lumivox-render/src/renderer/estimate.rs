@@ -10,10 +10,10 @@ use std::collections::HashSet;
 
 use glam::Vec3;
 use lumivox::{Directionality, Grid, VolumeKind, dense_volume_bytes};
-use lumivox_scene::{Instance, LightKind, Material, Scene, Shading, Texture};
+use lumivox_scene::{Instance, Light, LightKind, Material, Scene, Shading, Texture};
 
 use crate::gpu::memory::available_memory;
-use crate::passes::near_shadows::SQUARES;
+use crate::passes::near_shadows::{MAX_NEAR_BYTES, SQUARES};
 use crate::passes::overlay::OVERLAY_BYTES_PER_PIXEL;
 use crate::passes::shadow_maps::MAX_BYTES as MAX_SHADOW_BYTES;
 use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL, trace_bytes};
@@ -271,12 +271,14 @@ fn shadow_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
         return 0;
     }
     let layers = scene.lights.iter().map(|light| match light.kind {
-        LightKind::Directional { .. } => 1 + u64::from(SQUARES),
-        LightKind::Spot { .. } => 1,
+        LightKind::Directional { .. } | LightKind::Spot { .. } => 1,
         LightKind::Point { .. } => 6,
     });
     let layer_bytes = 4 * u64::from(settings.shadow_resolution).pow(2);
+    let is_sun = |light: &&Light| matches!(light.kind, LightKind::Directional { .. });
+    let near = scene.lights.iter().filter(is_sun).count() as u64 * u64::from(SQUARES);
     (layers.sum::<u64>() * layer_bytes).min(MAX_SHADOW_BYTES)
+        + (near * layer_bytes).min(MAX_NEAR_BYTES)
 }
 
 #[cfg(test)]

@@ -54,8 +54,10 @@ const TEXTURE_SHEEN = 6;
 const TEXTURE_TRANSMISSION = 7;
 const TEXTURE_COUNT = 8;
 
-// No uniform: where uniforms decide branches, Mesa 22.3 (lavapipe) clones the shader at each draw, and keeps the clones.
-@group(1) @binding(0) var<storage, read> material: Material;
+// No branch may depend on it alone, only select(): Mesa 22.3 (lavapipe) clones a shader for the uniforms that decide its branches, at
+// each draw that binds others, and keeps the clones. (In a storage buffer, pixels beside a triangle's edge would read zeros there, and
+// spoil its derivatives.)
+@group(1) @binding(0) var<uniform> material: Material;
 @group(1) @binding(1) var base_color_texture: texture_2d<f32>;
 @group(1) @binding(2) var base_color_sampler: sampler;
 @group(1) @binding(3) var metallic_roughness_texture: texture_2d<f32>;

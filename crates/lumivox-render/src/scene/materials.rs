@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use lumivox::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, TextureView, upload,
+    BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, TextureView, uniform_buffer,
 };
 use lumivox::{Gloss, SurfaceMaterial, SurfaceTexture};
 use lumivox_scene::{AlphaMode, Material, Scene, Shading, TextureRef};
@@ -20,7 +20,7 @@ pub struct GpuMaterial {
     /// Group 1 of those passes.
     pub group: BindGroup,
     /// The buffer of its numbers, a [`MaterialRecord`].
-    record: Buffer,
+    uniform: Buffer,
     /// The properties that its textures were uploaded for.
     textures: TextureUse,
     /// Where the surface exists.
@@ -68,7 +68,7 @@ pub(crate) struct VertexColors {
 
 /// Group 1 of the passes that rasterize: 9 of WebGPU's 16 textures and samplers.
 pub(crate) fn material_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
-    let layout = LayoutBuilder::new(wgpu::ShaderStages::FRAGMENT).storage();
+    let layout = LayoutBuilder::new(wgpu::ShaderStages::FRAGMENT).uniform();
     (0..=TEXTURE_COUNT)
         .fold(layout, |layout, _| layout.texture_2d().sampler())
         .build(device, "material")
@@ -129,19 +129,19 @@ impl<'a> MaterialUpload<'a> {
         });
         let samplers = references.map(|reference| self.textures.sampler(reference));
         let (sheen_albedo, sheen_sampler) = self.textures.sheen_albedo(has_sheen);
-        let buffer = upload(&self.gpu.device, &material.name, &[record]);
+        let uniform = uniform_buffer(&self.gpu.device, &material.name, &record);
         let group = views
             .iter()
             .zip(&samplers)
             .chain([(&sheen_albedo, &sheen_sampler)])
             .fold(
-                BindGroupBuilder::new(self.layout).buffer(&buffer),
+                BindGroupBuilder::new(self.layout).buffer(&uniform),
                 |builder, (texture, sampler)| builder.view(texture).sampler(sampler),
             )
             .build(&self.gpu.device, &material.name);
         let mut for_raster = GpuMaterial {
             group,
-            record: buffer,
+            uniform,
             textures: used,
             presence: Presence::Whole,
             is_double_sided: false,
@@ -198,7 +198,7 @@ impl GpuMaterial {
         if TextureUse::of(material, &record) != self.textures {
             return false;
         }
-        queue.write_buffer(&self.record, 0, bytemuck::bytes_of(&record));
+        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&record));
         self.set_flags(material, &record, colors);
         set_factors(for_voxels, material, &record, scene);
         true

@@ -60,16 +60,14 @@ fn sample_point(point: Point) -> PointSamples {
 }
 
 fn is_masked_out(base: vec4f) -> bool {
-    return material.mask_threshold > 0.0 && base.a < material.mask_threshold;
+    return base.a < material.mask_threshold;
 }
 
 // The vertex normal, bent by the normal texture if there is one.
 fn mapped_normal(point: Point, sampled: vec3f) -> vec3f {
     let normal = normalize(point.normal);
-    if material.has_normal_texture == 0u {
-        return normal;
-    }
-    return bend(normal, point.tangent, sampled, material.normal_scale);
+    let bent = bend(normal, point.tangent, sampled, material.normal_scale);
+    return select(normal, bent, material.has_normal_texture != 0u);
 }
 
 fn frame_at(point: Point, samples: PointSamples) -> PointFrame {

@@ -10,6 +10,7 @@ use std::path::Path;
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 
 use super::{exr, hdr};
+use crate::load::foreign;
 use crate::{EnvironmentMap, SceneError, read_regular};
 
 /// The most texels of a map: 16 384 x 8192, 1.5 GiB.
@@ -73,6 +74,13 @@ impl EnvironmentMap {
 }
 
 fn from_bytes(path: &Path, bytes: &[u8]) -> Result<EnvironmentMap, SceneError> {
+    if let Some(kind) = foreign::what(bytes) {
+        return Err(SceneError::Malformed {
+            file: path.to_owned(),
+            part: "the panorama".to_owned(),
+            reason: kind.to_owned(),
+        });
+    }
     let name = path.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let fault = |fault: Fault| SceneError::EnvironmentMap {
         file: path.to_owned(),

@@ -61,6 +61,8 @@ impl Default for SightOptions {
 
 /// The voxels across the thinnest side of a scene from which on it is not thin.
 const THIN: f32 = 24.0;
+/// The triangles of a large scene.
+const LARGE: usize = 50_000;
 
 /// A choice that was made for the user, who should be told about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -113,9 +115,10 @@ impl Sight {
                 light
             }
         };
-        // Where a scene is many voxels wide in all directions, its distances are, too, and the survey is not made for this alone.
+        // The survey of a large scene takes seconds, and is not made for this alone unless the scene is thin.
         let may_be_coarse = |voxel_m: &f32| {
-            framing.get().is_some() || scene.bounds().size().min_element() < THIN * voxel_m
+            let is_thin = scene.bounds().size().min_element() < THIN * voxel_m;
+            framing.get().is_some() || is_thin || scene.triangle_count() < LARGE
         };
         if let Some(voxel_m) = options.voxel_m.filter(may_be_coarse) {
             let Framing { rays, unit, .. } = survey();

@@ -8,6 +8,7 @@ mod color;
 mod extensions;
 mod files;
 mod find;
+pub(crate) mod foreign;
 mod geometry;
 #[cfg(feature = "gltf")]
 mod gltf;
@@ -254,6 +255,7 @@ fn load(path: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError>
     };
     let mut scene = loaded?;
     units::apply(&mut scene, path, options)?;
+    origin::tell(&mut scene.notes.warnings, scene.origin);
     if let Some(outlier) = scene.outlier() {
         let warning =
             format!("{outlier}: next to it that is smaller than a voxel; move or remove it");

@@ -38,6 +38,20 @@ impl Rest {
         rounded
     }
 
+    /// The places as seen from one of them, by their numbers, so that shapes don't lose what f32 loses far from zero.
+    pub(super) fn relative_to<'a>(
+        &'a self,
+        first: usize,
+        places: &'a [Vec3],
+    ) -> impl Fn(usize) -> Vec3 + 'a {
+        let exact = move |index: usize| {
+            let lost = self.lost.get(index).copied().unwrap_or(Vec3::ZERO);
+            places[index].as_dvec3() + lost.as_dvec3()
+        };
+        let middle = if self.lost.is_empty() { DVec3::ZERO } else { exact(first) };
+        move |index| (exact(index) - middle).as_vec3()
+    }
+
     /// Moves the places, in one list or several, to their origin, and returns it: zero where they stay.
     pub(super) fn take_origin<'a>(&self, lists: impl IntoIterator<Item = &'a mut [Vec3]>) -> DVec3 {
         let mut lists: Vec<&mut [Vec3]> = lists.into_iter().collect();
@@ -81,26 +95,31 @@ pub(super) fn origin_of<I: Iterator<Item = DVec3>>(places: impl Fn() -> I) -> DV
     if far > 0.0 && 2 * near > finite().count() && helps { origin } else { DVec3::ZERO }
 }
 
-/// Tells that a scene was moved, and what its file has lost if it stores places as f32 itself.
-pub(super) fn tell(notes: &mut Notes, origin: DVec3, is_f32: bool) {
+/// Tells from where a scene counts, in metres with y up.
+pub(super) fn tell(warnings: &mut Vec<String>, origin: DVec3) {
     if origin == DVec3::ZERO {
         return;
     }
     let [x, y, z] = origin.to_array();
-    notes.warn(format!(
+    warnings.push(format!(
         "its places are far from zero, where 32-bit floats are coarse, so the scene counts from ({x}, {y}, {z}); the command line \
-         takes and tells the file's coordinates"
+         takes and tells metres from the file's zero, with y up"
     ));
-    if is_f32 {
-        // Half a step is the most that a place is off.
-        let step =
-            f64::from((origin.abs().max_element() as f32).next_up()) - origin.abs().max_element();
-        notes.warn(format!(
-            "it stores places as 32-bit floats itself, which are off by up to {} thousandths of its unit there; export it near \
-             zero, or as text",
-            (500.0 * step).round().max(1.0)
-        ));
+}
+
+/// Tells what a file has lost that stores places around an origin as f32 itself.
+pub(super) fn tell_lost(notes: &mut Notes, origin: DVec3) {
+    if origin == DVec3::ZERO {
+        return;
     }
+    let far = origin.abs().max_element();
+    // Half a step is the most that a place is off.
+    let step = f64::from((far as f32).next_up()) - far;
+    notes.warn(format!(
+        "it stores places as 32-bit floats itself, which are off by up to {} thousandths of its unit there; export it near zero, \
+         or as text",
+        (500.0 * step).round().max(1.0)
+    ));
 }
 
 #[cfg(test)]

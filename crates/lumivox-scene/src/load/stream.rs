@@ -3,12 +3,12 @@
 //! A scan can be larger than half of the memory: no reader here holds its whole file, only the
 //! current piece, so that the peak is about the size of the scene itself.
 
-use std::io::{self, BufReader, Cursor, Read};
+use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 
-use super::LoadOptions;
 use super::regular::open_regular;
 use super::source::key;
+use super::{LoadOptions, foreign};
 use crate::SceneError;
 
 /// Bytes read at once, and the interval of progress reports: large enough for disks, small for
@@ -43,7 +43,17 @@ pub(super) fn open<'s, 'o>(
     };
     let (inner, total) =
         opened().map_err(|source| SceneError::Read { file: file.to_owned(), source })?;
-    Ok((BufReader::with_capacity(PIECE, CountingReader { inner, done: 0, total, options }), total))
+    let counting = CountingReader { inner, done: 0, total, options };
+    let mut reader = BufReader::with_capacity(PIECE, counting);
+    // A file that cannot be read says so where it is.
+    if let Some(kind) = reader.fill_buf().ok().and_then(foreign::what) {
+        return Err(SceneError::Malformed {
+            file: file.to_owned(),
+            part: "the file".to_owned(),
+            reason: kind.to_owned(),
+        });
+    }
+    Ok((reader, total))
 }
 
 /// Reads a whole file, for formats whose parts refer to each other.

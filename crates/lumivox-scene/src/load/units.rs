@@ -55,7 +55,9 @@ pub(super) fn apply(
         return Ok(());
     }
     scene.transform(rotation);
-    scene.origin = f64::from(unit_m) * (up.rotation().as_dmat3() * scene.origin);
+    // The decimals that were meant, of which f32 is off by centimetres on a map.
+    let exact_m: f64 = unit_m.to_string().parse().unwrap_or(f64::from(unit_m));
+    scene.origin = exact_m * (up.rotation().as_dmat3() * scene.origin);
     // Animations keep their unit at all times.
     if let Some(rig) = &mut scene.rig {
         rig.transform(scale);

@@ -232,7 +232,6 @@ fn broken_files_say_where() {
         ("v 1 2\n", "2 numbers instead of 3"),
         ("v 1 2 z\n", "\"z\" is not a number"),
         ("v 1 2 nan\nf 1 2 5\n", "size zero"),
-        ("s smooth\n", "\"smooth\" is not a smoothing group"),
         ("vn 1\n", "1 numbers instead of 3"),
     ] {
         let reason = fault(&format!("{ROOF}{text}"));

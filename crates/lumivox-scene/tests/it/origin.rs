@@ -1,7 +1,7 @@
 //! Files with places on a map, millions of metres from zero.
 
 use glam::{DVec3, Vec3};
-use lumivox_scene::{AnimationChoice, Scene};
+use lumivox_scene::{AnimationChoice, LoadOptions, Scene, UpAxis};
 use serde_json::json;
 
 use crate::common::{File, load, world_triangles};
@@ -81,6 +81,68 @@ fn nodes_keep_their_places_at_rest_and_in_motion() {
     let corner = world_triangles(&scene)[0].0[0].as_dvec3() + scene.origin;
     // Keys are 32-bit floats in the file.
     assert!((corner - DVec3::from(at([0.0, 2.0, 0.0]))).length() < 0.3, "{corner}");
+}
+
+/// A concave pentagon of 20 cm, whose corners f32 would move by more than that.
+#[test]
+fn shapes_are_cut_as_near_zero() {
+    let corners = [[0.0, 0.0], [0.2, 0.0], [0.2, 0.2], [0.1, 0.05], [0.0, 0.2]];
+    let line = |[x, z]: [f64; 2]| {
+        let [x, y, z] = at([x, 0.0, z]);
+        format!("v {x:.3} {y:.3} {z:.3}\n")
+    };
+    let text = corners.map(line).concat() + "f 1 2 3 4 5\n";
+    let scene = load("a.obj", text.as_bytes()).unwrap();
+    let area: f32 = world_triangles(&scene)
+        .iter()
+        .map(|([a, b, c], _)| 0.5 * (b - a).cross(c - a).length())
+        .sum();
+    assert!((area - 0.025).abs() < 1e-4, "{area}");
+}
+
+/// LV95 in millimetres, with z up: the unit is a decimal, which f32 is not.
+#[test]
+fn units_are_decimals() {
+    let text = "v 2600000250 1200000750 0\nv 2600001250 1200000750 0\nv 2600000250 1200001750 0\nf 1 2 3\n";
+    let mut options = LoadOptions { up: UpAxis::Z, unit_m: 0.001, ..LoadOptions::default() };
+    let scene = Scene::from_memory("a.obj", text.as_bytes(), &mut options).unwrap();
+    let corner = world_triangles(&scene)[0].0[0].as_dvec3() + scene.origin;
+    let expected = DVec3::new(2_600_000.25, 0.0, -1_200_000.75);
+    assert!((corner - expected).length() < 1e-3, "{corner}");
+    let [x, y, z] = scene.origin.to_array();
+    let told = scene.notes.warnings.join("; ");
+    assert!(told.contains(&format!("counts from ({x}, {y}, {z})")), "{told}");
+}
+
+#[test]
+fn what_hangs_below_something_that_turns_is_in_place_at_all_times() {
+    let mut file = File::triangle();
+    file.json["nodes"][0]["translation"] = json!(PLACE);
+    file.node(json!({ "name": "turntable", "children": [0] }), false);
+    file.json["scenes"][0]["nodes"] = json!([1]);
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let keys = file.vectors(&[[0.0, 0.0, 0.0, 1.0], [0.0, half, 0.0, half]]);
+    file.animation("turn", &[0.0, 1.0], &[(1, "rotation", "LINEAR", keys)]);
+    let mut scene = file.load().unwrap();
+    scene.pose(AnimationChoice::One(0), 1.0).unwrap();
+    let corner = world_triangles(&scene)[0].0[0].as_dvec3() + scene.origin;
+    let [x, y, z] = PLACE;
+    // A quarter turn about y.
+    assert!((corner - DVec3::new(z, y, -x)).length() < 1.0, "{corner}");
+}
+
+#[test]
+fn copies_are_places_too() {
+    let place = PLACE.map(|place| place as f32);
+    let mut copies = File::triangle();
+    let translations = copies.vectors(&[place, place]);
+    copies.json["nodes"][0]["extensions"] =
+        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": translations } } });
+    copies.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing"]);
+    let scene = copies.load().unwrap();
+    let corner = world_triangles(&scene)[0].0[0].as_dvec3() + scene.origin;
+    assert_eq!(corner.as_vec3(), Vec3::from_array(place));
+    assert!(world_triangles(&scene)[0].0[0].length() < 2000.0, "{}", scene.origin);
 }
 
 #[test]

@@ -5,8 +5,8 @@ use serde_json::Value;
 
 use super::Loader;
 use super::node::Tree;
-use crate::load::origin::{FAR, origin_of, tell};
-use crate::pose::{Interpolation, Local, Pose, Property};
+use crate::load::origin::{FAR, origin_of, tell_lost};
+use crate::pose::{Interpolation, Local, Pose, Property, moving};
 
 impl Loader<'_> {
     /// Takes the scene's origin from the nodes, if their places are far from zero. `in_scene` nodes are the scene's own.
@@ -14,6 +14,7 @@ impl Loader<'_> {
         let Ok(rough) = Pose::rest(&self.rig.nodes).file_from_node(&self.rig.nodes) else { return };
         let far = |place: Vec3| f64::from(place.abs().max_element()) >= FAR;
         let boxes: Vec<_> = (0..in_scene).map(|node| self.local_boxes(tree.number(node))).collect();
+        let joints: Vec<_> = (0..in_scene).map(|node| self.joints(tree, node)).collect();
         let stores_far =
             boxes.iter().flatten().flatten().any(|corner| corner.abs().max_element() >= FAR);
         if !stores_far && !rough.iter().any(|matrix| far(matrix.w_axis.truncate())) {
@@ -25,15 +26,21 @@ impl Loader<'_> {
             let from_parent = node.parent.map_or(DMat4::IDENTITY, |parent| from_node[parent]);
             from_node.push(from_parent * local);
         }
-        let places = boxes.iter().zip(&from_node).flat_map(|(boxes, matrix)| {
-            boxes.iter().flatten().map(|corner| matrix.transform_point3(*corner))
-        });
+        // Joints place a skinned mesh, and its node does not.
+        let places =
+            boxes.iter().zip(&from_node).zip(&joints).flat_map(|((boxes, matrix), joints)| {
+                let corners = boxes.iter().flatten().filter(|_| joints.is_empty());
+                let corners = corners.map(|corner| matrix.transform_point3(*corner));
+                corners.chain(joints.iter().map(|&joint| from_node[joint].w_axis.truncate()))
+            });
         let origin = origin_of(|| places.clone());
         if origin == DVec3::ZERO {
             return;
         }
-        self.move_nodes(tree, in_scene, &from_node, origin);
-        tell(&mut self.notes, origin, stores_far);
+        let have_far_keys = self.move_nodes(tree, in_scene, &from_node, origin);
+        if stores_far || have_far_keys {
+            tell_lost(&mut self.notes, origin);
+        }
         self.scene.origin = origin;
         if let Some(bounds) = &mut self.scene.grid_bounds {
             bounds.min = (bounds.min.as_dvec3() - origin).as_vec3();
@@ -41,26 +48,52 @@ impl Loader<'_> {
         }
     }
 
-    /// Two corners of the box around each primitive of a node's mesh.
+    /// The places in the rig of the joints of a node's skin.
+    fn joints(&self, tree: &Tree, node: usize) -> Vec<usize> {
+        let root = self.root();
+        let json = &root.nodes[tree.number(node)];
+        let skin = json.skin.filter(|_| json.mesh.is_some());
+        let joints = skin.and_then(|skin| root.skins.get(skin.value())).map(|skin| &skin.joints);
+        joints.into_iter().flatten().filter_map(|joint| tree.place(joint.value())).collect()
+    }
+
+    /// Two corners of the box around each primitive of a node's mesh, or around all of its copies.
     fn local_boxes(&self, number: usize) -> Vec<[DVec3; 2]> {
         let root = self.root();
         let Some(mesh) = root.nodes[number].mesh else { return Vec::new() };
         let positions = gltf::json::validation::Checked::Valid(gltf::Semantic::Positions);
+        let primitives = root.meshes[mesh.value()].primitives.iter();
+        let accessors = primitives.filter_map(|primitive| primitive.attributes.get(&positions));
+        let boxes = accessors.filter_map(|accessor| self.box_of(accessor.value()));
+        let extension = root.nodes[number].extensions.as_ref();
+        let copies = extension.and_then(|e| e.others.get("EXT_mesh_gpu_instancing"));
+        let copies = copies.and_then(|copies| copies["attributes"]["TRANSLATION"].as_u64());
+        let copies = copies.and_then(|copies| self.box_of(usize::try_from(copies).ok()?));
+        let [low, high] = copies.unwrap_or_default();
+        boxes.map(|corners| [corners[0] + low, corners[1] + high]).collect()
+    }
+
+    /// The box of the vectors of an accessor, by what it says of itself or else by its numbers.
+    fn box_of(&self, index: usize) -> Option<[DVec3; 2]> {
+        let accessor = self.root().accessors.get(index)?;
         let corner = |value: &Option<Value>| {
             let numbers = value.as_ref()?.as_array()?;
             let at = |axis: usize| numbers.get(axis)?.as_f64();
             Some(DVec3::new(at(0)?, at(1)?, at(2)?))
         };
-        let primitives = root.meshes[mesh.value()].primitives.iter();
-        let accessors = primitives.filter_map(|primitive| primitive.attributes.get(&positions));
-        let boxes = accessors.filter_map(|accessor| {
-            let accessor = root.accessors.get(accessor.value())?;
-            let corners = corner(&accessor.min).zip(corner(&accessor.max));
-            // Normalized integers lie within 1.
-            let corners = corners.filter(|_| !accessor.normalized).unwrap_or_default();
-            Some(<[DVec3; 2]>::from(corners))
-        });
-        boxes.collect()
+        // Normalized integers lie within 1.
+        if accessor.normalized {
+            return Some([DVec3::ZERO; 2]);
+        }
+        if let (Some(low), Some(high)) = (corner(&accessor.min), corner(&accessor.max)) {
+            return Some([low, high]);
+        }
+        let numbers = self.read_floats::<3>(index, "places").ok()?;
+        let places = numbers.iter().map(|&place| Vec3::from_array(place).as_dvec3());
+        places.fold(None, |corners: Option<[DVec3; 2]>, place| {
+            let [low, high] = corners.unwrap_or([place; 2]);
+            Some([low.min(place), high.max(place)])
+        })
     }
 
     /// The rig's nodes as the JSON has them, in f64.
@@ -95,8 +128,18 @@ impl Loader<'_> {
         self.rig.nodes.iter().enumerate().map(local).collect()
     }
 
-    /// Moves the nodes that are far, and what hangs below them along; and others with anything on them.
-    fn move_nodes(&mut self, tree: &Tree, in_scene: usize, from_node: &[DMat4], origin: DVec3) {
+    /// Moves the nodes that are far, and what hangs below them along; and others with anything on them. Tells whether keys of
+    /// animations were far.
+    fn move_nodes(
+        &mut self,
+        tree: &Tree,
+        in_scene: usize,
+        from_node: &[DMat4],
+        origin: DVec3,
+    ) -> bool {
+        // What hangs below something that moves has a place of its own at each time: what moves is moved itself.
+        let moves = moving(&self.rig.nodes, &self.rig.animations);
+        let mut have_far_keys = false;
         let mut has_moved = vec![false; from_node.len()];
         for node in 0..from_node.len() {
             let parent = self.rig.nodes[node].parent;
@@ -108,7 +151,7 @@ impl Loader<'_> {
             let place = from_node[node].w_axis.truncate();
             let is_near = (place - origin).abs().max_element() < 0.25 * origin.abs().max_element();
             let ends = json.children.as_ref().is_none_or(Vec::is_empty);
-            if !(is_near || ends || json.mesh.is_some() || node >= in_scene) {
+            if !(is_near || ends || moves[node] || json.mesh.is_some() || node >= in_scene) {
                 continue;
             }
             let from_parent = parent.map_or(DMat4::IDENTITY, |parent| from_node[parent]);
@@ -123,12 +166,14 @@ impl Loader<'_> {
                 Local::Matrix(matrix) => matrix.w_axis = after.as_vec3().extend(1.0),
                 Local::Parts { translation, .. } => *translation = after.as_vec3(),
             }
-            self.move_tracks(node, after - before);
+            have_far_keys |= self.move_tracks(node, after - before);
         }
+        have_far_keys
     }
 
-    /// Moves the keys of a node's place.
-    fn move_tracks(&mut self, node: usize, by: DVec3) {
+    /// Moves the keys of a node's place; tells whether they were far.
+    fn move_tracks(&mut self, node: usize, by: DVec3) -> bool {
+        let mut were_far = false;
         for channel in self.rig.animations.iter_mut().flat_map(|animation| &mut animation.channels)
         {
             if channel.node != node || channel.property != Property::Translation {
@@ -137,6 +182,7 @@ impl Loader<'_> {
             let track = &mut channel.track;
             let is_cubic = track.interpolation == Interpolation::CubicSpline;
             let mut values = track.values.to_vec();
+            were_far |= values.iter().any(|value| f64::from(value.abs()) >= FAR);
             for (index, value) in values.iter_mut().enumerate() {
                 // Tangents stay.
                 if !is_cubic || (index / 3) % 3 == 1 {
@@ -145,5 +191,6 @@ impl Loader<'_> {
             }
             track.values = values.into();
         }
+        were_far
     }
 }

@@ -34,7 +34,7 @@ use std::path::Path;
 
 use super::files::folder_of;
 use super::geometry::GeometryBudget;
-use super::{LoadOptions, Notes, origin, stream, tangents};
+use super::{LoadOptions, Notes, stream, tangents};
 use crate::{Instance, Scene, SceneError};
 
 /// The first mesh of a file, without its materials, and how many others there are; `None` where
@@ -70,7 +70,6 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
     let (reader, _) = stream::open(file, options)?;
     let mut model = read::read(file, reader, &mut notes, &budget)?;
     let origin = model.rest.take_origin([model.positions.as_mut_slice()]);
-    origin::tell(&mut notes, origin, false);
     let normals = model.group_normals();
     let submeshes = std::mem::take(&mut model.submeshes);
 

@@ -112,7 +112,7 @@ struct State {
     group: Vec<u8>,
     /// The normal of corners without one: flat, or that of the smoothing group.
     smoothing: Option<Normal>,
-    groups: HashMap<u64, u32>,
+    groups: HashMap<Vec<u8>, u32>,
     material: Option<usize>,
     material_numbers: HashMap<Vec<u8>, usize>,
     /// From names and material to submeshes.
@@ -233,21 +233,18 @@ impl State {
     }
 
     fn smoothing_group(&mut self, rest: &[u8]) -> Result<(), Fault> {
-        let word = words(rest).next().unwrap_or(b"off");
-        let number = match word.to_ascii_lowercase().as_slice() {
-            b"off" => 0,
-            // Blender's older exporters.
-            b"on" => 1,
-            _ => match std::str::from_utf8(word).ok().and_then(|text| text.parse::<i64>().ok()) {
-                Some(number) => number.cast_unsigned(),
-                None => {
-                    return Err(format!("\"{}\" is not a smoothing group", readable(word)).into());
-                }
-            },
+        let word = words(rest).next().unwrap_or(b"off").to_ascii_lowercase();
+        // Numbers by the format, names in some programs. "on" is Blender's older exporters' word for the first group.
+        let group = match std::str::from_utf8(&word).ok().and_then(|text| text.parse::<f64>().ok())
+        {
+            Some(number) => number.to_string().into_bytes(),
+            None if word == b"on" => b"1".to_vec(),
+            None => word,
         };
-        self.smoothing = (number != 0).then(|| {
+        let is_off = [&b"off"[..], b"0", b"-0", b"null", b"none", b"false"].contains(&&group[..]);
+        self.smoothing = (!is_off).then(|| {
             let count = self.groups.len() as u32;
-            Normal::group(*self.groups.entry(number).or_insert(count))
+            Normal::group(*self.groups.entry(group).or_insert(count))
         });
         Ok(())
     }
@@ -272,8 +269,11 @@ impl State {
             face => {
                 self.points.clear();
                 let model = &self.model;
-                let place = |&i: &u32| model.positions[model.corners.get(i).position as usize];
-                self.points.extend(face.iter().map(place));
+                let position = |i: u32| model.corners.get(i).position as usize;
+                {
+                    let near = model.rest.relative_to(position(face[0]), &model.positions);
+                    self.points.extend(face.iter().map(|&i| near(position(i))));
+                }
                 let triangles = self.cutter.cut(&self.points);
                 let indices = &mut self.model.submeshes[submesh].indices;
                 indices.extend(triangles.iter().map(|&i| face[i as usize]));

@@ -124,7 +124,9 @@ impl<'f> Body<'f> {
                 let stores = |property: &Property| property.scalar == Scalar::F32;
                 vertex.properties.iter().any(|property| property.name == "x" && stores(property))
             });
-        origin::tell(&mut self.notes, origin, is_f32);
+        if is_f32 {
+            origin::tell_lost(&mut self.notes, origin);
+        }
         Ok(Done { mesh: self.mesh, origin, budget: self.budget, notes: self.notes })
     }
 
@@ -269,7 +271,9 @@ impl<'f> Body<'f> {
             _ => {
                 self.points.clear();
                 let corners = self.corners.iter();
-                self.points.extend(corners.map(|&i| self.mesh.positions[i as usize]));
+                let first = self.corners[0] as usize;
+                let near = self.rest.relative_to(first, &self.mesh.positions);
+                self.points.extend(corners.map(|&i| near(i as usize)));
                 let triangles = self.cutter.cut(&self.points);
                 self.mesh.indices.extend(triangles.iter().map(|&i| self.corners[i as usize]));
             }

@@ -53,13 +53,13 @@ impl Reading<'_> {
                 } else if is("vertex") && !ends {
                     let place = numbers(&mut words).map_err(|reason| lines.malformed(reason))?;
                     exact.push(DVec3::from_array(place));
-                    facet.push(DVec3::from_array(place).as_vec3());
                 } else if is("facet") {
                     in_facet = false;
-                    if facet.len() < 3 {
-                        let reason = format!("a facet ends with {} vertices", facet.len());
+                    if exact.len() < 3 {
+                        let reason = format!("a facet ends with {} vertices", exact.len());
                         return Err(lines.malformed(reason));
                     }
+                    facet.extend(exact.iter().map(|place| (*place - exact[0]).as_vec3()));
                     let triangles = cutter.cut(&facet);
                     self.budget.spend(
                         || format!("the facet of line {}", lines.number()),

@@ -59,7 +59,9 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
     let mut solids = reading.solids(reader, length)?;
     let all = solids.iter_mut().map(|solid| solid.corners.as_mut_slice());
     let origin = reading.rest.take_origin(all);
-    origin::tell(&mut reading.notes, origin, reading.is_f32);
+    if reading.is_f32 {
+        origin::tell_lost(&mut reading.notes, origin);
+    }
     reading.scene(solids, origin, crease_rad)
 }
 

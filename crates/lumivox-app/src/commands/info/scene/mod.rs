@@ -68,6 +68,9 @@ pub struct Report {
     default_light: Option<String>,
     /// The view and the light that were chosen, with the reasons.
     sight: Vec<String>,
+    /// What of these tells that voxels are coarse.
+    #[serde(skip)]
+    coarse: Option<String>,
     animations: Vec<AnimationReport>,
     /// Bytes in main memory.
     vertex_bytes: u64,
@@ -158,6 +161,7 @@ impl Report {
             cameras: scene.cameras.iter().map(|camera| CameraReport::new(scene, camera)).collect(),
             default_camera: CameraReport::new(scene, &sight.camera),
             default_light: sight.light.map(|light| light.to_string()),
+            coarse: sight.notes.iter().find(|note| note.about == "grid").map(ToString::to_string),
             sight: sight.notes.iter().map(ToString::to_string).collect(),
             animations: animations.collect(),
             vertex_bytes: scene.meshes.iter().map(bytes_of).sum(),
@@ -284,6 +288,9 @@ impl Report {
             ("cameras", format!("{}; used: {}", counts.cameras, self.camera_used())),
             ("animations", count(self.animations.len() as u64)),
         ];
+        if let Some(note) = &self.coarse {
+            lines.push(("grid", note.clone()));
+        }
         if let Some(panorama) = &self.panorama {
             lines.push(("panorama", panorama.text()));
         }
