@@ -26,6 +26,8 @@ use crate::args::camera::{CameraChoice, DEFAULT_FOV_DEG, fit_near, resolve};
 /// Far above any path, and far below a size that would be slow.
 const MOST_BYTES: u64 = 16 << 20;
 const MOST_KEYS: usize = 10_000;
+/// The least time between two keys, s.
+const LEAST_STEP_S: f64 = 1e-6;
 /// The farthest coordinate, m; even the square is far from overflowing f32.
 const FARTHEST_M: f64 = 1e9;
 
@@ -168,7 +170,8 @@ fn parse(text: &[u8]) -> Result<Vec<Key>, String> {
         let key: Key = serde_json::from_value(value)
             .map_err(|error| format!("key {number} is malformed: {error}; {FORM}"))?;
         check(&key).map_err(|reason| format!("key {number}: {reason}"))?;
-        if let Some(before) = keys.last().filter(|before| before.time_s >= key.time_s) {
+        if let Some(before) = keys.last().filter(|before| before.time_s + LEAST_STEP_S > key.time_s)
+        {
             return Err(format!(
                 "key {number}: \"time_s\" is {}, but that of the key before is {}; put the keys \
                  in the order of time, each at a time of its own",

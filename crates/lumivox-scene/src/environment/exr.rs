@@ -80,16 +80,21 @@ impl Channels {
     fn of(header: &Header) -> Option<Self> {
         let list = &header.channels.list;
         let named = |name: &str| list.iter().find(|c| c.name.eq(name)).map(|c| c.name.clone());
-        for red in list {
+        let prefixes = list.iter().filter_map(|red| {
             let name = red.name.to_string();
-            let Some(prefix) = name.strip_suffix('R') else { continue };
-            if !(prefix.is_empty() || prefix.ends_with('.')) {
-                continue;
-            }
-            let others = (named(&format!("{prefix}G")), named(&format!("{prefix}B")));
-            if let (Some(green), Some(blue)) = others {
-                return Some(Self::Colors([red.name.clone(), green, blue]));
-            }
+            let prefix = name.strip_suffix('R')?;
+            (prefix.is_empty() || prefix.ends_with('.')).then(|| prefix.to_owned())
+        });
+        let of = |prefix: &str| {
+            let [red, green, blue] =
+                ["R", "G", "B"].map(|channel| named(&format!("{prefix}{channel}")));
+            Some(Self::Colors([red?, green?, blue?]))
+        };
+        // The picture itself, not a pass beside it.
+        let mut prefixes: Vec<String> = prefixes.collect();
+        prefixes.sort_by_key(|prefix| (!prefix.is_empty(), !prefix.ends_with("Combined.")));
+        if let Some(colors) = prefixes.iter().find_map(|prefix| of(prefix)) {
+            return Some(colors);
         }
         named("Y").map(Self::Luminance)
     }

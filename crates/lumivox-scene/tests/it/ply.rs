@@ -191,12 +191,17 @@ fn headers_have_marks_and_capitals_and_colours_may_be_bytes_in_floats() {
     for odd in [format!("\u{feff}{text}"), capitals] {
         assert_eq!(load("scan.ply", odd.as_bytes()).unwrap().meshes, expected);
     }
-    let header = "float z\nproperty float red\nproperty float green\nproperty float blue\n";
-    let bytes = text.replace("float z\n", header).replace("0 0 0\n", "0 0 0 255 128 0\n");
-    let bytes = bytes.replace("1 0 0\n", "1 0 0 0 0 0\n").replace("0 1 0\n", "0 1 0 0 0 0\n");
-    let scene = load("scan.ply", bytes.as_bytes()).unwrap();
-    let color = scene.meshes[0].colors[0];
-    assert!((color - glam::Vec4::new(1.0, 0.2159, 0.0, 1.0)).length() < 1e-3, "{color}");
+    for kind in ["float", "int", "ushort"] {
+        let colors =
+            ["red", "green", "blue"].map(|name| format!("property {kind} {name}\n")).concat();
+        let bytes = text.replace("float z\n", &format!("float z\n{colors}"));
+        let bytes = bytes.replace("0 0 0\n", "0 0 0 255 128 0\n");
+        let bytes = bytes.replace("1 0 0\n", "1 0 0 0 0 0\n").replace("0 1 0\n", "0 1 0 0 0 0\n");
+        let scene = load("scan.ply", bytes.as_bytes()).unwrap();
+        let color = scene.meshes[0].colors[0];
+        let off = (color - glam::Vec4::new(1.0, 0.2159, 0.0, 1.0)).length();
+        assert!(off < 1e-3, "{kind}: {color}");
+    }
 }
 
 #[test]

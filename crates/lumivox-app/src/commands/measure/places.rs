@@ -162,7 +162,8 @@ impl Places {
     }
 }
 
-/// The places and directions of a CSV file, whose first line may name its columns.
+/// The places and directions of a CSV file, whose first line may name its columns. Fields are separated by commas, semicolons or tabs, and
+/// may be quoted, as spreadsheets write them.
 fn table(
     file: &Path,
     directions: [&str; 3],
@@ -172,49 +173,102 @@ fn table(
     let refuse = |reason: String| anyhow::Error::from(Failure::input(format!("{name}: {reason}")));
     let bytes = read_regular(file)
         .map_err(|error| refuse(format!("cannot read the places: {error}; check its name")))?;
-    let text = String::from_utf8_lossy(&bytes);
-    let mut names: Vec<&str> = ["x", "y", "z"].into_iter().chain(directions).collect();
-    let mut lines = (1..)
-        .zip(text.trim_start_matches('\u{feff}').lines())
-        .filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'))
-        .peekable();
-    if let Some((_, line)) = lines.peek()
-        && line.split(',').any(|word| word.trim().parse::<f32>().is_err())
-    {
-        names = line.split(',').map(str::trim).collect();
-        lines.next();
-    }
-    let column = |wanted: &str| names.iter().position(|name| name.eq_ignore_ascii_case(wanted));
-    let place = ["x", "y", "z"].map(|axis| (axis, column(axis)));
-    if let Some((missing, _)) = place.iter().find(|(_, column)| column.is_none()) {
-        return Err(refuse(format!(
-            "it has no column {missing}; its first line must name x,y,z,{}",
-            directions.join(",")
-        )));
-    }
+    let text = decoded(&bytes).map_err(refuse)?;
+    let lines = (1..).zip(text.lines()).filter(|(_, line)| {
+        // A spreadsheet's word on the separator, and its empty rows.
+        !line.starts_with("sep=")
+            && line.contains(|c: char| !c.is_whitespace() && !",;\"".contains(c))
+    });
+    let separator = [',', ';', '\t'].into_iter().find(|&separator| {
+        let mut rows = lines.clone().filter(|(_, line)| !line.starts_with('#'));
+        rows.next().is_some_and(|(_, line)| line.contains(separator))
+    });
+    let separator = separator.unwrap_or(',');
+    let number = |word: &str| {
+        // Where commas don't separate, they are those of decimals.
+        let word = if separator == ',' { word.to_owned() } else { word.replace(',', ".") };
+        word.parse::<f64>()
+    };
+    let axes: Vec<&str> = ["x", "y", "z"].into_iter().chain(directions).collect();
+    let mut names: Option<Vec<String>> = None;
     let mut places = Vec::new();
-    for (number, line) in lines {
-        let words: Vec<&str> = line.split(',').map(str::trim).collect();
-        let read = |axis: &str| -> anyhow::Result<Option<f64>> {
-            let Some(text) = column(axis).and_then(|column| words.get(column)) else {
-                return Ok(None);
-            };
-            let value = text.parse::<f64>().ok().filter(|value| (*value as f32).is_finite());
-            let reason = || {
-                refuse(format!("line {number}, column {axis}: \"{text}\" is not a finite number"))
-            };
-            value.map(Some).ok_or_else(reason)
+    for (line_number, line) in lines {
+        let remark = line.trim_start().strip_prefix('#');
+        let words = fields(remark.unwrap_or(line), separator);
+        let is_header = || {
+            let has = |axis: &&str| words.iter().any(|word| is_called(word, axis));
+            ["x", "y", "z"].iter().all(has)
         };
-        let vector = |axes: [&str; 3]| -> anyhow::Result<Option<DVec3>> {
-            let [x, y, z] = [read(axes[0])?, read(axes[1])?, read(axes[2])?];
-            Ok(x.zip(y).zip(z).map(|((x, y), z)| DVec3::new(x, y, z)))
+        if remark.is_some() || names.is_none() {
+            // NumPy writes the names behind a #.
+            let is_named = if remark.is_some() {
+                names.is_none() && is_header()
+            } else {
+                words.iter().any(|word| number(word).is_err())
+            };
+            if is_named {
+                names = Some(words);
+                continue;
+            }
+            if remark.is_some() {
+                continue;
+            }
+            if words.len() != 3 && words.len() != 6 {
+                return Err(refuse(format!(
+                    "line {line_number}: it has {} fields and no line above it names them; begin with a line such as \
+                     x,y,z,{}",
+                    words.len(),
+                    directions.join(",")
+                )));
+            }
+            names = Some(axes[..words.len()].iter().map(|axis| (*axis).to_owned()).collect());
+        }
+        let known = names.as_deref().unwrap_or_default();
+        let column = |axis: &str| known.iter().position(|name| is_called(name, axis));
+        let named = |axes: &[&str]| axes.iter().filter(|axis| column(axis).is_some()).count();
+        if let Some(missing) = ["x", "y", "z"].iter().find(|axis| column(axis).is_none()) {
+            return Err(refuse(format!(
+                "it has no column {missing}; its first line must name x,y,z,{}, but is {}",
+                directions.join(","),
+                known.join(", ")
+            )));
+        }
+        if ![0, 3].contains(&named(&directions)) {
+            let missing = directions.iter().find(|axis| column(axis).is_none());
+            return Err(refuse(format!(
+                "it has no column {}; a direction needs {}",
+                missing.unwrap_or(&""),
+                directions.join(",")
+            )));
+        }
+        let vector = |axes: [&str; 3]| -> anyhow::Result<DVec3> {
+            let mut vector = DVec3::ZERO;
+            for (value, axis) in vector.as_mut().iter_mut().zip(axes) {
+                let word =
+                    column(axis).and_then(|column| words.get(column)).filter(|w| !w.is_empty());
+                let Some(word) = word else {
+                    return Err(refuse(format!("line {line_number}: it lacks {}", axes.join(","))));
+                };
+                let read = number(word).ok().filter(|value| (*value as f32).is_finite());
+                *value = read.ok_or_else(|| {
+                    refuse(format!(
+                        "line {line_number}, column {axis}: \"{word}\" is not a finite number"
+                    ))
+                })?;
+            }
+            Ok(vector)
         };
-        let lacks = |what: &str| refuse(format!("line {number}: it lacks {what}"));
-        let at = vector(["x", "y", "z"])?.ok_or_else(|| lacks("x,y,z"))?;
-        let direction = vector(directions)?.map(DVec3::as_vec3).or(without);
-        let direction = direction.ok_or_else(|| lacks(&directions.join(",")))?;
+        let at = vector(["x", "y", "z"])?;
+        let direction = match (named(&directions), without) {
+            (0, Some(direction)) => direction,
+            (0, None) => {
+                let lacks = directions.join(",");
+                return Err(refuse(format!("line {line_number}: it lacks {lacks}")));
+            }
+            _ => vector(directions)?.as_vec3(),
+        };
         if direction.try_normalize().is_none() {
-            return Err(refuse(format!("line {number}: its direction is zero")));
+            return Err(refuse(format!("line {line_number}: its direction is zero")));
         }
         places.push((at, direction));
     }
@@ -223,6 +277,54 @@ fn table(
         return Err(refuse(format!("it has {count} places, but must have 1 to {MOST}")));
     }
     Ok(places)
+}
+
+/// The text of a file, with line feeds alone.
+fn decoded(bytes: &[u8]) -> Result<String, String> {
+    let wide = |order: fn([u8; 2]) -> u16| {
+        let units = bytes[2..].chunks_exact(2).map(|pair| order([pair[0], pair[1]]));
+        String::from_utf16_lossy(&units.collect::<Vec<_>>())
+    };
+    let text = match bytes {
+        [b'P', b'K', 3, 4, ..] => {
+            return Err(
+                "it is a ZIP archive or a workbook, not a table of text; save it as CSV".to_owned()
+            );
+        }
+        [0xff, 0xfe, ..] => wide(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => wide(u16::from_be_bytes),
+        _ => String::from_utf8_lossy(bytes).into_owned(),
+    };
+    Ok(text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n"))
+}
+
+/// The fields of a line, without their quotation marks and the blanks around them. An empty one at the end is left out.
+fn fields(line: &str, separator: char) -> Vec<String> {
+    let (mut fields, mut is_quoted) = (vec![String::new()], false);
+    for letter in line.chars() {
+        match letter {
+            '"' => is_quoted = !is_quoted,
+            _ if letter == separator && !is_quoted => fields.push(String::new()),
+            _ => fields.last_mut().into_iter().for_each(|field| field.push(letter)),
+        }
+    }
+    let mut fields: Vec<String> = fields.iter().map(|field| field.trim().to_owned()).collect();
+    if fields.last().is_some_and(String::is_empty) {
+        fields.pop();
+    }
+    fields
+}
+
+/// Whether a column has an axis's numbers: `nx` is also called "Normal X" or `normal_x`, and `dx` "direction x".
+fn is_called(name: &str, axis: &str) -> bool {
+    let letters = name.chars().filter(char::is_ascii_alphanumeric);
+    let plain = letters.collect::<String>().to_ascii_lowercase();
+    let long = match axis.split_at_checked(1) {
+        Some(("n", rest @ ("x" | "y" | "z"))) => format!("normal{rest}"),
+        Some(("d", rest @ ("x" | "y" | "z"))) => format!("direction{rest}"),
+        _ => axis.to_owned(),
+    };
+    plain == axis || plain == long
 }
 
 #[cfg(test)]
@@ -246,6 +348,11 @@ mod tests {
             "1,2,3,0,0,-1",
             "\u{feff}x,y,z,nx,ny,nz\r\n 1, 2 ,3,0,0,-1\r\n",
             "# a comment\nname,NX,ny,nz,z,y,x\n\ndesk,0,0,-1,3,2,1\n",
+            "# x, y, z, nx, ny, nz\n1, 2, 3, 0, 0, -1\n",
+            "sep=;\nx;y;z;Normal X;Normal Y;Normal Z\r1,0;2;3;0;0;-1\r;;;;;\r",
+            "\"name\",\"x\",\"y\",\"z\",\"nx\",\"ny\",\"nz\"\n\"a, b\",\"1\",\"2\",\"3\",\"0\",\"0\",\"-1\"\n,,,,,,\n",
+            "x\ty\tz\tnx\tny\tnz\n1\t2\t3\t0\t0\t-1\n",
+            "1,2,3,0,0,-1,\n",
         ] {
             assert_eq!(read(text, false).unwrap(), [at], "{text}");
         }
@@ -259,7 +366,11 @@ mod tests {
             ("x,y,z\n1,2,3\n1,two,3", false, "line 3, column y: \"two\""),
             ("1,2,inf", false, "line 1, column z: \"inf\""),
             ("0,0,0\n1,2,inf", false, "line 2, column z: \"inf\""),
-            ("1,2", false, "line 1: it lacks x,y,z"),
+            ("1,2", false, "line 1: it has 2 fields"),
+            ("7,1,2,3,0,0,-1", false, "line 1: it has 7 fields"),
+            ("x,y,z,nx,ny\n1,2,3,0,0", false, "no column nz"),
+            ("x,y,z,nx,ny,nz\n1,2,3,0,0", false, "line 2: it lacks nx,ny,nz"),
+            ("PK\u{3}\u{4}", false, "save it as CSV"),
             ("1,2,3", true, "line 1: it lacks dx,dy,dz"),
             ("1,2,3,0,0,0", true, "line 1: its direction is zero"),
             ("x,z\n1,2", false, "no column y"),

@@ -159,7 +159,7 @@ impl State {
                 self.group = rest.to_vec();
                 self.submesh = None;
             }
-            b"s" => self.smoothing_group(rest)?,
+            b"s" => self.smoothing_group(rest),
             b"usemtl" => {
                 let count = self.material_numbers.len();
                 let number = *self.material_numbers.entry(rest.to_vec()).or_insert(count);
@@ -232,7 +232,7 @@ impl State {
         Ok(())
     }
 
-    fn smoothing_group(&mut self, rest: &[u8]) -> Result<(), Fault> {
+    fn smoothing_group(&mut self, rest: &[u8]) {
         let word = words(rest).next().unwrap_or(b"off").to_ascii_lowercase();
         // Numbers by the format, names in some programs. "on" is Blender's older exporters' word for the first group.
         let group = match std::str::from_utf8(&word).ok().and_then(|text| text.parse::<f64>().ok())
@@ -246,7 +246,6 @@ impl State {
             let count = self.groups.len() as u32;
             Normal::group(*self.groups.entry(group).or_insert(count))
         });
-        Ok(())
     }
 
     fn face(&mut self, rest: &[u8]) -> Result<(), Fault> {

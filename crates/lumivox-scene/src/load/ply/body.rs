@@ -100,11 +100,14 @@ impl<'f> Body<'f> {
             return Err(SceneError::NoTriangles { file: self.file.to_owned(), reason });
         }
         mesh.uvs.resize(mesh.positions.len(), Vec2::ZERO);
-        // Floats that are bytes of a screen's colours.
+        // Numbers that are bytes of a screen's colours, or shares of a wider integer.
         let largest =
             mesh.colors.iter().fold(0.0, |most: f32, color| most.max(color.max_element()));
         if largest > 2.0 {
-            let byte = color::Decoder::integers(255);
+            let most = [255, 65_535, u32::MAX]
+                .into_iter()
+                .find(|most| f64::from(largest) <= f64::from(*most));
+            let byte = color::Decoder::integers(most.unwrap_or(u32::MAX));
             for color in &mut mesh.colors {
                 let [r, g, b, a] = color.to_array().map(f64::from);
                 let alpha = if a > 1.0 { byte.linear(a) } else { a as f32 };
@@ -174,8 +177,9 @@ impl<'f> Body<'f> {
             mesh.colors.reserve_exact(count);
         }
         let decoders = element.properties.iter().zip(uses).map(|(property, used)| {
-            let integers = property.scalar.largest().map(color::Decoder::integers);
-            (used, integers.unwrap_or(color::Decoder::Float))
+            // Wider integers may hold bytes: their range is known once all are read.
+            let bytes = property.scalar.largest().filter(|&largest| largest == 255);
+            (used, bytes.map_or(color::Decoder::Float, color::Decoder::integers))
         });
         let decoders: Vec<(Use, color::Decoder)> = decoders.collect();
         for _ in 0..count {
