@@ -86,6 +86,15 @@ pub enum SceneError {
         reason: String,
     },
 
+    /// The file is something else than its name says: an archive, a web page, a pointer.
+    #[error("{}: {kind}", file.display())]
+    OtherKind {
+        /// The file.
+        file: PathBuf,
+        /// What it is, and the remedy.
+        kind: &'static str,
+    },
+
     /// The content violates the format.
     #[error("{}: {part} is malformed: {reason}; re-export the scene", file.display())]
     Malformed {

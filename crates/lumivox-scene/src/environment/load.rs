@@ -75,11 +75,7 @@ impl EnvironmentMap {
 
 fn from_bytes(path: &Path, bytes: &[u8]) -> Result<EnvironmentMap, SceneError> {
     if let Some(kind) = foreign::what(bytes) {
-        return Err(SceneError::Malformed {
-            file: path.to_owned(),
-            part: "the panorama".to_owned(),
-            reason: kind.to_owned(),
-        });
+        return Err(SceneError::OtherKind { file: path.to_owned(), kind });
     }
     let name = path.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let fault = |fault: Fault| SceneError::EnvironmentMap {

@@ -47,11 +47,7 @@ pub(super) fn open<'s, 'o>(
     let mut reader = BufReader::with_capacity(PIECE, counting);
     // A file that cannot be read says so where it is.
     if let Some(kind) = reader.fill_buf().ok().and_then(foreign::what) {
-        return Err(SceneError::Malformed {
-            file: file.to_owned(),
-            part: "the file".to_owned(),
-            reason: kind.to_owned(),
-        });
+        return Err(SceneError::OtherKind { file: file.to_owned(), kind });
     }
     Ok((reader, total))
 }
