@@ -91,7 +91,7 @@ pub enum SceneError {
     OtherKind {
         /// The file.
         file: PathBuf,
-        /// What it is, and the remedy.
+        /// The actual kind of the file, and the remedy.
         kind: &'static str,
     },
 

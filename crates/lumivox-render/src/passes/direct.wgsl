@@ -2,7 +2,7 @@
 
 import package::environment::glossy_share;
 import package::light::lights::{incident_light, light_globals, lights};
-import package::light::shadow_map::{compare_depths, place_in_layer, shadow_sampler, ShadowLayer};
+import package::light::shadow_map::{compare_depths, place_in_layer, shadow_sampler};
 import package::light::visibility::light_visibility;
 import package::trace::brdf::{
     alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_visibility, PI,
@@ -18,12 +18,13 @@ import package::trace::view::view;
 
 // A square of a parallel light's shadow map around the camera.
 struct NearLayer {
-    layer: ShadowLayer,
-    // The place of its light among `lights`.
+    clip_from_world: mat4x4f,
+    // Edge of a texel in the world, m.
+    texel_size: f32,
+    // The index of its light in `lights`.
     light: u32,
     padding_0: u32,
     padding_1: u32,
-    padding_2: u32,
 }
 
 // In the order of the lights, the smallest square of each first.
@@ -38,13 +39,13 @@ fn luminance(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));
 }
 
-// The visibility of a light by the smallest of its squares that a point lies in; negative in none. `next` is the first of them, and
-// after them the first of other lights.
+// The share of a light that reaches a point, by the smallest of the light's squares around the point; -1 without one. `next` is the
+// index of the next layer to look at, and moves past the light's own.
 fn near_visibility(next: ptr<function, u32>, index: u32, position_in_world: vec3f, normal: vec3f) -> f32 {
     var found = -1.0;
     while *next < arrayLength(&near_layers) && near_layers[*next].light <= index {
         let near = near_layers[*next];
-        let place = place_in_layer(near.layer, near.layer.texel_size, position_in_world, normal);
+        let place = place_in_layer(near.clip_from_world, near.texel_size, position_in_world, normal);
         // The filter stays within the square.
         let margin = 2.0 / vec2f(textureDimensions(near_maps));
         if found < 0.0 && near.light == index && all(place.xy >= margin) && all(place.xy <= 1.0 - margin) {
@@ -95,10 +96,10 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
             || dot(surface.geometric_normal, incident.direction) <= 0.0 {
             continue;
         }
-        let normal_of_faces = surface.geometric_normal;
-        var visible = near_visibility(&next_near, index, surface.position_in_world, normal_of_faces);
+        let plane = surface.geometric_normal;
+        var visible = near_visibility(&next_near, index, surface.position_in_world, plane);
         if visible < 0.0 {
-            visible = light_visibility(light, incident, surface.position_in_world, normal_of_faces);
+            visible = light_visibility(light, incident, surface.position_in_world, plane);
         }
         arriving += visible * brightness;
         let irradiance = visible * n_dot_l * incident.irradiance;

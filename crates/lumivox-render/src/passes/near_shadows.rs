@@ -20,7 +20,7 @@ pub(crate) const SQUARES: u32 = 3;
 const MOST_SUNS: usize = 16;
 /// The most memory of all squares.
 pub(crate) const MAX_NEAR_BYTES: u64 = 64 << 20;
-/// How much narrower each square is.
+/// The edge of a square over that of the next smaller one.
 const STEP: f32 = 4.0;
 /// The edge of the cells in which the camera moves before a square does, over half the edge of the square.
 const CELL: f32 = 0.25;
@@ -29,18 +29,9 @@ const CELL: f32 = 0.25;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct NearLayerRecord {
-    layer: LayerRecord,
-    light: u32,
-    padding: [u32; 3],
-}
-
-/// `ShadowLayer` of `shadow_map.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct LayerRecord {
     clip_from_world: Mat4,
     texel_size: f32,
-    is_perspective: u32,
+    light: u32,
     padding: [u32; 2],
 }
 
@@ -52,7 +43,7 @@ pub(crate) struct NearShadows {
     pub(crate) layers: Buffer,
     /// The lights that have squares, with their direction.
     suns: Vec<(u32, Vec3)>,
-    /// What is drawn, in the order of the layers.
+    /// The squares that the layers of the texture show.
     drawn: Vec<NearLayerRecord>,
     resolution: u32,
 }
@@ -67,7 +58,7 @@ impl NearShadows {
         };
         let suns = lights.mapped.iter().filter_map(|l| Some((l.index, direction(&l.source)?)));
         let suns: Vec<_> = suns.take(MOST_SUNS).collect();
-        // Less fine maps rather than none.
+        // Where memory is short, the maps are coarser.
         let mut resolution = lights.map_size[0].max(1);
         let bytes = |edge: u32| 4 * u64::from(edge).pow(2) * u64::from(SQUARES) * suns.len() as u64;
         while bytes(resolution) > MAX_NEAR_BYTES {
@@ -129,25 +120,24 @@ impl NearShadows {
 }
 
 impl NearLayerRecord {
-    /// Behind all others: no light has its number.
+    /// The record of an unused layer: no light has its index.
     fn of_none() -> Self {
         Self { light: u32::MAX, ..Self::zeroed() }
     }
 
     fn new(light: u32, layer: &ShadowLayer) -> Self {
         let ShadowLayer { clip_from_world, texel_size, .. } = *layer;
-        let layer = LayerRecord { clip_from_world, texel_size, ..LayerRecord::zeroed() };
-        Self { layer, light, ..Self::zeroed() }
+        Self { clip_from_world, texel_size, light, padding: [0; 2] }
     }
 
     fn layer(&self) -> ShadowLayer {
-        let LayerRecord { clip_from_world, texel_size, .. } = self.layer;
+        let Self { clip_from_world, texel_size, .. } = *self;
         ShadowLayer { clip_from_world, is_perspective: false, texel_size }
     }
 }
 
-/// The squares around a camera, the smallest first. `away_m` is the camera's distance from the scene: what is nearer than
-/// anything needs none.
+/// The squares around a camera, the smallest first. Squares smaller than `away_m`, the camera's distance from the scene, are left
+/// out: nothing visible is that near.
 fn squares(
     sight: &ParallelSight,
     camera: Vec3,

@@ -63,7 +63,7 @@ pub struct Renderer {
     lighting: Lighting,
     gi: Gi,
     lights: Lights,
-    /// What the screen has beside the shadow maps of the lights.
+    /// Shadow maps around the camera, for the direct light of pixels.
     near_shadows: NearShadows,
     voxels: VoxelizeStats,
     voxels_are_stale: bool,

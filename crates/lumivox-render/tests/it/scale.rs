@@ -2,10 +2,10 @@
 //! radiance or illuminance does not know how long a metre is.
 
 use glam::{Mat4, UVec2, Vec3};
-use lumivox_render::{Gpu, Picture, RenderSettings};
-use lumivox_scene::{Camera, Scene};
+use lumivox_render::{Gpu, Picture, RenderSettings, View};
+use lumivox_scene::{Camera, Light, LightKind, Material, Scene};
 
-use crate::common::{builtin, gpu, picture, renderer};
+use crate::common::{builtin, gpu, picture, renderer, zoo};
 
 /// The atrium, which has a sun, a sky and textures, so many times as large.
 fn atrium(scale: f32) -> Scene {
@@ -52,4 +52,33 @@ fn millimetres_and_kilometres_look_like_metres() {
         let share = differing.count() as f64 / metres.ldr.len() as f64;
         assert!(share < 0.002, "at {scale}: {:.2} % of the pixels differ", 100.0 * share);
     }
+}
+
+/// A board of 40 cm, a metre above 200 m of ground, under a sun at the zenith: its shadow is smaller than a texel of a map of the
+/// whole ground.
+#[test]
+fn a_small_thing_on_a_wide_ground_has_its_shadow() {
+    let mut scene = Scene::default();
+    let grey = || Material::diffuse("grey", Vec3::splat(0.5));
+    for (height_m, half_m) in [(0.0, 100.0), (1.0, 0.2)] {
+        let quad = zoo::quad(Vec3::Y * height_m, Vec3::X * half_m, Vec3::NEG_Z * half_m);
+        zoo::place(&mut scene, quad, grey(), Mat4::IDENTITY);
+    }
+    let kind = LightKind::Directional { illuminance_lux: 1000.0, angular_radius_rad: 0.0 };
+    scene.lights.push(Light { kind, direction: Vec3::NEG_Y, ..Light::default() });
+    let camera = Camera::look_at(Vec3::new(0.0, 0.5, 4.0), Vec3::ZERO, 0.2);
+    scene.cameras.push(camera);
+    scene.validate().expect("a valid scene");
+    let settings = RenderSettings {
+        size: UVec2::new(65, 33),
+        resolution: 32,
+        frames: 1,
+        view: View::Direct,
+        shadow_resolution: 512,
+        ..RenderSettings::default()
+    };
+    let seen = picture(&mut renderer(&gpu(), &scene, settings));
+    let green = |x: usize| seen.hdr[16 * 65 + x][1];
+    assert!(green(2) > 100.0, "beside the shadow: {}", green(2));
+    assert!(green(32) < 1.0, "in the middle of the shadow: {}", green(32));
 }

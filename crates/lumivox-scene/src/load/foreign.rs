@@ -1,6 +1,6 @@
-//! Files that are something else than their names say.
+//! Files that are not what their names say: archives, web pages, pointers.
 
-/// What bytes are that begin as no scene and no picture does, and what to do with it.
+/// The kind of a file that is neither a scene nor a picture, by its first bytes, and the remedy.
 pub(crate) fn what(bytes: &[u8]) -> Option<&'static str> {
     const KINDS: [(&[u8], &str); 4] = [
         (b"PK\x03\x04", "it is a ZIP archive; unpack it, and give the file that is in it"),

@@ -18,7 +18,7 @@ const TIMES: f64 = 8.0;
 /// The places that the middle is found from, at most: every so many.
 const MOST_SAMPLES: usize = 4096;
 
-/// What f32 loses of places, in their order; empty while none is far.
+/// The rounding errors of places that became f32, in their order; empty while no place is far.
 #[derive(Debug, Default)]
 pub(super) struct Rest {
     count: usize,

@@ -42,7 +42,7 @@ fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) 
     if layer.is_perspective != 0u {
         texel_m *= distance(position_in_world, light.position_in_world);
     }
-    let place = place_in_layer(layer, texel_m, position_in_world, normal);
+    let place = place_in_layer(layer.clip_from_world, texel_m, position_in_world, normal);
     if any(place.xy < vec2f(0.0)) || any(place.xy > vec2f(1.0)) {
         return 1.0;
     }
@@ -50,12 +50,17 @@ fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) 
 }
 
 // Where a surface point is looked up in a layer: texture coordinates in xy, negative behind the light, and depth in z.
-fn place_in_layer(layer: ShadowLayer, texel_m: f32, position_in_world: vec3f, normal: vec3f) -> vec3f {
+fn place_in_layer(
+    clip_from_world: mat4x4f,
+    texel_m: f32,
+    position_in_world: vec3f,
+    normal: vec3f,
+) -> vec3f {
     // Within the filter's reach of 2 texels a plane tilted against the light changes its depth by at most
     // 2 texels times the tangent of the tilt; moving the receiver along its normal by 2 texels undoes that at
     // any tilt, since the move's share towards the light is the cosine and its share across is the sine.
     let receiver = position_in_world + normal * (2.0 * texel_m);
-    let clip = layer.clip_from_world * vec4f(receiver, 1.0);
+    let clip = clip_from_world * vec4f(receiver, 1.0);
     if clip.w <= 0.0 {
         return vec3f(-1.0);
     }

@@ -137,7 +137,7 @@ impl Loader<'_> {
         from_node: &[DMat4],
         origin: DVec3,
     ) -> bool {
-        // What hangs below something that moves has a place of its own at each time: what moves is moved itself.
+        // A child of an animated node cannot be moved by its rest transform: the animated node itself is moved.
         let moves = moving(&self.rig.nodes, &self.rig.animations);
         let mut have_far_keys = false;
         let mut has_moved = vec![false; from_node.len()];

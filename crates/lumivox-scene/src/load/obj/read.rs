@@ -23,7 +23,7 @@ const MOST_LIBRARIES: usize = 64;
 #[derive(Default)]
 pub(super) struct Model {
     pub(super) positions: Vec<Vec3>,
-    /// What positions lose as f32.
+    /// The rounding errors of the positions.
     pub(super) rest: Rest,
     /// Colours as in the file, NaN for vertices without one; shorter than `positions`, or empty.
     pub(super) colors: Vec<Vec3>,

@@ -31,7 +31,7 @@ pub(super) struct Body<'f> {
     length: u64,
     notes: Notes,
     mesh: Mesh,
-    /// What positions lose as f32.
+    /// The rounding errors of the mesh's positions.
     rest: Rest,
     cutter: Cutter,
     corners: Vec<u32>,

@@ -44,7 +44,7 @@ struct Reading<'f> {
     file: &'f Path,
     notes: Notes,
     budget: GeometryBudget<'f>,
-    /// What corners lose as f32.
+    /// The rounding errors of the corners.
     rest: Rest,
     /// Whether the file stores them as f32.
     is_f32: bool,

@@ -68,7 +68,7 @@ pub struct Report {
     default_light: Option<String>,
     /// The view and the light that were chosen, with the reasons.
     sight: Vec<String>,
-    /// What of these tells that voxels are coarse.
+    /// The note on coarse voxels, if there is one.
     #[serde(skip)]
     coarse: Option<String>,
     animations: Vec<AnimationReport>,
