@@ -132,6 +132,15 @@ impl Index {
     pub fn add(&mut self, frame: Frame, files: &FrameFiles) -> anyhow::Result<()> {
         let place = self.frames.partition_point(|other| other.number < frame.number);
         self.frames.insert(place, frame);
+        self.write(files)
+    }
+
+    /// Writes the index. It must be there before the first picture: whatever ends the program in between, the same command
+    /// continues.
+    ///
+    /// # Errors
+    /// A [`Failure`] of output.
+    pub fn write(&self, files: &FrameFiles) -> anyhow::Result<()> {
         let text = format!("{}\n", serde_json::to_string_pretty(self)?);
         let file = files.index();
         write_atomically(&file, |out| out.write_all(text.as_bytes())).map_err(|error| {

@@ -45,6 +45,8 @@ pub struct AccumulatePass {
     newest: usize,
     size: UVec2,
     frames: u32,
+    /// The weight of the newest frame, all of its samples together.
+    share: f32,
 }
 
 /// The kernel for frames that are blended with those before them, and how many of these count.
@@ -92,7 +94,7 @@ impl AccumulatePass {
                 .view(&views[new])
                 .build(device, "accumulate")
         });
-        Ok(Self { kernel, follow, settings, means, groups, newest: 0, size, frames: 0 })
+        Ok(Self { kernel, follow, settings, means, groups, newest: 0, size, frames: 0, share: 1.0 })
     }
 
     /// Frames in the mean.
@@ -124,13 +126,18 @@ impl AccumulatePass {
         self.frames = frames;
     }
 
-    /// Adds a frame; once per submission. Frames that are blended have their G-buffer, and whether their
-    /// light is on its way from a change.
-    pub(crate) fn record(&mut self, recorder: &mut Recorder, of: Option<(&GBuffer, bool)>) {
+    /// Adds the first of so many samples of a frame; once per submission. Frames that are blended have their G-buffer, and
+    /// whether their light is on its way from a change.
+    pub(crate) fn record(
+        &mut self,
+        recorder: &mut Recorder,
+        of: Option<(&GBuffer, bool)>,
+        samples: u32,
+    ) {
         let is_relit = u32::from(of.is_some_and(|(_, is_relit)| is_relit));
-        let settings = AccumulateSettings { weight: self.weight(), is_relit, padding: [0; 2] };
-        recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
-        self.newest = 1 - self.newest;
+        self.share = self.weight();
+        let weight = weight_of_sample(self.share, 0, samples);
+        self.set(recorder, AccumulateSettings { weight, is_relit, padding: [0; 2] });
         let group = &self.groups[self.newest];
         let size = [self.size.x, self.size.y, 1];
         match (&self.follow, of) {
@@ -142,6 +149,25 @@ impl AccumulatePass {
             _ => self.kernel.run(recorder, &[group], size),
         }
         self.frames += 1;
+    }
+
+    /// Adds another of so many samples of the newest frame.
+    pub(crate) fn record_further(&mut self, recorder: &mut Recorder, sample: u32, samples: u32) {
+        let weight = weight_of_sample(self.share, sample, samples);
+        self.set(recorder, AccumulateSettings { weight, is_relit: 0, padding: [0; 2] });
+        let group = &self.groups[self.newest];
+        self.kernel.run(recorder, &[group], [self.size.x, self.size.y, 1]);
+    }
+
+    /// The textures change places.
+    fn set(&mut self, recorder: &Recorder, settings: AccumulateSettings) {
+        recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
+        self.newest = 1 - self.newest;
+    }
+
+    /// Whether the mean goes on from another picture, before the present one's frames.
+    pub(crate) fn has_past(&self) -> bool {
+        self.follow.as_ref().is_some_and(|follow| follow.past > 0)
     }
 
     /// The weight of the next frame.
@@ -158,6 +184,12 @@ impl AccumulatePass {
     pub fn mean(&self) -> &Texture {
         &self.means[self.newest]
     }
+}
+
+/// The share of a sample in the mean with those before it, if all samples of the frame have the same and `share` together.
+pub(crate) fn weight_of_sample(share: f32, sample: u32, samples: u32) -> f32 {
+    let each = share / samples as f32;
+    each / (1.0 - each * (samples - 1 - sample) as f32)
 }
 
 impl Follow {

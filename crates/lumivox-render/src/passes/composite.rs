@@ -6,6 +6,7 @@
 //! this tints the sum.
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec2;
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
     ShaderLibrary, Texture, TextureView, upload,
@@ -29,8 +30,10 @@ const ILLUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 pub(crate) struct CompositeSettings {
     pub(crate) shown: u32,
     pub(crate) has_cones: u32,
-    pub(crate) frames: u32,
-    padding: u32,
+    pub(crate) weight: f32,
+    pub(crate) is_further: u32,
+    pub(crate) to_traced: [f32; 2],
+    padding: [u32; 2],
 }
 
 /// Puts the parts of a picture together.
@@ -38,8 +41,6 @@ pub(crate) struct CompositeSettings {
 pub struct CompositePass {
     kernel: Kernel,
     layout: wgpu::BindGroupLayout,
-    /// Takes the place of group 0: compositing does not use the volume.
-    nothing: BindGroup,
     /// Takes the place of records where no light of earlier frames is kept.
     no_records: TextureView,
 }
@@ -56,6 +57,19 @@ pub struct CompositeTargets {
     group: BindGroup,
 }
 
+/// What a picture is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Composed {
+    /// What it shows.
+    pub view: View,
+    /// Whether cones were traced for the frame.
+    pub has_cones: bool,
+    /// Its share of the mean of illuminances with it.
+    pub weight: f32,
+    /// For a further sample of the frame: from its place in the pixel to that of the sample that was traced, in pixels.
+    pub to_traced: Option<Vec2>,
+}
+
 impl CompositePass {
     /// Makes the pipeline.
     ///
@@ -68,11 +82,11 @@ impl CompositePass {
             .texture(wgpu::TextureViewDimension::D2, wgpu::TextureSampleType::Uint)
             .storage_texture(wgpu::TextureViewDimension::D2, PICTURE_FORMAT)
             .storage_texture_in_place(ILLUMINANCE_FORMAT)
+            .storage_texture_in_place(ILLUMINANCE_FORMAT)
+            .storage_texture_in_place(wgpu::TextureFormat::R32Uint)
             .build(device, "composite");
-        let nothing = LayoutBuilder::compute().build(device, "nothing");
-        let groups = [&nothing, &layout, gi.lights_layout(), gi.gbuffer_layout()];
+        let groups = [gi.globals_layout(), &layout, gi.lights_layout(), gi.gbuffer_layout()];
         let kernel = Kernel::new(device, shaders, "render::passes::composite", "main", &groups)?;
-        let nothing = BindGroupBuilder::new(&nothing).build(device, "nothing");
         let no_records = Texture::new(
             device,
             &wgpu::TextureDescriptor {
@@ -86,7 +100,7 @@ impl CompositePass {
                 view_formats: &[],
             },
         );
-        Ok(Self { kernel, layout, nothing, no_records: no_records.view() })
+        Ok(Self { kernel, layout, no_records: no_records.view() })
     }
 
     /// In place of records where there are none.
@@ -105,6 +119,8 @@ impl CompositePass {
         let picture = textures.storage("picture", PICTURE_FORMAT);
         let usage = wgpu::TextureUsages::STORAGE_BINDING;
         let illuminance = textures.create("illuminance", ILLUMINANCE_FORMAT, usage);
+        let traced_depth = textures.storage("traced depth", ILLUMINANCE_FORMAT);
+        let traced_normal = textures.storage("traced normal", wgpu::TextureFormat::R32Uint);
         let settings = upload(device, "composite", &[CompositeSettings::zeroed()]);
         let group = BindGroupBuilder::new(&self.layout)
             .buffer(&settings)
@@ -116,25 +132,30 @@ impl CompositePass {
             .view(traced.records.as_ref().unwrap_or(&self.no_records))
             .view(&picture)
             .view(&illuminance.view())
+            .view(&traced_depth)
+            .view(&traced_normal)
             .build(device, "composite");
         CompositeTargets { picture, illuminance, settings, group }
     }
 
-    /// Makes the picture; `has_cones` says whether cones were traced for it, `frames` is the number
-    /// of frames in the mean before it. The view takes effect at the next submission: one frame per
-    /// recorder.
+    /// Makes the picture. It takes effect at the next submission: one sample per recorder.
     pub fn record(
         &self,
         recorder: &mut Recorder,
-        lights: &Lights,
-        gbuffer: &GBuffer,
+        (gi, lights, gbuffer): (&Gi, &Lights, &GBuffer),
         targets: &CompositeTargets,
-        (view, has_cones, frames): (View, bool, u32),
+        of: Composed,
     ) {
-        let has_cones = u32::from(has_cones);
-        let settings = CompositeSettings { shown: view as u32, has_cones, frames, padding: 0 };
+        let settings = CompositeSettings {
+            shown: of.view as u32,
+            has_cones: u32::from(of.has_cones),
+            weight: of.weight,
+            is_further: u32::from(of.to_traced.is_some()),
+            to_traced: of.to_traced.unwrap_or_default().to_array(),
+            padding: [0; 2],
+        };
         recorder.queue().write_buffer(&targets.settings, 0, bytemuck::bytes_of(&settings));
-        let groups = [&self.nothing, &targets.group, &lights.group, &gbuffer.group];
+        let groups = [gi.globals(), &targets.group, &lights.group, &gbuffer.group];
         self.kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);
     }
 }

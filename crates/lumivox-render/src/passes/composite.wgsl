@@ -12,8 +12,9 @@ import package::trace::coat::{below_coat, load_coat};
 import package::trace::gbuffer::{
     gbuffer_diffuse, gbuffer_emission, gbuffer_specular, load_surface,
 };
-import package::trace::surface::Surface;
-import package::trace::view::{ray_direction, view};
+import package::trace::fit::fit;
+import package::trace::surface::{octahedral_decode, octahedral_encode, Surface};
+import package::trace::view::{position_at, ray_direction, view};
 
 struct CompositeSettings {
     // One of VIEW_...
@@ -21,9 +22,13 @@ struct CompositeSettings {
     // Whether cones were traced for this frame; if not, their textures hold an earlier frame's
     // light.
     has_cones: u32,
-    // Frames in the mean so far.
-    frames: u32,
-    padding_0: u32,
+    // The share of the mean of illuminances; 1: nothing of the old one is left.
+    weight: f32,
+    // Whether the G-buffer is of another sample of the pixels than the one that was traced.
+    is_further: u32,
+    // From its place in the pixel to that of the traced sample, in pixels.
+    to_traced: vec2f,
+    padding: vec2u,
 }
 
 @group(1) @binding(0) var<storage, read> composite_settings: CompositeSettings;
@@ -44,16 +49,50 @@ struct CompositeSettings {
 // The mean over frames of the illuminance at the surface; negative where there is none.
 @group(1) @binding(8) var illuminance: texture_storage_2d<r32float, read_write>;
 
+// The depth of the traced sample, and its octahedral shading normal as two times 16 bits; kept for further samples.
+@group(1) @binding(9) var traced_depth: texture_storage_2d<r32float, read_write>;
+@group(1) @binding(10) var traced_normal: texture_storage_2d<r32uint, read_write>;
+
 // Irradiance in rgb, openness in a.
-fn traced_irradiance(pixel: vec2u) -> vec4f {
-    let traced = textureLoad(irradiance, pixel, 0);
-    return select(vec4f(0.0, 0.0, 0.0, 1.0), traced, composite_settings.has_cones != 0u);
+var<private> traced_irradiance: vec4f;
+// Reflected radiance in rgb, cone samples in a.
+var<private> traced_specular: vec4f;
+
+// The mean light of 3 x 3 traced samples, as far as they show the same surface and are near.
+fn take_traced_around(pixel: vec2u, surface: Surface) {
+    traced_irradiance = vec4f(0.0);
+    traced_specular = vec4f(0.0);
+    var weights = 0.0;
+    for (var i = 0; i < 9; i++) {
+        let place = clamp(vec2i(pixel) + vec2i(i % 3, i / 3) - 1, vec2i(0), vec2i(view.size) - 1);
+        let depth = textureLoad(traced_depth, place).r;
+        if depth <= 0.0 {
+            continue;
+        }
+        let seen = vec2f(place) + composite_settings.to_traced;
+        let offset = position_at(seen + 0.5, depth) - surface.position_in_world;
+        let normal = octahedral_decode(unpack2x16snorm(textureLoad(traced_normal, place).r));
+        let near = max(1.0 - abs(seen - vec2f(pixel)), vec2f(0.0));
+        // The floors keep a sample that fits nowhere at the mean of what there is.
+        let weight = (near.x * near.y + 1e-3) * (fit(offset, normal, surface) + 1e-4);
+        traced_irradiance += weight * textureLoad(irradiance, place, 0);
+        traced_specular += weight * textureLoad(specular, place, 0);
+        weights += weight;
+    }
+    traced_irradiance /= max(weights, 1e-20);
+    traced_specular /= max(weights, 1e-20);
 }
 
-// Reflected radiance in rgb, cone samples in a.
-fn traced_specular(pixel: vec2u) -> vec4f {
-    let traced = textureLoad(specular, pixel, 0);
-    return select(vec4f(0.0), traced, composite_settings.has_cones != 0u);
+fn take_light(pixel: vec2u, surface: Surface) {
+    if composite_settings.has_cones == 0u {
+        traced_irradiance = vec4f(0.0, 0.0, 0.0, 1.0);
+        traced_specular = vec4f(0.0);
+    } else if composite_settings.is_further != 0u {
+        take_traced_around(pixel, surface);
+    } else {
+        traced_irradiance = textureLoad(irradiance, pixel, 0);
+        traced_specular = textureLoad(specular, pixel, 0);
+    }
 }
 
 fn cos_view(surface: Surface) -> f32 {
@@ -72,8 +111,8 @@ fn indirect_light(pixel: vec2u, surface: Surface) -> vec3f {
     let f0 = textureLoad(gbuffer_specular, pixel, 0).rgb;
     let fresnel = fresnel_of_even_light(f0, cos_view(surface));
     let below = below_coat(load_coat(pixel), cos_view(surface));
-    let diffuse = traced_irradiance(pixel).rgb * albedo / PI * (1.0 - fresnel) * below;
-    return diffuse + traced_specular(pixel).rgb;
+    let diffuse = traced_irradiance.rgb * albedo / PI * (1.0 - fresnel) * below;
+    return diffuse + traced_specular.rgb;
 }
 
 fn shade(pixel: vec2u, surface: Surface) -> vec3f {
@@ -85,13 +124,13 @@ fn shade(pixel: vec2u, surface: Surface) -> vec3f {
             return indirect_light(pixel, surface);
         }
         case VIEW_DIFFUSE: {
-            return traced_irradiance(pixel).rgb / PI;
+            return traced_irradiance.rgb / PI;
         }
         case VIEW_SPECULAR: {
-            return traced_specular(pixel).rgb;
+            return traced_specular.rgb;
         }
         case VIEW_OCCLUSION: {
-            return vec3f(traced_irradiance(pixel).a);
+            return vec3f(traced_irradiance.a);
         }
         case VIEW_SHADOW: {
             return vec3f(textureLoad(direct_diffuse, pixel, 0).a);
@@ -106,7 +145,7 @@ fn shade(pixel: vec2u, surface: Surface) -> vec3f {
             return vec3f(distance(surface.position_in_world, view.position_in_world));
         }
         case VIEW_COST: {
-            return vec3f(traced_specular(pixel).a);
+            return vec3f(traced_specular.a);
         }
         case VIEW_HISTORY: {
             return vec3f(decode_record(textureLoad(records, pixel, 0).xy).frames);
@@ -149,16 +188,16 @@ fn shows_environment() -> bool {
 // The illuminance of the surface, from everywhere.
 fn arriving(pixel: vec2u) -> f32 {
     // ITU-R BT.709-6, section 3.2.
-    let indirect = dot(traced_irradiance(pixel).rgb, vec3f(0.2126, 0.7152, 0.0722));
+    let indirect = dot(traced_irradiance.rgb, vec3f(0.2126, 0.7152, 0.0722));
     return textureLoad(direct_specular, pixel, 0).a + indirect;
 }
 
 fn accumulate_illuminance(pixel: vec2u, is_surface: bool) {
-    let is_first = composite_settings.frames == 0u;
+    let is_first = composite_settings.weight >= 1.0;
     if is_surface {
         let value = arriving(pixel);
         let old = textureLoad(illuminance, pixel).r;
-        let mean = old + (value - old) / f32(composite_settings.frames + 1u);
+        let mean = old + (value - old) * composite_settings.weight;
         textureStore(illuminance, pixel, vec4f(select(mean, value, is_first || old < 0.0)));
     } else if is_first {
         textureStore(illuminance, pixel, vec4f(-1.0));
@@ -172,6 +211,12 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         return;
     }
     let surface = load_surface(pixel);
+    take_light(pixel, surface);
+    if composite_settings.is_further == 0u {
+        let normal = octahedral_encode(surface.shading_normal);
+        textureStore(traced_depth, pixel, vec4f(surface.depth));
+        textureStore(traced_normal, pixel, vec4u(pack2x16snorm(normal)));
+    }
     accumulate_illuminance(pixel, surface.depth > 0.0);
     if surface.depth > 0.0 {
         textureStore(picture, pixel, vec4f(shade(pixel, surface) * tint_at(pixel), 1.0));

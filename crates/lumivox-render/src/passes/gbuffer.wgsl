@@ -11,8 +11,8 @@ import package::trace::surface::octahedral_encode;
 struct RasterView {
     clip_from_world: mat4x4f,
     position_in_world: vec3f,
-    // The number of the accumulated frame.
-    frame: u32,
+    // The number of the pixels' sample.
+    sample: u32,
     // The jitter of the pixels' positions, pixels.
     jitter: vec2f,
     padding: vec2f,
@@ -194,7 +194,7 @@ fn layered_fragment(fragment: LayeredFragment) -> Targets {
         distance + dot(vec2f(dpdx(distance), dpdy(distance)), raster_view.jitter);
     let seed = surface_seed(fragment.draw, fragment.is_front, in_middle);
     if is_masked_out(point.samples.base)
-        || !is_there(layered.coverage, vec2u(fragment.pixel.xy), seed, raster_view.frame) {
+        || !is_there(layered.coverage, vec2u(fragment.pixel.xy), seed, raster_view.sample) {
         discard;
     }
     return Targets(

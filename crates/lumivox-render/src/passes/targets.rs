@@ -36,8 +36,8 @@ pub(crate) struct Targets {
 }
 
 /// Bytes a pixel of everything in [`Targets`] but the cones: G-buffer 36, direct light 16, picture and mean 48, illuminance 4,
-/// screen 4.
-pub(crate) const BYTES_PER_PIXEL: u64 = 108;
+/// traced surfaces 8, screen 4.
+pub(crate) const BYTES_PER_PIXEL: u64 = 116;
 
 /// Additional bytes a pixel for motion, where light of earlier frames is kept.
 const MOTION_BYTES_PER_PIXEL: u64 = 4;

@@ -2,13 +2,13 @@
 //! mean of its own. Measurements read them beside the picture that a viewer sees.
 
 use lumivox::gpu::Recorder;
-use lumivox::{GBuffer, Lights};
+use lumivox::{GBuffer, Gi, Lights};
 
 use super::Renderer;
 use crate::gpu::readback::read_texture;
 use crate::gpu::textures::ScreenTextures;
 use crate::passes::accumulate::AccumulatePass;
-use crate::passes::composite::{CompositePass, CompositeTargets};
+use crate::passes::composite::{Composed, CompositePass, CompositeTargets};
 use crate::{RenderError, RenderSettings, View};
 
 /// One other view.
@@ -22,17 +22,35 @@ pub(crate) struct BesideView {
 }
 
 impl BesideView {
-    /// Adds the view of a frame, which has been traced, as number `frame` of its mean.
+    /// Adds the first of so many samples of a frame, which has been traced, as those of frame number `frame` of its mean.
     pub(super) fn record(
         &mut self,
         recorder: &mut Recorder,
         pass: &CompositePass,
-        (lights, gbuffer): (&Lights, &GBuffer),
-        (has_cones, is_relit, frame): (bool, bool, u32),
+        lit: (&Gi, &Lights, &GBuffer),
+        (composed, is_relit, (frame, samples)): (Composed, bool, (u32, u32)),
     ) {
-        pass.record(recorder, lights, gbuffer, &self.composite, (self.view, has_cones, frame));
+        let composed = Composed { view: self.view, ..composed };
+        pass.record(recorder, lit, &self.composite, composed);
         self.accumulate.number(frame);
-        add_frame(&mut self.accumulate, recorder, (self.view, frame), (gbuffer, is_relit));
+        let samples = if self.view.is_light() { samples } else { 1 };
+        let shown = (self.view, frame, samples);
+        add_frame(&mut self.accumulate, recorder, shown, (lit.2, is_relit));
+    }
+
+    /// Adds another sample of the newest frame, of the same surfaces that the picture's is of.
+    pub(super) fn record_further(
+        &mut self,
+        recorder: &mut Recorder,
+        pass: &CompositePass,
+        lit: (&Gi, &Lights, &GBuffer),
+        (composed, [sample, samples]): (Composed, [u32; 2]),
+    ) {
+        if self.view.is_light() {
+            let composed = Composed { view: self.view, ..composed };
+            pass.record(recorder, lit, &self.composite, composed);
+            self.accumulate.record_further(recorder, sample, samples);
+        }
     }
 
     /// Forgets the frames so far.
@@ -41,18 +59,18 @@ impl BesideView {
     }
 }
 
-/// Adds frame number `frame` of a view to its mean. Of a view of what is known from earlier frames,
+/// Adds the first of so many samples of frame number `frame` of a view to its mean. Of a view of what is known from earlier frames,
 /// it takes the mean's place.
 pub(super) fn add_frame(
     accumulate: &mut AccumulatePass,
     recorder: &mut Recorder,
-    (view, frame): (View, u32),
+    (view, frame, samples): (View, u32, u32),
     of: (&GBuffer, bool),
 ) {
     if view.needs_past() {
         accumulate.forget();
     }
-    accumulate.record(recorder, Some(of));
+    accumulate.record(recorder, Some(of), samples);
     accumulate.number(frame + 1);
 }
 

@@ -140,7 +140,7 @@ impl Renderer {
         if redo.mean && !is_resized {
             // As in a renderer that was made with these settings.
             self.targets.forget();
-            (self.drawn, self.former_camera) = (0, None);
+            (self.drawn, self.samples_drawn, self.former_camera) = (0, 0, None);
         }
         self.gpu.check("taking other settings")
     }

@@ -10,6 +10,7 @@ mod overlay;
 mod passes;
 mod photometry;
 mod prepare;
+mod samples;
 mod screen;
 
 use std::ops::ControlFlow;
@@ -21,6 +22,8 @@ use lumivox_scene::{Bounds, Camera, Scene};
 use crate::gpu::memory::MemoryUse;
 use crate::gpu::times::StageTimes;
 use crate::look::{LookFrame, LookParts, LookPasses, LookScene};
+use crate::passes::accumulate::weight_of_sample;
+use crate::passes::composite::Composed;
 use crate::passes::gbuffer;
 use crate::passes::near_shadows::NearShadows;
 use crate::passes::targets::Targets;
@@ -79,6 +82,8 @@ pub struct Renderer {
     times: StageTimes,
     /// Frames that were drawn, in whatever picture.
     drawn: u32,
+    /// Samples of a pixel in them.
+    samples_drawn: u32,
     /// The camera of the last one.
     former_camera: Option<Camera>,
 }
@@ -194,6 +199,7 @@ impl Renderer {
             shadow_bytes,
             times,
             drawn: 0,
+            samples_drawn: 0,
             former_camera: None,
         })
     }
@@ -272,26 +278,30 @@ impl Renderer {
         self.prepare_view().await?;
         let mut recorder = self.recorder();
         let voxels = self.follow(&mut recorder)?;
-        self.record_frame(&mut recorder, is_kept)?;
+        let samples = if is_kept { self.samples_of_next_frame() } else { 1 };
+        self.record_frame(&mut recorder, is_kept, samples)?;
         self.times.add(recorder.finish().await?);
+        self.draw_further_samples(samples).await?;
         self.gpu.check("rendering a frame")?;
         Ok(voxels)
     }
 
-    /// Records the passes of the next frame; `is_kept` adds it to the mean.
+    /// Records the passes of the first of so many samples of the next frame; `is_kept` adds it to the mean.
     fn record_frame(
         &mut self,
         recorder: &mut Recorder<'_>,
         is_kept: bool,
+        samples: u32,
     ) -> Result<(), RenderError> {
         let frame = self.frame_count();
+        let sample = self.first_sample(frame);
+        let jitter = self.first_in_pixel(sample);
         let is_relit = self.following.is_settling();
         let Self { settings, camera, scene, gi, lights, near_shadows, passes, targets, .. } = self;
         let mut is_traced = false;
         let (drawn, former_camera) = (&self.drawn, &self.former_camera);
         // Frames that are blended must not repeat each other.
         let turn = if targets.traced.is_temporal() { *drawn } else { frame };
-        let jitter = gbuffer::jitter(turn, settings.frames);
         let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
         let mut view = lumivox::CameraView::new(clip_from_world, position, size);
@@ -318,7 +328,7 @@ impl Renderer {
         } else {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
-            passes.gbuffer.record(recorder, scene, textures, (&view, jitter));
+            passes.gbuffer.record(recorder, scene, textures, (&view, sample));
             if let Some(motion) = &textures.motion {
                 passes.motion.record(recorder, scene, [motion, &textures.depth], &view);
             }
@@ -345,17 +355,19 @@ impl Renderer {
                 }
                 recorder.stage("picture");
                 let composite = &targets.composite;
-                let shown = (settings.view, has_cones, frame);
-                passes.composite.record(recorder, lights, gbuffer, composite, shown);
+                let lit = (&*gi, &*lights, gbuffer);
+                let weight = weight_of_sample(1.0 / (frame as f32 + 1.0), 0, samples);
+                let composed = Composed { view: settings.view, has_cones, weight, to_traced: None };
+                passes.composite.record(recorder, lit, composite, composed);
                 for beside in targets.beside.iter_mut().filter(|_| is_kept) {
-                    let (lit, counted) = ((&*lights, gbuffer), (has_cones, is_relit, frame));
+                    let counted = (composed, is_relit, (frame, samples));
                     beside.record(recorder, &passes.composite, lit, counted);
                 }
             }
         }
         if is_kept {
             recorder.stage("picture");
-            let shown = (self.settings.view, frame);
+            let shown = (self.settings.view, frame, samples);
             let Targets { accumulate, gbuffer, .. } = &mut self.targets;
             beside::add_frame(accumulate, recorder, shown, (gbuffer, is_relit));
             self.record_overlay(recorder, &view)?;
@@ -369,6 +381,7 @@ impl Renderer {
         }
         self.scene.motion.settle(self.targets.gbuffer_textures.motion.is_some());
         self.drawn = self.drawn.wrapping_add(1);
+        self.samples_drawn = self.samples_drawn.wrapping_add(samples);
         self.former_camera = Some(self.camera.clone());
         Ok(())
     }

@@ -44,8 +44,8 @@ impl Following {
 }
 
 impl Renderer {
-    /// Moves the instances of these numbers to their places in `scene`, takes its lights, and renders one frame: all in one
-    /// submission, as an engine does ([`Gi::voxelize_frame`](lumivox::Gi::voxelize_frame) and
+    /// Moves the instances of these numbers to their places in `scene`, takes its lights, and renders the first sample of a frame: all
+    /// in one submission, as an engine does ([`Gi::voxelize_frame`](lumivox::Gi::voxelize_frame) and
     /// [`Gi::light_frame`](lumivox::Gi::light_frame), with all faces). The picture is this frame alone, or follows from those
     /// before it if [`TraceSettings::temporal`](lumivox::TraceSettings::temporal) says so.
     ///
@@ -111,7 +111,7 @@ impl Renderer {
         self.following = Following::default();
         self.targets.forget();
         self.scene.motion.settle(self.targets.gbuffer_textures.motion.is_some());
-        (self.drawn, self.former_camera) = (0, None);
+        (self.drawn, self.samples_drawn, self.former_camera) = (0, 0, None);
         Ok(())
     }
 

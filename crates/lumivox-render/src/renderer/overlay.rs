@@ -1,10 +1,10 @@
 //! The overlay, frame by frame and at the end.
 
-use glam::Vec2;
 use lumivox::CameraView;
 use lumivox::gpu::Recorder;
 
 use super::Renderer;
+use super::samples::samples_before;
 use crate::RenderError;
 use crate::passes::gbuffer;
 use crate::passes::overlay::{OverlayPass, OverlayView, Shown};
@@ -31,15 +31,15 @@ impl Renderer {
         }
         let frame = self.overlay_frame_count();
         let size = self.settings.size;
-        let jitter = gbuffer::jitter(frame, self.settings.frames);
+        let jitter = self.first_in_pixel(samples_before(frame));
         let clip_from_world = gbuffer::clip_from_world(&self.camera, size, jitter);
         let mut view = CameraView::new(clip_from_world, self.camera.position, size);
-        view.frame = frame;
+        (view.frame, view.jitter) = (frame, jitter);
         self.targets.gbuffer.set_camera(&self.gpu.queue, view);
         let timing = self.settings.timing;
         let mut recorder = Recorder::with_timing(&self.gpu.device, &self.gpu.queue, timing);
         if self.settings.overlay.needs_depth() {
-            self.record_surfaces(&mut recorder, (&view, jitter));
+            self.record_surfaces(&mut recorder, &view);
         }
         self.draw_overlay(&mut recorder, &view)?;
         self.times.add(recorder.finish().await?);
@@ -75,8 +75,7 @@ impl Renderer {
         }
         // Views of voxels have no G-buffer of their own.
         if self.settings.view.is_of_voxels() && self.settings.overlay.needs_depth() {
-            let jitter = gbuffer::jitter(view.frame, self.settings.frames);
-            self.record_surfaces(recorder, (view, jitter));
+            self.record_surfaces(recorder, view);
         }
         self.draw_overlay(recorder, view)
     }
@@ -92,14 +91,15 @@ impl Renderer {
         }
     }
 
-    fn record_surfaces(&mut self, recorder: &mut Recorder, view: (&CameraView, Vec2)) {
+    fn record_surfaces(&mut self, recorder: &mut Recorder, view: &CameraView) {
         if self.settings.shown_look().is_some() && !self.settings.view.is_of_voxels() {
             // The overlay sees other sides of them. The picture's mean is not affected.
-            self.record_look(recorder, view.0);
+            self.record_look(recorder, view);
             return;
         }
         recorder.stage("G-buffer");
-        self.passes.gbuffer.record(recorder, &self.scene, &self.targets.gbuffer_textures, view);
+        let shown = (view, samples_before(view.frame));
+        self.passes.gbuffer.record(recorder, &self.scene, &self.targets.gbuffer_textures, shown);
     }
 
     fn draw_overlay(

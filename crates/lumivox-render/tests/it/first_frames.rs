@@ -20,22 +20,23 @@ fn irradiance(name: &str, frames: u32) -> Picture {
     picture(&mut renderer(&gpu(), &builtin(name), settings))
 }
 
-/// The median of the relative difference over the pixels that are lit: borders of things, where pixels are jittered, are few.
-fn noise(picture: &Picture, mean: &Picture) -> f32 {
+/// The relative difference that half of the lit pixels do not exceed, and that 95 % do not: edges.
+fn noise(picture: &Picture, mean: &Picture) -> [f32; 2] {
     let pairs = picture.hdr.iter().zip(&mean.hdr).filter(|(_, mean)| mean[1] > 1e-3);
     let mut apart: Vec<f32> = pairs.map(|(one, mean)| (one[1] / mean[1] - 1.0).abs()).collect();
     apart.sort_by(f32::total_cmp);
-    apart[apart.len() / 2]
+    [0.5, 0.95].map(|share| apart[(apart.len() as f32 * share) as usize])
 }
 
-/// Nine rays a pixel alone leave 10 % in Cornell and 25 % in the atrium.
+/// Nine rays a pixel alone leave 10 % in Cornell and 25 % in the atrium; edges of one sample a pixel 94 and 40 % in the first frame.
 #[test]
 fn a_first_frame_is_smooth() {
     for name in ["cornell", "atrium"] {
         let mean = irradiance(name, 64);
         let [first, few] = [1, 8].map(|frames| noise(&irradiance(name, frames), &mean));
-        println!("{name}: noise {first} in the first frame, {few} after eight");
-        assert!(first < 0.06 && few < 0.03, "{name}: {first}, {few}");
+        println!("{name}: noise {first:?} in the first frame, {few:?} after eight");
+        assert!(first[0] < 0.06 && few[0] < 0.03, "{name}: {first:?}, {few:?}");
+        assert!(first[1] < 0.36 && few[1] < 0.15, "{name}: {first:?}, {few:?}");
     }
 }
 

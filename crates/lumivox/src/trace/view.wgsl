@@ -24,7 +24,12 @@ struct CameraView {
 
 // World position of a pixel's centre at a depth in clip space.
 fn position_from_depth(pixel: vec2u, depth: f32) -> vec3f {
-    let uv = (vec2f(pixel) + 0.5) / vec2f(view.size);
+    return position_at(vec2f(pixel) + 0.5, depth);
+}
+
+// World position of a place in the picture, in pixels, at a depth in clip space.
+fn position_at(place: vec2f, depth: f32) -> vec3f {
+    let uv = place / vec2f(view.size);
     let ndc = vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
     let world = view.world_from_clip * vec4f(ndc, depth, 1.0);
     return world.xyz / world.w;

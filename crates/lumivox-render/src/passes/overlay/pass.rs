@@ -144,7 +144,7 @@ impl OverlayPass {
             self.draws = Some((records.clone(), ranges(&device, seen.scene)));
         }
         self.draw(recorder, seen, (!has_wires).then_some(background));
-        self.accumulate.record(recorder, None);
+        self.accumulate.record(recorder, None, 1);
         Ok(())
     }
 

@@ -19,8 +19,8 @@ fn lamp_at(scene: &Scene, x: f32) -> Scene {
     moved
 }
 
-/// Shadows of a lamp that moves are where they belong: a picture in motion is hardly worse than a frame without a
-/// past.
+/// Shadows of a lamp that moves are where they belong: its picture is better than a frame of one sample a pixel without a past, which
+/// leaves 0.31.
 #[test]
 fn direct_light_does_not_lag() {
     let scene = builtin("cornell");
@@ -34,14 +34,13 @@ fn direct_light_does_not_lag() {
     let picture = (0..=8).map(|step| follow(&mut moving, step)).last().expect("at least one");
     let mut stood = renderer(&gpu(), &at(8), own(Preset::Balanced));
     let truth = (0..48).map(|_| frame(&mut stood)).last().expect("at least one");
-    let first = frame(&mut renderer(&gpu(), &at(8), own(Preset::Realtime)));
     // On the ceiling by the lamp light has no bounds.
-    let [picture, first, truth] = [picture, first, truth].map(|mut picture| {
+    let [picture, truth] = [picture, truth].map(|mut picture| {
         picture.hdr.iter_mut().flatten().for_each(|value| *value = value.min(4.0));
         picture
     });
-    let errors = [&picture, &first].map(|picture| rmse(picture, &truth));
-    assert!(errors[0] < 1.2 * errors[1], "{errors:?}");
+    let error = rmse(&picture, &truth);
+    assert!(error < 0.2, "{error}");
 }
 
 /// A still picture settles: from frame to frame it changes by little, and by less and less.

@@ -105,6 +105,9 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
         if !is_missing {
             continue;
         }
+        if index.frames.is_empty() {
+            index.write(&files)?;
+        }
         picture.write(&files.path(number))?;
 
         let settings = &stage.settings;

@@ -1,0 +1,113 @@
+//! Several samples a pixel in the first frames of a mean, so that edges and textures are smooth from the first frame on.
+//!
+//! What costs is the indirect light, and that is smooth. So it is traced for a frame's first sample; the others draw the surfaces
+//! and their direct light at other places in the pixel, and take the indirect light of the traced samples around them that show
+//! the same surface (`composite.wgsl`). All samples of a frame have the same weight.
+
+use glam::Vec2;
+
+use super::Renderer;
+use crate::passes::accumulate::weight_of_sample;
+use crate::passes::composite::Composed;
+use crate::passes::gbuffer;
+use crate::{RenderError, ShadowMethod, View};
+
+/// Frames that have several samples.
+const SAMPLED_FRAMES: u32 = 16;
+
+/// Samples of frame number `frame`: 8, 4, 4, then 2, and from the 17th on 1. So the error of edges does not grow with a frame,
+/// though frames that are blended with those before have half of the weight or more at first.
+fn samples_of(frame: u32) -> u32 {
+    match frame {
+        0 => 8,
+        1 | 2 => 4,
+        3..SAMPLED_FRAMES => 2,
+        _ => 1,
+    }
+}
+
+/// The number of the first sample of frame number `frame`, in views with several samples and without.
+pub(super) fn samples_before(frame: u32) -> u32 {
+    let several = frame.min(SAMPLED_FRAMES);
+    (0..several).map(samples_of).sum::<u32>() + (frame - several)
+}
+
+impl Renderer {
+    /// Whether first frames have several samples: pictures of light do, where direct light costs little. Other views show what the
+    /// first sample has, so that a picture of one frame has the depths and normals of surfaces, not means of them.
+    fn is_sampled(&self) -> bool {
+        let settings = &self.settings;
+        settings.view.is_light()
+            && !settings.view.is_of_voxels()
+            && settings.view != View::Lod
+            && settings.shown_look().is_none()
+            && settings.shadows == ShadowMethod::Map
+    }
+
+    /// The samples of the next frame. A mean that goes on from a picture before has edges already.
+    pub(super) fn samples_of_next_frame(&self) -> u32 {
+        let has_several = self.is_sampled() && !self.targets.accumulate.has_past();
+        if has_several { samples_of(self.frame_count()) } else { 1 }
+    }
+
+    /// The number of the first sample of the next frame, number `frame`. Frames that are blended must not repeat each other.
+    pub(super) fn first_sample(&self, frame: u32) -> u32 {
+        if self.targets.traced.is_temporal() { self.samples_drawn } else { samples_before(frame) }
+    }
+
+    /// Where the first sample of a frame is in its pixel. A single frame's depths and normals are those of the centre.
+    pub(super) fn first_in_pixel(&self, sample: u32) -> Vec2 {
+        if self.settings.frames <= 1 { Vec2::ZERO } else { gbuffer::jitter(sample) }
+    }
+
+    /// Adds the other samples of the frame that was drawn last, if it has so many.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub(super) async fn draw_further_samples(&mut self, samples: u32) -> Result<(), RenderError> {
+        if samples == 1 {
+            return Ok(());
+        }
+        let frame = self.frame_count() - 1;
+        let is_temporal = self.targets.traced.is_temporal();
+        let first = if is_temporal {
+            self.samples_drawn.wrapping_sub(samples)
+        } else {
+            samples_before(frame)
+        };
+        let traced = self.first_in_pixel(first);
+        for sample in 1..samples {
+            let mut recorder = self.recorder();
+            let Self { settings, camera, scene, gi, lights, near_shadows, passes, targets, .. } =
+                self;
+            let jitter = gbuffer::jitter(first + sample);
+            let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
+            let mut view =
+                lumivox::CameraView::new(clip_from_world, camera.position, settings.size);
+            (view.frame, view.jitter) = (frame, jitter);
+            let gbuffer = &targets.gbuffer;
+            gbuffer.set_camera(&self.gpu.queue, view);
+
+            recorder.stage("further sample");
+            let textures = &targets.gbuffer_textures;
+            passes.gbuffer.record(&mut recorder, scene, textures, (&view, first + sample));
+            if settings.view.needs_direct() {
+                let (device, lit_by) = (&self.gpu.device, (&*lights, &*near_shadows));
+                passes.direct.record(device, &mut recorder, gi, lit_by, gbuffer, &targets.direct);
+            }
+            let lit = (&*gi, &*lights, gbuffer);
+            let has_cones = settings.view.needs_cones(settings.bounces);
+            let to_traced = Some(jitter - traced);
+            let weight = weight_of_sample(1.0 / (frame as f32 + 1.0), sample, samples);
+            let composed = Composed { view: settings.view, has_cones, weight, to_traced };
+            passes.composite.record(&mut recorder, lit, &targets.composite, composed);
+            targets.accumulate.record_further(&mut recorder, sample, samples);
+            for beside in &mut targets.beside {
+                let counted = (composed, [sample, samples]);
+                beside.record_further(&mut recorder, &passes.composite, lit, counted);
+            }
+            self.times.add(recorder.finish().await?);
+        }
+        Ok(())
+    }
+}
