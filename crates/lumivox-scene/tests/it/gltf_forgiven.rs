@@ -1,7 +1,7 @@
 //! Faults that cost no more than the faulty part: the rest of the scene is shown, with a warning.
 
 use glam::Vec3;
-use lumivox_scene::{LoadOptions, Scene, SceneError};
+use lumivox_scene::{AlphaMode, LightKind, LoadOptions, Sampler, Scene, SceneError, Wrap};
 use serde_json::{Value, json};
 
 use crate::common::{
@@ -302,6 +302,97 @@ fn small_faults_cost_nothing() {
     assert_eq!(scene.meshes, sound.meshes);
     assert_eq!(scene.instances[0].name, "NaN \" Infinity");
     assert!(scene.notes.warnings[0].contains("not finite became zero"), "{:?}", scene.notes);
+}
+
+/// Values that the format does not allow, and that other programs ignore or understand.
+#[test]
+fn unknown_values_do_not_cost_the_scene() {
+    type Change = fn(&mut Value);
+    fn attribute(json: &mut Value, name: &str) {
+        json["meshes"][0]["primitives"][0]["attributes"][name] = json!(99);
+    }
+    fn with_parent(json: &mut Value, roots: [usize; 2]) {
+        json["nodes"] = json!([json["nodes"][0].clone(), { "children": [0] }]);
+        json["scenes"][0]["nodes"] = json!(roots);
+    }
+    let sound = textured_cube().load().unwrap();
+    let changes: [(Change, &str); 18] = [
+        (|json| json["samplers"][0]["minFilter"] = json!(7), "sampler 0: a filter"),
+        (|json| json["bufferViews"][0]["target"] = json!(0), ""),
+        (|json| json["bufferViews"][0]["byteStride"] = json!(0), ""),
+        (|json| json["bufferViews"][3]["byteStride"] = json!(2), ""),
+        (|json| json["materials"][0]["alphaMode"] = json!("mask"), "\"mask\" is unknown"),
+        (|json| json["nodes"][0]["mesh"] = json!(0.0), ""),
+        (|json| json["scene"] = json!(0.0), ""),
+        (|json| json["accessors"][0]["count"] = json!(24.0), ""),
+        (|json| json["accessors"][0]["componentType"] = json!(5126.0), ""),
+        (|json| json["images"][0]["uri"] = json!(""), ""),
+        (|json| json["buffers"] = json!([{ "uri": "", "byteLength": 1 }]), ""),
+        (|json| json["scenes"][0]["nodes"] = json!([0, 0]), "1 roots of the scene"),
+        (|json| with_parent(json, [0, 1]), "1 roots of the scene"),
+        (|json| with_parent(json, [1, 0]), "1 roots of the scene"),
+        (|json| attribute(json, "_BATCHID"), ""),
+        (|json| attribute(json, "BATCHID"), "names unknown to glTF"),
+        (|json| attribute(json, "TEXCOORD"), "names unknown to glTF"),
+        (|json| attribute(json, "COLOR_x"), "names unknown to glTF"),
+    ];
+    for (index, (change, words)) in changes.into_iter().enumerate() {
+        let mut file = textured_cube();
+        change(&mut file.json);
+        let scene = file.load().unwrap_or_else(|error| panic!("{index}: {error}"));
+        assert_eq!(scene.meshes, sound.meshes, "{index}");
+        assert_eq!(scene.materials, sound.materials, "{index}");
+        assert_eq!((scene.instances.len(), &scene.textures), (1, &sound.textures), "{index}");
+        let told = scene.notes.warnings.join("\n");
+        assert_eq!(told.is_empty(), words.is_empty(), "{index}: {told}");
+        assert!(told.contains(words), "{index}: {told}");
+    }
+    // Values without a plain meaning become the defaults.
+    let mut file = textured_cube();
+    file.json["samplers"][0] = json!({ "magFilter": 9987, "wrapS": 10496, "wrapT": 33648 });
+    file.json["materials"][0]["alphaMode"] = json!("GLASS");
+    let scene = file.load().unwrap();
+    let expected = Sampler { wrap_v: Wrap::MirroredRepeat, ..Sampler::default() };
+    assert_eq!((scene.textures[0].sampler, scene.notes.warnings.len()), (expected, 2));
+    assert_eq!(scene.materials[0].alpha, AlphaMode::Opaque);
+    // The length in the head of a GLB.
+    let whole = textured_cube().glb();
+    for length in [0, 20, whole.len() as u32 - 12, u32::MAX] {
+        let mut glb = whole.clone();
+        glb[8..12].copy_from_slice(&length.to_le_bytes());
+        assert_eq!(load("scene.glb", &glb).unwrap().meshes, sound.meshes, "{length}");
+    }
+    let error = load("scene.glb", &whole[..whole.len() - 4]).unwrap_err().to_string();
+    assert!(error.contains("cut off"), "{error}");
+}
+
+#[test]
+fn lights_out_of_range_are_told() {
+    let light = |light: Value| {
+        let mut file = bare_triangle();
+        file.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+        file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
+        file.node(json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } }), true);
+        let scene = file.load().unwrap();
+        (scene.lights[0].kind, scene.notes.warnings.join("\n"))
+    };
+    for (inner, outer, expected_deg, words) in [
+        (20.0, 45.0, [20.0, 45.0], "count as degrees"),
+        (0.0, 1.6, [0.0, 90.0], "limited to 0 to pi/2"),
+        (0.0, 180.0, [0.0, 90.0], "limited to 0 to pi/2"),
+        (-0.1, 1.0, [0.0, 57.29578], "limited to 0 to pi/2"),
+        (0.0, 0.0, [0.0, 45.0], "45 degrees"),
+    ] {
+        let spot = json!({ "innerConeAngle": inner, "outerConeAngle": outer });
+        let (kind, told) = light(json!({ "type": "spot", "spot": spot }));
+        let LightKind::Spot { inner_angle_rad, outer_angle_rad, .. } = kind else { panic!() };
+        let found = [inner_angle_rad, outer_angle_rad].map(f32::to_degrees);
+        assert!((found[0] - expected_deg[0]).abs() + (found[1] - expected_deg[1]).abs() < 1e-3);
+        assert!(told.starts_with("light 0 at node 1: ") && told.contains(words), "{told}");
+    }
+    let (kind, told) = light(json!({ "type": "point", "intensity": -3.0 }));
+    assert!(matches!(kind, LightKind::Point { intensity_cd: 0.0, .. }));
+    assert!(told.contains("counts as 0"), "{told}");
 }
 
 /// The URIs of files that people have, and data in all its spellings.

@@ -226,7 +226,11 @@ fn references_to_nothing() {
 fn hierarchies_that_are_no_trees() {
     let error = changed(|json| json["nodes"][0]["children"] = json!([0]));
     assert!(error.contains("own ancestor"), "{error}");
-    let error = changed(|json| json["scenes"][0]["nodes"] = json!([0, 0]));
+    let error = changed(|json| {
+        let parent = json!({ "children": [0] });
+        json["nodes"] = json!([json["nodes"][0].clone(), parent, parent]);
+        json["scenes"][0]["nodes"] = json!([1, 2]);
+    });
     assert!(error.contains("two parents"), "{error}");
 }
 

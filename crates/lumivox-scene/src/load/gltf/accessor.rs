@@ -109,6 +109,8 @@ impl<'a> Loader<'a> {
             .buffer_view
             .and_then(|view| self.root().buffer_views.get(view.value()))
             .and_then(|view| view.byte_stride)
+            // Zero counts as not given.
+            .filter(|stride| stride.0 > 0)
             .map_or(element, |stride| stride.0);
         if stride < element {
             let reason = format!("its stride of {stride} bytes is below its {element} bytes");

@@ -46,7 +46,12 @@ pub(super) fn parse<'a>(
         if let Some(version) = version::of_container(bytes) {
             return Err(version::unknown(file, version));
         }
-        split_glb(bytes).map_err(|reason| malformed("the GLB container", reason))?
+        // Some programs write a wrong length.
+        let declared = bytes.get(8..12).and_then(|length| length.try_into().ok());
+        let length = declared.map_or(0, u32::from_le_bytes) as usize;
+        split_glb(bytes.get(..length).unwrap_or(bytes))
+            .or_else(|_| split_glb(bytes))
+            .map_err(|reason| malformed("the GLB container", reason))?
     } else {
         (bytes, None)
     };
@@ -78,10 +83,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         let bytes = bytes.get(at..at + 4).ok_or("it ends in the middle of a header")?;
         Ok(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
     };
-    let length = word(8)? as usize;
-    if length > bytes.len() {
-        return Err(format!("it is cut off: {length} bytes are declared, {} exist", bytes.len()));
-    }
+    let length = bytes.len();
     let mut at = 12;
     let mut chunk = || -> Result<Option<(&[u8], u32)>, String> {
         if at >= length {
@@ -92,7 +94,10 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         let begin = at + 8;
         // Compared this way round, nothing overflows where usize has 32 bits.
         if begin > length || size > length - begin {
-            return Err(format!("a chunk of {size} bytes at byte {at} does not fit in it"));
+            return Err(format!(
+                "a chunk of {size} bytes at byte {at} does not fit in its {length} bytes, so it was \
+                 cut off"
+            ));
         }
         at = begin + size.next_multiple_of(4).min(length - begin);
         Ok(Some((&bytes[begin..begin + size], kind)))
@@ -160,7 +165,10 @@ fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, Stri
         let only_zeros = fault == Fault::Missing
             && text.starts_with("accessors[")
             && text.ends_with(".bufferView");
-        if !only_bounds && !only_zeros {
+        // The target is a hint for old drivers, and the stride is checked where it is used.
+        let only_hint = text.starts_with("bufferViews[")
+            && (text.ends_with(".target") || text.ends_with(".byteStride"));
+        if !only_bounds && !only_zeros && !only_hint {
             let reason = match fault {
                 Fault::IndexOutOfBounds => "it points at something that does not exist",
                 Fault::Missing => "it is missing",

@@ -1,5 +1,7 @@
 //! Lights (`KHR_lights_punctual`) and cameras.
 
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
 use glam::Vec3;
 use gltf::camera::Projection;
 use gltf::khr_lights_punctual::Kind;
@@ -17,7 +19,13 @@ impl Loader<'_> {
         node: Option<&str>,
         site: &Site,
     ) {
-        let intensity = light.intensity();
+        let mut warn = |what: String| {
+            self.notes.warn(format!("light {} at {}: {what}", light.index(), site.name));
+        };
+        if light.intensity() < 0.0 {
+            warn(format!("its intensity of {} is negative and counts as 0", light.intensity()));
+        }
+        let intensity = light.intensity().max(0.0);
         // The extension wants a range above zero; zero is a common "unlimited".
         let range_m = light.range().filter(|&range| range != 0.0);
         let kind = match light.kind() {
@@ -25,13 +33,21 @@ impl Loader<'_> {
                 LightKind::Directional { illuminance_lux: intensity, angular_radius_rad: 0.0 }
             }
             Kind::Point => LightKind::Point { intensity_cd: intensity, range_m },
-            Kind::Spot { inner_cone_angle, outer_cone_angle } => LightKind::Spot {
-                intensity_cd: intensity,
-                range_m,
-                // Files with a hard edge have both equal, up to rounding.
-                inner_angle_rad: inner_cone_angle.min(outer_cone_angle),
-                outer_angle_rad: outer_cone_angle,
-            },
+            Kind::Spot { inner_cone_angle, outer_cone_angle } => {
+                let ([inner_rad, outer_rad], repair) = cone([inner_cone_angle, outer_cone_angle]);
+                if let Some(repair) = repair {
+                    warn(format!(
+                        "its cone angles of {inner_cone_angle} and {outer_cone_angle} {repair}"
+                    ));
+                }
+                LightKind::Spot {
+                    intensity_cd: intensity,
+                    range_m,
+                    // Files with a hard edge have both equal, up to rounding.
+                    inner_angle_rad: inner_rad.min(outer_rad),
+                    outer_angle_rad: outer_rad,
+                }
+            }
         };
         // The rig puts it in its place.
         let mut converted = Light {
@@ -85,10 +101,25 @@ impl Loader<'_> {
     }
 }
 
+/// The inner and outer angle of a spot light in radians, and the repair that they needed.
+fn cone(given: [f32; 2]) -> ([f32; 2], Option<&'static str>) {
+    if given.iter().all(|angle| (0.0..=FRAC_PI_2).contains(angle)) && given[1] > 0.0 {
+        return (given, None);
+    }
+    if given[0] >= 0.0 && given[1] > PI && given[1] <= 90.0 {
+        return (given.map(f32::to_radians), Some("count as degrees"));
+    }
+    if given[1] <= 0.0 {
+        // The extension's default.
+        return ([0.0, FRAC_PI_4], Some("leave no cone; it has one of 45 degrees"));
+    }
+    (given.map(|angle| angle.clamp(0.0, FRAC_PI_2)), Some("were limited to 0 to pi/2"))
+}
+
 fn convert_camera(camera: &gltf::Camera<'_>, site: &Site) -> Option<Camera> {
     let Projection::Perspective(perspective) = camera.projection() else { return None };
     let (fov, near_m) = (perspective.yfov(), perspective.znear());
-    if !(fov > 0.0 && fov < std::f32::consts::PI && near_m > 0.0) {
+    if !(fov > 0.0 && fov < PI && near_m > 0.0) {
         return None;
     }
     let mut camera = Camera { vertical_fov_rad: fov, near_m, ..Camera::default() };

@@ -1,5 +1,10 @@
 //! JSON that follows the specification, but that the JSON library refuses.
 
+use std::borrow::Cow;
+
+use gltf::Semantic;
+use gltf::json::material::AlphaMode;
+use gltf::json::validation::Checked::{self, Invalid, Valid};
 use gltf::json::{Error, Root};
 use serde_json::{Value, json};
 
@@ -10,18 +15,87 @@ use crate::load::files::shorten;
 /// (`KHR_animation_pointer`), malformed animations, numbers that are not finite, and data of morph targets for attributes other
 /// than positions, normals and tangents.
 pub(super) fn read_root(json: &[u8], notes: &mut Notes) -> Result<Root, Error> {
-    let root = match Root::from_slice(json) {
+    let mut json = Cow::Borrowed(json);
+    let mut root = match Root::from_slice(&json) {
         Ok(root) => root,
         Err(error) => {
-            let Some(json) = repaired(json, notes) else { return Err(error) };
+            let Some(repaired) = repaired(&json, notes) else { return Err(error) };
+            json = Cow::Owned(repaired);
             Root::from_slice(&json)?
         }
     };
+    replace_unknown(&mut root, &json, notes);
     let has_targets = |mesh: &gltf::json::Mesh| mesh.primitives.iter().any(|p| p.targets.is_some());
     if root.meshes.iter().any(has_targets) {
-        warn_of_other_targets(json, notes);
+        warn_of_other_targets(&json, notes);
     }
     Ok(root)
+}
+
+/// Removes attributes that are not read and empty URIs. Replaces unknown values of samplers and
+/// alpha modes by defaults, with a warning.
+fn replace_unknown(root: &mut Root, json: &[u8], notes: &mut Notes) {
+    for (index, mesh) in root.meshes.iter_mut().enumerate() {
+        let mut is_named = true;
+        for primitive in &mut mesh.primitives {
+            is_named &= !primitive.attributes.contains_key(&Invalid);
+            let is_read = |name: &_| !matches!(name, Invalid | Valid(Semantic::Extras(_)));
+            primitive.attributes.retain(|name, _| is_read(name));
+        }
+        if !is_named {
+            let name = name_or_index(mesh.name.as_deref(), "mesh", index);
+            notes.warn(format!(
+                "mesh \"{name}\": attributes with names unknown to glTF were ignored"
+            ));
+        }
+    }
+    let buffers = root.buffers.iter_mut().map(|buffer| &mut buffer.uri);
+    for uri in buffers.chain(root.images.iter_mut().map(|image| &mut image.uri)) {
+        uri.take_if(|uri| uri.is_empty());
+    }
+    for (index, sampler) in root.samplers.iter_mut().enumerate() {
+        let are_unknown = [
+            sampler.mag_filter.take_if(|filter| *filter == Invalid).is_some(),
+            sampler.min_filter.take_if(|filter| *filter == Invalid).is_some(),
+            reset_unknown(&mut sampler.wrap_s),
+            reset_unknown(&mut sampler.wrap_t),
+        ];
+        if are_unknown.contains(&true) {
+            notes.warn(format!(
+                "sampler {index}: a filter or wrapping mode unknown to glTF was replaced by the \
+                 default, linear or repeating"
+            ));
+        }
+    }
+    let mut document = None;
+    for (index, material) in root.materials.iter_mut().enumerate() {
+        if !reset_unknown(&mut material.alpha_mode) {
+            continue;
+        }
+        let document: &Value =
+            document.get_or_insert_with(|| serde_json::from_slice(json).unwrap_or_default());
+        let given = document["materials"][index]["alphaMode"].as_str().unwrap_or_default();
+        let mode = match given.to_ascii_uppercase().as_str() {
+            "MASK" => AlphaMode::Mask,
+            "BLEND" => AlphaMode::Blend,
+            _ => AlphaMode::Opaque,
+        };
+        notes.warn(format!(
+            "material \"{}\": its alphaMode \"{}\" is unknown to glTF and counts as {mode:?}",
+            name_or_index(material.name.as_deref(), "material", index),
+            shorten(given)
+        ));
+        material.alpha_mode = Valid(mode);
+    }
+}
+
+/// Replaces an unknown value by the default; `true` if it was unknown.
+fn reset_unknown<T: Default + PartialEq>(value: &mut Checked<T>) -> bool {
+    let is_unknown = *value == Invalid;
+    if is_unknown {
+        *value = Valid(T::default());
+    }
+    is_unknown
 }
 
 /// The JSON in a form that the library accepts, if there is something to repair.
@@ -34,6 +108,7 @@ fn repaired(json: &[u8], notes: &mut Notes) -> Option<Vec<u8>> {
     }
     let are_repaired = [
         !is_finite,
+        make_whole(&mut document),
         name_nodes(&mut document),
         drop_pointers(&mut document, notes),
         // The animations that are left.
@@ -58,6 +133,21 @@ fn replace_numbers(json: &[u8]) -> Vec<u8> {
         at += taken;
     }
     finite
+}
+
+/// Writes whole numbers as integers: some programs write them all as floats, indices included.
+fn make_whole(value: &mut Value) -> bool {
+    // Floats above are not exact.
+    const MOST: f64 = (1_u64 << 53) as f64;
+    match value {
+        Value::Array(list) => list.iter_mut().fold(false, |any, value| make_whole(value) | any),
+        Value::Object(map) => map.values_mut().fold(false, |any, value| make_whole(value) | any),
+        Value::Number(number) if number.is_f64() => {
+            let float = number.as_f64().filter(|n| n.fract() == 0.0 && (0.0..MOST).contains(n));
+            float.inspect(|&float| *value = json!(float as u64)).is_some()
+        }
+        _ => false,
+    }
 }
 
 /// A scene need not name nodes (glTF 2.0, section 5.27).

@@ -18,7 +18,7 @@ impl<'a> Loader<'a> {
         };
         if let Some(scene) = scene {
             self.restore_scene(scene.extras());
-            return Ok(scene.nodes().map(|node| node.index()).collect());
+            return Ok(self.distinct(scene.nodes().map(|node| node.index()).collect()));
         }
         let nodes = &self.root().nodes;
         let mut is_child = vec![false; nodes.len()];
@@ -26,6 +26,33 @@ impl<'a> Loader<'a> {
             is_child[child.value()] = true;
         }
         Ok((0..nodes.len()).filter(|&i| !is_child[i]).collect())
+    }
+
+    /// The listed roots without repetitions, and without those that are below another root.
+    fn distinct(&mut self, mut roots: Vec<usize>) -> Vec<usize> {
+        let nodes = &self.document.as_json().nodes;
+        let (mut is_below, mut is_known) = (vec![false; nodes.len()], vec![false; nodes.len()]);
+        for &root in &roots {
+            let mut open = if is_below[root] { vec![] } else { vec![root] };
+            while let Some(node) = open.pop() {
+                for child in nodes[node].children.iter().flatten().map(gltf::json::Index::value) {
+                    // A root below itself is a fault, which the walk over the nodes reports.
+                    if child != root && !std::mem::replace(&mut is_below[child], true) {
+                        open.push(child);
+                    }
+                }
+            }
+        }
+        let listed = roots.len();
+        roots.retain(|&root| !is_below[root] && !std::mem::replace(&mut is_known[root], true));
+        if roots.len() < listed {
+            self.notes.warn(format!(
+                "{} roots of the scene are listed twice or are children of other nodes; each is \
+                 shown once, below its parent",
+                listed - roots.len()
+            ));
+        }
+        roots
     }
 
     /// Finds a scene. Names go first: a scene may be called "2".
