@@ -205,6 +205,64 @@ fn headers_have_marks_and_capitals_and_colours_may_be_bytes_in_floats() {
 }
 
 #[test]
+fn entries_come_in_any_order_under_any_name_and_share_lines() {
+    let points = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"];
+    let text = plain(&points, &["4 0 1 2 3", "3 0 1 2"]);
+    let expected = load("scan.ply", text.as_bytes()).unwrap().meshes;
+    let (head, body) = text.split_once("end_header\n").unwrap();
+    let (vertex, face) = head.split_at(head.find("element face").unwrap());
+    let format = vertex.find("element").unwrap();
+    let faces_first = format!(
+        "{}{face}{}end_header\n4 0 1 2 3\n3 0 1 2\n{}\n",
+        &vertex[..format],
+        &vertex[format..],
+        points.join("\n")
+    );
+    let ten_words = body.split_whitespace().collect::<Vec<_>>();
+    let ten_words: Vec<_> = ten_words.chunks(10).map(|words| words.join(" ")).collect();
+    for odd in [
+        faces_first,
+        format!("{head}end_header\n{}", body.replace('\n', " ")),
+        format!("{head}end_header\n{}", ten_words.join("\n")),
+        text.replace("vertex_index", "vertex_indexes"),
+        text.replace("vertex_index", "tri"),
+    ] {
+        let scene = load("scan.ply", odd.as_bytes()).unwrap();
+        assert_eq!(scene.meshes, expected, "{odd}");
+        let is_told = scene.notes.warnings.iter().any(|w| w.contains("counts as vertex_indices"));
+        assert_eq!(is_told, !odd.contains("vertex_index\n"), "{odd}");
+    }
+    // Surplus words still cost nothing.
+    let surplus = text.replace("0 0 0\n", "0 0 0 7 7 7\n").replace("3 0 1 2\n", "3 0 1 2 9 9\n");
+    assert_eq!(load("scan.ply", surplus.as_bytes()).unwrap().meshes, expected);
+}
+
+/// The Point Cloud Library packs the bytes of a colour into the bits of a float or an integer.
+#[test]
+fn packed_colors_are_unpacked() {
+    let header = HEADER.replace("quality", "quality\nproperty TYPE rgba");
+    let header = header.replace("property uchar ", "property uchar old_");
+    for format in FORMATS {
+        for (kind, pack) in [
+            ("float", (|bits| F32(f32::from_bits(bits))) as fn(u32) -> Value),
+            ("uint", U32),
+            ("int", |bits| I32(bits.cast_signed())),
+        ] {
+            // As a float it is not a number; text cannot hold that.
+            let bits = if format == "ascii" { 0x00c8_6400 } else { 0xffc8_6400 };
+            let mut rows = rows();
+            rows[1..6].iter_mut().for_each(|row| row.insert(4, pack(bits)));
+            let header = header.replace("TYPE", kind);
+            let scene = load("scan.ply", &file(format, &header, &rows)).unwrap();
+            let color = scene.meshes[0].colors[1];
+            let alpha = (bits >> 24) as f32 / 255.0;
+            let expected = glam::Vec4::new(0.5776, 0.1274, 0.0, alpha);
+            assert!((color - expected).length() < 1e-3, "{format} {kind}: {color}");
+        }
+    }
+}
+
+#[test]
 fn images_are_told() {
     let text = plain(&["0 0 0", "1 0 0", "0 1 0"], &["3 0 1 2"])
         .replace("1.0\n", "1.0\ncomment TextureFile my scan.png\n");

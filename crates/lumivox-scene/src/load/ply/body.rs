@@ -19,8 +19,13 @@ enum Use {
     Normal(usize),
     Uv(usize),
     Color(usize),
+    /// All channels in the bits of one number, and whether alpha is one of them.
+    Packed(bool),
     Nothing,
 }
+
+/// What makes triangles of the corners of an entry.
+type Add<'f> = fn(&mut Body<'f>, usize) -> Result<(), SceneError>;
 
 /// The state of reading the body.
 pub(super) struct Body<'f> {
@@ -37,6 +42,8 @@ pub(super) struct Body<'f> {
     corners: Vec<u32>,
     points: Vec<Vec3>,
     short_polygons: u64,
+    /// Corners of faces that come before the vertices: lists, each behind its length.
+    early: Vec<(Add<'f>, Vec<u32>)>,
 }
 
 /// A file that was read.
@@ -69,6 +76,7 @@ impl<'f> Body<'f> {
             corners: Vec::new(),
             points: Vec::new(),
             short_polygons: 0,
+            early: Vec::new(),
         }
     }
 
@@ -81,6 +89,16 @@ impl<'f> Body<'f> {
                 "face" => self.faces(element, source, Self::polygon)?,
                 "tristrips" => self.faces(element, source, Self::strip)?,
                 _ => skip(element, source)?,
+            }
+        }
+        for (add, lists) in std::mem::take(&mut self.early) {
+            let (mut rest, mut face) = (lists.as_slice(), 0);
+            while let [length, after @ ..] = rest {
+                let (corners, after) = after.split_at(*length as usize);
+                self.corners.clear();
+                self.corners.extend_from_slice(corners);
+                add(self, face)?;
+                (rest, face) = (after, face + 1);
             }
         }
         Ok(())
@@ -160,7 +178,8 @@ impl<'f> Body<'f> {
         }
         let normals = has(|u| if let Use::Normal(i) = u { Some(*i) } else { None }, 3);
         let uvs = has(|u| if let Use::Uv(i) = u { Some(*i) } else { None }, 2);
-        let colors = has(|u| if let Use::Color(i) = u { Some(*i) } else { None }, 3);
+        let colors = has(|u| if let Use::Color(i) = u { Some(*i) } else { None }, 3)
+            || uses.iter().any(|used| matches!(used, Use::Packed(_)));
         let count = usize::try_from(element.count).unwrap_or(usize::MAX);
         self.budget.spend(|| format!("its {count} vertices"), count, 0, colors)?;
 
@@ -182,6 +201,8 @@ impl<'f> Body<'f> {
             (used, bytes.map_or(color::Decoder::Float, color::Decoder::integers))
         });
         let decoders: Vec<(Use, color::Decoder)> = decoders.collect();
+        let byte = color::Decoder::integers(255);
+        let is_text = self.header.encoding == Encoding::Ascii;
         for _ in 0..count {
             source.begin()?;
             let (mut position, mut normal, mut uv) = (DVec3::ZERO, Vec3::ZERO, Vec2::ZERO);
@@ -192,13 +213,27 @@ impl<'f> Body<'f> {
                     skip_items(count, property, source)?;
                     continue;
                 }
-                let value = source.value(property.scalar)?;
+                // The bits of a packed colour, whatever type they have, may be no number.
+                let is_packed = matches!(used, Use::Packed(_)) && !is_text;
+                let scalar = if is_packed { Scalar::U32 } else { property.scalar };
+                let value = source.value(scalar)?;
                 match *used {
                     Use::Position(i) => position[i] = value,
                     Use::Normal(i) => normal[i] = value as f32,
                     Use::Uv(i) => uv[i] = value as f32,
                     Use::Color(3) => color[3] = decoder.linear(value),
                     Use::Color(i) => color[i] = decoder.color(value),
+                    Use::Packed(has_alpha) => {
+                        // Some write floats of text as the integers that their bits are.
+                        let is_float = is_text
+                            && property.scalar == Scalar::F32
+                            && !(1.0..=f64::from(u32::MAX)).contains(&value);
+                        let bits =
+                            if is_float { (value as f32).to_bits() } else { value as i64 as u32 };
+                        let [a, r, g, b] = bits.to_be_bytes().map(f64::from);
+                        let alpha = if has_alpha { byte.linear(a) } else { 1.0 };
+                        color = Vec4::new(byte.color(r), byte.color(g), byte.color(b), alpha);
+                    }
                     Use::Nothing => {}
                 }
             }
@@ -221,16 +256,28 @@ impl<'f> Body<'f> {
         &mut self,
         element: &Element,
         source: &mut S,
-        add: fn(&mut Self, usize) -> Result<(), SceneError>,
+        add: Add<'f>,
     ) -> Result<(), SceneError> {
-        let is_corners = |property: &Property| {
+        let find = |fits: fn(&Property) -> bool| element.properties.iter().position(fits);
+        let usual = find(|property| {
             property.list_count.is_some()
                 && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
-        };
-        let Some(corners) = element.properties.iter().position(is_corners) else {
+        });
+        let other = || find(|p| p.list_count.is_some() && p.scalar.largest().is_some());
+        let Some(corners) = usual.or_else(other) else {
             self.notes.warn(format!("its \"{}\" name no vertices and were skipped", element.name));
             return skip(element, source);
         };
+        if usual.is_none() {
+            self.notes.warn(format!(
+                "the list \"{}\" of its \"{}\" counts as vertex_indices",
+                element.properties[corners].name, element.name
+            ));
+        }
+        let is_early = self.mesh.positions.is_empty();
+        if is_early {
+            self.early.push((add, Vec::new()));
+        }
         self.warn_of_face_properties(element);
         let count = usize::try_from(element.count).unwrap_or(usize::MAX);
         // Three corners each, as far as the file could hold them.
@@ -260,7 +307,15 @@ impl<'f> Body<'f> {
                     let index = if index < 0.0 { u32::MAX } else { index as u32 };
                     self.corners.push(index);
                 }
-                add(self, face)?;
+                match self.early.last_mut().filter(|_| is_early) {
+                    Some((_, lists)) => {
+                        lists.push(self.corners.len() as u32);
+                        lists.append(&mut self.corners);
+                        let bytes = lists.len() as u64 * 4;
+                        self.budget.check(|| format!("face {face}"), bytes)?;
+                    }
+                    None => add(self, face)?,
+                }
             }
         }
         Ok(())
@@ -312,7 +367,7 @@ impl<'f> Body<'f> {
             None => Ok(()),
             Some(_) if count == 0 => Err(self.malformed(
                 &format!("{what} {number}"),
-                "faces come before the vertices that they use".to_owned(),
+                "it uses vertices, but the file has none".to_owned(),
             )),
             Some(&u32::MAX) => Err(self.malformed(
                 &format!("{what} {number}"),
@@ -395,6 +450,7 @@ fn vertex_use(property: &Property) -> Use {
         "green" | "g" | "diffuse_green" => Use::Color(1),
         "blue" | "b" | "diffuse_blue" => Use::Color(2),
         "alpha" | "a" | "diffuse_alpha" => Use::Color(3),
+        "rgb" | "rgba" if property.scalar.bytes() == 4 => Use::Packed(property.name == "rgba"),
         _ => Use::Nothing,
     }
 }

@@ -25,12 +25,26 @@ use header::{Encoding, Header};
 
 pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
     let crease_rad = options.crease_rad;
-    let budget = GeometryBudget::new(file, options.budget.geometry_bytes);
+    let geometry_bytes = options.budget.geometry_bytes;
     let (mut reader, length) = stream::open(file, options)?;
     let (header, head_bytes) = Header::read(file, &mut reader)?;
-    let mut body = body::Body::new(file, &header, budget, length.saturating_sub(head_bytes));
+    let new_body = || {
+        let budget = GeometryBudget::new(file, geometry_bytes);
+        body::Body::new(file, &header, budget, length.saturating_sub(head_bytes))
+    };
+    let mut body = new_body();
     match header.encoding {
-        Encoding::Ascii => body.read(&mut source::Text::new(file, reader, header.lines))?,
+        Encoding::Ascii => {
+            let lines = body.read(&mut source::Text::new(file, reader, header.lines, true));
+            if let Err(error) = lines {
+                // Entries may share lines: read again, with line breaks as blanks.
+                body = new_body();
+                let (mut reader, _) = stream::open(file, options)?;
+                Header::read(file, &mut reader)?;
+                let mut words = source::Text::new(file, reader, header.lines, false);
+                body.read(&mut words).map_err(|_| error)?;
+            }
+        }
         Encoding::LittleEndian => body.read(&mut source::Binary::<_, false>::new(file, reader))?,
         Encoding::BigEndian => body.read(&mut source::Binary::<_, true>::new(file, reader))?,
     }

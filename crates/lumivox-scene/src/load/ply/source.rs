@@ -19,14 +19,16 @@ pub(super) trait Source {
 /// Elements as lines of numbers.
 pub(super) struct Text<'f, R> {
     file: &'f Path,
+    /// Whether each element begins a line. Otherwise lines have no meaning.
+    in_lines: bool,
     lines: Lines<'f, R>,
     /// The used part of the line.
     at: usize,
 }
 
 impl<'f, R: BufRead> Text<'f, R> {
-    pub(super) fn new(file: &'f Path, reader: R, before: u64) -> Self {
-        Self { file, lines: Lines::new(file, reader, before), at: 0 }
+    pub(super) fn new(file: &'f Path, reader: R, before: u64, in_lines: bool) -> Self {
+        Self { file, in_lines, lines: Lines::new(file, reader, before), at: 0 }
     }
 
     fn advance(&mut self) -> Result<(), SceneError> {
@@ -48,6 +50,9 @@ impl<'f, R: BufRead> Text<'f, R> {
 impl<R: BufRead> Source for Text<'_, R> {
     /// Surplus words of a line are dropped, so that one bad line spoils only one element.
     fn begin(&mut self) -> Result<(), SceneError> {
+        if !self.in_lines {
+            return Ok(());
+        }
         self.advance()?;
         while self.lines.line().trim_ascii().is_empty() {
             self.advance()?;
