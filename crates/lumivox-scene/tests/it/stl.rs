@@ -216,6 +216,8 @@ fn words_that_end_something_may_be_two() {
         assert_roof(&scene);
         assert_eq!(scene.instances[0].name, name);
     }
+    let words = text("roof", &ROOF).replace("solid roof\n", "\n").replace(' ', "\n");
+    assert_roof(&load("part.stl", words.as_bytes()).unwrap());
     let comment = text("roof", &ROOF).replace("endloop", "endloop # a comment");
     assert_roof(&load("part.stl", comment.as_bytes()).unwrap());
 }

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use super::{MOST_SOLIDS, Reading, Solid};
 use crate::SceneError;
 use crate::load::polygon::Cutter;
-use crate::load::text::{Lines, keyword, numbers, readable, words};
+use crate::load::text::{Lines, keyword, number, readable, words};
 
 impl Reading<'_> {
     pub(super) fn ascii(&mut self, reader: impl BufRead) -> Result<Vec<Solid>, SceneError> {
@@ -18,6 +18,8 @@ impl Reading<'_> {
         let (mut facet, mut exact): (Vec<Vec3>, Vec<DVec3>) = Default::default();
         // Whether a facet, and a solid, have begun and not ended.
         let (mut in_facet, mut in_solid) = (false, false);
+        // A vertex, and how many numbers of it and of a normal are still to come.
+        let (mut place, mut missing, mut in_normal) = ([0.0; 3], 0, 0);
         while lines.advance()? {
             let (first, rest) = keyword(lines.line());
             let mut text = lines.line();
@@ -37,6 +39,22 @@ impl Reading<'_> {
             }
             let mut words = words(text);
             while let Some(word) = words.next() {
+                if missing > 0 {
+                    place[3 - missing] = number(word).ok_or_else(|| {
+                        lines.malformed(format!("\"{}\" is not a number", readable(word)))
+                    })?;
+                    missing -= 1;
+                    if missing == 0 {
+                        exact.push(DVec3::from_array(place));
+                    }
+                    continue;
+                }
+                // The winding gives the normal, too.
+                if in_normal > 0 && !word.eq_ignore_ascii_case(b"outer") {
+                    in_normal -= 1;
+                    continue;
+                }
+                in_normal = 0;
                 // Some write "end facet" for "endfacet".
                 let (ends, word) = match word.split_at_checked(3) {
                     Some((start, rest)) if start.eq_ignore_ascii_case(b"end") => (
@@ -51,8 +69,7 @@ impl Reading<'_> {
                     facet.clear();
                     exact.clear();
                 } else if is("vertex") && !ends {
-                    let place = numbers(&mut words).map_err(|reason| lines.malformed(reason))?;
-                    exact.push(DVec3::from_array(place));
+                    missing = 3;
                 } else if is("facet") {
                     in_facet = false;
                     if exact.len() < 3 {
@@ -80,10 +97,7 @@ impl Reading<'_> {
                     self.notes.warn("the colours of its facets were ignored".to_owned());
                     break;
                 } else if is("normal") && !ends {
-                    // The winding gives it, too.
-                    for _ in 0..3 {
-                        words.next();
-                    }
+                    in_normal = 3;
                 } else if !in_solid && !in_facet {
                     // Remarks around the solids.
                     break;
