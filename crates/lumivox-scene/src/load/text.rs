@@ -47,10 +47,14 @@ impl<'f, R: BufRead> Lines<'f, R> {
             self.is_wide = is_wide;
             self.line.drain(..self.line.len() - text.len());
         }
+        self.drop_zeros();
+        Ok(more)
+    }
+
+    fn drop_zeros(&mut self) {
         if self.is_wide {
             self.line.retain(|&byte| byte != 0);
         }
-        Ok(more)
     }
 
     /// The same, joined with the next line if it ends in a backslash.
@@ -66,6 +70,7 @@ impl<'f, R: BufRead> Lines<'f, R> {
             if !self.append()? {
                 break;
             }
+            self.drop_zeros();
         }
         Ok(more)
     }
@@ -103,6 +108,11 @@ impl<'f, R: BufRead> Lines<'f, R> {
                 self.number += u64::from(any);
                 return Ok(any);
             };
+            // The zero between the CR and the LF of UTF-16.
+            if self.after_return && self.is_wide && first == 0 {
+                self.reader.consume(1);
+                continue;
+            }
             // The second half of a CR LF.
             if std::mem::take(&mut self.after_return) && first == b'\n' {
                 self.reader.consume(1);

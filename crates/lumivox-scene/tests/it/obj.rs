@@ -121,6 +121,34 @@ fn vertices_have_colors() {
     assert!((colors[0].x - 1.0).abs() < 1e-5 && (colors[2].y - 0.2159).abs() < 1e-3);
 }
 
+/// `ZBrush` writes colours as comments, one word of eight digits for each vertex.
+#[test]
+fn comments_of_zbrush_are_colors() {
+    let paint = "# a comment\n#MRGB ffff0000FF00ff00\n";
+    let scene = read(&format!("{ROOF}{paint}#MRGB ff0000ff\nf 1 2 3\nf 4 3 2\n#MRGB 00808080ff"));
+    let expected = read(
+        "v -1 0 0 255 0 0\nv 0 0 1 0 255 0\nv 0 2 1 0 0 255\nv 1 0 0 128 128 128\nf 1 2 3\nf 4 3 2\n",
+    );
+    assert_eq!(scene.meshes, expected.meshes);
+    // More colours than vertices.
+    read(&format!("{paint}{ROOF}{}f 1 2 3\n", paint.repeat(9)));
+}
+
+#[test]
+fn faces_may_come_first() {
+    let rest = "vt 0 0\nvt 1 1\nvt 1 0\nvn 0 0 1\n";
+    let faces = "s 1\nf 1/1/1 2/2/1 3/3/1\ng b\ns off\nf 4/1 3/2 2/3\nf 1/1 2/2 3/3 4/1\n";
+    let expected = read(&format!("{ROOF}{rest}{faces}"));
+    for text in [format!("{faces}{ROOF}{rest}"), format!("{ROOF}{faces}s 7\ng c\n{rest}")] {
+        assert_eq!(read(&text).meshes.len(), expected.meshes.len());
+        assert_eq!(world_triangles(&read(&text)), world_triangles(&expected));
+        assert!(!warns(&read(&text), "do not exist"));
+    }
+    // Negative indices count from the line of their face.
+    let scene = read("v 0 0 0\nv 1 0 0\nf -2 -1 3\nv 0 1 0\nv 5 5 5\n");
+    assert_eq!(scene.bounds().max, Vec3::new(1.0, 1.0, 0.0));
+}
+
 #[test]
 fn what_is_left_out_is_told() {
     let scene = read(&format!(
@@ -166,9 +194,15 @@ fn vertices_without_a_colour_among_others_are_told() {
 
 #[test]
 fn capitals_and_marks_of_encodings_are_read() {
-    let text = format!("{ROOF}vn 0 0 1\nf 1//1 2//1 3//1\ns OFF\nf 1 2 4\n");
-    let wide = format!("\u{feff}{text}").encode_utf16().flat_map(u16::to_be_bytes).collect();
-    for odd in [text.to_uppercase().into_bytes(), format!("\u{feff}{text}").into_bytes(), wide] {
+    let text = format!("{ROOF}vn 0 0 1\nf 1//1 2//1 3//1\ns OFF\nf 1 2 \\\n 4\n");
+    let wide = |text: &str| {
+        let units: Vec<u16> = format!("\u{feff}{text}").encode_utf16().collect();
+        [u16::to_le_bytes, u16::to_be_bytes]
+            .map(|bytes| units.iter().copied().flat_map(bytes).collect())
+    };
+    let [[a, b], [c, d]] = [wide(&text), wide(&text.replace('\n', "\r\n"))];
+    let marked = format!("\u{feff}{text}").into_bytes();
+    for odd in [text.to_uppercase().into_bytes(), marked, a, b, c, d] {
         assert_eq!(load("house.obj", &odd).unwrap(), read(&text));
     }
 }

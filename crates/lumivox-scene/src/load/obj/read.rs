@@ -68,31 +68,64 @@ pub(super) fn read(
             }
             None => first,
         };
-        match state.statement(first, rest) {
-            Ok(()) => {}
-            Err(Fault::Text(reason)) => return Err(lines.malformed(reason)),
-            Err(Fault::Index { index, count }) => {
-                return Err(SceneError::IndexOutOfRange {
-                    file: file.to_owned(),
-                    part: format!("a corner of line {}", lines.number()),
-                    index,
-                    count,
-                    target: "vertices before it",
-                });
-            }
-        }
+        state
+            .statement(first, rest, lines.number())
+            .map_err(|fault| fault.of_line(file, lines.number()))?;
         if lines.number().is_multiple_of(65_536) {
             budget.check(|| format!("line {}", lines.number()), state.bytes())?;
         }
     }
     budget.check(|| "its last line".to_owned(), state.bytes())?;
+    for late in std::mem::take(&mut state.late) {
+        (state.submesh, state.smoothing) = (Some(late.submesh), late.smoothing);
+        state.counts_before = Some(late.counts);
+        state.face(&late.rest, late.line).map_err(|fault| fault.of_line(file, late.line))?;
+    }
+    budget.check(|| "its last faces".to_owned(), state.bytes())?;
     state.warn(notes);
     Ok(state.model)
 }
 
 enum Fault {
     Text(String),
-    Index { index: usize, count: usize },
+    Index {
+        index: usize,
+        count: usize,
+    },
+    /// A face names something that may come later in the file.
+    Later,
+}
+
+impl Fault {
+    fn of_line(self, file: &Path, line: u64) -> SceneError {
+        let file = file.to_owned();
+        let reason = match self {
+            Self::Index { index, count } => {
+                let part = format!("a corner of line {line}");
+                return SceneError::IndexOutOfRange {
+                    file,
+                    part,
+                    index,
+                    count,
+                    target: "vertices",
+                };
+            }
+            Self::Text(reason) => reason,
+            Self::Later => "it names something that does not exist".to_owned(),
+        };
+        SceneError::Malformed { file, part: format!("line {line}"), reason }
+    }
+}
+
+/// A face that names something behind it in the file, with the state at its line.
+struct Late {
+    line: u64,
+    rest: Vec<u8>,
+    submesh: usize,
+    smoothing: Option<Normal>,
+    /// The numbers of positions, texture coordinates and normals, from which negative indices
+    /// count back.
+    counts: [usize; 3],
 }
 
 impl From<String> for Fault {
@@ -123,6 +156,13 @@ struct State {
     cutter: Cutter,
     face: Vec<u32>,
     points: Vec<Vec3>,
+    /// Faces that are read at the end, and the bytes of their text.
+    late: Vec<Late>,
+    late_bytes: usize,
+    /// The counts of a face of `late` that is being read.
+    counts_before: Option<[usize; 3]>,
+    /// The number of colours in `ZBrush`'s comments so far.
+    painted: usize,
     skipped: Skipped,
 }
 
@@ -140,7 +180,7 @@ struct Skipped {
 }
 
 impl State {
-    fn statement(&mut self, first: &[u8], rest: &[u8]) -> Result<(), Fault> {
+    fn statement(&mut self, first: &[u8], rest: &[u8], line: u64) -> Result<(), Fault> {
         match first {
             b"v" => self.vertex(rest)?,
             b"vt" => self.texture_coordinate(rest)?,
@@ -149,7 +189,7 @@ impl State {
                 let normal = numbers(&mut words(rest))?;
                 self.model.normals.push(Vec3::from_array(normal));
             }
-            b"f" | b"fo" => self.face(rest)?,
+            b"f" | b"fo" => self.face(rest, line)?,
             b"o" => {
                 self.object = rest.to_vec();
                 self.group.clear();
@@ -186,6 +226,7 @@ impl State {
             | b"scrv" | b"sp" | b"end" | b"con" | b"mg" | b"ctech" | b"stech" | b"bevel"
             | b"c_interp" | b"d_interp" | b"lod" | b"bsp" | b"bzp" | b"cdc" | b"cdp" | b"res"
             | b"" => {}
+            b"#mrgb" => self.polypaint(rest),
             _ if first.starts_with(b"#") => {}
             other => {
                 let others = &mut self.skipped.others;
@@ -248,10 +289,36 @@ impl State {
         });
     }
 
-    fn face(&mut self, rest: &[u8]) -> Result<(), Fault> {
+    /// Colours of the next vertices in a comment of `ZBrush`: two hexadecimal digits each for a mask,
+    /// red, green and blue.
+    fn polypaint(&mut self, rest: &[u8]) {
+        let Model { positions, colors, .. } = &mut self.model;
+        for block in rest.chunks_exact(8) {
+            let number = std::str::from_utf8(block).ok().map(|text| u32::from_str_radix(text, 16));
+            let Some(Ok(number)) = number.filter(|_| self.painted < positions.len()) else {
+                return;
+            };
+            let [_, r, g, b] = number.to_be_bytes().map(f32::from);
+            colors.resize(colors.len().max(self.painted + 1), Vec3::NAN);
+            colors[self.painted] = Vec3::new(r, g, b) / 255.0;
+            self.painted += 1;
+        }
+    }
+
+    fn face(&mut self, rest: &[u8], line: u64) -> Result<(), Fault> {
         self.face.clear();
         for word in words(rest) {
-            let corner = self.corner(word)?;
+            let corner = match self.corner(word) {
+                Err(Fault::Later) => {
+                    let submesh = self.submesh.unwrap_or_else(|| self.start_submesh());
+                    let (rest, smoothing) = (rest.to_vec(), self.smoothing);
+                    let counts = self.counts();
+                    self.late_bytes += size_of::<Late>() + rest.len();
+                    self.late.push(Late { line, rest, submesh, smoothing, counts });
+                    return Ok(());
+                }
+                corner => corner?,
+            };
             self.face.push(self.model.corners.number(corner));
         }
         if self.model.corners.len() >= Corner::NONE as usize {
@@ -287,8 +354,16 @@ impl State {
         let mut parts = word.split(|&byte| byte == b'/');
         let bad = || Fault::Text(format!("\"{}\" is not a corner of a face", readable(word)));
         let index = integer(parts.next().unwrap_or_default()).ok_or_else(bad)?;
-        let count = self.model.positions.len();
-        let position = resolve(index, count).ok_or(match index {
+        let counts = self.counts();
+        let before = self.counts_before.unwrap_or(counts);
+        let may_come = |index: i64, count: usize| {
+            self.counts_before.is_none() && usize::try_from(index).is_ok_and(|index| index > count)
+        };
+        let count = counts[0];
+        if may_come(index, count) {
+            return Err(Fault::Later);
+        }
+        let position = resolve(index, count, before[0]).ok_or(match index {
             0 => Fault::Text("it uses vertex 0, but vertices are counted from 1".to_owned()),
             _ => Fault::Index {
                 index: usize::try_from(index.unsigned_abs()).unwrap_or(usize::MAX),
@@ -296,21 +371,30 @@ impl State {
             },
         })?;
         // An invalid index is ignored here: a picture without it is better than none.
-        let mut other = |count: usize, lost: &mut u64| match parts.next() {
-            None | Some([]) => Ok(None),
+        let mut other = |list: usize| match parts.next() {
+            None | Some([]) => Ok((None, 0)),
             Some(part) => {
-                let found = resolve(integer(part).ok_or_else(bad)?, count);
-                *lost += u64::from(found.is_none());
-                Ok::<_, Fault>(found)
+                let index = integer(part).ok_or_else(bad)?;
+                if may_come(index, counts[list]) {
+                    return Err(Fault::Later);
+                }
+                let found = resolve(index, counts[list], before[list]);
+                Ok((found, u64::from(found.is_none())))
             }
         };
-        let uv = other(self.model.uvs.len(), &mut self.skipped.lost_uvs)?;
-        let normal = other(self.model.normals.len(), &mut self.skipped.lost_normals)?;
+        let ((uv, lost_uv), (normal, lost_normal)) = (other(1)?, other(2)?);
+        self.skipped.lost_uvs += lost_uv;
+        self.skipped.lost_normals += lost_normal;
         Ok(Corner {
             position,
             uv: uv.unwrap_or(Corner::NONE),
             normal: normal.map_or(self.smoothing.unwrap_or(Normal::FLAT), Normal::given),
         })
+    }
+
+    /// The numbers of positions, texture coordinates and normals so far.
+    fn counts(&self) -> [usize; 3] {
+        [self.model.positions.len(), self.model.uvs.len(), self.model.normals.len()]
     }
 
     /// The submesh for the current names.
@@ -345,7 +429,7 @@ impl State {
         let lists = (model.positions.len() + model.colors.len() + model.normals.len()) * 12
             + model.uvs.len() * 8
             + model.corners.len() * 16;
-        lists as u64 + self.triangles * 12
+        (lists + self.late_bytes) as u64 + self.triangles * 12
     }
 
     fn warn(&self, notes: &mut Notes) {
@@ -434,9 +518,10 @@ fn integer(word: &[u8]) -> Option<i64> {
     Some(if negative { -value } else { value })
 }
 
-/// The place in a list of an index that counts from 1, or backwards from -1.
-fn resolve(index: i64, count: usize) -> Option<u32> {
+/// The place in a list of an index that counts from 1, or backwards from -1 at the end of the first
+/// `before`.
+fn resolve(index: i64, count: usize, before: usize) -> Option<u32> {
     let count = count as i64;
-    let from_zero = if index < 0 { count + index } else { index - 1 };
+    let from_zero = if index < 0 { before as i64 + index } else { index - 1 };
     (0..count).contains(&from_zero).then(|| u32::try_from(from_zero).ok())?
 }
