@@ -10,6 +10,16 @@ pub(super) fn srgb_from_linear(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
+/// Converts from CIE 1931 XYZ to linear sRGB.
+#[cfg(any(feature = "obj", feature = "panoramas"))]
+pub(crate) fn rgb_from_xyz(xyz: glam::Vec3) -> glam::Vec3 {
+    glam::Mat3::from_cols(
+        glam::Vec3::new(3.2406, -0.9689, 0.0557),
+        glam::Vec3::new(-1.5372, 1.8758, -0.2040),
+        glam::Vec3::new(-0.4986, 0.0415, 1.0570),
+    ) * xyz
+}
+
 /// Converts the numbers of a file to linear channels.
 pub(super) enum Decoder {
     /// Floats are linear.

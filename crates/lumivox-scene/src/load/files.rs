@@ -188,7 +188,7 @@ fn check_path(path: &str, anywhere: bool) -> Result<PathBuf, String> {
 
 /// Replaces `%41` by `A` and so on (RFC 3986, section 2.1). A percent sign without two hexadecimal
 /// digits is itself.
-fn decode_percent(text: &str) -> Vec<u8> {
+pub(super) fn decode_percent(text: &str) -> Vec<u8> {
     let text = text.as_bytes();
     let digit = |at: usize| text.get(at).and_then(|&byte| char::from(byte).to_digit(16));
     let mut bytes = Vec::with_capacity(text.len());

@@ -4,7 +4,8 @@
 //! with the whole path of a folder that is not here. The search goes in this order: the path as it
 //! is; the same path in any case; and the path without its first folders, down to the bare name,
 //! below each of some folders, such as those of the file that names it and of the scene. All of it
-//! is then tried without quotation marks and without a comment behind the name.
+//! is then tried without quotation marks and without a comment behind the name, and with the
+//! escapes of URIs (`%20`) decoded.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -24,11 +25,13 @@ pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Pa
         return Err(format!("\"{}\" is too long for a path", readable(name)));
     }
     let found = find_spelling(beside, name, reach);
+    // Some programs write names as URIs.
     let bare = bare(name);
-    if found.is_ok() || bare == name {
-        return found;
-    }
-    find_spelling(beside, bare, reach).or(found)
+    let unescaped = std::str::from_utf8(bare).map(files::decode_percent).unwrap_or_default();
+    let others = [bare, &unescaped].into_iter().filter(|other| !other.is_empty() && *other != name);
+    others.fold(found, |found, other| {
+        found.or_else(|why| find_spelling(beside, other, reach).or(Err(why)))
+    })
 }
 
 /// A name without a comment behind it and without quotation marks around it.

@@ -4,7 +4,7 @@
 //! exist before memory is allocated, indices before they are used, paths before they are followed.
 
 mod arrays;
-mod color;
+pub(crate) mod color;
 mod extensions;
 mod files;
 mod find;

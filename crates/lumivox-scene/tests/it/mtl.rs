@@ -240,6 +240,7 @@ fn what_exists_decides_between_names() {
 fn images_have_options_before_and_behind() {
     let files = [("a b.png", dot([9, 9, 9, 255]))];
     for line in [
+        "map_Kd -s 2 2 1 a%20b.png",
         "map_Kd a b.png -s 2 2 1",
         "map_Kd -s 2 2 1 \"a b.png\" # wood",
         "map_Kd -rotate 90 -s 2 2 1 a b.png",
@@ -303,6 +304,22 @@ fn bumps_are_normals_or_heights() {
     // With a normal map tangents follow the image.
     let tangent = scene.meshes[0].tangents[0];
     assert!((tangent.truncate() - Vec3::X).length() < 1e-6, "{tangent}");
+}
+
+#[test]
+fn what_replaces_missing_numbers_is_told() {
+    for (text, diffuse, words) in [
+        ("Ka 0.8 0.1 0.2", Vec3::new(0.8, 0.1, 0.2), "Ka is its diffuse colour"),
+        ("Ka 1 1 1", Vec3::splat(0.5), ""),
+        ("Kd 1 1 1\nNi 1.5\nillum 7\nd 1", Vec3::ONE, "1 materials are glass by their illum"),
+        ("Kd 1 1 1\nNi 1\nillum 4", Vec3::ONE, ""),
+        ("Kd 1 1 1\nillum 9\nd 0.3", Vec3::ONE, ""),
+    ] {
+        let scene = with(text, &[]);
+        assert_eq!(phong(&scene).diffuse, diffuse, "{text}");
+        assert_eq!(scene.notes.warnings.is_empty(), words.is_empty(), "{text}");
+        assert!(words.is_empty() || warns(&scene, words), "{:?}", scene.notes.warnings);
+    }
 }
 
 #[test]

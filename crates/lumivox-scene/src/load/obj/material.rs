@@ -2,7 +2,8 @@
 //!
 //! With `Pr`, `Pm` or another key of physically-based materials the surface has metalness and
 //! roughness; otherwise it is Phong's, with `Ks` limited to the share that `Kd` leaves, so that no
-//! surface reflects more than it receives. `Ka` has no meaning where ambient light is computed.
+//! surface reflects more than it receives. `Ka` only counts in place of a missing `Kd`, since ambient
+//! light is computed.
 //! Colours are linear, as reflectivities ("the diffuse reflectivity using RGB values"). MTL has no
 //! unit of light: `Ke` 1 is 1 cd/m², like glTF's emissive factor.
 
@@ -37,9 +38,11 @@ pub(super) struct Materials<'s, 'o> {
     options: &'s mut LoadOptions<'o>,
     /// Materials by name; without a name, by whether vertices have colours.
     known: HashMap<(Option<Vec<u8>>, bool), usize>,
-    /// The number of images so far, and of limited materials.
+    /// The number of images so far, and of materials with a limited `Ks`.
     images: u64,
     limited: u64,
+    /// The number of opaque materials whose `illum` is one of glass.
+    opaque_glass: u64,
 }
 
 impl<'s, 'o> Materials<'s, 'o> {
@@ -51,7 +54,8 @@ impl<'s, 'o> Materials<'s, 'o> {
     ) -> Self {
         let textures = Textures::new(options.budget.texture_bytes, reach);
         let known = HashMap::new();
-        Self { file, reach, definitions, textures, options, known, images: 0, limited: 0 }
+        let (images, limited, opaque_glass) = (0, 0, 0);
+        Self { file, reach, definitions, textures, options, known, images, limited, opaque_glass }
     }
 
     /// The scene's number of a material; `colored` says whether the vertices have colours, which
@@ -96,6 +100,13 @@ impl<'s, 'o> Materials<'s, 'o> {
                 self.limited
             ));
         }
+        if self.opaque_glass > 0 {
+            notes.warn(format!(
+                "{} materials are glass by their illum (4, 6, 7 or 9), but not by their d, and are \
+                 shown opaque; set d below 1 to see through them",
+                self.opaque_glass
+            ));
+        }
         self.textures.warn(notes);
     }
 
@@ -116,6 +127,10 @@ impl<'s, 'o> Materials<'s, 'o> {
         let (emissive, emissive_texture) = this.emission();
         let (normal_texture, normal_scale) = this.normals();
         let illumination = mtl.scalar(Scalar::Illumination);
+        // Maya writes illum 4 and Ni 1 for all materials.
+        let is_glass = [4.0, 6.0, 7.0, 9.0].contains(&illumination.unwrap_or_default())
+            && mtl.scalar(Scalar::Ior) != Some(1.0);
+        this.own.opaque_glass += u64::from(is_glass && alpha == AlphaMode::Opaque);
 
         let mut material = Material {
             emissive,
@@ -233,7 +248,14 @@ impl Conversion<'_, '_, '_> {
             }
             Some(diffuse) => self.unit_color(diffuse, "Kd"),
             None if has_texture => Vec3::ONE,
-            None => Vec3::splat(NO_DIFFUSE),
+            None => match self.mtl.ambient {
+                // Exporters write 0 and 1 for "unknown".
+                Some(ambient) if ambient != Vec3::ZERO && ambient != Vec3::ONE => {
+                    self.warn("it has Ka and no Kd; Ka is its diffuse colour");
+                    self.unit_color(ambient, "Ka")
+                }
+                _ => Vec3::splat(NO_DIFFUSE),
+            },
         }
     }
 

@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use super::map::Map;
 use crate::SceneError;
+use crate::load::color::rgb_from_xyz;
 use crate::load::files::Reach;
 use crate::load::find::{bare, find};
 use crate::load::text::{Lines, keyword, number, numbers, readable, words};
@@ -28,6 +29,7 @@ pub(super) struct Library {
 pub(super) struct Mtl {
     /// The file that contains it.
     pub(super) file: PathBuf,
+    pub(super) ambient: Option<Vec3>,
     pub(super) diffuse: Option<Vec3>,
     pub(super) specular: Option<Vec3>,
     pub(super) emission: Option<Vec3>,
@@ -169,6 +171,7 @@ impl Mtl {
     ) -> Result<(), String> {
         let first = first.to_ascii_lowercase();
         match first.as_slice() {
+            b"ka" => self.ambient = color(rest).ok(),
             b"kd" => self.diffuse = Some(color(rest)?),
             b"ks" => self.specular = Some(color(rest)?),
             b"ke" => self.emission = Some(color(rest)?),
@@ -201,7 +204,7 @@ impl Mtl {
             b"map_ps" => self.map_statement(Slot::Sheen, rest, exists)?,
             // This program computes ambient light, and every exporter writes both keys. The
             // sharpness of reflections and anti-aliasing are not properties of surfaces.
-            b"ka" | b"map_ka" | b"sharpness" | b"map_aat" => {}
+            b"map_ka" | b"sharpness" | b"map_aat" => {}
             b"tf" if color(rest) == Ok(Vec3::ONE) => {}
             b"aniso" | b"anisor" if number(rest) == Some(0.0) => {}
             b"tf" => return Err("filters of transmitted light are not supported".to_owned()),
@@ -294,13 +297,4 @@ fn color(rest: &[u8]) -> Result<Vec3, String> {
         return Err("its numbers are not finite".to_owned());
     }
     Ok(if xyz { rgb_from_xyz(color) } else { color })
-}
-
-/// Converts from CIE 1931 XYZ to linear sRGB (IEC 61966-2-1:1999).
-fn rgb_from_xyz(xyz: Vec3) -> Vec3 {
-    glam::Mat3::from_cols(
-        Vec3::new(3.2406, -0.9689, 0.0557),
-        Vec3::new(-1.5372, 1.8758, -0.2040),
-        Vec3::new(-0.4986, 0.0415, 1.0570),
-    ) * xyz
 }
