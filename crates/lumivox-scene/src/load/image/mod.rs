@@ -1,8 +1,9 @@
 //! Image files of any format: their size without decoding, and their texels.
 //!
-//! The first bytes decide the format, since declared types are often wrong; only Targa, which has
-//! no signature, is recognized by the file's extension. KTX2 belongs to glTF's feature. A size for which the file is too short is
-//! refused before memory is allocated: a few bytes can claim a gigabyte.
+//! The first bytes decide the format, since declared types are often wrong; Targa, which has no
+//! signature, is recognized by the file's extension, or by a plausible header. KTX2 belongs to
+//! glTF's feature. A size for which the file is too short is refused before memory is allocated: a
+//! few bytes can claim a gigabyte.
 
 mod board;
 #[cfg(feature = "gltf")]
@@ -31,6 +32,9 @@ const FREE_TEXELS: u64 = 4 << 20;
 /// from two bits), and a byte of a one-bit PNG holds eight texels; the other formats stay below
 /// that in real pictures.
 const MOST_TEXELS_A_BYTE: u64 = 16_384;
+
+/// The last chunk of a PNG file.
+const PNG_END: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
 
 /// The bytes that tell a format and a size of KTX2; its header is the longest.
 const START_BYTES: usize = 80;
@@ -135,7 +139,13 @@ pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Faul
         #[cfg(feature = "gltf")]
         Format::Ktx2 => ktx2::decode(&bytes).map_err(of_ktx2)?,
         Format::Plain(format) => {
-            let image = reader(Cursor::new(bytes.as_ref()), format).decode()?.into_rgba8();
+            let mut image = reader(Cursor::new(bytes.as_ref()), format).decode();
+            if image.is_err() && format == ImageFormat::Png {
+                // All texels may be there, and only the end missing.
+                let bytes = [bytes.as_ref(), PNG_END].concat();
+                image = reader(Cursor::new(bytes), format).decode().or(image);
+            }
+            let image = image?.into_rgba8();
             Pixels { width: image.width(), height: image.height(), rgba8: image.into_raw() }
         }
     };
@@ -168,6 +178,9 @@ fn header_of(
     let mut start = Vec::with_capacity(START_BYTES);
     input.by_ref().take(START_BYTES as u64).read_to_end(&mut start).map_err(Fault::Unreadable)?;
     input.rewind().map_err(Fault::Unreadable)?;
+    if start.is_empty() {
+        return Err(Fault::Bad("it is empty".to_owned(), BROKEN));
+    }
     let (format, width, height) = match &start {
         #[cfg(feature = "gltf")]
         start if ktx2::is_ktx2(start) => {
@@ -201,7 +214,7 @@ fn plain_format(start: &[u8], path: Option<&Path>) -> Result<ImageFormat, Fault>
     let is_targa = || path.and_then(Path::extension).is_some_and(|e| e.eq_ignore_ascii_case("tga"));
     let format = match image::guess_format(start) {
         Ok(format) => format,
-        Err(_) if is_targa() => ImageFormat::Tga,
+        Err(_) if is_targa() || has_targa_header(start) => ImageFormat::Tga,
         Err(error) => return Err(error.into()),
     };
     if format.reading_enabled() {
@@ -209,6 +222,13 @@ fn plain_format(start: &[u8], path: Option<&Path>) -> Result<ImageFormat, Fault>
     }
     let reason = format!("the format {} is not read", format.extensions_str()[0]);
     Err(Fault::Bad(reason, OF_ANOTHER_KIND))
+}
+
+/// Whether the bytes begin like Targa: a colour map or not, the kind of texels, and their bits.
+fn has_targa_header(start: &[u8]) -> bool {
+    let kind = start.get(1).zip(start.get(2));
+    matches!(kind, Some((0, 2 | 3 | 10 | 11) | (1, 1 | 9)))
+        && matches!(start.get(16), Some(8 | 15 | 16 | 24 | 32))
 }
 
 fn reader<R: BufRead + Seek>(input: R, format: ImageFormat) -> ImageReader<R> {
@@ -239,8 +259,11 @@ mod tests {
             image::Rgba([x as u8 * 80, y as u8 * 90, 7, 200 + x as u8])
         });
         let image = image::DynamicImage::from(image);
-        for format in [ImageFormat::Png, ImageFormat::WebP] {
-            let bytes = encode(&image, format);
+        for format in [ImageFormat::Png, ImageFormat::WebP, ImageFormat::Tga] {
+            let mut bytes = encode(&image, format);
+            if format == ImageFormat::Png {
+                bytes.truncate(bytes.len() - PNG_END.len());
+            }
             let header = header(&memory(&bytes)).unwrap();
             assert_eq!((header.width, header.height), (3, 2));
             let pixels = decode(&memory(&bytes), header).unwrap();
@@ -272,7 +295,7 @@ mod tests {
     #[test]
     fn what_is_no_image_is_said() {
         for (bytes, remedy) in [
-            (&b""[..], OF_ANOTHER_KIND),
+            (&b""[..], BROKEN),
             (b"hello", OF_ANOTHER_KIND),
             (b"GIF89a no picture", OF_ANOTHER_KIND),
             // It is a PNG: another one would be as broken.
