@@ -8,14 +8,15 @@ use image::codecs::hdr::HdrDecoder;
 
 use super::load::{Fault, check_size};
 use crate::EnvironmentMap;
+use crate::load::color::rgb_from_xyz;
 
 pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
-    let (bytes, is_upside_down, is_mirrored) = turned(bytes);
+    let (bytes, [is_upside_down, is_mirrored, has_columns], is_xyz) = plain(bytes);
     let bytes = &*bytes;
     // The strict mode would refuse the signature `#?RGBE`, which many programs write.
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes)).map_err(Fault::broken)?;
     let meta = decoder.metadata();
-    let (width, height) = (meta.width, meta.height);
+    let (mut width, mut height) = (meta.width, meta.height);
     check_size(width.into(), height.into(), bytes.len())?;
 
     let mut rgb = vec![[0.0_f32; 3]; width as usize * height as usize];
@@ -24,6 +25,17 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
     let channels = raw.chunks_exact(4).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
     for (channel, value) in rgb.iter_mut().flatten().zip(channels) {
         *channel = value;
+    }
+    if has_columns {
+        let texels = std::mem::take(&mut rgb);
+        let column = |x: u32| texels.iter().skip(x as usize).step_by(width as usize);
+        rgb = (0..width).flat_map(column).copied().collect();
+        (width, height) = (height, width);
+    }
+    if is_xyz {
+        for texel in &mut rgb {
+            *texel = rgb_from_xyz((*texel).into()).into();
+        }
     }
     if is_upside_down {
         // Both ways round at once, then the rows back.
@@ -55,18 +67,27 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
     Ok(map)
 }
 
-/// The picture as if its rows ran down and to the right, the one order that the decoder knows, and
-/// whether they run up and to the left. The line behind the header says so.
-fn turned(bytes: &[u8]) -> (Cow<'_, [u8]>, bool, bool) {
+/// The picture with the header of the one kind that the decoder knows: rows that run down and to the
+/// right, of red, green and blue. Also whether its rows run up, or to the left, or are columns; and
+/// whether its colours are CIE XYZ.
+fn plain(bytes: &[u8]) -> (Cow<'_, [u8]>, [bool; 3], bool) {
     let begin = bytes.windows(2).position(|pair| pair == b"\n\n").map_or(0, |at| at + 2);
     let line = bytes[begin..].split(|&byte| byte == b'\n').next().unwrap_or_default();
-    let find = |axis: &[u8; 2]| line.windows(2).position(|pair| pair == axis);
-    let (up, left) = (find(b"+Y"), find(b"-X"));
-    let mut bytes = Cow::Borrowed(bytes);
-    for (at, sign) in [(up, b'-'), (left, b'+')] {
-        if let Some(at) = at {
-            bytes.to_mut()[begin + at] = sign;
+    // The line behind the header has a sign before each axis.
+    let axis = |letter| line.iter().position(|&byte| byte == letter)?.checked_sub(1);
+    let xyze = bytes[..begin].windows(22).position(|text| text == b"FORMAT=32-bit_rle_xyze");
+    let mut layout = [false; 3];
+    let mut plain = Cow::Borrowed(bytes);
+    if let Some(at) = xyze {
+        plain.to_mut()[at + 18..at + 22].copy_from_slice(b"rgbe");
+    }
+    if let (Some(x), Some(y)) = (axis(b'X'), axis(b'Y')) {
+        layout = [line[y] == b'+', line[x] == b'-', x < y];
+        if layout.contains(&true) {
+            for (at, axis) in [(x.min(y), b"-Y"), (x.max(y), b"+X")] {
+                plain.to_mut()[begin + at..begin + at + 2].copy_from_slice(axis);
+            }
         }
     }
-    (bytes, up.is_some(), left.is_some())
+    (plain, layout, xyze.is_some())
 }

@@ -3,18 +3,22 @@
 
 use crate::EnvironmentMap;
 
+/// The largest value that can be a radiance: 600 000 times that of the sun in cd/m². Larger ones are
+/// overflows, and would outshine all else.
+const MOST: f32 = 1e15;
+
 impl EnvironmentMap {
-    /// Sets negative and NaN channels to 0 and infinite ones to the largest finite value of the
+    /// Sets negative and NaN channels to 0 and infinite ones to the largest possible value of the
     /// picture, with a warning for each kind.
     pub(super) fn repair(&mut self) {
         let channels = || self.rgb.iter().flatten().copied();
-        let most = channels().filter(|c| c.is_finite()).fold(0.0, f32::max);
+        let most = channels().filter(|c| *c <= MOST).fold(0.0, f32::max);
         let (mut negative, mut unknown, mut infinite) = (0_usize, 0_usize, 0_usize);
         for channel in self.rgb.iter_mut().flatten() {
             if channel.is_nan() {
                 unknown += 1;
                 *channel = 0.0;
-            } else if *channel == f32::INFINITY {
+            } else if *channel > MOST {
                 infinite += 1;
                 *channel = most;
             } else if *channel < 0.0 {
@@ -31,6 +35,6 @@ impl EnvironmentMap {
         };
         tell(negative, "negative", "0");
         tell(unknown, "undefined (NaN)", "0");
-        tell(infinite, "infinite", &format!("{most}, the largest finite one"));
+        tell(infinite, "infinite or far too large", &format!("{most}, the largest other one"));
     }
 }
