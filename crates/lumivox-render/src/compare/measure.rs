@@ -22,6 +22,8 @@ pub struct RenderedLayers {
     pub full: LinearPicture,
     /// The picture, in cd/m².
     pub picture: LinearPicture,
+    /// The same after its first frame.
+    pub first_frame: LinearPicture,
     /// The cost of a frame.
     pub cost: Cost,
 }
@@ -46,6 +48,9 @@ pub struct LayerFigures {
     /// The picture.
     #[serde(rename = "final")]
     pub picture: Option<ErrorFigures>,
+    /// The picture after its first frame.
+    #[serde(default)]
+    pub first_frame: Option<ErrorFigures>,
 }
 
 /// Renders the layers of a scene. The view of the settings does not matter; `progress` is called
@@ -67,6 +72,8 @@ pub async fn render_layers(
     let full = irradiance(&renderer.render(progress).await?.into());
     renderer.set_view(View::Final, 0)?;
     let start = Instant::now();
+    renderer.render_frame().await?;
+    let first_frame = LinearPicture::from(&renderer.finish().await?);
     let picture = LinearPicture::from(&renderer.render(progress).await?);
     let frame_ms = start.elapsed().as_secs_f64() * 1e3 / f64::from(settings.frames);
     renderer.set_view(View::Cost, 0)?;
@@ -76,7 +83,7 @@ pub async fn render_layers(
     let samples = renderer.finish().await?.hdr;
     let sum: f64 = samples.iter().map(|pixel| f64::from(pixel[0])).sum();
     let cost = Cost { frame_ms, samples_per_pixel: sum / samples.len() as f64 };
-    Ok(RenderedLayers { one_bounce, full, picture, cost })
+    Ok(RenderedLayers { one_bounce, full, picture, first_frame, cost })
 }
 
 /// Converts the view, which shows irradiance / pi.
@@ -120,6 +127,11 @@ impl LayerFigures {
             )?,
             full: figures(&reference.full, &reference.full_variance, &ours.full)?,
             picture: figures(&reference.radiance, &reference.radiance_variance, &ours.picture)?,
+            first_frame: figures(
+                &reference.radiance,
+                &reference.radiance_variance,
+                &ours.first_frame,
+            )?,
         })
     }
 
@@ -133,6 +145,7 @@ impl LayerFigures {
             one_bounce: mean(|figures| figures.one_bounce),
             full: mean(|figures| figures.full),
             picture: mean(|figures| figures.picture),
+            first_frame: mean(|figures| figures.first_frame),
         }
     }
 }

@@ -46,6 +46,8 @@ pub(crate) struct Staged {
     buffer: Buffer,
     stages: Buffer,
     next: u64,
+    /// A device that was lost before gives none, and `Queue::write_buffer` would panic.
+    exists: bool,
 }
 
 impl Staged {
@@ -56,9 +58,14 @@ impl Staged {
             label: Some("stages of a buffer"),
             size: STAGES * buffer.size(),
             usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
+            mapped_at_creation: true,
         };
-        Self { stages: Buffer::new(device, &descriptor), buffer, next: 0 }
+        let stages = Buffer::new(device, &descriptor);
+        let exists = stages.get_mapped_range_mut(..).is_ok();
+        if exists {
+            stages.unmap();
+        }
+        Self { stages, buffer, next: 0, exists }
     }
 
     /// The buffer that shaders read.
@@ -68,6 +75,9 @@ impl Staged {
 
     /// Sets the first bytes for what is recorded from here on.
     pub fn set(&mut self, recorder: &mut Recorder<'_>, bytes: &[u8]) {
+        if !self.exists {
+            return;
+        }
         let place = self.next * self.buffer.size();
         recorder.queue().write_buffer(&self.stages, place, bytes);
         recorder.copy((&self.stages, place), (&self.buffer, 0), bytes.len() as u64);

@@ -41,6 +41,10 @@ fn a_device_may_be_lost_in_the_middle_of_a_frame() {
             if frame == 5 {
                 device.destroy();
             }
+            if frame == 8 {
+                // What is made for it is made on a lost device.
+                geometry.batches[0].draws.extend([Draw::new(0, 6, 0); 40]);
+            }
             // Whatever is recorded after the loss is dropped.
             let lit = gi.light_frame(&mut recorder, &lights, None, &settings);
             recorder.submit();
