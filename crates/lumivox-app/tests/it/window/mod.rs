@@ -25,7 +25,7 @@ fn home() -> TempDir {
 }
 
 /// Small and quick.
-const QUICK: &str = "--resolution 32 --frames 2 --bounces 1";
+const QUICK: &str = "--preset fast --resolution 32 --frames 1 --bounces 1";
 
 fn is_red([r, g, b]: [f32; 3]) -> bool {
     r > 60.0 && r > 1.6 * g && r > 1.6 * b
