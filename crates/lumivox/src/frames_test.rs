@@ -242,7 +242,7 @@ fn a_frame_without_room_is_late_and_never_wrong() {
 
 /// A room, and in it a box of any size.
 fn growing(volume: VolumeKind) -> (Stage, impl Fn(f32) -> Geometry) {
-    let stage = Stage::with(volume, Vec3::new(1.0, 0.9, 1.0), 96);
+    let stage = Stage::with(volume, Vec3::new(1.0, 0.9, 1.0), 64);
     let half = Vec3::splat(0.5);
     let geometry = busy_room().fixed().room(-half, half, &lambert(0.6, 0.7)).build(&stage.device);
     let sized = move |size: f32| {

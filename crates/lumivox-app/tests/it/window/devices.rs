@@ -10,7 +10,8 @@ const SHARED: &str = "shared";
 
 /// The Cornell box, once it is complete. Pictures of one frame come in one step.
 fn open(display: &Display, home: &Path, device: &str) -> (Window, Seen) {
-    let line = "builtin:cornell --preset fast --resolution 32 --frames 1 --bounces 1 --window-device";
+    let line =
+        "builtin:cornell --preset fast --resolution 32 --frames 1 --bounces 1 --window-device";
     let mut window = Window::open(display, home, &format!("{line} {device}"));
     window.wait("Cornell box", |window| Some(window.picture()).filter(is_cornell));
     let seen = window.wait_rest();

@@ -118,7 +118,7 @@ fn first_frames_are_worth_keeping() {
     for (name, most) in [("spheres", 0.05), ("glow", 0.117)] {
         let scene = builtin(name);
         let camera = orbit(&scene, 0);
-        let truth = still(Preset::Balanced, &scene, &camera, 96);
+        let truth = still(Preset::Balanced, &scene, &camera, 32);
         let error = rmse_where_smooth(&still(Preset::Realtime, &scene, &camera, 1), &truth);
         assert!(error < most, "{name}: {error}");
     }

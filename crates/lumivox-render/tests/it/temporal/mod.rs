@@ -167,7 +167,7 @@ fn a_dimmed_lamp_is_followed() {
         light.color *= 0.7;
     }
     let before = many_frames(Preset::Fast, 96);
-    let after = still(Preset::Fast, &dimmed, &orbit(&lit, 0), 96);
+    let after = still(Preset::Fast, &dimmed, &orbit(&lit, 0), 48);
     let mut renderer = renderer(&gpu(), &lit, settings(Preset::Realtime));
     let known = (0..24).map(|_| frame(&mut renderer)).last().expect("at least one");
     pollster::block_on(renderer.set_lights(&dimmed, &mut |_| {})).expect("the same scene");
@@ -386,7 +386,7 @@ fn figures_are_sums_of_the_views() {
 /// Reflections of rooms are looked up where their images were: while a camera moves they are better than in a frame of one sample a
 /// pixel without a past, which leaves 0.34, and no darker.
 #[test]
-#[ignore = "slow: 146 frames of 240x136 pixels"]
+#[ignore = "slow: 82 frames of 240x136 pixels"]
 fn reflections_are_kept_in_motion() {
     let scene = builtin("lacquer");
     let size = UVec2::new(240, 136);
@@ -397,7 +397,7 @@ fn reflections_are_kept_in_motion() {
         renderer.set_camera(pose(24));
         (0..frames).map(|_| frame(&mut renderer)).last().expect("at least one")
     };
-    let truth = stood(Preset::Balanced, 96);
+    let truth = stood(Preset::Balanced, 32);
     let [first, still] = [1, 24].map(|frames| stood(Preset::Realtime, frames));
     let mut camera = renderer(&gpu(), &scene, own(Preset::Realtime));
     let moving = (0..=24).map(|step| {
