@@ -130,7 +130,8 @@ def test_motion_is_that_of_the_camera() -> None:
     local = np.stack([(2 * x - 64) / 48 * half, -(2 * y - 48) / 48 * half, -np.ones_like(x)], -1)
     rays = local @ axes / np.linalg.norm(local, axis=-1, keepdims=True)
     depth = second.layers["depth"][..., None]
-    is_surface = second.coverage[..., None] > 0
+    # Coverage is of all samples, layers of data are of the first one.
+    is_surface = depth > 0
     # The background is infinitely far away.
     ways = np.where(is_surface, np.array(cameras[1].position) + depth * rays - cameras[0].position, rays)
     place = ways @ former_axes.T

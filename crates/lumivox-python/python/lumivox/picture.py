@@ -18,7 +18,8 @@ class Picture:
 
     ``radiance`` is (H, W, 3) float32 in cd/m2, linear RGB with the primaries of sRGB. ``coverage``
     is (H, W) float32: the share of the pixel that shows a surface. ``layers`` has the layers that
-    were asked for. In a notebook the picture shows itself.
+    were asked for; those of data, such as depth, have one sample a frame, of one frame the pixel's
+    middle. In a notebook the picture shows itself.
     """
 
     def __init__(

@@ -162,8 +162,8 @@ impl Places {
     }
 }
 
-/// The places and directions of a CSV file, whose first line may name its columns. Fields are separated by commas, semicolons or tabs, and
-/// may be quoted, as spreadsheets write them.
+/// The places and directions of a CSV file, whose first line may name its columns. Fields are separated by tabs, semicolons, commas or
+/// blanks, whatever the first line has of these, and may be quoted, as spreadsheets write them.
 fn table(
     file: &Path,
     directions: [&str; 3],
@@ -179,13 +179,13 @@ fn table(
         !line.starts_with("sep=")
             && line.contains(|c: char| !c.is_whitespace() && !",;\"".contains(c))
     });
-    let separator = [',', ';', '\t'].into_iter().find(|&separator| {
+    // Where others separate, commas are those of decimals.
+    let separator = ['\t', ';', ',', ' '].into_iter().find(|&separator| {
         let mut rows = lines.clone().filter(|(_, line)| !line.starts_with('#'));
-        rows.next().is_some_and(|(_, line)| line.contains(separator))
+        rows.next().is_some_and(|(_, line)| fields(line, separator).len() > 1)
     });
     let separator = separator.unwrap_or(',');
     let number = |word: &str| {
-        // Where commas don't separate, they are those of decimals.
         let word = if separator == ',' { word.to_owned() } else { word.replace(',', ".") };
         word.parse::<f64>()
     };
@@ -241,6 +241,14 @@ fn table(
                 directions.join(",")
             )));
         }
+        if words.iter().skip(known.len()).any(|word| !word.is_empty()) {
+            return Err(refuse(format!(
+                "line {line_number}: it has {} fields, but there are {} columns; write decimals with points, or separate \
+                 fields by semicolons",
+                words.len(),
+                known.len()
+            )));
+        }
         let vector = |axes: [&str; 3]| -> anyhow::Result<DVec3> {
             let mut vector = DVec3::ZERO;
             for (value, axis) in vector.as_mut().iter_mut().zip(axes) {
@@ -272,9 +280,14 @@ fn table(
         }
         places.push((at, direction));
     }
-    if places.is_empty() || places.len() > MOST {
+    if places.is_empty() {
+        return Err(refuse(
+            "it has no places; each is a line of numbers such as 1.5,0.8,2".to_owned(),
+        ));
+    }
+    if places.len() > MOST {
         let count = places.len();
-        return Err(refuse(format!("it has {count} places, but must have 1 to {MOST}")));
+        return Err(refuse(format!("it has {count} places, but at most {MOST} are measured")));
     }
     Ok(places)
 }
@@ -298,8 +311,12 @@ fn decoded(bytes: &[u8]) -> Result<String, String> {
     Ok(text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n"))
 }
 
-/// The fields of a line, without their quotation marks and the blanks around them. An empty one at the end is left out.
+/// The fields of a line, without their quotation marks and the blanks around them. An empty one at the end is left out. Between blanks
+/// there is none.
 fn fields(line: &str, separator: char) -> Vec<String> {
+    if separator == ' ' {
+        return line.split_whitespace().map(|field| field.trim_matches('"').to_owned()).collect();
+    }
     let (mut fields, mut is_quoted) = (vec![String::new()], false);
     for letter in line.chars() {
         match letter {
@@ -353,6 +370,9 @@ mod tests {
             "\"name\",\"x\",\"y\",\"z\",\"nx\",\"ny\",\"nz\"\n\"a, b\",\"1\",\"2\",\"3\",\"0\",\"0\",\"-1\"\n,,,,,,\n",
             "x\ty\tz\tnx\tny\tnz\n1\t2\t3\t0\t0\t-1\n",
             "1,2,3,0,0,-1,\n",
+            "1,0;2;3;0;0;-1",
+            "x y z nx ny nz\n1  2 3 0 0 -1\n",
+            "1 2 3 0 0 -1",
         ] {
             assert_eq!(read(text, false).unwrap(), [at], "{text}");
         }
@@ -374,7 +394,9 @@ mod tests {
             ("1,2,3", true, "line 1: it lacks dx,dy,dz"),
             ("1,2,3,0,0,0", true, "line 1: its direction is zero"),
             ("x,z\n1,2", false, "no column y"),
-            ("x,y,z\n", false, "it has 0 places"),
+            ("x,y,z\n", false, "it has no places"),
+            ("x,y,z\n0,25,0,5,0,0", false, "line 2: it has 6 fields, but there are 3 columns"),
+            ("1,2,3\n1,2,3,4", false, "line 2: it has 4 fields"),
         ] {
             let error = read(text, is_of_rays).unwrap_err().to_string();
             assert!(error.contains(needle) && error.contains("places.csv"), "{text}: {error}");
