@@ -249,7 +249,7 @@ fn a_second_process_is_refused_until_the_first_has_ended() {
     let mut child = started(folder.path(), "0000.png");
     // However long the second one takes to begin, the first has not ended.
     freeze(&child);
-    // Wherever it stopped, the pictures can be gone on with.
+    // The index is there before the first picture: the sequence can be continued.
     assert!(folder.path().join("turn/index.json").exists());
     let run = lumivox(folder.path(), FORTY);
     assert_eq!(run.code, OUTPUT, "{}", run.stderr);

@@ -22,7 +22,7 @@ pub struct RenderedLayers {
     pub full: LinearPicture,
     /// The picture, in cd/m².
     pub picture: LinearPicture,
-    /// The same after its first frame.
+    /// The picture after its first frame, in cd/m².
     pub first_frame: LinearPicture,
     /// The cost of a frame.
     pub cost: Cost,

@@ -57,14 +57,14 @@ pub struct CompositeTargets {
     group: BindGroup,
 }
 
-/// What a picture is made of.
+/// One sample of a picture: the view of it, its light, and its place.
 #[derive(Clone, Copy, Debug)]
 pub struct Composed {
-    /// What it shows.
+    /// The view that the picture shows.
     pub view: View,
     /// Whether cones were traced for the frame.
     pub has_cones: bool,
-    /// Its share of the mean of illuminances with it.
+    /// The sample's share of the mean of illuminances, its own included.
     pub weight: f32,
     /// For a further sample of the frame: from its place in the pixel to that of the sample that was traced, in pixels.
     pub to_traced: Option<Vec2>,

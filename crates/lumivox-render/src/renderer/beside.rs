@@ -22,7 +22,7 @@ pub(crate) struct BesideView {
 }
 
 impl BesideView {
-    /// Adds the first of so many samples of a frame, which has been traced, as those of frame number `frame` of its mean.
+    /// Adds the first of so many samples of a frame that has been traced, which is frame number `frame` of the mean.
     pub(super) fn record(
         &mut self,
         recorder: &mut Recorder,

@@ -16,7 +16,7 @@ mod screen;
 use std::ops::ControlFlow;
 
 use lumivox::gpu::{Recorder, StageTime, Timing};
-use lumivox::{EnvironmentMap, FrameVoxels, Gi, Grid, Lights, VoxelizeStats};
+use lumivox::{EnvironmentMap, FrameVoxels, Gi, Lights, VoxelizeStats};
 use lumivox_scene::{Bounds, Camera, Scene};
 
 use crate::gpu::memory::MemoryUse;
@@ -35,7 +35,7 @@ use moving::Following;
 use passes::Passes;
 pub use photometry::Photometry;
 pub use prepare::global_illumination;
-use prepare::{bind_lights, compile, environment_map, upload, voxelize};
+use prepare::{bind_lights, compile, environment_map, upload, validate, validate_level, voxelize};
 
 /// The progress of rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -491,29 +491,4 @@ impl Renderer {
         memory.push(MemoryUse::new("picture", self.targets.bytes));
         memory
     }
-}
-
-fn validate(settings: &RenderSettings, gpu: &Gpu) -> Result<(), RenderError> {
-    settings.validate(&gpu.device.limits())?;
-    let has_timestamps = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
-    if settings.timing == Timing::Timestamps && !has_timestamps {
-        return Err(RenderError::Setting {
-            name: "timing",
-            value: "by timestamps".to_owned(),
-            expected: "off or by waiting: this device has no timestamps".to_owned(),
-        });
-    }
-    Ok(())
-}
-
-fn validate_level(settings: &RenderSettings, grid: &Grid) -> Result<(), RenderError> {
-    let last = settings.last_level(grid);
-    if settings.voxel_level <= last {
-        return Ok(());
-    }
-    Err(RenderError::Setting {
-        name: "voxel level",
-        value: settings.voxel_level.to_string(),
-        expected: format!("from 0 to {last}"),
-    })
 }

@@ -3,8 +3,8 @@
 use lumivox::gpu::{Recorder, Timing};
 use lumivox::hooks::Injection;
 use lumivox::{
-    EnvironmentLight, EnvironmentMap, Geometry, Gi, GiConfig, GiError, Light, LightSource, Lights,
-    Panorama, Shadow, ShadowLayer, ShadowMaps, VolumeKind, VoxelizeStats, Voxelized,
+    EnvironmentLight, EnvironmentMap, Geometry, Gi, GiConfig, GiError, Grid, Light, LightSource,
+    Lights, Panorama, Shadow, ShadowLayer, ShadowMaps, VolumeKind, VoxelizeStats, Voxelized,
     dense_volume_bytes,
 };
 use lumivox_scene::{Bounds, Scene};
@@ -194,6 +194,33 @@ fn warn_of_coarse_texels(injection: &dyn Injection, texel_in_voxels: f32, resolu
          GPU allows, or inject directly (--injection direct)",
         (needed.ceil() as u32).checked_next_power_of_two().unwrap_or(u32::MAX)
     );
+}
+
+/// Checks the settings, and that the device can do what they ask for.
+pub(super) fn validate(settings: &RenderSettings, gpu: &Gpu) -> Result<(), RenderError> {
+    settings.validate(&gpu.device.limits())?;
+    let has_timestamps = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+    if settings.timing == Timing::Timestamps && !has_timestamps {
+        return Err(RenderError::Setting {
+            name: "timing",
+            value: "by timestamps".to_owned(),
+            expected: "off or by waiting: this device has no timestamps".to_owned(),
+        });
+    }
+    Ok(())
+}
+
+/// Checks that the volume has the level that is shown.
+pub(super) fn validate_level(settings: &RenderSettings, grid: &Grid) -> Result<(), RenderError> {
+    let last = settings.last_level(grid);
+    if settings.voxel_level <= last {
+        return Ok(());
+    }
+    Err(RenderError::Setting {
+        name: "voxel level",
+        value: settings.voxel_level.to_string(),
+        expected: format!("from 0 to {last}"),
+    })
 }
 
 #[cfg(test)]

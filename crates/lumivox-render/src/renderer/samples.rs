@@ -1,8 +1,8 @@
 //! Several samples a pixel in the first frames of a mean, so that edges and textures are smooth from the first frame on.
 //!
-//! What costs is the indirect light, and that is smooth. So it is traced for a frame's first sample; the others draw the surfaces
-//! and their direct light at other places in the pixel, and take the indirect light of the traced samples around them that show
-//! the same surface (`composite.wgsl`). All samples of a frame have the same weight.
+//! Indirect light takes most of a frame's time, and it is smooth. So it is traced for a frame's first sample alone. Further samples draw
+//! the surfaces and their direct light at other places in the pixel, and take the indirect light of the traced samples around them
+//! that show the same surface (`composite.wgsl`). All samples of a frame have the same weight.
 
 use glam::Vec2;
 

@@ -42,7 +42,7 @@ fn a_device_may_be_lost_in_the_middle_of_a_frame() {
                 device.destroy();
             }
             if frame == 8 {
-                // What is made for it is made on a lost device.
+                // More draws need new buffers, which a lost device does not give.
                 geometry.batches[0].draws.extend([Draw::new(0, 6, 0); 40]);
             }
             // Whatever is recorded after the loss is dropped.

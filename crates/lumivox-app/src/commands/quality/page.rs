@@ -106,7 +106,8 @@ impl Page<'_> {
              for the references, {} frames, on {machine}. What is held against goals along the grid is the mean over \
              {} places of the grid, the rest is measured in one.\n\n\
              *One bounce* is the irradiance on visible surfaces that one gather finds, *all bounces* all but what \
-             comes straight from lamps, *picture* the finished picture, *first frame* the picture after one frame. **Bias** is the difference of the mean, \
+             comes straight from lamps, *picture* the finished picture, *first frame* the picture after one \
+             frame. **Bias** is the difference of the mean, \
              **RMSE** the root of the mean squared difference, both in per cent of the reference's mean; the \
              reference's own **noise**, told beside them, is taken out of the RMSE. **p95** is the relative error \
              that 95 % of the pixels stay below, noise included, and **FLIP** what a viewer sees who flips between \

@@ -23,6 +23,7 @@
 //! keys of physically-based materials.
 
 mod corners;
+mod fault;
 mod map;
 mod material;
 mod mesh;

@@ -7,6 +7,7 @@ use std::path::Path;
 use glam::{DVec3, Vec2, Vec3};
 
 use super::corners::{Corner, Corners, Normal};
+use super::fault::Fault;
 use crate::SceneError;
 use crate::load::geometry::GeometryBudget;
 use crate::load::origin::Rest;
@@ -86,37 +87,6 @@ pub(super) fn read(
     Ok(state.model)
 }
 
-enum Fault {
-    Text(String),
-    Index {
-        index: usize,
-        count: usize,
-    },
-    /// A face names something that may come later in the file.
-    Later,
-}
-
-impl Fault {
-    fn of_line(self, file: &Path, line: u64) -> SceneError {
-        let file = file.to_owned();
-        let reason = match self {
-            Self::Index { index, count } => {
-                let part = format!("a corner of line {line}");
-                return SceneError::IndexOutOfRange {
-                    file,
-                    part,
-                    index,
-                    count,
-                    target: "vertices",
-                };
-            }
-            Self::Text(reason) => reason,
-            Self::Later => "it names something that does not exist".to_owned(),
-        };
-        SceneError::Malformed { file, part: format!("line {line}"), reason }
-    }
-}
-
 /// A face that names something behind it in the file, with the state at its line.
 struct Late {
     line: u64,
@@ -126,12 +96,6 @@ struct Late {
     /// The numbers of positions, texture coordinates and normals, from which negative indices
     /// count back.
     counts: [usize; 3],
-}
-
-impl From<String> for Fault {
-    fn from(reason: String) -> Self {
-        Self::Text(reason)
-    }
 }
 
 /// Object, group and material.

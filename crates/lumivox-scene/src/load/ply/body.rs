@@ -24,7 +24,7 @@ enum Use {
     Nothing,
 }
 
-/// What makes triangles of the corners of an entry.
+/// Makes triangles of the corners of an entry, whose number is given.
 type Add<'f> = fn(&mut Body<'f>, usize) -> Result<(), SceneError>;
 
 /// The state of reading the body.
