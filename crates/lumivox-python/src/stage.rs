@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use lumivox_console::values::camera::{camera as parse, resolve_with};
-use lumivox_scene::{Camera, Scene, Sight, SightOptions, Staging};
+use lumivox_scene::{Camera, Fineness, Scene, Sight, SightOptions, Staging};
 use pyo3::FromPyObject;
 
 use crate::error::Fault;
@@ -77,7 +77,7 @@ pub fn stage(
     if let (Some(camera), Staging::None) = (&given, staging) {
         return Ok(Staged { scene: scene.clone(), camera: camera.clone(), notes: Vec::new() });
     }
-    let options = SightOptions { camera: given, aspect, staging, voxel_m: None };
+    let options = SightOptions { camera: given, aspect, staging, fineness: Fineness::default() };
     let sight = Sight::of(scene, &options, &OnceCell::new());
     let mut scene = scene.clone();
     if sight.light.is_some() {

@@ -68,7 +68,9 @@ mod validate;
 pub use atomic::write_atomically;
 pub use environment::{sky, studio};
 pub use error::SceneError;
-pub use framing::{DefaultLight, Framing, Ground, Note, Sight, SightOptions, Staging};
+pub use framing::{
+    DefaultLight, Fineness, Framing, Ground, Note, ShadowMapFineness, Sight, SightOptions, Staging,
+};
 pub use load::{
     EXTENSIONS, FileSource, LoadOptions, LoadProgress, MemoryBudget, UpAxis, check_regular,
     extensions_in_words, may_name, read_regular,

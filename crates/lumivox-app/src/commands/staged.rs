@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use glam::UVec2;
 use lumivox_console::values::camera::CameraChoice;
 use lumivox_console::{Failure, LoadArgs, SceneSource, SourceArgs};
-use lumivox_scene::{Camera, Scene, Sight, SightOptions, Staging};
+use lumivox_scene::{Camera, Fineness, Scene, Sight, SightOptions, Staging};
 
 use super::light;
 use crate::args::camera::resolve_with;
@@ -60,7 +60,7 @@ pub fn look_at(
     let (aspect, framing) = (size.x as f32 / size.y as f32, OnceCell::new());
     let camera = resolve_with(choice, scene, aspect, &framing)?;
     progress.set("looking at the scene", 0, 1);
-    let options = SightOptions { camera: Some(camera), aspect, staging, voxel_m: None };
+    let options = SightOptions { camera: Some(camera), aspect, staging, fineness: Fineness::default() };
     let sight = Sight::of(scene, &options, &framing);
     scene.light_up(&sight);
     if sight.light.is_some() {

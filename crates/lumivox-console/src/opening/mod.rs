@@ -48,7 +48,7 @@ impl SceneRequest {
             camera: camera.transpose()?,
             aspect: self.aspect,
             staging: self.light.staging(),
-            voxel_m: RenderSettings::default().uniform_voxel_m(&scene),
+            fineness: RenderSettings::default().fineness(&scene),
         };
         let prepared = PreparedScene::surveyed(scene, &options, &framing, progress)?;
         Ok(OpenedScene { request: self, prepared })

@@ -9,6 +9,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{Buffer, Recorder, Texture, TextureView, upload};
 use lumivox::{LightSource, Lights, ShadowLayer};
+use lumivox_scene::ShadowMapFineness;
 
 use super::shadow_maps::{ParallelSight, ShadowMapPass, depth_array, view_of_all};
 use crate::Gpu;
@@ -24,6 +25,11 @@ pub(crate) const MAX_NEAR_BYTES: u64 = 64 << 20;
 const STEP: f32 = 4.0;
 /// The edge of the cells in which the camera moves before a square does, over half the edge of the square.
 const CELL: f32 = 0.25;
+
+/// The texels of the maps of a scene, by their resolution.
+pub(crate) fn fineness(resolution: u32) -> ShadowMapFineness {
+    ShadowMapFineness { resolution, squares: SQUARES, step: STEP }
+}
 
 /// `NearLayer` of `direct.wgsl`.
 #[repr(C)]

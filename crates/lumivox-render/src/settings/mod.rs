@@ -11,9 +11,10 @@ use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
 use lumivox::hooks::{ConeModel, Injection, OctreeBuilding, Voxelization};
 use lumivox::{CascadeOptions, Directionality, GiConfig, GiError, Grid, TraceSettings, VolumeKind};
-use lumivox_scene::{Bounds, Scene};
+use lumivox_scene::{Bounds, Fineness, Scene};
 
 use crate::look::{Look, LookChoice};
+use crate::passes::near_shadows;
 use crate::passes::overlay::LineRecord;
 use crate::renderer::beside;
 use crate::{Overlay, RenderError, Wires};
@@ -204,12 +205,14 @@ impl RenderSettings {
         Grid::fit(bounds.min, bounds.max, self.resolution, self.grid_offset)
     }
 
-    /// The edge of a voxel, m, where all of a scene's have one size. `None` for cascades.
-    pub fn uniform_voxel_m(&self, scene: &Scene) -> Option<f32> {
-        if self.volume == VolumeKind::Cascades {
-            return None;
-        }
-        self.grid(scene.voxel_bounds(), Vec3::ZERO).ok().map(|grid| grid.voxel_size_m)
+    /// The sizes of voxels and of the texels of shadow maps, for notes where they are coarse for what is seen.
+    pub fn fineness(&self, scene: &Scene) -> Fineness {
+        // The voxels of cascades have several sizes.
+        let is_uniform = self.volume != VolumeKind::Cascades;
+        let grid = is_uniform.then(|| self.grid(scene.voxel_bounds(), Vec3::ZERO).ok()).flatten();
+        let shadow_maps = (self.shadows == ShadowMethod::Map)
+            .then(|| near_shadows::fineness(self.shadow_resolution));
+        Fineness { voxel_m: grid.map(|grid| grid.voxel_size_m), shadow_maps }
     }
 
     /// The configuration of the library for these settings.

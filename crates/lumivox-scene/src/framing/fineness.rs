@@ -1,13 +1,17 @@
-//! Whether voxels are fine enough for what a camera sees.
+//! Whether voxels and shadow maps are fine enough for what a camera sees.
 //!
 //! Light between surfaces that are nearer to each other than a few voxels is that of faces which are as large as the way. So rays go
-//! from what is seen to all sides, and tell how far light comes from.
+//! from what is seen to all sides, and tell how far light comes from. A shadow map loses what stands less than two texels above a
+//! surface. So rays go to the lights as well, and tell how near the things are that block them.
+
+use glam::Vec3;
 
 use super::directions;
 use super::rays::Rays;
 use super::sight::{Note, three_digits};
 use super::soup::Unit;
 use super::survey::Patch;
+use crate::{Bounds, Light, LightKind};
 
 /// Rays from each point that is seen.
 const DIRECTIONS: usize = 16;
@@ -17,50 +21,135 @@ const NEAR_VOXELS: f32 = 2.0;
 const MOST_NEAR: f32 = 1.0 / 3.0;
 /// The least share of the rays that must end anywhere: under the open sky little light goes from surface to surface.
 const LEAST_MET: f32 = 0.02;
+/// The texels above a surface below which a map has no shadows on it: by so many receivers are moved off their surface.
+const LOST_TEXELS: f32 = 2.0;
+/// The most of the points in shadow that may lose it.
+const MOST_LOST: f32 = 1.0 / 3.0;
+/// The fewest points that must be in shadow.
+const LEAST_SHADED: usize = 3;
 
-/// A note for voxels that are coarse against the distances between what is seen and what lights it.
-pub(super) fn note(seen: &[Patch], rays: &Rays, unit: Unit, voxel_m: f32) -> Option<Note> {
-    let (mut cast, mut met, mut near) = (0, 0, 0);
-    for patch in seen {
-        for way in directions::sphere(2 * DIRECTIONS).filter(|way| way.dot(patch.normal) > 0.0) {
-            cast += 1;
-            if let Some(hit) = rays.cast(patch.position, way) {
-                met += 1;
-                near += i32::from(hit.distance * unit.scale_m < NEAR_VOXELS * voxel_m);
-            }
-        }
-    }
-    let share = near as f32 / (met as f32).max(1.0);
-    if share <= MOST_NEAR || (met as f32) < LEAST_MET * cast as f32 {
-        return None;
-    }
-    let text = format!(
-        "voxels of {} m are coarse here: {:.0} % of the light between surfaces comes from nearer than two of them",
-        three_digits(voxel_m),
-        100.0 * share
-    );
-    Some(Note { about: "grid", text, option: "--volume cascades has finer ones around the camera" })
+/// The sizes of what resolves a scene. Default: none are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fineness {
+    /// The edge of a voxel, m, where all have one size.
+    pub voxel_m: Option<f32>,
+    /// The shadow maps.
+    pub shadow_maps: Option<ShadowMapFineness>,
 }
 
-#[cfg(test)]
-mod tests {
-    use std::cell::OnceCell;
+/// The texels of shadow maps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowMapFineness {
+    /// Texels along the edge of a map.
+    pub resolution: u32,
+    /// Maps of a parallel light around the camera, beside the one of the whole scene.
+    pub squares: u32,
+    /// The edge of such a map over that of the next smaller one.
+    pub step: f32,
+}
 
-    use crate::{Framing, Sight, SightOptions, Staging, builtin};
+impl ShadowMapFineness {
+    /// The edge of a light's texels at a point, m.
+    fn texel_m(&self, light: &Light, point: Vec3, (bounds, camera): (Bounds, Vec3)) -> f32 {
+        let half_m = match light.kind {
+            LightKind::Directional { .. } => {
+                let half_m = |square: u32| bounds.radius_m() / self.step.powi(square as i32);
+                let reaches = |square: &u32| point.distance(camera) < half_m(*square);
+                half_m((1..=self.squares).rev().find(reaches).unwrap_or(0))
+            }
+            LightKind::Point { .. } => point.distance(light.position),
+            LightKind::Spot { outer_angle_rad, .. } => {
+                point.distance(light.position) * outer_angle_rad.min(1.3).tan()
+            }
+        };
+        2.0 * half_m / self.resolution as f32
+    }
+}
 
-    #[test]
-    fn voxels_are_coarse_where_light_comes_from_within_two_of_them() {
-        let scene = builtin::scene("cornell").unwrap();
-        // The box is 2 m wide.
-        for (voxel_m, is_coarse) in [(1.0 / 64.0, false), (1.0 / 16.0, false), (0.5, true)] {
-            let options = SightOptions {
-                staging: Staging::None,
-                voxel_m: Some(voxel_m),
-                ..SightOptions::default()
-            };
-            let framing = OnceCell::from(Framing::of(&scene));
-            let notes = Sight::of(&scene, &options, &framing).notes;
-            assert_eq!(notes.iter().any(|note| note.about == "grid"), is_coarse, "{voxel_m} m");
+/// What a camera sees.
+pub(super) struct Seen<'a> {
+    pub(super) patches: &'a [Patch],
+    pub(super) rays: &'a Rays,
+    pub(super) unit: Unit,
+}
+
+impl Seen<'_> {
+    /// A note for voxels that are coarse against the distances between what is seen and what lights it.
+    pub(super) fn coarse_voxels(&self, voxel_m: f32) -> Option<Note> {
+        let (mut cast, mut met, mut near) = (0, 0, 0);
+        for patch in self.patches {
+            for way in directions::sphere(2 * DIRECTIONS).filter(|way| way.dot(patch.normal) > 0.0)
+            {
+                cast += 1;
+                if let Some(hit) = self.rays.cast(patch.position, way) {
+                    met += 1;
+                    near += i32::from(hit.distance * self.unit.scale_m < NEAR_VOXELS * voxel_m);
+                }
+            }
         }
+        let share = near as f32 / (met as f32).max(1.0);
+        if share <= MOST_NEAR || (met as f32) < LEAST_MET * cast as f32 {
+            return None;
+        }
+        let text = format!(
+            "voxels of {} m are coarse here: {:.0} % of the light between surfaces comes from nearer than two of them",
+            three_digits(voxel_m),
+            100.0 * share
+        );
+        let option = "--volume cascades has finer ones around the camera";
+        Some(Note { about: "grid", text, option })
+    }
+
+    /// A note for shadow maps that lose shadows of what stands near the surfaces that are seen. `place` is the scene's box and the
+    /// camera.
+    pub(super) fn coarse_shadows<'l>(
+        &self,
+        lights: impl Iterator<Item = &'l Light>,
+        maps: &ShadowMapFineness,
+        place: (Bounds, Vec3),
+    ) -> Option<Note> {
+        let (mut shaded, mut lost, mut largest_m) = (0_usize, 0_usize, 0.0_f32);
+        for light in lights {
+            for patch in self.patches {
+                let Some(above_m) = self.blocked_above_m(light, patch) else { continue };
+                shaded += 1;
+                let texel_m = maps.texel_m(light, self.unit.world_from_unit(patch.position), place);
+                if above_m < LOST_TEXELS * texel_m {
+                    lost += 1;
+                    largest_m = largest_m.max(texel_m);
+                }
+            }
+        }
+        let share = lost as f32 / (shaded as f32).max(1.0);
+        if shaded < LEAST_SHADED || share <= MOST_LOST {
+            return None;
+        }
+        let text = format!(
+            "shadow maps are coarse here: texels are up to {} m wide, and {:.0} % of the shade is lost or too small",
+            three_digits(largest_m),
+            100.0 * share
+        );
+        let option = "--shadow-resolution makes them finer, --shadows cones needs none";
+        Some(Note { about: "shadows", text, option })
+    }
+
+    /// The height, m, above a patch at which something blocks a light that its side faces.
+    fn blocked_above_m(&self, light: &Light, patch: &Patch) -> Option<f32> {
+        let (way, reach) = match light.kind {
+            LightKind::Directional { .. } => (-light.direction, f32::INFINITY),
+            LightKind::Point { .. } | LightKind::Spot { .. } => {
+                let way = self.unit.unit_from_world(light.position) - patch.position;
+                (way.normalize_or_zero(), way.length())
+            }
+        };
+        let is_in_cone = match light.kind {
+            LightKind::Spot { outer_angle_rad, .. } => {
+                light.direction.dot(-way) >= outer_angle_rad.cos()
+            }
+            LightKind::Directional { .. } | LightKind::Point { .. } => true,
+        };
+        let cosine = way.dot(patch.normal);
+        let hit = self.rays.cast(patch.position, way).filter(|_| cosine > 0.0 && is_in_cone)?;
+        (hit.distance < reach).then_some(hit.distance * cosine * self.unit.scale_m)
     }
 }

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use super::emission::Emission;
-use super::fineness;
+use super::fineness::{self, Fineness};
 use super::own_light::{self, OwnLight};
 use super::subject::Subject;
 use super::survey::Patch;
@@ -49,13 +49,13 @@ pub struct SightOptions {
     pub aspect: f32,
     /// The surroundings. Default: what suits the scene.
     pub staging: Staging,
-    /// The edge of a voxel, m, if a note should tell that it is coarse for what is seen. Default: none.
-    pub voxel_m: Option<f32>,
+    /// The fineness of what will show it, if notes should tell where that is coarse for what is seen. Default: none.
+    pub fineness: Fineness,
 }
 
 impl Default for SightOptions {
     fn default() -> Self {
-        Self { camera: None, aspect: 16.0 / 9.0, staging: Staging::Auto, voxel_m: None }
+        Self { camera: None, aspect: 16.0 / 9.0, staging: Staging::Auto, fineness: Fineness::default() }
     }
 }
 
@@ -67,7 +67,7 @@ const LARGE: usize = 50_000;
 /// A choice that was made for the user, who should be told about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
-    /// The subject: `camera`, `light` or `grid`.
+    /// The subject: `camera`, `light`, `grid` or `shadows`.
     pub about: &'static str,
     /// The choice and its reason, without a full stop.
     pub text: String,
@@ -116,14 +116,21 @@ impl Sight {
             }
         };
         // The survey of a large scene takes seconds, and is not made for this alone unless the scene is thin.
-        let may_be_coarse = |voxel_m: &f32| {
-            let is_thin = scene.bounds().size().min_element() < THIN * voxel_m;
-            framing.get().is_some() || is_thin || scene.triangle_count() < LARGE
-        };
-        if let Some(voxel_m) = options.voxel_m.filter(may_be_coarse) {
+        let is_thin = options
+            .fineness
+            .voxel_m
+            .is_some_and(|voxel_m| scene.bounds().size().min_element() < THIN * voxel_m);
+        let may_survey = framing.get().is_some() || is_thin || scene.triangle_count() < LARGE;
+        if options.fineness != Fineness::default() && may_survey {
             let Framing { rays, unit, .. } = survey();
             let seen = own_light::seen(scene, rays, *unit, &camera, options.aspect);
-            notes.extend(fineness::note(&seen, rays, *unit, voxel_m));
+            let seen = fineness::Seen { patches: &seen, rays, unit: *unit };
+            notes.extend(options.fineness.voxel_m.and_then(|voxel_m| seen.coarse_voxels(voxel_m)));
+            let added = light.as_ref().map_or(&[][..], DefaultLight::lights);
+            let lights = scene.lights.iter().chain(added);
+            notes.extend(options.fineness.shadow_maps.and_then(|maps| {
+                seen.coarse_shadows(lights, &maps, (scene.bounds(), camera.position))
+            }));
         }
         Self { camera, light, notes }
     }

@@ -91,10 +91,9 @@ impl std::fmt::Display for DefaultLight {
 impl DefaultLight {
     /// Adds the light to a scene. Existing lights stay; surroundings are replaced.
     pub fn light_up(&self, scene: &mut Scene) {
+        scene.lights.extend_from_slice(self.lights());
         match self {
-            Self::SunAndSky { sun, sky, ground } => {
-                // After the existing lights, which are dark: a rig knows its own by their indices.
-                scene.lights.push(sun.clone());
+            Self::SunAndSky { sun: _, sky, ground } => {
                 let map = Some(Arc::clone(sky));
                 scene.environment = Environment { radiance: Vec3::ONE, map, rotation_rad: 0.0 };
                 if let Some(ground) = ground {
@@ -107,7 +106,16 @@ impl DefaultLight {
                 scene.environment = Environment { radiance, map, rotation_rad };
                 ground.put_into(scene);
             }
-            Self::Lamps(lamps) => scene.lights.extend(lamps.iter().cloned()),
+            Self::Lamps(_) => {}
+        }
+    }
+
+    /// Lamps and sun. They come after the scene's own lights, which are dark: a rig knows its own by their indices.
+    pub(super) fn lights(&self) -> &[Light] {
+        match self {
+            Self::SunAndSky { sun, .. } => std::slice::from_ref(sun),
+            Self::Studio { .. } => &[],
+            Self::Lamps(lamps) => lamps,
         }
     }
 }

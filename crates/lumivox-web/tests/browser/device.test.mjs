@@ -38,7 +38,7 @@ async function lose(app) {
         (await self.renderer.device()).destroy();
     });
     await app.page.locator("#messages .note", { hasText: "was lost" }).waitFor();
-    await app.page.locator("#live", { hasText: "is restored" }).waitFor({ state: "attached", timeout: 60_000 });
+    await app.page.locator("#live", { hasText: "is restored" }).waitFor({ state: "attached" });
     await app.complete();
     assert.equal(different(before, await app.pixels()), 0);
     assert.equal(await app.call("isLost"), false);
@@ -134,7 +134,7 @@ test("a GPU process that crashes is survived", async () => {
     app.messages.expect(/external Instance reference no longer exists/);
     const before = await app.pixels();
     await session.crashGpu();
-    await app.page.locator("#live", { hasText: "is restored" }).waitFor({ state: "attached", timeout: 60_000 });
+    await app.page.locator("#live", { hasText: "is restored" }).waitFor({ state: "attached" });
     await app.complete();
     assert.equal(different(before, await app.pixels()), 0);
     await app.check();

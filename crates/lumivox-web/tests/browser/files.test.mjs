@@ -43,7 +43,7 @@ beforeEach(() => app.check());
 
 /** Waits for a scene's picture, and holds it against the native one of a file. @param {string} name @param {string} file */
 async function shows(name, file) {
-    await app.page.waitForSelector(`#title:text-is("${name}")`, { state: "attached", timeout: 60_000 });
+    await app.page.waitForSelector(`#title:text-is("${name}")`, { state: "attached" });
     await app.complete();
     await app.check();
     const difference = await flip(await nativePicture(join(folder, file), ...NATIVE), await app.pixels(), `${name}.png`);

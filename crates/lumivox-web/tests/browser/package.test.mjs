@@ -33,7 +33,7 @@ test("the example shows its picture", async () => {
         before: (page) => page.route("**/example.html", (route) => route.fulfill({ body, contentType: "text/html" })),
     });
     app.messages.expect(/favicon/);
-    await app.page.getByText("cornell: 40 triangles").waitFor({ timeout: 120_000 });
+    await app.page.getByText("cornell: 40 triangles").waitFor();
     const file = await app.page.locator("canvas").screenshot();
     const shown = await app.page.evaluate(async (base64) => {
         const image = await createImageBitmap(await (await fetch(`data:image/png;base64,${base64}`)).blob());

@@ -57,9 +57,14 @@ fn coarse(shot: &headless::Shot) -> headless::Shot {
 fn temporal_antialiasing_smooths_edges_alone() {
     let _alone = alone();
     let mut stage = Stage::cornell();
-    let rough = without_lamp(&stage.settled());
+    // Twice as long as elsewhere: what is left of noise is compared.
+    let settled = |stage: &mut Stage| {
+        stage.frames(20);
+        without_lamp(&stage.settled())
+    };
+    let rough = settled(&mut stage);
     stage.app.world_mut().entity_mut(stage.camera).insert(TemporalAntiAliasing::default());
-    let smooth = without_lamp(&stage.settled());
+    let smooth = settled(&mut stage);
     smooth.save("target/pictures/taa.png", 2.0);
     rough.save("target/pictures/no-taa.png", 2.0);
     let share = smooth.mean_luminance() / rough.mean_luminance();
@@ -76,10 +81,10 @@ fn temporal_antialiasing_smooths_edges_alone() {
         transform.translation.x = -0.33 + 0.03 * step as f32;
         stage.app.update();
     }
-    let moved = without_lamp(&stage.settled());
+    let moved = settled(&mut stage);
     stage.app.world_mut().entity_mut(stage.camera).remove::<TemporalAntiAliasing>();
     stage.app.world_mut().entity_mut(stage.camera).remove::<TemporalJitter>();
-    let rough = without_lamp(&stage.settled());
+    let rough = settled(&mut stage);
     moved.save("target/pictures/taa-moved.png", 2.0);
     rough.save("target/pictures/no-taa-moved.png", 2.0);
     let [left, way] = [
@@ -94,7 +99,7 @@ fn temporal_antialiasing_smooths_edges_alone() {
 fn steady_frames_make_nothing_on_the_gpu() {
     let _alone = alone();
     let mut stage = Stage::cornell();
-    stage.settled();
+    stage.frames(48);
     let before = MadeResources::now();
     stage.frames(30);
     let after = MadeResources::now();
@@ -240,6 +245,7 @@ fn images_may_be_modified_in_place() {
 fn another_exposure_shows_the_same_light() {
     let _alone = alone();
     let mut stage = Stage::cornell();
+    stage.frames(20);
     let before = stage.settled();
     let show = |stage: &mut Stage, ev100: f32| {
         stage.app.world_mut().entity_mut(stage.camera).insert(Exposure { ev100 });

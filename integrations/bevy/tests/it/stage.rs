@@ -106,7 +106,7 @@ impl Stage {
 
     /// The mean of so many frames once light has settled.
     pub fn settled_over(&mut self, frames: u32) -> headless::Shot {
-        self.frames(40);
+        self.frames(20);
         headless::mean_shot(&mut self.app, &self.image.clone(), frames)
     }
 

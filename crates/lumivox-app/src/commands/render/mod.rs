@@ -92,7 +92,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
         camera: (!is_found).then_some(camera),
         aspect: asked.aspect,
         staging: args.light.sources.staging(),
-        voxel_m: settings.uniform_voxel_m(&scene),
+        fineness: settings.fineness(&scene),
     };
     let sight = Sight::of(&scene, &sight, &framing);
     scene.light_up(&sight);

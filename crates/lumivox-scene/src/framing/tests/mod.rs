@@ -2,6 +2,7 @@
 
 use glam::{Mat4, Vec2, Vec3};
 
+mod fineness;
 mod first_sight;
 mod hollow;
 

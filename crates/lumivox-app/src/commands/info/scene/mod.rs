@@ -119,8 +119,8 @@ impl Report {
         };
         let texels = scene.textures.iter().map(|t| u64::from(t.width) * u64::from(t.height));
         let aspect = settings.size.x as f32 / settings.size.y as f32;
-        let voxel_m = settings.uniform_voxel_m(scene);
-        let options = SightOptions { aspect, voxel_m, ..SightOptions::default() };
+        let fineness = settings.fineness(scene);
+        let options = SightOptions { aspect, fineness, ..SightOptions::default() };
         let sight = Sight::of(scene, &options, &OnceCell::new());
         let animations = scene.animations().into_iter().map(|animation| AnimationReport {
             name: animation.name,
