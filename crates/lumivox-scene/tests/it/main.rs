@@ -14,6 +14,7 @@ mod gltf_animation;
 mod gltf_animation_hostile;
 mod gltf_attributes;
 mod gltf_compression;
+mod gltf_dangling;
 mod gltf_deformed;
 mod gltf_forgiven;
 mod gltf_hostile;

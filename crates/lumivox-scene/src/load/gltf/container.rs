@@ -133,7 +133,7 @@ fn drop_primitives_without_positions(root: &mut Root, notes: &mut Notes) {
 }
 
 /// Checks indices that the JSON library's validation would use unchecked.
-fn check_position_indices(root: &Root) -> Result<(), (String, String)> {
+pub(super) fn check_position_indices(root: &Root) -> Result<(), (String, String)> {
     for (i, mesh) in root.meshes.iter().enumerate() {
         for index in mesh.primitives.iter().flat_map(|primitive| primitive.attributes.values()) {
             if index.value() >= root.accessors.len() {
@@ -168,7 +168,9 @@ fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, Stri
         // The target is a hint for old drivers, and the stride is checked where it is used.
         let only_hint = text.starts_with("bufferViews[")
             && (text.ends_with(".target") || text.ends_with(".byteStride"));
-        if !only_bounds && !only_zeros && !only_hint {
+        // An image without bytes counts as missing, where it is read.
+        let only_image = text.starts_with("images[") && text.ends_with(".bufferView");
+        if !only_bounds && !only_zeros && !only_hint && !only_image {
             let reason = match fault {
                 Fault::IndexOutOfBounds => "it points at something that does not exist",
                 Fault::Missing => "it is missing",

@@ -20,6 +20,7 @@ mod attributes;
 mod compression;
 mod container;
 mod copies;
+mod dangling;
 mod deformed;
 mod extensions;
 mod extras;
