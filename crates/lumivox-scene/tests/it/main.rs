@@ -20,6 +20,7 @@ mod gltf_forgiven;
 mod gltf_hostile;
 mod gltf_materials;
 mod gltf_meshopt;
+mod gltf_odd;
 mod gltf_scenes;
 mod gltf_textures;
 mod gltf_valid;

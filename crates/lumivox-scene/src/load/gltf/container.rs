@@ -64,7 +64,9 @@ pub(super) fn parse<'a>(
     if let Some(version) = version::of_document(json, root.as_ref().ok()) {
         return Err(version::unknown(file, version));
     }
-    let mut root = root.map_err(|error| malformed("the JSON", error.to_string()))?;
+    let mut root = root.map_err(|error| {
+        malformed("the JSON", super::json::what(json).unwrap_or_else(|| error.to_string()))
+    })?;
     let about = super::about::about(&root);
 
     extensions::check(file, &mut root, options.ignore_required, notes)?;
@@ -100,6 +102,11 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
             ));
         }
         at = begin + size.next_multiple_of(4).min(length - begin);
+        // Some programs leave out the padding. Behind it the name of the chunk would lie elsewhere.
+        let behind = begin + size;
+        if at != behind && word(behind + 4) == Ok(BINARY_CHUNK) {
+            at = behind;
+        }
         Ok(Some((&bytes[begin..begin + size], kind)))
     };
 
