@@ -335,7 +335,7 @@ fn told(name: &str, fault: &Fault) -> String {
         Fault::Unreadable(error) => {
             format!("image \"{name}\" cannot be read ({error}); put its file beside the scene")
         }
-        Fault::Bad(..) => format!("image \"{name}\" cannot be used: {fault}"),
+        Fault::Bad(..) | Fault::OtherKind(_) => format!("image \"{name}\" cannot be used: {fault}"),
     }
 }
 
