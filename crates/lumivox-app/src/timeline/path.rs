@@ -159,8 +159,22 @@ fn parse(text: &[u8]) -> Result<Vec<Key>, String> {
         [{ \"time_s\": 0, \"position\": [4, 2, 0], \"target\": [0, 1, 0] }, ...]";
     // Some editors write a byte order mark, which JSON forbids.
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-    let values: Vec<serde_json::Value> = serde_json::from_slice(text)
-        .map_err(|error| format!("the camera path is malformed: {error}; {FORM}"))?;
+    if [b"\xff\xfe", b"\xfe\xff"].iter().any(|mark| text.starts_with(*mark)) {
+        return Err("the camera path is text in UTF-16; save it as UTF-8".to_owned());
+    }
+    let values: Vec<serde_json::Value> = serde_json::from_slice(text).map_err(|error| {
+        // JSON has no slash outside of texts.
+        let line = text.split(|&byte| byte == b'\n').nth(error.line().saturating_sub(1));
+        let at = line.and_then(|line| line.get(error.column().saturating_sub(1)));
+        if at == Some(&b'/') {
+            let line = error.line();
+            return format!(
+                "line {line} of the camera path has a comment, which JSON forbids; remove all \
+                 comments"
+            );
+        }
+        format!("the camera path is malformed: {error}; {FORM}")
+    })?;
     if values.len() < 2 || values.len() > MOST_KEYS {
         let count = values.len();
         return Err(format!("has {count} keys, but must have 2 to {MOST_KEYS}; {FORM}"));
@@ -367,6 +381,12 @@ mod tests {
             let error = path(&text).unwrap_err();
             assert!(needles.iter().all(|needle| error.contains(needle)), "{text}: {error}");
         }
+        for text in [format!("// by hand\n[{good}]"), with("/* two */ 7")] {
+            let error = path(&text).unwrap_err();
+            assert!(error.contains("line 1 of the camera path has a comment"), "{error}");
+        }
+        let error = parse(b"\xff\xfe[\0]\0").unwrap_err();
+        assert!(error.contains("UTF-16; save it as UTF-8"), "{error}");
         let text = with(r#"{ "time_s": 1, "camera": "nowhere" }"#);
         let error = path(&text).unwrap().resolve(&scene(), 1.0).unwrap_err().to_string();
         for needle in ["path.json", "key 1", "\"nowhere\"", "there are"] {

@@ -1,4 +1,4 @@
-//! OpenEXR pictures: the first layer with red, green and blue, or with only luminance.
+//! OpenEXR pictures: the first layer with red, green and blue, CIE XYZ, or only luminance.
 
 use std::io::Cursor;
 
@@ -9,10 +9,14 @@ use exr::prelude::*;
 
 use super::load::{Fault, check_size};
 use crate::EnvironmentMap as Map;
+use crate::load::color::rgb_from_xyz;
 
 /// The chromaticities of BT.709, which OpenEXR assumes where a file says nothing: red, green, blue,
 /// white.
 const BT_709: [f32; 8] = [0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329];
+
+/// The most layers that a warning lists.
+const MOST_LISTED: usize = 8;
 
 pub(super) fn decode(bytes: &[u8]) -> std::result::Result<Map, Fault> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(Fault::broken)?;
@@ -40,11 +44,26 @@ pub(super) fn decode(bytes: &[u8]) -> std::result::Result<Map, Fault> {
         left: i64::from(position.x()) - i64::from(window.position.x()),
         top: i64::from(position.y()) - i64::from(window.position.y()),
     };
-    let warnings = warnings(header, &place);
+    let mut warnings = warnings(header, &place);
+    match &channels {
+        Channels::Xyz(_) => warnings.push(
+            "the environment map's channels X, Y, Z count as colours in CIE XYZ; save it as R, G, \
+             B if they are something else"
+                .to_owned(),
+        ),
+        Channels::Colors(_) => warnings.extend(tell_layers(&meta)),
+        Channels::Luminance(_) => {}
+    }
+    let is_xyz = matches!(channels, Channels::Xyz(_));
     // The luminance of (1, 1, 1) in cd/m²; a value without that meaning counts as absent.
     let unit = header.own_attributes.white_luminance.filter(|l| l.is_normal() && *l > 0.0);
 
     let mut rgb = channels.read(bytes, place).map_err(Fault::broken)?;
+    if is_xyz {
+        for texel in &mut rgb {
+            *texel = rgb_from_xyz((*texel).into()).into();
+        }
+    }
     if let Some(unit) = unit {
         rgb.iter_mut().flatten().for_each(|channel| *channel *= unit);
     }
@@ -72,31 +91,24 @@ impl Placement {
 /// The names of the channels that hold the colours.
 enum Channels {
     Colors([Text; 3]),
+    /// CIE XYZ.
+    Xyz([Text; 3]),
     Luminance(Text),
 }
 
 impl Channels {
-    /// Blender's layers prefix their channels: `View Layer.Combined.R`.
     fn of(header: &Header) -> Option<Self> {
-        let list = &header.channels.list;
-        let named = |name: &str| list.iter().find(|c| c.name.eq(name)).map(|c| c.name.clone());
-        let prefixes = list.iter().filter_map(|red| {
-            let name = red.name.to_string();
-            let prefix = name.strip_suffix('R')?;
-            (prefix.is_empty() || prefix.ends_with('.')).then(|| prefix.to_owned())
-        });
-        let of = |prefix: &str| {
-            let [red, green, blue] =
-                ["R", "G", "B"].map(|channel| named(&format!("{prefix}{channel}")));
-            Some(Self::Colors([red?, green?, blue?]))
+        let named = |name: &str| {
+            header.channels.list.iter().find(|c| c.name.eq(name)).map(|c| c.name.clone())
         };
-        // The picture itself, not a pass beside it.
-        let mut prefixes: Vec<String> = prefixes.collect();
-        prefixes.sort_by_key(|prefix| (!prefix.is_empty(), !prefix.ends_with("Combined.")));
-        if let Some(colors) = prefixes.iter().find_map(|prefix| of(prefix)) {
-            return Some(colors);
+        let all = |prefix: &str, names: [&str; 3]| {
+            let [a, b, c] = names.map(|name| named(&format!("{prefix}{name}")));
+            Some([a?, b?, c?])
+        };
+        if let Some(prefix) = prefixes(header).first() {
+            return all(prefix, ["R", "G", "B"]).map(Self::Colors);
         }
-        named("Y").map(Self::Luminance)
+        all("", ["X", "Y", "Z"]).map(Self::Xyz).or_else(|| named("Y").map(Self::Luminance))
     }
 
     fn read(self, bytes: &[u8], place: Placement) -> Result<Vec<[f32; 3]>> {
@@ -109,7 +121,7 @@ impl Channels {
         let read = read().no_deep_data().largest_resolution_level();
         let bytes = Cursor::new(bytes);
         match self {
-            Self::Colors([red, green, blue]) => Ok(read
+            Self::Colors([red, green, blue]) | Self::Xyz([red, green, blue]) => Ok(read
                 .specific_channels()
                 .required(red)
                 .required(green)
@@ -139,6 +151,45 @@ impl Channels {
                 .pixels),
         }
     }
+}
+
+/// What stands before the channels of each layer with colours in a part of the file; Blender writes
+/// `View Layer.Combined.R`. The first is the picture itself, and no pass beside it.
+fn prefixes(header: &Header) -> Vec<String> {
+    let names: Vec<String> = header.channels.list.iter().map(|c| c.name.to_string()).collect();
+    let has = |name: String| names.contains(&name);
+    let reds = names.iter().filter_map(|name| name.strip_suffix('R'));
+    let mut prefixes: Vec<String> = reds
+        .filter(|prefix| prefix.is_empty() || prefix.ends_with('.'))
+        .filter(|prefix| has(format!("{prefix}G")) && has(format!("{prefix}B")))
+        .map(str::to_owned)
+        .collect();
+    prefixes.sort_by_key(|prefix| (!prefix.is_empty(), !prefix.ends_with("Combined.")));
+    prefixes
+}
+
+/// Tells which of several layers with colours is shown.
+fn tell_layers(meta: &MetaData) -> Option<String> {
+    let layers = meta.headers.iter().filter(|header| !header.deep).flat_map(|header| {
+        let part = header.own_attributes.layer_name.as_ref().map(Text::to_string);
+        prefixes(header).into_iter().map(move |prefix| {
+            let prefix = Some(prefix.trim_end_matches('.').to_owned());
+            let words: Vec<String> =
+                part.iter().cloned().chain(prefix).filter(|word| !word.is_empty()).collect();
+            let name = if words.is_empty() { "R, G, B".to_owned() } else { words.join(", ") };
+            format!("\"{}\"", name.chars().take(40).collect::<String>())
+        })
+    });
+    let layers: Vec<String> = layers.collect();
+    let [shown, others @ ..] = layers.as_slice() else { return None };
+    let listed = others.iter().take(MOST_LISTED).cloned().collect::<Vec<_>>().join(", ");
+    (!others.is_empty()).then(|| {
+        format!(
+            "the environment map has {} layers with colours: {shown} is shown, and not {listed}; \
+             save another one alone to see it",
+            layers.len()
+        )
+    })
 }
 
 fn names(meta: &MetaData) -> String {

@@ -1,7 +1,7 @@
 //! Radiance pictures (Ward 1991, "Real pixels", Graphics Gems II): three mantissas and an exponent.
 
 use std::borrow::Cow;
-use std::io::Cursor;
+use std::io::{Cursor, ErrorKind};
 
 use image::ImageDecoder as _;
 use image::codecs::hdr::HdrDecoder;
@@ -11,7 +11,8 @@ use crate::EnvironmentMap;
 use crate::load::color::rgb_from_xyz;
 
 pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
-    let (bytes, [is_upside_down, is_mirrored, has_columns], is_xyz) = plain(bytes);
+    let bytes = with_line_feeds(bytes)?;
+    let (bytes, [is_upside_down, is_mirrored, has_columns], is_xyz) = plain(&bytes);
     let bytes = &*bytes;
     // The strict mode would refuse the signature `#?RGBE`, which many programs write.
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes)).map_err(Fault::broken)?;
@@ -21,7 +22,12 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
 
     let mut rgb = vec![[0.0_f32; 3]; width as usize * height as usize];
     let mut raw = vec![0_u8; rgb.len() * size_of::<[f32; 3]>()];
-    decoder.read_image(&mut raw).map_err(Fault::broken)?;
+    decoder.read_image(&mut raw).map_err(|error| match error {
+        image::ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
+            Fault::broken("it was cut off: it ends before its last row of texels")
+        }
+        error => Fault::broken(error),
+    })?;
     let channels = raw.chunks_exact(4).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
     for (channel, value) in rgb.iter_mut().flatten().zip(channels) {
         *channel = value;
@@ -65,6 +71,35 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
         map.warnings.push(told.to_owned());
     }
     Ok(map)
+}
+
+/// The picture with a header whose lines end in line feeds alone.
+fn with_line_feeds(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Fault> {
+    let (mut head, mut rest, mut is_header, mut is_changed) = (Vec::new(), bytes, true, false);
+    // The line behind the empty one has the size.
+    loop {
+        let end = rest.iter().position(|&byte| byte == b'\n').ok_or_else(|| {
+            Fault::broken("it was cut off: it ends before the texels, within its header")
+        })?;
+        let line = rest[..end].strip_suffix(b"\r").unwrap_or(&rest[..end]);
+        is_changed |= line.len() < end;
+        if is_header && matches!(line, [b'-' | b'+', b'X' | b'Y', b' ', ..]) {
+            let reason = "its header lacks the empty line before the size";
+            return Err(Fault::broken(reason));
+        }
+        head.extend_from_slice(line);
+        head.push(b'\n');
+        rest = &rest[end + 1..];
+        if !is_header {
+            break;
+        }
+        is_header = !line.is_empty();
+    }
+    if !is_changed {
+        return Ok(Cow::Borrowed(bytes));
+    }
+    head.extend_from_slice(rest);
+    Ok(Cow::Owned(head))
 }
 
 /// The picture with the header of the one kind that the decoder knows: rows that run down and to the

@@ -306,3 +306,77 @@ fn broken_files_never_panic() {
     runs.extend([1, 1, 1, 0].repeat(12));
     folder.load("a.hdr", &runs).unwrap_err();
 }
+
+#[test]
+fn radiance_headers_may_have_other_line_ends() {
+    let whole = hdr_bytes(&picture(16, 8));
+    let map = EnvironmentMap::from_memory("a.hdr", &whole).unwrap();
+    let texels = whole.windows(2).position(|pair| pair == b"\n\n").unwrap() + 2;
+    let texels = texels + whole[texels..].iter().position(|&byte| byte == b'\n').unwrap() + 1;
+    let head = String::from_utf8(whole[..texels].to_vec()).unwrap();
+    for head in [head.replace('\n', "\r\n"), head.replacen("\n\n", "\r\n\r\n", 1)] {
+        let bytes = [head.as_bytes(), &whole[texels..]].concat();
+        assert_eq!(EnvironmentMap::from_memory("a.hdr", &bytes).unwrap().rgb, map.rgb);
+    }
+    let message =
+        |bytes: &[u8]| EnvironmentMap::from_memory("a.hdr", bytes).unwrap_err().to_string();
+    let bytes = [head.replacen("\n\n", "\n", 1).as_bytes(), &whole[texels..]].concat();
+    let text = message(&bytes);
+    assert!(text.contains("its header lacks the empty line before the size"), "{text}");
+    let text = message(&whole[..texels - 3]);
+    assert!(text.contains("it was cut off: it ends before the texels"), "{text}");
+    for length in [texels, whole.len() - 1] {
+        let text = message(&whole[..length]);
+        assert!(text.contains("it was cut off: it ends before its last row"), "{text}");
+        assert!(text.contains("export or download it again"), "{text}");
+    }
+}
+
+#[test]
+fn openexr_may_be_xyz() {
+    use exr::prelude::*;
+    let mut bytes = Cursor::new(Vec::new());
+    let channels = SpecificChannels::build()
+        .with_channel("X")
+        .with_channel("Y")
+        .with_channel("Z")
+        .with_pixel_fn(|_| (0.9505_f32, 1.0_f32, 1.089_f32));
+    Image::from_channels((4, 2), channels).write().to_buffered(&mut bytes).unwrap();
+    let map = EnvironmentMap::from_memory("a.exr", &bytes.into_inner()).unwrap();
+    close(map.rgb[0], [1.0; 3], 1e-3);
+    assert!(map.warnings[0].contains("count as colours in CIE XYZ"), "{:?}", map.warnings);
+}
+
+#[test]
+fn of_several_openexr_layers_the_shown_one_is_told() {
+    use exr::prelude::*;
+    let mut bytes = Cursor::new(Vec::new());
+    let channels = SpecificChannels::build()
+        .with_channel("Glow.R")
+        .with_channel("Glow.G")
+        .with_channel("Glow.B")
+        .with_channel("View.Combined.R")
+        .with_channel("View.Combined.G")
+        .with_channel("View.Combined.B")
+        .with_pixel_fn(|_| (9.0_f32, 9.0_f32, 9.0_f32, 1.0_f32, 2.0_f32, 3.0_f32));
+    Image::from_channels((4, 2), channels).write().to_buffered(&mut bytes).unwrap();
+    let map = EnvironmentMap::from_memory("a.exr", &bytes.into_inner()).unwrap();
+    assert_eq!(map.rgb[0], [1.0, 2.0, 3.0]);
+    assert_eq!(
+        map.warnings,
+        ["the environment map has 2 layers with colours: \"View.Combined\" is shown, and not \
+          \"Glow\"; save another one alone to see it"]
+    );
+    // Parts of a file, too.
+    let layer = |name: &str, red: f32| {
+        let channels = SpecificChannels::rgb(move |_: Vec2<usize>| (red, 0.0_f32, 0.0_f32));
+        Layer::new((4, 2), LayerAttributes::named(name), Encoding::FAST_LOSSLESS, channels)
+    };
+    let image = Image::empty(ImageAttributes::new(IntegerBounds::from_dimensions((4, 2))));
+    let image = image.with_layer(layer("left", 5.0)).with_layer(layer("right", 6.0));
+    let mut bytes = Cursor::new(Vec::new());
+    image.write().to_buffered(&mut bytes).unwrap();
+    let map = EnvironmentMap::from_memory("a.exr", &bytes.into_inner()).unwrap();
+    let words = "2 layers with colours: \"left\" is shown, and not \"right\"";
+    assert!(map.warnings[0].contains(words) && map.rgb[0][0] == 5.0, "{:?}", map.warnings);
+}

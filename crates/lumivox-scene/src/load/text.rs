@@ -64,8 +64,9 @@ impl<'f, R: BufRead> Lines<'f, R> {
         if self.line.trim_ascii_start().starts_with(b"#") {
             return Ok(more);
         }
-        while self.line.last() == Some(&b'\\') {
-            self.line.pop();
+        // Blanks behind it cannot be seen.
+        while let Some(before) = self.line.trim_ascii_end().strip_suffix(b"\\") {
+            self.line.truncate(before.len());
             self.line.push(b' ');
             if !self.append()? {
                 break;
@@ -205,7 +206,7 @@ mod tests {
     fn lines_end_in_all_three_ways() {
         for capacity in [1, 2, 3, 100] {
             for ending in ["\n", "\r\n", "\r"] {
-                let text = ["one", "", "two \\", " three", "# four \\", "five\\"].join(ending);
+                let text = ["one", "", "two \\ \t", " three", "# four \\", "five\\"].join(ending);
                 let lines = all(&text, capacity);
                 let texts: Vec<_> = lines.iter().map(|(_, text)| text.as_str()).collect();
                 assert_eq!(texts, ["one", "", "two   three", "# four \\", "five "], "{ending:?}");

@@ -376,3 +376,58 @@ proptest! {
         with(&text, &[("a.png", bytes)]);
     }
 }
+
+#[test]
+fn what_is_used_in_part_is_not_called_ignored() {
+    let files = [("a.png", png(1, 1, &[9, 9, 9, 255]))];
+    let scene = with("map_Kd -texres 512 a.png\nd -halo 0.5", &files);
+    assert_eq!(
+        scene.notes.warnings,
+        [
+            "house.mtl, line 2: \"map_Kd\" is used without its options -texres, which are not supported",
+            "house.mtl, line 3: \"d\" is the same for all angles: -halo is not supported",
+        ]
+    );
+    assert_eq!(scene.textures[0].rgba8, [9, 9, 9, 255]);
+}
+
+#[test]
+fn a_second_material_of_a_name_is_told() {
+    let scene = with("Kd 1 0 0\nnewmtl m\nKd 0 1 0", &[]);
+    assert!(warns(
+        &scene,
+        "house.mtl: the material \"m\" is defined more than once; the first counts"
+    ));
+    assert_eq!(phong(&scene).diffuse, Vec3::X);
+}
+
+#[test]
+fn a_library_that_is_none_does_not_cost_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+    let path = write(folder.path(), "house.obj", obj.as_bytes());
+    for (text, words) in [
+        (
+            "",
+            "the material library \"a.mtl\" has no materials (no line begins with newmtl); export it",
+        ),
+        ("# nothing\n", "the material library \"a.mtl\" has no materials"),
+        ("<!DOCTYPE html>\n<p>404", "the material library \"a.mtl\" was ignored: it is a web page"),
+    ] {
+        write(folder.path(), "a.mtl", text.as_bytes());
+        let scene = Scene::load(&path).unwrap();
+        assert!(warns(&scene, words), "{:?}", scene.notes.warnings);
+    }
+}
+
+#[test]
+fn an_image_that_is_something_else_says_so() {
+    let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n".to_vec();
+    let scene = with("map_Kd a.png", &[("a.png", pointer)]);
+    let words = "an image cannot be shown, a magenta checkerboard replaces it: a.png cannot be decoded: \
+                 it is a pointer of Git LFS";
+    assert!(warns(&scene, words), "{:?}", scene.notes.warnings);
+    let whole = png(32, 32, &(0..32 * 32 * 4).map(|i| (i * 97 % 251) as u8).collect::<Vec<_>>());
+    let scene = with("map_Kd a.png", &[("a.png", whole[..whole.len() / 2].to_vec())]);
+    assert!(warns(&scene, "cannot be decoded: it was cut off"), "{:?}", scene.notes.warnings);
+}

@@ -258,7 +258,10 @@ fn broken_files_say_where() {
     assert!(fault("hello\nworld\n").contains("no faces"));
     for (text, expected) in [
         ("f 1 2 5\n", "a corner of line 5 is 5, but there are only 4 vertices"),
-        ("f 1 2 -5\n", "a corner of line 5 is 5, but there are only 4 vertices"),
+        (
+            "f 1 2 -5\n",
+            "it uses vertex -5, counted back from the last one, but only 4 come before it",
+        ),
         ("f 1 2 99999999999999999999999\n", "there are only 4 vertices"),
         ("f 1 2 0\n", "counted from 1"),
         ("f 1 2 x\n", "\"x\" is not a corner"),

@@ -381,3 +381,25 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn what_is_behind_the_last_element_is_told() {
+    let told = |format: &str, more: &[u8]| {
+        let whole = [file(format, HEADER, &rows()), more.to_vec()].concat();
+        let scene = load("scan.ply", &whole).unwrap();
+        scene.notes.warnings.into_iter().find(|told| told.contains("behind all"))
+    };
+    for (format, more, words) in [
+        ("ascii", &b"\n3 0 1 2\n3 0 1 3\n"[..], "2 lines"),
+        ("binary_little_endian", &[7; 26], "26 bytes"),
+        ("binary_big_endian", &[0; 13], "13 bytes"),
+    ] {
+        let words = format!(
+            "{words} behind all that its header declares were ignored; if something is missing, the \
+             header counts too little"
+        );
+        assert_eq!(told(format, more), Some(words));
+        assert_eq!(told(format, b"\n"), None);
+        assert_eq!(told(format, b""), None);
+    }
+}

@@ -267,3 +267,31 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn big_endian_files_are_read_and_told() {
+    let little = binary(b"made elsewhere", 2, &ROOF, 0);
+    let (head, triangles) = little.split_at(80);
+    let swapped = |bytes: &[u8]| bytes.chunks(4).flat_map(|n| n.iter().rev().copied()).collect();
+    let mut big = head.to_vec();
+    big.extend::<Vec<u8>>(swapped(&triangles[..4]));
+    for triangle in triangles[4..].chunks(50) {
+        big.extend::<Vec<u8>>(swapped(&triangle[..48]));
+        big.extend(&triangle[48..]);
+    }
+    let scene = load("part.stl", &big).unwrap();
+    assert_roof(&scene);
+    let words = "its numbers are big-endian, against the format, and were read so";
+    assert!(scene.notes.warnings.iter().any(|told| told == words), "{:?}", scene.notes.warnings);
+}
+
+#[test]
+fn a_solids_name_may_have_the_words_of_the_format() {
+    for name in ["facet", "endsolid", "facet normal", "my facet normal x", "outer loop vertex 1"] {
+        let whole = text(name, &ROOF);
+        let scene = load("part.stl", whole.as_bytes()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_roof(&scene);
+        assert_eq!((scene.instances[0].name.as_str(), scene.notes.warnings.len()), (name, 1));
+        assert_roof(&load("part.stl", whole.replace('\n', " ").as_bytes()).unwrap());
+    }
+}

@@ -216,7 +216,7 @@ fn table(
             if words.len() != 3 && words.len() != 6 {
                 return Err(refuse(format!(
                     "line {line_number}: it has {} fields and no line above it names them; begin with a line such as \
-                     x,y,z,{}",
+                     x,y,z,{}; if its commas are those of decimals, write points",
                     words.len(),
                     directions.join(",")
                 )));
@@ -227,8 +227,11 @@ fn table(
         let column = |axis: &str| known.iter().position(|name| is_called(name, axis));
         let named = |axes: &[&str]| axes.iter().filter(|axis| column(axis).is_some()).count();
         if let Some(missing) = ["x", "y", "z"].iter().find(|axis| column(axis).is_none()) {
+            let are_numbers =
+                known.iter().any(|name| name.starts_with(|c: char| c.is_ascii_digit()));
+            let remedy = if are_numbers { "; write decimals with points" } else { "" };
             return Err(refuse(format!(
-                "it has no column {missing}; its first line must name x,y,z,{}, but is {}",
+                "it has no column {missing}; its first line must name x,y,z,{}, but is {}{remedy}",
                 directions.join(","),
                 known.join(", ")
             )));
@@ -260,7 +263,7 @@ fn table(
                 let read = number(word).ok().filter(|value| (*value as f32).is_finite());
                 *value = read.ok_or_else(|| {
                     refuse(format!(
-                        "line {line_number}, column {axis}: \"{word}\" is not a finite number"
+                        "line {line_number}, column {axis}: \"{word}\" is not a finite number; write numbers such as 1.5, with a point"
                     ))
                 })?;
             }
@@ -386,6 +389,17 @@ mod tests {
             ("x,y,z\n1,2,3\n1,two,3", false, "line 3, column y: \"two\""),
             ("1,2,inf", false, "line 1, column z: \"inf\""),
             ("0,0,0\n1,2,inf", false, "line 2, column z: \"inf\""),
+            (
+                "x,y,z\n\"1,5\",\"2,5\",\"0,0\"",
+                false,
+                "\"1,5\" is not a finite number; write numbers such as 1.5",
+            ),
+            ("0,25,0,5,0", false, "if its commas are those of decimals, write points"),
+            (
+                "1,5 2,5 0,0\n1,5 2,5 0,0",
+                false,
+                "but is 1, 5 2, 5 0, 0; write decimals with points",
+            ),
             ("1,2", false, "line 1: it has 2 fields"),
             ("7,1,2,3,0,0,-1", false, "line 1: it has 7 fields"),
             ("x,y,z,nx,ny\n1,2,3,0,0", false, "no column nz"),

@@ -64,7 +64,9 @@ pub(super) fn parse<'a>(
     if let Some(version) = version::of_document(json, root.as_ref().ok()) {
         return Err(version::unknown(file, version));
     }
-    let mut root = root.map_err(|error| malformed("the JSON", error.to_string()))?;
+    let mut root = root.map_err(|error| {
+        malformed("the JSON", super::json::what(json).unwrap_or_else(|| error.to_string()))
+    })?;
     let about = super::about::about(&root);
 
     extensions::check(file, &mut root, options.ignore_required, notes)?;
@@ -100,6 +102,11 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
             ));
         }
         at = begin + size.next_multiple_of(4).min(length - begin);
+        // Some programs leave out the padding. Behind it the name of the chunk would lie elsewhere.
+        let behind = begin + size;
+        if at != behind && word(behind + 4) == Ok(BINARY_CHUNK) {
+            at = behind;
+        }
         Ok(Some((&bytes[begin..begin + size], kind)))
     };
 
@@ -133,7 +140,7 @@ fn drop_primitives_without_positions(root: &mut Root, notes: &mut Notes) {
 }
 
 /// Checks indices that the JSON library's validation would use unchecked.
-fn check_position_indices(root: &Root) -> Result<(), (String, String)> {
+pub(super) fn check_position_indices(root: &Root) -> Result<(), (String, String)> {
     for (i, mesh) in root.meshes.iter().enumerate() {
         for index in mesh.primitives.iter().flat_map(|primitive| primitive.attributes.values()) {
             if index.value() >= root.accessors.len() {
@@ -168,7 +175,9 @@ fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, Stri
         // The target is a hint for old drivers, and the stride is checked where it is used.
         let only_hint = text.starts_with("bufferViews[")
             && (text.ends_with(".target") || text.ends_with(".byteStride"));
-        if !only_bounds && !only_zeros && !only_hint {
+        // An image without bytes counts as missing, where it is read.
+        let only_image = text.starts_with("images[") && text.ends_with(".bufferView");
+        if !only_bounds && !only_zeros && !only_hint && !only_image {
             let reason = match fault {
                 Fault::IndexOutOfBounds => "it points at something that does not exist",
                 Fault::Missing => "it is missing",

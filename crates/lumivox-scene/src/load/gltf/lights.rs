@@ -68,7 +68,14 @@ impl Loader<'_> {
         site: &Site,
     ) {
         match convert_camera(camera, site) {
-            Some(converted) => {
+            Some((converted, in_degrees)) => {
+                if let Some(yfov) = in_degrees {
+                    self.notes.warn(format!(
+                        "camera {} at {}: its yfov of {yfov} counts as degrees",
+                        camera.index(),
+                        site.name
+                    ));
+                }
                 let name = self.name_on(node, camera.name(), "camera", camera.index());
                 self.scene.cameras.push(Camera { name, ..converted });
                 self.rig.cameras.push(site.node);
@@ -116,13 +123,16 @@ fn cone(given: [f32; 2]) -> ([f32; 2], Option<&'static str>) {
     (given.map(|angle| angle.clamp(0.0, FRAC_PI_2)), Some("were limited to 0 to pi/2"))
 }
 
-fn convert_camera(camera: &gltf::Camera<'_>, site: &Site) -> Option<Camera> {
+/// The camera, and its angle if that is in degrees.
+fn convert_camera(camera: &gltf::Camera<'_>, site: &Site) -> Option<(Camera, Option<f32>)> {
     let Projection::Perspective(perspective) = camera.projection() else { return None };
-    let (fov, near_m) = (perspective.yfov(), perspective.znear());
+    let (given, near_m) = (perspective.yfov(), perspective.znear());
+    let in_degrees = Some(given).filter(|&given| given > PI);
+    let fov = in_degrees.map_or(given, f32::to_radians);
     if !(fov > 0.0 && fov < PI && near_m > 0.0) {
         return None;
     }
     let mut camera = Camera { vertical_fov_rad: fov, near_m, ..Camera::default() };
     // A scale of zero leaves no direction; an animation may give one.
-    (place_camera(&mut camera, site.world_from_node) || site.moves).then_some(camera)
+    (place_camera(&mut camera, site.world_from_node) || site.moves).then_some((camera, in_degrees))
 }

@@ -20,9 +20,11 @@ mod attributes;
 mod compression;
 mod container;
 mod copies;
+mod dangling;
 mod deformed;
 mod extensions;
 mod extras;
+mod json;
 mod lights;
 mod material;
 mod node;
@@ -88,7 +90,7 @@ struct Loader<'a> {
 
 pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
     let bytes = stream::read_all(file, options)?;
-    load_bytes(file, &bytes, options)
+    load_bytes(file, &json::utf8(&bytes), options)
 }
 
 /// Loads from memory; other files are read beside `file`.

@@ -222,6 +222,15 @@ impl Loader<'_> {
             file: self.file.to_owned(),
             part: format!("{name}, {what},"),
         };
+        let json = &self.root().nodes[node.index()];
+        let has_parts =
+            json.translation.is_some() || json.rotation.is_some() || json.scale.is_some();
+        if json.matrix.is_some() && has_parts {
+            self.notes.warn(format!(
+                "{name} has a matrix and also a translation, rotation or scale, which glTF forbids; \
+                 the matrix counts"
+            ));
+        }
         let rest = match node.transform() {
             Transform::Matrix { matrix } => Local::Matrix(Mat4::from_cols_array_2d(&matrix)),
             Transform::Decomposed { translation, rotation, scale } => {

@@ -65,6 +65,14 @@ impl Loader<'_> {
             }
             None => (0..count as u32).collect(),
         };
+        let surplus = indices.len() % 3;
+        if mode == Mode::Triangles && surplus != 0 {
+            self.notes.warn(format!(
+                "{part}: its {} indices make no whole number of triangles; the last {surplus} were \
+                 ignored",
+                indices.len()
+            ));
+        }
         let indices = to_triangles(mode, &indices);
 
         let uvs = match accessor(Semantic::TexCoords(0)) {

@@ -8,7 +8,7 @@ use gltf::json::validation::Checked::{self, Invalid, Valid};
 use gltf::json::{Error, Root};
 use serde_json::{Value, json};
 
-use super::{Notes, name_or_index};
+use super::{Notes, dangling, name_or_index};
 use crate::load::files::shorten;
 
 /// Reads the document. Removes, with a warning, channels that animate something other than nodes
@@ -24,6 +24,10 @@ pub(super) fn read_root(json: &[u8], notes: &mut Notes) -> Result<Root, Error> {
             Root::from_slice(&json)?
         }
     };
+    if let Some(mended) = dangling::mended(&root, &json, notes) {
+        json = Cow::Owned(mended);
+        root = Root::from_slice(&json)?;
+    }
     replace_unknown(&mut root, &json, notes);
     let has_targets = |mesh: &gltf::json::Mesh| mesh.primitives.iter().any(|p| p.targets.is_some());
     if root.meshes.iter().any(has_targets) {
@@ -202,7 +206,7 @@ fn empty_animations(document: &mut Value, notes: &mut Notes) -> bool {
     is_repaired
 }
 
-fn list_mut<'a>(value: &'a mut Value, key: &str) -> &'a mut [Value] {
+pub(super) fn list_mut<'a>(value: &'a mut Value, key: &str) -> &'a mut [Value] {
     value.get_mut(key).and_then(Value::as_array_mut).map_or(&mut [], Vec::as_mut_slice)
 }
 

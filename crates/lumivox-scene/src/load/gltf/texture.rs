@@ -13,7 +13,7 @@ use glam::{Affine2, Vec2};
 use gltf::texture::{MagFilter, MinFilter, WrappingMode};
 use serde_json::Value;
 
-use super::{Loader, extras, name_or_index};
+use super::{Loader, dangling, extras, name_or_index};
 use crate::load::files::{self, Located};
 use crate::load::image::{Encoding, Fault, Source};
 use crate::load::textures::{ImageId, Mix, Recipe};
@@ -102,23 +102,20 @@ pub(super) type Listed = Result<ImageId, String>;
 
 impl<'a> Loader<'a> {
     /// The JSON of an extension that refers to a texture.
-    pub(super) fn texture_use(
-        &self,
-        info: &Value,
-        part: &str,
-    ) -> Result<Option<TextureUse>, SceneError> {
+    pub(super) fn texture_use(&mut self, info: &Value, part: &str) -> Option<TextureUse> {
         if info.is_null() {
-            return Ok(None);
+            return None;
         }
         let texture = info["index"].as_u64().and_then(|index| usize::try_from(index).ok());
         let Some(texture) = texture.filter(|&index| index < self.root().textures.len()) else {
-            return Err(self.malformed(part, "it names a texture that does not exist"));
+            self.notes.warn(format!("{part} names a texture that does not exist; it was left out"));
+            return None;
         };
         let set = info["texCoord"].as_u64().unwrap_or(0);
         let set = u32::try_from(set).unwrap_or(u32::MAX);
         let moved = &info["extensions"]["KHR_texture_transform"];
         let (uv_set, transform) = json_transform(Some(moved).filter(|m| m.is_object()), set);
-        Ok(Some(TextureUse { texture, uv_set, transform }))
+        Some(TextureUse { texture, uv_set, transform })
     }
 
     /// Finds the texture's image; `None`, with a warning, if none can be read.
@@ -250,8 +247,11 @@ impl<'a> Loader<'a> {
             let Some(value) = json.extension_value(extension) else { continue };
             let image = value["source"].as_u64().and_then(|index| usize::try_from(index).ok());
             let Some(image) = image.filter(|&image| image < self.root().images.len()) else {
-                let part = format!("texture {texture}, its {extension}");
-                return Err(self.malformed(&part, "it names an image that does not exist"));
+                self.notes.warn(format!(
+                    "texture {texture}: its {extension} names an image that does not exist; that \
+                     was left out"
+                ));
+                continue;
             };
             candidates.push(image);
         }
@@ -272,6 +272,8 @@ impl<'a> Loader<'a> {
         }
         self.notes.warn(match reasons.pop() {
             Some(reason) => format!("{reason}; a stand-in is shown"),
+            // The material has told it.
+            None if json.name() == Some(dangling::NO_TEXTURE) => return Ok(None),
             None => {
                 format!("texture {texture} names no image of a supported format and was ignored")
             }
@@ -333,7 +335,7 @@ fn told(name: &str, fault: &Fault) -> String {
         Fault::Unreadable(error) => {
             format!("image \"{name}\" cannot be read ({error}); put its file beside the scene")
         }
-        Fault::Bad(..) => format!("image \"{name}\" cannot be used: {fault}"),
+        Fault::Bad(..) | Fault::OtherKind(_) => format!("image \"{name}\" cannot be used: {fault}"),
     }
 }
 

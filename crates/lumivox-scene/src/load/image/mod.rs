@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 
 use image::{ImageFormat, ImageReader, Limits};
 
+use super::foreign;
 use super::regular::{open_regular, read_regular};
 
 pub(super) use board::{BOARD_EDGE, board, checker};
@@ -91,6 +92,8 @@ pub(super) enum Fault {
     Unreadable(std::io::Error),
     /// The content is broken or of an unsupported kind: the reason and the remedy.
     Bad(String, &'static str),
+    /// It is something else than an image: its kind and the remedy.
+    OtherKind(&'static str),
 }
 
 /// The remedy if the bytes violate their format.
@@ -105,12 +108,18 @@ impl std::fmt::Display for Fault {
         match self {
             Self::Unreadable(error) => write!(f, "{error}"),
             Self::Bad(reason, remedy) => write!(f, "{reason}; {remedy}"),
+            Self::OtherKind(kind) => write!(f, "{kind}"),
         }
     }
 }
 
 impl From<image::ImageError> for Fault {
     fn from(error: image::ImageError) -> Self {
+        if let image::ImageError::IoError(error) = &error
+            && error.kind() == std::io::ErrorKind::UnexpectedEof
+        {
+            return Self::Bad("it was cut off".to_owned(), BROKEN);
+        }
         let remedy = match &error {
             image::ImageError::Unsupported(_) => OF_ANOTHER_KIND,
             image::ImageError::Limits(_) => LARGE,
@@ -215,7 +224,9 @@ fn plain_format(start: &[u8], path: Option<&Path>) -> Result<ImageFormat, Fault>
     let format = match image::guess_format(start) {
         Ok(format) => format,
         Err(_) if is_targa() || has_targa_header(start) => ImageFormat::Tga,
-        Err(error) => return Err(error.into()),
+        Err(error) => {
+            return Err(foreign::what(start).map_or_else(|| error.into(), Fault::OtherKind));
+        }
     };
     if format.reading_enabled() {
         return Ok(format);

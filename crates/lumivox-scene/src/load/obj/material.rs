@@ -449,7 +449,9 @@ impl Conversion<'_, '_, '_> {
     }
 
     fn checker(&mut self, map: &Map, reason: &str) -> TextureRef {
-        self.warn(&format!("an image is missing, a magenta checkerboard replaces it: {reason}"));
+        self.warn(&format!(
+            "an image cannot be shown, a magenta checkerboard replaces it: {reason}"
+        ));
         TextureRef::new(self.own.textures.stand_in(&readable(&map.file), self.scene))
     }
 }

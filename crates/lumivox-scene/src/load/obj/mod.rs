@@ -76,7 +76,7 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
 
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let mut scene = Scene { name: name.unwrap_or_default(), origin, ..Scene::default() };
-    let library = mtl::Library::load(file, reach, &model.libraries, &mut notes)?;
+    let library = mtl::Library::load(file, reach, &model.libraries, &mut notes);
     let mut materials = material::Materials::new(file, reach, library, options);
     let mut builder = mesh::Builder::new(&model, &normals, crease_rad);
     for submesh in submeshes {

@@ -1,6 +1,6 @@
 //! The statements of MTL files.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
@@ -73,18 +73,18 @@ impl Library {
         reach: Reach<'_>,
         names: &[Vec<u8>],
         notes: &mut Notes,
-    ) -> Result<Self, SceneError> {
+    ) -> Self {
         let mut library = Self::default();
         for name in names {
             let found = split(name, &|name| find(&[file], name, reach));
             for path in found {
                 match path {
-                    Ok(path) => library.read(&path, file, reach, notes)?,
+                    Ok(path) => library.read_or_tell(&path, file, reach, notes),
                     Err(reason) => {
                         let beside = file.with_extension("mtl");
                         let is_there = reach.is_file(&beside) && reach.admit(&beside).is_ok();
                         let instead = if is_there {
-                            library.read(&beside, file, reach, notes)?;
+                            library.read_or_tell(&beside, file, reach, notes);
                             "; the one of the scene's own name was read instead"
                         } else {
                             ""
@@ -94,7 +94,23 @@ impl Library {
                 }
             }
         }
-        Ok(library)
+        library
+    }
+
+    /// Reads a library; the scene is shown without one that cannot be read.
+    fn read_or_tell(&mut self, file: &Path, scene: &Path, reach: Reach<'_>, notes: &mut Notes) {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        match self.read(file, scene, reach, notes) {
+            Ok(0) => notes.warn(format!(
+                "the material library \"{name}\" has no materials (no line begins with newmtl); \
+                 export it again"
+            )),
+            Ok(_) => {}
+            Err(SceneError::OtherKind { kind, .. }) => {
+                notes.warn(format!("the material library \"{name}\" was ignored: {kind}"));
+            }
+            Err(error) => notes.warn(format!("a material library was ignored: {error}")),
+        }
     }
 
     /// The material of a name, else the one whose name differs in case, quotation marks or a
@@ -104,24 +120,34 @@ impl Library {
         self.materials.get(name).or_else(same)
     }
 
+    /// Reads a library, and returns the number of its materials.
     fn read(
         &mut self,
         file: &Path,
         scene: &Path,
         reach: Reach<'_>,
         notes: &mut Notes,
-    ) -> Result<(), SceneError> {
+    ) -> Result<usize, SceneError> {
         let exists = |name: &[u8]| find(&[file, scene], name, reach).is_ok();
         let mut options = LoadOptions { files: reach.source, ..LoadOptions::default() };
         let (reader, _) = stream::open(file, &mut options)?;
         let mut lines = Lines::new(file, reader, 0);
         let mut current: Option<(Vec<u8>, Mtl)> = None;
+        let mut names: HashSet<Vec<u8>> = HashSet::new();
+        let file_name = file.file_name().unwrap_or_default().to_string_lossy();
         while lines.advance_joined()? {
             let (first, rest) = keyword(lines.line());
             if first.is_empty() || first.starts_with(b"#") {
                 continue;
             }
             if first.eq_ignore_ascii_case(b"newmtl") {
+                if !names.insert(rest.to_vec()) {
+                    notes.warn(format!(
+                        "{file_name}: the material \"{}\" is defined more than once; the first \
+                         counts",
+                        readable(rest)
+                    ));
+                }
                 let mtl = Mtl { file: file.to_owned(), ..Mtl::default() };
                 let done = current.replace((rest.to_vec(), mtl));
                 self.insert(done);
@@ -131,17 +157,16 @@ impl Library {
                 Some((_, mtl)) => mtl.statement(first, rest, &exists),
                 None => Err("it comes before the first \"newmtl\"".to_owned()),
             };
-            if let Err(reason) = said {
-                let name = file.file_name().unwrap_or_default().to_string_lossy();
-                let word = readable(first);
-                notes.warn(format!(
-                    "{name}, line {}: \"{word}\" was ignored: {reason}",
-                    lines.number()
-                ));
-            }
+            let said = match said {
+                Ok(None) => continue,
+                Ok(Some(limit)) => limit,
+                Err(reason) => format!("was ignored: {reason}"),
+            };
+            let word = readable(first);
+            notes.warn(format!("{file_name}, line {}: \"{word}\" {said}", lines.number()));
         }
         self.insert(current);
-        Ok(())
+        Ok(names.len())
     }
 
     /// Stores a material; the first one of a name counts.
@@ -162,13 +187,14 @@ impl Mtl {
         self.maps.get(&slot)
     }
 
-    /// Reads a statement. The error is a sentence on why it has no effect.
+    /// Reads a statement, and returns what part of it has no effect. The error is a sentence on why
+    /// none of it has.
     fn statement(
         &mut self,
         first: &[u8],
         rest: &[u8],
         exists: &dyn Fn(&[u8]) -> bool,
-    ) -> Result<(), String> {
+    ) -> Result<Option<String>, String> {
         let first = first.to_ascii_lowercase();
         match first.as_slice() {
             b"ka" => self.ambient = color(rest).ok(),
@@ -187,21 +213,22 @@ impl Mtl {
             b"d" => match keyword(rest) {
                 (b"-halo", rest) => {
                     self.number(Scalar::Opacity, rest)?;
-                    return Err("opacity does not change with the angle, its number is used \
-                                everywhere"
-                        .to_owned());
+                    let limit = "is the same for all angles: -halo is not supported";
+                    return Ok(Some(limit.to_owned()));
                 }
                 _ => self.number(Scalar::Opacity, rest)?,
             },
-            b"map_kd" => self.map_statement(Slot::Diffuse, rest, exists)?,
-            b"map_ks" => self.map_statement(Slot::Specular, rest, exists)?,
-            b"map_ke" | b"map_emissive" => self.map_statement(Slot::Emission, rest, exists)?,
-            b"map_d" | b"map_opacity" => self.map_statement(Slot::Opacity, rest, exists)?,
-            b"map_bump" | b"bump" => self.map_statement(Slot::Bump, rest, exists)?,
-            b"norm" | b"map_kn" | b"map_norm" => self.map_statement(Slot::Normal, rest, exists)?,
-            b"map_pr" => self.map_statement(Slot::Roughness, rest, exists)?,
-            b"map_pm" => self.map_statement(Slot::Metallic, rest, exists)?,
-            b"map_ps" => self.map_statement(Slot::Sheen, rest, exists)?,
+            b"map_kd" => return self.map_statement(Slot::Diffuse, rest, exists),
+            b"map_ks" => return self.map_statement(Slot::Specular, rest, exists),
+            b"map_ke" | b"map_emissive" => return self.map_statement(Slot::Emission, rest, exists),
+            b"map_d" | b"map_opacity" => return self.map_statement(Slot::Opacity, rest, exists),
+            b"map_bump" | b"bump" => return self.map_statement(Slot::Bump, rest, exists),
+            b"norm" | b"map_kn" | b"map_norm" => {
+                return self.map_statement(Slot::Normal, rest, exists);
+            }
+            b"map_pr" => return self.map_statement(Slot::Roughness, rest, exists),
+            b"map_pm" => return self.map_statement(Slot::Metallic, rest, exists),
+            b"map_ps" => return self.map_statement(Slot::Sheen, rest, exists),
             // This program computes ambient light, and every exporter writes both keys. The
             // sharpness of reflections and anti-aliasing are not properties of surfaces.
             b"map_ka" | b"sharpness" | b"map_aat" => {}
@@ -217,7 +244,7 @@ impl Mtl {
             | b"map_rma" | b"map_orm" => return Err("it is not supported".to_owned()),
             _ => return Err("it is unknown".to_owned()),
         }
-        Ok(())
+        Ok(None)
     }
 
     fn number(&mut self, scalar: Scalar, rest: &[u8]) -> Result<(), String> {
@@ -234,13 +261,13 @@ impl Mtl {
         slot: Slot,
         rest: &[u8],
         exists: &dyn Fn(&[u8]) -> bool,
-    ) -> Result<(), String> {
+    ) -> Result<Option<String>, String> {
         let (map, ignored) = Map::parse(rest, exists).ok_or("it names no file")?;
         self.maps.insert(slot, map);
-        match ignored.first() {
-            None => Ok(()),
-            Some(_) => Err(format!("only its options {} are not supported", ignored.join(", "))),
-        }
+        let is_whole = ignored.is_empty();
+        Ok((!is_whole).then(|| {
+            format!("is used without its options {}, which are not supported", ignored.join(", "))
+        }))
     }
 }
 

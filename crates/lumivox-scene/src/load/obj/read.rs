@@ -329,6 +329,10 @@ impl State {
         }
         let position = resolve(index, count, before[0]).ok_or(match index {
             0 => Fault::Text("it uses vertex 0, but vertices are counted from 1".to_owned()),
+            ..0 => Fault::Text(format!(
+                "it uses vertex {index}, counted back from the last one, but only {} come before it",
+                before[0]
+            )),
             _ => Fault::Index {
                 index: usize::try_from(index.unsigned_abs()).unwrap_or(usize::MAX),
                 count,

@@ -91,6 +91,12 @@ impl<'f> Body<'f> {
                 _ => skip(element, source)?,
             }
         }
+        if let Some(rest) = source.rest()? {
+            self.notes.warn(format!(
+                "{rest} behind all that its header declares were ignored; if something is missing, the \
+                 header counts too little"
+            ));
+        }
         for (add, lists) in std::mem::take(&mut self.early) {
             let (mut rest, mut face) = (lists.as_slice(), 0);
             while let [length, after @ ..] = rest {

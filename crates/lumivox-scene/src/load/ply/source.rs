@@ -14,6 +14,9 @@ pub(super) trait Source {
 
     /// The next value of the element.
     fn value(&mut self, scalar: Scalar) -> Result<f64, SceneError>;
+
+    /// What is behind the last element, in words.
+    fn rest(&mut self) -> Result<Option<String>, SceneError>;
 }
 
 /// Elements as lines of numbers.
@@ -73,6 +76,14 @@ impl<R: BufRead> Source for Text<'_, R> {
             .or_else(|| crate::load::text::number(word))
             .ok_or_else(|| self.lines.malformed(format!("\"{}\" is not a number", readable(word))))
     }
+
+    fn rest(&mut self) -> Result<Option<String>, SceneError> {
+        let mut count = 0_u64;
+        while self.lines.advance()? {
+            count += u64::from(!self.lines.line().trim_ascii().is_empty());
+        }
+        Ok((count > 0).then(|| format!("{count} lines")))
+    }
 }
 
 /// Elements as bytes, the most significant first or last.
@@ -116,6 +127,13 @@ impl<R: Read, const BIG: bool> Source for Binary<'_, R, BIG> {
             Scalar::F32 => f64::from(f32::from_le_bytes(self.bytes()?)),
             Scalar::F64 => f64::from_le_bytes(self.bytes()?),
         })
+    }
+
+    fn rest(&mut self) -> Result<Option<String>, SceneError> {
+        let count = std::io::copy(&mut self.reader, &mut std::io::sink())
+            .map_err(|source| SceneError::Read { file: self.file.to_owned(), source })?;
+        // Some programs end the file with a line break.
+        Ok((count > 2).then(|| format!("{count} bytes")))
     }
 }
 

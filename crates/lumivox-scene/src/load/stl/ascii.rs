@@ -25,9 +25,7 @@ impl Reading<'_> {
             let mut text = lines.line();
             if first.eq_ignore_ascii_case(b"solid") {
                 // All of a file may be one line.
-                let begin =
-                    rest.windows(12).position(|at| at.eq_ignore_ascii_case(b"facet normal"));
-                let (name, facets) = rest.split_at(begin.unwrap_or(rest.len()));
+                let (name, facets) = rest.split_at(first_facet(rest).unwrap_or(rest.len()));
                 text = facets;
                 in_solid = true;
                 if solids.len() < MOST_SOLIDS {
@@ -115,4 +113,16 @@ impl Reading<'_> {
         }
         Ok(solids)
     }
+}
+
+/// The first facet of a line, whose normal's numbers follow: a solid's name may have the words, too.
+fn first_facet(line: &[u8]) -> Option<usize> {
+    const BEGIN: &[u8] = b"facet normal";
+    let begins = line.windows(BEGIN.len()).enumerate();
+    let mut begins = begins.filter(|(_, at)| at.eq_ignore_ascii_case(BEGIN)).map(|(at, _)| at);
+    begins.find(|at| {
+        let mut after = words(&line[at + BEGIN.len()..]);
+        after.next().is_some_and(|word| number::<f64>(word).is_some())
+            || after.nth(2).is_some_and(|word| word.eq_ignore_ascii_case(b"outer"))
+    })
 }

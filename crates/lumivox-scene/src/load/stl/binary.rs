@@ -1,10 +1,10 @@
-//! Binary STL: a head of 84 bytes, then 50 bytes a triangle, all little-endian.
+//! Binary STL: a head of 84 bytes, then 50 bytes a triangle, all little-endian by the format.
 
 use std::io::{ErrorKind, Read};
 
 use glam::Vec3;
 
-use super::{BINARY_HEAD, BINARY_TRIANGLE, Reading, Solid};
+use super::{BINARY_HEAD, BINARY_TRIANGLE, Reading, Solid, length_of};
 use crate::SceneError;
 
 impl Reading<'_> {
@@ -17,7 +17,15 @@ impl Reading<'_> {
     ) -> Result<Vec<Solid>, SceneError> {
         let mut head = [0; BINARY_HEAD];
         reader.read_exact(&mut head).map_err(|error| self.cut_off(error))?;
-        let declared = u64::from(u32::from_le_bytes([head[80], head[81], head[82], head[83]]));
+        let counted = [head[80], head[81], head[82], head[83]];
+        let (little, big) = (u32::from_le_bytes(counted), u32::from_be_bytes(counted));
+        let is_big = length_of(little) != length && length_of(big) == length;
+        if is_big {
+            self.notes.warn(
+                "its numbers are big-endian, against the format, and were read so".to_owned(),
+            );
+        }
+        let declared = u64::from(if is_big { big } else { little });
         let bytes = length.saturating_sub(BINARY_HEAD as u64);
         let held = bytes / BINARY_TRIANGLE as u64;
         let rest = bytes % BINARY_TRIANGLE as u64;
@@ -45,7 +53,8 @@ impl Reading<'_> {
             reader.read_exact(&mut triangle).map_err(|error| self.cut_off(error))?;
             for corner in triangle[12..48].chunks_exact(12) {
                 let float = |at: usize| {
-                    f32::from_le_bytes([corner[at], corner[at + 1], corner[at + 2], corner[at + 3]])
+                    let bytes = [corner[at], corner[at + 1], corner[at + 2], corner[at + 3]];
+                    if is_big { f32::from_be_bytes(bytes) } else { f32::from_le_bytes(bytes) }
                 };
                 let place = Vec3::new(float(0), float(4), float(8));
                 corners.push(place);

@@ -155,10 +155,15 @@ fn weld(corners: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
     (positions, indices)
 }
 
+/// The bytes of a binary file of so many triangles.
+fn length_of(count: u32) -> u64 {
+    BINARY_HEAD as u64 + u64::from(count) * BINARY_TRIANGLE as u64
+}
+
 fn is_binary(head: &[u8], length: u64) -> bool {
     let counted = head.get(80..BINARY_HEAD).and_then(|count| count.try_into().ok());
-    if let Some(count) = counted.map(u32::from_le_bytes)
-        && length == BINARY_HEAD as u64 + u64::from(count) * BINARY_TRIANGLE as u64
+    if let Some(count) = counted
+        && [u32::from_le_bytes(count), u32::from_be_bytes(count)].map(length_of).contains(&length)
     {
         return true;
     }

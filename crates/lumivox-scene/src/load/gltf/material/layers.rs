@@ -55,8 +55,8 @@ impl Loader<'_> {
                  smooth"
             ));
         }
-        let strength = self.texture_use(&coat["clearcoatTexture"], &part)?;
-        let roughness = self.texture_use(&coat["clearcoatRoughnessTexture"], &part)?;
+        let strength = self.texture_use(&coat["clearcoatTexture"], &part);
+        let roughness = self.texture_use(&coat["clearcoatRoughnessTexture"], &part);
         Ok(Clearcoat {
             strength: self.unit_in(coat, "clearcoatFactor", name),
             roughness: self.unit_in(coat, "clearcoatRoughnessFactor", name),
@@ -79,8 +79,8 @@ impl Loader<'_> {
             return Ok(Sheen::default());
         };
         let part = format!("material \"{name}\", its KHR_materials_sheen");
-        let color = self.texture_use(&sheen["sheenColorTexture"], &part)?;
-        let roughness = self.texture_use(&sheen["sheenRoughnessTexture"], &part)?;
+        let color = self.texture_use(&sheen["sheenColorTexture"], &part);
+        let roughness = self.texture_use(&sheen["sheenRoughnessTexture"], &part);
         let factor = match sheen["sheenColorFactor"].as_array().map(Vec::as_slice) {
             Some([r, g, b]) => [r, g, b].map(|c| c.as_f64().map_or(f32::NAN, |c| c as f32)),
             _ => [0.0; 3],
