@@ -60,7 +60,8 @@ pub fn look_at(
     let (aspect, framing) = (size.x as f32 / size.y as f32, OnceCell::new());
     let camera = resolve_with(choice, scene, aspect, &framing)?;
     progress.set("looking at the scene", 0, 1);
-    let options = SightOptions { camera: Some(camera), aspect, staging, fineness: Fineness::default() };
+    let options =
+        SightOptions { camera: Some(camera), aspect, staging, fineness: Fineness::default() };
     let sight = Sight::of(scene, &options, &framing);
     scene.light_up(&sight);
     if sight.light.is_some() {

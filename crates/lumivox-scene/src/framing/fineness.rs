@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 use super::directions;
-use super::rays::Rays;
+use super::rays::{LIFT, Rays};
 use super::sight::{Note, three_digits};
 use super::soup::Unit;
 use super::survey::Patch;
@@ -125,7 +125,7 @@ impl Seen<'_> {
             return None;
         }
         let text = format!(
-            "shadow maps are coarse here: texels are up to {} m wide, and {:.0} % of the shade is lost or too small",
+            "shadow maps are coarse here: texels are up to {} m wide, and {:.0} % of the shade is lost",
             three_digits(largest_m),
             100.0 * share
         );
@@ -150,6 +150,8 @@ impl Seen<'_> {
         };
         let cosine = way.dot(patch.normal);
         let hit = self.rays.cast(patch.position, way).filter(|_| cosine > 0.0 && is_in_cone)?;
-        (hit.distance < reach).then_some(hit.distance * cosine * self.unit.scale_m)
+        // From the surface on, above which the rays start.
+        let above = hit.distance * cosine + LIFT;
+        (hit.distance < reach).then_some(above * self.unit.scale_m)
     }
 }

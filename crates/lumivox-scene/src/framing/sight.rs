@@ -55,7 +55,12 @@ pub struct SightOptions {
 
 impl Default for SightOptions {
     fn default() -> Self {
-        Self { camera: None, aspect: 16.0 / 9.0, staging: Staging::Auto, fineness: Fineness::default() }
+        Self {
+            camera: None,
+            aspect: 16.0 / 9.0,
+            staging: Staging::Auto,
+            fineness: Fineness::default(),
+        }
     }
 }
 

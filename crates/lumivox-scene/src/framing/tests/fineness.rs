@@ -41,11 +41,15 @@ fn shadow_maps_are_coarse_where_things_are_lower_than_two_texels() {
     let sun = LightKind::Directional { illuminance_lux: 1e5, angular_radius_rad: 0.005 };
     let lamp = LightKind::Point { intensity_cd: 1e9, range_m: None };
     let above = direction * -2000.0;
-    for (kind, squares, is_coarse) in [(&sun, 0, true), (&sun, 3, false), (&lamp, 3, true)] {
-        let light = Light { direction, position: above, kind: kind.clone(), ..Light::default() };
+    for (kind, squares, is_coarse) in [(sun, 0, true), (sun, 3, false), (lamp, 3, true)] {
+        let light = Light { direction, position: above, kind, ..Light::default() };
         scene.lights = vec![light];
         let maps = ShadowMapFineness { resolution: 1024, squares, step: 4.0 };
         let fineness = Fineness { voxel_m: None, shadow_maps: Some(maps) };
-        assert_eq!(subjects(&scene, fineness).contains(&"shadows"), is_coarse, "{kind:?}, {squares}");
+        assert_eq!(
+            subjects(&scene, fineness).contains(&"shadows"),
+            is_coarse,
+            "{kind:?}, {squares}"
+        );
     }
 }
