@@ -69,7 +69,8 @@ pub use atomic::write_atomically;
 pub use environment::{sky, studio};
 pub use error::SceneError;
 pub use framing::{
-    DefaultLight, Fineness, Framing, Ground, Note, ShadowMapFineness, Sight, SightOptions, Staging,
+    DefaultLight, Fineness, Framing, Ground, Note, Shade, ShadowMapFineness, Sight, SightOptions,
+    Staging,
 };
 pub use load::{
     EXTENSIONS, FileSource, LoadOptions, LoadProgress, MemoryBudget, UpAxis, check_regular,

@@ -120,6 +120,29 @@ fn a_lamp_in_the_plane_of_a_ceiling_lights_the_room_by_every_method() {
     }
 }
 
+/// A block of a metre on 10 km of ground: a texel of the sun's map is as large as a house.
+#[test]
+fn shade_that_shadow_maps_lose_is_told() {
+    let folder = folder();
+    let path = folder.path();
+    let far = 5000.0;
+    let mut corners = vec![[-far, 0.0, -far], [-far, 0.0, far], [far, 0.0, far]];
+    corners.extend([[-far, 0.0, -far], [far, 0.0, far], [far, 0.0, -far]]);
+    // The side that faces the sun, which stands towards +z.
+    let (a, b, c, d) = ([0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]);
+    corners.extend([a, b, c, a, c, d]);
+    fs::write(path.join("block.glb"), glb(&corners)).unwrap();
+    fs::write(path.join("points.csv"), "x,y,z\n0.5,0,2\n0.5,0,0.5\n0.5,0,-3\n").unwrap();
+    let line = format!("measure block.glb --points points.csv {SMALL} --sky 30,180");
+    let report = lumivox(path, &format!("{line} --json")).expect_ok().json();
+    assert_eq!(report["in_lost_shade"], serde_json::json!([1]), "{report}");
+    let text = lumivox(path, &line).expect_ok().stdout;
+    assert!(text.contains("1 of them in shade") && text.contains("--method paths"), "{text}");
+    let paths = format!("{line} --method paths --samples 16 --json");
+    let report = lumivox(path, &paths).expect_ok().json();
+    assert_eq!(report["in_lost_shade"], serde_json::json!([]));
+}
+
 #[test]
 fn a_workplane_is_a_table_an_object_and_a_picture() {
     let folder = folder();

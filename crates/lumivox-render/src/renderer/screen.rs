@@ -79,6 +79,12 @@ impl Renderer {
             for pixel in &mut hdr {
                 *pixel = [pixel[0] * unit, pixel[1] * unit, pixel[2] * unit, pixel[3]];
             }
+            // A look may have lobes that take light away.
+            debug_assert!(
+                self.settings.look.is_some()
+                    || hdr.iter().all(|[rgb @ .., _]| rgb.iter().all(|value| *value >= 0.0)),
+                "negative radiance, or none that is a number"
+            );
         }
         Ok(hdr)
     }

@@ -49,20 +49,56 @@ pub struct ShadowMapFineness {
 }
 
 impl ShadowMapFineness {
-    /// The edge of a light's texels at a point, m.
-    fn texel_m(&self, light: &Light, point: Vec3, (bounds, camera): (Bounds, Vec3)) -> f32 {
+    /// The shade of a light at a surface that faces it; `None` without any. `bounds` are the scene's, and `distance` gives the
+    /// way, m, to the first surface in a direction.
+    pub fn shade(
+        &self,
+        light: &Light,
+        (position, normal): (Vec3, Vec3),
+        (bounds, camera): (Bounds, Vec3),
+        distance: impl Fn(Vec3) -> Option<f32>,
+    ) -> Option<Shade> {
+        let to_light = light.position - position;
+        let (way, reach_m) = match light.kind {
+            LightKind::Directional { .. } => (-light.direction, f32::INFINITY),
+            LightKind::Point { .. } | LightKind::Spot { .. } => {
+                (to_light.normalize_or_zero(), to_light.length())
+            }
+        };
         let half_m = match light.kind {
             LightKind::Directional { .. } => {
                 let half_m = |square: u32| bounds.radius_m() / self.step.powi(square as i32);
-                let reaches = |square: &u32| point.distance(camera) < half_m(*square);
+                let reaches = |square: &u32| position.distance(camera) < half_m(*square);
                 half_m((1..=self.squares).rev().find(reaches).unwrap_or(0))
             }
-            LightKind::Point { .. } => point.distance(light.position),
+            LightKind::Point { .. } => reach_m,
             LightKind::Spot { outer_angle_rad, .. } => {
-                point.distance(light.position) * outer_angle_rad.min(1.3).tan()
+                if light.direction.dot(-way) < outer_angle_rad.cos() {
+                    return None;
+                }
+                reach_m * outer_angle_rad.min(1.3).tan()
             }
         };
-        2.0 * half_m / self.resolution as f32
+        let cosine = way.dot(normal);
+        let blocked_m = if cosine > 0.0 { distance(way)? } else { return None };
+        let texel_m = 2.0 * half_m / self.resolution as f32;
+        (blocked_m < reach_m).then_some(Shade { above_m: blocked_m * cosine, texel_m })
+    }
+}
+
+/// What is in the way of a light to a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shade {
+    /// Its height above the surface, m.
+    pub above_m: f32,
+    /// The edge of a texel of the light's shadow map there, m.
+    pub texel_m: f32,
+}
+
+impl Shade {
+    /// Whether the shadow map has no such shade.
+    pub fn is_lost(&self) -> bool {
+        self.above_m < LOST_TEXELS * self.texel_m
     }
 }
 
@@ -110,13 +146,18 @@ impl Seen<'_> {
     ) -> Option<Note> {
         let (mut shaded, mut lost, mut largest_m) = (0_usize, 0_usize, 0.0_f32);
         for light in lights {
-            for patch in self.patches {
-                let Some(above_m) = self.blocked_above_m(light, patch) else { continue };
+            for Patch { position, normal, .. } in self.patches {
+                // From the surface on, above which the rays start.
+                let distance = |way: Vec3| {
+                    let hit = self.rays.cast(*position, way)?;
+                    Some((hit.distance + LIFT / way.dot(*normal)) * self.unit.scale_m)
+                };
+                let at = (self.unit.world_from_unit(*position), *normal);
+                let Some(shade) = maps.shade(light, at, place, distance) else { continue };
                 shaded += 1;
-                let texel_m = maps.texel_m(light, self.unit.world_from_unit(patch.position), place);
-                if above_m < LOST_TEXELS * texel_m {
+                if shade.is_lost() {
                     lost += 1;
-                    largest_m = largest_m.max(texel_m);
+                    largest_m = largest_m.max(shade.texel_m);
                 }
             }
         }
@@ -129,29 +170,7 @@ impl Seen<'_> {
             three_digits(largest_m),
             100.0 * share
         );
-        let option = "--shadow-resolution makes them finer, --shadows cones needs none";
+        let option = "--shadow-resolution makes them finer, --shadows cone needs none";
         Some(Note { about: "shadows", text, option })
-    }
-
-    /// The height, m, above a patch at which something blocks a light that its side faces.
-    fn blocked_above_m(&self, light: &Light, patch: &Patch) -> Option<f32> {
-        let (way, reach) = match light.kind {
-            LightKind::Directional { .. } => (-light.direction, f32::INFINITY),
-            LightKind::Point { .. } | LightKind::Spot { .. } => {
-                let way = self.unit.unit_from_world(light.position) - patch.position;
-                (way.normalize_or_zero(), way.length())
-            }
-        };
-        let is_in_cone = match light.kind {
-            LightKind::Spot { outer_angle_rad, .. } => {
-                light.direction.dot(-way) >= outer_angle_rad.cos()
-            }
-            LightKind::Directional { .. } | LightKind::Point { .. } => true,
-        };
-        let cosine = way.dot(patch.normal);
-        let hit = self.rays.cast(patch.position, way).filter(|_| cosine > 0.0 && is_in_cone)?;
-        // From the surface on, above which the rays start.
-        let above = hit.distance * cosine + LIFT;
-        (hit.distance < reach).then_some(above * self.unit.scale_m)
     }
 }

@@ -45,7 +45,7 @@ use soup::{Soup, Unit};
 use subject::Subject;
 use survey::Survey;
 
-pub use fineness::{Fineness, ShadowMapFineness};
+pub use fineness::{Fineness, Shade, ShadowMapFineness};
 pub use sight::{Note, Sight, SightOptions, Staging};
 pub use stage::{DefaultLight, Ground};
 

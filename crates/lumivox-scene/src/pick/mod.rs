@@ -107,6 +107,13 @@ impl Picker {
         Some(placed.tell(shape, hit, (origin, direction)))
     }
 
+    /// The way, m, to the first surface on a ray that blocks light, from either side.
+    pub fn obstacle_m(&self, origin: Vec3, direction: Vec3) -> Option<f32> {
+        let direction = direction.as_dvec3().try_normalize()?;
+        let (_, hit) = self.nearest((origin.as_dvec3(), direction), |_| Sides::Both)?;
+        Some(hit.distance as f32)
+    }
+
     /// Whether a point lies inside of something solid: of 14 rays around, three quarters or more first meet the back of a
     /// single-sided surface.
     pub fn is_inside(&self, at: Vec3) -> bool {

@@ -74,6 +74,8 @@ pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
         stage(&args.scene.scene, &args.scene.load, &sources, &args.view, args.size, &progress)?;
     let places = places.of_scene(&scene, args)?;
     progress.stop_on_interrupt(host)?;
+    let shadow_maps =
+        settings.fineness(&scene).shadow_maps.filter(|_| args.method == Method::Cones);
     let bounces = given.iter().any(|(parameter, _)| parameter.name == "bounces");
     let bounces = bounces.then_some(settings.bounces);
     let task = Task { gpu: &gpu, scene: &scene, camera: &camera, progress: &progress };
@@ -98,6 +100,7 @@ pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
         seconds: start.elapsed().as_secs_f64(),
         adapter: AdapterReport::new(&gpu.adapter_info),
         inside: places.inside(&scene),
+        in_lost_shade: shadow_maps.map_or_else(Vec::new, |maps| places.in_lost_shade(&scene, maps)),
         places: &places,
         readings: &readings,
     };

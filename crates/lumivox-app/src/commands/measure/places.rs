@@ -6,13 +6,13 @@ use glam::{DVec3, UVec2, Vec3};
 use lumivox_console::Failure;
 use lumivox_render::measure::Workplane;
 use lumivox_render::reference::Sensor;
-use lumivox_scene::{Picker, Scene, read_regular};
+use lumivox_scene::{Picker, Scene, ShadowMapFineness, read_regular};
 
 use crate::cli::MeasureArgs;
 
 /// The most points of a workplane or a file.
 const MOST: usize = 1 << 20;
-/// The most places that are looked at for solids around them.
+/// The most places that are looked at for solids around them and for shade.
 const MOST_LOOKED_AT: usize = 1 << 14;
 /// Cells along the longer side of a workplane without a spacing.
 const CELLS: f32 = 24.0;
@@ -108,6 +108,27 @@ impl Places {
         let picker = Picker::new(scene);
         let looked_at = self.at.iter().take(MOST_LOOKED_AT).enumerate();
         looked_at.filter(|(_, (at, _))| picker.is_inside(*at)).map(|(index, _)| index).collect()
+    }
+
+    /// The places in shade that shadow maps lose, by their numbers: what blocks a light there is lower than two of its texels. As
+    /// many are looked at as for [`Self::inside`].
+    pub fn in_lost_shade(&self, scene: &Scene, maps: ShadowMapFineness) -> Vec<usize> {
+        if self.at.is_empty() || self.is_luminance() {
+            return Vec::new();
+        }
+        // The maps around the camera are those of pictures.
+        let maps = ShadowMapFineness { squares: 0, ..maps };
+        let (picker, bounds) = (Picker::new(scene), scene.bounds());
+        // Above the surface that a place may lie in.
+        let start_m = 1e-6 * bounds.radius_m();
+        let is_lost = |at: (Vec3, Vec3)| {
+            let distance = |way| picker.obstacle_m(at.0 + start_m * at.1, way);
+            let mut shades =
+                scene.lights.iter().filter_map(|l| maps.shade(l, at, (bounds, at.0), distance));
+            shades.any(|shade| shade.is_lost())
+        };
+        let looked_at = self.at.iter().take(MOST_LOOKED_AT).enumerate();
+        looked_at.filter(|(_, at)| is_lost(**at)).map(|(index, _)| index).collect()
     }
 
     /// The unit of readings.

@@ -35,6 +35,8 @@ pub struct Report<'a> {
     pub adapter: AdapterReport,
     /// The places that lie inside of solids, by their numbers.
     pub inside: Vec<usize>,
+    /// The places in shade that shadow maps lose, by their numbers.
+    pub in_lost_shade: Vec<usize>,
     /// The places.
     pub places: &'a Places,
     /// The light there.
@@ -98,6 +100,7 @@ impl Report<'_> {
             "uniformity": uniformity,
             "noise_percent": self.noise_percent(),
             "inside": self.inside,
+            "in_lost_shade": self.in_lost_shade,
             "readings": columns,
             "seconds": self.seconds,
             "adapter": self.adapter,
@@ -142,13 +145,22 @@ impl Report<'_> {
         const MOST: usize = 20;
         let mut text =
             format!("{} ({} places)\n{}\n", self.title(), self.readings.len(), self.figures());
-        if let Some(&first) = self.inside.first() {
+        let notes = [
+            (&self.inside, "inside of solids, where no light comes", "Move them into the air."),
+            (
+                &self.in_lost_shade,
+                "in shade for which the texels of shadow maps are too large",
+                "Use --method paths.",
+            ),
+        ];
+        for (places, what, remedy) in notes {
+            let Some(&first) = places.first() else { continue };
             let place: Vec<String> =
                 self.places.numbers(first)[..3].iter().map(ToString::to_string).collect();
             let _ = writeln!(
                 text,
-                "{} of them inside of solids, where no light comes; the first is number {} at {}. Move them into the air.",
-                self.inside.len(),
+                "{} of them {what}; the first is number {} at {}. {remedy}",
+                places.len(),
                 first + 1,
                 place.join(",")
             );
