@@ -11,7 +11,7 @@ use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
 use lumivox::hooks::{ConeModel, Injection, OctreeBuilding, Voxelization};
 use lumivox::{CascadeOptions, Directionality, GiConfig, GiError, Grid, TraceSettings, VolumeKind};
-use lumivox_scene::{Bounds, Fineness, Scene};
+use lumivox_scene::{Bounds, Fineness, Scene, ShadowMapFineness};
 
 use crate::look::{Look, LookChoice};
 use crate::passes::near_shadows;
@@ -207,11 +207,14 @@ impl RenderSettings {
 
     /// The sizes of voxels and of the texels of shadow maps, for notes where they are coarse for what is seen.
     pub fn fineness(&self, scene: &Scene) -> Fineness {
-        // The voxels of cascades have several sizes.
+        let grid = self.grid(scene.voxel_bounds(), Vec3::ZERO).ok();
+        // The voxels of cascades have several sizes, and the finest need finer maps than that of the whole scene, which they have.
         let is_uniform = self.volume != VolumeKind::Cascades;
-        let grid = is_uniform.then(|| self.grid(scene.voxel_bounds(), Vec3::ZERO).ok()).flatten();
+        let grid = grid.filter(|_| is_uniform);
+        let fineness = near_shadows::fineness(self.shadow_resolution);
+        let squares = if is_uniform { fineness.squares } else { 0 };
         let shadow_maps = (self.shadows == ShadowMethod::Map)
-            .then(|| near_shadows::fineness(self.shadow_resolution));
+            .then_some(ShadowMapFineness { squares, ..fineness });
         Fineness { voxel_m: grid.map(|grid| grid.voxel_size_m), shadow_maps }
     }
 

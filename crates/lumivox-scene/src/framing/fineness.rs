@@ -166,7 +166,8 @@ impl Seen<'_> {
             return None;
         }
         let text = format!(
-            "shadow maps are coarse here: texels are up to {} m wide, and {:.0} % of the shade is lost",
+            "shadow maps are coarse {}: texels are up to {} m wide, and {:.0} % of the shade is lost",
+            if maps.squares > 0 { "here" } else { "for the light of these voxels" },
             three_digits(largest_m),
             100.0 * share
         );
