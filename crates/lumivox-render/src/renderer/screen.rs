@@ -83,7 +83,7 @@ impl Renderer {
             debug_assert!(
                 self.settings.look.is_some()
                     || hdr.iter().all(|[rgb @ .., _]| rgb.iter().all(|value| *value >= 0.0)),
-                "negative radiance, or none that is a number"
+                "radiance is negative or not a number"
             );
         }
         Ok(hdr)

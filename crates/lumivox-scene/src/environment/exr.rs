@@ -153,8 +153,8 @@ impl Channels {
     }
 }
 
-/// What stands before the channels of each layer with colours in a part of the file; Blender writes
-/// `View Layer.Combined.R`. The first is the picture itself, and no pass beside it.
+/// Prefixes of the channels of each layer with colours in a part of the file, such as Blender's
+/// `View Layer.Combined.`; the picture itself comes before its passes.
 fn prefixes(header: &Header) -> Vec<String> {
     let names: Vec<String> = header.channels.list.iter().map(|c| c.name.to_string()).collect();
     let has = |name: String| names.contains(&name);

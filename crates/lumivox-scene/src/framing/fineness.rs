@@ -25,6 +25,8 @@ const LEAST_MET: f32 = 0.02;
 const LOST_TEXELS: f32 = 2.0;
 /// The most of the points in shadow that may lose it.
 const MOST_LOST: f32 = 1.0 / 3.0;
+/// The most lights that are looked at, in their order.
+const MOST_LIGHTS: usize = 64;
 /// The fewest points that must be in shadow.
 const LEAST_SHADED: usize = 3;
 
@@ -86,12 +88,12 @@ impl ShadowMapFineness {
     }
 }
 
-/// What is in the way of a light to a surface.
+/// Shade of a light on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shade {
-    /// Its height above the surface, m.
+    /// Height above the surface of the first thing that blocks the light, m.
     pub above_m: f32,
-    /// The edge of a texel of the light's shadow map there, m.
+    /// Edge of a texel of the light's shadow map at the surface, m.
     pub texel_m: f32,
 }
 
@@ -102,7 +104,7 @@ impl Shade {
     }
 }
 
-/// What a camera sees.
+/// Points that a camera sees, and the triangles for rays from them.
 pub(super) struct Seen<'a> {
     pub(super) patches: &'a [Patch],
     pub(super) rays: &'a Rays,
@@ -145,7 +147,7 @@ impl Seen<'_> {
         place: (Bounds, Vec3),
     ) -> Option<Note> {
         let (mut shaded, mut lost, mut largest_m) = (0_usize, 0_usize, 0.0_f32);
-        for light in lights {
+        for light in lights.take(MOST_LIGHTS) {
             for Patch { position, normal, .. } in self.patches {
                 // From the surface on, above which the rays start.
                 let distance = |way: Vec3| {

@@ -17,7 +17,7 @@ use std::time::Instant;
 use lumivox_console::report::AdapterReport;
 use lumivox_console::{Failure, SourceArgs};
 use lumivox_render::measure::Summary;
-use lumivox_scene::write_atomically;
+use lumivox_scene::{Picker, write_atomically};
 
 use super::staged::stage;
 use super::{light, settings};
@@ -85,6 +85,8 @@ pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
     };
     progress.set("writing", 0, 1);
     let values: Vec<f32> = readings.iter().map(|reading| reading.value).collect();
+    // A picture has no places of its own to look at.
+    let picker = (!places.at.is_empty()).then(|| Picker::new(&scene));
     let report = Report {
         scene: scene.name.clone(),
         what: places.what(),
@@ -99,8 +101,10 @@ pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
         summary: Summary::of(&values),
         seconds: start.elapsed().as_secs_f64(),
         adapter: AdapterReport::new(&gpu.adapter_info),
-        inside: places.inside(&scene),
-        in_lost_shade: shadow_maps.map_or_else(Vec::new, |maps| places.in_lost_shade(&scene, maps)),
+        inside: picker.as_ref().map_or_else(Vec::new, |picker| places.inside(picker)),
+        in_lost_shade: picker
+            .zip(shadow_maps)
+            .map_or_else(Vec::new, |(picker, maps)| places.in_lost_shade(&scene, &picker, maps)),
         places: &places,
         readings: &readings,
     };

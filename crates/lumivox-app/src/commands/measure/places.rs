@@ -101,24 +101,25 @@ impl Places {
 
     /// The places that lie inside of something solid, where no light is, by their numbers. With more than a few thousand, only
     /// those are looked at.
-    pub fn inside(&self, scene: &Scene) -> Vec<usize> {
-        if self.at.is_empty() {
-            return Vec::new();
-        }
-        let picker = Picker::new(scene);
+    pub fn inside(&self, picker: &Picker) -> Vec<usize> {
         let looked_at = self.at.iter().take(MOST_LOOKED_AT).enumerate();
         looked_at.filter(|(_, (at, _))| picker.is_inside(*at)).map(|(index, _)| index).collect()
     }
 
-    /// The places in shade that shadow maps lose, by their numbers: what blocks a light there is lower than two of its texels. As
-    /// many are looked at as for [`Self::inside`].
-    pub fn in_lost_shade(&self, scene: &Scene, maps: ShadowMapFineness) -> Vec<usize> {
-        if self.at.is_empty() || self.is_luminance() {
+    /// The places in shade that shadow maps lose, by their numbers: what blocks a light there is lower than two of its texels. With
+    /// more than a few thousand, or with many lights, only the first places are looked at.
+    pub fn in_lost_shade(
+        &self,
+        scene: &Scene,
+        picker: &Picker,
+        maps: ShadowMapFineness,
+    ) -> Vec<usize> {
+        if self.is_luminance() {
             return Vec::new();
         }
         // The maps around the camera are those of pictures.
         let maps = ShadowMapFineness { squares: 0, ..maps };
-        let (picker, bounds) = (Picker::new(scene), scene.bounds());
+        let bounds = scene.bounds();
         // Above the surface that a place may lie in.
         let start_m = 1e-6 * bounds.radius_m();
         let is_lost = |at: (Vec3, Vec3)| {
@@ -127,7 +128,8 @@ impl Places {
                 scene.lights.iter().filter_map(|l| maps.shade(l, at, (bounds, at.0), distance));
             shades.any(|shade| shade.is_lost())
         };
-        let looked_at = self.at.iter().take(MOST_LOOKED_AT).enumerate();
+        let most = MOST_LOOKED_AT / scene.lights.len().max(1);
+        let looked_at = self.at.iter().take(most).enumerate();
         looked_at.filter(|(_, at)| is_lost(**at)).map(|(index, _)| index).collect()
     }
 

@@ -18,7 +18,7 @@ pub(super) fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// What a text is that is no document of glTF, where that can be told, and the remedy.
+/// Kind of a text that is not glTF, with the remedy; `None` where it cannot be told.
 pub(super) fn what(json: &[u8]) -> Option<String> {
     if let Some(line) = line_of_comment(json) {
         return Some(format!("line {line} has a comment, which JSON forbids: remove all comments"));

@@ -15,7 +15,7 @@ pub(super) trait Source {
     /// The next value of the element.
     fn value(&mut self, scalar: Scalar) -> Result<f64, SceneError>;
 
-    /// What is behind the last element, in words.
+    /// Count of lines or bytes behind the last element, in words; `None` if there are none.
     fn rest(&mut self) -> Result<Option<String>, SceneError>;
 }
 
