@@ -138,9 +138,13 @@ fn shade_that_shadow_maps_lose_is_told() {
     assert_eq!(report["in_lost_shade"], serde_json::json!([1]), "{report}");
     let text = lumivox(path, &line).expect_ok().stdout;
     assert!(text.contains("1 of them in shade") && text.contains("--method paths"), "{text}");
-    let paths = format!("{line} --method paths --samples 16 --json");
-    let report = lumivox(path, &paths).expect_ok().json();
-    assert_eq!(report["in_lost_shade"], serde_json::json!([]));
+    for method in ["--method paths --samples 16", "--volume cascades"] {
+        let report = lumivox(path, &format!("{line} {method} --json")).expect_ok().json();
+        assert_eq!(report["in_lost_shade"], serde_json::json!([]), "{method}");
+        // The open sky lights the place, and no sun.
+        let [open, behind] = [0, 1].map(|place| numbers(&report, "lux")[place]);
+        assert!(behind < 0.2 * open, "{method}: {behind} of {open} lux");
+    }
 }
 
 #[test]

@@ -110,7 +110,10 @@ struct PhotonMap {
 impl PhotonMap {
     fn new(light: &MappedLight, grid: &Grid) -> Self {
         let mut world_from_clip = [Mat4::IDENTITY; MAX_LAYERS];
-        for (inverse, layer) in world_from_clip.iter_mut().zip(&light.layers) {
+        // Photons start from all of the light's ways, not from the finer maps within them.
+        let finer = light.layers.iter().filter(|layer| layer.has_finer).count();
+        let layers = &light.layers[..light.layers.len() - finer];
+        for (inverse, layer) in world_from_clip.iter_mut().zip(layers) {
             // In f64: projections from far away lose digits.
             *inverse = layer.clip_from_world.as_dmat4().inverse().as_mat4();
         }
@@ -118,7 +121,7 @@ impl PhotonMap {
             world_from_clip,
             light: light.index,
             first_layer: light.first_layer,
-            layer_count: light.layers.len() as u32,
+            layer_count: layers.len() as u32,
             counts_per_flux: LARGEST_SUM / largest_flux(light, grid),
         }
     }

@@ -2,7 +2,7 @@
 
 import package::environment::glossy_share;
 import package::light::lights::{incident_light, light_globals, lights};
-import package::light::shadow_map::{compare_depths, place_in_layer, shadow_sampler};
+import package::light::shadow_map::{compare_depths, is_within, place_in_layer, shadow_sampler};
 import package::light::visibility::light_visibility;
 import package::trace::brdf::{
     alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_visibility, PI,
@@ -46,9 +46,7 @@ fn near_visibility(next: ptr<function, u32>, index: u32, position_in_world: vec3
     while *next < arrayLength(&near_layers) && near_layers[*next].light <= index {
         let near = near_layers[*next];
         let place = place_in_layer(near.clip_from_world, near.texel_size, position_in_world, normal);
-        // The filter stays within the square.
-        let margin = 2.0 / vec2f(textureDimensions(near_maps));
-        if found < 0.0 && near.light == index && all(place.xy >= margin) && all(place.xy <= 1.0 - margin) {
+        if found < 0.0 && near.light == index && is_within(place, near_maps) {
             found = compare_depths(near_maps, shadow_sampler, *next, place);
         }
         *next += 1u;

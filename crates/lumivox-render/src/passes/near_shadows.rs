@@ -2,12 +2,13 @@
 //! before, as engines cascade them (Engel 2006, "Cascaded shadow maps"). A thing of a metre on a wide ground has its shadow.
 //!
 //! They are for what is seen, and follow the camera; the light of voxels keeps the map of the whole scene, so that it doesn't
-//! depend on where one looks from. A square has its place by the camera's cell, not by its view: turning draws nothing anew, and
+//! depend on where one looks from, or has maps around its cascades. Squares that are no finer than those are left out. A square has its place by the camera's cell, not by its view: turning draws nothing anew, and
 //! edges of shadows don't crawl.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{Buffer, Recorder, Texture, TextureView, upload};
+use lumivox::hooks::MappedLight;
 use lumivox::{LightSource, Lights, ShadowLayer};
 use lumivox_scene::ShadowMapFineness;
 
@@ -28,7 +29,7 @@ const CELL: f32 = 0.25;
 
 /// The texels of the maps of a scene, by their resolution.
 pub(crate) fn fineness(resolution: u32) -> ShadowMapFineness {
-    ShadowMapFineness { resolution, squares: SQUARES, step: STEP }
+    ShadowMapFineness { resolution, squares: SQUARES, step: STEP, reach_m: None }
 }
 
 /// `NearLayer` of `direct.wgsl`.
@@ -47,8 +48,8 @@ pub(crate) struct NearShadows {
     texture: Texture,
     pub(crate) maps: TextureView,
     pub(crate) layers: Buffer,
-    /// The lights that have squares, with their direction.
-    suns: Vec<(u32, Vec3)>,
+    /// The lights that have squares.
+    suns: Vec<Sun>,
     /// The squares that the layers of the texture show.
     drawn: Vec<NearLayerRecord>,
     resolution: u32,
@@ -57,13 +58,7 @@ pub(crate) struct NearShadows {
 impl NearShadows {
     /// Makes room for the squares of parallel lights that have shadow maps. Nothing is drawn yet.
     pub(crate) fn new(gpu: &Gpu, lights: &Lights) -> Self {
-        let direction = |source: &LightSource| match *source {
-            LightSource::Directional { direction, .. }
-            | LightSource::Environment { direction, .. } => Some(direction),
-            LightSource::Point { .. } | LightSource::Spot { .. } => None,
-        };
-        let suns = lights.mapped.iter().filter_map(|l| Some((l.index, direction(&l.source)?)));
-        let suns: Vec<_> = suns.take(MOST_SUNS).collect();
+        let suns: Vec<_> = lights.mapped.iter().filter_map(Sun::of).take(MOST_SUNS).collect();
         // Where memory is short, the maps are coarser.
         let mut resolution = lights.map_size[0].max(1);
         let bytes = |edge: u32| 4 * u64::from(edge).pow(2) * u64::from(SQUARES) * suns.len() as u64;
@@ -103,11 +98,12 @@ impl NearShadows {
             return;
         }
         let mut wanted = Vec::new();
-        for &(light, direction) in &self.suns {
-            let sight = ParallelSight::new(direction, scene.bounds);
+        for sun in &self.suns {
+            let sight = ParallelSight::new(sun.direction, scene.bounds);
             let away_m = camera.distance(camera.clamp(scene.bounds.min, scene.bounds.max));
-            let squares = squares(&sight, camera, away_m, self.resolution);
-            wanted.extend(squares.map(|layer| NearLayerRecord::new(light, &layer)));
+            let squares = squares(&sight, camera, away_m, self.resolution)
+                .filter(|square| square.texel_size < sun.finest_m);
+            wanted.extend(squares.map(|layer| NearLayerRecord::new(sun.light, &layer)));
         }
         wanted.resize(SQUARES as usize * self.suns.len(), NearLayerRecord::of_none());
         if wanted == self.drawn {
@@ -125,6 +121,28 @@ impl NearShadows {
     }
 }
 
+/// A parallel light.
+#[derive(Clone, Copy, Debug)]
+struct Sun {
+    /// Its place among the lights.
+    light: u32,
+    direction: Vec3,
+    /// The edge of the smallest texels of its maps for voxels, m.
+    finest_m: f32,
+}
+
+impl Sun {
+    fn of(light: &MappedLight) -> Option<Self> {
+        let (LightSource::Directional { direction, .. }
+        | LightSource::Environment { direction, .. }) = light.source
+        else {
+            return None;
+        };
+        let finest_m = light.layers.last()?.texel_size;
+        Some(Self { light: light.index, direction, finest_m })
+    }
+}
+
 impl NearLayerRecord {
     /// The record of an unused layer: no light has its index.
     fn of_none() -> Self {
@@ -138,7 +156,7 @@ impl NearLayerRecord {
 
     fn layer(&self) -> ShadowLayer {
         let Self { clip_from_world, texel_size, .. } = *self;
-        ShadowLayer { clip_from_world, is_perspective: false, texel_size }
+        ShadowLayer { clip_from_world, is_perspective: false, texel_size, has_finer: false }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Shadow maps: the scene's depth as each light sees it, in the layers of one depth array.
 //!
-//! A directional light has one layer, a parallel projection fitted to the scene's bounds (on screen, more of them around the
-//! camera: [`NearShadows`](super::near_shadows::NearShadows)); a spot
-//! light has one, a perspective projection as wide as its cone; a point light has six, the faces of
+//! A directional light has one layer, a parallel projection fitted to the scene's bounds, and finer ones within it around every
+//! second cascade of the voxels (on screen, more of them around the camera: [`NearShadows`](super::near_shadows::NearShadows)); a
+//! spot light has one, a perspective projection as wide as its cone; a point light has six, the faces of
 //! a cube. Depth is reversed (1 near, 0 far) and, in perspective, without a far plane: a float's
 //! precision then falls off as perspective's own (Reed 2015, "Depth precision visualized"). Both
 //! sides of every triangle cast shadows; the receiver is moved off its surface instead
@@ -22,7 +22,7 @@ use lumivox::gpu::{
     BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture,
     TextureView,
 };
-use lumivox::{Light, LightSource, Shadow, ShadowLayer, ShadowMaps};
+use lumivox::{Grid, Light, LightSource, Shadow, ShadowLayer, ShadowMaps};
 use lumivox_scene::Bounds;
 
 use crate::Gpu;
@@ -33,6 +33,10 @@ use crate::scene::{Attributes, GpuScene, Presence, SceneDraw, corners};
 pub(crate) const MAX_BYTES: u64 = 256 << 20;
 /// The most layers: ten point lights.
 const MAX_LAYERS: u32 = 64;
+/// Of so many cascades one has a layer.
+const EACH_CASCADE: usize = 2;
+/// The edge of such a layer over that of the next smaller one.
+pub(crate) const STEP: f32 = (1 << EACH_CASCADE) as f32;
 /// The texels by which layers are wider on each side: the filter reaches 1.5 texels over a receiver
 /// that was moved by 2, and both must stay within the layer that the receiver itself falls into.
 const BORDER_TEXELS: f32 = 4.0;
@@ -164,9 +168,9 @@ impl ShadowMapPass {
         recorder: &mut Recorder,
         scene: &GpuScene,
         lights: &mut [Light],
-        resolution: u32,
+        (grid, resolution): (&Grid, u32),
     ) -> Option<ShadowMaps> {
-        let layers = assign_layers(lights, scene.bounds, resolution);
+        let layers = assign_layers(lights, scene.bounds, &fine_boxes(grid), resolution);
         if layers.is_empty() {
             return None;
         }
@@ -270,14 +274,31 @@ fn runs_in_sight(scene: &GpuScene, clip_from_world: Mat4) -> Vec<Range<u32>> {
     seen
 }
 
-/// Assigns layers to the lights in order, as long as there is room.
-fn assign_layers(lights: &mut [Light], bounds: Bounds, resolution: u32) -> Vec<ShadowLayer> {
+/// The boxes whose voxels need finer maps than that of the whole scene, the largest first: every second cascade, so that a texel is
+/// a quarter of a voxel at most with 1024 texels and cascades of 64 voxels.
+pub(crate) fn fine_boxes(grid: &Grid) -> Vec<Bounds> {
+    if grid.cascades.is_none() {
+        return Vec::new();
+    }
+    let boxes = grid.boxes_in_world().into_iter().step_by(EACH_CASCADE);
+    boxes.map(|(min, max)| Bounds { min, max }).rev().collect()
+}
+
+/// Assigns layers to the lights in order, as long as there is room: first those that each light needs, then finer ones.
+fn assign_layers(
+    lights: &mut [Light],
+    bounds: Bounds,
+    fine_boxes: &[Bounds],
+    resolution: u32,
+) -> Vec<ShadowLayer> {
     let layer_bytes = 4 * u64::from(resolution) * u64::from(resolution);
     let most = (MAX_BYTES / layer_bytes).min(u64::from(MAX_LAYERS)) as usize;
-    let mut layers = Vec::new();
+    let needed = |light: &Light| layers_of(&light.source, bounds, resolution);
+    let mut room = most.saturating_sub(lights.iter().map(|light| needed(light).len()).sum());
+    let mut layers: Vec<ShadowLayer> = Vec::new();
     let mut left_out = 0;
     for light in lights {
-        let own = layers_of(&light.source, bounds, resolution);
+        let own = needed(light);
         if own.is_empty() || layers.len() + own.len() > most {
             light.shadow = Shadow::Cone;
             left_out += 1;
@@ -285,6 +306,16 @@ fn assign_layers(lights: &mut [Light], bounds: Bounds, resolution: u32) -> Vec<S
         }
         light.shadow = Shadow::Map { first_layer: layers.len() as u32 };
         layers.extend(own);
+        let finer = finer_layers(&light.source, bounds, fine_boxes, resolution);
+        if finer.len() <= room {
+            room -= finer.len();
+            for layer in finer {
+                if let Some(wider) = layers.last_mut() {
+                    wider.has_finer = true;
+                }
+                layers.push(layer);
+            }
+        }
     }
     if left_out > 0 {
         tracing::warn!(
@@ -325,6 +356,29 @@ fn layers_of(source: &LightSource, bounds: Bounds, resolution: u32) -> Vec<Shado
     }
 }
 
+/// The layers of a parallel light within that of the whole scene: squares around boxes, each within the one before.
+fn finer_layers(
+    source: &LightSource,
+    bounds: Bounds,
+    boxes: &[Bounds],
+    resolution: u32,
+) -> Vec<ShadowLayer> {
+    let (LightSource::Directional { direction, .. } | LightSource::Environment { direction, .. }) =
+        *source
+    else {
+        return Vec::new();
+    };
+    let sight = ParallelSight::new(direction, bounds);
+    let layer = |own: &Bounds| {
+        let middle = sight.view.transform_point3(own.center()).truncate();
+        let square = |middle| sight.layer(middle, own.radius_m(), resolution);
+        // By whole texels, so that edges of shadows don't crawl.
+        let texel_m = square(middle).texel_size;
+        square(texel_m * (middle / texel_m).round())
+    };
+    sight.smaller(boxes).map(layer).collect()
+}
+
 fn parallel_layer(direction: Vec3, bounds: Bounds, resolution: u32) -> ShadowLayer {
     let sight = ParallelSight::new(direction, bounds);
     sight.layer(sight.seen.center().truncate(), sight.half_m, resolution)
@@ -332,7 +386,7 @@ fn parallel_layer(direction: Vec3, bounds: Bounds, resolution: u32) -> ShadowLay
 
 /// A scene as parallel light sees it, along -z.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ParallelSight {
+pub(crate) struct ParallelSight {
     pub(super) view: Mat4,
     /// The scene's box in the view.
     seen: Bounds,
@@ -342,12 +396,17 @@ pub(super) struct ParallelSight {
 }
 
 impl ParallelSight {
-    pub(super) fn new(direction: Vec3, bounds: Bounds) -> Self {
+    pub(crate) fn new(direction: Vec3, bounds: Bounds) -> Self {
         let view = look_to_mat4(bounds.center(), direction, direction.any_orthonormal_vector());
         let seen = Bounds::from_points(corners(bounds).map(|corner| view.transform_point3(corner)));
         // Square, so that one number is the size of a texel; never flat.
         let extent_m = seen.size().truncate().max_element().max(bounds.radius_m() * 1e-3);
         Self { view, seen, half_m: 0.5 * extent_m, depth_margin_m: bounds.radius_m() * 1e-3 }
+    }
+
+    /// The boxes for which squares pay: at most half as wide as that of the scene.
+    pub(crate) fn smaller(self, boxes: &[Bounds]) -> impl Iterator<Item = &Bounds> {
+        boxes.iter().filter(move |own| 2.0 * own.radius_m() <= self.half_m)
     }
 
     /// The layer of a square of the view, as deep as the whole scene.
@@ -366,6 +425,7 @@ impl ParallelSight {
             clip_from_world: projection * self.view,
             is_perspective: false,
             texel_size: 2.0 * half_m / resolution as f32,
+            has_finer: false,
         }
     }
 }
@@ -384,6 +444,7 @@ fn perspective_layer(
         clip_from_world: projection * view,
         is_perspective: true,
         texel_size: 2.0 * slope / resolution as f32,
+        has_finer: false,
     }
 }
 
@@ -417,6 +478,7 @@ fn may_be_seen(sides: &[Vec4; 5], bounds: Bounds) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lumivox::CascadeOptions;
 
     const BOUNDS: Bounds =
         Bounds { min: Vec3::new(-3.0, 0.0, -2.0), max: Vec3::new(5.0, 4.0, 1.0) };
@@ -465,12 +527,46 @@ mod tests {
     #[test]
     fn lights_beyond_the_budget_keep_cones() {
         let mut lights: Vec<Light> = (0..12).map(|i| point(Vec3::splat(i as f32))).collect();
-        let layers = assign_layers(&mut lights, BOUNDS, 1024);
+        let layers = assign_layers(&mut lights, BOUNDS, &[], 1024);
         assert_eq!(layers.len(), 60);
         assert_eq!(lights[9].shadow, Shadow::Map { first_layer: 54 });
         assert_eq!(lights[10].shadow, Shadow::Cone);
         // 256 MiB are four layers of 4096², too few for a point light.
-        assert!(assign_layers(&mut lights, BOUNDS, 4096).is_empty());
+        assert!(assign_layers(&mut lights, BOUNDS, &[], 4096).is_empty());
+    }
+
+    #[test]
+    fn suns_have_finer_layers_around_small_cascades_where_there_is_room() {
+        let ground = Bounds { min: Vec3::new(-5e3, 0.0, -5e3), max: Vec3::new(5e3, 10.0, 5e3) };
+        let grid =
+            Grid::cascades(Vec3::new(40.0, 2.0, -7.0), &CascadeOptions::default(), Vec3::ZERO);
+        let boxes = fine_boxes(&grid.expect("cascades"));
+        let source = LightSource::Directional {
+            direction: Vec3::new(0.4, -0.5, 0.3).normalize(),
+            irradiance: Vec3::ONE,
+            angular_radius_rad: 0.0,
+        };
+        let sun = Light { source, shadow: Shadow::Cone };
+        let mut lights = vec![sun, point(Vec3::Y)];
+        let layers = assign_layers(&mut lights, ground, &boxes, 1024);
+        assert_eq!(layers.len(), 5 + 6);
+        assert_eq!(lights[1].shadow, Shadow::Map { first_layer: 5 });
+        let finer: Vec<bool> = layers.iter().map(|layer| layer.has_finer).collect();
+        assert_eq!(finer, [[true; 4].as_slice(), &[false; 7]].concat());
+        for (layer, own) in layers[1..5].iter().zip(&boxes) {
+            // A quarter of the voxels of the next larger cascade.
+            assert!(layer.texel_size < 0.25 * own.size().x / 64.0, "{}", layer.texel_size);
+            for corner in corners(*own) {
+                let ndc = project(layer, corner);
+                assert!(ndc.x.abs() < 1.0 && ndc.y.abs() < 1.0, "{corner}: {ndc}");
+            }
+        }
+        // In a room the one map is as fine.
+        assert_eq!(assign_layers(&mut [sun], BOUNDS, &boxes, 1024).len(), 1);
+        // Each light has its own before one has finer ones.
+        let mut many = vec![sun; 62];
+        assert_eq!(assign_layers(&mut many, ground, &boxes, 1024).len(), 62);
+        assert!(many.iter().all(|light| light.shadow != Shadow::Cone));
     }
 
     #[test]

@@ -480,6 +480,7 @@ impl Renderer {
 
     /// Renders the shadow maps and binds the lights.
     pub(super) fn bind_lights(&mut self, recorder: &mut Recorder) {
+        self.mapped_grid = *self.gi.grid();
         (self.lights, self.near_shadows, self.shadow_bytes) = bind_lights(
             &self.gpu,
             recorder,

@@ -15,7 +15,7 @@ use lumivox_scene::{Instance, Light, LightKind, Material, Scene, Shading, Textur
 use crate::gpu::memory::available_memory;
 use crate::passes::near_shadows::{MAX_NEAR_BYTES, SQUARES};
 use crate::passes::overlay::OVERLAY_BYTES_PER_PIXEL;
-use crate::passes::shadow_maps::MAX_BYTES as MAX_SHADOW_BYTES;
+use crate::passes::shadow_maps::{MAX_BYTES as MAX_SHADOW_BYTES, ParallelSight, fine_boxes};
 use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL, trace_bytes};
 use crate::scene::{DrawRecord, VERTEX_BYTES};
 use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
@@ -78,7 +78,7 @@ impl MemoryEstimate {
             ),
             ("textures", texture_bytes(scene)),
             ("instances", (scene.shown().count() * size_of::<DrawRecord>()) as u64),
-            ("shadow maps", shadow_bytes(scene, settings)),
+            ("shadow maps", shadow_bytes(scene, &grid, settings)),
             volume_part(&grid, settings, voxels),
             ("voxel list (about)", list_bytes(&grid, voxels, settings) + kept),
             ("picture", pixels * (BYTES_PER_PIXEL + tint + overlay) + cones),
@@ -266,12 +266,16 @@ fn mip_bytes(texture: &Texture) -> u64 {
     levels.map(|level| 4 * edge(texture.width, level) * edge(texture.height, level)).sum()
 }
 
-fn shadow_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
+fn shadow_bytes(scene: &Scene, grid: &Grid, settings: &RenderSettings) -> u64 {
     if settings.shadows != ShadowMethod::Map {
         return 0;
     }
+    let (boxes, bounds) = (fine_boxes(grid), scene.bounds());
     let layers = scene.lights.iter().map(|light| match light.kind {
-        LightKind::Directional { .. } | LightKind::Spot { .. } => 1,
+        LightKind::Directional { .. } => {
+            1 + ParallelSight::new(light.direction, bounds).smaller(&boxes).count() as u64
+        }
+        LightKind::Spot { .. } => 1,
         LightKind::Point { .. } => 6,
     });
     let layer_bytes = 4 * u64::from(settings.shadow_resolution).pow(2);

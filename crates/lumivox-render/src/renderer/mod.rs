@@ -16,7 +16,7 @@ mod screen;
 use std::ops::ControlFlow;
 
 use lumivox::gpu::{Recorder, StageTime, Timing};
-use lumivox::{EnvironmentMap, FrameVoxels, Gi, Lights, VoxelizeStats};
+use lumivox::{EnvironmentMap, FrameVoxels, Gi, Grid, Lights, VoxelizeStats};
 use lumivox_scene::{Bounds, Camera, Scene};
 
 use crate::gpu::memory::MemoryUse;
@@ -68,6 +68,8 @@ pub struct Renderer {
     lights: Lights,
     /// Shadow maps around the camera, for the direct light of pixels.
     near_shadows: NearShadows,
+    /// The grid for whose voxels the shadow maps were drawn.
+    mapped_grid: Grid,
     voxels: VoxelizeStats,
     voxels_are_stale: bool,
     following: Following,
@@ -188,6 +190,7 @@ impl Renderer {
             gi,
             lights,
             near_shadows,
+            mapped_grid: grid,
             voxels: voxelized.stats,
             voxels_are_stale: false,
             following: Following::default(),

@@ -178,6 +178,11 @@ impl Renderer {
         Ok(())
     }
 
+    /// Whether lights have shadow maps around cascades.
+    fn has_fine_maps(&self) -> bool {
+        self.lights.mapped.iter().flat_map(|light| &light.layers).any(|layer| layer.has_finer)
+    }
+
     /// Records what the frame has to follow, before its passes.
     pub(super) fn follow(
         &mut self,
@@ -197,6 +202,8 @@ impl Renderer {
             self.following.is_pending = frame.is_pending;
             voxels = Some(frame);
         }
+        // Maps for the voxels of cascades move with them.
+        self.following.lights |= self.has_fine_maps() && self.mapped_grid != *self.gi.grid();
         let has_changed = self.following.lights || voxels.is_some();
         if std::mem::take(&mut self.following.lights) {
             self.bind_lights(recorder);

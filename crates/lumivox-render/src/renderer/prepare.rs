@@ -141,7 +141,8 @@ pub(super) fn bind_lights(
     let mut maps: Option<ShadowMaps> = None;
     if let Some(pass) = shadow_pass {
         recorder.stage("shadow maps");
-        maps = pass.record(gpu, recorder, scene, &mut lights, shadow_resolution);
+        let sizes = (gi.grid(), shadow_resolution);
+        maps = pass.record(gpu, recorder, scene, &mut lights, sizes);
         if let Some(injection) = &settings.injection {
             let texel_m = maps
                 .as_ref()
@@ -235,6 +236,7 @@ mod tests {
             clip_from_world: Mat4::IDENTITY,
             is_perspective,
             texel_size,
+            has_finer: false,
         };
         let layers = [layer(false, 0.1), layer(true, 0.03)];
         let sun = Light {

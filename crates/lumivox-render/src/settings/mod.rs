@@ -14,8 +14,8 @@ use lumivox::{CascadeOptions, Directionality, GiConfig, GiError, Grid, TraceSett
 use lumivox_scene::{Bounds, Fineness, Scene, ShadowMapFineness};
 
 use crate::look::{Look, LookChoice};
-use crate::passes::near_shadows;
 use crate::passes::overlay::LineRecord;
+use crate::passes::{near_shadows, shadow_maps};
 use crate::renderer::beside;
 use crate::{Overlay, RenderError, Wires};
 
@@ -208,14 +208,22 @@ impl RenderSettings {
     /// The sizes of voxels and of the texels of shadow maps, for notes where they are coarse for what is seen.
     pub fn fineness(&self, scene: &Scene) -> Fineness {
         let grid = self.grid(scene.voxel_bounds(), Vec3::ZERO).ok();
-        // The voxels of cascades have several sizes, and the finest need finer maps than that of the whole scene, which they have.
-        let is_uniform = self.volume != VolumeKind::Cascades;
-        let grid = grid.filter(|_| is_uniform);
-        let fineness = near_shadows::fineness(self.shadow_resolution);
-        let squares = if is_uniform { fineness.squares } else { 0 };
-        let shadow_maps = (self.shadows == ShadowMethod::Map)
-            .then_some(ShadowMapFineness { squares, ..fineness });
-        Fineness { voxel_m: grid.map(|grid| grid.voxel_size_m), shadow_maps }
+        let boxes = grid.as_ref().map(shadow_maps::fine_boxes).unwrap_or_default();
+        let resolution = self.shadow_resolution;
+        let shadow_maps = match boxes.first() {
+            None => near_shadows::fineness(resolution),
+            Some(largest) => ShadowMapFineness {
+                resolution,
+                squares: boxes.len() as u32,
+                step: shadow_maps::STEP,
+                reach_m: Some(largest.radius_m()),
+            },
+        };
+        Fineness {
+            // The voxels of cascades have several sizes.
+            voxel_m: grid.filter(|_| boxes.is_empty()).map(|grid| grid.voxel_size_m),
+            shadow_maps: (self.shadows == ShadowMethod::Map).then_some(shadow_maps),
+        }
     }
 
     /// The configuration of the library for these settings.

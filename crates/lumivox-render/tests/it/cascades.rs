@@ -1,11 +1,11 @@
 //! Cascades in pictures: they follow the camera, and what they show is that of a new renderer there.
 
-use glam::{UVec2, Vec3};
+use glam::{Mat4, UVec2, Vec3};
 use lumivox::{CascadeOptions, TraceSettings, VolumeKind};
 use lumivox_render::{Gpu, Picture, RenderSettings, Renderer, View};
-use lumivox_scene::{Camera, Picker, Scene};
+use lumivox_scene::{Camera, Light, LightKind, Material, Picker, Scene};
 
-use crate::common::{builtin, gpu, mean_luminance, picture, renderer};
+use crate::common::{builtin, gpu, mean_luminance, picture, renderer, zoo};
 
 /// Boxes of 1.3 m, 2.6 m and so on in a room of 2 m.
 fn settings() -> RenderSettings {
@@ -80,6 +80,48 @@ fn boxes_follow_a_camera_in_motion() {
     let expected = mean_luminance(&new_picture(&gpu, &scene, &camera, &still));
     println!("of a new one: {expected:.4}");
     assert!(darkest / expected > 0.95 && brightest / expected < 1.05, "not near {expected}");
+}
+
+/// Fences of a metre, 1 km apart, on a ground of 4 km, with a sun behind them: a texel of the map of all of it is as large as 4 m. Places
+/// in the shade of each, whose boxes move with the camera, have no sun.
+#[test]
+fn shade_on_a_wide_ground_follows_a_camera_in_motion() {
+    let mut scene = Scene::default();
+    let grey = || Material::diffuse("grey", Vec3::splat(0.5));
+    let ground = zoo::quad(Vec3::ZERO, Vec3::Z * 2000.0, Vec3::X * 2000.0);
+    zoo::place(&mut scene, ground, grey(), Mat4::IDENTITY);
+    for fence in [0.0, 1000.0] {
+        let fence = zoo::quad(Vec3::new(fence, 0.5, 0.0), Vec3::X * 3.0, Vec3::Y * 0.5);
+        zoo::place(&mut scene, fence, grey(), Mat4::IDENTITY);
+    }
+    scene.lights.push(Light {
+        direction: Vec3::new(0.0, -0.5, 1.0).normalize(),
+        kind: LightKind::Directional { illuminance_lux: 1e4, angular_radius_rad: 0.0 },
+        ..Light::default()
+    });
+    let trace = TraceSettings { temporal: true, ..TraceSettings::default() };
+    let cascades = CascadeOptions { count: 4, resolution: 32, voxel_size_m: 0.125 };
+    let settings =
+        RenderSettings { trace, cascades, frames: 1, shadow_resolution: 1024, ..settings() };
+    let seen_from = |x: f32| Camera { position: Vec3::new(x, 1.0, 4.0), ..Camera::default() };
+    let gpu = gpu();
+    let (from, progress) = (seen_from(0.0), &mut |_| {});
+    let new = Renderer::new(&gpu, &scene, Some(&from), settings, progress);
+    let mut moving = pollster::block_on(new).expect("a renderer");
+    let direct = |renderer: &Renderer, fence: f32| {
+        let places = [Vec3::new(fence, 0.0, 0.5), Vec3::new(fence, 0.0, 8.0)];
+        let light = renderer.irradiance(&places, &[Vec3::Y; 2], 1);
+        let light = pollster::block_on(light).expect("light");
+        [light[0].direct.x, light[1].direct.x]
+    };
+    let open = direct(&moving, 0.0)[1];
+    assert_eq!(direct(&moving, 0.0), [0.0, open]);
+    assert_eq!(direct(&moving, 1000.0), [open, open], "the finest boxes are elsewhere");
+    for step in 1..=8_u8 {
+        moving.set_camera(seen_from(1000.0 * (f32::from(step) / 4.0).min(1.0)));
+        picture(&mut moving);
+    }
+    assert_eq!(direct(&moving, 1000.0), [0.0, open]);
 }
 
 /// Places on what a camera sees, with their normals, up to a distance in metres.
@@ -165,7 +207,7 @@ fn a_kilometre_away_nothing_new_leaks() {
         dark / lit
     };
     let near = leak(&scene);
-    scene.transform(glam::Mat4::from_translation(Vec3::new(1000.0, 0.0, -1000.0)));
+    scene.transform(Mat4::from_translation(Vec3::new(1000.0, 0.0, -1000.0)));
     let far = leak(&scene);
     println!("{:.2} % near the origin, {:.2} % far away", 100.0 * near, 100.0 * far);
     assert!((far - near).abs() < 0.002, "{near} near the origin, {far} far away");

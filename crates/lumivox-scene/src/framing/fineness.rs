@@ -48,6 +48,8 @@ pub struct ShadowMapFineness {
     pub squares: u32,
     /// The edge of such a map over that of the next smaller one.
     pub step: f32,
+    /// Half the edge of the largest of them, m. `None`: a step below that of the whole scene.
+    pub reach_m: Option<f32>,
 }
 
 impl ShadowMapFineness {
@@ -69,9 +71,14 @@ impl ShadowMapFineness {
         };
         let half_m = match light.kind {
             LightKind::Directional { .. } => {
-                let half_m = |square: u32| bounds.radius_m() / self.step.powi(square as i32);
+                let whole_m = bounds.radius_m();
+                let half_m = |square: u32| match (square.checked_sub(1), self.reach_m) {
+                    (None, _) => whole_m,
+                    (Some(below), Some(reach_m)) => reach_m / self.step.powi(below as i32),
+                    (_, None) => whole_m / self.step.powi(square as i32),
+                };
                 let reaches = |square: &u32| position.distance(camera) < half_m(*square);
-                half_m((1..=self.squares).rev().find(reaches).unwrap_or(0))
+                half_m((1..=self.squares).rev().find(reaches).unwrap_or(0)).min(whole_m)
             }
             LightKind::Point { .. } => reach_m,
             LightKind::Spot { outer_angle_rad, .. } => {
@@ -168,8 +175,7 @@ impl Seen<'_> {
             return None;
         }
         let text = format!(
-            "shadow maps are coarse {}: texels are up to {} m wide, and {:.0} % of the shade is lost",
-            if maps.squares > 0 { "here" } else { "for the light of these voxels" },
+            "shadow maps are coarse here: texels are up to {} m wide, and {:.0} % of the shade is lost",
             three_digits(largest_m),
             100.0 * share
         );

@@ -1,104 +1,21 @@
-// What is changed on the page besides settings: panoramas, materials, what is chosen, what is cancelled.
+// What is changed on the page besides settings: materials, what is chosen, what is cancelled.
 
 import assert from "node:assert/strict";
 import { after, afterEach, before, test } from "node:test";
 import { App, VIEWPORT } from "./harness/app.mjs";
 import { Session } from "./harness/browser.mjs";
-import { OBJ } from "./harness/files.mjs";
-import { luminance, panorama } from "./harness/panorama.mjs";
 import { colors, different } from "./harness/picture.mjs";
 
 /** @type {Session} */
 let session;
 /** The tab of most tests, each of which opens a scene in it anew. @type {App} */
 let app;
-const HALL = panorama();
 before(async () => {
-    session = await Session.start({ beside: [{ name: "skies/hall.hdr", bytes: HALL }] });
+    session = await Session.start();
     app = await App.show(session, "builtin:cornell");
 });
 after(() => session?.end());
 afterEach(() => app.check());
-
-/** Waits until the page shows what surrounds it. */
-async function surrounded(tab = app) {
-    await tab.page.waitForSelector(`#panorama:has-text("hall")`, { state: "attached" });
-    await tab.settled();
-    await tab.check();
-    assert.equal((await tab.call("environment")).panorama, "hall");
-}
-
-test("a panorama is dropped with a scene, turned and made brighter", async () => {
-    await app.load("builtin:panel");
-    await app.drop([...OBJ, { name: "hall.hdr", bytes: HALL }]);
-    await app.page.waitForSelector(`#title:text-is("corner")`, { state: "attached" });
-    await surrounded();
-    // Upwards, so that what is between bright and dim is far from where it is measured.
-    await app.call("setCamera", { position: [0, 1, 5], target: [0, 3.5, 0] });
-    await app.render();
-    const camera = await app.call("camera");
-    /** What is behind the scene, to a tenth: a pixel covers several texels. Away from the edges of the cube that it becomes. @param {number} turned @param {number} factor */
-    const shows = async (turned, factor) => {
-        /** @type {[number, number][]} */
-        const places = [[0.3, 0.45], [0.7, 0.45]];
-        for (const place of places) {
-            const seen = (await app.call("probe", ...place)).luminance_cd_m2;
-            const expected = factor * luminance(camera, place, 96 / 72, turned);
-            console.log(`turned by ${turned}, times ${factor}: ${seen} cd/m2 at ${place}, expected ${expected}`);
-            assert.ok(Math.abs(seen / expected - 1) < 0.1, `${seen} cd/m2 at ${place}, expected ${expected}`);
-        }
-    };
-    await shows(0, 1);
-    const plain = await app.pixels();
-    await app.inPanel("Light", async () => {
-        const number = app.page.locator("#environment").getByRole("spinbutton", { name: "Rotation" });
-        await number.fill("90");
-        await number.press("Enter");
-        const factor = app.page.locator("#environment").getByRole("spinbutton", { name: "Intensity" });
-        await factor.fill("0.25");
-        await factor.press("Enter");
-    });
-    await app.render();
-    await shows(90, 0.25);
-    assert.ok(different(plain, await app.pixels()) > 1000);
-});
-
-test("a link brings a panorama, and a dropped one takes the place of what was put around a scene", async () => {
-    const app = await App.show(session, "builtin:spheres", { link: "environment=skies/hall.hdr&environment_rotation=90&environment_intensity=2" });
-    const { panorama: name, rotation_deg, radiance } = await app.call("environment");
-    assert.deepEqual([name, Math.round(rotation_deg), radiance], ["hall", 90, [2, 2, 2]]);
-    await app.page.locator("#link").click();
-    await app.page.locator("#messages .note").first().waitFor();
-    assert.match(app.page.url(), /environment=skies\/hall\.hdr&environment_intensity=2&environment_rotation=90/);
-    await app.inPanel("Scene", () => app.page.locator("#surroundings").selectOption("sky"));
-    const staged = await app.call("scene");
-    assert.ok(staged.lights.some((/** @type {any} */ { name }) => name === "default sun"));
-    await app.drop([{ name: "hall.hdr", bytes: HALL }]);
-    await surrounded(app);
-    const { lights, objects } = await app.call("scene");
-    assert.ok(!lights.some((/** @type {any} */ { name }) => name === "default sun"));
-    assert.deepEqual(objects.filter((/** @type {any} */ { hidden }) => hidden).length, staged.objects.length - objects.filter((/** @type {any} */ { hidden }) => !hidden).length);
-    assert.equal(await app.page.locator("#surroundings").inputValue(), "panorama");
-    // What suits the scene comes back.
-    await app.inPanel("Scene", () => app.page.locator("#surroundings").selectOption("auto"));
-    assert.notEqual((await app.call("environment")).panorama, "hall");
-    await app.check();
-    await app.close();
-});
-
-test("what is no panorama tells so, and the picture stays", async () => {
-    await app.load("builtin:cornell");
-    const before = await app.pixels();
-    for (const [name, bytes, message] of /** @type {[string, string | Buffer, RegExp][]} */ ([
-        ["page.hdr", "<!doctype html>", /page\.hdr: it is a web page/],
-        ["half.hdr", HALL.subarray(0, 200), /half\.hdr/],
-    ])) {
-        await app.drop([{ name, bytes }]);
-        assert.match(await app.error(), message);
-        await app.complete();
-        assert.equal(different(before, await app.pixels()), 0);
-    }
-});
 
 test("materials are edited in the panel", async () => {
     await app.load("builtin:cornell");
@@ -182,52 +99,6 @@ test("a loading is cancelled, and the last scene stays", async () => {
     assert.equal((await app.call("scene")).name, "cornell");
     assert.equal(different(before, await app.pixels()), 0);
     assert.ok(await app.page.locator("#loading").isHidden());
-});
-
-test("the slider of the time follows what plays", async () => {
-    await app.load("builtin:cornell");
-    await app.drop([{ name: "swing.gltf", bytes: swing() }]);
-    await app.page.waitForSelector(`#title:text-is("swing")`, { state: "attached" });
-    await app.complete();
-    const time = app.page.locator("#time");
-    const play = app.page.locator("#play");
-    await app.inPanel("Scene", async () => {
-        await play.click();
-        await app.page.waitForFunction(() => Number(/** @type {HTMLInputElement} */ (document.getElementById("time")).value) > 0.2);
-        await play.click();
-    });
-    const shown = Number(await time.inputValue());
-    assert.ok(shown > 0.2 && shown <= 100, `${shown}`);
-    const report = await app.call("render");
-    assert.ok(Math.abs(report.time_s - shown) < 0.02, `${report.time_s} s, but the slider says ${shown} s`);
-    assert.equal(await app.page.locator("#time-value").textContent(), shown.toFixed(2));
-});
-
-test("a camera of the scene goes where the animation moves it", async () => {
-    await app.load("builtin:cornell");
-    await app.drop([{ name: "swing.gltf", bytes: swing() }]);
-    await app.page.waitForSelector(`#title:text-is("swing")`, { state: "attached" });
-    await app.complete();
-    const at = async (/** @type {number} */ share) => {
-        await app.page.locator("#time").evaluate((/** @type {HTMLInputElement} */ input, share) => {
-            input.valueAsNumber = share * Number(input.max);
-            input.dispatchEvent(new Event("input", { bubbles: true }));
-        }, share);
-        await app.settled();
-        return (await app.call("camera")).position.map((/** @type {number} */ place) => Math.round(place * 100) / 100 + 0);
-    };
-    // A turn by 180 degrees about z.
-    assert.deepEqual(await at(0.5), [0, 1, 3]);
-    assert.deepEqual(await at(1), [-1, 0, 3]);
-    // The list leads to where it is now, and a hand moves it from there for good.
-    await app.page.locator("canvas").first().press("Home");
-    await app.settled();
-    assert.deepEqual(await at(0.5), [0, 1, 3]);
-    await app.page.locator("canvas").first().hover();
-    await app.page.mouse.wheel(0, 100);
-    await app.settled();
-    const byHand = await at(1);
-    assert.ok(Math.abs(byHand[0]) < 0.5 && byHand[1] > 0.5 && byHand[2] !== 3, `${byHand}`);
 });
 
 test("the picture fills the screen, and comes back", async () => {
@@ -337,21 +208,6 @@ test("the light under the mouse and the histogram are those of the picture", asy
     await app.page.mouse.move(0, 0);
 });
 
-test("a scene that is lit by its own emission alone says so, until something else shines", async () => {
-    await app.load("builtin:panel");
-    const hint = app.page.locator("#hint");
-    assert.ok(await hint.isVisible());
-    await app.inPanel("Light", () => app.page.locator("[data-add=point]").click());
-    assert.ok(await hint.isHidden());
-    await app.page.locator("#undo").click();
-    await app.settled();
-    assert.ok(await hint.isVisible());
-    await app.drop(OBJ);
-    await app.drop([{ name: "hall.hdr", bytes: HALL }]);
-    await surrounded();
-    assert.ok(await hint.isHidden());
-});
-
 test("a first, coarse picture comes before the one that was asked for", async () => {
     await app.load("builtin:cornell");
     const seen = await app.worker.evaluate(async () => {
@@ -379,27 +235,3 @@ test("a first, coarse picture comes before the one that was asked for", async ()
     await app.call("set", { resolution: 32 });
     await app.render();
 });
-
-/** A triangle that swings for a hundred seconds, with a camera on it (Khronos, glTF 2.0). */
-function swing() {
-    const floats = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 100, 0, 0, 0, 1, 0, 0, 1, 0];
-    const bytes = Buffer.from(new Float32Array(floats).buffer);
-    const view = (/** @type {number} */ from, /** @type {number} */ count) => ({ buffer: 0, byteOffset: 4 * from, byteLength: 4 * count });
-    return JSON.stringify({
-        asset: { version: "2.0" },
-        scene: 0,
-        scenes: [{ nodes: [0] }],
-        nodes: [{ mesh: 0, children: [1] }, { name: "eye", camera: 0, translation: [1, 0, 3] }],
-        cameras: [{ type: "perspective", perspective: { yfov: 1, znear: 0.01 } }],
-        meshes: [{ primitives: [{ attributes: { POSITION: 0 }, material: 0 }] }],
-        materials: [{ doubleSided: true, emissiveFactor: [1, 1, 1] }],
-        animations: [{ channels: [{ sampler: 0, target: { node: 0, path: "rotation" } }], samplers: [{ input: 1, output: 2 }] }],
-        accessors: [
-            { bufferView: 0, componentType: 5126, count: 3, type: "VEC3", min: [0, 0, 0], max: [1, 1, 0] },
-            { bufferView: 1, componentType: 5126, count: 2, type: "SCALAR", min: [0], max: [100] },
-            { bufferView: 2, componentType: 5126, count: 2, type: "VEC4" },
-        ],
-        bufferViews: [view(0, 9), view(9, 2), view(11, 8)],
-        buffers: [{ byteLength: bytes.length, uri: `data:application/octet-stream;base64,${bytes.toString("base64")}` }],
-    });
-}

@@ -114,6 +114,9 @@ pub struct ShadowLayer {
     pub is_perspective: bool,
     /// Edge of a texel: in metres per metre of distance for a perspective layer, in metres for a parallel one.
     pub texel_size: f32,
+    /// Whether the next layer belongs to the same parallel light, lies within this one and has smaller texels (cascaded shadow maps:
+    /// Engel 2006). The last such layer around a point shows its shadow.
+    pub has_finer: bool,
 }
 
 /// Depth maps of the lights: a `Depth32Float` array, all layers of one size, reversed z, cleared to 0.
@@ -159,7 +162,8 @@ pub(crate) struct ShadowLayerRecord {
     pub(crate) clip_from_world: Mat4,
     pub(crate) texel_size: f32,
     pub(crate) is_perspective: u32,
-    pub(crate) padding: [u32; 2],
+    pub(crate) has_finer: u32,
+    pub(crate) padding: u32,
 }
 
 impl Light {

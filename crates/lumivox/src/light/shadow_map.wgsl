@@ -11,8 +11,9 @@ struct ShadowLayer {
     // Edge of a texel in the world: per metre of distance for a perspective layer, outright for a parallel one.
     texel_size: f32,
     is_perspective: u32,
-    padding_0: u32,
-    padding_1: u32,
+    // Whether the next layer lies within this one and has smaller texels.
+    has_finer: u32,
+    padding: u32,
 }
 
 @group(2) @binding(2) var<storage, read> shadow_layers: array<ShadowLayer>;
@@ -37,14 +38,23 @@ fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) 
     if light.kind == LIGHT_POINT {
         layer_index += cube_face(position_in_world - light.position_in_world);
     }
-    let layer = shadow_layers[layer_index];
+    var layer = shadow_layers[layer_index];
     var texel_m = layer.texel_size;
     if layer.is_perspective != 0u {
         texel_m *= distance(position_in_world, light.position_in_world);
     }
-    let place = place_in_layer(layer.clip_from_world, texel_m, position_in_world, normal);
+    var place = place_in_layer(layer.clip_from_world, texel_m, position_in_world, normal);
     if any(place.xy < vec2f(0.0)) || any(place.xy > vec2f(1.0)) {
         return 1.0;
+    }
+    while layer.has_finer != 0u {
+        layer = shadow_layers[layer_index + 1u];
+        let finer = place_in_layer(layer.clip_from_world, layer.texel_size, position_in_world, normal);
+        if !is_within(finer, shadow_maps) {
+            break;
+        }
+        place = finer;
+        layer_index += 1u;
     }
     return compare_depths(shadow_maps, shadow_sampler, layer_index, place);
 }
@@ -67,6 +77,12 @@ fn place_in_layer(
     let ndc = clip.xyz / clip.w;
     // A ground that reaches far behind the scene lies behind the map's far plane: what is in its way there is so here.
     return vec3f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y, max(ndc.z, 0.0));
+}
+
+// Whether the filter stays within a layer.
+fn is_within(place: vec3f, maps: texture_depth_2d_array) -> bool {
+    let margin = 2.0 / vec2f(textureDimensions(maps));
+    return all(place.xy >= margin) && all(place.xy <= 1.0 - margin);
 }
 
 fn compare_depths(

@@ -117,15 +117,16 @@ impl Places {
         if self.is_luminance() {
             return Vec::new();
         }
-        // The maps around the camera are those of pictures.
-        let maps = ShadowMapFineness { squares: 0, ..maps };
-        let bounds = scene.bounds();
+        // Those around the camera are for pictures, but where they are around cascades.
+        let squares = if maps.reach_m.is_some() { maps.squares } else { 0 };
+        let maps = ShadowMapFineness { squares, ..maps };
+        let (bounds, middle) = (scene.bounds(), middle(&self.at));
         // Above the surface that a place may lie in.
         let start_m = 1e-6 * bounds.radius_m();
         let is_lost = |at: (Vec3, Vec3)| {
             let distance = |way| picker.obstacle_m(at.0 + start_m * at.1, way);
             let mut shades =
-                scene.lights.iter().filter_map(|l| maps.shade(l, at, (bounds, at.0), distance));
+                scene.lights.iter().filter_map(|l| maps.shade(l, at, (bounds, middle), distance));
             shades.any(|shade| shade.is_lost())
         };
         let most = MOST_LOOKED_AT / scene.lights.len().max(1);
@@ -183,6 +184,12 @@ impl Places {
             (None, None) => Vec::new(),
         }
     }
+}
+
+/// The mean of places.
+pub fn middle(places: &[(Vec3, Vec3)]) -> Vec3 {
+    let sum: DVec3 = places.iter().map(|(at, _)| at.as_dvec3()).sum();
+    (sum / places.len().max(1) as f64).as_vec3()
 }
 
 /// The places and directions of a CSV file, whose first line may name its columns. Fields are separated by tabs, semicolons, commas or

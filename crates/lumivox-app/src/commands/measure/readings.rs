@@ -11,7 +11,7 @@ use lumivox_render::reference::{
 use lumivox_render::{Gpu, RenderProgress, RenderSettings, Renderer};
 use lumivox_scene::{Camera, Scene};
 
-use super::Places;
+use super::places::{Places, middle};
 use crate::cli::MeasureArgs;
 use crate::progress::{ProgressDisplay, words};
 
@@ -88,9 +88,11 @@ impl Task<'_> {
         settings: RenderSettings,
         frames: u32,
     ) -> anyhow::Result<Vec<lumivox::Irradiance>> {
-        // Points need no picture.
+        // Points need no picture. Cascades lie around them.
         let size = UVec2::splat(16);
-        let renderer = self.renderer(RenderSettings { size, frames, ..settings })?;
+        let camera = Camera { position: middle(places), ..self.camera.clone() };
+        let task = Task { camera: &camera, ..self };
+        let renderer = task.renderer(RenderSettings { size, frames, ..settings })?;
         let mut gathered = Vec::with_capacity(places.len());
         for some in places.chunks(AT_ONCE) {
             self.progress.set("gathering", gathered.len() as u32, places.len() as u32);

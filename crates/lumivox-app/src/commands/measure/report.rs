@@ -150,7 +150,7 @@ impl Report<'_> {
             (
                 &self.in_lost_shade,
                 "in shade for which the texels of shadow maps are too large",
-                "Use --method paths.",
+                "Use --volume cascades, which have finer ones around the places, or --method paths.",
             ),
         ];
         for (places, what, remedy) in notes {

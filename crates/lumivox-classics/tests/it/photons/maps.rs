@@ -37,6 +37,7 @@ pub(super) fn layers(
             clip_from_world: projection * view,
             is_perspective: true,
             texel_size: 2.0 * slope / size,
+            has_finer: false,
         }
     };
     match *source {
@@ -49,6 +50,7 @@ pub(super) fn layers(
                 clip_from_world: projection * view,
                 is_perspective: false,
                 texel_size: 2.0 * half / size,
+                has_finer: false,
             }]
         }
         LightSource::Spot { position, direction, outer_angle_rad, .. } => {

@@ -44,7 +44,7 @@ fn shadow_maps_are_coarse_where_things_are_lower_than_two_texels() {
     for (kind, squares, is_coarse) in [(sun, 0, true), (sun, 3, false), (lamp, 3, true)] {
         let light = Light { direction, position: above, kind, ..Light::default() };
         scene.lights = vec![light];
-        let maps = ShadowMapFineness { resolution: 1024, squares, step: 4.0 };
+        let maps = ShadowMapFineness { resolution: 1024, squares, step: 4.0, reach_m: None };
         let fineness = Fineness { voxel_m: None, shadow_maps: Some(maps) };
         assert_eq!(
             subjects(&scene, fineness).contains(&"shadows"),

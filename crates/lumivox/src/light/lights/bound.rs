@@ -122,7 +122,7 @@ pub struct MappedLight {
     pub source: LightSource,
     /// Its first layer among all of the maps.
     pub first_layer: u32,
-    /// Its layers.
+    /// Its layers: the six faces of a point light, or the one of another with the finer ones within it.
     pub layers: Vec<ShadowLayer>,
 }
 
@@ -390,12 +390,16 @@ impl Records {
             mirror_alpha: mirror_alpha(&lights),
             padding: 0,
         };
-        let layers = layers.iter().map(|layer| ShadowLayerRecord {
+        let record = |layer: &ShadowLayer, has_finer| ShadowLayerRecord {
             clip_from_world: layer.clip_from_world,
             texel_size: layer.texel_size,
             is_perspective: u32::from(layer.is_perspective),
-            padding: [0; 2],
-        });
+            has_finer: u32::from(has_finer),
+            padding: 0,
+        };
+        let finer = layers.iter().skip(1).map(|finer| !finer.is_perspective).chain([false]);
+        let layers =
+            layers.iter().zip(finer).map(|(l, is_finer)| record(l, l.has_finer && is_finer));
         Self { globals, lights, layers: layers.collect() }
     }
 }
@@ -422,12 +426,14 @@ fn mapped(lights: &[Light], records: &[LightRecord], maps: &ShadowMaps) -> Vec<M
     with_records
         .filter(|(_, (_, record))| record.shadow == SHADOW_MAP)
         .map(|(index, (light, record))| {
-            let layers = maps.layers.iter().skip(record.shadow_layer as usize);
+            let layers = &maps.layers[record.shadow_layer as usize..];
+            let finer = layers.iter().take_while(|layer| layer.has_finer).count();
+            let count = (layers_of(&light.source) + finer).min(layers.len());
             MappedLight {
                 index: index as u32,
                 source: light.source,
                 first_layer: record.shadow_layer,
-                layers: layers.take(layers_of(&light.source)).copied().collect(),
+                layers: layers[..count].to_vec(),
             }
         })
         .collect()

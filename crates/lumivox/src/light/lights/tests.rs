@@ -100,7 +100,8 @@ fn shadow_maps_of_another_layout_give_the_same_bits() {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
     };
-    let layer = ShadowLayer { clip_from_world, is_perspective: false, texel_size: 0.0 };
+    let layer =
+        ShadowLayer { clip_from_world, is_perspective: false, texel_size: 0.0, has_finer: false };
     let depth = depth.texture().create_view(&array).into();
     let maps = ShadowMaps { depth, layers: vec![layer] };
     let lights = lab.gi.bind_lights(&mapped, Vec3::ZERO, Some(&maps));

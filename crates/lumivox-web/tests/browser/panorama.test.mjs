@@ -1,0 +1,116 @@
+// Panoramas around a scene, and scenes that nothing but themselves lights.
+
+import assert from "node:assert/strict";
+import { after, afterEach, before, test } from "node:test";
+import { App } from "./harness/app.mjs";
+import { Session } from "./harness/browser.mjs";
+import { OBJ } from "./harness/files.mjs";
+import { luminance, panorama } from "./harness/panorama.mjs";
+import { different } from "./harness/picture.mjs";
+
+/** @type {Session} */
+let session;
+/** The tab of most tests, each of which opens a scene in it anew. @type {App} */
+let app;
+const HALL = panorama();
+before(async () => {
+    session = await Session.start({ beside: [{ name: "skies/hall.hdr", bytes: HALL }] });
+    app = await App.show(session, "builtin:cornell");
+});
+after(() => session?.end());
+afterEach(() => app.check());
+
+/** Waits until the page shows what surrounds it. */
+async function surrounded(tab = app) {
+    await tab.page.waitForSelector(`#panorama:has-text("hall")`, { state: "attached" });
+    await tab.settled();
+    await tab.check();
+    assert.equal((await tab.call("environment")).panorama, "hall");
+}
+
+test("a panorama is dropped with a scene, turned and made brighter", async () => {
+    await app.load("builtin:panel");
+    await app.drop([...OBJ, { name: "hall.hdr", bytes: HALL }]);
+    await app.page.waitForSelector(`#title:text-is("corner")`, { state: "attached" });
+    await surrounded();
+    // Upwards, so that what is between bright and dim is far from where it is measured.
+    await app.call("setCamera", { position: [0, 1, 5], target: [0, 3.5, 0] });
+    await app.render();
+    const camera = await app.call("camera");
+    /** What is behind the scene, to a tenth: a pixel covers several texels. Away from the edges of the cube that it becomes. @param {number} turned @param {number} factor */
+    const shows = async (turned, factor) => {
+        /** @type {[number, number][]} */
+        const places = [[0.3, 0.45], [0.7, 0.45]];
+        for (const place of places) {
+            const seen = (await app.call("probe", ...place)).luminance_cd_m2;
+            const expected = factor * luminance(camera, place, 96 / 72, turned);
+            console.log(`turned by ${turned}, times ${factor}: ${seen} cd/m2 at ${place}, expected ${expected}`);
+            assert.ok(Math.abs(seen / expected - 1) < 0.1, `${seen} cd/m2 at ${place}, expected ${expected}`);
+        }
+    };
+    await shows(0, 1);
+    const plain = await app.pixels();
+    await app.inPanel("Light", async () => {
+        const number = app.page.locator("#environment").getByRole("spinbutton", { name: "Rotation" });
+        await number.fill("90");
+        await number.press("Enter");
+        const factor = app.page.locator("#environment").getByRole("spinbutton", { name: "Intensity" });
+        await factor.fill("0.25");
+        await factor.press("Enter");
+    });
+    await app.render();
+    await shows(90, 0.25);
+    assert.ok(different(plain, await app.pixels()) > 1000);
+});
+
+test("a link brings a panorama, and a dropped one takes the place of what was put around a scene", async () => {
+    const app = await App.show(session, "builtin:spheres", { link: "environment=skies/hall.hdr&environment_rotation=90&environment_intensity=2" });
+    const { panorama: name, rotation_deg, radiance } = await app.call("environment");
+    assert.deepEqual([name, Math.round(rotation_deg), radiance], ["hall", 90, [2, 2, 2]]);
+    await app.page.locator("#link").click();
+    await app.page.locator("#messages .note").first().waitFor();
+    assert.match(app.page.url(), /environment=skies\/hall\.hdr&environment_intensity=2&environment_rotation=90/);
+    await app.inPanel("Scene", () => app.page.locator("#surroundings").selectOption("sky"));
+    const staged = await app.call("scene");
+    assert.ok(staged.lights.some((/** @type {any} */ { name }) => name === "default sun"));
+    await app.drop([{ name: "hall.hdr", bytes: HALL }]);
+    await surrounded(app);
+    const { lights, objects } = await app.call("scene");
+    assert.ok(!lights.some((/** @type {any} */ { name }) => name === "default sun"));
+    assert.deepEqual(objects.filter((/** @type {any} */ { hidden }) => hidden).length, staged.objects.length - objects.filter((/** @type {any} */ { hidden }) => !hidden).length);
+    assert.equal(await app.page.locator("#surroundings").inputValue(), "panorama");
+    // What suits the scene comes back.
+    await app.inPanel("Scene", () => app.page.locator("#surroundings").selectOption("auto"));
+    assert.notEqual((await app.call("environment")).panorama, "hall");
+    await app.check();
+    await app.close();
+});
+
+test("what is no panorama tells so, and the picture stays", async () => {
+    await app.load("builtin:cornell");
+    const before = await app.pixels();
+    for (const [name, bytes, message] of /** @type {[string, string | Buffer, RegExp][]} */ ([
+        ["page.hdr", "<!doctype html>", /page\.hdr: it is a web page/],
+        ["half.hdr", HALL.subarray(0, 200), /half\.hdr/],
+    ])) {
+        await app.drop([{ name, bytes }]);
+        assert.match(await app.error(), message);
+        await app.complete();
+        assert.equal(different(before, await app.pixels()), 0);
+    }
+});
+
+test("a scene that is lit by its own emission alone says so, until something else shines", async () => {
+    await app.load("builtin:panel");
+    const hint = app.page.locator("#hint");
+    assert.ok(await hint.isVisible());
+    await app.inPanel("Light", () => app.page.locator("[data-add=point]").click());
+    assert.ok(await hint.isHidden());
+    await app.page.locator("#undo").click();
+    await app.settled();
+    assert.ok(await hint.isVisible());
+    await app.drop(OBJ);
+    await app.drop([{ name: "hall.hdr", bytes: HALL }]);
+    await surrounded();
+    assert.ok(await hint.isHidden());
+});
