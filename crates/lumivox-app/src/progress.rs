@@ -95,7 +95,9 @@ impl ProgressDisplay {
 
     fn change(&self, stage: &'static str, steps: String, done: f64, total: f64) {
         let bar = &self.bar;
-        if bar.prefix() != stage {
+        // A stage that begins again has a time of its own.
+        let position = (done * PARTS) as u64;
+        if bar.prefix() != stage || position < bar.position() {
             bar.set_prefix(stage);
             bar.reset();
         }
@@ -107,7 +109,7 @@ impl ProgressDisplay {
         if has_steps {
             bar.set_message(steps);
             bar.set_length((total * PARTS) as u64);
-            bar.set_position((done * PARTS) as u64);
+            bar.set_position(position);
         } else {
             bar.set_message("");
             bar.unset_length();
@@ -215,6 +217,10 @@ mod tests {
         assert_eq!(watch.share(), Some(0.5));
         progress.set_within("frame", 8, 16, 0.5);
         assert_eq!(watch.share(), Some(8.5 / 16.0));
+        // The second of several pictures: its frames take as long as they do, whatever the first took.
+        std::thread::sleep(Duration::from_millis(20));
+        progress.set("frame", 4, 16);
+        assert!(watch.0.elapsed() < Duration::from_millis(20));
         progress.set("uploading", 0, 1);
         assert_eq!((watch.words(), watch.share()), ("uploading, 00:00:00".to_owned(), None));
         let left = |share| left(share, Duration::from_secs(754));
