@@ -217,6 +217,7 @@ fn mistakes_are_told() {
     let folder = folder();
     let path = folder.path();
     fs::write(path.join("p.csv"), "x,y,z\n0,0,0\n0,nan,0\n").unwrap();
+    fs::write(path.join("far.csv"), "0,1,0\n0,1000000,0\n").unwrap();
     fs::write(path.join("r.csv"), "0,0,0,0,0,1\n").unwrap();
     let box_of = "measure builtin:cornell";
     for (options, code, needles) in [
@@ -224,6 +225,7 @@ fn mistakes_are_told() {
         ("--picture --workplane 1", USAGE, &["cannot be used with"]),
         ("--points none.csv", INPUT, &["none.csv", "cannot read the places"]),
         ("--points p.csv", INPUT, &["p.csv", "line 3, column y", "\"nan\""]),
+        ("--points far.csv", INPUT, &["place 2 at 0,1000000,0", "--up"]),
         ("--rays r.csv", INPUT, &["--method paths"]),
         ("--points r.csv -o a.png", INPUT, &["a.png", "no picture"]),
         ("--picture -o a.txt", INPUT, &["a.txt", ".csv, .json or .png"]),

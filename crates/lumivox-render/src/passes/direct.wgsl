@@ -2,7 +2,9 @@
 
 import package::environment::glossy_share;
 import package::light::lights::{incident_light, light_globals, lights};
-import package::light::shadow_map::{compare_depths, is_within, place_in_layer, shadow_sampler};
+import package::light::shadow_map::{
+    compare_depths, finest_layer, is_within, place_in_layer, shadow_layers, shadow_sampler,
+};
 import package::light::visibility::light_visibility;
 import package::trace::brdf::{
     alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_visibility, PI,
@@ -39,7 +41,8 @@ fn luminance(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));
 }
 
-// The share of a light that reaches a point, by the smallest of the light's squares around the point; -1 without one. `next` is the
+// The share of a light that reaches a point, by the smallest of the light's squares around the point; -1 without one that is finer
+// than the map of the voxels. `next` is the
 // index of the next layer to look at, and moves past the light's own.
 fn near_visibility(next: ptr<function, u32>, index: u32, position_in_world: vec3f, normal: vec3f) -> f32 {
     var found = -1.0;
@@ -47,7 +50,10 @@ fn near_visibility(next: ptr<function, u32>, index: u32, position_in_world: vec3
         let near = near_layers[*next];
         let place = place_in_layer(near.clip_from_world, near.texel_size, position_in_world, normal);
         if found < 0.0 && near.light == index && is_within(place, near_maps) {
-            found = compare_depths(near_maps, shadow_sampler, *next, place);
+            let layer = finest_layer(lights[index].shadow_layer, position_in_world, normal);
+            if near.texel_size < shadow_layers[layer].texel_size {
+                found = compare_depths(near_maps, shadow_sampler, *next, place);
+            }
         }
         *next += 1u;
     }

@@ -2,17 +2,18 @@
 //! before, as engines cascade them (Engel 2006, "Cascaded shadow maps"). A thing of a metre on a wide ground has its shadow.
 //!
 //! They are for what is seen, and follow the camera; the light of voxels keeps the map of the whole scene, so that it doesn't
-//! depend on where one looks from, or has maps around its cascades. Squares that are no finer than those are left out. A square has its place by the camera's cell, not by its view: turning draws nothing anew, and
+//! depend on where one looks from, or has maps around its cascades. Where both lie around a place, the finer one counts. A square has its place by the camera's cell, not by its view: turning draws nothing anew, and
 //! edges of shadows don't crawl.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{Buffer, Recorder, Texture, TextureView, upload};
-use lumivox::hooks::MappedLight;
-use lumivox::{LightSource, Lights, ShadowLayer};
+use lumivox::{Lights, ShadowLayer};
 use lumivox_scene::ShadowMapFineness;
 
-use super::shadow_maps::{ParallelSight, ShadowMapPass, depth_array, view_of_all};
+use super::shadow_maps::{
+    ParallelSight, ShadowMapPass, depth_array, parallel_direction, view_of_all,
+};
 use crate::Gpu;
 use crate::scene::GpuScene;
 
@@ -48,8 +49,8 @@ pub(crate) struct NearShadows {
     texture: Texture,
     pub(crate) maps: TextureView,
     pub(crate) layers: Buffer,
-    /// The lights that have squares.
-    suns: Vec<Sun>,
+    /// The lights that have squares, with their direction.
+    suns: Vec<(u32, Vec3)>,
     /// The squares that the layers of the texture show.
     drawn: Vec<NearLayerRecord>,
     resolution: u32,
@@ -58,7 +59,9 @@ pub(crate) struct NearShadows {
 impl NearShadows {
     /// Makes room for the squares of parallel lights that have shadow maps. Nothing is drawn yet.
     pub(crate) fn new(gpu: &Gpu, lights: &Lights) -> Self {
-        let suns: Vec<_> = lights.mapped.iter().filter_map(Sun::of).take(MOST_SUNS).collect();
+        let suns =
+            lights.mapped.iter().filter_map(|l| Some((l.index, parallel_direction(&l.source)?)));
+        let suns: Vec<_> = suns.take(MOST_SUNS).collect();
         // Where memory is short, the maps are coarser.
         let mut resolution = lights.map_size[0].max(1);
         let bytes = |edge: u32| 4 * u64::from(edge).pow(2) * u64::from(SQUARES) * suns.len() as u64;
@@ -98,12 +101,11 @@ impl NearShadows {
             return;
         }
         let mut wanted = Vec::new();
-        for sun in &self.suns {
-            let sight = ParallelSight::new(sun.direction, scene.bounds);
+        for &(light, direction) in &self.suns {
+            let sight = ParallelSight::new(direction, scene.bounds);
             let away_m = camera.distance(camera.clamp(scene.bounds.min, scene.bounds.max));
-            let squares = squares(&sight, camera, away_m, self.resolution)
-                .filter(|square| square.texel_size < sun.finest_m);
-            wanted.extend(squares.map(|layer| NearLayerRecord::new(sun.light, &layer)));
+            let squares = squares(&sight, camera, away_m, self.resolution);
+            wanted.extend(squares.map(|layer| NearLayerRecord::new(light, &layer)));
         }
         wanted.resize(SQUARES as usize * self.suns.len(), NearLayerRecord::of_none());
         if wanted == self.drawn {
@@ -118,28 +120,6 @@ impl NearShadows {
             }
         }
         self.drawn = wanted;
-    }
-}
-
-/// A parallel light.
-#[derive(Clone, Copy, Debug)]
-struct Sun {
-    /// Its place among the lights.
-    light: u32,
-    direction: Vec3,
-    /// The edge of the smallest texels of its maps for voxels, m.
-    finest_m: f32,
-}
-
-impl Sun {
-    fn of(light: &MappedLight) -> Option<Self> {
-        let (LightSource::Directional { direction, .. }
-        | LightSource::Environment { direction, .. }) = light.source
-        else {
-            return None;
-        };
-        let finest_m = light.layers.last()?.texel_size;
-        Some(Self { light: light.index, direction, finest_m })
     }
 }
 

@@ -33,6 +33,8 @@ use crate::scene::{Attributes, GpuScene, Presence, SceneDraw, corners};
 pub(crate) const MAX_BYTES: u64 = 256 << 20;
 /// The most layers: ten point lights.
 const MAX_LAYERS: u32 = 64;
+/// Texels along the edge of a map below which none are taken from it to have finer maps.
+const ENOUGH: u32 = 1024;
 /// Of so many cascades one has a layer.
 const EACH_CASCADE: usize = 2;
 /// The edge of such a layer over that of the next smaller one.
@@ -170,7 +172,10 @@ impl ShadowMapPass {
         lights: &mut [Light],
         (grid, resolution): (&Grid, u32),
     ) -> Option<ShadowMaps> {
-        let layers = assign_layers(lights, scene.bounds, &fine_boxes(grid), resolution);
+        let boxes = fine_boxes(grid);
+        let sources: Vec<_> = lights.iter().map(|light| light.source).collect();
+        let resolution = resolution_with_finer(&sources, scene.bounds, &boxes, resolution);
+        let layers = assign_layers(lights, scene.bounds, &boxes, resolution);
         if layers.is_empty() {
             return None;
         }
@@ -284,17 +289,41 @@ pub(crate) fn fine_boxes(grid: &Grid) -> Vec<Bounds> {
     boxes.map(|(min, max)| Bounds { min, max }).rev().collect()
 }
 
-/// Assigns layers to the lights in order, as long as there is room: first those that each light needs, then finer ones.
+/// The most layers of a resolution.
+fn most_layers(resolution: u32) -> usize {
+    let layer_bytes = 4 * u64::from(resolution).pow(2);
+    (MAX_BYTES / layer_bytes).min(u64::from(MAX_LAYERS)) as usize
+}
+
+/// The resolution of maps with finer ones around cascades: what is asked for, or half and so on as long as there is no room for all and
+/// more than enough texels. A finer map does more for small things than a larger one.
+fn resolution_with_finer(
+    lights: &[LightSource],
+    bounds: Bounds,
+    boxes: &[Bounds],
+    mut resolution: u32,
+) -> u32 {
+    let finer: usize =
+        lights.iter().map(|l| finer_layers(l, bounds, boxes, resolution).len()).sum();
+    let needed: usize = lights.iter().map(|l| layers_of(l, bounds, resolution).len()).sum();
+    while finer > 0 && resolution >= 2 * ENOUGH && needed + finer > most_layers(resolution) {
+        resolution /= 2;
+    }
+    resolution
+}
+
+/// Assigns layers to the lights in order, as long as there is room: first those that each light needs, then finer ones, the smallest
+/// first.
 fn assign_layers(
     lights: &mut [Light],
     bounds: Bounds,
     fine_boxes: &[Bounds],
     resolution: u32,
 ) -> Vec<ShadowLayer> {
-    let layer_bytes = 4 * u64::from(resolution) * u64::from(resolution);
-    let most = (MAX_BYTES / layer_bytes).min(u64::from(MAX_LAYERS)) as usize;
+    let most = most_layers(resolution);
     let needed = |light: &Light| layers_of(&light.source, bounds, resolution);
     let mut room = most.saturating_sub(lights.iter().map(|light| needed(light).len()).sum());
+    let mut suns_left = lights.iter().filter(|light| is_parallel(&light.source)).count();
     let mut layers: Vec<ShadowLayer> = Vec::new();
     let mut left_out = 0;
     for light in lights {
@@ -307,14 +336,15 @@ fn assign_layers(
         light.shadow = Shadow::Map { first_layer: layers.len() as u32 };
         layers.extend(own);
         let finer = finer_layers(&light.source, bounds, fine_boxes, resolution);
-        if finer.len() <= room {
-            room -= finer.len();
-            for layer in finer {
-                if let Some(wider) = layers.last_mut() {
-                    wider.has_finer = true;
-                }
-                layers.push(layer);
+        // Suns share what room there is.
+        let fits = finer.len().min(room / suns_left.max(1));
+        suns_left -= usize::from(is_parallel(&light.source));
+        room -= fits;
+        for layer in &finer[finer.len() - fits..] {
+            if let Some(wider) = layers.last_mut() {
+                wider.has_finer = true;
             }
+            layers.push(*layer);
         }
     }
     if left_out > 0 {
@@ -363,11 +393,7 @@ fn finer_layers(
     boxes: &[Bounds],
     resolution: u32,
 ) -> Vec<ShadowLayer> {
-    let (LightSource::Directional { direction, .. } | LightSource::Environment { direction, .. }) =
-        *source
-    else {
-        return Vec::new();
-    };
+    let Some(direction) = parallel_direction(source) else { return Vec::new() };
     let sight = ParallelSight::new(direction, bounds);
     let layer = |own: &Bounds| {
         let middle = sight.view.transform_point3(own.center()).truncate();
@@ -377,6 +403,20 @@ fn finer_layers(
         square(texel_m * (middle / texel_m).round())
     };
     sight.smaller(boxes).map(layer).collect()
+}
+
+/// The direction of a parallel light.
+pub(super) fn parallel_direction(source: &LightSource) -> Option<Vec3> {
+    match *source {
+        LightSource::Directional { direction, .. } | LightSource::Environment { direction, .. } => {
+            Some(direction)
+        }
+        LightSource::Point { .. } | LightSource::Spot { .. } => None,
+    }
+}
+
+fn is_parallel(source: &LightSource) -> bool {
+    parallel_direction(source).is_some()
 }
 
 fn parallel_layer(direction: Vec3, bounds: Bounds, resolution: u32) -> ShadowLayer {
@@ -565,8 +605,16 @@ mod tests {
         assert_eq!(assign_layers(&mut [sun], BOUNDS, &boxes, 1024).len(), 1);
         // Each light has its own before one has finer ones.
         let mut many = vec![sun; 62];
-        assert_eq!(assign_layers(&mut many, ground, &boxes, 1024).len(), 62);
+        assert_eq!(assign_layers(&mut many, ground, &boxes, 1024).len(), 64);
         assert!(many.iter().all(|light| light.shadow != Shadow::Cone));
+        // Where not all have room, the smallest have.
+        let few = assign_layers(&mut [sun; 24], ground, &boxes, 1024);
+        assert_eq!(few.len(), 64);
+        assert!((few[1].texel_size - layers[4].texel_size).abs() < 1e-6);
+        let resolution =
+            |lights: &[LightSource]| resolution_with_finer(lights, ground, &boxes, 4096);
+        assert_eq!([resolution(&[source]), resolution(&[source; 20])], [2048, 1024]);
+        assert_eq!(resolution_with_finer(&[source], BOUNDS, &boxes, 4096), 4096);
     }
 
     #[test]

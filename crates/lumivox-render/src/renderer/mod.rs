@@ -16,7 +16,7 @@ mod screen;
 use std::ops::ControlFlow;
 
 use lumivox::gpu::{Recorder, StageTime, Timing};
-use lumivox::{EnvironmentMap, FrameVoxels, Gi, Grid, Lights, VoxelizeStats};
+use lumivox::{EnvironmentMap, FrameVoxels, Gi, Grid, Lights, VolumeKind, VoxelizeStats};
 use lumivox_scene::{Bounds, Camera, Scene};
 
 use crate::gpu::memory::MemoryUse;
@@ -110,7 +110,7 @@ impl Renderer {
     ) -> Result<Self, RenderError> {
         validate(&settings, gpu)?;
         let scene_bounds = scene.voxel_bounds();
-        let may_be_empty = scene.grid_bounds.is_some();
+        let may_be_empty = scene.grid_bounds.is_some() || settings.volume == VolumeKind::Cascades;
         let bounds = settings.grid_bounds.unwrap_or(scene_bounds);
         let camera = camera.or(scene.cameras.first()).cloned();
         let camera = camera.unwrap_or_else(|| {
@@ -146,6 +146,13 @@ impl Renderer {
         progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
         let voxelized = voxelize(&mut gi, &scene.geometry, settings.timing, may_be_empty).await;
         let voxelized = voxelized.map_err(|error| RenderError::of_scene(error, given))?;
+        if voxelized.stats.voxels == 0 && settings.volume == VolumeKind::Cascades {
+            tracing::warn!(
+                "no surface is within {} m of the camera, as far as the cascades reach: nothing has light from voxels; more \
+                 cascades reach farther (--cascades)",
+                0.5 * settings.cascades.reach_m()
+            );
+        }
         times.add(voxelized.times);
         gpu.check("voxelizing")?;
         progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });

@@ -151,8 +151,10 @@ pub(super) fn bind_lights(
             warn_of_coarse_texels(injection.as_ref(), texel_in_voxels, shadow_resolution);
         }
     }
-    let layer_bytes = 4 * u64::from(shadow_resolution).pow(2);
-    let bytes = maps.as_ref().map_or(0, |maps| maps.layers.len() as u64 * layer_bytes);
+    let bytes = maps.as_ref().map_or(0, |maps| {
+        let size = maps.depth.texture().size();
+        4 * u64::from(size.width) * u64::from(size.height) * maps.layers.len() as u64
+    });
     let environment = EnvironmentLight { radiance, map, rotation_rad };
     let lights = gi.bind_lights(&lights, environment, maps.as_ref());
     let near = NearShadows::new(gpu, &lights);

@@ -124,6 +124,38 @@ fn shade_on_a_wide_ground_follows_a_camera_in_motion() {
     assert_eq!(direct(&moving, 1000.0), [0.0, open]);
 }
 
+/// Beyond the maps around cascades, shade is as fine on screen as without cascades.
+#[test]
+fn shade_beyond_small_cascades_is_that_of_a_dense_volume() {
+    let mut scene = Scene::default();
+    let grey = || Material::diffuse("grey", Vec3::splat(0.5));
+    let ground = zoo::quad(Vec3::ZERO, Vec3::Z * 500.0, Vec3::X * 500.0);
+    zoo::place(&mut scene, ground, grey(), Mat4::IDENTITY);
+    let fence = zoo::quad(Vec3::Y, Vec3::X * 3.0, Vec3::Y);
+    zoo::place(&mut scene, fence, grey(), Mat4::IDENTITY);
+    scene.lights.push(Light {
+        direction: Vec3::new(0.0, -0.5, 1.0).normalize(),
+        kind: LightKind::Directional { illuminance_lux: 1e4, angular_radius_rad: 0.0 },
+        ..Light::default()
+    });
+    let cascades = CascadeOptions { count: 3, resolution: 32, voxel_size_m: 0.125 };
+    let camera = Camera {
+        position: Vec3::new(0.0, 8.0, 30.0),
+        forward: Vec3::new(0.0, -8.0, -30.0).normalize(),
+        vertical_fov_rad: 0.3,
+        ..Camera::default()
+    };
+    let gpu = gpu();
+    let shown = |volume| {
+        let settings = RenderSettings { cascades, volume, view: View::Shadow, ..settings() };
+        new_picture(&gpu, &scene, &camera, &settings)
+    };
+    let [dense, cascades] = [VolumeKind::Dense, VolumeKind::Cascades].map(shown);
+    let shaded = dense.hdr.iter().filter(|pixel| pixel[0] < 0.5).count();
+    assert!(shaded > 40, "{shaded} pixels in the shade");
+    assert!(dense.hdr == cascades.hdr);
+}
+
 /// Places on what a camera sees, with their normals, up to a distance in metres.
 fn seen_places(scene: &Scene, camera: &Camera, farthest_m: f32) -> (Vec<Vec3>, Vec<Vec3>) {
     let picker = Picker::new(scene);

@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 use super::directions;
-use super::rays::{LIFT, Rays};
+use super::rays::Rays;
 use super::sight::{Note, three_digits};
 use super::soup::Unit;
 use super::survey::Patch;
@@ -53,14 +53,14 @@ pub struct ShadowMapFineness {
 }
 
 impl ShadowMapFineness {
-    /// The shade of a light at a surface that faces it; `None` without any. `bounds` are the scene's, and `distance` gives the
-    /// way, m, to the first surface in a direction.
+    /// The shade of a light at a surface that faces it; `None` without any. `bounds` are the scene's. `distance` gives the way, m, to
+    /// the first surface in a direction, from a place so many m above the surface.
     pub fn shade(
         &self,
         light: &Light,
         (position, normal): (Vec3, Vec3),
         (bounds, camera): (Bounds, Vec3),
-        distance: impl Fn(Vec3) -> Option<f32>,
+        distance: impl Fn(f32, Vec3) -> Option<f32>,
     ) -> Option<Shade> {
         let to_light = light.position - position;
         let (way, reach_m) = match light.kind {
@@ -88,27 +88,23 @@ impl ShadowMapFineness {
                 reach_m * outer_angle_rad.min(1.3).tan()
             }
         };
-        let cosine = way.dot(normal);
-        let blocked_m = if cosine > 0.0 { distance(way)? } else { return None };
+        let is_shaded =
+            |above_m| distance(above_m, way).is_some_and(|blocked_m| blocked_m < reach_m);
+        if way.dot(normal) <= 0.0 || !is_shaded(0.0) {
+            return None;
+        }
         let texel_m = 2.0 * half_m / self.resolution as f32;
-        (blocked_m < reach_m).then_some(Shade { above_m: blocked_m * cosine, texel_m })
+        Some(Shade { texel_m, is_lost: !is_shaded(LOST_TEXELS * texel_m) })
     }
 }
 
 /// Shade of a light on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shade {
-    /// Height above the surface of the first thing that blocks the light, m.
-    pub above_m: f32,
     /// Edge of a texel of the light's shadow map at the surface, m.
     pub texel_m: f32,
-}
-
-impl Shade {
-    /// Whether the shadow map has no such shade.
-    pub fn is_lost(&self) -> bool {
-        self.above_m < LOST_TEXELS * self.texel_m
-    }
+    /// Whether the map has no such shade: it ends below the place above the surface that is looked up.
+    pub is_lost: bool,
 }
 
 /// Points that a camera sees, and the triangles for rays from them.
@@ -156,15 +152,14 @@ impl Seen<'_> {
         let (mut shaded, mut lost, mut largest_m) = (0_usize, 0_usize, 0.0_f32);
         for light in lights.take(MOST_LIGHTS) {
             for Patch { position, normal, .. } in self.patches {
-                // From the surface on, above which the rays start.
-                let distance = |way: Vec3| {
-                    let hit = self.rays.cast(*position, way)?;
-                    Some((hit.distance + LIFT / way.dot(*normal)) * self.unit.scale_m)
+                let distance = |above_m: f32, way: Vec3| {
+                    let above = *position + above_m / self.unit.scale_m * *normal;
+                    Some(self.rays.cast(above, way)?.distance * self.unit.scale_m)
                 };
                 let at = (self.unit.world_from_unit(*position), *normal);
                 let Some(shade) = maps.shade(light, at, place, distance) else { continue };
                 shaded += 1;
-                if shade.is_lost() {
+                if shade.is_lost {
                     lost += 1;
                     largest_m = largest_m.max(shade.texel_m);
                 }

@@ -114,8 +114,8 @@ impl Picker {
         Some(hit.distance as f32)
     }
 
-    /// Whether a point lies inside of something solid: of 14 rays around, three quarters or more first meet the back of a
-    /// single-sided surface.
+    /// Whether a point lies inside of something solid: of 14 rays around, 11 or more first meet the back of a single-sided surface, or
+    /// 8 where all meet something: below what stands on a ground is the front of the ground.
     pub fn is_inside(&self, at: Vec3) -> bool {
         let steps = [-1, 0, 1];
         let all = steps.iter().flat_map(|x| steps.iter().map(move |y| (x, y)));
@@ -131,8 +131,9 @@ impl Picker {
             let front = placed.front_of(shape, hit);
             Some(placed.sides != Sides::Both && front.dot(direction) > 0.0)
         };
-        let backs = around.filter(|way| meets_back(*way) == Some(true)).count();
-        backs >= 11
+        let met: Vec<bool> = around.filter_map(meets_back).collect();
+        let backs = met.iter().filter(|is_back| **is_back).count();
+        backs >= 11 || (met.len() == 14 && backs >= 8)
     }
 
     /// The first surface on a ray, among the sides of each instance that count.

@@ -4,6 +4,7 @@ use glam::{DVec3, EulerRot, Quat};
 use proptest::prelude::*;
 
 use super::*;
+use crate::builtin::shapes::{Faces, cuboid, quad};
 use crate::{AlphaMode, Instance, Material, Mesh, builtin};
 
 /// The nearest triangle by a loop over all of them, in the world.
@@ -224,6 +225,19 @@ fn points_inside_of_solids_are_told_from_those_in_rooms() {
     assert!(!picker.is_inside(at(0.5, 0.8, 0.5)), "in the air");
     assert!(!picker.is_inside(at(0.5, 0.001, 0.9)), "just above the floor");
     assert!(picker.is_inside(block(&scene)), "in a block");
+    // A box without a bottom on a ground.
+    let mut standing = Scene::default();
+    let body = cuboid(-Vec3::ONE, Vec3::ONE, Faces::NO_BOTTOM);
+    let ground = quad(Vec3::NEG_Y, Vec3::Z * 9.0, Vec3::X * 9.0);
+    standing.materials.push(Material::default());
+    for mesh in [body, ground] {
+        let mesh_number = standing.meshes.len();
+        standing.meshes.push(mesh);
+        standing.instances.push(Instance { mesh: mesh_number, ..Default::default() });
+    }
+    let standing = Picker::new(&standing);
+    assert!(standing.is_inside(Vec3::new(0.3, -0.5, 0.2)), "in what stands on a ground");
+    assert!(!standing.is_inside(Vec3::new(1.5, -0.5, 0.2)), "beside it");
     // Nothing is inside of what has two sides.
     let mut two_sided = scene.clone();
     two_sided.materials.iter_mut().for_each(|material| material.double_sided = true);

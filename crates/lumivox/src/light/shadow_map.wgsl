@@ -38,25 +38,31 @@ fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) 
     if light.kind == LIGHT_POINT {
         layer_index += cube_face(position_in_world - light.position_in_world);
     }
-    var layer = shadow_layers[layer_index];
+    layer_index = finest_layer(layer_index, position_in_world, normal);
+    let layer = shadow_layers[layer_index];
     var texel_m = layer.texel_size;
     if layer.is_perspective != 0u {
         texel_m *= distance(position_in_world, light.position_in_world);
     }
-    var place = place_in_layer(layer.clip_from_world, texel_m, position_in_world, normal);
+    let place = place_in_layer(layer.clip_from_world, texel_m, position_in_world, normal);
     if any(place.xy < vec2f(0.0)) || any(place.xy > vec2f(1.0)) {
         return 1.0;
     }
-    while layer.has_finer != 0u {
-        layer = shadow_layers[layer_index + 1u];
-        let finer = place_in_layer(layer.clip_from_world, layer.texel_size, position_in_world, normal);
-        if !is_within(finer, shadow_maps) {
+    return compare_depths(shadow_maps, shadow_sampler, layer_index, place);
+}
+
+// The last of the layers within each other, from the first on, that has a surface point.
+fn finest_layer(first: u32, position_in_world: vec3f, normal: vec3f) -> u32 {
+    var index = first;
+    while shadow_layers[index].has_finer != 0u {
+        let finer = shadow_layers[index + 1u];
+        let place = place_in_layer(finer.clip_from_world, finer.texel_size, position_in_world, normal);
+        if !is_within(place, shadow_maps) {
             break;
         }
-        place = finer;
-        layer_index += 1u;
+        index += 1u;
     }
-    return compare_depths(shadow_maps, shadow_sampler, layer_index, place);
+    return index;
 }
 
 // Where a surface point is looked up in a layer: texture coordinates in xy, negative behind the light, and depth in z.

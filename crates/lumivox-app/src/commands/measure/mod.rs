@@ -14,6 +14,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::time::Instant;
 
+use lumivox::VolumeKind;
 use lumivox_console::report::AdapterReport;
 use lumivox_console::{Failure, SourceArgs};
 use lumivox_render::measure::Summary;
@@ -76,6 +77,11 @@ pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
     progress.stop_on_interrupt(host)?;
     let shadow_maps =
         settings.fineness(&scene).shadow_maps.filter(|_| args.method == Method::Cones);
+    let shade_remedy = if settings.volume == VolumeKind::Cascades {
+        "Measure places that are far from each other one by one, or use --method paths."
+    } else {
+        "Use --volume cascades, which have finer ones around the places, or --method paths."
+    };
     let bounces = given.iter().any(|(parameter, _)| parameter.name == "bounces");
     let bounces = bounces.then_some(settings.bounces);
     let task = Task { gpu: &gpu, scene: &scene, camera: &camera, progress: &progress };
@@ -105,6 +111,7 @@ pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
         in_lost_shade: picker
             .zip(shadow_maps)
             .map_or_else(Vec::new, |(picker, maps)| places.in_lost_shade(&scene, &picker, maps)),
+        shade_remedy,
         places: &places,
         readings: &readings,
     };

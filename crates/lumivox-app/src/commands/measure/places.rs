@@ -14,6 +14,8 @@ use crate::cli::MeasureArgs;
 const MOST: usize = 1 << 20;
 /// The most places that are looked at for solids around them and for shade.
 const MOST_LOOKED_AT: usize = 1 << 14;
+/// The farthest that a place may lie outside of the scene, in sizes of the scene.
+const FARTHEST: f32 = 1000.0;
 /// Cells along the longer side of a workplane without a spacing.
 const CELLS: f32 = 24.0;
 
@@ -57,13 +59,23 @@ impl Places {
     /// The places in a scene.
     ///
     /// # Errors
-    /// When a workplane has too many cells.
+    /// When a workplane has too many cells, or a place has nothing to do with the scene.
     pub fn of_scene(mut self, scene: &Scene, args: &MeasureArgs) -> anyhow::Result<Self> {
-        for (at, given) in self.at.iter_mut().zip(&self.given) {
+        let bounds = scene.bounds();
+        let size_m = 2.0 * bounds.radius_m();
+        for (number, (at, given)) in (1..).zip(self.at.iter_mut().zip(&self.given)) {
             at.0 = scene.from_file(*given);
+            let away_m = at.0.distance(at.0.clamp(bounds.min, bounds.max));
+            if away_m > FARTHEST * size_m {
+                return Err(Failure::input(format!(
+                    "place {number} at {},{},{} lies {away_m} m outside of the scene, which is {size_m} m large; give places in the \
+                     coordinates of the scene's file, after --up, --unit and --rotate",
+                    given.x, given.y, given.z
+                ))
+                .into());
+            }
         }
         let Kind::Workplane { height_m } = self.kind else { return Ok(self) };
-        let bounds = scene.bounds();
         let [x, z, end_x, end_z] =
             args.area.map_or([bounds.min.x, bounds.min.z, bounds.max.x, bounds.max.z], |area| {
                 let [x, z] = [scene.origin.x, scene.origin.z];
@@ -106,8 +118,8 @@ impl Places {
         looked_at.filter(|(_, (at, _))| picker.is_inside(*at)).map(|(index, _)| index).collect()
     }
 
-    /// The places in shade that shadow maps lose, by their numbers: what blocks a light there is lower than two of its texels. With
-    /// more than a few thousand, or with many lights, only the first places are looked at.
+    /// The places in shade that shadow maps lose, by their numbers: what blocks a light there is lower than two of its texels. Of
+    /// more than a few thousand, or with many lights, some are looked at.
     pub fn in_lost_shade(
         &self,
         scene: &Scene,
@@ -124,13 +136,13 @@ impl Places {
         // Above the surface that a place may lie in.
         let start_m = 1e-6 * bounds.radius_m();
         let is_lost = |at: (Vec3, Vec3)| {
-            let distance = |way| picker.obstacle_m(at.0 + start_m * at.1, way);
+            let distance = |above_m, way| picker.obstacle_m(at.0 + (start_m + above_m) * at.1, way);
             let mut shades =
                 scene.lights.iter().filter_map(|l| maps.shade(l, at, (bounds, middle), distance));
-            shades.any(|shade| shade.is_lost())
+            shades.any(|shade| shade.is_lost)
         };
-        let most = MOST_LOOKED_AT / scene.lights.len().max(1);
-        let looked_at = self.at.iter().take(most).enumerate();
+        let most = (MOST_LOOKED_AT / scene.lights.len().max(1)).max(1);
+        let looked_at = self.at.iter().enumerate().step_by(self.at.len().div_ceil(most).max(1));
         looked_at.filter(|(_, at)| is_lost(**at)).map(|(index, _)| index).collect()
     }
 
@@ -186,10 +198,14 @@ impl Places {
     }
 }
 
-/// The mean of places.
+/// The middle of places: the median along each axis, so that one that lies elsewhere doesn't move it.
 pub fn middle(places: &[(Vec3, Vec3)]) -> Vec3 {
-    let sum: DVec3 = places.iter().map(|(at, _)| at.as_dvec3()).sum();
-    (sum / places.len().max(1) as f64).as_vec3()
+    let along = |axis: usize| {
+        let mut values: Vec<f32> = places.iter().map(|(at, _)| at[axis]).collect();
+        values.sort_by(f32::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or_default()
+    };
+    Vec3::from_array([0, 1, 2].map(along))
 }
 
 /// The places and directions of a CSV file, whose first line may name its columns. Fields are separated by tabs, semicolons, commas or
@@ -255,6 +271,11 @@ fn table(
         }
         let known = names.as_deref().unwrap_or_default();
         let column = |axis: &str| known.iter().position(|name| is_called(name, axis));
+        let is_twice = |axis: &&&str| known.iter().filter(|name| is_called(name, axis)).count() > 1;
+        if let Some(axis) = axes.iter().find(is_twice) {
+            let named = known.join(", ");
+            return Err(refuse(format!("it has two columns {axis}: its first line is {named}")));
+        }
         let named = |axes: &[&str]| axes.iter().filter(|axis| column(axis).is_some()).count();
         if let Some(missing) = ["x", "y", "z"].iter().find(|axis| column(axis).is_none()) {
             let are_numbers =
@@ -306,11 +327,14 @@ fn table(
                 let lacks = directions.join(",");
                 return Err(refuse(format!("line {line_number}: it lacks {lacks}")));
             }
-            _ => vector(directions)?.as_vec3(),
+            _ => {
+                let direction = vector(directions)?;
+                let zero = || refuse(format!("line {line_number}: its direction is zero"));
+                // As it is given, unless its square is too large or small for a float.
+                let unit = direction.try_normalize().ok_or_else(zero)?.as_vec3();
+                direction.as_vec3().try_normalize().map_or(unit, |_| direction.as_vec3())
+            }
         };
-        if direction.try_normalize().is_none() {
-            return Err(refuse(format!("line {line_number}: its direction is zero")));
-        }
         places.push((at, direction));
     }
     if places.is_empty() {
@@ -410,6 +434,7 @@ mod tests {
             assert_eq!(read(text, false).unwrap(), [at], "{text}");
         }
         assert_eq!(read("1,2,3", false).unwrap(), [(at.0, Vec3::Y)]);
+        assert_eq!(read("1,2,3,0,0,-1e30\n1,2,3,0,0,-1e-30", false).unwrap(), [at, at]);
         assert_eq!(read("1,2,3,0,0,-1\n1,2,3,0,0,-1", true).unwrap(), [at, at]);
     }
 
@@ -438,6 +463,7 @@ mod tests {
             ("1,2,3", true, "line 1: it lacks dx,dy,dz"),
             ("1,2,3,0,0,0", true, "line 1: its direction is zero"),
             ("x,z\n1,2", false, "no column y"),
+            ("x,x,y,z\n0,1,2,3", false, "two columns x: its first line is x, x, y, z"),
             ("x,y,z\n", false, "it has no places"),
             ("x,y,z\n0,25,0,5,0,0", false, "line 2: it has 6 fields, but there are 3 columns"),
             ("1,2,3\n1,2,3,4", false, "line 2: it has 4 fields"),

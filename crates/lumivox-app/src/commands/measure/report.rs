@@ -37,6 +37,8 @@ pub struct Report<'a> {
     pub inside: Vec<usize>,
     /// The places in shade that shadow maps lose, by their numbers.
     pub in_lost_shade: Vec<usize>,
+    /// What serves there.
+    pub shade_remedy: &'static str,
     /// The places.
     pub places: &'a Places,
     /// The light there.
@@ -150,7 +152,7 @@ impl Report<'_> {
             (
                 &self.in_lost_shade,
                 "in shade for which the texels of shadow maps are too large",
-                "Use --volume cascades, which have finer ones around the places, or --method paths.",
+                self.shade_remedy,
             ),
         ];
         for (places, what, remedy) in notes {

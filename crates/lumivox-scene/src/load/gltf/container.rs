@@ -110,8 +110,10 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         Ok(Some((&bytes[begin..begin + size], kind)))
     };
 
-    let Some((json, JSON_CHUNK)) = chunk()? else {
-        return Err("its first chunk is not JSON".to_owned());
+    let json = match chunk()? {
+        Some((json, JSON_CHUNK)) => json,
+        Some(_) => return Err("its first chunk is not JSON".to_owned()),
+        None => return Err("it ends behind its header, so it was cut off".to_owned()),
     };
     // Unknown chunks after the first are to be ignored.
     while let Some((data, kind)) = chunk()? {

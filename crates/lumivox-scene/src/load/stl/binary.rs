@@ -33,9 +33,10 @@ impl Reading<'_> {
         // other data.
         let count = if declared == 0 || rest == 0 { held } else { declared.min(held) };
         if declared != held {
+            let cause = if declared > held { "the file was cut off" } else { "it counts too few" };
             self.notes.warn(format!(
                 "it declares {declared} triangles but has room for {held}: {count} are shown; if \
-                 some are missing, the file was cut off"
+                 some are missing, {cause}"
             ));
         } else if rest != 0 {
             self.notes.warn(format!("{rest} bytes behind the last triangle were ignored"));
