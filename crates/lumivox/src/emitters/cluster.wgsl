@@ -119,7 +119,7 @@ fn cosine_of_rest(cosine: f32, less: f32) -> f32 {
 //
 // Along a line from the nearest to the farthest of its emitters the mean of 1 / d^2 is one over the product of both distances. The
 // nearest is never taken for nearer than a small share of the cluster's radius: with a fourth of the radius in place of this,
-// places near long tubes have half as much noise again (docs/experiments.md).
+// places near long tubes have half as much noise again (docs/notebook.md).
 const NEAREST: f32 = 0.15;
 
 fn importance(cluster: Cluster, place: vec3f, normal: vec3f) -> f32 {

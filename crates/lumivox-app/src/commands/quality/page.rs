@@ -112,7 +112,7 @@ impl Page<'_> {
              reference's own **noise**, told beside them, is taken out of the RMSE. **p95** is the relative error \
              that 95 % of the pixels stay below, noise included, and **FLIP** what a viewer sees who flips between \
              the two pictures. [How light travels](light.md) explains what is measured, \
-             [experiments](experiments.md) what was tried.\n\n",
+             [notebook](notebook.md) what was tried.\n\n",
             args.size.x, args.size.y, args.samples, args.frames, args.offsets
         )
     }
