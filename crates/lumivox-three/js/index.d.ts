@@ -3,7 +3,7 @@ import type { Box3, Camera, ContextNode, Scene, TextureNode, WebGPURenderer } fr
 
 /** Settings of the cones by name, as in the console and in Python: `gi.set("cones", 12)`. */
 export type ConeSettings = {
-    /** Diffuse cones of a pixel in a frame. Default: 6. More: less noise, at proportional cost. */
+    /** Diffuse cones of a pixel in a frame. Default: 9. More: less noise, at proportional cost. */
     cones?: 6 | 9 | 12;
     /** Cones from every pixel, or from one of each 2x2 block. Default: that of the preset. */
     trace_resolution?: "full" | "half";
