@@ -1,9 +1,10 @@
-//! What can go wrong, typed, with the remedy in the message.
+//! The library's errors, typed, with the remedy in the message.
 
 use crate::gpu::ShaderError;
 use crate::settings::SettingError;
 
-/// An error of the library. Every message says what was asked, what stands in the way and what would help.
+/// An error of the library. Every message says what was requested, what prevents it and what would
+/// help.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GiError {
@@ -20,7 +21,7 @@ pub enum GiError {
         unit: &'static str,
         /// The name of the limit in `wgpu::Limits`.
         limit: &'static str,
-        /// What the device offers.
+        /// The device's limit.
         available: u64,
         /// What would fit, or help.
         remedy: String,
@@ -62,19 +63,21 @@ pub enum GiError {
     NothingToVoxelize {
         /// Triangles that were given.
         triangles: u64,
-        /// Of those, the ones without an area, which is rounded at the scale of a voxel, or with coordinates that are
-        /// not finite.
+        /// How many of them have no area, which is rounded at the scale of a voxel, or have
+        /// coordinates that are not finite.
         skipped: u64,
     },
-    /// A shader failed to link or to validate: a defect of this crate or of a shader added by the caller.
+    /// A shader failed to link or to validate: a bug in this crate or in a shader added by the
+    /// caller.
     #[error(transparent)]
     Shader(#[from] ShaderError),
-    /// The device was lost, a buffer could not be mapped, or what the device computed cannot be right.
+    /// The device was lost, a buffer could not be mapped, or the device returned an impossible
+    /// result.
     #[error("the device failed while {doing}: {reason}")]
     Device {
-        /// What was under way.
+        /// The operation that failed.
         doing: &'static str,
-        /// What the driver said.
+        /// The driver's message.
         reason: String,
     },
 }

@@ -1,39 +1,42 @@
-//! What an engine hands to the voxelizer: its own vertex and index buffers, materials and textures.
+//! The voxelizer's input: an engine's own vertex and index buffers, materials and textures.
 
 use glam::{Affine2, Mat3, Mat4, Vec3, Vec4};
 
 use crate::Gloss;
 
-/// A material, as far as diffuse light in voxels is concerned.
+/// A material, as far as it matters for diffuse light in voxels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceMaterial {
-    /// The share of the light that enters which the surface reflects, 0 to 1, linear RGB; multiplies the
-    /// texture and the vertices' colours. The voxels reflect it diffusely, so for a metal it is the specular
-    /// colour. `w` is the coverage (alpha).
+    /// The share of the light that enters which the surface reflects, 0 to 1, linear RGB;
+    /// multiplied by the texture and the vertices' colours. The voxels reflect it diffusely, so use
+    /// the specular colour for a metal. `w` is the coverage (alpha).
     pub reflectance: Vec4,
-    /// The light that a dielectric mirrors at its surface and does not let enter; none for paper, plaster, metals.
+    /// The light that a dielectric mirrors at its surface instead of letting it enter; none for
+    /// paper, plaster, metals.
     pub gloss: Gloss,
     /// The radiance that the surface emits, in the unit of all radiance; multiplies the texture.
     pub emission: Vec3,
-    /// The share of the light that enters the surface and passes straight through instead of being reflected,
-    /// 0 (the default) to 1; multiplies the texture. A surface with it blocks `1 - transmission * luminance` of
-    /// the light, with the luminance of its reflectance.
+    /// The share of the light that enters the surface and passes straight through instead of being
+    /// reflected, 0 (the default) to 1; multiplied by the texture. A transmissive surface blocks
+    /// `1 - transmission * luminance` of the light, where `luminance` is that of its reflectance.
     pub transmission: f32,
-    /// Reflectance, RGBA, with mips, decoded to linear by its format (`Rgba8UnormSrgb`). If `alpha_is_coverage`
-    /// is set, its alpha is the share of the texel that is there.
+    /// Reflectance, RGBA, with mips, decoded to linear by its format (`Rgba8UnormSrgb`). If
+    /// `alpha_is_coverage` is set, its alpha is the covered share of the texel.
     pub reflectance_texture: Option<SurfaceTexture>,
     /// Emission, RGB, with mips, decoded to linear by its format.
     pub emission_texture: Option<SurfaceTexture>,
     /// Transmission, in the red channel, with mips.
     pub transmission_texture: Option<SurfaceTexture>,
-    /// Alpha is coverage: a surface's area in a voxel is scaled by it. With alpha-tested materials, upload
-    /// alpha already thresholded (0 or 1), so that its mips hold the covered share.
+    /// `true` if alpha is coverage, which scales a surface's area in a voxel. With alpha-tested
+    /// materials, upload alpha already thresholded (0 or 1), so that its mips hold the covered
+    /// share.
     pub alpha_is_coverage: bool,
-    /// Whether the surface is seen from behind as well; else it is seen and lit from the front (counter-clockwise) side
-    /// alone. From behind it is black, and blocks as from the front, unless light passes it: by coverage, by transmission, or
-    /// because it is `open_behind`.
+    /// `true` if the surface is also visible from behind; otherwise it is visible and lit only from
+    /// the front (counter-clockwise). From behind it is black, and blocks as from the front, unless
+    /// light passes it: by coverage, by transmission, or because it is `open_behind`.
     pub double_sided: bool,
-    /// Whether light passes a single-sided surface from behind: for stages that are open to a side. Default: no.
+    /// `true` if light passes a single-sided surface from behind: for stages that are open to a
+    /// side. Default: `false`.
     pub open_behind: bool,
 }
 
@@ -55,21 +58,22 @@ impl Default for SurfaceMaterial {
     }
 }
 
-/// A texture of a material, and where on it a vertex lies.
+/// A texture of a material, and how vertices map to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceTexture {
     /// The image with all its mips.
     pub view: wgpu::TextureView,
     /// How it is wrapped and filtered.
     pub sampler: wgpu::Sampler,
-    /// Which of the vertices' texture coordinates to use, 0 or 1; where vertices have no second set, the first.
+    /// Which of the vertices' texture coordinates to use, 0 or 1; the first if vertices have no
+    /// second set.
     pub texcoord_set: u32,
-    /// From the vertices' coordinates to the image's.
+    /// Transform from the vertices' coordinates to the image's.
     pub transform: Affine2,
 }
 
 impl SurfaceTexture {
-    /// A texture at the vertices' own first coordinates.
+    /// A texture at the vertices' first coordinates, untransformed.
     pub fn new(view: wgpu::TextureView, sampler: wgpu::Sampler) -> Self {
         Self { view, sampler, texcoord_set: 0, transform: Affine2::IDENTITY }
     }
@@ -80,26 +84,27 @@ impl SurfaceTexture {
 pub struct Draw {
     /// The first index, counted from where the batch's indices start ([`Indices::offset`]).
     pub first_index: u32,
-    /// How many indices, a multiple of three; of 0, nothing is voxelized, wherever they would be.
+    /// Number of indices, a multiple of three; 0 skips the draw, and `first_index` is then ignored.
     pub index_count: u32,
     /// Added to every index.
     pub base_vertex: u32,
     /// Index into [`Geometry::materials`].
     pub material: u32,
-    /// Transform of positions into the world (affine; a mirroring one turns the front side over).
+    /// Transform of positions into the world (affine; a mirroring one flips the front side).
     pub world_from_local: Mat4,
-    /// Its triangles stay as they are while others move: the voxelizer may keep what it found of them
-    /// ([`Gi::voxelize_dynamic`](crate::Gi::voxelize_dynamic)). Where all draws are alike in this, the mark costs
-    /// nothing and gains nothing.
+    /// `true` if its triangles stay as they are while others move: the voxelizer may reuse its
+    /// results for them ([`Gi::voxelize_dynamic`](crate::Gi::voxelize_dynamic)). If all draws have
+    /// the same value, it costs nothing and gains nothing.
     pub is_static: bool,
-    /// The opposite corners of a box around its positions, before the transform; `None` (the default): not known. With
-    /// cascades, triangles are not even looked at where their box is outside of what is voxelized, and when static draws come
-    /// or go, only what is in their boxes is voxelized again.
+    /// The opposite corners of a box around its positions, before the transform; `None` (the
+    /// default): not known. With cascades, triangles are skipped if their box is outside of what is
+    /// voxelized, and when static draws are added or removed, only the contents of their boxes are
+    /// voxelized again.
     pub bounds: Option<[Vec3; 2]>,
 }
 
 impl Draw {
-    /// A run of triangles that moves nowhere: all else is zero, the identity, or not set.
+    /// A run of triangles; all other fields are zero, the identity, or not set.
     pub fn new(first_index: u32, index_count: u32, material: u32) -> Self {
         Self {
             first_index,
@@ -112,7 +117,7 @@ impl Draw {
         }
     }
 
-    /// All that it is, to find its like by.
+    /// Its bits, to find equal draws.
     pub(crate) fn bits(&self) -> [u32; 28] {
         let bounds =
             self.bounds.map(|bounds| bounds.map(|corner| corner.to_array().map(f32::to_bits)));
@@ -126,7 +131,7 @@ impl Draw {
         bits
     }
 
-    /// The opposite corners of a box around it in the world, m; `None`: not known.
+    /// The opposite corners of a box around it in the world, m; `None` if not known.
     pub(crate) fn bounds_in_world(&self) -> Option<[Vec3; 2]> {
         let [low, high] = self.bounds?;
         let linear = Mat3::from_mat4(self.world_from_local).to_cols_array();
@@ -136,9 +141,10 @@ impl Draw {
     }
 }
 
-/// Triangles whose vertices share a set of buffers. All buffers need `BufferUsages::STORAGE`, and each must
-/// fit into one storage binding (`Limits::max_storage_buffer_binding_size`): split larger ones into batches. One buffer
-/// may hold several of them, as interleaved vertices and slabs of meshes do.
+/// Triangles whose vertices share a set of buffers. All buffers need `BufferUsages::STORAGE`, and
+/// each must fit into one storage binding (`Limits::max_storage_buffer_binding_size`): split larger
+/// ones into batches. One buffer may serve as several of them, as for interleaved vertices and
+/// slabs of meshes.
 ///
 /// ```
 /// # pollster::block_on(async {
@@ -190,8 +196,8 @@ pub struct GeometryBatch {
 }
 
 impl GeometryBatch {
-    /// Triangles without texture coordinates and colours. A plain `wgpu::Buffer` stands for tightly packed positions
-    /// and for 32-bit indices.
+    /// Triangles without texture coordinates and colours. A plain `wgpu::Buffer` converts to
+    /// tightly packed positions and to 32-bit indices.
     pub fn new(
         positions: impl Into<VertexPositions>,
         indices: impl Into<Indices>,
@@ -201,7 +207,7 @@ impl GeometryBatch {
         Self { positions, attributes: None, indices, draws }
     }
 
-    /// Whether all but the draws is the same.
+    /// `true` if everything except the draws is equal.
     pub(crate) fn is_same_but_draws(&self, other: &Self) -> bool {
         self.positions == other.positions
             && self.attributes == other.attributes
@@ -209,25 +215,25 @@ impl GeometryBatch {
     }
 }
 
-/// Where in a buffer the positions of vertices stand.
+/// Where the positions of vertices are stored in a buffer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VertexPositions {
     /// The buffer, with `BufferUsages::STORAGE`.
     pub buffer: wgpu::Buffer,
-    /// Bytes from a position to the next, a multiple of four and at least 12.
+    /// Bytes from one position to the next, a multiple of four and at least 12.
     pub stride: u32,
     /// Bytes from the start of the buffer to the position of vertex 0, a multiple of four.
     pub offset: u64,
 }
 
 impl From<wgpu::Buffer> for VertexPositions {
-    /// Tightly packed, from the start of the buffer on.
+    /// Tightly packed, from the start of the buffer.
     fn from(buffer: wgpu::Buffer) -> Self {
         Self { buffer, stride: 12, offset: 0 }
     }
 }
 
-/// Where in a buffer indices stand, tightly packed.
+/// Where indices are stored in a buffer, tightly packed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Indices {
     /// The buffer, with `BufferUsages::STORAGE`.
@@ -239,40 +245,41 @@ pub struct Indices {
 }
 
 impl From<wgpu::Buffer> for Indices {
-    /// 32 bits, from the start of the buffer on.
+    /// 32 bits, from the start of the buffer.
     fn from(buffer: wgpu::Buffer) -> Self {
         Self { buffer, format: wgpu::IndexFormat::Uint32, offset: 0 }
     }
 }
 
-/// Where in a buffer the texture coordinates and colours of vertices stand: the caller's own layout, as long as
-/// numbers stand at multiples of four bytes.
+/// Where the texture coordinates and colours of vertices are stored in a buffer: the caller's own
+/// layout, as long as numbers are aligned to four bytes.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct VertexAttributes {
     /// The buffer, with `BufferUsages::STORAGE`.
     pub buffer: wgpu::Buffer,
-    /// Bytes from a vertex to the next, a multiple of four.
+    /// Bytes from one vertex to the next, a multiple of four.
     pub stride: u32,
     /// Bytes from the start of the buffer to vertex 0, a multiple of four; default 0.
     pub offset: u64,
-    /// Bytes from the start of a vertex to its texture coordinates, two `f32` a set. Where there is no second
-    /// set, the first is used for it. Default: none.
+    /// Bytes from the start of a vertex to its texture coordinates, two `f32` a set. If there is no
+    /// second set, the first is used instead. Default: none.
     pub texcoords: [Option<u32>; 2],
-    /// Bytes from the start of a vertex to its colour: linear RGB and alpha that multiply the reflectance. Default: none.
+    /// Bytes from the start of a vertex to its colour: linear RGB and alpha, multiplied with the
+    /// reflectance. Default: none.
     pub color: Option<u32>,
     /// How the colour is stored: `Unorm16x4` (the default), `Unorm8x4` or `Float32x4`.
     pub color_format: wgpu::VertexFormat,
 }
 
 impl VertexAttributes {
-    /// Vertices of `stride` bytes, of which nothing is used yet.
+    /// Vertices of `stride` bytes, without any attributes yet.
     pub fn new(buffer: wgpu::Buffer, stride: u32) -> Self {
         let color_format = wgpu::VertexFormat::Unorm16x4;
         Self { buffer, stride, offset: 0, texcoords: [None; 2], color: None, color_format }
     }
 
-    /// A buffer of nothing but texture coordinates, two `f32` a vertex, tightly packed.
+    /// A buffer with only texture coordinates, two `f32` a vertex, tightly packed.
     pub fn texcoords(buffer: wgpu::Buffer) -> Self {
         Self { texcoords: [Some(0), None], ..Self::new(buffer, 8) }
     }

@@ -1,4 +1,4 @@
-//! The library's face: global illumination in four calls that may wait, and in `gi/frames.rs` two that never do.
+//! [`Gi`], the library's main type. The calls in `gi/frames.rs` never wait for the GPU.
 
 mod config;
 mod frames;
@@ -23,7 +23,7 @@ use crate::{Geometry, GiError};
 pub use config::GiConfig;
 use place::{move_to, refuse_with_cascades};
 
-/// What a voxelization found.
+/// Results of a voxelization.
 #[derive(Clone, Debug)]
 pub struct Voxelized {
     /// Counts, and bytes by buffer.
@@ -34,8 +34,9 @@ pub struct Voxelized {
 
 /// Voxel cone tracing on the caller's device.
 ///
-/// The order of calls: [`Self::voxelize`] when triangles change ([`Self::voxelize_dynamic`] when only those of
-/// dynamic draws do), [`Self::light`] when lights or triangles change, [`Self::trace`] every frame.
+/// The order of calls: [`Self::voxelize`] when triangles change ([`Self::voxelize_dynamic`] when
+/// only those of dynamic draws change), [`Self::light`] when lights or triangles change,
+/// [`Self::trace`] every frame.
 ///
 /// ```
 /// # pollster::block_on(async {
@@ -76,7 +77,7 @@ pub struct Voxelized {
 /// ```
 #[derive(Debug)]
 pub struct Gi {
-    /// They stand for the device, too.
+    /// Pipeline cache; derefs to the device.
     device: Pipelines,
     queue: wgpu::Queue,
     config: GiConfig,
@@ -91,21 +92,22 @@ pub struct Gi {
     tracer: Tracer,
     lights_layout: wgpu::BindGroupLayout,
     gbuffer_layout: wgpu::BindGroupLayout,
-    /// Stands in where an environment has no map.
+    /// Fallback for environments without a map.
     white: EnvironmentMap,
-    /// Gathers of the last call of `light`, the one on screen included.
+    /// Gathers of the last call of `light`, including the one on screen.
     bounces: u32,
-    /// Another number for each change of what the volume holds.
+    /// Changes whenever the volume's content changes.
     content: u64,
-    /// Those of the cone model; nothing reads them without one.
+    /// Values of the cone model; unused without one.
     cone_values: [f32; 4],
-    /// Once something was gathered at points.
+    /// Created on first use.
     points: OnceLock<PointGatherer>,
 }
 
 impl Gi {
-    /// Makes the volume, and links all kernels, which the first use compiles. Another `Gi` of the same device shares
-    /// nothing with this one: [`Self::with_pipelines`] does.
+    /// Allocates the volume and links all kernels; each kernel is compiled on first use. Several
+    /// `Gi`s created by this function on one device share no pipelines; use
+    /// [`Self::with_pipelines`] to share them.
     ///
     /// # Errors
     /// As [`Self::with_pipelines`].
@@ -117,13 +119,13 @@ impl Gi {
         Self::with_pipelines(&Pipelines::new(device), queue, config)
     }
 
-    /// As [`Self::new`], with the pipelines that are made on a device already; [`Pipelines::compile`] makes those that are
-    /// not, all at once.
+    /// Like [`Self::new`], but uses the pipelines that already exist on a device.
+    /// [`Pipelines::compile`] compiles all missing ones at once.
     ///
     /// # Errors
-    /// [`GiError::Limit`] when the device cannot hold the volume: it names the limit and what would fit;
-    /// [`GiError::Budget`] when dense cells take more than they may; [`GiError::Shader`] when a kernel does not link,
-    /// which is a defect of this crate.
+    /// [`GiError::Limit`] if the device cannot hold the volume: the error names the limit and what
+    /// would fit; [`GiError::Budget`] if dense cells exceed the memory budget; [`GiError::Shader`]
+    /// if a kernel does not link, which is a bug in this crate.
     pub fn with_pipelines(
         device: &Pipelines,
         queue: &wgpu::Queue,
@@ -187,10 +189,10 @@ impl Gi {
         })
     }
 
-    /// Turns triangles into the list of voxels that all light is computed on.
+    /// Turns triangles into the list of voxels on which all light is computed.
     ///
-    /// Every buffer is sized from counts that are read back, so nothing is lost to a full buffer; the future
-    /// waits for the GPU, without blocking in browsers. The light is not there before [`Self::light`].
+    /// Buffers are sized from counts that are read back, so none overflows. The future waits for
+    /// the GPU, without blocking in browsers. The voxels have no light until [`Self::light`].
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -217,9 +219,9 @@ impl Gi {
     /// ```
     ///
     /// # Errors
-    /// [`GiError::NothingToVoxelize`] without a usable triangle, [`GiError::Limit`] when the voxels do not
-    /// fit the device, [`GiError::Budget`] when they need more than they may. After an error the earlier
-    /// voxels are still there.
+    /// [`GiError::NothingToVoxelize`] without a usable triangle, [`GiError::Limit`] if the voxels
+    /// do not fit the device, [`GiError::Budget`] if they exceed the memory budget. After an error
+    /// the previous voxels are still there.
     pub async fn voxelize(
         &mut self,
         geometry: &Geometry,
@@ -230,12 +232,13 @@ impl Gi {
         self.voxelize_dynamic(geometry, timing).await
     }
 
-    /// As [`Self::voxelize`] after dynamic draws have changed, come or gone, without walking the static ones
-    /// ([`Draw::is_static`](crate::Draw)) again: the same bits for less time.
+    /// Like [`Self::voxelize`] after dynamic draws have changed, appeared or disappeared, but does
+    /// not walk the static ones ([`Draw::is_static`](crate::Draw)) again: the same bits in less
+    /// time.
     ///
-    /// The vertices, indices and textures of static draws must be what they were at the last call of either. If
-    /// anything else of them is not, such as a transform, a material or the buffers themselves, everything is
-    /// voxelized; [`VoxelizeStats::static_reused`] tells.
+    /// The vertices, indices and textures of static draws must not have changed since the last call
+    /// of either. If anything else about them has changed, such as a transform, a material or the
+    /// buffers themselves, everything is voxelized; see [`VoxelizeStats::static_reused`].
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -283,7 +286,7 @@ impl Gi {
             move_to(device, &taken, config, (&mut *lighting, &mut *volume, emitters.list()));
             follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
         };
-        // Its state is too large for the futures of those who wait.
+        // Boxed, since its state is too large for the callers' futures.
         let voxelizing = Box::pin(voxelizer.voxelize_into(&mut recorder, scene, geometry, follow));
         let stats = voxelizing.await?;
         self.content += 1;
@@ -296,12 +299,13 @@ impl Gi {
         Ok(Voxelized { stats, times: recorder.finish().await? })
     }
 
-    /// Whether gathers draw emitters. A caller's own cones find them in the volume, as they find all else.
+    /// `true` if gathers sample emitters directly. A caller's own cones find them in the volume
+    /// instead.
     fn draws_emitters(&self) -> bool {
         self.config.cones.is_none()
     }
 
-    /// Lists what shines of a geometry.
+    /// Lists the emitters of a geometry.
     fn list_emitters(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -313,7 +317,7 @@ impl Gi {
         Ok(())
     }
 
-    /// After the list was taken: light and volume follow it.
+    /// Updates light and volume after a list was committed.
     fn follow_taken(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
         self.lighting.inherit(recorder);
         self.emitters.rest(recorder);
@@ -328,7 +332,7 @@ impl Gi {
         }
     }
 
-    /// The volume, the list that it follows, and the cells of another surface than before.
+    /// The volume, the list that it shows, and the cells whose surface has changed.
     fn followed(&mut self) -> Option<(&mut Volume, Followed<'_>, &ChangedCells)> {
         let Self { scene, volume, changes, lighting, .. } = self;
         let (voxels, bits) = (scene.list()?, scene.changed());
@@ -337,10 +341,10 @@ impl Gi {
         Some((volume, followed, wrong))
     }
 
-    /// Binds lights for [`Self::light`] and [`Self::trace`]. `environment` is what lies outside the grid: a
-    /// radiance, or an [`EnvironmentLight`] with a map, whose own lights ([`EnvironmentMap::lights`])
-    /// belong among `lights`. `shadows` are maps for lights with [`Shadow::Map`](crate::Shadow); `None` where there are
-    /// none. [`Lights::update`] changes them.
+    /// Binds lights for [`Self::light`] and [`Self::trace`]. `environment` is what lies outside the
+    /// grid: a radiance, or an [`EnvironmentLight`] with a map, whose own lights
+    /// ([`EnvironmentMap::lights`]) must be among `lights`. `shadows` are maps for lights with
+    /// [`Shadow::Map`](crate::Shadow); `None` if there are none. [`Lights::update`] changes them.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -374,10 +378,10 @@ impl Gi {
 
     /// Lights the voxels: direct light and emission, then bounces.
     ///
-    /// `bounces` counts gathers of light, the one that [`Self::trace`] does on screen included: 0 leaves
-    /// indirect light out, 1 is one bounce of the lights (and the direct light of emissive surfaces and of
-    /// the environment, which arrives by gathers), each more adds one. Work grows in proportion. The gathers
-    /// of the voxels use the diffuse cones of `settings`.
+    /// `bounces` is the number of gathers of light, including the one that [`Self::trace`] does on
+    /// screen: 0 leaves indirect light out, 1 is one bounce of the lights (and the direct light of
+    /// emissive surfaces and of the environment, which arrives by gathers), each further one adds a
+    /// bounce. The cost grows in proportion. Voxels gather with the diffuse cones of `settings`.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -418,30 +422,32 @@ impl Gi {
         Ok(())
     }
 
-    /// Takes other values of its [`ConeModel`](crate::hooks::ConeModel), from the next calls of [`Self::light`] and
-    /// [`Self::trace`] on. Another model needs another `Gi`.
+    /// Sets the values of the [`ConeModel`](crate::hooks::ConeModel) for later calls of
+    /// [`Self::light`] and [`Self::trace`]. Another model needs another `Gi`.
     pub fn set_cone_values(&mut self, values: [f32; 4]) {
         self.cone_values = values;
         self.content += 1;
     }
 
-    /// Lets the next call of [`Self::light`] store and filter all voxels, even those whose light is what the
-    /// volume holds already: for measurements, and where light has changed behind bindings that have not, such as in the
-    /// caller's shadow maps or in an [`EnvironmentCube`](crate::EnvironmentCube).
+    /// Makes the next call of [`Self::light`] store and filter all voxels, even those whose light
+    /// has not changed: for measurements, or if light has changed behind bindings that have not,
+    /// such as in the caller's shadow maps or in an [`EnvironmentCube`](crate::EnvironmentCube).
     pub fn forget_light(&mut self) {
         self.changes.forget();
         self.lighting.disturb();
     }
 
-    /// A bit per cell, laid out as [`VoxelList::occupancy`](crate::voxels::VoxelList::occupancy), once there is a list. After [`Self::light`]: the cells that
-    /// it wrote, because their content or that of a cell below had changed. After a voxelization: those of another
-    /// surface than before, cells that are gone included.
+    /// Changed cells, a bit each, laid out as
+    /// [`VoxelList::occupancy`](crate::voxels::VoxelList::occupancy); `None` before there is a
+    /// list. After [`Self::light`]: the cells that it wrote, because their content or that of a
+    /// cell below had changed. After a voxelization: the cells whose surface has changed, including
+    /// removed ones.
     pub fn changed_cells(&self) -> Option<&Buffer> {
         self.changes.bits()
     }
 }
 
-/// Binds whatever follows a list to one that is about to be taken.
+/// Binds light, changes and volume to a list that is about to be committed.
 fn follow(
     device: &Pipelines,
     recorder: &mut Recorder<'_>,
@@ -458,7 +464,8 @@ fn follow(
     }
 }
 
-/// Whether a device has the bindings and workgroups that WebGPU guarantees, which kernels need: engines may ask for less.
+/// Checks the bindings and workgroup sizes that WebGPU guarantees and the kernels need: engines may
+/// request less.
 fn check_limits(limits: &wgpu::Limits) -> Result<(), GiError> {
     let counts = |name: &str| {
         ["_per_shader_stage", "_compute_", "bind_groups"].iter().any(|part| name.contains(part))

@@ -1,38 +1,44 @@
-//! What a surface mirrors, as voxels hold it: shares of light, not where it goes.
+//! Specular reflection of a surface as voxels store it: the reflected share of the light, without
+//! its direction.
 
 use std::f32::consts::TAU;
 
-/// The mean of Schlick's fifth power of `1 - cos` between half vector and light, where light and view are both
-/// spread evenly over the hemisphere's projection: `∫∫ (1 - h·l)^5 dμ dμ` of normalized cosine-weighted measures.
+/// Mean of Schlick's `(1 - cos)^5` (cosine between half vector and light) if light and view are
+/// both cosine-distributed over the hemisphere: `∫∫ (1 - h·l)^5 dμ dμ` of normalized
+/// cosine-weighted measures.
 const ENTERING_FIFTH_POWER: f32 = 0.003_688;
 
-/// Steps of the cosine of light, and of each of the two numbers that choose a half vector.
+/// Sample counts: for the cosine of the light, and for each of the two numbers that choose a half
+/// vector.
 const STEPS: usize = 16;
 
-/// The light that a dielectric surface mirrors and thereby keeps from entering, for faces of voxels.
+/// Light that a dielectric surface reflects specularly, and that therefore does not enter it, for
+/// faces of voxels.
 ///
-/// Faces send the same light in all directions, so of what a surface mirrors they know how much it is, and not where
-/// it goes. For light that arrives at the cosine c it is `mean + grazing ((1 - c)^4 - 1/15)`, the best fit of that form
-/// in the mean of squares over light from all around. Black lacquer of roughness 0.5 mirrors 5 % in the mean, and 9 % of
-/// a low sun's light at c = 1/3; dark and strongly coloured rooms lose that much of their bounced light without it.
+/// Faces send the same light in all directions, so they store how much a surface reflects but not
+/// where it goes. For light that arrives at the cosine c the share is `mean + grazing ((1 - c)^4 -
+/// 1/15)`, the least-squares fit of that form over light from all around. Black lacquer of
+/// roughness 0.5 reflects 5 % in the mean, and 9 % of a low sun's light at c = 1/3. Without this,
+/// dark and strongly coloured rooms lose that much of their bounced light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gloss {
-    /// The share that is mirrored of light from all around, 0 to 1.
+    /// Reflected share of light from all around, 0 to 1.
     pub mean: f32,
     /// How the share grows towards grazing angles, -1 to 1.
     pub grazing: f32,
-    /// The share of light from all around that does not enter, 0 to 1.
+    /// Share of light from all around that does not enter the surface, 0 to 1.
     pub kept_out: f32,
 }
 
 impl Gloss {
-    /// A Lambert surface: nothing is mirrored, all enters.
+    /// A Lambert surface: reflects nothing specularly.
     pub const NONE: Self = Self { mean: 0.0, grazing: 0.0, kept_out: 0.0 };
 
-    /// Of the microfacet BRDF that the cones' pixels have (`trace/brdf.wgsl`): GGX, height-correlated Smith, Schlick.
+    /// Computed from the microfacet BRDF of the cones' pixels (`trace/brdf.wgsl`): GGX,
+    /// height-correlated Smith, Schlick.
     ///
-    /// `f0` is the reflectance at normal incidence, 0 to 1; `roughness` the perceptual one, 0 to 1. Values beyond are
-    /// taken as the nearest.
+    /// `f0` is the reflectance at normal incidence, `roughness` the perceptual roughness; both are
+    /// clamped to 0 to 1.
     pub fn new(f0: f32, roughness: f32) -> Self {
         let f0 = f0.clamp(0.0, 1.0);
         if f0 <= 0.0 {
@@ -42,7 +48,7 @@ impl Gloss {
         let f90 = (3.0 * 50.0 * 0.33 * f0).min(1.0);
         let roughness = roughness.clamp(0.0, 1.0);
         let alpha = (roughness * roughness).max(1e-3);
-        // Midpoints in the square of the cosine are spread as light from all around is.
+        // Midpoints in the squared cosine are distributed like light from all around.
         let cosines: [f32; STEPS] =
             std::array::from_fn(|i| ((i as f32 + 0.5) / STEPS as f32).sqrt());
         let shares = cosines.map(|cosine| mirrored(cosine, alpha, f0, f90));
@@ -57,7 +63,7 @@ impl Gloss {
         }
     }
 
-    /// Of a surface that has it on this share of its area.
+    /// Scales this to a surface that covers `share` of the area.
     #[must_use]
     pub fn of_share(self, share: f32) -> Self {
         let [mean, grazing, kept_out] = self.to_array().map(|number| number * share);
@@ -69,8 +75,9 @@ impl Gloss {
     }
 }
 
-/// The directional albedo: the share of light from a direction at this cosine that is mirrored anywhere. The mean of
-/// `F G2 / G1` over the distribution of visible normals (Heitz 2018, equation 19).
+/// The directional albedo: the share of light from a direction at this cosine that is reflected in
+/// any direction. Mean of `F G2 / G1` over the distribution of visible normals (Heitz 2018,
+/// equation 19).
 fn mirrored(cosine: f32, alpha: f32, f0: f32, f90: f32) -> f32 {
     let light = glam::Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
     let stretched = glam::Vec3::new(light.x * alpha, 0.0, light.z).normalize();
@@ -119,7 +126,7 @@ mod tests {
         glam::DVec3::new(sine * azimuth.cos(), sine * azimuth.sin(), cosine)
     }
 
-    /// What is mirrored anywhere of light at a cosine, by the sum over directions.
+    /// The directional albedo at a cosine, by summation over directions.
     fn summed(cosine: f64, roughness: f64, f0: f64) -> f64 {
         const STEPS: u32 = 200;
         let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(STEPS);
@@ -143,7 +150,8 @@ mod tests {
         }
     }
 
-    /// From rough to smooth, at angles where a wall is lit: within a hundredth of the light, or a sixth.
+    /// From rough to smooth, at angles where a wall is lit, the fit is within 0.01 of the light, or
+    /// within a sixth.
     #[test]
     fn it_grows_towards_grazing_as_the_brdf_does() {
         for roughness in [0.35, 0.5, 0.7, 1.0] {

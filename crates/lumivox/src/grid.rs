@@ -12,8 +12,8 @@ pub const MIN_RESOLUTION: u32 = 16;
 /// The largest resolution of the longest axis that the grid's numbering allows.
 pub const MAX_RESOLUTION: u32 = 1024;
 
-/// Voxels kept free on either side of the fitted bounds. The half puts axis-aligned outer walls into the
-/// middle of a voxel: on a boundary, rounding alone would decide which layer they fall into.
+/// Voxels kept free on either side of the fitted bounds. The half puts axis-aligned outer walls
+/// into the middle of a voxel: on a boundary, rounding would decide which layer they fall into.
 const MARGIN: f32 = 1.5;
 
 /// A grid of cubic voxels.
@@ -27,11 +27,12 @@ pub struct Grid {
     pub origin_in_world: Vec3,
     /// The edge of a voxel.
     pub voxel_size_m: f32,
-    /// Voxels along each axis, a multiple of `2^(levels - 1)`. With cascades: those that are stored, of all of them.
+    /// Voxels along each axis, a multiple of `2^(levels - 1)`. With cascades: of the storage of all
+    /// cascades together.
     pub dimensions: UVec3,
-    /// Levels of the pyramid, the finest included. With cascades: those of each.
+    /// Levels of the pyramid, including the finest. With cascades: levels of each.
     pub levels: u32,
-    /// The boxes of a clipmap, for a grid that is one ([`Grid::cascades`]).
+    /// The boxes of a clipmap ([`Grid::cascades`]); `None` for a grid of one box.
     pub cascades: Option<Cascades>,
 }
 
@@ -91,7 +92,7 @@ impl Grid {
         // Rounding may put the longest axis a hair above the resolution.
         let needed = needed.min(UVec3::splat(resolution));
         let dimensions = needed.map(|n| n.next_multiple_of(coarsest));
-        // What rounding up adds is shared out to both sides of the shorter axes.
+        // The voxels added by rounding up are split between both sides of the shorter axes.
         let slack = (dimensions - needed) / 2;
         let origin_in_world = min - (MARGIN + offset + slack.as_vec3()) * voxel_size_m;
         Ok(Self { origin_in_world, voxel_size_m, dimensions, levels, cascades: None })
@@ -127,8 +128,8 @@ impl Grid {
         self.boxes_in_world()[self.last_box()].1
     }
 
-    /// The opposite corners of each box that the grid consists of, in the world, m: of each cascade, the finest first, or of
-    /// the one grid.
+    /// The opposite corners of each box of the grid, in the world, m: of each cascade, the finest
+    /// first, or of the only box.
     pub fn boxes_in_world(&self) -> Vec<(Vec3, Vec3)> {
         let Some(cascades) = &self.cascades else {
             let size = self.dimensions.as_vec3() * self.voxel_size_m;
@@ -142,7 +143,7 @@ impl Grid {
         (0..).zip(cascades.lowest()).map(corners).collect()
     }
 
-    /// Boxes that the grid consists of.
+    /// Number of boxes in the grid.
     pub(crate) fn box_count(&self) -> u32 {
         self.cascades.map_or(1, |cascades| cascades.count)
     }
@@ -151,7 +152,7 @@ impl Grid {
         self.box_count() as usize - 1
     }
 
-    /// Levels of cells that differ in their size: those of the pyramid, and one for each coarser cascade.
+    /// Number of different cell sizes: the levels of the pyramid, and one for each coarser cascade.
     pub fn level_count(&self) -> u32 {
         self.levels + self.last_box() as u32
     }
@@ -166,12 +167,13 @@ impl Grid {
         self.origin_in_world + position * self.voxel_size_m
     }
 
-    /// The uniform that `package::grid` declares, for kernels that do without the volume of group 0.
+    /// The uniform that `package::grid` declares, for kernels that do not bind the volume as group
+    /// 0.
     pub fn uniform(&self, device: &wgpu::Device) -> Buffer {
         uniform_buffer(device, "grid", &self.to_gpu())
     }
 
-    /// The uniform for walks over parts of the boxes alone.
+    /// The uniform for walks over only parts of the boxes.
     pub(crate) fn uniform_of_walked(&self, walked: &Walked, device: &wgpu::Device) -> Buffer {
         let [walked_low, walked_high] = walked.to_gpu();
         uniform_buffer(device, "grid", &GridUniform { walked_low, walked_high, ..self.to_gpu() })

@@ -1,19 +1,19 @@
-// The voxel grid, as in grid.rs: group 0, binding 0 of every kernel that knows about voxels.
+// The voxel grid, as in grid.rs: group 0, binding 0 of every kernel that uses voxels.
 
 import package::constants::MAX_CASCADES;
 
 struct Grid {
     origin_in_world: vec3f,
     voxel_size_m: f32,
-    // Voxels that are stored, along each axis.
+    // Stored voxels along each axis.
     dimensions: vec3u,
     levels: u32,
-    // The voxel at the corner of each cascade, in its own voxels.
+    // The voxel at the corner of each cascade, in voxels of that cascade.
     lowest: array<vec4i, MAX_CASCADES>,
-    // The middle of each cascade, and in w half of its edge, in the finest voxels.
+    // The center of each cascade, and in w half of its edge, in the finest voxels.
     boxes: array<vec4f, MAX_CASCADES>,
-    // Of each the voxels that walks over triangles go over, from the first to that behind the last, in its own voxels: all,
-    // or those that have entered the box.
+    // Range of voxels of each cascade that triangle walks cover, first inclusive, last exclusive,
+    // in voxels of that cascade: all voxels, or only those that have entered the box.
     walked_low: array<vec4i, MAX_CASCADES>,
     walked_high: array<vec4i, MAX_CASCADES>,
 }

@@ -1,9 +1,9 @@
-//! Hooks: traits by which a caller puts a way of its own in the place of one of Lumivox's.
+//! Hooks: traits by which a caller replaces one of Lumivox's methods.
 //!
-//! A hook is named in [`GiConfig`](crate::GiConfig), is a description that costs nothing, and makes
-//! what works on a device, or gives the WGSL of it. What it makes reads and writes what Lumivox's
-//! own way does, so everything before and after it stays the same. Without hooks nothing of them is
-//! compiled for the GPU. `lumivox-classics` stands on them.
+//! A hook is set in [`GiConfig`](crate::GiConfig). It is a cheap description that creates the
+//! object that does the work on a device, or provides its WGSL. The replacement reads and writes
+//! the same data as Lumivox's own method, so everything before and after it stays the same. A hook
+//! that is not set compiles no GPU code. `lumivox-classics` is built on them.
 
 pub use crate::cones::ConeModel;
 pub use crate::light::{FaceLight, Injection, InjectionParts, Injector, MappedLight};

@@ -1,16 +1,17 @@
 //! Voxel cone tracing on the caller's `wgpu::Device`: dynamic global illumination in physical units.
 //!
-//! Triangles are voxelized on the GPU into a compact list of occupied voxels ([`voxels`]), each with a face
-//! for every side that has surface. Light is computed on that list: direct light, emission, bounces
-//! ([`Light`]). A volume stores it, filters it into a pyramid and is sampled by cones ([`TraceSettings`]) that
-//! gather irradiance, occlusion and glossy reflections at the pixels of the caller's G-buffer.
+//! Triangles are voxelized on the GPU into a compact list of occupied voxels ([`voxels`]), each
+//! with a face for every side that has surface. Light is computed on that list: direct light,
+//! emission, bounces ([`Light`]). A volume stores and filters it into a pyramid, which is sampled
+//! by cones ([`TraceSettings`]) that gather irradiance, occlusion and glossy reflections at the
+//! pixels of the caller's G-buffer.
 //!
-//! A cone returns radiance, irradiance is the cosine-weighted sum over cones, and outgoing radiance is
-//! albedo / pi times irradiance: there is no scale to tune. Whatever many threads write at once is an integer
-//! sum or a bit set, so two runs give the same bits.
+//! A cone returns radiance, irradiance is the cosine-weighted sum over cones, and outgoing radiance
+//! is albedo / pi times irradiance: there is no scale to tune. All concurrent writes are integer
+//! sums or bit sets, so two runs give the same bits.
 //!
-//! The order of calls is that of [`Gi`]'s methods; `examples/own_engine` shows them with triangles, lights
-//! and a G-buffer of its own.
+//! [`Gi`] documents the order of calls; `examples/own_engine` shows them with its own triangles,
+//! lights and G-buffer.
 
 mod cascades;
 mod cones;
@@ -40,7 +41,7 @@ mod volume;
 mod voxelize;
 pub mod voxels;
 
-// What tests inside share with those from outside names the crate as these do.
+// Test code shared with integration tests refers to this crate by name.
 #[cfg(test)]
 extern crate self as lumivox;
 
@@ -62,7 +63,7 @@ pub use points::{GatherPoints, GatherSettings, GatheredPoint, Irradiance};
 pub use trace::{AS_THE_CAMERA, CameraView, GBuffer, GBufferViews, TraceTargets};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeOptions, OctreeStats};
-// The engine's wgpu must be this one.
+// Re-exported, since the caller must use this version of wgpu.
 pub use wgpu;
 
 pub use voxelize::{FrameVoxels, VoxelizeStats, VoxelizedScene, Voxelizer};

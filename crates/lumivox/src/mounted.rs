@@ -1,18 +1,18 @@
-//! WGSL modules of the caller's in the place of Lumivox's own, with what they bind.
+//! The caller's WGSL modules that replace Lumivox's own, with their bindings.
 
 use std::borrow::Cow;
 
-/// A WGSL module of the caller's that takes the place of one of Lumivox's, so that Lumivox reads the caller's textures
-/// as they are ([`GiConfig::gbuffer`](crate::GiConfig::gbuffer),
+/// A WGSL module of the caller's that replaces one of Lumivox's, so that Lumivox reads the caller's
+/// textures in their own format ([`GiConfig::gbuffer`](crate::GiConfig::gbuffer),
 /// [`GiConfig::shadow_maps`](crate::GiConfig::shadow_maps)).
 ///
-/// It has the functions of the module that it replaces, and declares bindings of its own, numbered from the first free
-/// one of the group on. It may import Lumivox's modules.
+/// It defines the functions of the module that it replaces, and declares its own bindings, numbered
+/// from the first free one of the group. It may import Lumivox's modules.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mounted {
     /// The source, in WGSL with imports ([`ShaderLibrary`](crate::gpu::ShaderLibrary)).
     pub source: Cow<'static, str>,
-    /// What it binds, in the order of the bindings.
+    /// Types of its bindings, in order.
     pub bindings: Vec<wgpu::BindingType>,
 }
 
@@ -26,7 +26,7 @@ impl Mounted {
     }
 }
 
-/// What a [`Mounted`] module's binding is given.
+/// A resource for a binding of a [`Mounted`] module.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Resource {
     /// A whole buffer.

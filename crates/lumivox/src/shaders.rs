@@ -3,14 +3,13 @@
 use crate::gpu::ShaderLibrary;
 use crate::{Directionality, VolumeKind};
 
-/// The modules as `build.rs` has resolved them.
+/// The modules, resolved by `build.rs`.
 #[allow(clippy::all, clippy::pedantic)]
 mod built {
     include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 }
 
-/// All shader modules of this crate but `package::volume`, which [`crate::Gi::shaders`] has as
-/// well.
+/// All shader modules of this crate except `package::volume`, which [`crate::Gi::shaders`] adds.
 pub fn library() -> ShaderLibrary {
     let mut library = ShaderLibrary::default();
     library.add_built(built::MODULES);
@@ -34,15 +33,15 @@ pub fn library() -> ShaderLibrary {
     library
 }
 
-/// As [`library`], with a kind of volume as `package::volume`: to link or check shaders without a
-/// device.
+/// [`library`] plus a kind of volume as `package::volume`, for linking or checking shaders without
+/// a device.
 pub fn library_with_volume(kind: VolumeKind, directionality: Directionality) -> ShaderLibrary {
     let mut library = library();
     crate::volume::mount(&mut library, kind, directionality);
     library
 }
 
-/// The implementation of a slot in the file of that path (`build.rs` lists them).
+/// The implementation of a slot in the file with that path (`build.rs` lists them).
 pub(crate) fn implementation(path: &str) -> &'static lumivox_wgsl::Module {
     let found = built::IMPLEMENTATIONS.iter().find(|(name, _)| *name == path);
     &found.unwrap_or_else(|| panic!("build.rs lists no {path}")).1

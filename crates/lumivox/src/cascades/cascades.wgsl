@@ -1,13 +1,14 @@
-// The boxes of a clipmap (mod.rs), and where their cells are stored. A grid without cascades is one box that is stored as it
-// is: CASCADES is 0 then, and everything here comes down to nothing.
+// The boxes of a clipmap (mod.rs), and where their cells are stored. A grid without cascades is one
+// box, stored unchanged: CASCADES is then 0, and the functions here compile to almost nothing.
 //
-// A *level* counts cells by their edge: 2^level of the finest voxels, wherever they are stored. A cascade k has those of the
-// levels k to k + grid.levels - 1, of which the first are its voxels.
+// A *level* is a cell size: cells of level l have an edge of 2^l of the finest voxels, in whichever
+// cascade they are stored. Cascade k has the levels k to k + grid.levels - 1; the first of them are
+// its voxels.
 
 import package::constants::{CASCADES, CASCADE_COLUMNS, CASCADE_EDGE, CASCADE_ROWS};
 import package::grid::{grid, grid_from_world};
 
-// A voxel of a box, in the box's own voxels, counted from where the grid has its origin.
+// A voxel of a box, in that box's voxels, counted from the grid's origin.
 struct BoxVoxel {
     voxel: vec3i,
     cascade: u32,
@@ -30,12 +31,12 @@ fn lowest_voxel(cascade: u32) -> vec3i {
     return grid.lowest[cascade].xyz;
 }
 
-// Levels of all boxes together.
+// Number of levels over all boxes.
 fn level_count() -> u32 {
     return grid.levels + box_count() - 1u;
 }
 
-// The first voxel of a box that walks over triangles go over, and the one behind the last.
+// Range of a box's voxels that triangle walks cover: first inclusive, `walked_high` exclusive.
 fn walked_low(cascade: u32) -> vec3i {
     if CASCADES == 0u {
         return vec3i(0);
@@ -50,7 +51,7 @@ fn walked_high(cascade: u32) -> vec3i {
     return grid.walked_high[cascade].xyz;
 }
 
-// Whether a stored voxel is one of them.
+// Whether a stored voxel is in the range that triangle walks cover.
 fn is_walked(stored: vec3u) -> bool {
     let own = voxel_of(stored);
     return all(own.voxel >= walked_low(own.cascade)) && all(own.voxel < walked_high(own.cascade));
@@ -65,12 +66,12 @@ fn outer_high() -> vec3f {
     return outer_low() + vec3f(box_size()) * exp2(f32(box_count() - 1u));
 }
 
-// The remainder that is never negative.
+// Modulo that is never negative.
 fn wrapped(cell: vec3i, edge: i32) -> vec3i {
     return (cell % edge + edge) % edge;
 }
 
-// Where a cascade's cells begin, in units of its edge.
+// Where a cascade's cells begin in the store, in units of its edge.
 fn block_of(cascade: u32) -> vec3u {
     let row = cascade / CASCADE_COLUMNS;
     return vec3u(cascade % CASCADE_COLUMNS, row % CASCADE_ROWS, row / CASCADE_ROWS);
@@ -85,7 +86,7 @@ fn cascade_of(stored: vec3u) -> u32 {
     return block.x + CASCADE_COLUMNS * (block.y + CASCADE_ROWS * block.z);
 }
 
-// Where a cascade's cell is stored. `up` is its level less the cascade.
+// Where a cascade's cell is stored. `up` is the cell's level minus the cascade's number.
 fn stored_cell(cell: vec3i, up: u32, cascade: u32) -> vec3u {
     if CASCADES == 0u {
         return vec3u(cell);
@@ -94,7 +95,7 @@ fn stored_cell(cell: vec3i, up: u32, cascade: u32) -> vec3u {
     return vec3u(wrapped(cell, i32(edge))) + block_of(cascade) * edge;
 }
 
-// The voxel that is stored somewhere.
+// The voxel at a stored position.
 fn voxel_of(stored: vec3u) -> BoxVoxel {
     let cascade = cascade_of(stored);
     if CASCADES == 0u {
@@ -106,7 +107,8 @@ fn voxel_of(stored: vec3u) -> BoxVoxel {
     return BoxVoxel(lowest + wrapped(turned - lowest, edge), cascade);
 }
 
-// The position after a stored cell along some axes, as stored: after a box's last one comes its first.
+// The stored position of the cell after a stored cell along some axes. It wraps around: after a
+// box's last cell comes its first.
 fn stored_after(stored: vec3u, offset: vec3u, up: u32) -> vec3u {
     if CASCADES == 0u {
         return stored + offset;
@@ -116,21 +118,21 @@ fn stored_after(stored: vec3u, offset: vec3u, up: u32) -> vec3u {
     return block * edge + (stored - block * edge + offset) % edge;
 }
 
-// The place of a point within a stored voxel, in the grid's coordinates.
+// A position within a stored voxel, in the grid's coordinates.
 fn grid_from_stored(stored: vec3u, position_in_voxel: vec3f) -> vec3f {
     let own = voxel_of(stored);
     return (vec3f(own.voxel) + position_in_voxel) * exp2(f32(own.cascade));
 }
 
-// Whether a place is inside a cascade, with a margin in the finest voxels.
+// Whether a position is inside a cascade by at least a margin in the finest voxels.
 fn is_held(cascade: u32, position_in_grid: vec3f, margin: f32) -> bool {
     let own = grid.boxes[cascade];
     let from_middle = abs(position_in_grid - own.xyz);
     return max(from_middle.x, max(from_middle.y, from_middle.z)) <= own.w - margin;
 }
 
-// The finest level, from `least` on, of which a place has cells, with a margin of so many of the cascade's voxels. Outside of
-// all it is that of the outermost.
+// The finest level, `least` or coarser, with cells at a position, at least `margin` of the
+// cascade's voxels from the border. Outside of all cascades: the level of the outermost one.
 fn finest_level(position_in_grid: vec3f, least: u32, margin: f32) -> u32 {
     var level = least;
     while level + 1u < CASCADES && !is_held(level, position_in_grid, margin * exp2(f32(level))) {
@@ -139,7 +141,8 @@ fn finest_level(position_in_grid: vec3f, least: u32, margin: f32) -> u32 {
     return level;
 }
 
-// The cascade that a filtered look-up of a level reads: the finest one that has all cells that it meets.
+// The cascade that a filtered look-up of a level reads: the finest one that contains all cells of
+// the filter.
 fn cascade_at(position_in_grid: vec3f, level: u32) -> u32 {
     if CASCADES == 0u {
         return 0u;
@@ -152,24 +155,25 @@ fn cascade_at(position_in_grid: vec3f, level: u32) -> u32 {
     return cascade;
 }
 
-// The edge of the finest voxels at a place, m.
+// The edge of the finest voxels at a position, m.
 fn voxel_size_at(position_in_world: vec3f) -> f32 {
     let level = finest_level(grid_from_world(position_in_world), 0u, 0.5);
     return grid.voxel_size_m * exp2(f32(level));
 }
 
-// Where a surface goes from one cascade to the next, in the finer one's voxels from its border: cones and frames draw a place
-// between the two, so that nothing is seen of it.
+// Zone in which surfaces change from one cascade to the next, in distances from the finer one's
+// border, in its voxels. Cones and frames draw a distance between the two, so that the border is
+// not visible.
 const NARROW_BORDER: f32 = 3.0;
 const WIDE_BORDER: f32 = 9.0;
 
-// The level of a surface's voxels; `drawn` is in [0, 1).
+// The level of a surface's voxels; `drawn` in [0, 1) selects the distance from the border.
 fn drawn_level(position_in_world: vec3f, drawn: f32) -> u32 {
     let place = grid_from_world(position_in_world);
     return finest_level(place, 0u, mix(NARROW_BORDER, WIDE_BORDER, drawn));
 }
 
-// The cascade whose cells of a level are shown: that of which they are the voxels, or the outermost.
+// The cascade whose cells of a level are shown: the one whose voxels they are, or the outermost.
 fn shown_cascade(level: u32) -> u32 {
     return min(level, box_count() - 1u);
 }
@@ -180,7 +184,8 @@ fn lowest_cell(level: u32) -> vec3i {
     return lowest_voxel(cascade) >> vec3u(level - cascade);
 }
 
-// Where a cell is stored that is given from its box's corner, `up` levels above the voxels of the cascade.
+// Where a cell is stored that is given relative to its box's corner, `up` levels above the voxels
+// of the cascade.
 fn stored_from_corner(cell: vec3u, up: u32, cascade: u32) -> vec3u {
     return stored_cell((lowest_voxel(cascade) >> vec3u(up)) + vec3i(cell), up, cascade);
 }

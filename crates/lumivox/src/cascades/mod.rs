@@ -1,33 +1,41 @@
 //! Cascades: a clipmap of boxes around the camera, each with voxels twice as large as the one within it.
 //!
-//! The idea: *a clipmap is a grid whose boxes are stored side by side*. Cascade *k* is a cube of as many voxels as the others,
-//! each of 2^k of the finest. All cubes stand in one store, so there is one list of voxels with one rank for each, one texture,
-//! one light, and every stage that goes over voxels, faces or nodes works as it does for a single box. Only three things ask
-//! where a cell is (`cascades.wgsl`):
+//! The boxes of the clipmap are stored side by side. Cascade *k* is a cube of 2^k times coarser
+//! voxels, with as many of them as every other cascade. All cubes share one store, so there is one
+//! list of voxels with one rank for each, one texture and one light, and every stage that iterates
+//! over voxels, faces or nodes works as it does for a single box. Only three things depend on where
+//! a cell is (`cascades.wgsl`):
 //!
-//! - *Voxelization* walks a triangle once in each cascade that it meets, scaled to its voxels, and cut to its box.
-//! - *Cones* count lengths in the finest voxels, and levels of cells by their size: 2^level. A look-up reads the finest cascade
-//!   that has all the cells it meets, so that within one a cone sees nearly what it does in a dense volume. Where a cascade ends a cone goes
-//!   on with the voxels of the next one, at the first empty place before the border, and at the border at the latest.
-//! - *Surfaces* that gather start their cones with the voxels that they have: faces with their own, pixels and points with the
-//!   finest ones. Near a border they draw which, so that the border is nowhere.
+//! - *Voxelization* walks a triangle once in each cascade that it meets, scaled to its voxels and
+//!   clipped to its box.
+//! - *Cones* count lengths in the finest voxels, and levels of cells by their size: 2^level. A
+//!   look-up reads the finest cascade that has all the cells it needs, so that within a cascade a
+//!   cone sees nearly what it does in a dense volume. Near the end of a cascade a cone continues
+//!   with the voxels of the next one, at the first empty place before the border, and at the border
+//!   at the latest.
+//! - *Surfaces* that gather start their cones at their own voxels: faces with their own, pixels and
+//!   points with the finest ones. Near a border they choose the cascade at random, so that the
+//!   border is not visible.
 //!
-//! Voxels have absolute coordinates: multiples of their edge, counted from one origin, whatever the camera does. A voxel is
-//! stored at the remainders of its coordinates by the cube's edge, so that it stays in its place while the cube moves over it
-//! (toroidal addressing: Losasso and Hoppe 2004, "Geometry clipmaps", section 3). Cubes move by
-//! 2^([`LEVELS`] - 1) voxels, so that the cells of all their levels stay the same, too. A cube's pyramid is short: a larger cell is
-//! one of the next cascade's.
+//! Voxels have absolute coordinates: multiples of their edge, counted from a fixed origin that does
+//! not depend on the camera. A voxel is stored at its coordinates modulo the cube's edge, so it
+//! stays in place while the cube moves over it (toroidal addressing: Losasso and Hoppe 2004,
+//! "Geometry clipmaps", section 3). Cubes move by 2^([`LEVELS`] - 1) voxels, so that the cells of
+//! all their levels stay the same, too. A cube's pyramid is short: larger cells belong to the next
+//! cascade.
 //!
-//! They follow a place ([`Gi::center_on`](crate::Gi::center_on)): the voxels of moved boxes are made while the list stays what
-//! it was, and take its place a few frames later, with the light that the same voxels have gathered so far
-//! (`light/inherit.wgsl`). Of static surface only what has entered a box is walked (`walked.rs`), and of the rest sums are kept
-//! (`voxelize/keep.wgsl`): a box moves along one axis at a time, so that what enters it is a slab. So it is with draws that come and
-//! go: the boxes around them are walked. Only faces of new voxels have to
-//! gather at once; of others, those of coarse cascades do so less often (`light/turn.wgsl`).
+//! Cascades are centered on a given place ([`Gi::center_on`](crate::Gi::center_on)). Voxels of
+//! moved boxes are built while the old list stays in use. They replace it a few frames later and
+//! inherit the light that the same voxels have gathered so far (`light/inherit.wgsl`). Static
+//! surfaces are walked only where they have entered a box (`walked.rs`); elsewhere their sums are
+//! kept (`voxelize/keep.wgsl`). A box moves along one axis at a time, so what enters it is a slab.
+//! If draws are added or removed, only the boxes around them are walked. Only faces of new voxels
+//! have to gather at once; faces of coarse cascades gather less often (`light/turn.wgsl`).
 //!
-//! Memory: with six lobes 72 bytes a voxel, and a seventh more for the pyramid: 20 MiB for 64 voxels along an axis, 160 MiB for
-//! 128. Cubes fill a block of rows and columns; where their number does not, the rest stays unused ([`CascadeOptions::bytes`]).
-//! Eight cubes of 64 with a finest voxel of 0.125 m reach 1 km with 169 MiB, their masks of empty space included.
+//! Memory: with six lobes 72 bytes a voxel, and a seventh more for the pyramid: 20 MiB for 64
+//! voxels along an axis, 160 MiB for 128. Cubes are stored in a block of rows and columns; slots of
+//! the block without a cube stay unused ([`CascadeOptions::bytes`]). Eight cubes of 64 with a
+//! finest voxel of 0.125 m reach 1 km with 169 MiB, including their masks of empty space.
 
 #[cfg(test)]
 mod tests;
@@ -40,24 +48,25 @@ use glam::{IVec3, UVec3, Vec3};
 use crate::gpu::ShaderLibrary;
 use crate::{Directionality, GiError, Grid, VolumeKind, dense_volume_bytes};
 
-/// The most cascades.
+/// Maximum number of cascades.
 pub const MAX_CASCADES: usize = 16;
 /// Levels of a cascade's own pyramid, its voxels included.
 pub(crate) const LEVELS: u32 = 4;
-/// Voxels by whose multiples cascades move.
+/// Cascades move by multiples of this many voxels.
 const STRIDE: i32 = 1 << (LEVELS - 1);
-/// The largest coordinate, in the finest voxels, of the middle of cascades.
+/// The largest coordinate of the cascades' center, in the finest voxels.
 const FARTHEST: f32 = 4_194_304.0;
-/// Voxels along all axes of the store that their numbering allows.
+/// Maximum number of voxels along each axis of the store; limited by the voxel numbering.
 const MAX_STORED: u32 = crate::MAX_RESOLUTION;
 
 /// The size of a clipmap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CascadeOptions {
-    /// Cascades, 1 to [`MAX_CASCADES`]. Default: 8. Each one more doubles the reach, and takes as much memory as any other.
+    /// Number of cascades, 1 to [`MAX_CASCADES`]. Default: 8. Each additional cascade doubles the
+    /// reach and costs as much memory as any other.
     pub count: u32,
-    /// Voxels along each axis of a cascade, a multiple of 8 from 32 to 256. Default: 64. More: coarser voxels begin farther
-    /// away; memory goes with the cube.
+    /// Voxels along each axis of a cascade, a multiple of 8 from 32 to 256. Default: 64. Higher
+    /// values move the coarser voxels farther away; memory grows with the third power.
     pub resolution: u32,
     /// The edge of the finest voxels, m, from 0.001 to 1000. Default: 0.125.
     pub voxel_size_m: f32,
@@ -70,12 +79,12 @@ impl Default for CascadeOptions {
 }
 
 impl CascadeOptions {
-    /// The edge of the outermost cascade, m: half of it is the distance to which there is light from voxels.
+    /// The edge of the outermost cascade, m. Voxels provide light up to half of it.
     pub fn reach_m(&self) -> f32 {
         self.resolution as f32 * self.voxel_size_m * 2.0_f32.powi(self.count as i32 - 1)
     }
 
-    /// Bytes of the volume, known before it is made.
+    /// GPU memory of the volume in bytes, computed without creating it.
     ///
     /// # Errors
     /// As [`Grid::cascades`].
@@ -111,7 +120,7 @@ impl CascadeOptions {
         Ok(())
     }
 
-    /// The most cascades of this resolution that can be numbered.
+    /// Maximum number of cascades of this resolution that can be numbered.
     fn most_of_resolution(&self) -> u32 {
         let fits = |count: &u32| {
             let stored = Cascades::stored([*count, self.resolution]);
@@ -124,23 +133,25 @@ impl CascadeOptions {
 /// The boxes of a clipmap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cascades {
-    /// How many there are.
+    /// Number of cascades.
     pub count: u32,
-    /// Voxels along each axis of one.
+    /// Voxels along each axis of a cascade.
     pub resolution: u32,
-    /// How they stand side by side in the store.
+    /// Arrangement of the cascades in the store.
     blocks: UVec3,
-    /// The voxel at the corner of each cascade, in its own voxels.
+    /// The voxel at the corner of each cascade, in voxels of that cascade.
     lowest: [IVec3; MAX_CASCADES],
 }
 
 impl Cascades {
-    /// A number of cascades of a resolution, in the smallest block that holds them; the longest side is that along which the
-    /// parts of cells do not stand side by side.
+    /// `count` cascades of a resolution, arranged in the smallest block that holds them. The
+    /// longest side of the block is x, the axis along which the parts of cells are not side by
+    /// side.
     pub(crate) fn stored([count, resolution]: [u32; 2]) -> Self {
         let blocks = (1..=count).flat_map(|z| (z..=count).map(move |y| (y, z)));
         let blocks = blocks.map(|(y, z)| UVec3::new(count.div_ceil(y * z).max(y), y, z));
-        // Bytes for each voxel of a cascade: of six lobes, and of the bits and ranks of the enclosing power of two.
+        // Bytes per voxel: those of six lobes, and the bits and ranks of the enclosing power of
+        // two.
         let best = blocks.min_by_key(|blocks| {
             let longest = u64::from(blocks.max_element());
             let is_too_long = longest * u64::from(resolution) > u64::from(MAX_STORED);
@@ -156,18 +167,18 @@ impl Cascades {
         self.blocks * self.resolution
     }
 
-    /// The voxel at the corner of each cascade, in its own voxels.
+    /// The voxel at the corner of each cascade, in voxels of that cascade.
     pub fn lowest(&self) -> &[IVec3] {
         &self.lowest[..self.count as usize]
     }
 
-    /// The same as shaders see it.
+    /// The corner voxels of all cascades in the layout of the shaders.
     pub(crate) fn lowest_of_all(&self) -> [[i32; 4]; MAX_CASCADES] {
         self.lowest.map(|lowest| lowest.extend(0).to_array())
     }
 
-    /// The boxes after the first step on the way to others: each moves along one axis, so that what enters it is one box, or
-    /// to its end at once where nothing of it would stay.
+    /// The boxes after the first step towards `end`. Each box moves along one axis, so that what
+    /// enters it is one box, or directly to its end if no part of it would stay.
     pub(crate) fn step_to(&self, end: &Self) -> Self {
         let mut next = *end;
         for (cascade, next) in next.lowest.iter_mut().enumerate() {
@@ -182,7 +193,7 @@ impl Cascades {
         next
     }
 
-    /// The middle of each cascade, and half of its edge, in the finest voxels.
+    /// The center of each cascade, and half of its edge, in the finest voxels.
     pub(crate) fn boxes(&self) -> [[f32; 4]; MAX_CASCADES] {
         let half = 0.5 * self.resolution as f32;
         std::array::from_fn(|cascade| {
@@ -193,8 +204,8 @@ impl Cascades {
 }
 
 impl Grid {
-    /// A clipmap around a place in the world, m. `offset` (in the finest voxels, each component in [0, 1)) shifts all voxels
-    /// against the world's origin, as that of [`Grid::fit`] does.
+    /// A clipmap around a place in the world, m. `offset` (in the finest voxels, each component in
+    /// [0, 1)) shifts all voxels relative to the world's origin, as in [`Grid::fit`].
     ///
     /// ```
     /// use glam::Vec3;
@@ -210,8 +221,9 @@ impl Grid {
     /// ```
     ///
     /// # Errors
-    /// [`GiError::Setting`] when an option is out of range, or the place is not finite or too far from the origin (2^22 of the
-    /// finest voxels, beyond which `f32` does not tell a quarter of a voxel).
+    /// [`GiError::Setting`] if an option is out of range, or the place is not finite or too far
+    /// from the origin (2^22 of the finest voxels, beyond which `f32` cannot resolve a quarter of a
+    /// voxel).
     pub fn cascades(center: Vec3, options: &CascadeOptions, offset: Vec3) -> Result<Self, GiError> {
         options.check()?;
         if !(offset.cmpge(Vec3::ZERO).all() && offset.cmplt(Vec3::ONE).all()) {
@@ -231,11 +243,11 @@ impl Grid {
         Ok(grid)
     }
 
-    /// Moves the boxes of a clipmap so that a place in the world, m, is within four voxels of the middle of each. Whether one
-    /// has moved is returned; a grid without cascades stays.
+    /// Moves the boxes of a clipmap so that a place in the world, m, is within four voxels of the
+    /// center of each. Returns `true` if a box has moved; does nothing for a grid without cascades.
     ///
     /// # Errors
-    /// [`GiError::Setting`] when the place is not finite or too far from the origin.
+    /// [`GiError::Setting`] if the place is not finite or too far from the origin.
     pub fn center_on(&mut self, center: Vec3) -> Result<bool, GiError> {
         let place = self.grid_from_world(center);
         let Some(cascades) = &mut self.cascades else { return Ok(false) };
@@ -259,9 +271,9 @@ impl Grid {
     }
 }
 
-/// The coordinate, in the finest voxels, that the world's origin has. Walls stand at round coordinates, and should be in the
-/// middle of voxels, as in `Grid::fit`, in every cascade: here at 0.5, 0.25, 0.625, 0.31, 0.66, 0.33 and so on, never less than
-/// a quarter from a voxel's side.
+/// The grid coordinate of the world's origin, in the finest voxels. Walls are often at round
+/// coordinates, and should be in the middle of voxels, as in `Grid::fit`, in every cascade: here at
+/// 0.5, 0.25, 0.625, 0.31, 0.66, 0.33 and so on, never less than a quarter from a voxel's side.
 fn place_of_the_origin(count: u32) -> f32 {
     (1..count).fold(0.5, |place, cascade| {
         let voxel = 2.0_f32.powi(cascade as i32);
@@ -271,7 +283,7 @@ fn place_of_the_origin(count: u32) -> f32 {
     })
 }
 
-/// Defines the constants that say how cascades are stored.
+/// Defines the shader constants for the storage of cascades.
 pub(crate) fn add_constants(shaders: &mut ShaderLibrary, cascades: Option<&Cascades>) {
     let blocks = cascades.map_or(UVec3::ONE, |cascades| cascades.blocks);
     shaders
@@ -282,7 +294,7 @@ pub(crate) fn add_constants(shaders: &mut ShaderLibrary, cascades: Option<&Casca
         .constant_u32("CASCADE_ROWS", blocks.y);
 }
 
-/// Whether a kind of volume goes with a grid.
+/// Checks that the kind of volume matches the grid.
 pub(crate) fn check(grid: &Grid, kind: VolumeKind) -> Result<(), GiError> {
     if (kind == VolumeKind::Cascades) == grid.cascades.is_some() {
         return Ok(());

@@ -1,4 +1,5 @@
-//! The parts of cascades that walks over triangles go over; of the rest the sums of before are kept (`voxelize/keep.wgsl`).
+//! Parts of the cascades that triangle walks cover; elsewhere previous sums are kept
+//! (`voxelize/keep.wgsl`).
 
 use std::array;
 
@@ -7,25 +8,25 @@ use glam::{IVec3, Vec3};
 use super::{Cascades, MAX_CASCADES, STRIDE};
 use crate::{Draw, Grid};
 
-/// Of each cascade the first voxel that is walked, and the one behind the last. Without cascades, and by default, nothing is left
-/// out.
+/// Voxel range to walk for each cascade: first inclusive, last exclusive. Without cascades, and by
+/// default, everything is walked.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Walked {
     voxels: [[IVec3; 2]; MAX_CASCADES],
-    /// Opposite corners of the same in the world, m, with a voxel more on all sides for what rounding does. Empty ones meet
-    /// nothing.
+    /// Opposite corners of the same ranges in the world, m, enlarged by one voxel on all sides to
+    /// allow for rounding. Empty ranges meet nothing.
     parts: [[Vec3; 2]; MAX_CASCADES],
     cascades: usize,
 }
 
 impl Walked {
-    /// All of all cascades.
+    /// All voxels of all cascades.
     pub(crate) fn all(grid: &Grid) -> Self {
         Self::over(grid, |cascades, cascade| Some(cascades.voxels_of(cascade)))
     }
 
-    /// What has entered the boxes since they were where those of another grid are, and what is near other surface than
-    /// before: boxes in the world, m.
+    /// What has entered the boxes since their positions in the grid `before`, and what is near
+    /// changed surfaces: `boxes` in the world, m.
     pub(crate) fn changed(grid: &Grid, before: &Grid, boxes: &[[Vec3; 2]]) -> Self {
         Self::over(grid, |cascades, cascade| {
             let own = cascades.voxels_of(cascade);
@@ -38,7 +39,7 @@ impl Walked {
             let edge_m = grid.voxel_size_m * 2.0_f32.powi(cascade as i32);
             let voxel = |place: Vec3| ((place - grid.origin_in_world) / edge_m).floor();
             let near = boxes.iter().map(|[low, high]| {
-                // Whole strides, since the bits of neighbouring voxels stand in one word.
+                // Whole strides, since the bits of neighbouring voxels share a word.
                 let stride = STRIDE as f32;
                 let low = (((voxel(*low) - 1.0) / stride).floor() * stride).as_ivec3();
                 let high = (((voxel(*high) + 2.0) / stride).ceil() * stride).as_ivec3();
@@ -69,12 +70,12 @@ impl Walked {
         Self { voxels, parts, cascades: count }
     }
 
-    /// The same as shaders see it: first all first voxels.
+    /// The ranges in the layout of the shaders: all first voxels, then all last ones.
     pub(crate) fn to_gpu(self) -> [[[i32; 4]; MAX_CASCADES]; 2] {
         [0, 1].map(|end| self.voxels.map(|bounds| bounds[end].extend(0).to_array()))
     }
 
-    /// A bit for each cascade of which a draw may touch what is walked.
+    /// Bit mask of the cascades in which a draw may touch the walked range.
     pub(crate) fn cascades_of(&self, draw: &Draw) -> u32 {
         let Some([low, high]) = draw.bounds_in_world().filter(|_| self.cascades > 0) else {
             return u32::MAX;
@@ -86,13 +87,13 @@ impl Walked {
 }
 
 impl Cascades {
-    /// The first voxel of a cascade, and the one behind the last.
+    /// Voxel range of a cascade: first inclusive, last exclusive.
     fn voxels_of(&self, cascade: usize) -> [IVec3; 2] {
         let low = self.lowest[cascade];
         [low, low + self.resolution as i32]
     }
 
-    /// Whether a cascade holds a part of what it held at another place, and what has entered is one box.
+    /// Whether a cascade keeps a part of its former contents, and what has entered is one box.
     fn keeps_of(&self, before: &Self, cascade: usize) -> bool {
         let by = (self.lowest[cascade] - before.lowest[cascade]).abs();
         let axes = by.to_array().into_iter().filter(|by| *by > 0).count();

@@ -1,5 +1,5 @@
-// One cone as a ray: the module package::cones::way. Those who trace cones draw their directions from the cones' solid angles,
-// so that the mean of many is that over the cone.
+// One cone as a ray: the module package::cones::way. Callers draw ray directions from the cone's
+// solid angle, so that the mean of many rays is the mean over the cone.
 
 import package::cascades::{outer_high, outer_low};
 import package::cones::cone::{Cone, ConeSettings, MIN_GROWTH, OUTSIDE, START, Traced};
@@ -13,14 +13,14 @@ fn cone_start(position_in_world: vec3f, normal: vec3f, level: u32, settings: Con
     return grid_from_world(position_in_world) + normal * (START * exp2(f32(level)));
 }
 
-// The greatest width, per cosine against the plane that a cone starts from.
+// Maximum growth, per cosine to the plane that the cone starts from.
 const MOST_GROWTH = 0.333;
 
-// The number of rays to a source that is not a point.
+// Number of rays to a source that is not a point.
 const SHADOW_RAYS = 8u;
 
-// The share of a source that a surface sees: rays over its disc, evenly spread (Vogel 1979, "A better way to construct the
-// sunflower head"), turned by a number of the place.
+// The visible share of a source: rays over its disc, evenly distributed (Vogel 1979, "A better way
+// to construct the sunflower head"), rotated by a hash of the position.
 fn seen_share(
     position_in_world: vec3f,
     normal: vec3f,
@@ -33,7 +33,7 @@ fn seen_share(
     let origin = grid_from_world(position_in_world) + normal * offset;
     let bits = bitcast<vec3u>(position_in_world);
     let turn = f32(hash(bits.x + hash(bits.y + hash(bits.z))) >> 8u) / 16777216.0;
-    // From where rays start, too, the source's surface is aimed at.
+    // Aim at the source's surface from where the rays start.
     let away = select(direction * reach - normal * offset, direction, reach > 1e30);
     let distance = select(length(away), reach, reach > 1e30);
     let across = basis(normalize(away));
@@ -51,7 +51,8 @@ fn seen_share(
     return seen / f32(rays);
 }
 
-// The width of the samples of the environment, over the distance: no sample looks below the plane that the cone starts from.
+// The width of the samples of the environment, per distance: no sample reaches below the plane that
+// the cone starts from.
 fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> f32 {
     let growth = 2.0 * tan_half_angle * settings.voxel_per_diameter;
     return max(min(growth, MOST_GROWTH * cos_normal), MIN_GROWTH);

@@ -11,12 +11,13 @@ const PI: f32 = 3.14159265359;
 
 struct Gathered {
     irradiance: vec3f,
-    // The share of the hemisphere, weighted by the cosine, that is open up to the occlusion distance.
+    // The cosine-weighted share of the hemisphere that is open up to the occlusion distance.
     openness: f32,
     samples: u32,
 }
 
-// `level` is that of the voxels of the point's surface, `start` in [0, 1)^2 is its own place in the jitter's sequence.
+// `level` is the level of the voxels of the point's surface; `start` in [0, 1)^2 is the point's
+// offset in the jitter sequence.
 fn gather(
     position_in_world: vec3f,
     shading_normal: vec3f,
@@ -30,7 +31,7 @@ fn gather(
     let origin = cone_start(position_in_world, geometric_normal, level, settings);
     let world_from_normal = basis(shading_normal);
     let jitter = cell_jitter(start, frame);
-    // The cones of a point round their levels by evenly spread numbers (golden ratio).
+    // The cones of a point round their levels by evenly distributed numbers (golden ratio).
     let level_start = fract(start.x + start.y + 0.754878 * f32(frame & 0xffffu));
     let weight = PI / f32(cone_count);
     var sum = Gathered(vec3f(0.0), 0.0, 0u);
@@ -38,7 +39,7 @@ fn gather(
         let place = place_in_cell(jitter, cell, cone_count, settings.model_values);
         let local = cell_cone(cell, cone_count, place);
         var direction = world_from_normal * local.direction;
-        // With a normal map, a part of the hemisphere is below the surface; it is folded up.
+        // With a normal map, a part of the hemisphere is below the surface; mirror it up.
         let below = min(dot(direction, geometric_normal), 0.0);
         direction = direction - 2.0 * below * geometric_normal;
         let growth =

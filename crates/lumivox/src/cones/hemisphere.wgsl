@@ -1,8 +1,9 @@
 // The hemisphere divided into cells of equal cosine weight, one cone for each.
 //
 // With s = sin^2(theta), equal steps of s and of phi have equal cosine weight (Malley's method). 6,
-// 9, 12 or 16 cells form two rings: 1 + 5, 3 + 6, 4 + 8, 5 + 11. A round cone of the same solid angle replaces
-// a cell of solid angle W = 2 pi (cos t0 - cos t1) / m: cos(half angle) = 1 - W / (2 pi).
+// 9, 12 or 16 cells form two rings: 1 + 5, 3 + 6, 4 + 8, 5 + 11. A cell of solid angle
+// W = 2 pi (cos t0 - cos t1) / m is replaced by a round cone of the same solid angle:
+// cos(half angle) = 1 - W / (2 pi).
 
 import package::gpu::random::sequence_pair;
 
@@ -16,7 +17,7 @@ fn inner_ring(cell_count: u32) -> u32 {
     return select(cell_count / 3u, 1u, cell_count == 6u);
 }
 
-// The cone of a cell; `jitter` in [0, 1)^2 is its place in the cell.
+// The cone of a cell; `jitter` in [0, 1)^2 is the position in the cell.
 fn cell_cone(cell: u32, cell_count: u32, jitter: vec2f) -> CellCone {
     let inner = inner_ring(cell_count);
     let split = f32(inner) / f32(cell_count);
@@ -48,8 +49,8 @@ fn basis(normal: vec3f) -> mat3x3f {
     );
 }
 
-// The place in their cells at which the cones of a point look in a frame: the same for all, by a
-// sequence of the point's own.
+// The position within their cells that the cones of a point use in a frame: the same in all cells,
+// from a sequence of the point's own.
 fn cell_jitter(start: vec2f, frame: u32) -> vec2f {
     return sequence_pair(start, frame);
 }

@@ -1,4 +1,4 @@
-//! The hook for a caller's own model of cones.
+//! Hook for a caller's own cone model.
 
 use std::any::Any;
 use std::fmt::Debug;
@@ -7,20 +7,21 @@ use crate::settings::SettingError;
 
 /// A model of where cones start and point, and how much each of their samples shows.
 ///
-/// Without one, cones are rays that meet surface exactly. With one, they march through the cells of the volume, faces gather by such
-/// cones, and emission is found by cones instead of drawn.
+/// Without a model, cones are rays that hit surfaces exactly. With one, they march through the
+/// cells of the volume, faces gather by such cones, and emission is found by cones instead of by
+/// emitter sampling.
 ///
-/// Write one to distribute the cones of a hemisphere in another way, for an artistic falloff of
-/// light, to find the effect of one of Lumivox's measures, or to repeat what others have published.
-/// It applies to the bounces in the voxels and to [`crate::Gi::trace`]; shadow cones only count
+/// Implement it to distribute the cones of a hemisphere differently, for an artistic falloff of
+/// light, to study the effect of one of Lumivox's measures, or to reproduce published methods. It
+/// applies to the bounces in the voxels and to [`crate::Gi::trace`]. Shadow cones only count
 /// coverage, which it does not change.
 pub trait ConeModel: Any + Debug + Send + Sync {
-    /// The name; models of the same name must have the same module.
+    /// The name; models with the same name must have the same module.
     fn name(&self) -> &'static str;
 
     /// The WGSL source of `package::cones::model`, with all functions of Lumivox's own
-    /// (`cones/model.wgsl`). It may import Lumivox's modules, among them `package::cones::start`
-    /// and `package::cones::hemisphere`.
+    /// (`cones/model.wgsl`). It may import Lumivox's modules, including `package::cones::start` and
+    /// `package::cones::hemisphere`.
     fn module(&self) -> &'static str;
 
     /// The values that its functions receive as `values`. [`crate::Gi::set_cone_values`] changes
@@ -29,11 +30,11 @@ pub trait ConeModel: Any + Debug + Send + Sync {
         [0.0; 4]
     }
 
-    /// Checks the settings that the values are made of, for callers that check all of theirs.
-    /// Default: nothing is wrong.
+    /// Checks the settings behind the values, for callers that validate all settings. Default: no
+    /// error.
     ///
     /// # Errors
-    /// [`SettingError`] for the first one that is out of range.
+    /// [`SettingError`] for the first setting that is out of range.
     fn validate(&self) -> Result<(), SettingError> {
         Ok(())
     }

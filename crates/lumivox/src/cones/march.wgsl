@@ -1,30 +1,30 @@
-// One cone, marched through the volume: the module package::cones::way for a caller's own model. Lengths here are in the
-// finest voxels.
+// One cone, marched through the volume: the module package::cones::way for a caller's own model.
+// Lengths here are in the finest voxels.
 //
-// The cone is marched in steps of the size of the cells that it reads: at distance t, about
-// v = max(1, growth * t). Levels come in powers of two, so the one to read is drawn: log2(v) is rounded up or
-// down by a number that each cone draws once, so that the mean over cones and frames is what interpolation
-// between the levels gives, for half the look-ups. Steps are as long as the cells: then the filter's weights
-// along the cone, and a wall's coverage with them, add up to one at every level.
+// The step size is the size of the cells that the cone reads: at distance t, about v = max(1,
+// growth * t). Levels are powers of two, so the level is chosen at random: each cone rounds log2(v)
+// up or down by a number that it draws once. The mean over cones and frames is then that of
+// interpolation between the levels, for half the look-ups. Steps are as long as the cells, so the
+// filter's weights along the cone, and with them a wall's coverage, add up to one at every level.
 //
-// A cone goes on to a coarser level only where neither level has anything near. From level to level
-// a wall moves by half a cell, since its cell puts it in the middle; a change of level within the
+// A cone changes to a coarser level only where both levels are empty nearby. From level to level a
+// wall moves by half a cell, since it is in the middle of its cell. A change of level within the
 // wall's reach would count parts of it twice or not at all, and the missing parts leak (12 % of the
 // light of a closed box with a growth of 0.2, against 1.7 % with this rule). On the coarser level
 // walls beside the cone count, too: its cells would reach past them, to the end of the wall at the
 // cone's end.
 //
-// A cell of edge c that covers the share a of its cross-section takes da = min(a * step / c, T) of the
-// transmittance T that is left and adds its radiance for it. The sum is additive, like the pyramid: coverage
-// comes from clipping, so that the pieces of a wall add up to one.
+// A cell of edge c that covers the share a of its cross-section absorbs da = min(a * step / c, T)
+// of the remaining transmittance T and adds its radiance times da. The sum is additive, like the
+// pyramid: coverage comes from clipping, so the pieces of a wall add up to one.
 //
-// They do so exactly only for walls along the grid. An oblique wall climbs the grid in steps, and a
-// ray that crosses it near a step meets it twice or misses parts: its count scatters about one
-// (standard deviation 0.15, mean 1.00 in a rotated furnace). If the sum ended at one, the surplus
-// of some rays would be lost and the deficit of others would leak: 5 % of the light of a closed
-// room. So at an oblique wall T may fall below zero, by SURPLUS at most; light from farther away,
-// past a gap or from outside, pays it back: it counts negative until T is zero again. In the mean
-// over cones that cancels the leaks.
+// They add up exactly only for walls along the grid. An oblique wall climbs the grid in steps, and
+// a ray that crosses it near a step meets it twice or misses parts: its coverage scatters about one
+// (standard deviation 0.15, mean 1.00 in a rotated furnace). If the sum were capped at one, the
+// surplus of some rays would be lost and the deficit of others would leak: 5 % of the light of a
+// closed room. So at an oblique wall T may fall to -SURPLUS. Light from farther away, past a gap or
+// from outside, pays the surplus back: it counts negative until T is zero again. In the mean over
+// cones that cancels the leaks.
 
 import package::cascades::{finest_level, level_count, outer_high, outer_low};
 import package::cones::cone::{Cone, ConeSettings, MIN_GROWTH, OUTSIDE, Traced};
@@ -32,18 +32,19 @@ import package::cones::model::{shown_share, start_of_cones};
 import package::grid::grid_from_world;
 import package::volume::{is_clear, is_empty, is_oblique, probe_volume, sample_probe, Probe};
 
-// An oblique wall's surplus up to this is taken for scatter; a larger one is a second surface. If
-// it is smaller, more light leaks; if larger, surfaces right behind others count and darken those
-// farther away.
+// Maximum surplus of an oblique wall that is treated as scatter; a larger one is a second surface.
+// If this is smaller, more light leaks; if larger, surfaces right behind others count and darken
+// those farther away.
 const SURPLUS: f32 = 0.1;
 
-// Where a cascade is left at the first chance, in its voxels from its border; a cone draws up to twice as many.
+// Distance to a cascade's border, in its voxels, from which a cone changes to the next cascade at
+// the first empty place; each cone draws a factor of 1 to 2.
 const CASCADE_BORDER: f32 = 3.0;
 
 // The smallest surplus that is paid back.
 const LEAST_SURPLUS: f32 = 0.03;
 
-// Whether the rest is small enough to count as nothing. The threshold is smaller for a surplus: it
+// Whether the remaining transmittance is negligible. The threshold is smaller for a surplus: it
 // pays for light that other cones let through, and if it were dropped as early, rotated rooms would
 // get more light from outside, not less.
 fn is_spent(transmittance: f32, settings: ConeSettings) -> bool {
@@ -51,15 +52,16 @@ fn is_spent(transmittance: f32, settings: ConeSettings) -> bool {
         && transmittance >= -min(settings.min_transmittance, LEAST_SURPLUS);
 }
 
-// The start of a surface's cones, in the grid's coordinates; `level` is that of its voxels.
+// The start of a surface's cones, in the grid's coordinates; `level` is the level of the surface's
+// voxels.
 fn cone_start(position_in_world: vec3f, normal: vec3f, level: u32, settings: ConeSettings) -> vec3f {
     let offset = settings.normal_offset * exp2(f32(level));
     let above = grid_from_world(position_in_world) + normal * offset;
     return start_of_cones(above, normal, level, settings.model_values);
 }
 
-// The growth of a cone with a half angle that leaves a surface at a cosine against its normal:
-// cells stay at `voxel_per_diameter` of the diameter, and clear of the cone's own plane.
+// The growth of a cone with a half angle that leaves a surface at a cosine to its normal: cells
+// stay at `voxel_per_diameter` of the diameter, and clear of the plane that the cone starts from.
 fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> f32 {
     var growth = 2.0 * tan_half_angle * settings.voxel_per_diameter;
     if settings.clearance > 0.0 {
@@ -68,7 +70,7 @@ fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> 
     return max(growth, MIN_GROWTH);
 }
 
-// The part of the transmittance that a sample takes; negative while a surplus is paid back.
+// The part of the transmittance that a sample absorbs; negative while a surplus is paid back.
 fn taken_by(covered: f32, transmittance: f32, may_exceed: bool, pays_back: bool) -> f32 {
     if pays_back {
         return -min(covered, -transmittance);
@@ -84,8 +86,8 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     let levels = level_count();
     let smallest_cell = exp2(f32(cone.level));
     let largest_cell = exp2(f32(levels - 1u));
-    // Nothing is farther than the grid's diagonal (less than 1.74 sides) and the coarsest cells
-    // around it.
+    // Nothing is farther away than the grid's diagonal (less than 1.74 sides) and the coarsest
+    // cells around it.
     let reach = min(cone.reach, 1.75 * side + 2.0 * largest_cell);
 
     var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u, 0.0, vec3f(0.0));
@@ -94,13 +96,13 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     var length = 0.0;
     var cell = smallest_cell;
     var is_inside = reach > 0.0;
-    // Whether this surface is oblique, and whether it is no longer the one that made the surplus.
+    // `may_exceed`: this surface is oblique. `pays_back`: it is no longer the one that made the
+    // surplus.
     var may_exceed = false;
     var pays_back = false;
     loop {
-        // Pass over empty space, probe by probe. The inner loop suits wide machines: their lanes
-        // leave it one by one and then sample together, instead of waiting for each other at every
-        // step.
+        // Skip empty space, probe by probe. The inner loop suits wide machines: their lanes leave
+        // it one by one and then sample together, instead of waiting for each other at every step.
         var probe: Probe;
         loop {
             let near = clamp(cone.growth * distance, smallest_cell, largest_cell);
@@ -108,18 +110,18 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
                 clamp(cone.growth * (distance + 0.5 * near), smallest_cell, largest_cell);
             let next = cone.origin_in_grid
                 + cone.direction * (distance + 0.5 * settings.step_per_voxel * exp2(f32(level)));
-            // Where a cascade ends, whether there is anything near or not.
+            // At a cascade's end, whether anything is near or not.
             level = finest_level(next, level, 0.5);
             let wanted_level = max(
                 min(u32(log2(wanted) + cone.level_offset), levels - 1u),
-                // Shortly before, where there is nothing: each cone at a place of its own.
+                // Shortly before, only in empty space; each cone at a different distance.
                 finest_level(next, level, CASCADE_BORDER * (1.0 + cone.level_offset)),
             );
             cell = exp2(f32(level));
             length = settings.step_per_voxel * cell;
             let middle = distance + 0.5 * length;
             let position = cone.origin_in_grid + cone.direction * middle;
-            // Outside the grid the cells at its border are still felt for half a cell.
+            // Outside the grid the cells at its border still count for half a cell.
             let margin = min(cell, 0.5 * side);
             is_inside = is_inside && distance < reach
                 && all(position >= low - margin) && all(position <= high + margin);
@@ -176,8 +178,9 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     return traced;
 }
 
-// Shadow cones are narrow, so cells of half their diameter do, and they start a voxel and a half off the
-// surface: a light at a grazing angle would meet the receiver's own neighbourhood otherwise.
+// Shadow cones are narrow, so cells of half their diameter are fine enough. They start 1.5 voxels
+// off the surface; otherwise cones to a light at a grazing angle would meet the receiver's own
+// neighbourhood.
 fn shadow_cone_settings() -> ConeSettings {
     var settings = ConeSettings();
     settings.voxel_per_diameter = 0.5;
@@ -188,7 +191,7 @@ fn shadow_cone_settings() -> ConeSettings {
     return settings;
 }
 
-// The share of a source that a surface sees: a cone as wide as the source.
+// The visible share of a source: one cone as wide as the source.
 fn seen_share(
     position_in_world: vec3f,
     normal: vec3f,
@@ -201,7 +204,7 @@ fn seen_share(
     let voxel = exp2(f32(level));
     let origin = grid_from_world(position_in_world) + normal * (voxel * settings.normal_offset);
     let growth = cone_growth(tan_half_angle, 1.0, settings);
-    // Not into what carries the source.
+    // Stop before the surface that carries the source.
     let cone = Cone(origin, direction, growth, reach - 2.0 * voxel, 0.5, level);
     return max(trace_cone(cone, settings).transmittance, 0.0);
 }

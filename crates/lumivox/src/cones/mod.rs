@@ -1,9 +1,9 @@
-//! Cones: their start, their distribution over a hemisphere, the rays that they are made of, and their
-//! settings. With a caller's own [`ConeModel`], which decides where they start and point, and how much
-//! their samples show, they march through cells instead.
+//! Cones: their start, their distribution over a hemisphere, the rays that they consist of, and
+//! their settings. With a caller's own [`ConeModel`], which decides where they start and point and
+//! how much their samples show, they march through cells instead.
 //!
 //! The bounces in the voxels (`light/bounce.wgsl`), shadow cones and the cones from the screen
-//! (`trace/`) are all made of these modules.
+//! (`trace/`) use these modules.
 
 mod hook;
 mod settings;
@@ -17,8 +17,8 @@ use crate::gpu::ShaderLibrary;
 pub use hook::ConeModel;
 pub use settings::{Preset, TraceResolution, TraceSettings};
 
-/// Makes the way that cones are traced `package::cones::way`, that of faces `package::light::way`, and that of pixels
-/// `package::trace::way`: a march, or exact hits.
+/// Mounts the tracing method of cones as `package::cones::way`, of faces as `package::light::way`,
+/// and of pixels as `package::trace::way`: a march, or exact hits.
 pub(crate) fn mount(shaders: &mut ShaderLibrary, marches: bool) {
     let ways = if marches {
         ["cones::march", "light::gather_cones", "trace::by_cones"]
@@ -45,8 +45,7 @@ pub(crate) struct ConeSettings {
 }
 
 impl TraceSettings {
-    /// The settings of single cones, for voxels of the given size, with the values of the cone
-    /// model.
+    /// The settings of one cone, for voxels of the given size, with the values of the cone model.
     pub(crate) fn cones(&self, voxel_size_m: f32, model_values: [f32; 4]) -> ConeSettings {
         ConeSettings {
             voxel_per_diameter: self.voxel_per_diameter,

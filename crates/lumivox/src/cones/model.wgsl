@@ -1,31 +1,32 @@
 // The cone model: where cones start and point, and how much each of their samples shows.
 //
-// This is the physical model, which uses no values. A caller's own (`hooks::ConeModel`) replaces it
-// as `package::cones::model`, with the same functions; `values` are then those of that model.
+// This is the physical model, which ignores `values`. A caller's own model (`hooks::ConeModel`)
+// replaces it as `package::cones::model`, with the same functions and its own `values`.
 
 import package::cones::start::clear_of_walls;
 
-// The place in its cell of the hemisphere, in [0, 1)^2, at which a diffuse cone points; `drawn` is
-// the place that the frame drew.
+// The position within its cell of the hemisphere, in [0, 1)^2, at which a diffuse cone points;
+// `drawn` is the position that the frame drew.
 fn place_in_cell(drawn: vec2f, cell: u32, cell_count: u32, values: vec4f) -> vec2f {
     return drawn;
 }
 
-// The half vector that a glossy cone is reflected at, in the frame whose z is the normal; `drawn`
-// is the one that the frame drew from the lobe.
+// The half vector at which a glossy cone is reflected, in the frame whose z is the normal; `drawn`
+// is the half vector that the frame drew from the lobe.
 fn glossy_half_vector(drawn: vec3f, values: vec4f) -> vec3f {
     return drawn;
 }
 
 // The start of cones, in the grid's coordinates; `above` is the point at the normal offset above
-// the surface, `level` that of the surface's voxels: 0 without cascades.
+// the surface, `level` the level of the surface's voxels (0 without cascades).
 fn start_of_cones(above: vec3f, normal: vec3f, level: u32, values: vec4f) -> vec3f {
     return clear_of_walls(above, normal, level);
 }
 
-// The share of a cone that shows a sample's radiance. `taken` is the part that the sample takes of
-// the transmittance left, negative if it pays a surplus back (`march.wgsl`). `level` is that of the
-// sampled cells, `width` the cone's diameter there in longest sides of the grid.
+// The share of a cone that shows a sample's radiance. `taken` is the part of the remaining
+// transmittance that the sample absorbs, negative if it pays a surplus back (`march.wgsl`). `level`
+// is the level of the sampled cells, `width` the cone's diameter there in longest sides of the
+// grid.
 fn shown_share(taken: f32, transmittance: f32, level: u32, width: f32, values: vec4f) -> f32 {
     return taken;
 }

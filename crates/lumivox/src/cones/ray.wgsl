@@ -1,11 +1,12 @@
-// A ray that meets surface exactly. Lengths here are in the finest voxels.
+// A ray that hits surfaces exactly. Lengths here are in the finest voxels.
 //
-// A ray walks all voxels in its way (Amanatides and Woo 1987, "A fast voxel traversal algorithm for ray tracing"; empty blocks
-// in one step) and ends where it crosses a face's plane inside of what the face covers. A plane has no holes from voxel to voxel, so
-// that nothing leaks through a wall, whatever its angle and thickness, and nothing behind a hit counts.
+// A ray walks all voxels along it (Amanatides and Woo 1987, "A fast voxel traversal algorithm for
+// ray tracing"; empty blocks in one step) and ends where it crosses a face's plane inside the area
+// that the face covers. A plane has no holes from voxel to voxel, so nothing leaks through a wall,
+// whatever its angle and thickness, and nothing behind a hit counts.
 //
-// A surface is seen from its front, in the light of the side that is seen (side.wgsl). A single-sided one blocks from behind, and is
-// black there, unless light passes it.
+// A surface is seen from its front, in the light of the visible side (side.wgsl). A single-sided
+// surface also blocks from behind, and is black there, unless light passes through it.
 
 import package::cascades::{
     box_size, finest_level, lowest_voxel, outer_high, outer_low, stored_cell,
@@ -22,20 +23,21 @@ import package::voxels::index::{first_block, first_entry, FACE_BITS};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_encode;
 
-// The distance past a voxel's end, in edges, at which a ray looks for the next voxel, so that rounding cannot keep it in the
-// first one. It is less than the tolerance of hits.
+// The distance past a voxel's end, in edges, at which a ray looks for the next voxel, so that
+// rounding cannot keep it in the first one. Less than the tolerance of hits.
 const NUDGE = 0.001;
 
-// The least such distance as a share of the way: a few roundings.
+// The minimum of that distance as a share of the distance travelled: a few rounding errors.
 const LEAST_NUDGE = 1e-6;
 
-// A ray ends after so many, which only one that creeps along a border reaches.
+// Step limit; only a ray that creeps along a border reaches it.
 const MOST_STEPS = 8192u;
 
-// How far past the end of a voxel a ray may meet its faces, in edges.
+// How far past the end of a voxel a ray may hit its faces, in edges.
 const BEYOND = 0.05;
 
-// How far from its start a ray may meet its own surface from behind, in voxels: where that is curved, planes are beside it.
+// Distance from its start up to which a ray may meet its own surface from behind, in voxels: planes
+// lie beside a curved surface.
 const OWN = 1.0;
 
 // The first surface on a ray.
@@ -46,13 +48,14 @@ struct Hit {
     is_parted: bool,
 }
 
-// Whether a ray passes a face with holes: drawn, so that rays of all directions pass in proportion.
+// Whether a ray passes through a face with holes: drawn at random, so that rays of all directions
+// pass in proportion.
 fn passes(direction: vec3f, face: u32, holes: u32) -> bool {
     let bits = bitcast<vec3u>(direction);
     return (hash(bits.x + hash(bits.y + hash(bits.z + hash(face)))) >> 16u) * 255u < holes << 16u;
 }
 
-// The faces of a voxel with its corner at the origin and an edge of 1, up to a distance.
+// Intersects the faces of a voxel with its corner at the origin and an edge of 1, up to a distance.
 fn hit_faces(
     entry: u32,
     origin: vec3f,
@@ -79,7 +82,7 @@ fn hit_faces(
             if is_solid {
                 hit = Hit(distance, select(face, BLACK, is_back), plane.is_parted && !is_back);
             } else if all(point >= vec3f(0.0)) && all(point < vec3f(1.0)) {
-                // Beyond, the next voxel has it.
+                // Outside of this voxel the hole counts in the next one.
                 (*passed).share *= f32(plane.holes) / 255.0;
             }
         }
@@ -91,15 +94,16 @@ struct Ray {
     origin_in_grid: vec3f,
     direction: vec3f,
     reach: f32,
-    // The level of the voxels of the surface that it starts from.
+    // The level of the voxels of the surface that the ray starts from.
     level: u32,
 }
 
-// The voxels and the holes that a ray has passed.
+// The voxels and holes that a ray has passed.
 struct Passed {
     // Voxels and blocks.
     steps: u32,
-    // True: each face with holes is passed or met by chance. False: all are passed, each with its share of the light.
+    // `true`: each face with holes is passed or hit at random. `false`: all are passed, each with
+    // its share of the light.
     draws: bool,
     // The product of these shares.
     share: f32,
@@ -127,12 +131,12 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     var voxel = vec3i(0);
     var cascade = 0u;
     var entry = 0u;
-    // Where the ray goes on behind a voxel's wall: the coordinates across that wall, whatever rounding says.
+    // The voxel coordinates behind a voxel's wall, known across that wall regardless of rounding.
     var is_known = vec3<bool>(false);
     var known = vec3i(0);
     while is_inside {
-        // Past what is empty. The inner loop suits wide machines: their lanes leave it one by one, and then look at faces
-        // together.
+        // Skip empty space. The inner loop suits wide machines: their lanes leave it one by one,
+        // and then look at faces together.
         var place = 0u;
         var before = 0u;
         var next = distance;
@@ -160,14 +164,14 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             }
             var corner = voxel & vec3i(-step);
             if CASCADES > 0u && (any(corner < lowest) || any(corner + step > lowest + size)) {
-                // Where it is stored, cells of the box's other end are in the block.
+                // The block wraps around in the store and includes cells of the box's other end.
                 corner = voxel;
                 step = 1;
             }
             let wall = select(vec3f(corner), vec3f(corner + step), is_forward) * edge;
             let walls = (wall - ray.origin_in_grid) * inverse;
             let least = min(walls.x, min(walls.y, walls.z));
-            // From box to box voxels change, so that the ray itself has to go on.
+            // Voxel sizes differ between boxes, so the ray itself has to advance.
             next = max(least, distance + select(0.0, nudge, CASCADES > 0u));
             is_known = (walls == vec3f(least)) & vec3<bool>(CASCADES == 0u);
             known = select(corner - 1, corner + step, is_forward);
@@ -196,7 +200,7 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     return hit;
 }
 
-// The radiance that a face emits by itself.
+// The radiance that a face emits.
 fn emitted_by(face: u32) -> vec3f {
     if face >= UNLIT {
         return vec3f(0.0);
@@ -204,7 +208,7 @@ fn emitted_by(face: u32) -> vec3f {
     return unpack_radiance(patches[PATCH_WORDS * face + 5u]);
 }
 
-// The radiance that a face shows; black is what is no face.
+// The radiance that a face shows; black if `face` is not a face.
 fn shown_by(face: u32) -> vec3f {
     if face >= UNLIT {
         return vec3f(0.0);

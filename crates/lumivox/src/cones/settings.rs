@@ -1,4 +1,4 @@
-//! The settings of the cones, in one type: units, ranges, and neutral defaults.
+//! Settings of the cones, in one type: units, ranges, and neutral defaults.
 
 use crate::GiError;
 use crate::settings::{self, Choice, Choices as _, Kind, Redoes, Setting, Value};
@@ -9,7 +9,7 @@ use crate::settings::{self, Choice, Choices as _, Kind, Redoes, Setting, Value};
 pub enum Preset {
     /// 9 diffuse cones at half resolution.
     Fast,
-    /// As [`Self::Fast`], with the light of earlier frames.
+    /// [`Self::Fast`] with light of earlier frames.
     Realtime,
     /// 9 diffuse cones at full resolution.
     #[default]
@@ -24,8 +24,8 @@ pub enum TraceResolution {
     /// Every pixel.
     #[default]
     Full,
-    /// One pixel of each 2x2 block, another one in every frame; the rest by depth- and normal-aware
-    /// upsampling.
+    /// One pixel of each 2x2 block, a different one in every frame; the rest by depth- and
+    /// normal-aware upsampling.
     Half,
 }
 
@@ -42,35 +42,38 @@ impl TraceResolution {
 /// Parameters of the cones. `TraceSettings::default()` is [`Preset::Balanced`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceSettings {
-    /// Diffuse cones of a point in a frame: 6, 9 or 12. More: less noise and bias, proportional
-    /// cost.
+    /// Diffuse cones of a point in a frame: 6, 9 or 12. Higher values reduce noise and bias; the
+    /// cost is proportional.
     pub diffuse_cones: u32,
-    /// Width of the samples of an environment's map as a share of the cone's diameter, 0.05 to 1. Lower: sharper, and noisier. In
-    /// cones that march, the edge of the sampled voxels as well.
+    /// Width of the samples of an environment map as a share of the cone's diameter, 0.05 to 1.
+    /// Lower is sharper and noisier. In marched cones, also the edge of the sampled voxels.
     pub voxel_per_diameter: f32,
-    /// In cones that march ([`crate::hooks::ConeModel`]), the greatest growth of the sampled voxels, per metre travelled and per
-    /// cosine against the normal: the footprint keeps clear of the plane that the cone starts from. 0 (off) or 0.1 to 1; default
-    /// 1/3.
+    /// In marched cones ([`crate::hooks::ConeModel`]), the maximum growth of the sampled voxels,
+    /// per metre travelled and per cosine to the normal: the footprint stays clear of the plane
+    /// that the cone starts from. 0 (off) or 0.1 to 1; default 1/3.
     pub clearance: f32,
-    /// In cones that march, the distance of their start above the surface, along its normal, in voxels, 0 to 4; default 0.5.
+    /// In marched cones, the distance of their start above the surface, along its normal, in
+    /// voxels, 0 to 4; default 0.5.
     pub normal_offset_voxels: f32,
-    /// In cones that march, the distance between samples as a share of the sampled voxel's edge, 0.25 to 1; default 1.
+    /// In marched cones, the distance between samples as a share of the sampled voxel's edge, 0.25
+    /// to 1; default 1.
     pub step_per_voxel: f32,
-    /// In cones that march, the share of light below which they end, 0 to 0.25; default 0.15. The rest of the cone is assumed to
-    /// look like what it met.
+    /// Marched cones end when less than this share of light is left, 0 to 0.25; default 0.15. The
+    /// rest of the cone is assumed to look like what it met.
     pub min_transmittance: f32,
     /// Whether glossy cones are traced.
     pub specular: bool,
-    /// Width of a glossy cone: the share of the lobe's solid angle that one frame's cone takes, 0.02 to 1;
-    /// default 0.25. Frames draw different directions of the lobe, so that their mean is the whole lobe.
+    /// Width of a glossy cone: the share of the lobe's solid angle that one frame's cone covers,
+    /// 0.02 to 1; default 0.25. Frames draw different directions of the lobe, so their mean covers
+    /// the whole lobe.
     pub specular_share: f32,
     /// Reach of ambient occlusion, m; infinite by default. Surfaces beyond it do not occlude. It
-    /// changes only the occlusion, never the light.
+    /// changes only the occlusion, not the light.
     pub occlusion_distance_m: f32,
     /// Resolution of the trace.
     pub resolution: TraceResolution,
-    /// Whether light of earlier frames is kept and carried along with the surfaces that it is on; off by default. For
-    /// moving pictures: a frame then has the noise of many.
+    /// `true` to reuse light of earlier frames, reprojected with the surfaces that it is on; off by
+    /// default. For moving pictures: each frame then has the noise of many frames' mean.
     pub temporal: bool,
 }
 
@@ -114,7 +117,7 @@ impl TraceSettings {
     /// Checks every value against its range.
     ///
     /// # Errors
-    /// [`GiError::Setting`] for the first one that is out of range.
+    /// [`GiError::Setting`] for the first value that is out of range.
     pub fn validate(&self) -> Result<(), GiError> {
         settings::check(Self::SETTINGS, self).map_err(GiError::from)
     }
@@ -257,13 +260,14 @@ impl TraceSettings {
 /// The word for an unlimited reach.
 const UNLIMITED: &str = "unlimited";
 
-/// The base of rows whose change lights the voxels again.
+/// Base of rows whose changes relight the voxels.
 const CONES: Setting<TraceSettings> = Setting { redoes: Redoes::Light, ..Setting::ROW };
 
-/// The base of rows whose change does so where the voxels' light is gathered by the same cones as the picture's.
+/// Base of rows whose changes relight the voxels only if their light is gathered by marched cones,
+/// as the picture's is.
 const MARCHED: Setting<TraceSettings> = Setting { redoes: Redoes::MarchedLight, ..Setting::ROW };
 
-/// The number of a row that only has numbers.
+/// The value of a row that only has numbers.
 fn number(value: Value) -> f32 {
     value.number().unwrap_or(f32::NAN)
 }

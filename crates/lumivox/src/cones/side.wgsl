@@ -1,7 +1,8 @@
-// The face whose light is seen at a hit.
+// The face whose light is shown at a hit.
 //
-// A face has one light, found at its start. What another surface in the voxel parts from the start, as a wall parts the ground
-// inside of a house from that outside, has other light: that of the face of the same plane in the next voxel, away from that
+// A face has one light, gathered at its start point. Another surface in the voxel may separate the
+// hit from that start point, as a wall separates the ground inside a house from the ground outside.
+// The hit then shows the light of the face of the same plane in the next voxel, away from that
 // surface.
 
 import package::volume::beside::{
@@ -9,12 +10,14 @@ import package::volume::beside::{
 };
 import package::volume::patch::{NOTHING, UNLIT};
 
-// Voxels that are looked at from that of the hit, along an axis each: as many as surfaces part at a corner.
+// Maximum number of voxels to look at from the hit's, one axis step each: as many as surfaces
+// separate at a corner.
 const MOST_VOXELS = 3u;
 
 const SAME_PLANE = Likeness(0.98, 0.05);
 
-// The face whose light is seen at a point of a face, in the coordinates of its voxel; UNLIT if there is none near.
+// The face whose light is shown at a point of a face, in the coordinates of its voxel; UNLIT if
+// there is none nearby.
 fn face_seen_at(hit: u32, hit_entry: u32, hit_point: vec3f, hit_voxel: vec3i, cascade: u32) -> u32 {
     var face = hit;
     var entry = hit_entry;
@@ -29,7 +32,7 @@ fn face_seen_at(hit: u32, hit_entry: u32, hit_point: vec3f, hit_voxel: vec3i, ca
         if wall == NOTHING {
             return face;
         }
-        // Away from the wall, along its axis.
+        // Step away from the wall, along its axis.
         let plane = patch_of(wall);
         let axis = plane.lobe >> 1u;
         let is_beyond = dot(plane.normal, point) > plane.offset;

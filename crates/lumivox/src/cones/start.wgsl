@@ -1,7 +1,7 @@
 // Starts of cones, clear of walls whose samples there would be wrong.
 //
-// A wall is felt for a voxel around the middle of its cells: samples within that reach contain it.
-// A cone that starts there counts a part of the wall wrongly:
+// A wall affects samples within one voxel of the middle of its cells: they contain it. A cone that
+// starts within that reach counts a part of the wall wrongly:
 //
 // - of a wall beside it, a part of the coverage is behind the start, and light beyond the wall
 //   shines through: a floor along a wall of 5 mm was lit by the next room, up to ten times too
@@ -10,10 +10,10 @@
 //   light of the other side.
 //
 // Across a wall of full coverage the filter is a tent, so the sampled coverage gives the distance
-// to its end. The tent is centred in the wall's cells, and the wall is anywhere in them: a start
-// between the two is in front of the wall and beyond the middle. The side on which the wall is seen
-// then decides the way out; for a wall seen on both, it is the surface below the start: a floor
-// ends at the wall and continues where the start is.
+// to its end. The tent is centred on the wall's cells, and the wall can be anywhere in them: a
+// start between the two is in front of the wall and beyond the middle. The side on which the wall
+// is seen then decides the way out. For a wall seen on both sides, the surface below the start
+// decides: a floor ends at the wall and continues where the start is.
 
 import package::volume::wall_coverage;
 
@@ -23,12 +23,12 @@ fn main_axis(normal: vec3f) -> u32 {
     return select(select(2u, 1u, size.y >= size.z), 0u, size.x >= size.y && size.x >= size.z);
 }
 
-// A share of a voxel's surface that is more than chance.
+// A share of a voxel's surface that is significant.
 const NOTICEABLE: f32 = 0.25;
 
-// The distance along an axis to where a wall is no longer felt, given the samples of its positive
-// and its negative side, their increase along the axis, and the increase of the start's own
-// surface.
+// The distance along an axis to where a wall no longer affects samples, given the samples of its
+// positive and its negative side, their increase along the axis, and the increase of the start's
+// own surface.
 fn way_out(here: vec2f, rise: f32, own_rise: f32) -> f32 {
     let felt = max(here.x, here.y);
     let is_one_sided = 2.0 * min(here.x, here.y) < felt;
@@ -38,12 +38,12 @@ fn way_out(here: vec2f, rise: f32, own_rise: f32) -> f32 {
     if outwards != 0.0 && rise * outwards >= 0.0 && felt > 0.5 {
         return outwards * (2.0 - felt);
     }
-    // Away from the side on which more is felt.
+    // Away from the side with more coverage.
     return -sign(rise) * felt;
 }
 
-// A start above a surface, in the grid's coordinates, moved to where no such wall is felt. `level` is that of the surface's
-// voxels.
+// A start above a surface, in the grid's coordinates, moved to where no such wall affects samples.
+// `level` is the level of the surface's voxels.
 fn clear_of_walls(start: vec3f, normal: vec3f, level: u32) -> vec3f {
     let voxel = exp2(f32(level));
     let own_axis = main_axis(normal);

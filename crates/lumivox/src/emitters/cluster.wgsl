@@ -1,5 +1,5 @@
-// Emitters near each other, as one: where they are, how strong, and where they face (Conty Estevez and Kulla 2018,
-// "Importance sampling of many lights with adaptive tree splitting", sections 4.1 and 4.4).
+// A cluster of nearby emitters: bounding box, power and cone of directions (Conty Estevez and Kulla
+// 2018, "Importance sampling of many lights with adaptive tree splitting", sections 4.1 and 4.4).
 
 import package::emitters::emitter::{Emitter, Record};
 
@@ -7,12 +7,12 @@ struct Cluster {
     // The box around them, in the grid's coordinates.
     centre: vec3f,
     half_size: vec3f,
-    // 0: there are none.
+    // 0: the cluster is empty.
     power: f32,
-    // All face within a cone about the axis; the cosine of its half angle.
+    // All emitters face within a cone about this axis; `cosine` is that of its half angle.
     axis: vec3f,
     cosine: f32,
-    // 1: they may shine to the back as well.
+    // 1: some of them may emit to the back as well.
     is_double_sided: u32,
 }
 
@@ -33,7 +33,8 @@ fn cluster_of(emitter: Emitter) -> Cluster {
     return Cluster(centre, 0.5 * (high - low), emitter.power, axis, 1.0, emitter.is_double_sided);
 }
 
-// The smallest cone about two cones (Pharr, Jakob and Humphreys 2023, "Physically based rendering", section 3.8.4).
+// The smallest cone about two cones (Pharr, Jakob and Humphreys 2023, "Physically based rendering",
+// section 3.8.4).
 fn unite(a: Cluster, b: Cluster) -> Cluster {
     if a.power <= 0.0 {
         return b;
@@ -76,7 +77,8 @@ fn unite(a: Cluster, b: Cluster) -> Cluster {
     return all;
 }
 
-// Half a record. What 16 bits hold of sizes is never too small, of cosines never too large, so that nothing is left out.
+// Packs a cluster into half a record. Rounding to 16 bits never makes sizes too small or cosines
+// too large, so no emitter is lost.
 fn pack(cluster: Cluster) -> array<vec4u, 2> {
     let half_size = min(cluster.half_size * 1.001 + 1e-4, vec3f(65000.0));
     var cosine = max(cluster.cosine, -1.0);
@@ -107,7 +109,7 @@ fn unpack(place: vec4u, shape: vec4u) -> Cluster {
     );
 }
 
-// The cosine of an angle that is smaller by another one, at least 0; both within [0, pi].
+// The cosine of the difference of two angles, or 1 if it is negative; both are within [0, pi].
 fn cosine_of_rest(cosine: f32, less: f32) -> f32 {
     if cosine >= less {
         return 1.0;
@@ -115,11 +117,13 @@ fn cosine_of_rest(cosine: f32, less: f32) -> f32 {
     return cosine * less + sqrt(max((1.0 - cosine * cosine) * (1.0 - less * less), 0.0));
 }
 
-// About what a cluster brings to a place on a surface, if nothing stands in its way: never 0 where it brings anything.
+// Estimates what a cluster contributes to a place on a surface, without occlusion: never 0 if it
+// contributes anything.
 //
-// Along a line from the nearest to the farthest of its emitters the mean of 1 / d^2 is one over the product of both distances. The
-// nearest is never taken for nearer than a small share of the cluster's radius: with a fourth of the radius in place of this,
-// places near long tubes have half as much noise again (docs/notebook.md).
+// Along a line from the nearest to the farthest of its emitters, the mean of 1 / d^2 is one over
+// the product of both distances. The nearest distance is at least NEAREST times the cluster's
+// radius: with a fourth of the radius instead, places near long tubes have half as much noise again
+// (docs/notebook.md).
 const NEAREST: f32 = 0.15;
 
 fn importance(cluster: Cluster, place: vec3f, normal: vec3f) -> f32 {
@@ -141,7 +145,7 @@ fn importance(cluster: Cluster, place: vec3f, normal: vec3f) -> f32 {
         return strength;
     }
     let direction = to_centre * inverseSqrt(squared);
-    // Half the angle that the sphere around the box takes.
+    // Half the angle that the sphere around the box subtends.
     let spread = sqrt(1.0 - radius_squared / squared);
     let ahead = -dot(cluster.axis, direction);
     let facing = select(ahead, abs(ahead), cluster.is_double_sided != 0u);

@@ -1,9 +1,11 @@
-// A point of an emitter, drawn for a place that it may light.
+// Samples a point on an emitter for a place that it may light.
 //
-// An emitter is found from the tree's root down: each node's two parts are drawn in proportion to what they may bring to the place
-// (emitters::cluster), and a point on the emitter evenly over the solid angle that it has there
-// (Arvo 1995, "Stratified sampling of spherical triangles"), so that emitters nearby do no harm. Of a small one the
-// points are drawn evenly over its area: there is no difference then, and no digits are lost.
+// An emitter is chosen by descending the tree from its root: at each node one of the two children
+// is sampled in proportion to its estimated contribution to the place (emitters::cluster). A point
+// on the emitter is then sampled evenly over the solid angle that it subtends there (Arvo 1995,
+// "Stratified sampling of spherical triangles"), so that nearby emitters add no noise. Points on
+// emitters of a small solid angle are sampled evenly over the area: the result is the same, and no
+// precision is lost.
 
 import package::emitters::cluster::{importance, unpack};
 import package::emitters::emitter::{emitter_of, nodes_at, tree_levels, EmitterList};
@@ -13,24 +15,24 @@ import package::emitters::emitter::{emitter_of, nodes_at, tree_levels, EmitterLi
 struct EmitterPoint {
     // In the grid's coordinates.
     position: vec3f,
-    // Of the emitter, on the side of the place; unit length.
+    // Normal of the emitter, on the side of the place; unit length.
     normal: vec3f,
     // From the place to the point; unit length.
     direction: vec3f,
     radiance: vec3f,
-    // One over the density of the direction, sr; 0: nothing shines on the place.
+    // One over the probability density of the direction, sr; 0: no emitter lights the place.
     solid_angle: f32,
 }
 
-// Smaller solid angles, sr, than this are sampled by area.
+// Smaller solid angles than this, sr, are sampled by area.
 const SMALL_SOLID_ANGLE: f32 = 0.01;
 
-// An emitter, and how it was found.
+// A sampled emitter.
 struct Drawn {
     index: u32,
-    // The probability with which it was drawn; 0: nothing shines on the place.
+    // The probability with which it was sampled; 0: no emitter lights the place.
     share: f32,
-    // Where on it the point is: numbers in [0, 1).
+    // The random numbers in [0, 1) that choose the point on it.
     on: vec2f,
 }
 
@@ -49,7 +51,7 @@ fn draw_emitter(place: vec3f, normal: vec3f, random: vec2f) -> Drawn {
         }
         let is_right = drawn.on.x * both >= left && right > 0.0;
         let share = select(left, right, is_right) / both;
-        // The number's remainder, once its first part has chosen.
+        // Reuses the rest of the random number after it has chosen a child.
         let before = select(0.0, left / both, is_right);
         drawn.on.x = clamp((drawn.on.x - before) / share, 0.0, 0.99999994);
         drawn.share *= share;
@@ -59,7 +61,7 @@ fn draw_emitter(place: vec3f, normal: vec3f, random: vec2f) -> Drawn {
     return drawn;
 }
 
-// The part of a unit vector at a right angle to another one, as a unit vector.
+// The part of a unit vector perpendicular to another one, normalized.
 fn away_from(vector: vec3f, base: vec3f) -> vec3f {
     let part = vector - dot(vector, base) * base;
     return part / max(length(part), 1e-12);
@@ -90,7 +92,7 @@ fn point_of(drawn: Drawn, place: vec3f) -> EmitterPoint {
     let outward = cross(emitter.along_ab, emitter.along_ac);
     let twice_area = length(outward);
     let front = outward / twice_area;
-    // How far in front of the emitter the place is.
+    // How far in front of the emitter the place is; negative behind it.
     let ahead = -dot(corner, front);
     let normal = select(front, -front, ahead < 0.0);
     let height = abs(ahead);

@@ -1,36 +1,38 @@
-// Triangles that shine by themselves, as lights.
+// Emissive triangles, as lights.
 
 struct Emitter {
-    // A corner and the edges from there, in the grid's coordinates; counter-clockwise seen from the front.
+    // A corner and the edges from there, in the grid's coordinates; counter-clockwise as seen from
+    // the front.
     corner: vec3f,
-    // Strength times area, of both sides if both shine.
+    // Strength times area, of both sides if both emit.
     power: f32,
     along_ab: vec3f,
-    // 1: it shines to the back as well.
+    // 1: it emits to the back as well.
     is_double_sided: u32,
     along_ac: vec3f,
     padding_0: u32,
-    // The same all over.
+    // Constant over the triangle.
     radiance: vec3f,
     padding_1: u32,
 }
 
-// The room of an emitter, or of a node of the tree over them (emitters::tree).
+// An emitter, or a node of the tree over them (emitters::tree).
 alias Record = array<vec4u, 4>;
 
 struct EmitterList {
     count: u32,
-    // Not zero: the volume shows emission to all cones, so nothing is drawn. That is so from a change of the voxels to
-    // the light after it, and while the volume has no room for the change.
+    // Not zero: the volume shows emission to all cones, so no emitter is sampled. That is the case
+    // from a change of the voxels to the next lighting, and while the volume is too small for the
+    // change.
     is_shown: u32,
     padding_0: u32,
     padding_1: u32,
-    // The emitters in their order, and then the nodes of the tree, from its root on.
+    // The emitters in Morton order, then the nodes of the tree, level by level from its root.
     records: array<Record>,
 }
 
-// What counts where one of several is drawn: all channels alike. With luminance the rare blue ones would bring thirteen
-// times their share, and that is noise.
+// The weight of a radiance in sampling: all channels count the same. With luminance, rare blue
+// samples would have thirteen times their share, which is noise.
 fn strength(radiance: vec3f) -> f32 {
     return dot(radiance, vec3f(1.0 / 3.0));
 }
@@ -58,7 +60,8 @@ fn tree_levels(count: u32) -> u32 {
     return 32u - countLeadingZeros(max(count, 1u) - 1u);
 }
 
-// The number of nodes of a level, each of which has two of the level below; level 0 is the emitters themselves.
+// The number of nodes of a level, each of which has two children in the level below; level 0 is the
+// emitters themselves.
 fn nodes_at(count: u32, level: u32) -> u32 {
     return (count + (1u << level) - 1u) >> level;
 }

@@ -1,8 +1,9 @@
-// Irradiance at a place, straight from emitters.
+// Direct irradiance at a place from emitters.
 //
-// Of several candidates one is kept, in proportion to what it would bring if nothing stood in its way (resampled
-// importance sampling: Talbot et al. 2005, "Importance resampling for global illumination"), and a ray
-// tells whether something does. The mean over frames is exact but for the faces in the ray's way.
+// One of several candidates is kept, in proportion to its contribution without occlusion (resampled
+// importance sampling: Talbot et al. 2005, "Importance resampling for global illumination"), and a
+// ray tests its visibility. The mean over frames is exact, except for the voxel faces that the ray
+// meets.
 
 import package::cascades::finest_level;
 import package::cones::cone::{Cone, ConeSettings, START, Traced};
@@ -13,9 +14,11 @@ import package::grid::grid_from_world;
 
 const CANDIDATES: u32 = 8u;
 
-// By which the two numbers of a place go on from turn to turn. Eight times the first one says where in their parts candidates
-// lie: among all numbers, 0.46803 has the least discrepancy of its first 4 to 128 multiples and of those of its eightfold.
-// (The sequence of cones has 0.7549, whose eightfold, 6.039, goes on by a 25th.) The second one is theirs.
+// Increments of a place's two random numbers from turn to turn. The first number times CANDIDATES
+// (8) places the candidates within their strata: of all increments, 0.46803 has the least
+// discrepancy of its first 4 to 128 multiples and of those of its eightfold. (The sequence of cones
+// has 0.7549, whose eightfold, 6.039, advances by only a 25th.) The second increment is that of the
+// cones.
 const STEPS: vec2f = vec2f(0.46803, 0.7548776662);
 
 struct FromEmitters {
@@ -23,7 +26,7 @@ struct FromEmitters {
     samples: u32,
 }
 
-// The mean over an emitter's points makes its shadows soft, not the ray's width.
+// Shadows are soft because points are spread over the emitter, not because the ray is wide.
 fn ray_settings(settings: ConeSettings) -> ConeSettings {
     var ray = settings;
     ray.step_per_voxel = 1.0;
@@ -31,7 +34,8 @@ fn ray_settings(settings: ConeSettings) -> ConeSettings {
     return ray;
 }
 
-// The cosine at which light arrives, with light from below the surface folded up as cones are (cones::gather).
+// The cosine at which light arrives; light from below the surface is folded up as cones are
+// (cones::gather).
 fn folded_cosine(direction: vec3f, shading_normal: vec3f, geometric_normal: vec3f) -> f32 {
     let above = dot(direction, geometric_normal);
     if above <= 0.0 {
@@ -41,7 +45,8 @@ fn folded_cosine(direction: vec3f, shading_normal: vec3f, geometric_normal: vec3
     return max(dot(direction, shading_normal), 0.0) + max(dot(mirrored, shading_normal), 0.0);
 }
 
-// The numbers of one of so many candidates: each is in a part of the first number's range, all at the same place of their parts.
+// The random numbers of candidate `index` of `count`: each candidate has its own stratum of the
+// first number, all at the same place within it.
 fn candidate(numbers: vec2f, index: u32, count: u32) -> vec2f {
     let parts = f32(count);
     return vec2f(
@@ -50,7 +55,7 @@ fn candidate(numbers: vec2f, index: u32, count: u32) -> vec2f {
     );
 }
 
-// A ray from a place to a point of an emitter.
+// Traces a ray from a place to a point of an emitter.
 fn trace_to(
     point: EmitterPoint,
     position_in_world: vec3f,
@@ -59,7 +64,7 @@ fn trace_to(
     settings: ConeSettings,
 ) -> Traced {
     let origin = cone_start(position_in_world, geometric_normal, level, settings);
-    // To a place just in front of the emitter.
+    // The ray ends just in front of the emitter.
     let at_emitter = finest_level(point.position, level, 2.0);
     let to_point = point.position + START * exp2(f32(at_emitter)) * point.normal - origin;
     let distance = length(to_point);
@@ -67,8 +72,8 @@ fn trace_to(
     return trace_cone(ray, ray_settings(settings));
 }
 
-// `level` is that of the voxels of the place's surface, `start` in [0, 1)^2 is its own place in the sequence, and `turn` counts
-// through it.
+// `level` is that of the voxels of the place's surface, `start` in [0, 1)^2 is the place's offset
+// in the sequence, and `turn` advances it.
 fn gather_emitters(
     position_in_world: vec3f,
     shading_normal: vec3f,
@@ -94,7 +99,7 @@ fn gather_emitters(
         let cosine = folded_cosine(point.direction, shading_normal, geometric_normal);
         let weight = strength(point.radiance) * cosine * point.solid_angle;
         sum += weight;
-        // From blue to red, and those of one colour as they come.
+        // Sorts candidates by hue from blue to red, stably.
         let hue = (point.radiance.r - point.radiance.b) / max(strength(point.radiance), 1e-30);
         var slot = i;
         for (; slot > 0u && hues[slot - 1u] > hue; slot--) {
@@ -109,8 +114,9 @@ fn gather_emitters(
     if sum <= 0.0 {
         return result;
     }
-    // Where all weigh the same, the one that the first number is in. The turn, other digits of the start, makes the lot
-    // independent of where in their parts the candidates lie.
+    // If all weights are equal, this chooses the candidate in whose stratum the number falls. Other
+    // digits of `start` make the choice independent of where the candidates lie within their
+    // strata.
     let lot = fract(numbers.x + fract(start.x * 4096.0)) * sum;
     var index = 0u;
     var so_far = weights[0];

@@ -1,7 +1,7 @@
-// The emitters of a run of triangles: a thread for each.
+// Lists the emitters of a run of triangles: one thread for each.
 //
-// A triangle with a texture is quartered again and again into pieces of equal area, each with the texture's mean over it:
-// whoever draws an emitter need not read textures, of which there may be any number.
+// A textured triangle is quartered repeatedly into pieces of equal area, each with the mean of the
+// texture over it: sampling an emitter then reads no textures, of which there may be any number.
 
 import package::constants::{DOUBLE_SIDED, LINEAR_WORKGROUP_SIZE};
 import package::emitters::emitter::{strength, Emitter};
@@ -22,8 +22,9 @@ struct RunEmitters {
 @group(2) @binding(0) var<uniform> params: RunEmitters;
 @group(2) @binding(1) var<storage, read_write> listed: array<Emitter>;
 
-// The corners of a piece: barycentric coordinates. Each two bits of its number choose a quarter of what is left, so that
-// pieces with numbers near each other lie near each other, and a number that is spread well makes places that are.
+// The corners of a piece in barycentric coordinates. Each two bits of its number choose a quarter
+// of the remaining triangle, so pieces with close numbers are close to each other, and well
+// distributed numbers give well distributed places.
 fn corners_of(piece: u32) -> array<vec2f, 3> {
     var a = vec2f(0.0);
     var b = vec2f(1.0, 0.0);
@@ -87,7 +88,7 @@ fn main(
     }
     let area = 0.5 * length(cross(emitter.along_ab, emitter.along_ac));
     let power = strength(emitter.radiance) * area * f32(1u + emitter.is_double_sided);
-    // Triangles that are not finite shine no more than they are voxelized.
+    // Triangles that are not finite emit nothing, as they are not voxelized either.
     emitter.power = select(0.0, power, power > 0.0 && power < 1e30);
     listed[params.first_emitter + index] = emitter;
 }

@@ -1,16 +1,20 @@
-//! Surfaces that shine by themselves, as lights: their triangles in one list, from which gathers draw.
+//! Emissive surfaces as lights: a list of their triangles, which gathers sample.
 //!
-//! Cones find a small lamp by chance, in one frame of many. So whoever gathers diffuse light draws points on lamps instead,
-//! and his cones leave emission out: the volume shows reflected light alone to them ([`crate::light`]). Glossy cones
-//! find emission in the volume, since a mirror shows a lamp in one direction alone.
+//! Cones hit a small lamp only by chance, in few of many frames. So diffuse gathers sample points
+//! on lamps instead, and their cones leave emission out: the volume then shows only reflected light
+//! ([`crate::light`]). Glossy cones find emission in the volume, since a mirror shows a lamp in
+//! only one direction.
 //!
-//! The list is made of the triangles themselves, so that a lamp's light does not depend on the voxels that it falls
-//! in: of each the corners in the grid's coordinates and its radiance, 64 bytes (`emitter.wgsl`). Textured triangles are
-//! cut into pieces of one radiance each. The list is sorted along a Morton curve, and a binary tree stands over it: a node has the
-//! box, the power and the directions of its emitters. So an emitter is drawn by what it brings to a place: power is area times
-//! the mean of the channels, nearer ones count more, and those that face away count nothing (Conty Estevez and Kulla 2018,
-//! "Importance sampling of many lights with adaptive tree splitting"). The tree is complete, so nodes need no pointers: each level has
-//! half the nodes of the one below. A node takes 64 bytes as an emitter does, and has the boxes of its two parts.
+//! The list is made from the triangles themselves, so that a lamp's light does not depend on the
+//! voxels that it falls into: each entry has the corners in the grid's coordinates and the
+//! radiance, 64 bytes (`emitter.wgsl`). Textured triangles are cut into pieces of constant
+//! radiance. The list is sorted along a Morton curve, with a binary tree over it: a node has the
+//! box, the power and the directions of its emitters. So an emitter is sampled by its contribution
+//! to a place: power is area times the mean of the channels, nearer ones count more, and those that
+//! face away do not count (Conty Estevez and Kulla 2018, "Importance sampling of many lights with
+//! adaptive tree splitting"). The tree is complete, so nodes need no pointers: each level has half
+//! the nodes of the one below. A node takes 64 bytes, like an emitter, and stores the boxes of its
+//! two children.
 //!
 //! | file | does | once per |
 //! | --- | --- | --- |
@@ -54,15 +58,16 @@ pub(crate) struct EmitterRecord {
     padding_1: u32,
 }
 
-/// Bytes before the first emitter, and where in them it is said that the volume shows emission.
+/// Bytes before the first emitter, and the byte in them of the flag that the volume shows emission.
 const HEADER_BYTES: u64 = 16;
 const SHOWN_BYTE: u64 = 4;
 
-/// The most triangles that are listed (64 MiB with their tree). Where more of them shine, cones find them as they find all else.
+/// The most triangles that are listed (64 MiB with their tree). If more triangles are emissive,
+/// only cones find them.
 const MOST_TRIANGLES: u64 = 1 << 19;
 
-/// The most pieces of textured triangles of a geometry, where its runs are no more than that: half of what one binding can hold beside
-/// all triangles.
+/// The most pieces of a geometry's textured triangles, if it has no more runs than that: half of
+/// what one binding can hold beside all triangles.
 const MOST_PIECES_OF_ALL: u32 = 1 << 18;
 
 /// `RunEmitters` of `list.wgsl`.
@@ -75,8 +80,8 @@ pub(crate) struct RunEmitters {
     padding: u32,
 }
 
-/// Pieces that the textured triangles of a run are cut into, all together, at most: a screen of two triangles has 32 x 32
-/// of them, 10 000 triangles have one each.
+/// The most pieces that the textured triangles of a run are cut into, all together: a screen of two
+/// triangles gets 32 x 32 pieces, 10 000 triangles get one each.
 const MOST_PIECES: u32 = 2048;
 
 /// How often a run's triangles are quartered.
@@ -96,17 +101,17 @@ pub(crate) struct Emitters {
     grid: Grid,
     globals: BindGroup,
     fallbacks: Fallbacks,
-    /// The words 1 and 0.
+    /// Single-word buffers with the values 1 and 0.
     words: [Buffer; 2],
     batches: Vec<BoundBatch>,
-    /// Nothing is known of what stands in buffers of static draws.
+    /// The contents of the buffers of static draws are not known.
     is_forgotten: bool,
-    /// Whether there were dynamic ones.
+    /// `true` if there were dynamic emitters.
     has_moving: bool,
     emission_scale: f32,
 }
 
-/// A batch with triangles that shine.
+/// A batch with emissive triangles.
 #[derive(Debug)]
 struct BoundBatch {
     /// Without draws.
@@ -187,7 +192,7 @@ impl Emitters {
         self.order.list()
     }
 
-    /// Whether a geometry has emitters, and not more of them than are listed.
+    /// `true` if a geometry has emitters, and not more of them than can be listed.
     pub(crate) fn are_in(geometry: &Geometry) -> bool {
         if !geometry.materials.iter().any(emits) {
             return false;
@@ -201,7 +206,7 @@ impl Emitters {
         (1..=MOST_TRIANGLES).contains(&triangles)
     }
 
-    /// Lets the next list be made anew, whatever is known of static draws.
+    /// Forces the next call of `record` to rebuild the list, even if no draw has changed.
     pub(crate) fn forget(&mut self) {
         self.is_forgotten = true;
     }
@@ -211,8 +216,9 @@ impl Emitters {
         self.order.bytes()
     }
 
-    /// Lists what shines of a geometry. Vertices and textures of static draws are what they were, unless it was told to forget
-    /// them. Whether the list stands in another buffer than before is returned.
+    /// Lists the emitters of a geometry. Assumes that vertices and textures of static draws have
+    /// not changed, unless [`Self::forget`] was called. Returns `true` if the list is in a new
+    /// buffer.
     ///
     /// # Errors
     /// [`GiError::Geometry`] and [`GiError::Limit`] as for voxelizations.
@@ -266,19 +272,19 @@ impl Emitters {
         Ok(has_grown)
     }
 
-    /// Lets nothing be drawn, since the volume shows emission.
+    /// Disables emitter sampling while the volume contains emission.
     pub(crate) fn rest(&self, recorder: &mut Recorder<'_>) {
         recorder.copy((&self.words[0], 0), (self.order.list(), SHOWN_BYTE), 4);
     }
 
-    /// Lets emitters be drawn, since the volume will not show emission: unless it has no room for its change, as a word that is
-    /// not zero tells.
+    /// Enables emitter sampling, since the volume will no longer show emission, unless `late_word`
+    /// is not zero: then the volume is too small for its change.
     pub(crate) fn wake(&self, recorder: &mut Recorder<'_>, late_word: Option<&Buffer>) {
         let word = late_word.unwrap_or(&self.words[1]);
         recorder.copy((word, 0), (self.order.list(), SHOWN_BYTE), 4);
     }
 
-    /// Binds what shines, and makes room for it; whether in another buffer is returned.
+    /// Binds emitters and allocates the list; returns `true` if it is in a new buffer.
     fn bind(
         &mut self,
         recorder: &Recorder<'_>,

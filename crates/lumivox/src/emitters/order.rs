@@ -1,4 +1,4 @@
-//! The list's order and the tree over it: made anew each time that the list is.
+//! The list's order and the tree over it, rebuilt each time the list is.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -32,11 +32,11 @@ pub(crate) struct TreePart {
 /// Keys that one workgroup sorts.
 const BLOCK: u32 = 512;
 
-/// Levels of the tree that one pass makes, and the nodes of the first of them that one workgroup has.
+/// Levels of the tree that one pass builds, and the nodes of its first level per workgroup.
 const PASS_LEVELS: u32 = 9;
 const PASS_NODES: u32 = 256;
 
-/// Cells of the Morton curve along the longest edge of all boxes: what its 30 bits hold.
+/// Cells of the Morton curve along the longest edge of all boxes: 10 bits per axis.
 const MORTON_CELLS: f32 = 1024.0;
 
 /// Cells of the Morton curve along the edge of a finest voxel.
@@ -45,18 +45,18 @@ fn cells_per_voxel(grid: &Grid) -> f32 {
     MORTON_CELLS / (grid.box_dimensions().max_element() as f32 * coarser)
 }
 
-/// Levels of nodes above so many emitters.
+/// Levels of nodes above `count` emitters.
 fn levels_above(count: u32) -> u32 {
     count.max(1).next_power_of_two().trailing_zeros()
 }
 
-/// Emitters and nodes of a list.
+/// Emitters and nodes of a list together.
 fn records(count: u64) -> u64 {
     let nodes = (1..=levels_above(count as u32)).map(|level| count.div_ceil(1 << level));
     count + nodes.sum::<u64>()
 }
 
-/// The kernels, the emitters as they were listed, and the list in its order.
+/// The kernels, the unsorted emitters, and the sorted list.
 #[derive(Debug)]
 pub(super) struct Order {
     layout: wgpu::BindGroupLayout,
@@ -122,7 +122,7 @@ impl Order {
         &self.list
     }
 
-    /// The emitters as they are listed (`array<Emitter>`).
+    /// The emitters before they are sorted (`array<Emitter>`).
     pub(super) fn unsorted(&self) -> &Buffer {
         &self.unsorted
     }
@@ -132,7 +132,7 @@ impl Order {
         self.list.size() + self.unsorted.size() + self.keys.size()
     }
 
-    /// Makes room for so many emitters; whether in other buffers is returned.
+    /// Allocates buffers for `count` emitters; returns `true` if they are new.
     ///
     /// # Errors
     /// [`GiError::Limit`] when the device cannot hold them.
@@ -151,7 +151,7 @@ impl Order {
         Ok(has_grown)
     }
 
-    /// Binds what so many emitters need.
+    /// Creates the steps that sort `count` emitters and build the tree.
     fn bind(&mut self, device: &wgpu::Device, count: u32) {
         self.steps.clear();
         let keys = count.next_power_of_two().max(BLOCK);
@@ -193,7 +193,7 @@ impl Order {
         self.steps = steps;
     }
 
-    /// Sorts what was listed, and makes the tree.
+    /// Sorts the listed emitters, and builds the tree.
     pub(super) fn record(&self, recorder: &mut Recorder<'_>) {
         for step in &self.steps {
             step.kernel.run(recorder, &[&step.group], [step.threads, 1, 1]);
@@ -201,7 +201,7 @@ impl Order {
     }
 }
 
-/// A list without emitters, which has room for one, since no binding may be empty.
+/// A list without emitters, with space for one, since no binding may be empty.
 pub(crate) fn empty_list(device: &wgpu::Device) -> Buffer {
     storage_buffer(device, "emitters", HEADER_BYTES + size_of::<EmitterRecord>() as u64)
 }

@@ -1,6 +1,6 @@
-// The order of the emitters, along a Morton curve: those that follow one another are near each other, in whatever order
-// meshes have them. Sorted by a bitonic network (Batcher 1968, "Sorting networks and their applications"), whose order of
-// exchanges is fixed.
+// The order of the emitters along a Morton curve: consecutive emitters are close to each other,
+// whatever the order of the meshes. Sorted by a bitonic network (Batcher 1968, "Sorting networks
+// and their applications"), whose order of exchanges is fixed.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::emitters::emitter::{record_of, Emitter, EmitterList};
@@ -8,7 +8,7 @@ import package::voxels::morton::morton_encode;
 
 struct Sorting {
     count: u32,
-    // Runs of so many keys are sorted by turns up and down.
+    // Runs of this many keys are sorted alternately up and down.
     run: u32,
     // The distance of the keys that are compared.
     distance: u32,
@@ -17,7 +17,7 @@ struct Sorting {
 }
 
 @group(0) @binding(0) var<uniform> sorting: Sorting;
-// The code of an emitter, and its index as it was listed.
+// The Morton code of an emitter, and its index in `unsorted`.
 @group(0) @binding(1) var<storage, read_write> keys: array<vec2u>;
 @group(0) @binding(2) var<storage, read> unsorted: array<Emitter>;
 @group(0) @binding(3) var<storage, read_write> list: EmitterList;
@@ -34,7 +34,7 @@ fn key_of(index: u32) -> vec2u {
     }
     let emitter = unsorted[index];
     let middle = emitter.corner + (emitter.along_ab + emitter.along_ac) / 3.0;
-    // The curve begins again where the boxes end, so that those of a clipmap may go anywhere.
+    // The curve repeats outside of the boxes, so those of a clipmap may move anywhere.
     let cell = vec3i(floor(middle * sorting.cells_per_voxel)) & vec3i(1023);
     return vec2u(morton_encode(vec3u(cell)), index);
 }
@@ -102,7 +102,7 @@ fn merge_blocks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocati
     keys[start + local + THREADS] = block[local + THREADS];
 }
 
-// Lists the emitters in their order.
+// Writes the emitters in sorted order.
 @compute @workgroup_size(THREADS)
 fn place(@builtin(global_invocation_id) invocation: vec3u) {
     let index = invocation.x;

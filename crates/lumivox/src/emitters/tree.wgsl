@@ -1,4 +1,5 @@
-// The binary tree over the emitters, from below: a workgroup makes nodes of some levels above a part of the list.
+// Builds the binary tree over the emitters bottom-up: a workgroup builds the nodes of some levels
+// above a part of the list.
 
 import package::emitters::cluster::{cluster_of, no_cluster, pack, unite, unpack, Cluster};
 import package::emitters::emitter::{emitter_of, nodes_at, tree_levels, EmitterList, Record};
@@ -15,7 +16,7 @@ struct TreePart {
 @group(0) @binding(1) var<storage, read_write> list: EmitterList;
 
 const THREADS = 256u;
-// The levels of a pass: THREADS nodes, half of them, and so on up to one.
+// The levels of a pass: THREADS nodes, half of them, and so on down to one.
 const PASS_LEVELS = 9u;
 
 fn first_node(level: u32) -> u32 {

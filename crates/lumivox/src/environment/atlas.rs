@@ -1,5 +1,5 @@
-//! A cube with all its mips, flat in one texture: every face of every mip has a border of one
-//! texel, so that a bilinear sample anywhere on a face finds the texels beyond its edges.
+//! A cube with all its mips, laid out in one texture: every face of every mip has a border of one
+//! texel, so that a bilinear sample anywhere on a face includes the texels beyond its edges.
 
 use glam::{UVec2, Vec3};
 
@@ -8,8 +8,8 @@ use super::cube::{Cube, direction};
 /// Texels around a face, on each side.
 const BORDER: u32 = 1;
 
-/// The layout of the texture: each mip has two rows of three faces. The first mip is at the left,
-/// the others are below each other beside it. `environment.wgsl` has the same layout.
+/// The layout of the texture: each mip has two rows of three faces. The first mip is at the left;
+/// the others are below each other to its right. `environment.wgsl` has the same layout.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     edge: u32,
@@ -50,7 +50,7 @@ fn block(edge: u32) -> UVec2 {
     UVec2::new(3, 2) * bordered(edge)
 }
 
-/// Lays a cube and its mips out.
+/// Lays out a cube and its mips.
 pub(super) fn flatten(mut cube: Cube) -> (UVec2, Vec<Vec3>) {
     let layout = Layout::new(cube.edge);
     let size = layout.size();
@@ -72,8 +72,8 @@ pub(super) fn flatten(mut cube: Cube) -> (UVec2, Vec<Vec3>) {
     (size, texels)
 }
 
-/// A texel of a face with its border: beyond an edge it is the neighbour's, at a corner the mean of
-/// the three that meet.
+/// A texel of a bordered face: beyond an edge the neighbour's texel, at a corner the mean of the
+/// three texels that meet.
 fn bordered_texel(cube: &Cube, face: u32, x: u32, y: u32) -> Vec3 {
     let last = cube.edge - 1;
     let inside = |i: u32| (BORDER..=last + BORDER).contains(&i);
@@ -113,7 +113,7 @@ fn beyond(cube: &Cube, towards: Vec3) -> Vec3 {
 mod tests {
     use super::*;
 
-    /// A colour for each direction, without steps.
+    /// A colour for each direction, continuous everywhere.
     fn smooth(edge: u32) -> Cube {
         let middle = |i: u32| (2.0 * i as f32 + 1.0) / edge as f32 - 1.0;
         let texels = (0..6)
@@ -139,7 +139,7 @@ mod tests {
                 let meets = |(a, b): &(UVec2, UVec2)| a.cmplt(*high).all() && low.cmplt(*b).all();
                 assert!(!boxes[..i].iter().any(meets), "{edge}: {low} {high}");
             }
-            // The shader finds the edge by this.
+            // The shader computes the edge from the size in this way.
             assert_eq!((2 * layout.size().x - 24) / 9, edge);
             assert!(layout.size().max_element() <= 8192, "WebGPU's textures are no larger");
         }

@@ -1,4 +1,4 @@
-//! From a panorama to a cube, and to its mips, on the CPU.
+//! Projection of a panorama to a cube, and the cube's mips, on the CPU.
 
 use std::f32::consts::PI;
 use std::f64;
@@ -29,7 +29,7 @@ impl Image {
 }
 
 impl Panorama<'_> {
-    /// The unit vector towards a place, in texels from the left and the top edge.
+    /// The unit vector towards a position, in texels from the left and the top edge.
     pub(super) fn direction(&self, x: f64, y: f64) -> DVec3 {
         let azimuth = (x / f64::from(self.width) - 0.5) * f64::consts::TAU;
         let (sine, cosine) = (y / f64::from(self.height) * f64::consts::PI).sin_cos();
@@ -46,7 +46,7 @@ impl Panorama<'_> {
         Vec3::from(self.rgb[y as usize * self.width as usize + x as usize])
     }
 
-    /// The radiance from a direction, between the middles of four texels.
+    /// The radiance from a direction, bilinearly filtered.
     fn sample(&self, direction: Vec3) -> Vec3 {
         let azimuth = direction.x.atan2(-direction.z);
         let polar = direction.y.clamp(-1.0, 1.0).acos();
@@ -64,8 +64,8 @@ impl Panorama<'_> {
     }
 }
 
-/// The panorama reduced to at most this width, by means over solid angles; `None` if it is small
-/// enough.
+/// The panorama reduced to at most this width, by means over solid angles; `None` if it is already
+/// small enough.
 pub(super) fn reduced(panorama: Panorama<'_>, most: u32) -> Option<Image> {
     let mut image: Option<Image> = None;
     loop {
@@ -95,8 +95,8 @@ fn halved(from: Panorama<'_>) -> Image {
     Image { width, height, rgb }
 }
 
-/// The direction (of any length) of a place on a face; `s` to the right and `t` down, from -1 to 1.
-/// All graphics interfaces share this arrangement: Vulkan 1.3, section "Cube map face selection".
+/// The direction (of any length) of a position on a face; `s` to the right and `t` down, from -1 to
+/// 1. All graphics APIs share this arrangement: Vulkan 1.3, section "Cube map face selection".
 pub(super) fn direction(face: usize, s: f32, t: f32) -> Vec3 {
     match face {
         0 => Vec3::new(1.0, -t, -s),
@@ -118,8 +118,8 @@ pub(super) fn solid_angle_sr(edge: u32, x: u32, y: u32) -> f32 {
 }
 
 impl Cube {
-    /// Projects a panorama onto a cube. Each texel is the mean of samples spread over it: 16, or
-    /// fewer for large cubes, down to one in the largest, whose texels are as wide as a bilinear
+    /// Projects a panorama onto a cube. Each texel is the mean of samples distributed over it: 16,
+    /// or fewer for large cubes, down to one in the largest, whose texels are as wide as a bilinear
     /// sample of the panorama.
     pub(super) fn project(panorama: Panorama<'_>, edge: u32) -> Self {
         let side = match edge {

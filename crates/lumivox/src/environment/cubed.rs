@@ -1,4 +1,5 @@
-//! A map of surroundings that are on the GPU already, as a cube texture: of an engine's sky, which may change in each frame.
+//! An environment map from a cube texture that is already on the GPU, such as an engine's sky,
+//! which may change every frame.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3};
@@ -11,12 +12,12 @@ use crate::gpu::{
     storage_buffer, uniform_buffer,
 };
 
-/// The most samples along an edge of a texel: finer cubes lose some.
+/// Maximum number of samples along an edge of a texel; finer cubes are undersampled.
 const MAX_SAMPLES: u32 = 16;
 
-/// An [`EnvironmentMap`] that takes the light of cube textures, on the GPU and in a caller's frame.
+/// An [`EnvironmentMap`] that is filled from cube textures on the GPU, while the caller records a frame.
 ///
-/// Peaks are not cut out: a sun belongs among the lights, and not into the cube.
+/// Peaks are not cut out: a sun belongs in the lights, not in the cube.
 #[derive(Debug)]
 pub struct EnvironmentCube {
     map: EnvironmentMap,
@@ -28,18 +29,18 @@ pub struct EnvironmentCube {
     settings: Buffer,
     sampler: wgpu::Sampler,
     levels: Vec<Level>,
-    /// The cube that was taken last.
+    /// The last recorded cube texture.
     bound: Option<(wgpu::TextureView, BindGroup)>,
 }
 
-/// How a cube texture becomes light.
+/// How a cube texture is converted to light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubeUse {
     /// From a direction in the world to one in the cube texture: a rotation or a mirror.
     pub cube_from_world: Mat3,
-    /// The factor of its values; default 1.
+    /// Factor for the texture's values. Default: 1.
     pub factor: f32,
-    /// Radiance from everywhere that is added; default none.
+    /// Constant radiance added to the map. Default: zero.
     pub added: Vec3,
 }
 
@@ -79,7 +80,8 @@ pub(crate) struct CubeLevel {
 }
 
 impl EnvironmentCube {
-    /// A black map whose faces have `edge` texels an edge: a power of two from 2 to 1024. 128 texels take 3.2 MiB.
+    /// A black map with faces of `edge` x `edge` texels: a power of two from 2 to 1024. 128 texels
+    /// take 3.2 MiB.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -117,7 +119,8 @@ impl EnvironmentCube {
     /// ```
     ///
     /// # Errors
-    /// [`GiError::Setting`] for another edge, [`GiError::Shader`] when `shaders` lack the modules of [`crate::Gi::shaders`].
+    /// [`GiError::Setting`] for any other edge, [`GiError::Shader`] if `shaders` lacks the modules
+    /// of [`crate::Gi::shaders`].
     pub fn new(
         pipelines: &Pipelines,
         shaders: &crate::gpu::ShaderLibrary,
@@ -215,10 +218,10 @@ impl EnvironmentCube {
         })
     }
 
-    /// Takes the light of a cube texture: of the first mip of `cube`, a view as a cube of a filterable format. Values that are
-    /// no radiance (negative, not finite) are left out.
+    /// Records the conversion of a cube texture: of the first mip of `cube`, a cube view of a
+    /// filterable format. Values that are not a radiance (negative, not finite) are skipped.
     ///
-    /// Light in the voxels stays what it was until [`crate::Gi::forget_light`].
+    /// Light in the voxels does not change until [`crate::Gi::forget_light`].
     pub fn record(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -250,7 +253,8 @@ impl EnvironmentCube {
         }
     }
 
-    /// The map, black before the first [`Self::record`]. It stays the same one.
+    /// The map, black before the first [`Self::record`]. Later calls of `record` update it in
+    /// place.
     pub fn map(&self) -> &EnvironmentMap {
         &self.map
     }

@@ -1,5 +1,6 @@
-// A cube texture becomes the flat map that cones read: means over the texels of its first mip, the other mips, and all of
-// them laid out with their borders. `cube.rs` and `atlas.rs` do the same on the CPU.
+// Converts a cube texture to the flat map that cones read: means over the texels of its first mip,
+// the other mips, and all of them laid out with their borders. `cube.rs` and `atlas.rs` do the same
+// on the CPU.
 
 import package::environment::cube_place;
 
@@ -18,11 +19,11 @@ struct CubeLight {
 struct CubeLevel {
     // Texels along an edge of a face.
     edge: u32,
-    // Its first texel in `levels`, and that of the finer level.
+    // First texel of this level in `levels`, and that of the finer level.
     first: u32,
     finer: u32,
     padding_0: u32,
-    // The corner of its first face in the map.
+    // The corner of this level's first face in the map.
     corner: vec2u,
     padding: vec2u,
 }
@@ -39,7 +40,7 @@ struct CubeLevel {
 // The largest half float.
 const MOST: f32 = 65504.0;
 
-// The direction of a place on a face, -1 to 1 along both edges.
+// The direction of a position on a face, -1 to 1 along both edges.
 fn direction_on(face: u32, place: vec2f) -> vec3f {
     switch face {
         case 0u: { return vec3f(1.0, -place.y, -place.x); }
@@ -51,7 +52,7 @@ fn direction_on(face: u32, place: vec2f) -> vec3f {
     }
 }
 
-// The solid angle of a part of a face around a place, over its area.
+// The solid angle of a small part of a face around a position, divided by its area.
 fn solidity(place: vec2f) -> f32 {
     let square = 1.0 + dot(place, place);
     return 1.0 / (square * sqrt(square));
@@ -65,7 +66,7 @@ fn index_of(first: u32, edge: u32, face: u32, texel: vec2u) -> u32 {
     return first + (face * edge + texel.y) * edge + texel.x;
 }
 
-// The first level: the mean of samples spread over each texel.
+// The first level: the mean of samples distributed over each texel.
 @compute @workgroup_size(8, 8)
 fn take(@builtin(global_invocation_id) texel: vec3u) {
     let edge = level.edge;
@@ -107,7 +108,7 @@ fn texel_at(face: u32, texel: vec2u) -> vec3f {
     return levels[index_of(level.first, level.edge, face, texel)].rgb;
 }
 
-// A texel with the border's numbers, beyond one edge at most: there it is the neighbour's.
+// A texel in bordered coordinates, beyond at most one edge; there it is the neighbour's texel.
 fn bordered_texel(face: u32, texel: vec2u) -> vec3f {
     let edge = level.edge;
     if all(texel >= vec2u(1u)) && all(texel <= vec2u(edge)) {
@@ -117,7 +118,8 @@ fn bordered_texel(face: u32, texel: vec2u) -> vec3f {
     return texel_at(at.face, min(vec2u(at.place * f32(edge)), vec2u(edge - 1u)));
 }
 
-// A level with its borders into the map; at a corner the mean of the three faces that meet.
+// Writes a level with its borders to the map; a corner is the mean of the three faces that meet
+// there.
 @compute @workgroup_size(8, 8)
 fn lay_out(@builtin(global_invocation_id) invocation: vec3u) {
     let edge = level.edge;

@@ -1,26 +1,27 @@
-// The radiance that a cone sees outside the grid: the surroundings at a resolution of its own.
+// The radiance that a cone sees outside the grid: the environment, at a resolution of its own.
 //
-// Seen from its start a sample has the angle `growth`. It reads the mip at which a bilinear sample is as wide. Mips hold
-// means over solid angles, in multiples of `light_globals.environment`.
+// Seen from the cone's start, a sample has the angle `growth`. It reads the mip in which a bilinear
+// sample is equally wide. Mips store means over solid angles, in multiples of
+// `light_globals.environment`.
 //
-// The cube is flat in a texture (atlas.rs): every face of every mip has a border of the texels
-// beyond its edges. Samplers would filter a cube texture across edges, but SwiftShader, the
+// The cube is laid out in a 2D texture (atlas.rs): every face of every mip has a border with the
+// texels beyond its edges. Samplers would filter a cube texture across edges, but SwiftShader, the
 // software GPU of browsers, reads uninitialized memory there.
 
 import package::constants::LIGHT_ENVIRONMENT;
 import package::light::lights::{light_globals, Light};
 
-// All of the surroundings.
+// The whole environment.
 @group(2) @binding(5) var environment_sharp: texture_2d<f32>;
-// Without the peaks that are lights (LIGHT_ENVIRONMENT).
+// The environment without the peaks that are lights (LIGHT_ENVIRONMENT).
 @group(2) @binding(6) var environment_soft: texture_2d<f32>;
 @group(2) @binding(7) var environment_sampler: sampler;
 
-// The width of a bilinear sample, in texels: of the box with the same noise, 1 over the integral of the squared
-// tent.
+// The width of a bilinear sample, in texels: that of the box with the same noise, 1 / (integral of
+// the squared tent).
 const TEXELS_PER_SAMPLE: f32 = 1.5;
 
-// From the world to the map: a turn about y.
+// From the world to the map: a rotation about y.
 fn map_from_world(direction: vec3f) -> vec3f {
     let turn = light_globals.environment_turn;
     return vec3f(
@@ -45,7 +46,8 @@ fn cube_edge(size: vec2u) -> u32 {
     return (2u * size.x - 24u) / 9u;
 }
 
-// Where a direction meets the cube: the face's number, and the place on it, from 0 at its left or top edge to 1.
+// Where a direction meets the cube: the number of the face, and the position on it, 0 to 1 from its
+// left and top edge.
 struct CubePlace {
     face: u32,
     place: vec2f,
@@ -67,12 +69,12 @@ fn cube_place(direction: vec3f) -> CubePlace {
     return CubePlace(u32(on.w), 0.5 + 0.5 * on.xy / on.z);
 }
 
-// One mip, filtered between four texels.
+// A bilinear sample of one mip.
 fn sample_mip(map: texture_2d<f32>, at: CubePlace, mip: u32) -> vec3f {
     let size = textureDimensions(map);
     let first = cube_edge(size);
     let edge = first >> mip;
-    // The first mip is at the left, the others are below each other beside it.
+    // The first mip is at the left; the others are below each other to its right.
     let above = select(0u, 2u * (first - 2u * edge) + 4u * (mip - 1u), mip > 0u);
     let corner = vec2u(select(0u, 3u * (first + 2u), mip > 0u), above)
         + vec2u(at.face % 3u, at.face / 3u) * (edge + 2u);
@@ -80,7 +82,7 @@ fn sample_mip(map: texture_2d<f32>, at: CubePlace, mip: u32) -> vec3f {
     return textureSampleLevel(map, environment_sampler, place / vec2f(size), 0.0).rgb;
 }
 
-// A unit vector's texels at a level between two mips.
+// Trilinear sample in the direction of a unit vector.
 fn sample_cube(map: texture_2d<f32>, direction: vec3f, level: f32) -> vec3f {
     let last = firstLeadingBit(cube_edge(textureDimensions(map)));
     let mip = min(u32(level), last);
@@ -100,8 +102,8 @@ fn environment_radiance(direction: vec3f, width: f32) -> vec3f {
     return light_globals.environment * sample_cube(environment_soft, in_map, level);
 }
 
-// The same along a glossy reflection. A lobe (alpha of the microfacets) narrower than the peaks
-// shows them as they are; a wider one gets them from their lights, see `glossy_share`.
+// Radiance from outside along a glossy reflection. A lobe (alpha of the microfacets) narrower than
+// the peaks shows them from the map; a wider one gets them from their lights, see `glossy_share`.
 fn environment_reflection(direction: vec3f, width: f32, alpha: f32) -> vec3f {
     if alpha >= light_globals.mirror_alpha {
         return environment_radiance(direction, width);
@@ -111,13 +113,14 @@ fn environment_reflection(direction: vec3f, width: f32, alpha: f32) -> vec3f {
     return light_globals.environment * sample_cube(environment_sharp, in_map, level);
 }
 
-// The share of a light that its highlight shows: none if `environment_reflection` already shows it.
+// The share of a light that its highlight shows: 0 if `environment_reflection` already shows the
+// light.
 fn glossy_share(light: Light, alpha: f32) -> f32 {
     return select(
         1.0, 0.0, light.kind == LIGHT_ENVIRONMENT && alpha < light_globals.mirror_alpha);
 }
 
-// The radiance that the eye sees along a unit vector: all of it, sharp.
+// The radiance that the eye sees along a unit vector: the whole environment, sharp.
 fn environment_background(direction: vec3f) -> vec3f {
     return light_globals.environment
         * sample_mip(environment_sharp, cube_place(map_from_world(direction)), 0u);

@@ -1,25 +1,25 @@
-//! The surroundings, which cones see outside the grid: a uniform radiance, or a picture.
+//! The environment, which cones see outside the grid: a uniform radiance, or a picture.
 //!
 //! A picture becomes a cube map whose mips are means over their solid angle, computed in f32 on the
 //! CPU ([`cube`]). A cone that leaves the grid continues to infinity: it reads the mip whose texels
-//! are as wide as a share of it (`environment.wgsl`). Its directions are jittered
-//! over the whole hemisphere, so that the mean over frames is the integral over the mips.
+//! are as wide as a share of the cone (`environment.wgsl`). Cone directions are jittered over the
+//! whole hemisphere, so that the mean over frames is the integral over the mips.
 //!
 //! A few rays cannot find a sun: it would be a speck of noise, and its shadow as wide as a cone.
 //! Compact peaks are therefore cut out ([`peaks`]) and become directional lights, with shadow maps
-//! and exact highlights; the rest is the *soft* cube. The *sharp* cube holds everything, for the
-//! background and for lobes that are narrower than the peaks: mirrors show the sun's disc and not
-//! its light's highlight.
+//! and exact highlights; the rest is the *soft* cube. The *sharp* cube contains everything, for the
+//! background and for lobes that are narrower than the peaks: mirrors show the sun's disc instead
+//! of the highlight of its light.
 //!
-//! Half floats hold the cubes, in multiples of a power of two near the picture's mean: from a
-//! 16-millionth of the mean to 65 504 times the mean. Brighter texels are only clipped in the sharp
+//! The cubes store half floats, in multiples of a power of two near the picture's mean: from a
+//! 16-millionth of the mean to 65 504 times the mean. Brighter texels are clipped only in the sharp
 //! cube, since the sun's energy is in its light.
 //!
-//! A cube's texels have about the same size in all directions. It is flat in one texture, with
-//! borders for filtering across its edges ([`atlas`]), because not every driver filters cube
+//! A cube's texels have about the same size in all directions. It is laid out in one 2D texture,
+//! with borders for filtering across its edges ([`atlas`]), because not every driver filters cube
 //! textures correctly.
 //!
-//! A cube texture of an engine's sky is taken over on the GPU ([`cubed`]), in the same layout.
+//! A cube texture of an engine's sky is converted to the same layout on the GPU ([`cubed`]).
 
 mod atlas;
 mod cube;
@@ -38,16 +38,17 @@ use cube::Cube;
 pub(crate) use cubed::{CubeLevel, CubeLight};
 pub use cubed::{CubeUse, EnvironmentCube};
 
-/// The longest edge of a face of the sharp cube; a face's middle then has 9 texels a degree. 74 MiB.
+/// Maximum edge of a face of the sharp cube; the middle of a face then has 9 texels per degree. 74
+/// MiB.
 const MAX_SHARP_EDGE: u32 = 1024;
-/// The longest edge of a face of the soft cube, which no lobe reads sharply. 19 MiB.
+/// Maximum edge of a face of the soft cube, which no lobe reads sharply. 19 MiB.
 const MAX_SOFT_EDGE: u32 = 512;
-/// Format of the cubes: WebGPU can filter it without a feature.
+/// Format of the cubes: filterable in WebGPU without a feature.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// A picture of all directions: equirectangular, that is, longitude by latitude.
 ///
-/// The texel in the middle is in the direction -z; from there columns go to the right (+x), rows go
+/// The texel in the middle is in the direction -z; from there columns go to the right (+x). Rows go
 /// down from +y at the top edge to -y at the bottom edge.
 #[derive(Clone, Copy, Debug)]
 pub struct Panorama<'a> {
@@ -62,9 +63,9 @@ pub struct Panorama<'a> {
 /// A compact bright part of a panorama.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
-    /// Direction towards it, in the panorama's frame; unit length.
+    /// Direction towards the peak, in the panorama's frame; unit length.
     pub direction: Vec3,
-    /// Irradiance on a surface that faces it, above that of its surroundings.
+    /// Irradiance on a surface that faces the peak, above that of its surroundings.
     pub irradiance: Vec3,
     /// Half its angular diameter, rad.
     pub angular_radius_rad: f32,
@@ -77,7 +78,7 @@ pub struct Peak {
     pub around: Vec3,
 }
 
-/// A panorama at the largest size used, and the peaks in it.
+/// A panorama, reduced to the maximum size that is used, and its peaks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanoramaWithPeaks {
     /// Texels around.
@@ -97,7 +98,7 @@ pub struct EnvironmentMap {
     pub(crate) sharp: TextureView,
     /// The panorama without its peaks.
     pub(crate) soft: TextureView,
-    /// The factor of the textures' values.
+    /// Factor for the textures' values.
     pub(crate) unit: f32,
     peaks: Vec<Peak>,
     bytes: u64,
@@ -106,25 +107,25 @@ pub struct EnvironmentMap {
 /// The light that cones see outside the grid.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnvironmentLight<'a> {
-    /// Radiance from everywhere; with a map, its factor.
+    /// Constant radiance; with a map, the map's factor.
     pub radiance: Vec3,
-    /// A picture of the surroundings. The lights of [`EnvironmentMap::lights`] belong to it:
-    /// without them its peaks light nothing.
+    /// A picture of the environment. Also pass the lights of [`EnvironmentMap::lights`]: without
+    /// them the map's peaks do not light anything.
     pub map: Option<&'a EnvironmentMap>,
     /// Rotation of the map about the y axis, rad, counter-clockwise seen from above.
     pub rotation_rad: f32,
 }
 
 impl From<Vec3> for EnvironmentLight<'_> {
-    /// The same radiance from everywhere.
+    /// Constant radiance without a map.
     fn from(radiance: Vec3) -> Self {
         Self { radiance, ..Self::default() }
     }
 }
 
 impl Panorama<'_> {
-    /// Finds the peaks that [`EnvironmentMap`] makes lights of, in the panorama at the size that it
-    /// uses. For renderers that read the panorama themselves and need the same lights.
+    /// Finds the peaks that [`EnvironmentMap`] converts to lights, in the panorama at the size that
+    /// it uses. For renderers that read the panorama themselves and need the same lights.
     ///
     /// # Errors
     /// As [`EnvironmentMap::new`].
@@ -156,7 +157,7 @@ impl Panorama<'_> {
 impl EnvironmentMap {
     /// Cuts the peaks out of a panorama, and uploads both parts as cubes with mips.
     ///
-    /// The work is done on the CPU, and takes a few seconds of one core for 4096 x 2048 texels;
+    /// The work is done on the CPU, and takes a few seconds on one core for 4096 x 2048 texels;
     /// larger panoramas are first reduced to that size.
     ///
     /// ```
@@ -181,8 +182,7 @@ impl EnvironmentMap {
     /// ```
     ///
     /// # Errors
-    /// [`GiError::Setting`] when the panorama has no texels, or their number does not match its
-    /// size.
+    /// [`GiError::Setting`] if the panorama has no texels, or their number does not match its size.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -212,7 +212,7 @@ impl EnvironmentMap {
         Ok(Self { sharp, soft, unit, peaks: split.peaks, bytes })
     }
 
-    /// A white map, for uniform surroundings.
+    /// A white map, for a uniform environment.
     pub(crate) fn white(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let cube = Cube { edge: 2, texels: vec![Vec3::ONE; 24] };
         let texture = upload(device, queue, "no environment map", cube, 1.0);
@@ -226,8 +226,8 @@ impl EnvironmentMap {
         &self.peaks
     }
 
-    /// The lights of the peaks, for a map with the factor and rotation of an [`EnvironmentLight`];
-    /// pass them to [`crate::Gi::bind_lights`] with the map.
+    /// The lights of the peaks, for an [`EnvironmentLight`] with this radiance and rotation; pass
+    /// them to [`crate::Gi::bind_lights`] together with the map.
     pub fn lights(&self, radiance: Vec3, rotation_rad: f32) -> Vec<Light> {
         let turn = Mat3::from_rotation_y(rotation_rad);
         self.peaks

@@ -2,50 +2,53 @@
 //!
 //! A peak is the light above its surroundings within a cap of directions. The cap starts as wide as
 //! half the wider diffuse cones of the finest preset, around the brightest texel of the brightest
-//! region, and shrinks until it is four times as wide as the circle that holds half of the peak's
-//! light: a sun sheds its glow, which stays in the panorama. The surroundings are the mean of the
-//! ring around the cap.
+//! region, and shrinks until it is four times as wide as the circle that contains half of the
+//! peak's light. This strips a sun of its glow, which stays in the panorama. The surroundings are
+//! the mean of the ring around the cap.
 //!
 //! A peak is cut out if it is
 //!
-//! - *compact*: its radius (that of an even disc with as much light within the same circle) is at
+//! - *compact*: its radius (that of a uniform disc with as much light within the same circle) is at
 //!   most a quarter of those cones' half angle. Left in, its shadows would be as soft as that cone;
 //!   as a light it has sharp shadows, close to those of a source of its size; and
-//! - *strong*: it gives a surface that faces it more than a cone of average radiance, pi / 12 times the mean of the
-//!   rest. A single cone that meets it is then more than twice as bright as its neighbours.
+//! - *strong*: it lights a surface that faces it more than a cone of average radiance does, pi / 12
+//!   times the mean of the rest. A single cone that meets it is then more than twice as bright as
+//!   its neighbours.
 //!
-//! Both criteria follow from the cones; nothing is tuned to a scene. Nothing is lost either: every
+//! Both criteria follow from the cones; nothing is tuned to a scene. No light is lost: every
 //! channel of each texel is the sum of the rest and the part cut out, and a light's irradiance is
 //! the integral of the part cut out times the cosine to the light's direction, so a surface that
-//! faces it gets exactly as much as before. Ties are broken by position, and all sums run in one
-//! order: the same panorama gives the same lights.
+//! faces it gets exactly as much as before. Ties are broken by position, and all sums run in a
+//! fixed order: the same panorama gives the same lights.
 
 use glam::{DVec3, Vec3};
 
 use super::cube::Image;
 use super::{Panorama, Peak};
 
-/// The most lights: each has a shadow map.
+/// Maximum number of lights: each has a shadow map.
 const MAX_PEAKS: usize = 4;
-/// The most regions that are tried, brightest first.
+/// Maximum number of regions to try, brightest first.
 const MAX_TRIES: usize = 24;
 /// Diffuse cones of the finest preset.
 const MOST_CONES: f64 = 12.0;
-/// Half angle of the wider of them, the outer ring, rad: acos(1 - sqrt(2/3) / 8), see `cones/hemisphere.wgsl`.
+/// Half angle of the wider cones, in the outer ring, rad: acos(1 - sqrt(2/3) / 8), see
+/// `cones/hemisphere.wgsl`.
 const CONE_RAD: f64 = 0.456;
-/// The widest cap.
+/// Maximum radius of a cap, rad.
 const CAP_RAD: f64 = 0.5 * CONE_RAD;
-/// The largest radius of a compact peak.
+/// Maximum radius of a compact peak, rad.
 const COMPACT_RAD: f64 = 0.25 * CONE_RAD;
-/// The most steps by which a cap shrinks: each by more than a tenth, or it has settled.
+/// Maximum number of steps by which a cap shrinks; each shrinks it by more than a tenth, or it has
+/// converged.
 const MAX_STEPS: usize = 24;
-/// Regions from top to bottom; twice as many around. About as wide as the cap's radius.
+/// Regions from top to bottom; twice as many around. Each is about as wide as the cap's radius.
 const REGION_ROWS: u32 = 16;
 
 /// Luminance of linear RGB: ITU-R BT.709-6, section 3.2.
 const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
-/// A panorama in two parts.
+/// A panorama, split into peaks and the rest.
 pub(super) struct Split {
     /// The peaks, brightest first.
     pub(super) peaks: Vec<Peak>,
@@ -62,7 +65,7 @@ pub(super) fn split(panorama: Panorama<'_>) -> Split {
         let Some((region, center)) = regions.brightest(rest.panorama()) else { break };
         let mean = mean_luminance(rest.panorama());
         let cap_sr = std::f64::consts::TAU * (1.0 - CAP_RAD.cos());
-        // No region that is left can hold a strong peak.
+        // No remaining region can contain a strong peak.
         if regions.luminance[region] * cap_sr < threshold(mean) {
             break;
         }
@@ -100,13 +103,13 @@ fn mean_luminance(panorama: Panorama<'_>) -> f64 {
     rows.sum::<f64>() / (4.0 * std::f64::consts::PI)
 }
 
-/// The panorama in blocks, to find the brightest.
+/// Blocks of the panorama, to find the brightest.
 struct Regions {
     rows: u32,
     columns: u32,
-    /// Mean luminance of each.
+    /// Mean luminance of each region.
     luminance: Vec<f64>,
-    /// Whether it was tried, and holds no peak.
+    /// Whether each region was tried, without finding a peak.
     is_done: Vec<bool>,
 }
 
@@ -250,9 +253,10 @@ fn find(panorama: Panorama<'_>, center: DVec3) -> Option<Found> {
         found.center = center;
         found.irradiance = weighted.iter().map(|(_, flux, _)| flux).sum();
         found.radius_rad = radius(found.center, &weighted, found.irradiance);
-        // Four times the circle of half the light, 2.8 times the disc.
+        // Four times the circle with half of the light, 2.8 times the disc.
         let next = (4.0 * found.radius_rad / 2.0_f64.sqrt()).max(2.5 * texel_rad).min(CAP_RAD);
-        // A cap around another centre may hold more of it: the end of a tube is not a lamp.
+        // A cap around another center may contain more of the light: the end of a tube is not a
+        // lamp.
         let has_settled = next > 0.9 * found.cap_rad && moved_rad < 0.1 * found.cap_rad;
         if has_settled {
             return Some(found);
@@ -262,8 +266,8 @@ fn find(panorama: Panorama<'_>, center: DVec3) -> Option<Found> {
     None
 }
 
-/// The radius of the even disc that has half of its light in the same circle: that circle times the
-/// root of two. At least the disc of one texel.
+/// The radius of the uniform disc that has half of its light in the same circle: the circle's
+/// radius times the square root of two. At least the disc of one texel.
 fn radius(center: DVec3, weighted: &[(DVec3, f64, f64)], irradiance: f64) -> f64 {
     let mut by_angle: Vec<(f64, f64, f64)> = weighted
         .iter()
@@ -290,7 +294,7 @@ struct Texel {
     rgb: Vec3,
 }
 
-/// The texels whose middles lie within an angle of a direction, in order.
+/// The texels whose centers are within an angle of a direction, in order.
 fn within(panorama: Panorama<'_>, center: DVec3, angle_rad: f64) -> Vec<Texel> {
     let (width, height) = (panorama.width, panorama.height);
     let per_rad = f64::from(height) / std::f64::consts::PI;

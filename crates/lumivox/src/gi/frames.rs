@@ -1,4 +1,4 @@
-//! The calls of a frame that waits for nothing.
+//! Per-frame calls, which never wait for the GPU.
 
 use super::place::move_to;
 use super::{Gi, follow};
@@ -10,22 +10,26 @@ use crate::voxelize::{FrameVoxels, Taken};
 use crate::{Geometry, GiError};
 
 impl Gi {
-    /// Records the voxelization of dynamic draws into the caller's frame, without waiting for the GPU: for engines, in
-    /// each frame in which something has moved. [`Self::light_frame`] goes with it.
+    /// Records the voxelization of dynamic draws into the caller's frame, without waiting for the
+    /// GPU: for engines, in each frame in which something has moved. Use it with
+    /// [`Self::light_frame`].
     ///
-    /// The result has the same bits as that of [`Self::voxelize_dynamic`]. If there is no room for all that has moved into
-    /// the grid, the voxels stay what they were: how much room is needed is known a few frames later, and then there is. New static
-    /// draws take a few frames, too. An octree has room of its own: where it lacks, the octree shows the voxels that it showed last,
-    /// with their light, until there is. [`FrameVoxels::is_late`] tells of both, as far as the GPU has told: of an earlier call, not of
-    /// this one. After the last change, ask [`Self::frame_voxels`] in each frame until it is not pending, and call this again while it
-    /// is late, even if nothing moves any more. Once everything has room, no buffer and no bind group is made.
+    /// The result has the same bits as that of [`Self::voxelize_dynamic`]. If buffers are too small
+    /// for it, the previous voxels stay; the needed size is known a few frames later, and then the
+    /// buffers grow. New static draws take a few frames, too. An octree has buffers of its own:
+    /// while they are too small, it shows its last voxels, with their light.
+    /// [`FrameVoxels::is_late`] is `true` in both cases, as far as results have been read back:
+    /// those of an earlier call, not of this one. After the last change, poll
+    /// [`Self::frame_voxels`] in each frame until it is not pending, and call this again while it
+    /// is late, even if nothing moves any longer. Once all buffers are large enough, no buffer and
+    /// no bind group is created.
     ///
-    /// The places of an octree's bricks, which decide the last bits of what cones see, depend on the lists that it has followed. The
-    /// same calls lead to the same places as long as there is room; which lists a late octree leaves out depends on how fast the GPU
-    /// is.
+    /// The places of an octree's bricks, which decide the last bits of what cones see, depend on
+    /// the lists that it has shown. The same calls lead to the same places as long as no buffer
+    /// overflows; which lists a late octree skips depends on the speed of the GPU.
     ///
-    /// Transforms are set for what is recorded here, vertices are read when it runs: submit the encoders in the order in
-    /// which they were recorded.
+    /// Transforms are set when this is called, vertices are read when the commands run: submit the
+    /// encoders in the order in which they were recorded.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -66,8 +70,9 @@ impl Gi {
     /// ```
     ///
     /// # Errors
-    /// [`GiError::Geometry`] when draws and buffers contradict each other, [`GiError::Limit`] when the room that is needed
-    /// does not fit the device, [`GiError::Budget`] when an octree needs more than it may take. What is shown stays what it was.
+    /// [`GiError::Geometry`] if draws and buffers contradict each other, [`GiError::Limit`] if the
+    /// needed buffers do not fit the device, [`GiError::Budget`] if an octree exceeds the memory
+    /// budget. What is shown stays as it was.
     pub fn voxelize_frame(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -86,7 +91,7 @@ impl Gi {
         };
         let mut frame = voxelizer.record(recorder, scene, geometry, follow)?;
         if !is_taken && self.volume.is_late() {
-            // The list stays, but the volume does not show it yet.
+            // The list has not changed, but the volume does not show it yet.
             self.lighting.disturb();
             is_taken = true;
         }
@@ -101,7 +106,8 @@ impl Gi {
         Ok(frame)
     }
 
-    /// How the last call of [`Self::voxelize_frame`] stands, by what the GPU has told by now. It records nothing and does not wait.
+    /// Status of the last call of [`Self::voxelize_frame`], from the results that have been read
+    /// back. It records nothing and does not wait.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -136,7 +142,7 @@ impl Gi {
     /// # }).unwrap();
     /// ```
     pub fn frame_voxels(&self) -> FrameVoxels {
-        // A device that is lost tells elsewhere.
+        // A lost device is reported elsewhere.
         let _ = self.device.poll(wgpu::PollType::Poll);
         let mut frame = self.scene.told();
         let [is_late, is_pending] = self.volume.told();
@@ -145,14 +151,16 @@ impl Gi {
         frame
     }
 
-    /// Lights the voxels in the caller's frame, from what the last call of this or of [`Self::light`] has left: direct
-    /// light, where lights or surfaces have changed, and one gather. Light travels one bounce a frame, and converges to
-    /// what [`Self::light`] gives with very many bounces. Some 32 gathers after the last change it has settled, and nothing is
-    /// recorded any more.
+    /// Lights the voxels in the caller's frame, continuing from the last call of this or of
+    /// [`Self::light`]: direct light, if lights or surfaces have changed, and one gather. Light
+    /// travels one bounce a frame, and converges to the result of [`Self::light`] with very many
+    /// bounces. Some 32 gathers after the last change it has converged, and nothing is recorded any
+    /// longer.
     ///
-    /// `faces_per_frame` is the most faces that gather in a frame; `None`: all, or with cascades those of the finest in every
-    /// frame, of the next one in every second, then in every fourth, and of all others in every eighth. With fewer than there
-    /// are they take turns, in the same order in every run.
+    /// `faces_per_frame` is the maximum number of faces that gather in a frame; if there are more,
+    /// they take turns, in the same order in every run. `None`: all faces in every frame; with
+    /// cascades, the faces of the finest in every frame, of the next one in every second, then in
+    /// every fourth, and of all others in every eighth.
     ///
     /// ```
     /// # pollster::block_on(async {

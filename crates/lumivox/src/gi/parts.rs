@@ -1,4 +1,4 @@
-//! The parts of a [`Gi`] that others mount, read or measure.
+//! Accessors for the parts of a [`Gi`] that callers link against, bind or measure.
 
 use super::{Gi, GiConfig};
 use crate::Grid;
@@ -12,8 +12,8 @@ use crate::volume::OctreeStats;
 use crate::voxels::VoxelList;
 
 impl Gi {
-    /// The shader modules, with `package::volume` standing for this object's volume: link your own shaders
-    /// against them to sample the volume yourself.
+    /// The shader modules, with `package::volume` bound to this object's volume: link your own
+    /// shaders against them to sample the volume yourself.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -41,12 +41,12 @@ impl Gi {
         &self.shaders
     }
 
-    /// The pipelines of its device: make your own there.
+    /// The pipeline cache of its device: create your own pipelines there.
     pub fn pipelines(&self) -> &Pipelines {
         &self.device
     }
 
-    /// What it was made for.
+    /// The configuration that it was created with.
     pub fn config(&self) -> &GiConfig {
         &self.config
     }
@@ -56,12 +56,12 @@ impl Gi {
         &self.config.grid
     }
 
-    /// The list of voxels, once there is one.
+    /// The list of voxels; `None` before the first voxelization.
     pub fn voxels(&self) -> Option<&VoxelList> {
         self.scene.list()
     }
 
-    /// What the octree is made of; `None` for other volumes, and before there are voxels.
+    /// Statistics of the octree; `None` for other volumes, and before there are voxels.
     pub fn octree_stats(&self) -> Option<OctreeStats> {
         self.volume.octree_stats()
     }
@@ -76,18 +76,19 @@ impl Gi {
         self.volume.cells.as_ref()
     }
 
-    /// The radiance that each face of the list sends out (`array<vec4f>`, rgb), once there is one.
+    /// The radiance that each face of the list sends out (`array<vec4f>`, rgb); `None` before there
+    /// is a list.
     pub fn face_radiance(&self) -> Option<&Buffer> {
         self.lighting.radiance()
     }
 
-    /// What [`GiConfig::injection`] has made, to be asked for what it knows.
+    /// The injector that [`GiConfig::injection`] created, to query it.
     pub fn injector(&self) -> Option<&dyn Injector> {
         self.lighting.injector()
     }
 
-    /// Group 0 of everything that traces cones: the grid, all surface and the emitters. Ask again after each voxelization: there is
-    /// another one when anything of it has grown.
+    /// Bind group 0 of everything that traces cones: the grid, all surface and the emitters. Query
+    /// it again after each voxelization: it is recreated when a buffer grows.
     pub fn globals(&self) -> &BindGroup {
         self.volume.globals()
     }
@@ -97,8 +98,9 @@ impl Gi {
         self.volume.globals_layout()
     }
 
-    /// Group 0 of everything that samples cells (`package::volume`): the grid, the cells and the emitters. Ask again after each
-    /// voxelization: there is another one when an octree or the list of emitters has grown.
+    /// Bind group 0 of everything that samples cells (`package::volume`): the grid, the cells and
+    /// the emitters. Query it again after each voxelization: it is recreated when an octree or the
+    /// list of emitters grows.
     ///
     /// # Panics
     /// Without [`GiConfig::has_cells`].
@@ -124,7 +126,8 @@ impl Gi {
         &self.gbuffer_layout
     }
 
-    /// Bytes on the GPU, by what they hold; what only a voxelization itself needs is in its statistics.
+    /// Bytes on the GPU, by purpose; buffers that only a voxelization needs are listed in its
+    /// statistics.
     pub fn memory(&self) -> Vec<(&'static str, u64)> {
         let mut memory = self.volume.memory();
         memory.extend(self.changes.memory());

@@ -1,4 +1,4 @@
-//! The place of a clipmap's boxes, which follow a camera.
+//! Moves a clipmap's boxes with a camera.
 
 use super::{Gi, GiConfig};
 use crate::GiError;
@@ -8,13 +8,15 @@ use crate::volume::Volume;
 use crate::voxelize::Taken;
 
 impl Gi {
-    /// Lets the boxes of a clipmap ([`Grid::cascades`](crate::Grid::cascades)) follow a place in the world, m: that of the camera. Whether they have to
-    /// move is returned; if so, the next voxelization moves them. [`Self::voxelize`] does so at once. [`Self::voxelize_frame`]
-    /// makes the voxels of the moved boxes over a few frames, in which all stays what it was, without waiting; voxels that
-    /// stay in a box keep the light that they have gathered. While one move is on its way, the next one waits.
+    /// Centres the boxes of a clipmap ([`Grid::cascades`](crate::Grid::cascades)) on a place in the
+    /// world, m: that of the camera. Returns `true` if they have to move; then the next
+    /// voxelization moves them. [`Self::voxelize`] does so at once. [`Self::voxelize_frame`]
+    /// voxelizes the moved boxes over a few frames without waiting and shows the old ones until it
+    /// has finished; voxels that stay in a box keep the light that they have gathered. A move that
+    /// is in progress is finished before the next one starts.
     ///
     /// # Errors
-    /// As [`Grid::center_on`](crate::Grid::center_on).
+    /// The same as [`Grid::center_on`](crate::Grid::center_on).
     pub fn center_on(&mut self, place: glam::Vec3) -> Result<bool, GiError> {
         let mut grid = *self.scene.grid();
         grid.center_on(place)?;
@@ -28,7 +30,7 @@ impl Gi {
     }
 }
 
-/// Lets light and volume go on with the grid of a list that is about to be taken.
+/// Moves light and volume to the grid of a list that is about to be committed.
 pub(super) fn move_to(
     device: &Pipelines,
     taken: &Taken<'_>,
@@ -43,7 +45,7 @@ pub(super) fn move_to(
     volume.move_to(device, taken.grid, emitters);
 }
 
-/// Ways of the caller's own know one box alone.
+/// Refuses a caller's own method with cascades: such methods handle only one box.
 pub(super) fn refuse_with_cascades(name: &'static str, is_given: bool) -> Result<(), GiError> {
     if !is_given {
         return Ok(());

@@ -8,13 +8,14 @@ use crate::gpu::{Recorder, read_buffer};
 use crate::light::Lights;
 use crate::points::{GatherPoints, GatherSettings, GatheredPoint, Irradiance, PointGatherer};
 
-/// Points that are gathered at once; more go in turns.
+/// Points per dispatch; more are gathered in several.
 const POINTS_AT_ONCE: usize = 1 << 18;
 
 impl Gi {
-    /// The irradiance at points with normals (of any length but zero), m, in their order: what a lux meter there tells, a
-    /// light map or a probe stores. [`Self::light`] must have been called; with its number of bounces *n* the points get
-    /// *n* bounces. The result of a point does not depend on the others.
+    /// The irradiance at points with normals (of any length but zero), m, in their order: what a
+    /// lux meter reads there, and a light map or a probe stores. Call [`Self::light`] first; with
+    /// its number of bounces *n* the points get *n* bounces. The result of a point does not depend
+    /// on the others.
     ///
     /// Points may be on surfaces or in the air. Cones start [`crate::TraceSettings::normal_offset_voxels`] above them. The
     /// future waits for the GPU, without blocking in browsers; [`Self::record_gather`] does not.
@@ -37,8 +38,9 @@ impl Gi {
     /// ```
     ///
     /// # Errors
-    /// [`GiError::Geometry`] when there are not as many normals as positions, or when one of them is not finite or zero;
-    /// [`GiError::Setting`] when a setting is out of range; [`GiError::Device`] when the device is lost.
+    /// [`GiError::Geometry`] if the numbers of normals and positions differ, or if one of them is
+    /// not finite or a normal is zero; [`GiError::Setting`] if a setting is out of range;
+    /// [`GiError::Device`] if the device is lost.
     pub async fn gather(
         &self,
         positions: &[Vec3],
@@ -63,8 +65,9 @@ impl Gi {
         Ok(irradiance)
     }
 
-    /// Records what [`Self::gather`] does, for points and results on the GPU. The frames are added to those that the
-    /// points have already, so that a few a frame make a mean that gets better ([`GatherPoints::restart`]).
+    /// Records [`Self::gather`] for points and results on the GPU. The frames are added to those
+    /// that the points have already, so a few per frame give a mean that improves over time
+    /// ([`GatherPoints::restart`]).
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -120,22 +123,24 @@ impl Gi {
         Ok(())
     }
 
-    /// Asks for the kernel of [`Self::record_gather`], which otherwise its first use makes, so that
-    /// [`Pipelines::compile`](crate::gpu::Pipelines::compile) does, beside the frames.
+    /// Queues the kernel of [`Self::record_gather`] for
+    /// [`Pipelines::compile`](crate::gpu::Pipelines::compile), which compiles it in the background;
+    /// otherwise it is compiled on first use.
     ///
     /// # Errors
-    /// [`GiError::Shader`] when it does not link: when a module that the caller has given is wrong.
+    /// [`GiError::Shader`] if it does not link because a module given by the caller is wrong.
     pub fn prepare_gather(&self) -> Result<(), GiError> {
         self.point_gatherer().map(|_| ())
     }
 
-    /// Lets [`Pipelines::compile`](crate::gpu::Pipelines::compile) make the kernels that only
-    /// [`Self::light_frame`] runs; otherwise their first use makes them.
+    /// Queues the kernels that only [`Self::light_frame`] runs for
+    /// [`Pipelines::compile`](crate::gpu::Pipelines::compile); otherwise they are compiled on first
+    /// use.
     pub fn prepare_frames(&self) {
         self.lighting.expect_frames(&self.device);
     }
 
-    /// The kernel, made at its first use.
+    /// The kernel, created on first use.
     fn point_gatherer(&self) -> Result<&PointGatherer, GiError> {
         if let Some(gatherer) = self.points.get() {
             return Ok(gatherer);

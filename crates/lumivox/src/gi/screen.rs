@@ -11,9 +11,11 @@ use crate::mounted::Resource;
 use crate::trace::{Bound, CameraView, GBuffer, GBufferViews, ScreenSettings, TraceTargets};
 
 impl Gi {
-    /// Textures for [`Self::trace`] to write to, for the settings' resolution, and with the light of earlier frames if they
-    /// ask for it ([`TraceSettings::temporal`]). Then each trace goes on from the one before, so that frames are submitted in the
-    /// order in which they were recorded, with [`CameraView::previous_clip_from_world`] of the frame before.
+    /// Creates the textures that [`Self::trace`] writes to, at the settings' resolution, with a
+    /// history of earlier frames if the settings ask for one ([`TraceSettings::temporal`]). With a
+    /// history each trace continues from the previous one: submit frames in the order in which they
+    /// were recorded, and set [`CameraView::previous_clip_from_world`] to that of the previous
+    /// frame.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -30,7 +32,7 @@ impl Gi {
     /// ```
     pub fn targets(&self, size: UVec2, settings: &TraceSettings) -> TraceTargets {
         let targets = TraceTargets::new(&self.device, size, settings);
-        // Early, so that it is compiled with all else; tracing tells what is wrong.
+        // Compiled early, with everything else; tracing reports its errors.
         let _ = self.prepare_targets(&targets);
         targets
     }
@@ -53,8 +55,8 @@ impl Gi {
         GBuffer::new(&self.device, &self.gbuffer_layout, views, view)
     }
 
-    /// Binds what [`crate::GiConfig::gbuffer`]'s module reads, in the order of its bindings, for [`Self::trace`]. wgpu reports
-    /// resources that do not fit the bindings.
+    /// Binds the resources of [`crate::GiConfig::gbuffer`]'s module, in the order of its bindings,
+    /// for [`Self::trace`]. wgpu reports resources that do not fit the bindings.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -119,9 +121,10 @@ impl Gi {
         GBuffer::own(&self.device, &self.gbuffer_layout, resources, view)
     }
 
-    /// Traces the cones of one frame from the G-buffer into the targets. The settings' resolution is that of
-    /// the targets. Several traces may be recorded before one submission, each with settings of its own; into the same
-    /// targets the last one's result stays. For several cameras bind as many G-buffers.
+    /// Traces the cones of one frame from the G-buffer into the targets. The settings must have the
+    /// resolution that the targets were created for. Several traces may be recorded before one
+    /// submission, each with its own settings; of those into the same targets the last one's result
+    /// stays. For several cameras bind one G-buffer each.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -206,7 +209,7 @@ impl Gi {
         Ok(())
     }
 
-    /// Lets the volume show reflected light alone, or all light again, to what is recorded next.
+    /// Makes the volume show only reflected light, or all light again, to what is recorded next.
     pub(super) fn hide_emission(&self, recorder: &mut Recorder<'_>, hides: bool) {
         self.lighting.hide_emission(recorder, (&self.volume, &self.changes), hides);
     }

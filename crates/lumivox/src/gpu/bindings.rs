@@ -1,8 +1,8 @@
-//! Bind group layouts and bind groups, with the bindings numbered in the order in which they are listed.
+//! Bind group layouts and bind groups, with bindings numbered in the order in which they are added.
 
 use crate::gpu::{BindGroup, BufferHandle, Kept, Pipelines, ViewHandle};
 
-/// Lists the bindings of a layout; binding `i` is the `i`-th one added.
+/// Builder of a layout; binding `i` is the `i`-th one added.
 #[derive(Clone, Debug)]
 pub struct LayoutBuilder {
     visibility: wgpu::ShaderStages,
@@ -21,7 +21,7 @@ impl LayoutBuilder {
         Self::new(wgpu::ShaderStages::COMPUTE)
     }
 
-    /// Leaves the next `count` bindings out.
+    /// Skips the next `count` bindings.
     #[must_use]
     pub fn skip(mut self, count: u32) -> Self {
         self.skipped += count;
@@ -81,7 +81,7 @@ impl LayoutBuilder {
         })
     }
 
-    /// `texture_2d<f32>` that can be filtered.
+    /// Filterable `texture_2d<f32>`.
     #[must_use]
     pub fn texture_2d(self) -> Self {
         self.texture(
@@ -90,7 +90,7 @@ impl LayoutBuilder {
         )
     }
 
-    /// `texture_2d<f32>` only for `textureLoad` (any float format).
+    /// `texture_2d<f32>` for `textureLoad` only (any float format).
     #[must_use]
     pub fn texture_2d_unfilterable(self) -> Self {
         self.texture(
@@ -111,7 +111,7 @@ impl LayoutBuilder {
         self.texture(wgpu::TextureViewDimension::D2Array, wgpu::TextureSampleType::Depth)
     }
 
-    /// `texture_3d<f32>` that can be filtered.
+    /// Filterable `texture_3d<f32>`.
     #[must_use]
     pub fn texture_3d(self) -> Self {
         self.texture(
@@ -134,7 +134,7 @@ impl LayoutBuilder {
         })
     }
 
-    /// A 2D texture that is read and written in place; only for formats of one 32-bit channel.
+    /// A 2D texture that is read and written in place; only for formats with one 32-bit channel.
     #[must_use]
     pub fn storage_texture_in_place(self, format: wgpu::TextureFormat) -> Self {
         self.binding(wgpu::BindingType::StorageTexture {
@@ -156,13 +156,13 @@ impl LayoutBuilder {
         self.binding(wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison))
     }
 
-    /// Builds the layout, or returns an earlier one of the same entries.
+    /// Builds the layout, or returns an earlier one with the same entries.
     pub fn build(self, pipelines: &Pipelines, label: &str) -> wgpu::BindGroupLayout {
         pipelines.layout(self.entries, label)
     }
 }
 
-/// Lists the resources of a bind group in the order of its layout.
+/// Builder of a bind group, with resources in the order of its layout.
 #[derive(Debug)]
 pub struct BindGroupBuilder<'a> {
     layout: &'a wgpu::BindGroupLayout,
@@ -177,14 +177,14 @@ impl<'a> BindGroupBuilder<'a> {
         Self { layout, entries: Vec::new(), kept: Vec::new(), skipped: 0 }
     }
 
-    /// Leaves the next `count` bindings out.
+    /// Skips the next `count` bindings.
     #[must_use]
     pub fn skip(mut self, count: u32) -> Self {
         self.skipped += count;
         self
     }
 
-    /// Adds any resource of the caller.
+    /// Adds any resource owned by the caller.
     #[must_use]
     pub fn resource(mut self, resource: wgpu::BindingResource<'a>) -> Self {
         let binding = self.skipped + self.entries.len() as u32;
@@ -199,7 +199,7 @@ impl<'a> BindGroupBuilder<'a> {
         self.resource(buffer.raw().as_entire_binding())
     }
 
-    /// A part of a buffer: so many bytes from a byte on, which must be a multiple of 256.
+    /// A part of a buffer: `bytes` bytes from `offset`, which must be a multiple of 256.
     #[must_use]
     pub fn slice<B: BufferHandle>(mut self, buffer: &'a B, offset: u64, bytes: u64) -> Self {
         self.kept.extend(buffer.kept());

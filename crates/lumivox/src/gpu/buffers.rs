@@ -1,4 +1,4 @@
-//! Buffers: creating, filling, and reading back (without blocking in browsers).
+//! Buffers: creation, upload, and read-back (without blocking in browsers).
 
 use bytemuck::Pod;
 
@@ -7,8 +7,9 @@ use crate::GiError;
 use crate::gpu::note_wait;
 use crate::gpu::{Buffer, Recorder};
 
-/// A storage buffer of at least one element's size (WebGPU has no empty bindings); its content starts as zero.
-/// It can be copied from and to, and hold the arguments of an indirect dispatch.
+/// A storage buffer with room for at least one element (WebGPU has no empty bindings), initialized
+/// with zeros. It supports copies in both directions, and can store the arguments of an indirect
+/// dispatch.
 pub fn storage_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> Buffer {
     let descriptor = wgpu::BufferDescriptor {
         label: Some(label),
@@ -22,7 +23,8 @@ pub fn storage_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> Buffer 
     Buffer::new(device, &descriptor)
 }
 
-/// A buffer of zeros for numbers that the GPU counts and then reads as uniforms and arguments of dispatches.
+/// A zeroed buffer for numbers that the GPU counts and then reads as uniforms and as arguments of
+/// dispatches.
 pub(crate) fn counted_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> Buffer {
     let descriptor = wgpu::BufferDescriptor {
         label: Some(label),
@@ -37,21 +39,23 @@ pub(crate) fn counted_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> 
     Buffer::new(device, &descriptor)
 }
 
-/// Recordings whose content a [`Staged`] buffer keeps apart: more of them than are recorded before one is submitted.
+/// Number of recordings whose content a [`Staged`] buffer stores separately; must exceed the number
+/// that are recorded before one of them is submitted.
 const STAGES: u64 = 4;
 
-/// A storage or uniform buffer that each recording sets: recordings that are not submitted yet keep what they have set.
+/// A storage or uniform buffer that each recording sets; recordings that are not submitted yet keep
+/// their own content.
 #[derive(Debug)]
 pub(crate) struct Staged {
     buffer: Buffer,
     stages: Buffer,
     next: u64,
-    /// A device that was lost before gives none, and `Queue::write_buffer` would panic.
+    /// `false` if the device was already lost: `Queue::write_buffer` would panic.
     exists: bool,
 }
 
 impl Staged {
-    /// Room for so many bytes.
+    /// Creates a buffer of `bytes` bytes.
     pub fn new(device: &wgpu::Device, label: &str, bytes: u64) -> Self {
         let buffer = counted_buffer(device, label, bytes.max(16));
         let descriptor = wgpu::BufferDescriptor {
@@ -73,7 +77,7 @@ impl Staged {
         &self.buffer
     }
 
-    /// Sets the first bytes for what is recorded from here on.
+    /// Sets the first bytes for everything recorded from here on.
     pub fn set(&mut self, recorder: &mut Recorder<'_>, bytes: &[u8]) {
         if !self.exists {
             return;
@@ -91,8 +95,8 @@ pub fn uniform_buffer<T: Pod>(device: &wgpu::Device, label: &str, content: &T) -
     filled_buffer(device, label, bytemuck::bytes_of(content), usage)
 }
 
-/// A buffer with the given content, which must not be empty. On a device that is lost it has none, as nothing has there; wgpu's own
-/// `create_buffer_init` panics then.
+/// A buffer with the given content, which must not be empty. On a lost device it stays without
+/// content, where wgpu's own `create_buffer_init` panics.
 pub fn filled_buffer(
     device: &wgpu::Device,
     label: &str,
@@ -113,7 +117,7 @@ pub fn filled_buffer(
     Buffer::own(buffer)
 }
 
-/// A storage buffer with the given content; an empty slice makes a buffer of 16 zero bytes.
+/// A storage buffer with the given content; an empty slice creates a buffer of 16 zero bytes.
 pub fn upload<T: Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> Buffer {
     if content.is_empty() {
         return storage_buffer(device, label, 16);
@@ -123,9 +127,11 @@ pub fn upload<T: Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> Buff
     filled_buffer(device, label, bytemuck::cast_slice(content), usage)
 }
 
-/// The content of `buffer` (which needs `COPY_SRC`) as values of `T`, once all work submitted so far is done.
+/// Reads the content of `buffer` (which needs `COPY_SRC`) as values of `T`, after all work
+/// submitted so far is done.
 ///
-/// On the web the future completes from the browser's event loop; elsewhere it polls the device itself.
+/// On the web the browser's event loop completes the future; elsewhere the future polls the device
+/// itself.
 ///
 /// ```
 /// # pollster::block_on(async {
@@ -140,7 +146,7 @@ pub fn upload<T: Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> Buff
 /// ```
 ///
 /// # Errors
-/// [`GiError::Device`] when the device is lost.
+/// [`GiError::Device`] if the device is lost.
 pub async fn read_buffer<T: Pod>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -161,7 +167,7 @@ pub async fn read_buffer<T: Pod>(
     map_and_copy(device, &staging).await
 }
 
-/// Maps a whole staging buffer and copies its content out.
+/// Maps a whole staging buffer and copies its content.
 pub(crate) async fn map_and_copy<T: Pod>(
     device: &wgpu::Device,
     staging: &wgpu::Buffer,
@@ -185,7 +191,7 @@ pub(crate) async fn map_and_copy<T: Pod>(
     Ok(values)
 }
 
-/// Waits until a queue has done all submitted work. Only browsers complete it by themselves;
+/// Waits until a queue has finished all submitted work. Browsers complete it by themselves;
 /// elsewhere the device must be polled.
 pub async fn submitted_work_done(queue: &wgpu::Queue) {
     let (sender, receiver) = oneshot();
@@ -193,7 +199,7 @@ pub async fn submitted_work_done(queue: &wgpu::Queue) {
     receiver.await;
 }
 
-/// The two ends of a value that a callback delivers to a future.
+/// Sender and receiver of a value that a callback delivers to a future.
 fn oneshot<T: Send + 'static>() -> (Sender<T>, Receiver<T>) {
     let shared = std::sync::Arc::new(std::sync::Mutex::new(Slot { value: None, waker: None }));
     (Sender(shared.clone()), Receiver(shared))

@@ -1,4 +1,4 @@
-// The index of an invocation in a list whose workgroups spread over x and y
+// The index of an invocation in a list whose workgroups are distributed over x and y
 // (Kernel::dispatch_linear).
 
 import package::constants::LINEAR_WORKGROUP_SIZE;

@@ -1,4 +1,4 @@
-//! Handles of the resources that recorded work uses, kept until the work is submitted.
+//! Handles of resources used by recorded work, kept until the work is submitted.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::gpu::resources::{BindGroup, Kept};
 #[derive(Debug, Default)]
 pub(super) struct Held(Vec<Handle>);
 
-/// One kept resource. The fields exist to be dropped.
+/// One kept resource. The fields exist only to be dropped.
 #[derive(Debug)]
 #[expect(dead_code, reason = "kept, not read")]
 enum Handle {
@@ -32,8 +32,8 @@ impl Held {
         self.0.clear();
     }
 
-    /// Hands everything to the encoder, which releases it when its work is done on the GPU, or when
-    /// it is dropped without being submitted.
+    /// Moves everything into the encoder, which releases it when its work is done on the GPU, or
+    /// when it is dropped without being submitted.
     pub(super) fn hand_to(self, encoder: &wgpu::CommandEncoder) {
         if self.0.is_empty() {
             return;
@@ -48,8 +48,8 @@ impl Held {
     }
 }
 
-/// Keeps handles on the thread that recorded them: callbacks must be `Send`, and browsers let no
-/// handle leave its thread.
+/// Keeps handles on the thread that recorded them: callbacks must be `Send`, and in browsers no
+/// handle may leave its thread.
 #[cfg(target_arch = "wasm32")]
 mod here {
     use std::cell::RefCell;
@@ -75,7 +75,7 @@ mod here {
 
     impl Drop for Ticket {
         fn drop(&mut self) {
-            // At the end of the thread the deposits are already gone.
+            // When the thread ends, the deposits are already gone.
             let _ = DEPOSITS.try_with(|deposits| deposits.borrow_mut().1.remove(&self.0));
         }
     }

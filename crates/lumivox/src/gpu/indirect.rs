@@ -8,18 +8,19 @@ use crate::gpu::{
 };
 use crate::gpu::{storage_buffer, upload};
 
-/// A run of work items, whose number is only known on the GPU: its bounds, as places in the prefix sum of the items
-/// (`Run` of `indirect.wgsl`).
+/// A run of work items whose number is only known on the GPU: its bounds, as indices into the
+/// prefix sum of the items (`Run` of `indirect.wgsl`).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Run {
-    /// Where its items start.
+    /// Index of its first item.
     pub first: u32,
-    /// Where the items after it start.
+    /// Index of the first item after it.
     pub end: u32,
 }
 
-/// The kernel that computes arguments of indirect dispatches ([`Kernel::dispatch_indirect`]) from the lengths of runs.
+/// Kernel that computes arguments of indirect dispatches ([`Kernel::dispatch_indirect`]) from the
+/// lengths of runs.
 #[derive(Debug)]
 pub struct Indirect {
     layout: wgpu::BindGroupLayout,
@@ -45,11 +46,11 @@ impl Indirect {
         Ok(Self { layout, kernel })
     }
 
-    /// Arguments for a dispatch of one thread per item, for each run; those of the `i`-th run start
-    /// at `i * STRIDE`. Each [`Self::run`] writes them.
+    /// Arguments for a dispatch of one thread per item, for each run; the arguments of the `i`-th
+    /// run start at `i * STRIDE`. Each [`Self::run`] writes them.
     ///
-    /// `item_starts` is the exclusive prefix sum of the items. If the first word of `overflow` is not zero
-    /// when this runs, nothing is dispatched.
+    /// `item_starts` is the exclusive prefix sum of the items. If the first word of `overflow` is
+    /// nonzero when the kernel runs, nothing is dispatched.
     pub fn bind(
         &self,
         device: &wgpu::Device,
@@ -75,11 +76,11 @@ impl Indirect {
     }
 }
 
-/// Runs of items with the arguments of their dispatches.
+/// Runs of items, and the arguments of their dispatches.
 #[derive(Debug)]
 pub struct BoundIndirect {
     group: BindGroup,
     runs: u64,
-    /// [`Indirect::STRIDE`] bytes a run.
+    /// [`Indirect::STRIDE`] bytes per run.
     pub arguments: Buffer,
 }

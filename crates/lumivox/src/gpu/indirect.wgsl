@@ -1,12 +1,12 @@
 // Turns the lengths of runs of work items into arguments of indirect dispatches.
 //
-// One dimension holds 65535 workgroups, so the workgroups of a long run spread over x and y as
-// Kernel::dispatch_linear spreads them; the shader finds its item with gpu::dispatch::linear_index.
+// One dimension allows 65535 workgroups, so the workgroups of a long run are distributed over x and
+// y as in Kernel::dispatch_linear; the shader finds its item with gpu::dispatch::linear_index.
 
 import package::constants::{LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS};
 import package::gpu::dispatch::linear_index;
 
-// The bounds of a run, as places in `item_starts`.
+// The bounds of a run, as indices into `item_starts`.
 struct Run {
     first: u32,
     end: u32,
@@ -15,9 +15,9 @@ struct Run {
 // Exclusive prefix sum of the items.
 @group(0) @binding(0) var<storage, read> item_starts: array<u32>;
 @group(0) @binding(1) var<storage, read> runs: array<Run>;
-// Three numbers a run.
+// Three words per run.
 @group(0) @binding(2) var<storage, read_write> arguments: array<u32>;
-// Not zero if there are too many items to number: then nothing may run.
+// Nonzero if there are too many items to number; nothing may run then.
 @group(0) @binding(3) var<storage, read> overflow: array<u32>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)

@@ -6,13 +6,13 @@ use crate::gpu::{
     ShaderLibrary,
 };
 
-/// Invocations of a workgroup of kernels that run over a list (`@workgroup_size(LINEAR_WORKGROUP_SIZE)`).
+/// Workgroup size of kernels that run over a list (`@workgroup_size(LINEAR_WORKGROUP_SIZE)`).
 pub const LINEAR_WORKGROUP_SIZE: u32 = 64;
 
-/// WebGPU's default limit of workgroups along a dimension.
+/// WebGPU's default limit of workgroups per dimension.
 pub(crate) const MAX_WORKGROUPS: u32 = 65_535;
 
-/// A compute pipeline that knows its workgroup size.
+/// A compute pipeline with its workgroup size.
 #[derive(Clone, Debug)]
 pub struct Kernel {
     pipeline: LazyCompute,
@@ -21,11 +21,11 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// The entry point `entry` of the shader module `module`; bind group `i` has the layout `layouts[i]`. The pipeline
-    /// is made by [`Pipelines::compile`] or at its first use.
+    /// The entry point `entry` of the shader module `module`; bind group `i` has the layout
+    /// `layouts[i]`. The pipeline is created by [`Pipelines::compile`] or at its first use.
     ///
     /// # Errors
-    /// When the module does not link or validate, or has no such entry point.
+    /// If the module does not link or validate, or has no such entry point.
     pub fn new(
         pipelines: &Pipelines,
         shaders: &ShaderLibrary,
@@ -38,7 +38,8 @@ impl Kernel {
         Ok(kernel)
     }
 
-    /// As [`Self::new`], but [`Pipelines::compile`] leaves the pipeline out: for kernels that most scenes do not run.
+    /// [`Self::new`] for kernels that most scenes do not run: [`Pipelines::compile`] skips the
+    /// pipeline.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -56,12 +57,12 @@ impl Kernel {
         Ok(Self { pipeline, workgroup_size, label })
     }
 
-    /// Lets [`Pipelines::compile`] make the pipeline of a deferred kernel.
+    /// Makes [`Pipelines::compile`] create the pipeline of a deferred kernel.
     pub(crate) fn expect(&self, pipelines: &Pipelines) {
         pipelines.expect(&self.pipeline);
     }
 
-    /// Makes the pipelines of kernels that are about to run, all at once.
+    /// Creates the pipelines of kernels that are about to run, all at once.
     pub(crate) async fn make_all(kernels: impl IntoIterator<Item = &Self>) {
         let pipelines: Vec<_> = kernels.into_iter().map(|kernel| kernel.pipeline.clone()).collect();
         super::pipelines::make_all(&pipelines).await;
@@ -89,8 +90,8 @@ impl Kernel {
         pass.dispatch_workgroups(x, y, z);
     }
 
-    /// Runs over a list of `count` elements, within a pass. The workgroups spread over x and y, since one
-    /// dimension alone reaches 4 million threads; the shader finds its element with
+    /// Runs over a list of `count` elements, within a pass. The workgroups are distributed over x
+    /// and y, since one dimension only reaches 4 million threads. The shader finds its element with
     /// `package::gpu::dispatch::linear_index` and must check it against the count.
     pub fn dispatch_linear(&self, pass: &mut ComputePass<'_>, groups: &[&BindGroup], count: u64) {
         if count == 0 {
@@ -103,7 +104,7 @@ impl Kernel {
         pass.dispatch_workgroups(columns as u32, rows as u32, 1);
     }
 
-    /// Runs within a pass, with the workgroup counts that `arguments` holds at the byte `offset`.
+    /// Runs within a pass, with the workgroup counts stored in `arguments` at the byte `offset`.
     pub fn dispatch_indirect(
         &self,
         pass: &mut ComputePass<'_>,

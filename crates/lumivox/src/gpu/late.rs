@@ -1,36 +1,36 @@
-//! Numbers that the GPU has counted, read back without waiting: a frame or more late.
+//! Non-blocking read-backs of numbers counted by the GPU: a frame or more late.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::gpu::{Buffer, Recorder};
 
-/// Reads under way at once. While all of them are, further ones are left out.
+/// Maximum number of reads in progress. While all slots are in use, further reads are skipped.
 const SLOTS: usize = 4;
 
 const PENDING: u8 = 0;
 const MAPPED: u8 = 1;
 const FAILED: u8 = 2;
 
-/// A buffer that is read back again and again.
+/// A buffer that is read back repeatedly.
 #[derive(Debug)]
 pub(crate) struct LateReads {
     slots: Vec<Slot>,
     bytes: u64,
-    /// The number of the read that was recorded last.
+    /// The number of the last recorded read.
     recorded: u64,
     /// The number of the newest read that [`Self::latest`] has returned.
     returned: u64,
 }
 
-/// What has become of the read that was recorded last.
+/// State of the last recorded read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LastRead {
-    /// It is under way, or the reads before it are for which it was left out.
+    /// In progress, or skipped while earlier reads are still in progress.
     Pending,
-    /// It never comes: it was left out, its encoder was dropped, or it has failed.
+    /// It will not arrive: it was skipped, its encoder was dropped, or it has failed.
     Lost,
-    /// Its numbers are there.
+    /// Its numbers have arrived.
     Done,
 }
 
@@ -47,7 +47,7 @@ impl Slot {
         self.state.as_ref().is_some_and(|state| state.load(Ordering::Acquire) == MAPPED)
     }
 
-    /// Whether the callback is still to be called, and can be: the encoder that holds it was not dropped.
+    /// Whether the callback is pending and can still be called: its encoder was not dropped.
     fn is_under_way(&self) -> bool {
         self.state.as_ref().is_some_and(|state| {
             state.load(Ordering::Acquire) == PENDING && Arc::strong_count(state) > 1
@@ -56,7 +56,7 @@ impl Slot {
 }
 
 impl LateReads {
-    /// For so many bytes at a time.
+    /// `bytes` is the size of each read.
     pub fn new(device: &wgpu::Device, bytes: u64) -> Self {
         let slot = |_| {
             let descriptor = wgpu::BufferDescriptor {
@@ -70,10 +70,11 @@ impl LateReads {
         Self { slots: (0..SLOTS).map(slot).collect(), bytes, recorded: 0, returned: 0 }
     }
 
-    /// Records a read of parts of buffers, one after another: a buffer, a byte and a number of bytes each.
+    /// Records a read of parts of buffers, concatenated: a buffer, an offset and a size in bytes
+    /// for each part.
     pub fn record(&mut self, recorder: &mut Recorder<'_>, sources: &[(&Buffer, u64, u64)]) {
         self.recorded += 1;
-        // Slots whose encoder was dropped are free again.
+        // Slots with dropped encoders are free again.
         for slot in &mut self.slots {
             let is_lost = |state: &Arc<AtomicU8>| {
                 state.load(Ordering::Acquire) == PENDING && Arc::strong_count(state) == 1
@@ -97,12 +98,13 @@ impl LateReads {
         recorder.encoder().map_buffer_on_submit(&slot.buffer, wgpu::MapMode::Read, .., done);
     }
 
-    /// The numbers of the newest read that is done, if none that is newer was returned before.
+    /// The numbers of the newest finished read, unless a newer read was returned before.
     ///
-    /// Reads are not always done in the order in which they were recorded: a thread that polls the device calls the callbacks
-    /// after it has let go of the device's locks, so that another thread may call those of a later submission first.
+    /// Reads can finish out of order: a thread that polls the device calls the callbacks after it
+    /// has released the device's locks, so another thread may call the callbacks of a later
+    /// submission first.
     pub fn latest(&mut self, device: &wgpu::Device) -> Option<Vec<u32>> {
-        // Does not wait. A device that is lost tells elsewhere.
+        // Does not wait. A lost device is reported elsewhere.
         let _ = device.poll(wgpu::PollType::Poll);
         let mut latest: Option<(u64, Vec<u32>)> = None;
         for slot in &mut self.slots {
@@ -128,8 +130,8 @@ impl LateReads {
         })
     }
 
-    /// What has become of the read that was recorded last, and the numbers that [`Self::latest`] would return now. The caller
-    /// polls the device before it.
+    /// State of the last recorded read, and the numbers that [`Self::latest`] would return now. The
+    /// caller must poll the device first.
     pub fn peek(&self) -> (LastRead, Option<Vec<u32>>) {
         let mapped = self.slots.iter().filter(|slot| slot.is_mapped());
         let newest =
@@ -225,7 +227,7 @@ mod tests {
         assert_eq!(word.reads.peek(), (LastRead::Lost, Some(vec![10])));
         assert_eq!(word.latest(), Some(vec![10]));
         assert_eq!(word.reads.peek(), (LastRead::Lost, None));
-        // While all slots are in use, a read is left out; it is lost once those are done.
+        // While all slots are in use, a read is skipped; it is lost once those are done.
         let encoders: Vec<_> = (0..=SLOTS).map(|_| word.record()).collect();
         assert_eq!(word.reads.peek(), (LastRead::Pending, None));
         for (encoder, number) in encoders.into_iter().take(SLOTS).zip(3..) {

@@ -1,29 +1,30 @@
-//! Buffers checked against the device's limits, and an account of their memory.
+//! Buffers checked against the device's limits, and accounting of their memory.
 
 use crate::GiError;
 use crate::gpu::{Buffer, storage_buffer};
 
-/// Makes storage buffers that fit the device, and accounts for their memory.
+/// Creates storage buffers that fit the device, and tracks their memory.
 #[derive(Debug)]
 pub struct Memory<'a> {
     device: &'a wgpu::Device,
     bytes: Vec<(String, u64)>,
 }
 
-/// The remedy if a buffer does not fit.
+/// Suggestion in the error if a buffer does not fit.
 #[derive(Clone, Copy, Debug)]
 pub enum Remedy {
-    /// A lower resolution: the buffer grows with its cube. The present resolution is given.
+    /// A lower resolution: the buffer grows with the third power of it. Contains the current
+    /// resolution.
     Volume(u32),
-    /// A lower resolution: the buffer grows with the surface, that is, with its square. The present
-    /// resolution is given.
+    /// A lower resolution: the buffer grows with the surface, that is, with the square of the
+    /// resolution. Contains the current resolution.
     Surface(u32),
     /// More batches: the buffer grows with the triangles of a batch.
     Batch,
 }
 
 impl Remedy {
-    /// The remedy in words; `share` is the available part of the needed memory.
+    /// The suggestion in words; `share` is available / needed memory.
     fn words(self, share: f64) -> String {
         let lower = |resolution: u32, share: f64| {
             let fits = (f64::from(resolution) * share) as u32 / 8 * 8;
@@ -56,7 +57,7 @@ impl<'a> Memory<'a> {
     /// A storage buffer of zeros for `count` elements of `stride` bytes.
     ///
     /// # Errors
-    /// [`GiError::Limit`] when the device cannot hold it or bind it as a whole.
+    /// [`GiError::Limit`] if the device cannot allocate it or bind it as a whole.
     pub fn buffer(
         &mut self,
         label: &str,
@@ -85,7 +86,7 @@ impl<'a> Memory<'a> {
         Ok(storage_buffer(self.device, label, bytes))
     }
 
-    /// Bytes by buffer, in the order in which they were made; equal labels are summed up.
+    /// Bytes by buffer, in the order of creation; equal labels are summed.
     pub fn into_bytes(self) -> Vec<(String, u64)> {
         let mut sums: Vec<(String, u64)> = Vec::new();
         for (label, bytes) in self.bytes {

@@ -1,4 +1,4 @@
-//! Helpers shared by all stages: linked shaders, pipelines made once per device, kernels, prefix
+//! Helpers shared by all stages: linked shaders, pipelines created once per device, kernels, prefix
 //! sums, recording with timings.
 
 mod bindings;

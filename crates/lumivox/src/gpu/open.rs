@@ -1,4 +1,4 @@
-//! A device for programs without one.
+//! A device for programs that have none.
 
 use crate::GiError;
 
@@ -7,7 +7,7 @@ use crate::GiError;
 ///
 /// # Errors
 /// [`GiError::Device`] if there is no adapter (on Linux, the package `mesa-vulkan-drivers` provides
-/// a software one), or if it opens no device.
+/// a software one), or if the adapter does not open a device.
 pub async fn open_device() -> Result<(wgpu::Device, wgpu::Queue), GiError> {
     let fail = |reason: String| GiError::Device { doing: "opening a device", reason };
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());

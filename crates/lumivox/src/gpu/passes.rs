@@ -20,20 +20,20 @@ pub struct RenderPass<'a> {
 }
 
 impl ComputePass<'_> {
-    /// Sets a bind group, whose resources stay until the pass is submitted.
+    /// Sets a bind group, whose resources are kept until the pass is submitted.
     pub fn bind(&mut self, index: u32, group: &BindGroup) {
         self.held.group(group);
         self.pass.set_bind_group(index, &**group, &[]);
     }
 
-    /// Keeps another resource that is used.
+    /// Keeps another resource that the pass uses.
     pub(crate) fn keep(&mut self, kept: Option<Kept>) {
         self.held.keep(kept);
     }
 }
 
 impl RenderPass<'_> {
-    /// Sets a bind group, whose resources stay until the pass is submitted.
+    /// Sets a bind group, whose resources are kept until the pass is submitted.
     pub fn bind(&mut self, index: u32, group: &BindGroup) {
         self.held.group(group);
         self.pass.set_bind_group(index, &**group, &[]);

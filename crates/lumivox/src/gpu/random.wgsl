@@ -1,4 +1,4 @@
-// Random numbers without state, the same on every device.
+// Stateless random numbers, the same on every device.
 
 // PCG hash: Jarzynski and Olano 2020, "Hash functions for GPU rendering", JCGT 9 (3), section 3.
 fn hash(value: u32) -> u32 {
@@ -15,7 +15,7 @@ fn random_pair(a: u32, b: u32) -> vec2f {
 }
 
 // The additive recurrence with the lowest discrepancy in two dimensions: Roberts 2018, "The
-// unreasonable effectiveness of quasirandom sequences". `start` is the beginning of a pixel's own
+// unreasonable effectiveness of quasirandom sequences". `start` is the offset of a pixel's own
 // sequence.
 fn sequence_pair(start: vec2f, index: u32) -> vec2f {
     return fract(start + fract(vec2f(0.7548776662, 0.5698402909) * f32(index & 0xffffu)));

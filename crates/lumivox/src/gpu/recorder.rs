@@ -1,10 +1,10 @@
 //! Recording of GPU work, optionally with the time of every pass.
 //!
-//! GPU timestamps are used if they can be trusted. On software adapters they cannot (lavapipe takes
-//! them when commands are parsed, not when they run), so there every pass is submitted separately
-//! and waited for, and the wall clock is read: slower as a whole, but true for each pass.
+//! GPU timestamps are used where they are reliable. On software adapters they are not (lavapipe
+//! takes them when commands are parsed, not when they run), so there every pass is submitted
+//! separately and timed by the wall clock: slower as a whole, but correct for each pass.
 //!
-//! An engine can lend its own encoder ([`Recorder::on`]). Then nothing is submitted here, and the
+//! An engine can pass its own encoder ([`Recorder::on`]). Then nothing is submitted here, and the
 //! encoder keeps the recorded resources until it is submitted.
 
 use std::time::{Duration, Instant};
@@ -15,7 +15,7 @@ use crate::gpu::held::Held;
 use crate::gpu::passes::{ComputePass, RenderPass};
 use crate::gpu::{Buffer, BufferHandle, Kept, Texture, note_wait};
 
-/// The way in which a [`Recorder`] measures times.
+/// How a [`Recorder`] measures times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Timing {
     /// No times; everything goes into one command buffer.
@@ -29,7 +29,7 @@ pub enum Timing {
 }
 
 impl Timing {
-    /// The way that gives true times on a device.
+    /// A method that gives correct times on a device.
     pub fn for_device(device: &wgpu::Device) -> Self {
         let is_software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         if !is_software && device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
@@ -53,7 +53,7 @@ pub struct StageTime {
     pub duration: Duration,
 }
 
-/// Passes that one timestamp query set holds; those beyond it go untimed.
+/// Capacity of one timestamp query set, in passes; later passes are not timed.
 const MAX_TIMED_PASSES: u32 = 2048;
 
 /// Records compute and render passes, either into its own command buffers, which it submits, or
@@ -62,7 +62,7 @@ const MAX_TIMED_PASSES: u32 = 2048;
 /// With a caller's encoder ([`Self::on`]) the caller submits at any later time. Until then the
 /// encoder keeps all resources that the recorded work uses; dropping the encoder releases them. No
 /// times are measured: [`Timing::SubmitAndWait`] would have to submit, and timestamps can only be
-/// read after the caller has submitted. An engine that wants times writes its own timestamps around
+/// read after the caller has submitted. An engine that needs times writes its own timestamps around
 /// the calls.
 ///
 /// ```
@@ -115,7 +115,7 @@ impl Target<'_> {
         }
     }
 
-    /// Submits its own encoder; a caller's encoder is left to the caller.
+    /// Submits its own encoder; does nothing for a caller's encoder.
     fn submit(self, queue: &wgpu::Queue) {
         if let Self::Own { encoder, held } = self {
             queue.submit([encoder.finish()]);
@@ -125,12 +125,12 @@ impl Target<'_> {
 }
 
 impl Recorder<'static> {
-    /// A recorder that measures no times.
+    /// A recorder without timing.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         Self::with_timing(device, queue, Timing::Off)
     }
 
-    /// A recorder that measures times in this way; [`Timing::for_device`] chooses one for a device.
+    /// A recorder with this kind of timing; [`Timing::for_device`] chooses one for a device.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -204,7 +204,7 @@ impl<'a> Recorder<'a> {
         held.keep(from.kept().into_iter().chain(to.kept()));
     }
 
-    /// Copies a texture of two dimensions to another of the same size and format.
+    /// Copies a 2D texture to another of the same size and format.
     pub fn copy_texture(&mut self, from: &Texture, to: &Texture) {
         let (encoder, held) = self.target.parts();
         encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
@@ -225,7 +225,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// The encoder, for commands without timing: copies, clears, an engine's own passes. The
-    /// resources that they use must stay until submission ([`Self::keep`]).
+    /// resources that they use must be kept until submission ([`Self::keep`]).
     pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
         self.target.parts().0
     }
@@ -235,7 +235,7 @@ impl<'a> Recorder<'a> {
         self.stage = name;
     }
 
-    /// A compute pass.
+    /// Records a compute pass.
     pub fn compute(&mut self, label: &str, record: impl FnOnce(&mut ComputePass<'_>)) {
         let start = self.begin_pass();
         let slot = self.timestamp_slot();
@@ -257,7 +257,7 @@ impl<'a> Recorder<'a> {
         self.end_pass(label, start);
     }
 
-    /// A render pass.
+    /// Records a render pass.
     pub fn render(
         &mut self,
         label: &str,

@@ -1,11 +1,11 @@
-//! Buffers and textures whose memory is freed at once.
+//! Buffers and textures whose memory is freed immediately.
 //!
-//! In browsers, dropping a `wgpu::Buffer` frees nothing until the garbage collector runs, and that
-//! knows nothing of the GPU's memory: only `destroy` frees it. So handles of these types are
-//! counted, as wgpu does elsewhere, and the last one destroys the resource. Bind groups hold
-//! handles of their resources, and a [`Recorder`](crate::gpu::Recorder) of those that its passes
-//! use and its copies touch, until submission. Any other commands that use a buffer of this library
-//! must be submitted before the owner of the buffer is dropped.
+//! In browsers, dropping a `wgpu::Buffer` frees nothing until the garbage collector runs, and the
+//! collector does not know about GPU memory: only `destroy` frees it. So handles of these types are
+//! reference-counted, as wgpu does elsewhere, and the last one destroys the resource. Bind groups
+//! keep handles of their resources. A [`Recorder`](crate::gpu::Recorder) keeps handles of the
+//! resources that its passes and copies use, until submission. Any other commands that use a buffer
+//! of this library must be submitted before the owner of the buffer is dropped.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -25,14 +25,14 @@ pub struct Texture(Arc<OwnTexture>);
 #[derive(Debug, PartialEq)]
 struct OwnTexture(wgpu::Texture);
 
-/// A view of a texture, with a handle of it unless it is the caller's.
+/// A view of a texture, with a handle of the texture unless the caller owns it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureView {
     view: wgpu::TextureView,
     texture: Option<Texture>,
 }
 
-/// A bind group, with handles of its resources unless they are the caller's.
+/// A bind group, with handles of its resources unless the caller owns them.
 #[derive(Clone, Debug)]
 pub struct BindGroup {
     group: wgpu::BindGroup,
@@ -48,7 +48,7 @@ pub enum Kept {
     Texture(Texture),
 }
 
-/// The resources on all devices held by this library and by users of its types.
+/// Resources on all devices that this library and users of its types currently hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LiveResources {
     /// Buffers.
@@ -59,7 +59,8 @@ pub struct LiveResources {
     pub buffer_bytes: u64,
 }
 
-/// The resources made so far on all devices, by this library and through its types. The numbers only grow.
+/// Resources created so far on all devices, by this library and through its types. The numbers only
+/// grow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct MadeResources {
@@ -79,7 +80,7 @@ static BIND_GROUPS_MADE: AtomicU64 = AtomicU64::new(0);
 static BYTES_MADE: AtomicU64 = AtomicU64::new(0);
 
 impl MadeResources {
-    /// The numbers of now.
+    /// The current numbers.
     pub fn now() -> Self {
         Self {
             buffers: BUFFERS_MADE.load(Ordering::Relaxed),
@@ -90,8 +91,8 @@ impl MadeResources {
     }
 }
 
-/// The number of times that this process has blocked until a device had done all its work, on all
-/// devices, by this library or noted with [`note_wait`]. It only grows.
+/// Number of times that this process has blocked until a device had finished all its work, on all
+/// devices, by this library or counted with [`note_wait`]. It only grows.
 pub fn waits() -> u64 {
     WAITS.load(Ordering::Relaxed)
 }
@@ -103,7 +104,7 @@ pub fn note_wait() {
 
 static WAITS: AtomicU64 = AtomicU64::new(0);
 
-/// The bytes of a texture's texels at all levels, without the driver's padding.
+/// The bytes of a texture's texels in all levels, without the driver's padding.
 fn texel_bytes(texture: &wgpu::Texture) -> u64 {
     let format = texture.format();
     let (block_width, block_height) = format.block_dimensions();
@@ -126,7 +127,7 @@ static TEXTURES: AtomicU64 = AtomicU64::new(0);
 static BUFFER_BYTES: AtomicU64 = AtomicU64::new(0);
 
 impl LiveResources {
-    /// The present numbers.
+    /// The current numbers.
     pub fn now() -> Self {
         Self {
             buffers: BUFFERS.load(Ordering::Relaxed),
@@ -143,7 +144,7 @@ impl Buffer {
     }
 
     /// Takes ownership of a buffer: it is destroyed with this handle and its clones, and other
-    /// handles become useless.
+    /// handles become invalid.
     pub fn own(buffer: wgpu::Buffer) -> Self {
         BUFFERS.fetch_add(1, Ordering::Relaxed);
         BUFFERS_MADE.fetch_add(1, Ordering::Relaxed);
@@ -176,7 +177,7 @@ impl Texture {
     }
 
     /// Takes ownership of a texture: it is destroyed with this handle and its clones, and other
-    /// handles become useless.
+    /// handles become invalid.
     pub fn own(texture: wgpu::Texture) -> Self {
         TEXTURES.fetch_add(1, Ordering::Relaxed);
         TEXTURES_MADE.fetch_add(1, Ordering::Relaxed);
@@ -189,7 +190,7 @@ impl Texture {
         TextureView { view: self.0.0.create_view(descriptor), texture: Some(self.clone()) }
     }
 
-    /// A view of all of it.
+    /// A view of the whole texture.
     pub fn view(&self) -> TextureView {
         self.create_view(&wgpu::TextureViewDescriptor::default())
     }
@@ -241,7 +242,7 @@ impl BindGroup {
     }
 }
 
-/// A bind group of the caller's own resources.
+/// A bind group of resources that the caller owns.
 impl From<wgpu::BindGroup> for BindGroup {
     fn from(group: wgpu::BindGroup) -> Self {
         Self::new(group, Vec::new())
@@ -256,11 +257,11 @@ impl Deref for BindGroup {
     }
 }
 
-/// A buffer of this library, or of the caller.
+/// A buffer of this library or of the caller.
 pub trait BufferHandle {
     /// The buffer.
     fn raw(&self) -> &wgpu::Buffer;
-    /// A handle that keeps it from being destroyed; `None` for the caller's own.
+    /// A handle that keeps the buffer from being destroyed; `None` for the caller's own.
     fn kept(&self) -> Option<Kept>;
 }
 
@@ -284,11 +285,11 @@ impl BufferHandle for wgpu::Buffer {
     }
 }
 
-/// A view of a texture of this library, or of the caller.
+/// A texture view of this library or of the caller.
 pub trait ViewHandle {
     /// The view.
     fn raw(&self) -> &wgpu::TextureView;
-    /// A handle that keeps its texture from being destroyed; `None` for the caller's own.
+    /// A handle that keeps the view's texture from being destroyed; `None` for the caller's own.
     fn kept(&self) -> Option<Kept>;
 }
 
@@ -318,8 +319,8 @@ mod tests {
     use crate::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, storage_buffer};
     use crate::testing::{device, read};
 
-    /// The holder of the last handle differs. If something is destroyed too early, the copy is
-    /// wrong or wgpu refuses.
+    /// The last handle is held by something different in each case. If something is destroyed too
+    /// early, the copy is wrong or wgpu reports an error.
     #[test]
     fn what_is_recorded_stays_until_it_is_submitted() {
         let (device, queue) = device();

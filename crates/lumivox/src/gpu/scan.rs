@@ -8,7 +8,7 @@ use crate::gpu::{
 };
 use crate::gpu::{storage_buffer, uniform_buffer};
 
-/// Invocations of a workgroup.
+/// Invocations per workgroup.
 pub(crate) const SCAN_WORKGROUP_SIZE: u32 = 256;
 /// Elements that one invocation handles.
 pub(crate) const SCAN_ITEMS: u32 = 8;
@@ -34,7 +34,7 @@ impl Scan {
     /// Compiles the kernels.
     ///
     /// # Errors
-    /// When the shader does not link.
+    /// If the shader does not link.
     pub fn new(device: &Pipelines, shaders: &ShaderLibrary) -> Result<Self, ShaderError> {
         let layout = LayoutBuilder::compute()
             .uniform()
@@ -48,15 +48,16 @@ impl Scan {
         })
     }
 
-    /// Replaces each of the first `count` elements of `values` by the sum of all before it.
+    /// Replaces each of the first `count` elements of `values` by the sum of all elements before
+    /// it.
     ///
-    /// With a last element of zero, it becomes the total of the others.
+    /// If the last element is zero, it becomes the total of the others.
     pub fn run(&self, recorder: &mut Recorder<'_>, values: &Buffer, count: u32) {
         let bound = self.bind(recorder.device(), values, count);
         self.run_bound(recorder, &bound);
     }
 
-    /// Binds a buffer for [`Self::run_bound`], which does the work of [`Self::run`] again and again.
+    /// Binds a buffer for repeated [`Self::run_bound`], which does the work of [`Self::run`].
     pub fn bind(&self, device: &wgpu::Device, values: &Buffer, count: u32) -> BoundScan {
         let mut levels = Vec::new();
         let (mut values, mut count) = (values.clone(), count);
@@ -76,7 +77,7 @@ impl Scan {
         BoundScan { levels }
     }
 
-    /// As [`Self::run`], of what was bound.
+    /// [`Self::run`] on a bound buffer.
     pub fn run_bound(&self, recorder: &mut Recorder<'_>, bound: &BoundScan) {
         recorder.compute("gpu::scan", |pass| {
             for (group, threads) in &bound.levels {
@@ -89,7 +90,7 @@ impl Scan {
     }
 }
 
-/// A buffer bound to a [`Scan`]: the sums of its blocks, the sums of these, and so on.
+/// A buffer bound to a [`Scan`]: the sums of its blocks, the sums of those, and so on.
 #[derive(Debug)]
 pub struct BoundScan {
     levels: Vec<(BindGroup, u64)>,

@@ -1,14 +1,15 @@
-//! Copies of what a recording reads and the next one changes.
+//! Copies of data that one recording reads and the next one changes.
 //!
-//! `Queue::write_buffer` takes effect before all that is submitted next. Two recordings that are submitted together
-//! would both see the last content of one buffer, so each takes a slot that no other recording holds. There are as
-//! many as recordings were ever under way at once; after that nothing is made.
+//! `Queue::write_buffer` takes effect before everything that is submitted next. Two recordings that
+//! are submitted together would both see the last content of one buffer, so each uses a slot that
+//! no other recording holds. There are as many slots as recordings were ever in progress at once;
+//! after that nothing is created.
 
 use std::sync::{Mutex, PoisonError};
 
 /// Something with bind groups that recordings hold.
 pub(crate) trait Slot {
-    /// Whether no recording holds it that is still to be submitted.
+    /// Whether no recording holds it that is yet to be submitted.
     fn is_free(&self) -> bool;
 }
 
@@ -23,7 +24,7 @@ impl<S> Default for Slots<S> {
 }
 
 impl<S: Slot> Slots<S> {
-    /// Records with a slot that is free, which is made if there is none.
+    /// Records with a free slot; creates one if there is none.
     pub(crate) fn with_free<R>(
         &self,
         make: impl FnOnce() -> S,
@@ -37,13 +38,13 @@ impl<S: Slot> Slots<S> {
         record(&mut slots[free])
     }
 
-    /// Whether no recording holds any.
+    /// Whether no recording holds any slot.
     #[cfg(test)]
     pub(crate) fn are_free(&self) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).iter().all(Slot::is_free)
     }
 
-    /// How many there are.
+    /// Number of slots.
     #[cfg(test)]
     pub(crate) fn count(&self) -> usize {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).len()

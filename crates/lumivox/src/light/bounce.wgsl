@@ -1,5 +1,5 @@
-// One bounce: faces gather the light that other faces show. Reflectance stays below one, so the repetition
-// converges.
+// One bounce: faces gather the radiance of other faces. Reflectance is below one, so repeated
+// bounces converge.
 
 import package::cascades::cascade_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
@@ -32,7 +32,8 @@ fn main(
     }
 }
 
-// Faces that have never gathered and whose turn it is not: of voxels that dynamic surface touches, or of a new list.
+// Faces that have never gathered and whose turn it is not: of voxels that dynamic surface touches,
+// or of a new list.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn fresh(
     @builtin(global_invocation_id) invocation: vec3u,

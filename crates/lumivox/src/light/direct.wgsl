@@ -1,6 +1,7 @@
 // Direct light and emission into the voxels: the radiance that each face sends out before any bounce.
 //
-// A face looks the same from all sides: L = Le + sum of irradiances times what leaves of them (reflected.wgsl) / pi.
+// A face's radiance is the same in all directions: L = Le + sum over lights of irradiance times its
+// reflected share (reflected.wgsl) / pi.
 
 import package::cascades::cascade_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
@@ -18,7 +19,7 @@ import package::voxels::morton::morton_decode;
 
 const PI: f32 = 3.14159265359;
 
-// What a face sends out of the light that a lamp or sun brings to its middle.
+// The reflected share times irradiance of a lamp's or sun's light at the middle of a face.
 fn leaving_of(light: Light, face: Face, normal: vec3f) -> vec3f {
     let incident = incident_light(light, face.position_in_world);
     let cosine = dot(normal, incident.direction);

@@ -1,4 +1,4 @@
-//! The faces of a voxel list with their light, and the kernels that run over them.
+//! The light of a voxel list's faces, and the kernels that compute it.
 
 use super::turns::Turn;
 use crate::GiError;
@@ -26,7 +26,7 @@ pub(super) struct LightKernels {
     follow_layout: wgpu::BindGroupLayout,
     settle_layout: wgpu::BindGroupLayout,
     inherit_layout: wgpu::BindGroupLayout,
-    /// None where cones march.
+    /// `None` if cones march.
     find: Option<[Kernel; 2]>,
     far: Option<FarKernels>,
     bounce: [Kernel; 2],
@@ -49,14 +49,15 @@ struct FarKernels {
 }
 
 impl LightKernels {
-    /// Lets all kernels of recorded frames be compiled.
+    /// Queues all kernels that only recorded frames use for compilation.
     pub(super) fn expect_frames(&self, device: &Pipelines) {
         for [_, fresh] in [&self.bounce, &self.shine] {
             fresh.expect(device);
         }
     }
 
-    /// Links them; `grid` is the layout of the grid alone, the others those of groups 0 and 2. Cones that march find no faces.
+    /// Links the kernels; `grid` is the layout of only the grid, the others are those of groups 0
+    /// and 2. Marching cones need no hits of faces, so `find` is `None` then.
     pub fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
@@ -76,7 +77,7 @@ impl LightKernels {
         let settle_layout = layout(2, 2, 2, "settle");
         let inherit_layout = layout(0, 6, 1, "inherit");
         let kernel = |module, layout| Kernel::new(device, shaders, module, "main", &[grid, layout]);
-        // For the faces whose turn it is, and for those that have never gathered.
+        // One kernel for the faces whose turn it is, and one for those that have never gathered.
         let gather = |module| {
             let groups = [globals, &bounce_layout, lights];
             let in_turn = Kernel::new(device, shaders, module, "main", &groups)?;
@@ -132,14 +133,14 @@ impl LightKernels {
         Kernel::new(device, shaders, "light::direct", "main", &groups)
     }
 
-    /// Finds what the rays of faces meet and the faces beside them, as far as it is not known.
+    /// Finds what the rays of faces meet and the adjacent faces, where that is not known yet.
     pub fn find(&self, recorder: &mut Recorder<'_>, globals: &BindGroup, faces: &Faces) {
         for find in self.find.iter().flatten() {
             faces.run(recorder, "light::find", find, &[globals, &faces.bounce]);
         }
     }
 
-    /// Finds the light that all faces get from afar, shared among neighbours. `None`: cones march.
+    /// Computes the far light of all faces, shared among neighbours. `None` if cones march.
     pub fn far<'f>(
         &self,
         recorder: &mut Recorder<'_>,
@@ -166,7 +167,7 @@ impl LightKernels {
         Some(&far.light[0])
     }
 
-    /// Gathers of the faces whose turn it is, and of those that never have.
+    /// Gathers for the faces whose turn it is, and for those that have never gathered.
     pub fn gather(
         &self,
         recorder: &mut Recorder<'_>,
@@ -177,8 +178,8 @@ impl LightKernels {
         run_turn(recorder, "light::bounce", &self.bounce, [globals, lights], faces, turn);
     }
 
-    /// Computes what the faces whose turn it is, and those that never have gathered, get straight from emitters, if there are
-    /// any.
+    /// Computes the irradiance straight from emitters, if there are any, for the faces whose turn
+    /// it is and for those that have never gathered.
     pub fn shine(
         &self,
         recorder: &mut Recorder<'_>,
@@ -191,21 +192,21 @@ impl LightKernels {
         }
     }
 
-    /// Computes the radiance that faces send out, and the part of it that the volume shows: all, or where there is emission
-    /// what is reflected.
+    /// Computes the radiance that faces send out, and the part of it that the volume shows: all, or
+    /// only reflected light if there are emitters.
     pub fn reflect(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
         faces.run(recorder, "light::reflect", &self.reflect, &[grid, &faces.reflect]);
         let show = if faces.has_emission { &self.show_without_emission } else { &self.show };
         faces.run(recorder, "light::show", show, &[grid, &faces.show]);
     }
 
-    /// Computes what the volume shows with emission, and keeps what it shows without.
+    /// Computes what the volume shows with emission, and saves what it shows without.
     pub fn emit(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
         recorder.copy((&faces.shown, 0), (&faces.reflected, 0), faces.shown.size());
         faces.run(recorder, "light::show", &self.show, &[grid, &faces.show]);
     }
 
-    /// Before a list is taken: the light of faces that it puts elsewhere.
+    /// Before a list is committed: moves the light of faces whose place in the list changes.
     pub fn follow(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
         recorder.compute("light::follow", |pass| {
             let voxels = faces.moving_voxels;
@@ -214,7 +215,7 @@ impl LightKernels {
         });
     }
 
-    /// After a list was taken: the light of faces that a list before had.
+    /// After a list was committed: copies light from the faces of the list that it replaced.
     pub fn inherit(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &mut Faces) {
         if let Some(group) = faces.inherit.take() {
             self.inherit.run_linear(recorder, &[grid, &group], faces.capacity);
@@ -242,10 +243,11 @@ fn run_turn(
     });
 }
 
-/// The faces of a voxel list, with room for their light.
+/// Per-face light buffers of a voxel list.
 #[derive(Debug)]
 pub(super) struct Faces {
-    /// The faces that it is bound to, to be known again: the list's, and those that it takes.
+    /// The buffers that it is bound to, to detect changes: the list's faces, and the moving faces
+    /// that the list will get.
     list: [Buffer; 2],
     counts: Buffer,
     capacity: u64,
@@ -259,13 +261,14 @@ pub(super) struct Faces {
     radiance: Buffer,
     /// Radiance that cones see (`show.wgsl`).
     shown: Buffer,
-    /// Radiance that the volume holds.
+    /// Radiance that the volume currently stores.
     held: Buffer,
-    /// Whether there are emitters. If not, `reflected` is empty.
+    /// `true` if there are emitters. If `false`, `reflected` is empty.
     has_emission: bool,
-    /// The hits of the faces' rays, the faces beside them, and irradiance straight from emitters (`turn.wgsl`).
+    /// The hits of the faces' rays, the adjacent faces, and irradiance straight from emitters
+    /// (`turn.wgsl`).
     hits: Buffer,
-    /// None where cones march.
+    /// `None` if cones march.
     far: Option<Far>,
     /// Radiance that the volume shows without emission.
     reflected: Buffer,
@@ -275,14 +278,14 @@ pub(super) struct Faces {
     show: BindGroup,
     follow: BindGroup,
     settle: BindGroup,
-    /// Once, from a list that was replaced.
+    /// Used once, to copy light from a list that was replaced.
     inherit: Option<BindGroup>,
 }
 
-/// Light from afar.
+/// Far light.
 #[derive(Debug)]
 struct Far {
-    /// Far light of single faces, then of 5 x 5; and between, of rows of 5.
+    /// Far light: first of single faces, finally of 5 x 5; the second buffer is for rows of 5.
     light: [Buffer; 2],
     collect: BindGroup,
     rows: BindGroup,
@@ -319,7 +322,7 @@ impl Far {
 }
 
 impl Faces {
-    /// Room for the light of a list; what `earlier` has of it goes on.
+    /// Buffers for the light of a list; light of `earlier` is kept.
     pub fn new(
         recorder: &mut Recorder<'_>,
         kernels: &LightKernels,
@@ -331,7 +334,7 @@ impl Faces {
         let faces = Self::bound(&device, kernels, settings, (list, moving), has_emission);
         let Some(earlier) = earlier else { return faces };
         let Some(old) = replaced else {
-            // The same list with other room.
+            // The same list, reallocated.
             for (from, to) in
                 [(&earlier.irradiance, &faces.irradiance), (&earlier.held, &faces.held)]
             {
@@ -440,7 +443,8 @@ impl Faces {
         }
     }
 
-    /// Whether it is bound to all that a list is taken from, and has room for the light of emitters if there are any.
+    /// `true` if it is bound to the buffers of a list that is about to be committed, and has
+    /// buffers for emission if there are emitters.
     pub fn is_of(&self, taken: &Taken<'_>, has_emission: bool) -> bool {
         self.list.each_ref() == [&taken.list.faces, taken.moving.faces]
             && self.has_emission == has_emission
@@ -451,18 +455,18 @@ impl Faces {
         self.has_emission
     }
 
-    /// Lets the volume show reflected light alone, and all light again, with its next update.
+    /// Makes the volume's next update show only reflected light, or all light again.
     pub fn hide_emission(&self, recorder: &mut Recorder<'_>, hides: bool) {
         let from = if hides { &self.reflected } else { &self.held };
         recorder.copy((from, 0), (&self.shown, 0), self.shown.size());
     }
 
-    /// Whether light comes from a list that was replaced.
+    /// `true` if light has to be copied from a list that was replaced.
     pub fn is_inheriting(&self) -> bool {
         self.inherit.is_some()
     }
 
-    /// Faces that there is room for.
+    /// Maximum number of faces.
     pub fn capacity(&self) -> u64 {
         self.capacity
     }
@@ -487,12 +491,12 @@ impl Faces {
         &self.radiance
     }
 
-    /// Radiance that the volume shows, and that it holds.
+    /// Radiance to be shown by the volume, and radiance that it stores.
     pub fn shown(&self) -> Shown<'_> {
         Shown { now: &self.shown, held: &self.held }
     }
 
-    /// Notes that the volume holds what it shows.
+    /// Records that the volume now stores what it shows.
     pub fn hold(&self, recorder: &mut Recorder<'_>) {
         recorder.copy((&self.shown, 0), (&self.held, 0), self.shown.size());
     }

@@ -1,4 +1,5 @@
-// The light that faces' rays bring from afar: what far_light.wgsl has of a face by itself, before it is shared (share_far.wgsl).
+// The far light of single faces from their rays (far_light.wgsl), before it is shared
+// (share_far.wgsl).
 
 import package::cascades::cascade_of;
 import package::cones::hemisphere::{basis, cell_cone};

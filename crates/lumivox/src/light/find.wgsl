@@ -1,6 +1,8 @@
-// Finds what the rays of faces meet, and the faces beside them: each once, and anew where surface has moved.
+// Finds what the rays of faces meet, and the adjacent faces: once each, and again after surface has
+// moved.
 //
-// Kernels of their own, since machines without branches would find in each gather what they then leave out.
+// These are separate kernels, since GPUs without branches would repeat the search in each gather
+// and discard it.
 
 import package::cascades::{cascade_of, voxel_of};
 import package::cones::hemisphere::{basis, cell_cone};
@@ -19,8 +21,9 @@ import package::voxels::morton::morton_decode;
 
 const UNKNOWN = 0u;
 
-// Whether the face that a ray has met, or that is beside, has to be found again. If it is the face's turn: it never was found, or its
-// group is due after surface has moved. In any turn: one of the two is dynamic, and has no fixed place in the list.
+// Whether a hit or adjacent face has to be found again. On the face's turn: if it was never found,
+// or if its group is due after surface has moved. In any turn after surface has moved: if one of
+// the two faces is dynamic, and so has no fixed place in the list.
 fn is_outdated(hit: u32, face: u32, ray: u32, is_due: bool) -> bool {
     let met = hit - HIT_OFFSET;
     let is_moving = face >= counts.fixed_faces || (met >= counts.fixed_faces && met < UNLIT);
@@ -65,7 +68,8 @@ fn main(
     }
 }
 
-// The face of the same surface in the next voxel along an axis, or NOTHING where other surface is between.
+// The face of the same surface in the next voxel along an axis, or NOTHING if other surface is
+// between.
 fn face_beside(index: u32, axis: u32, step: f32) -> u32 {
     let own = voxel_of(morton_decode(faces[index].cell));
     let plane = patch_of(index);

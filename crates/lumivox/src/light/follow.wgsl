@@ -1,4 +1,5 @@
-// The light of a face that moves to another place in the list: of voxels that dynamic surface touches.
+// Copies the light of faces that move to another place in the list: of voxels that dynamic surface
+// touches.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -13,11 +14,12 @@ import package::voxels::list::Face;
 @group(1) @binding(4) var<storage, read> faces: array<Face>;
 @group(1) @binding(5) var<storage, read> irradiance: array<vec4f>;
 @group(1) @binding(6) var<storage, read> held: array<vec4f>;
-// By the index of a moving face.
+// Indexed by moving face.
 @group(1) @binding(7) var<storage, read_write> moving_irradiance: array<vec4f>;
 @group(1) @binding(8) var<storage, read_write> moving_held: array<vec4f>;
 
-// The face of that lobe whose surface is nearest, among those of a voxel that start at `former`.
+// The face with the same lobe and the nearest position, among those of a voxel that start at
+// `former`.
 fn find_face(former: u32, own: Face) -> u32 {
     var found = NO_FACE;
     var least = 3e38;

@@ -1,4 +1,4 @@
-// The irradiance of a face by cones that march: the module package::light::way.
+// The irradiance of a face by marched cones: the module package::light::way.
 
 import package::cones::gather::gather;
 import package::light::turn::{face_start, settings};
@@ -8,6 +8,6 @@ fn gathered_at(index: u32, face: Face, level: u32) -> vec3f {
     let normal = normalize(face.vector_area);
     let gathered = gather(
         face.position_in_world, normal, normal, level, settings.cone_count, face_start(face), 0u, settings.cones);
-    // A few cones may sum up below zero (march.wgsl).
+    // With few cones the sum may be negative (march.wgsl).
     return max(gathered.irradiance, vec3f(0.0));
 }

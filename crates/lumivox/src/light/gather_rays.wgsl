@@ -1,4 +1,4 @@
-// The irradiance of a face by what its rays have met (find.wgsl): the module package::light::way.
+// The irradiance of a face from the hits of its rays (find.wgsl): the module package::light::way.
 
 import package::cones::hemisphere::{basis, cell_cone};
 import package::cones::ray::shown_by;

@@ -1,5 +1,6 @@
-// The irradiance of the faces of a list from that of the list before: from the nearest face of the same lobe of the same voxel.
-// Where the box of a clipmap has moved, another voxel may be stored in a voxel's place, a whole box away.
+// Copies the irradiance of a new list's faces from the previous list: from the nearest face of the
+// same lobe of the same voxel. If the box of a clipmap has moved, another voxel, a whole box away,
+// may be stored in a voxel's place.
 
 import package::cascades::cascade_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;

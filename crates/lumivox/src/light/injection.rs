@@ -7,28 +7,31 @@ use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid, Lights};
 
-/// How the light of lamps and suns comes into the voxels, instead of asking each light for each face.
+/// How the light of lamps and suns gets into the voxels, instead of evaluating each light for each
+/// face.
 ///
-/// Write one for light that a simulation of your own computes, that was baked, or that is meant to be unphysical.
-/// Bounces, and the surroundings that arrive by them, work on it as on Lumivox's own.
+/// Implement it for light from your own simulation, for baked light, or for light that is meant to
+/// be unphysical. Bounces, and the surroundings whose light arrives by them, work as with Lumivox's
+/// own direct light.
 pub trait Injection: Debug + Send + Sync {
     /// The name; settings that name the same injection are equal.
     fn name(&self) -> &'static str;
 
-    /// Bytes that it keeps on the GPU for each face of the voxels, for estimates of memory. Default: 0.
+    /// Bytes on the GPU for each face of the voxels, for estimates of memory. Default: 0.
     fn bytes_per_face(&self) -> u64 {
         0
     }
 
-    /// The largest texel of a shadow map, in voxels, that its light does not suffer from, for warnings. Default: any.
+    /// The largest texel of a shadow map, in voxels, that does not degrade its light, for warnings.
+    /// Default: infinity.
     fn largest_texel_voxels(&self) -> f32 {
         f32::INFINITY
     }
 
-    /// Makes what computes the light on a device.
+    /// Creates the [`Injector`] on a device.
     ///
     /// # Errors
-    /// As [`crate::Gi::with_pipelines`], which passes them on.
+    /// Returned by [`crate::Gi::with_pipelines`].
     fn make(&self, parts: &InjectionParts<'_>) -> Result<Box<dyn Injector>, GiError>;
 }
 
@@ -39,7 +42,7 @@ impl PartialEq for dyn Injection {
     }
 }
 
-/// What an [`Injection`] can be made of.
+/// What an [`Injection`] can use to create its [`Injector`].
 #[derive(Clone, Copy, Debug)]
 pub struct InjectionParts<'a> {
     /// The device, with its pipelines.
@@ -54,15 +57,16 @@ pub struct InjectionParts<'a> {
     pub lights: &'a wgpu::BindGroupLayout,
 }
 
-/// What an [`Injection`] makes: it lights the faces of a voxel list. [`crate::Gi::injector`] gives it back.
+/// Created by an [`Injection`]: it lights the faces of a voxel list. [`crate::Gi::injector`]
+/// returns it.
 pub trait Injector: Any + Debug + wgpu::WasmNotSendSync {
-    /// Takes the list that is lit from now on.
+    /// Sets the list that is lit from now on.
     fn take(&mut self, device: &Pipelines, voxels: &VoxelList);
 
     /// Records the passes that write the light of every face.
     fn run(&self, recorder: &mut Recorder, light: FaceLight<'_>);
 
-    /// Bytes on the GPU, by what they hold.
+    /// Bytes on the GPU, by purpose.
     fn memory(&self) -> Vec<(&'static str, u64)> {
         Vec::new()
     }
@@ -71,10 +75,11 @@ pub trait Injector: Any + Debug + wgpu::WasmNotSendSync {
 /// Where an [`Injector`] reads lights from and writes faces to.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceLight<'a> {
-    /// Bind group 0: the grid and the volume, which has this list's opacities already if a light has cone shadows.
+    /// Bind group 0: the grid and the volume, which already has this list's opacities if a light
+    /// has cone shadows.
     pub globals: &'a BindGroup,
     /// The lights, with bind group 2.
     pub lights: &'a Lights,
-    /// To be written for each face: the radiance that it sends out before any bounce (`array<vec4f>`, 1 in w).
+    /// Output: the radiance that each face sends out before any bounce (`array<vec4f>`, 1 in w).
     pub direct: &'a Buffer,
 }

@@ -2,7 +2,7 @@
 //! on the GPU.
 //!
 //! The whole library uses one unit of radiance: if lights are in lux and candela, radiance is in
-//! cd/m². The volumes hold half floats (6e-5 to 65504, and what is brighter as 65504), so give very
+//! cd/m². The volumes store half floats (6e-5 to 65504; brighter values are clamped), so give very
 //! bright scenes in a larger unit.
 
 mod bound;
@@ -39,8 +39,9 @@ pub enum LightSource {
         /// Half the angular diameter of the source, rad; for soft shadows. The sun: 0.00465.
         angular_radius_rad: f32,
     },
-    /// Parallel light from a bright part of an environment map. The map shows that part: mirrors
-    /// reflect the map, not this light's highlight. [`crate::EnvironmentMap::lights`] makes them.
+    /// Parallel light from a bright part of an environment map. The map still contains that part:
+    /// mirrors reflect the map, not this light's highlight. [`crate::EnvironmentMap::lights`]
+    /// creates them.
     Environment {
         /// The direction in which the light travels; unit length.
         direction: Vec3,
@@ -55,7 +56,7 @@ pub enum LightSource {
         position: Vec3,
         /// Radiant intensity (flux per solid angle), RGB.
         intensity: Vec3,
-        /// Radius of the source, m; for soft shadows, and the distance at which the light stops
+        /// Radius of the source, m; for soft shadows, and the distance below which the light stops
         /// growing. 0: a point.
         radius_m: f32,
         /// Distance at which the light ends, m; `None`: never, as in nature.
@@ -90,8 +91,8 @@ pub enum Shadow {
         /// The light's first layer.
         first_layer: u32,
     },
-    /// A cone through the voxels, as wide as the source: soft, as coarse as the voxels, and without
-    /// a map.
+    /// A cone through the voxels, as wide as the source: soft, limited to the resolution of the
+    /// voxels, and without a map.
     #[default]
     Cone,
 }
@@ -110,12 +111,14 @@ pub struct Light {
 pub struct ShadowLayer {
     /// From the world to clip space, with reversed z (1 at the near plane).
     pub clip_from_world: Mat4,
-    /// Whether the projection is a perspective one (point and spot lights) or a parallel one.
+    /// `true` if the projection is a perspective one (point and spot lights), `false` if it is
+    /// parallel.
     pub is_perspective: bool,
     /// Edge of a texel: in metres per metre of distance for a perspective layer, in metres for a parallel one.
     pub texel_size: f32,
-    /// Whether the next layer belongs to the same parallel light, lies within this one and has smaller texels (cascaded shadow maps:
-    /// Engel 2006). The last such layer around a point shows its shadow.
+    /// `true` if the next layer belongs to the same parallel light, lies within this one and has
+    /// smaller texels (cascaded shadow maps: Engel 2006). The last such layer around a point is
+    /// sampled.
     pub has_finer: bool,
 }
 
@@ -167,9 +170,9 @@ pub(crate) struct ShadowLayerRecord {
 }
 
 impl Light {
-    /// Uploads lights in the shaders' form, `Light` of `package::light::lights` one after the
-    /// other, for a caller's own passes. Without lights the buffer holds a dark one, since no
-    /// binding may be empty.
+    /// Uploads lights in the shaders' format, an array of `Light` of `package::light::lights`, for
+    /// a caller's own passes. Without lights the buffer holds a dark one, since no binding may be
+    /// empty.
     pub fn buffer(device: &wgpu::Device, lights: &[Self]) -> Buffer {
         let records: Vec<LightRecord> = lights.iter().map(|light| light.to_gpu()).collect();
         upload(device, "lights", &padded(&records))
@@ -232,7 +235,7 @@ impl Light {
     }
 }
 
-/// The records, or a single zero one where there are none: WebGPU has no empty bindings.
+/// The records, or a single zero one if there are none: WebGPU has no empty bindings.
 fn padded<T: Pod>(records: &[T]) -> Vec<T> {
     if records.is_empty() { vec![T::zeroed()] } else { records.to_vec() }
 }

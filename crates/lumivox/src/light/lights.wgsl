@@ -6,7 +6,7 @@ struct Light {
     position_in_world: vec3f,
     // LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT or LIGHT_ENVIRONMENT.
     kind: u32,
-    // The way the light travels; unit length.
+    // The direction in which the light travels; unit length.
     direction: vec3f,
     // Distance at which the light ends, m; 0: it never does.
     range_m: f32,
@@ -17,19 +17,20 @@ struct Light {
     // Spot: the intensity is scaled by clamp(cos(angle) * spot_scale + spot_offset, 0, 1)^2.
     spot_scale: f32,
     spot_offset: f32,
-    // How it casts shadows: SHADOW_NONE, SHADOW_MAP or SHADOW_CONE.
+    // SHADOW_NONE, SHADOW_MAP or SHADOW_CONE.
     shadow: u32,
     // With SHADOW_MAP: its first layer; a point light has six, in the order +x -x +y -y +z -z.
     shadow_layer: u32,
 }
 
 struct LightGlobals {
-    // What the values of the environment's map are multiples of; without a map, its radiance.
+    // Factor of the environment map's values; without a map, the environment's radiance.
     environment: vec3f,
     light_count: u32,
     // Cosine and sine of the map's rotation about y.
     environment_turn: vec2f,
-    // Lobes of a smaller alpha show the peaks of the environment's map in place of their lights' highlights.
+    // Lobes of a smaller alpha reflect the peaks of the environment's map instead of showing their
+    // lights' highlights.
     mirror_alpha: f32,
     padding: u32,
 }
@@ -37,7 +38,7 @@ struct LightGlobals {
 @group(2) @binding(0) var<uniform> light_globals: LightGlobals;
 @group(2) @binding(1) var<storage, read> lights: array<Light>;
 
-// What a light sends to a point, visibility left aside.
+// A light's contribution at a point, without visibility.
 struct Incident {
     // Towards the light; unit length.
     direction: vec3f,
@@ -46,7 +47,7 @@ struct Incident {
     irradiance: vec3f,
 }
 
-// Whether a light is infinitely far, and its light parallel.
+// Whether a light is infinitely far away, so that its rays are parallel.
 fn is_parallel(light: Light) -> bool {
     return light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_ENVIRONMENT;
 }
@@ -56,7 +57,7 @@ fn incident_light(light: Light, position_in_world: vec3f) -> Incident {
         return Incident(-light.direction, 3e38, light.intensity);
     }
     let to_light = light.position_in_world - position_in_world;
-    // A point light is a sphere seen from outside: nearer than its surface nothing grows any more. The
+    // A point light is a sphere seen from outside: irradiance does not grow within its radius. The
     // floor keeps a light without radius finite.
     let floor_m = max(light.radius, 1e-3);
     let squared = max(dot(to_light, to_light), floor_m * floor_m);

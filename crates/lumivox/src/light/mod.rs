@@ -1,14 +1,16 @@
 //! Light in the voxels: direct light and emission, and bounces.
 //!
-//! Everything here runs over the faces of the voxel list alone. A face sends out `Le + reflectance / pi * E`;
-//! `E` is the irradiance from the analytic lights (`direct.wgsl`) and what faces gather from
-//! each other (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives through gathers: cones see the
-//! latter, emitters are drawn (`shine.wgsl`). In the meantime faces show reflected light alone, and between calls all light.
-//! A caller's own [`Injection`] takes the place of the direct evaluation.
+//! Everything here runs only over the faces of the voxel list. A face sends out
+//! `Le + reflectance / pi * E`; `E` is the irradiance from the analytic lights (`direct.wgsl`)
+//! and what faces gather from each other (`bounce.wgsl`). The light of emissive surfaces and of the
+//! environment arrives by gathers: cones see the environment, emitters are sampled (`shine.wgsl`).
+//! While they gather, faces show only reflected light; between calls they show all light. A
+//! caller's own [`Injection`] replaces the direct evaluation.
 //!
-//! The irradiance that faces have gathered is kept. A still picture starts from darkness and gathers once for each bounce
-//! ([`Lighting::solve`]); a frame goes on from what the frame before has left ([`Lighting::step`]), so that light travels a
-//! bounce a frame, and converges to the same.
+//! The irradiance that faces have gathered is kept. A still image starts from darkness and gathers
+//! once for each bounce ([`Lighting::solve`]); a frame continues from the previous frame
+//! ([`Lighting::step`]), so that light travels one bounce a frame, and converges to the same
+//! result.
 
 mod faces;
 mod injection;
@@ -66,30 +68,30 @@ pub(crate) struct BounceSettings {
 pub(crate) struct Lighting {
     direct: Direct,
     kernels: LightKernels,
-    /// The grid alone.
+    /// Only the grid.
     grid: BindGroup,
     settings: Staged,
     faces: Option<Faces>,
     turns: Turns,
-    /// Whether there are emitters.
+    /// `true` if there are emitters.
     has_emission: bool,
-    /// Whether the faces have light that the volume can show with emission and without.
+    /// `true` if the faces have light that the volume can show with emission and without.
     is_lit: bool,
-    /// Whether surface has moved since faces have traced all their rays.
+    /// `true` if surface has moved since faces last traced all their rays.
     has_moved: bool,
 }
 
-/// How the light of lamps comes in.
+/// How the light of lamps is computed.
 #[derive(Debug)]
 enum Direct {
-    /// Each face asks each light (`direct.wgsl`).
+    /// Each face evaluates each light (`direct.wgsl`).
     Faces(Kernel),
-    /// The caller's way.
+    /// The caller's injector.
     Own(Box<dyn Injector>),
 }
 
 impl Lighting {
-    /// Lets all kernels of recorded frames be compiled.
+    /// Queues all kernels that only recorded frames use for compilation.
     pub(crate) fn expect_frames(&self, device: &Pipelines) {
         self.kernels.expect_frames(device);
     }
@@ -101,7 +103,7 @@ impl Lighting {
         globals: &wgpu::BindGroupLayout,
         lights: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
-        // Without the volume, whose buffers would be too many beside its own.
+        // Without the volume: its buffers would exceed the limit together with the kernels' own.
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let grid = BindGroupBuilder::new(&grid_layout)
             .buffer(&config.grid.uniform(device))
@@ -135,15 +137,15 @@ impl Lighting {
         })
     }
 
-    /// Goes on with a clipmap whose boxes have moved: what is recorded from here on.
+    /// Switches to the moved boxes of a clipmap, for everything that is recorded from now on.
     pub(crate) fn move_to(&mut self, device: &Pipelines, grid: &Grid) {
         let layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let uniform = grid.uniform(device);
         self.grid = BindGroupBuilder::new(&layout).buffer(&uniform).build(device, "grid");
     }
 
-    /// Follows a list that is about to be taken: the light of its faces goes with them. Whether it is bound to other
-    /// buffers than before is returned.
+    /// Moves the light of faces to a list that is about to be committed. Returns `true` if it is
+    /// bound to new buffers.
     pub(crate) fn follow(&mut self, recorder: &mut Recorder<'_>, taken: Taken<'_>) -> bool {
         self.turns.surface_moved();
         self.is_lit = false;
@@ -159,21 +161,21 @@ impl Lighting {
         let faces = Faces::new(recorder, &self.kernels, self.settings.buffer(), taken, earlier);
         self.kernels.follow(recorder, &self.grid, &faces);
         if faces.is_inheriting() {
-            // Faces that were not in the former list have gathered nothing.
+            // Faces that were not in the previous list have gathered nothing.
             self.turns.gather_fresh();
         }
         self.faces = Some(faces);
         true
     }
 
-    /// After the list was taken: what comes from a list that it replaced.
+    /// After a list was committed: copies light from the list that it replaced.
     pub(crate) fn inherit(&mut self, recorder: &mut Recorder<'_>) {
         if let Some(faces) = &mut self.faces {
             self.kernels.inherit(recorder, &self.grid, faces);
         }
     }
 
-    /// From the next list on: whether there are emitters.
+    /// Sets whether there are emitters, from the next list on.
     pub(crate) fn expect_emission(&mut self, has_emission: bool) {
         self.has_emission = has_emission;
     }
@@ -183,7 +185,7 @@ impl Lighting {
         self.has_emission
     }
 
-    /// Lets the volume show reflected light alone to what is recorded next, or all light again.
+    /// Makes the volume show only reflected light, or all light again, to what is recorded next.
     pub(crate) fn hide_emission(
         &self,
         recorder: &mut Recorder<'_>,
@@ -198,8 +200,8 @@ impl Lighting {
         volume.bounce(recorder, shining);
     }
 
-    /// Before reflected light changes: takes the emission off that is on top of it. Whether it did is returned; where not, the
-    /// volume holds emission of a list before, which is found as other changes are.
+    /// Removes emission from the volume before reflected light changes. Returns `true` if it did;
+    /// otherwise the volume stores emission of an earlier list, which is found like other changes.
     fn conceal(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -218,7 +220,7 @@ impl Lighting {
         true
     }
 
-    /// Once there is all reflected light: emission on top.
+    /// Adds emission to the volume once all reflected light is there.
     fn emit(&mut self, recorder: &mut Recorder<'_>, (volume, changes): (&Volume, &Changes)) {
         let Some(faces) = self.faces.as_ref().filter(|faces| faces.has_emission()) else { return };
         self.kernels.emit(recorder, &self.grid, faces);
@@ -228,22 +230,23 @@ impl Lighting {
         self.is_lit = true;
     }
 
-    /// Tells the caller's way for the direct light of a list.
+    /// Passes the list to the caller's injector, if there is one.
     pub(crate) fn take(&mut self, device: &Pipelines, voxels: &VoxelList) {
         if let Direct::Own(injector) = &mut self.direct {
             injector.take(device, voxels);
         }
     }
 
-    /// The radiance that the faces send out, and that the volume holds of them.
+    /// The radiance to be shown by the volume, and the radiance that it stores.
     pub(crate) fn shown(&self) -> Option<Shown<'_>> {
         self.faces.as_ref().map(Faces::shown)
     }
 
-    /// From darkness: direct light, then a gather for each bounce but the last, which pixels do.
+    /// Starts from darkness: direct light, then a gather for each bounce except the last, which
+    /// pixels do.
     ///
-    /// Without bounces what did not change is not stored again. With them nearly everything changes, in every
-    /// gather, and looking for what does not would cost more than it saves.
+    /// Without bounces, unchanged faces are not stored again. With them nearly everything changes
+    /// in every gather, and looking for unchanged faces would cost more than it saves.
     pub(crate) fn solve(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -299,8 +302,9 @@ impl Lighting {
         self.emit(recorder, (volume, changes));
     }
 
-    /// From what the last call of either has left: direct light, and one gather of as many faces as there may be at a time,
-    /// stored and filtered where it differs. Once all has settled nothing is recorded, and `false` returned.
+    /// Continues from the last call of `solve` or `step`: direct light, and one gather of at most
+    /// `budget` faces, stored and filtered where it differs. Once light has converged, it records
+    /// nothing and returns `false`.
     pub(crate) fn step(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -310,7 +314,8 @@ impl Lighting {
         cones: (&TraceSettings, [f32; 4]),
     ) -> bool {
         let Some(faces) = &self.faces else { return false };
-        // The only setting that changes the light of faces, where rays find it: the width of samples of the environment.
+        // With rays, only one setting changes the light of faces: the width of samples of the
+        // environment.
         let (settings, values) = cones;
         let width = settings.voxel_per_diameter;
         let rays = TraceSettings { voxel_per_diameter: width, ..TraceSettings::default() };
@@ -353,7 +358,7 @@ impl Lighting {
         true
     }
 
-    /// Shows pixels the light that faces get from afar.
+    /// Passes the far light of faces to the volume, for pixels.
     fn show_far(
         &self,
         recorder: &mut Recorder<'_>,
@@ -377,7 +382,7 @@ impl Lighting {
         faces: &Faces,
     ) {
         recorder.stage("light");
-        // With cone shadows the light needs the volume's opacities, which come with any radiance.
+        // Cone shadows need the volume's opacities, which any radiance can be stored with.
         if lights.has_cone_shadows && volume.is_marched() {
             recorder.stage("filter");
             if let Some(changed) = changes.surfaces(recorder) {
@@ -397,19 +402,19 @@ impl Lighting {
         }
     }
 
-    /// Lets the next call of [`Self::step`] compute direct light again, and go on as after a change.
+    /// Makes the next call of [`Self::step`] compute direct light again, as after a change.
     pub(crate) fn disturb(&mut self) {
         self.turns.disturb();
     }
 
-    /// Bytes on the GPU, by what they hold.
+    /// Bytes on the GPU, by purpose.
     pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
         let mut memory = self.faces.as_ref().map_or_else(Vec::new, Faces::memory);
         memory.extend(self.injector().into_iter().flat_map(Injector::memory));
         memory
     }
 
-    /// The caller's way for the direct light, if it is one.
+    /// The caller's injector, if there is one.
     pub(crate) fn injector(&self) -> Option<&dyn Injector> {
         match &self.direct {
             Direct::Faces(_) => None,
@@ -431,7 +436,7 @@ fn set_bounce(
     has_emission: bool,
 ) {
     let settings = BounceSettings {
-        // Occlusion is not read, so its distance needs no unit.
+        // Occlusion is not read, so its distance has no unit.
         cones: settings.cones(1.0, model_values),
         cone_count: settings.diffuse_cones,
         faces_at_a_time: turn.faces,

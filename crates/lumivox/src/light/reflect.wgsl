@@ -1,4 +1,4 @@
-// The radiance that each face sends out: its direct light, and what it reflects of the irradiance that it has gathered.
+// The radiance that each face sends out: direct light plus reflected irradiance.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

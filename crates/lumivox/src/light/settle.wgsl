@@ -1,4 +1,4 @@
-// Puts the light of the faces of voxels that dynamic surface touches where the list will have these faces.
+// Copies the light of faces of voxels that dynamic surface touches to their new place in the list.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

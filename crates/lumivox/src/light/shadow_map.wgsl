@@ -1,7 +1,7 @@
 // Visibility from shadow maps: layers of one depth array, reversed z (1 near, 0 far), greater is nearer.
 //
-// A caller's own module (`GiConfig::shadow_maps`) takes its place as `package::light::shadow_map`, with bindings of its
-// own from 8 on and the function shadow_map_visibility.
+// A caller's own module (`GiConfig::shadow_maps`) replaces it as `package::light::shadow_map`, with
+// its own bindings from 8 on and the function shadow_map_visibility.
 
 import package::constants::LIGHT_POINT;
 import package::light::lights::Light;
@@ -51,7 +51,7 @@ fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) 
     return compare_depths(shadow_maps, shadow_sampler, layer_index, place);
 }
 
-// The last of the layers within each other, from the first on, that has a surface point.
+// The last of the nested layers, starting with `first`, that contains a surface point.
 fn finest_layer(first: u32, position_in_world: vec3f, normal: vec3f) -> u32 {
     var index = first;
     while shadow_layers[index].has_finer != 0u {
@@ -65,7 +65,7 @@ fn finest_layer(first: u32, position_in_world: vec3f, normal: vec3f) -> u32 {
     return index;
 }
 
-// Where a surface point is looked up in a layer: texture coordinates in xy, negative behind the light, and depth in z.
+// A surface point in a layer: texture coordinates in xy, negative behind the light, and depth in z.
 fn place_in_layer(
     clip_from_world: mat4x4f,
     texel_m: f32,
@@ -81,7 +81,8 @@ fn place_in_layer(
         return vec3f(-1.0);
     }
     let ndc = clip.xyz / clip.w;
-    // A ground that reaches far behind the scene lies behind the map's far plane: what is in its way there is so here.
+    // A ground that extends far behind the scene lies behind the map's far plane: it is tested at
+    // the far plane, where the map still holds its occluders.
     return vec3f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y, max(ndc.z, 0.0));
 }
 

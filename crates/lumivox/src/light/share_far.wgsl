@@ -1,6 +1,6 @@
-// Light from afar, shared among faces beside one another: the mean over a row of 2 REACH + 1 faces along an axis of their surface,
-// and then over rows along the other one. With turn.wgsl's rays these 5 x 5 faces look into 400 directions that lie evenly. A row
-// ends where other surface crosses it.
+// Shares far light among adjacent faces: the mean over a row of 2 REACH + 1 faces along one axis of
+// their surface, and then over rows along the other axis. With turn.wgsl's rays these 5 x 5 faces
+// cover 400 evenly distributed directions. A row ends where other surface crosses it.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -18,7 +18,7 @@ import package::voxels::counts::ListCounts;
 
 const REACH = 2;
 
-// For each cell: sums of radiance (rgb) and openness (a), and the number of faces in them.
+// For each cell: sums of radiance (rgb) and openness (a), and the number of faces that contributed.
 var<private> light: array<vec4f, FAR_CELLS>;
 var<private> known: array<f32, FAR_CELLS>;
 
@@ -34,7 +34,7 @@ fn add(face: u32) {
     }
 }
 
-// `axis` is 0 or 1, of those along the surface.
+// `axis` is 0 or 1: which of the two axes along the surface.
 fn share(face: u32, axis: u32) {
     let cells = far_cells();
     for (var i = 0u; i < cells; i++) {

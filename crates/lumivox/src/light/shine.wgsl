@@ -1,5 +1,5 @@
-// The irradiance that faces have straight from emitters. It changes with the emitters alone, so that gathers that follow one
-// another add what is there.
+// The irradiance of faces straight from emitters. It changes only with the emitters, so later
+// gathers add the stored value.
 
 import package::cascades::cascade_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
@@ -12,8 +12,8 @@ import package::light::turn::{
 import package::voxels::list::HIDDEN;
 import package::voxels::morton::morton_decode;
 
-// Points on emitters that a face looks at. Faces look at the same ones in every gather, so their noise stays, but a cone
-// sees many faces.
+// Points on emitters per face. Faces use the same points in every gather, so their noise does not
+// vary over time, but a cone averages over many faces.
 const POINTS: u32 = 4u;
 
 fn shine_on(index: u32) {

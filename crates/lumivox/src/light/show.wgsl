@@ -21,7 +21,7 @@ fn main(
     }
 }
 
-// For cones of those who draw emitters.
+// For cones of gathers that sample emitters.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn without_emission(
     @builtin(global_invocation_id) invocation: vec3u,

@@ -1,4 +1,4 @@
-// Whose turn it is: faces gather a share at a time.
+// Which faces gather in a turn.
 
 import package::cascades::{cascade_of, voxel_of};
 import package::cones::cone::ConeSettings;
@@ -10,16 +10,16 @@ import package::voxels::morton::morton_decode;
 struct BounceSettings {
     cones: ConeSettings,
     cone_count: u32,
-    // The most faces that gather at a time, and the number of the time: they take turns.
+    // The maximum number of faces that gather in a turn, and the number of the turn.
     faces_at_a_time: u32,
     turn: u32,
     // Whether there are emitters.
     has_emitters: u32,
-    // Whether the faces of a cascade take their turns together, those of coarse ones less often.
+    // Whether the faces of a cascade gather together, those of coarse cascades less often.
     by_cascade: u32,
-    // Whether other faces than those of dynamic surface may never have gathered.
+    // Whether faces of static surface may never have gathered, too.
     is_list_new: u32,
-    // The rays that are traced anew: a bit for each of RAY_CLASSES, zero where nothing has moved.
+    // The rays that are traced again: a bit for each of RAY_CLASSES, zero if nothing has moved.
     rays_anew: u32,
     padding: u32,
 }
@@ -29,32 +29,33 @@ struct BounceSettings {
 @group(1) @binding(2) var<storage, read> faces: array<Face>;
 // In rgb; w is 1 once a face has gathered.
 @group(1) @binding(3) var<storage, read_write> irradiance: array<vec4f>;
-// HIT_WORDS for each face: what its rays meet, FACE_RAYS of them, and the faces beside it (find.wgsl); and the irradiance that
-// comes straight from emitters.
+// HIT_WORDS for each face: the hits of its FACE_RAYS rays, the adjacent faces (find.wgsl), and the
+// irradiance straight from emitters.
 @group(1) @binding(4) var<storage, read_write> hits: array<u32>;
 
 const FACE_RAYS = 16u;
 const HIT_WORDS = 24u;
 
-// The faces beside a face on its surface, behind its rays: the one before and the one after it along each axis.
+// The adjacent faces on the same surface, after the rays: the previous and the next one along each
+// axis.
 const FIRST_BESIDE = FACE_RAYS;
 const FACES_BESIDE = 4u;
 const FROM_EMITTERS = FIRST_BESIDE + FACES_BESIDE;
 
-// Hits are kept plus this; zero is unknown.
+// Hits are stored plus this offset; zero is unknown.
 const HIT_OFFSET = 4u;
 
-// Rays are traced anew in so many groups.
+// Rays are traced again in this many groups.
 const RAY_CLASSES = 4u;
 
-// A face's own place in the jitter's sequence. It keeps its jitter from bounce to bounce, so that the bounces converge to a fixed
-// point.
+// A face's start in the jitter's sequence. It is the same for all bounces, so that they converge to
+// a fixed point.
 fn face_start(face: Face) -> vec2f {
     return random_pair(face.cell, hash(face.lobe));
 }
 
-// Where a face's rays are in their cells. Any 5 x 5 faces of a plane have 25 places that lie evenly: in a grid of 5 x 5, and
-// along both of its sides.
+// The jitter of a face's rays within their cells. Any 5 x 5 faces of a plane have 25 evenly
+// distributed jitters: in a grid of 5 x 5, and along both of its sides.
 fn face_jitter(face: Face) -> vec2f {
     let voxel = vec3u(voxel_of(morton_decode(face.cell)).voxel + 0x400000);
     let axis = lobe_axis(face.lobe);
@@ -75,16 +76,16 @@ fn keep_from_emitters(face: u32, irradiance_of_them: vec3f) {
     }
 }
 
-// The most turns from a cascade's gather to its next one, as a power of two.
+// log2 of the largest number of turns between two gathers of a cascade.
 const RAREST = 3u;
 
-// How many turns there are until all faces have gathered, where they take them one after another.
+// The number of turns until all faces have gathered, if they are not grouped by cascade.
 fn turns() -> u32 {
     let most = max(settings.faces_at_a_time, 1u);
     return max((counts.faces + most - 1u) / most, 1u);
 }
 
-// Whether it is the turn of a face: of a cascade's faces in each turn, every second, fourth, ...
+// Whether a face gathers in this turn. By cascade: in each turn, every second, fourth, ...
 fn is_in_turn(face: u32) -> bool {
     if settings.by_cascade != 0u {
         let cascade = cascade_of(morton_decode(faces[face].cell));
@@ -94,7 +95,7 @@ fn is_in_turn(face: u32) -> bool {
     return face % all == settings.turn % all;
 }
 
-// The face of a place among those whose turn it is; one that does not exist for a place too many.
+// The face at a place among those that gather in this turn; an index out of range if there is none.
 fn face_in_turn(place: u32) -> u32 {
     if settings.by_cascade != 0u {
         return select(counts.faces, place, place < counts.faces && is_in_turn(place));
@@ -108,7 +109,7 @@ fn first_fresh() -> u32 {
     return select(counts.fixed_faces, 0u, settings.is_list_new != 0u);
 }
 
-// Whether a face has never gathered, though it is not its turn.
+// Whether a face has never gathered and does not gather in this turn.
 fn is_fresh(face: u32) -> bool {
     return face < counts.faces && irradiance[face].w == 0.0 && !is_in_turn(face);
 }

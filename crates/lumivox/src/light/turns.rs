@@ -1,40 +1,41 @@
-//! Who gathers when: faces take turns, from each change until the light has settled.
+//! Schedules gathers: which faces gather in a frame, from each change until light has converged.
 
 use crate::Grid;
 use crate::cones::TraceSettings;
 
-/// Gathers of every face after a change. In a closed room whose walls reflect 80 %, less than a thousandth of the change
-/// is left then; in most rooms far less.
+/// Gathers of every face after a change. In a closed room whose walls reflect 80 %, less than a
+/// thousandth of the change is missing then; in most rooms far less.
 const SETTLING_GATHERS: u32 = 32;
 
-/// The most frames from a cascade's gather to its next one (`RAREST` of `turn.wgsl`).
+/// Most frames between two gathers of a cascade (`RAREST` of `turn.wgsl`).
 const RAREST_CASCADE: u64 = 8;
 
-/// Rays are traced anew in so many groups, one a frame, after surface has moved.
+/// After surface has moved, rays are traced again in this many groups, one a frame.
 const RAY_CLASSES: u32 = 4;
 
-/// The gathers of every face after which pixels are shown the light from afar anew: later ones bring less and less.
+/// Numbers of gathers of every face after which the far light of pixels is updated: later gathers
+/// change less and less.
 const SHOWN_GATHERS: [u32; 8] = [4, 6, 8, 12, 16, 20, 26, SETTLING_GATHERS];
 
 /// The work of a frame.
 #[allow(clippy::struct_excessive_bools, reason = "independent facts about one frame")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
-    /// Direct light is not what it was.
+    /// Direct light has changed.
     pub is_direct_new: bool,
-    /// Faces find the irradiance that comes straight from emitters again: emitters, or what is between, may have changed.
+    /// Faces sample emitters again: emitters, or occluders, may have changed.
     pub may_shine_anew: bool,
-    /// Pixels are shown the light from afar anew.
+    /// The far light of pixels is updated.
     pub shows_far: bool,
-    /// The most faces that gather.
+    /// The maximum number of faces that gather.
     pub faces: u32,
-    /// The faces of a cascade take turns together, those of coarse ones less often.
+    /// The faces of a cascade gather together, those of coarse cascades less often.
     pub is_by_cascade: bool,
-    /// Faces of any place in the list may never have gathered.
+    /// Faces at any place in the list may never have gathered.
     pub is_list_new: bool,
-    /// Counts up.
+    /// Number of the frame, increasing.
     pub number: u32,
-    /// The rays that faces trace anew, a bit for each class (`turn.wgsl`).
+    /// The rays that faces trace again, a bit for each class (`turn.wgsl`).
     pub rays_anew: u32,
 }
 
@@ -52,15 +53,16 @@ impl Turn {
     };
 }
 
-/// Whether what the rays of faces have met is still there.
+/// Whether the stored hits of the faces' rays are valid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Rays {
-    /// It is.
+    /// All hits are valid.
     #[default]
     Traced,
     /// Surface has moved since the last frame.
     Outdated,
-    /// It has, and for so many frames more rays are traced anew: of the faces whose turn it is all, or a group.
+    /// Surface has moved, and rays are traced again for `frames` more frames: all rays of the faces
+    /// whose turn it is, or one group.
     Renewed { frames: u64, all_at_once: bool },
 }
 
@@ -68,15 +70,15 @@ enum Rays {
 #[derive(Debug, Default)]
 pub(super) struct Turns {
     number: u32,
-    /// Frames until the light has settled.
+    /// Frames until the light has converged.
     left: u64,
-    /// The gathers that have made the light from darkness, before the next frame.
+    /// Gathers of the last solve from darkness, until the next frame.
     solved: Option<u32>,
-    /// Frames until all faces have looked at the emitters again.
+    /// Frames until all faces have sampled the emitters again.
     shines: u64,
     is_disturbed: bool,
     rays: Rays,
-    /// The list has come in the place of another, or of none.
+    /// The list has replaced another one, or is the first.
     is_list_new: bool,
     /// There are cascades.
     has_cascades: bool,
@@ -85,31 +87,32 @@ pub(super) struct Turns {
 }
 
 impl Turns {
-    /// For the faces of a grid.
+    /// The schedule for the faces of a grid.
     pub fn new(grid: &Grid) -> Self {
         Self { has_cascades: grid.cascades.is_some(), ..Self::default() }
     }
 
-    /// Light has changed.
+    /// Restarts the schedule after light has changed.
     pub fn disturb(&mut self) {
         self.is_disturbed = true;
     }
 
-    /// Surface has moved.
+    /// Restarts the schedule after surface has moved.
     pub fn surface_moved(&mut self) {
         (self.is_disturbed, self.rays) = (true, Rays::Outdated);
     }
 
-    /// In the next frame all faces gather that never have, whatever the budget.
+    /// In the next frame all faces that have never gathered do, whatever the budget.
     pub fn gather_fresh(&mut self) {
         self.is_list_new = true;
     }
 
-    /// Light came from darkness by so many gathers; `lights` is the version of the lights.
+    /// Light was solved from darkness with `gathers` gathers; `lights` is the version of the
+    /// lights.
     pub fn solved(&mut self, lights: u64, gathers: u32) {
         self.lights = Some(lights);
         self.cones = None;
-        // Others go on where these stopped.
+        // Later gathers continue from here.
         self.solved = Some(gathers);
         self.is_disturbed = false;
         self.shines = 0;
@@ -117,7 +120,7 @@ impl Turns {
         self.rays = Rays::Traced;
     }
 
-    /// The work of the next frame; none once the light has settled.
+    /// The work of the next frame; `None` once the light has converged.
     pub fn next(
         &mut self,
         lights: u64,
@@ -139,7 +142,7 @@ impl Turns {
         }
         self.is_disturbed = false;
         if self.rays == Rays::Outdated {
-            // Faces that take turns trace all their rays in one.
+            // Faces that take turns trace all their rays in one turn.
             let all_at_once = turns > 1;
             let frames = if all_at_once { turns } else { RAY_CLASSES.into() };
             self.rays = Rays::Renewed { frames, all_at_once };

@@ -18,13 +18,13 @@ fn shadow_cone_visibility(
     var reach = 3e38;
     if !is_parallel(light) {
         tan_half_angle = light.radius / max(incident.distance_m, light.radius);
-        // Not into the source itself.
+        // The ray ends in front of the source.
         reach = (incident.distance_m - light.radius) / grid.voxel_size_m;
     }
     return seen_share(position_in_world, normal, incident.direction, tan_half_angle, reach, level);
 }
 
-// At a surface, which may have voxels of several cascades.
+// Visibility at a surface, which may have voxels of several cascades.
 fn light_visibility(
     light: Light,
     incident: Incident,
@@ -35,7 +35,7 @@ fn light_visibility(
     return light_visibility_from(light, incident, position_in_world, normal, level);
 }
 
-// At a place whose surface is that of voxels of a level.
+// Visibility at a place whose surface has voxels of the given level.
 fn light_visibility_from(
     light: Light,
     incident: Incident,
@@ -45,7 +45,7 @@ fn light_visibility_from(
 ) -> f32 {
     if light.shadow == SHADOW_MAP {
         let visible = shadow_map_visibility(light, position_in_world, normal);
-        // Maps of a caller's own need not reach everywhere.
+        // A caller's own maps need not cover everything.
         if visible >= 0.0 {
             return visible;
         }

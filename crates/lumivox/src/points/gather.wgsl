@@ -1,4 +1,5 @@
-// Irradiance at points: one thread gathers some frames of one point and adds them to the mean of the frames before.
+// Irradiance at points: each thread gathers some frames of one point and adds them to the mean of
+// the earlier frames.
 
 import package::cascades::drawn_level;
 import package::constants::LINEAR_WORKGROUP_SIZE;
@@ -16,7 +17,7 @@ struct PointSettings {
     point_count: u32,
     // Frames of this pass.
     frames: u32,
-    // Whether the light of lamps and suns is added up, too.
+    // Whether to add direct light of lamps and suns.
     has_direct: u32,
 }
 
@@ -25,12 +26,12 @@ struct GatheredPoint {
     indirect: vec3f,
     openness: f32,
     direct: vec3f,
-    // As a number.
+    // Number of frames, as a float.
     frames: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: PointSettings;
-// In the world; the fourth numbers are not read.
+// In the world; the fourth components are not read.
 @group(1) @binding(1) var<storage, read> positions: array<vec4f>;
 @group(1) @binding(2) var<storage, read> normals: array<vec4f>;
 @group(1) @binding(3) var<storage, read_write> gathered: array<GatheredPoint>;
@@ -48,7 +49,7 @@ fn direct_irradiance(position_in_world: vec3f, normal: vec3f) -> vec3f {
     return sum;
 }
 
-// A point's own place in the jitter's sequence, wherever it stands in the list.
+// A point's offset in the jitter sequence, independent of its index in the list.
 fn start_of(position: vec3f, normal: vec3f) -> vec2f {
     let place = bitcast<vec3u>(position);
     let direction = bitcast<vec3u>(normal);

@@ -1,7 +1,8 @@
-//! Irradiance at any points: for lux meters, probes and baking.
+//! Irradiance at arbitrary points: for lux meters, probes and baking.
 //!
-//! A point gathers as a pixel does, without a G-buffer. Frames differ in where their cones point, and the mean over
-//! them is what is wanted, so the buffer of results holds the mean and the number of frames: gathering again goes on.
+//! A point gathers as a pixel does, without a G-buffer. Cone directions differ from frame to frame,
+//! and the result is the mean over the frames. The result buffer stores the mean and the number of
+//! frames, so later gathers continue from there.
 
 #[cfg(test)]
 mod tests;
@@ -19,12 +20,13 @@ use crate::gpu::{
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GatherSettings {
-    /// The cones. What they have for glossy ones and for the screen's resolution does not count.
+    /// The cones. Their settings for glossy cones and for the screen's resolution are ignored.
     pub cones: TraceSettings,
-    /// Frames to gather, 1 to 65 536; default 16. More: less noise, at a proportional cost.
+    /// Frames to gather, 1 to 65 536; default 16. Higher values reduce noise; the cost is
+    /// proportional.
     pub frames: u32,
-    /// Whether the light that comes straight from lamps and suns is added up as well, each with its own kind of shadow;
-    /// default true.
+    /// `true` to also compute direct light of lamps and suns, each with its own kind of shadow;
+    /// default `true`.
     pub direct: bool,
 }
 
@@ -34,19 +36,19 @@ impl Default for GatherSettings {
     }
 }
 
-/// The irradiance at a point, in the unit of the lights: lux where they are in lux and candela.
+/// The irradiance at a point, in the unit of the lights: lux if they are in lux and candela.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Irradiance {
-    /// Light of surfaces and of the surroundings, RGB.
+    /// Light from surfaces and the environment, RGB.
     pub indirect: Vec3,
-    /// Light straight from lamps and suns, RGB; zero unless asked for ([`GatherSettings::direct`]).
+    /// Direct light from lamps and suns, RGB; zero unless [`GatherSettings::direct`] is set.
     pub direct: Vec3,
-    /// The share of the hemisphere that is open, weighted by the cosine, 0 to 1.
+    /// The open share of the hemisphere, weighted by the cosine, 0 to 1.
     pub openness: f32,
 }
 
 impl Irradiance {
-    /// All of the light, RGB.
+    /// Sum of direct and indirect light, RGB.
     pub fn total(&self) -> Vec3 {
         self.direct + self.indirect
     }
@@ -56,14 +58,14 @@ impl Irradiance {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct GatheredPoint {
-    /// Mean irradiance from surfaces and surroundings over the frames so far, RGB. The cones of a few frames may sum up
-    /// to a little less than zero.
+    /// Mean irradiance from surfaces and the environment over the frames so far, RGB. The sum over
+    /// the cones of a few frames may be slightly negative.
     pub indirect: [f32; 3],
     /// The open share of the hemisphere, as in [`Irradiance`].
     pub openness: f32,
     /// Irradiance from lamps and suns, RGB.
     pub direct: [f32; 3],
-    /// Frames so far.
+    /// Number of frames gathered so far.
     pub frames: u32,
 }
 
@@ -88,7 +90,7 @@ pub(crate) struct PointSettings {
     pub(crate) has_direct: u32,
 }
 
-/// Points on the GPU, with what was gathered there.
+/// Points on the GPU, with the light gathered there.
 #[derive(Debug)]
 pub struct GatherPoints {
     positions: Given,
@@ -98,7 +100,7 @@ pub struct GatherPoints {
     slots: Slots<PointSlot>,
 }
 
-/// A buffer of Lumivox's or of the caller's.
+/// A buffer owned by Lumivox or by the caller.
 #[derive(Clone, Debug)]
 enum Given {
     Own(Buffer),
@@ -122,8 +124,8 @@ impl BufferHandle for Given {
 }
 
 impl GatherPoints {
-    /// Points of the caller's buffers, which need `BufferUsages::STORAGE`: `count` positions (m) and normals (of any
-    /// length but zero), four `f32` each, of which the fourth is not read.
+    /// Points in the caller's buffers, which need `BufferUsages::STORAGE`: `count` positions (m)
+    /// and normals (of any nonzero length), four `f32` each; the fourth is not read.
     pub fn new(
         device: &wgpu::Device,
         positions: &wgpu::Buffer,
@@ -149,23 +151,23 @@ impl GatherPoints {
         Self { positions, normals, gathered, count, slots: Slots::default() }
     }
 
-    /// What was gathered, a [`GatheredPoint`] for each point.
+    /// The results: a [`GatheredPoint`] for each point.
     pub fn gathered(&self) -> &Buffer {
         &self.gathered
     }
 
-    /// How many points there are.
+    /// Number of points.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// Forgets what was gathered: after the light or the points have changed.
+    /// Discards the results. Call it after the light or the points have changed.
     pub fn restart(&self, recorder: &mut Recorder) {
         recorder.clear(&self.gathered);
     }
 }
 
-/// The settings of one pass, bound.
+/// The settings of one pass, with their bind group.
 #[derive(Debug)]
 struct PointSlot {
     settings: Buffer,
@@ -178,16 +180,16 @@ impl Slot for PointSlot {
     }
 }
 
-/// Gathers of one pass at most: a GPU does them in milliseconds, and two CPU cores in a few seconds, before any system
-/// takes it for hung up.
+/// Maximum gathers per pass: a GPU needs milliseconds for them, and two CPU cores a few seconds,
+/// less than any system's hang timeout.
 const GATHERS_A_PASS: u64 = 1 << 16;
 
-/// Frames of one pass at most. Mesa's software driver ends all loops of a thread after 65 535 iterations together, without a
-/// word (`LP_MAX_TGSI_LOOP_ITERATIONS` in `lp_bld_limits.h`), and a frame takes a thousand or more: of 256 frames in
-/// one pass the first 60 to 110 were gathered, and the others were not.
+/// Maximum frames per pass. Mesa's software driver silently ends all loops of a thread after 65 535
+/// iterations in total (`LP_MAX_TGSI_LOOP_ITERATIONS` in `lp_bld_limits.h`), and a frame needs a
+/// thousand or more: of 256 frames in one pass only the first 60 to 110 were gathered.
 const FRAMES_A_PASS: u64 = 4;
 
-/// Gathers at points.
+/// Gathers light at points.
 #[derive(Debug)]
 pub(crate) struct PointGatherer {
     layout: wgpu::BindGroupLayout,
@@ -211,7 +213,7 @@ impl PointGatherer {
         Ok(Self { layout, kernel })
     }
 
-    /// Adds frames to the points, a few of them in each pass.
+    /// Adds frames to the points, a few in each pass.
     pub(crate) fn run(
         &self,
         recorder: &mut Recorder,
@@ -232,7 +234,7 @@ impl PointGatherer {
                 cone_count: settings.cones.diffuse_cones,
                 point_count: points.count,
                 frames,
-                // Once: it does not change from frame to frame.
+                // Only once: direct light does not change from frame to frame.
                 has_direct: u32::from(settings.direct && left == 0),
             };
             self.pass(recorder, [globals, lights], points, &uniform);

@@ -1,4 +1,4 @@
-//! Names of the values of the library's types.
+//! Named values of the library's enums.
 
 use super::{Choice, Value};
 use crate::{Directionality, Duplication, Mipmapping, TraceResolution};
@@ -16,13 +16,13 @@ pub trait Choices: Copy + PartialEq + 'static {
         named.find(|(value, _)| **value == self).map_or("", |(_, choice)| choice.name)
     }
 
-    /// The value of a name; `None` if there is none.
+    /// The value with this name; `None` if no value has it.
     fn chosen(value: Value) -> Option<Self> {
         let mut named = Self::VALUES.iter().zip(Self::CHOICES);
         named.find(|(_, choice)| choice.name == value.name()).map(|(value, _)| *value)
     }
 
-    /// Sets the value of a name, if there is one.
+    /// Sets the value with this name; does nothing if no value has it.
     fn choose(&mut self, value: Value) {
         *self = Self::chosen(value).unwrap_or(*self);
     }

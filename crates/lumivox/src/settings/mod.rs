@@ -1,8 +1,8 @@
-//! Settings as data: a table from which settings are shown, read and checked.
+//! Settings as data: a table used to show, parse and check settings.
 //!
 //! A [`Setting`] is one row of such a table: its names, unit, range and meaning, the work that a
 //! change redoes, and its accessors. [`TraceSettings::SETTINGS`](crate::TraceSettings::SETTINGS) is
-//! the table of the cones. Ranges are only there: `validate` calls [`check`].
+//! the table of the cones. Ranges are defined only there: `validate` calls [`check`].
 
 mod choices;
 mod value;
@@ -16,18 +16,18 @@ pub struct Setting<S: 'static> {
     pub name: &'static str,
     /// Other names, such as abbreviations.
     pub aliases: &'static [&'static str],
-    /// The unit of its numbers; empty without one.
+    /// The unit of its numbers; empty if there is none.
     pub unit: &'static str,
     /// Its meaning, in one sentence without a full stop.
     pub summary: &'static str,
-    /// More about it, in sentences; may be empty.
+    /// More details, in sentences; may be empty.
     pub help: &'static str,
     /// The kind and range of its values.
     pub kind: Kind,
     /// Words that each set one of its values, such as `isotropic`.
     pub shorthands: &'static [(&'static str, Value)],
-    /// The setting, and its value, without which this one has no effect. Setting this one sets that
-    /// one, too.
+    /// Another setting and the value that it must have for this one to have an effect. Setting this
+    /// one also sets the other.
     pub needs: Option<(&'static str, &'static str)>,
     /// The work that a change redoes.
     pub redoes: Redoes,
@@ -46,7 +46,7 @@ impl<S> Clone for Setting<S> {
 impl<S> Copy for Setting<S> {}
 
 impl<S> Setting<S> {
-    /// The base of other rows: a switch without a name.
+    /// Template for other rows: a switch without a name.
     pub const ROW: Self = Self {
         name: "",
         aliases: &[],
@@ -62,37 +62,38 @@ impl<S> Setting<S> {
     };
 }
 
-/// The work that a changed setting redoes, with everything that depends on it.
+/// The work to redo after a setting has changed, including everything that depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Redoes {
-    /// Nothing: the setting only concerns how a finished picture is shown.
+    /// Nothing: the setting only changes how a finished picture is shown.
     Nothing,
     /// The frames of the picture.
     Frames,
     /// The light in the voxels, and frames.
     Light,
-    /// With a cone model, which gathers the voxels' light as well, that light and frames; without one, frames alone.
+    /// With a cone model, whose cones also gather the voxels' light: that light, and frames.
+    /// Without one: only frames.
     MarchedLight,
-    /// The textures of the picture's size, and frames.
+    /// The textures whose size depends on the picture, and frames.
     Targets,
     /// The voxels and everything made from them.
     Voxels,
 }
 
-/// The error that a setting cannot have a value.
+/// Error: a setting cannot have this value.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{name} is {expected}; got \"{got}\"")]
 pub struct SettingError {
     /// The setting.
     pub name: &'static str,
-    /// The values that it can have.
+    /// The allowed values.
     pub expected: String,
-    /// The value that was given.
+    /// The given value.
     pub got: String,
 }
 
 impl SettingError {
-    /// The error that a setting with this name, kind and unit cannot be `got`.
+    /// The error for a setting with this name, kind and unit that cannot be `got`.
     pub fn new(name: &'static str, kind: Kind, unit: &str, got: &str) -> Self {
         let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
         Self { name, expected: kind.in_words() + &unit, got: got.to_owned() }
@@ -102,7 +103,7 @@ impl SettingError {
 /// Checks settings against the ranges of their table.
 ///
 /// # Errors
-/// [`SettingError`] for the first one that is out of range.
+/// [`SettingError`] for the first setting that is out of range.
 pub fn check<S>(table: &[Setting<S>], settings: &S) -> Result<(), SettingError> {
     for row in table {
         let value = (row.get)(settings);

@@ -27,18 +27,18 @@ pub enum Kind {
     Switch,
     /// A whole number.
     Whole {
-        /// The least value.
+        /// Minimum.
         low: u32,
-        /// The greatest value.
+        /// Maximum.
         high: u32,
-        /// The number of which the value is a multiple.
+        /// The value must be a multiple of this.
         multiple: u32,
     },
     /// A number.
     Number {
-        /// The least value.
+        /// Minimum.
         low: f32,
-        /// The greatest value.
+        /// Maximum.
         high: f32,
         /// Words for values without a number, such as `auto`.
         words: &'static [&'static str],
@@ -47,9 +47,9 @@ pub enum Kind {
     },
     /// Three numbers, separated by commas.
     Vector {
-        /// The least value of each.
+        /// Minimum of each number.
         low: f32,
-        /// The upper bound of each, excluded.
+        /// Exclusive upper bound of each number.
         below: f32,
     },
     /// One of several names.
@@ -115,10 +115,10 @@ impl Kind {
         }
     }
 
-    /// Parses a value; `None` if the text is not one. Ranges are not checked.
+    /// Parses a value; `None` if the text is not a value of this kind. Ranges are not checked.
     ///
-    /// In names `_` and `-` are the same. A unit may follow a number, as in `0.5 m`; sizes in MiB
-    /// may have other units of memory, as in `2GiB`.
+    /// In names, `_` and `-` are equivalent. A unit may follow a number, as in `0.5 m`; sizes in
+    /// MiB may have other units of memory, as in `2GiB`.
     pub fn parse(self, text: &str, unit: &str) -> Option<Value> {
         let text = text.trim();
         match self {
@@ -152,7 +152,7 @@ impl Kind {
         }
     }
 
-    /// The values in words, as in "a number from 0 to 1".
+    /// Description of the allowed values, as in "a number from 0 to 1".
     pub fn in_words(self) -> String {
         match self {
             Self::Switch => "on or off".to_owned(),
@@ -183,7 +183,7 @@ impl Kind {
     }
 }
 
-/// A number, with an exponent where digits would have to be counted.
+/// A number as text, with an exponent if it is very small or large.
 fn in_digits(number: f32) -> String {
     match number.abs() {
         size if size == 0.0 || (1e-4..1e7).contains(&size) => number.to_string(),
@@ -191,12 +191,12 @@ fn in_digits(number: f32) -> String {
     }
 }
 
-/// Whether two names are equal if `_` and `-` count as the same.
+/// Whether two names are equal, with `_` and `-` treated as the same.
 fn is_same(name: &str, text: &str) -> bool {
     name.replace('_', "-") == text.replace('_', "-")
 }
 
-/// A number's text without its unit.
+/// The text of a number without its unit.
 fn number<'a>(text: &'a str, unit: &str) -> &'a str {
     if unit.is_empty() { text } else { text.strip_suffix(unit).unwrap_or(text).trim_end() }
 }
@@ -222,7 +222,7 @@ fn mebibytes(text: &str) -> Option<f32> {
 }
 
 impl Value {
-    /// Whether a switch is on; no for other kinds.
+    /// Whether this is a switch that is on; `false` for other kinds.
     pub fn is_on(self) -> bool {
         self == Self::Switch(true)
     }
@@ -232,12 +232,12 @@ impl Value {
         if let Self::Whole(number) = self { number } else { 0 }
     }
 
-    /// The number; `None` for other kinds, words among them.
+    /// The number; `None` for other kinds, including words.
     pub fn number(self) -> Option<f32> {
         if let Self::Number(number) = self { Some(number) } else { None }
     }
 
-    /// The three numbers; 0 for other kinds.
+    /// The three numbers; zeros for other kinds.
     pub fn vector(self) -> Vec3 {
         if let Self::Vector(vector) = self { vector } else { Vec3::ZERO }
     }

@@ -1,69 +1,75 @@
-// One frame's light into the mean of those before.
+// Blends one frame's light into the mean of the earlier ones.
 //
-// Noise and change look alike in a single pixel, but noise goes away in the mean over many pixels and change does not.
-// So the filtered difference between this frame and what is known (`filter.wgsl`) is compared with what noise would leave of it: as far as it
-// is more, the known light takes the difference, at once, and keeps its detail. It is the estimator of James and Stein (1961) with a
-// positive part: of a difference d whose noise is s it takes 1 - (c s / d)^2, nothing below c s.
+// Noise and change look alike in a single pixel, but the mean over many pixels cancels noise and
+// not change. So the filtered difference between this frame and the known light (`filter.wgsl`) is
+// compared with the noise that the filter leaves. The part of the difference beyond that noise is
+// added to the known light at once, and the known light keeps its detail. This is the positive-part
+// estimator of James and Stein (1961): of a difference d with noise s it uses the share 1 - (c s /
+// d)^2, and nothing below c s.
 
-// What is known of a pixel.
+// Light that is known of a pixel.
 struct Known {
     // Irradiance in rgb, openness in a.
     irradiance: vec4f,
-    // How many frames it is the mean of; 0: nothing is known.
+    // Number of frames in the mean; 0: nothing is known.
     frames: f32,
 }
 
 const FILTER_STEPS: u32 = 4u;
 const WIDEST: u32 = FILTER_STEPS - 1u;
 
-// What this frame says about it.
+// This frame's light at the pixel.
 struct Fresh {
-    // Of the traced pixels around, openness in a.
+    // Mean of the traced pixels around; openness in a.
     irradiance: vec4f,
-    // The same after each step of the filter, from fine to wide.
+    // Light after each step of the filter, from fine to wide.
     steps: array<vec3f, FILTER_STEPS>,
-    // The mean squared difference of a traced pixel to the known light, or else to the pixels beside it, over the sum of both.
+    // Mean squared difference of a traced pixel to the known light, or if none is known, to the
+    // pixels beside it, divided by the sum of both.
     noise: f32,
     // 1, or 0 if none of the traced pixels shows the surface.
     frames: f32,
-    // The filtered difference in rgb; in a the share of the filter where something is known.
+    // The filtered difference in rgb; in a the share of the filter's weight with known light.
     change: vec4f,
 }
 
-// Light that has become twice as bright counts for as many frames: the part that is new is known less well.
+// Light that has doubled counts for this many frames: its new part is less certain.
 const FRAMES_OF_CHANGE: f32 = 4.0;
 // Differences below this many times their noise are noise.
 const CERTAIN: f32 = 2.0;
-// Independent traced pixels in the light after so many steps of the filter, on a plain surface.
+// Number of independent traced pixels in the light after each step of the filter, on a plain
+// surface.
 const FILTER_PIXELS: vec4f = vec4f(7.0, 34.0, 140.0, 400.0);
-// The frames that the first filtered one counts for.
+// Frame count assigned to the first filtered frame.
 const FIRST_FRAMES: f32 = 2.0;
-// With more frames than this, what a pixel gathers itself counts for more than the filtered light.
+// Above this number of frames, the pixel's own light has more weight than the filtered light.
 const FILTERED_FRAMES: f32 = 128.0;
 
-// The frames that light counts for after it has changed by a share of itself: variances add up.
+// Frame count of light after a relative change by `share`: variances add up.
 fn frames_after_change(frames: f32, share: f32) -> f32 {
     let most = FRAMES_OF_CHANGE / max(share * share, 1e-6);
     return frames * most / (frames + most);
 }
 
-// Adds a difference; darker light scales, so that black stays black and nothing gets below it.
+// Adds a difference; darkening scales the light instead, so that black stays black and nothing
+// becomes negative.
 fn shift(light: vec3f, change: vec3f, was: vec3f) -> vec3f {
     let scale = clamp(1.0 + change / max(was, vec3f(1e-6)), vec3f(0.0), vec3f(1.0));
     return select(light + change, light * scale, change < vec3f(0.0));
 }
 
-// The steps of the filter that this frame's light goes through: light from afar has no noise, and what is near has little.
+// Index of the filter step that this frame's light starts from: light from far away has no noise,
+// and near light has little.
 const FILTERED: u32 = 1u;
 
-// This frame's light without its noise: the filter's, and from step to step of it what is finer, by the
-// share of it that is not noise (Wiener's filter), as in a penumbra.
+// This frame's light without its noise: the filtered light, plus the finer detail of each step by
+// the share of it that is not noise (Wiener filter), as in a penumbra.
 fn filtered(fresh: Fresh, frames: f32) -> vec3f {
     var light = fresh.steps[FILTERED];
     for (var i = i32(FILTERED) - 1; i >= 0; i--) {
         let detail = fresh.steps[i] - fresh.steps[i + 1];
         let size = dot(abs(detail), vec3f(1.0 / 3.0));
-        // A few cones may sum up below zero.
+        // The sum over a few cones may be negative.
         let both = dot(abs(fresh.steps[i]) + abs(fresh.steps[i + 1]), vec3f(1.0 / 3.0));
         let variance = fresh.noise * both / FILTER_PIXELS[i];
         let certain = max(1.0 - variance / max(size * size, 1e-20), 0.0);

@@ -1,4 +1,5 @@
-// What this frame gathered beside what earlier ones know, at each traced pixel, for the filter (`filter.wgsl`).
+// Compares this frame's light with the known light at each traced pixel, for the filter
+// (`filter.wgsl`).
 
 import package::temporal::guide::{pack_guide, NO_SURFACE};
 import package::trace::fit::fit;
@@ -11,13 +12,13 @@ import package::voxelize::reproducible::is_finite;
 @group(1) @binding(2) var recalled_irradiance: texture_2d<f32>;
 @group(1) @binding(3) var recalled_specular: texture_2d<f32>;
 @group(1) @binding(4) var guide_out: texture_storage_2d<rgba32float, write>;
-// Irradiance in rgb; in a the squared difference to what is known, or else to what is gathered beside, over the sum of both, so
-// that no float overflows.
+// Irradiance in rgb; in a the squared difference to the known light, or if none is known, to the
+// light of the pixels beside it, divided by the sum of both, so that it does not overflow.
 @group(1) @binding(5) var light_out: texture_storage_2d<rgba16float, write>;
-// The difference in rgb, in a whether anything is known.
+// Difference to the known light in rgb; in a whether anything is known.
 @group(1) @binding(6) var change_out: texture_storage_2d<rgba16float, write>;
 
-// The squared difference of one light from a mean of four of the same kind is so much of its variance.
+// Variance of a sample as a share of its expected squared difference from the mean of four like it.
 const OF_FOUR: f32 = 0.8;
 
 fn noise(light: vec3f, mean: vec3f) -> f32 {
@@ -25,7 +26,7 @@ fn noise(light: vec3f, mean: vec3f) -> f32 {
     return difference * difference / max(dot(abs(light) + abs(mean), vec3f(1.0 / 3.0)), 1e-20);
 }
 
-// The mean light that the four traced pixels beside one have gathered, as far as they show its surface.
+// Mean light of the four adjacent traced pixels, weighted by how well they fit the surface.
 fn mean_beside(place: vec2u, surface: Surface) -> vec3f {
     let last = vec2i(traced_size()) - 1;
     var sum = vec3f(0.0);
@@ -57,7 +58,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     var light = vec4f(0.0);
     var change = vec4f(0.0);
     let gathered = textureLoad(traced, place, 0).rgb;
-    // Light that is not a number must not reach the pixels around.
+    // NaN must not spread to the pixels around.
     if surface.depth > 0.0 && is_finite(gathered) {
         guide = pack_guide(surface);
         light = vec4f(gathered, 0.0);

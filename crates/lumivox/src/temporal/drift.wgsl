@@ -1,5 +1,5 @@
-// How the light of each pixel that the last frame has traced has changed since: the mean over the probes around it, as far
-// as they share its surface, of what they were and of what they are.
+// How the light at each pixel traced in the last frame has changed since: the means of the old and
+// of the new light of the probes around it, weighted by how much they share its surface.
 
 import package::cascades::finest_level;
 import package::grid::grid_from_world;
@@ -7,17 +7,17 @@ import package::temporal::filter::share;
 import package::temporal::guide::guide_normal;
 import package::temporal::probe::{probes_size, Probe, NO_PROBE, SPACING};
 
-// The last frame's.
+// Guides of the last frame.
 @group(1) @binding(0) var guides: texture_2d<f32>;
 @group(1) @binding(1) var<storage, read> probes: array<Probe>;
-// Irradiance in rgb; in a of the first 1, or 0 where no probe is near.
+// Irradiance in rgb; a of `was_out` is 1, or 0 if no probe is near.
 @group(1) @binding(2) var was_out: texture_storage_2d<rgba16float, write>;
 @group(1) @binding(3) var now_out: texture_storage_2d<rgba16float, write>;
 
-// Changes of light as a whole differ over this many voxels: over more than the light itself does.
+// Global changes of light vary over this many voxels: more than the light itself.
 const REACH: f32 = 48.0;
 
-// Probes in each direction.
+// Search radius in probes.
 const RADIUS: i32 = 2;
 
 @compute @workgroup_size(8, 8)

@@ -1,6 +1,7 @@
-// One step of a filter over traced pixels: the mean over 3x3 of them, `step` apart, as far as they share the pixel's
-// surface. Steps of 1, 2, 4 and 8 one after the other are a wide filter for few look-ups: Dammertz et al. 2010, "Edge-avoiding
-// a-trous wavelet transform for fast global illumination filtering".
+// One step of a filter over traced pixels: the mean of 3x3 of them, `step` apart, weighted by how
+// much they share the pixel's surface. Steps of 1, 2, 4 and 8 in sequence are a wide filter with
+// few look-ups: Dammertz et al. 2010, "Edge-avoiding a-trous wavelet transform for fast global
+// illumination filtering".
 
 import package::cascades::finest_level;
 import package::temporal::guide::guide_normal;
@@ -19,11 +20,11 @@ struct FilterStep {
 @group(1) @binding(4) var light_out: texture_storage_2d<rgba16float, write>;
 @group(1) @binding(5) var change_out: texture_storage_2d<rgba16float, write>;
 
-// Light differs over this many voxels, of the finest that the place has.
+// Light varies over this many voxels, of the finest at the place.
 const REACH: f32 = 16.0;
 
-// How far a place shares the light of another: `between` is its offset in voxels, the normals are those of the two, and
-// nothing is shared over more than `reach` voxels.
+// How much two places share their light, 0 to 1: `between` is the offset between them in voxels,
+// `normal` and `other` are their normals. 0 from a distance of `reach` voxels on.
 fn share(between: vec3f, normal: vec3f, other: vec3f, reach: f32) -> f32 {
     let facing = max(dot(other, normal), 0.0);
     let facing_2 = facing * facing;
@@ -69,7 +70,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         }
     }
     var filtered = light_sum / weights;
-    // The fewer pixels there are, the more noise is left.
+    // The fewer pixels contribute, the more noise is left.
     filtered.a /= weights;
     textureStore(light_out, place, filtered);
     textureStore(change_out, place, change_sum / weights);

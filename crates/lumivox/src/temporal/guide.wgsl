@@ -1,5 +1,5 @@
-// Traced pixels' surfaces, packed for the filter: the place in voxels in xyz, and in w the normal, octahedral with 12
-// bits a coordinate, as a whole number; negative where there is no surface.
+// Surfaces of traced pixels, packed for the filter: the position in voxels in xyz, and in w the
+// normal (octahedral, 12 bits a coordinate, as an integer); w is negative if there is no surface.
 
 import package::grid::grid_from_world;
 import package::trace::surface::{octahedral_decode, octahedral_encode, Surface};

@@ -1,22 +1,24 @@
-//! The light of earlier frames, carried along with the surfaces that it is on.
+//! Light of earlier frames, reprojected with the surfaces that it is on.
 //!
-//! A frame alone has the noise of a few cones a pixel. What was gathered before belongs to a surface, not to a pixel; so it
-//! is looked up where the surface was in the frame before, and the new light is blended into it. A filter over many pixels
-//! tells what has changed from what is noise, and changes are taken at once. It also fills in where nothing is known: after a
-//! cut, and where something has just come into view.
+//! A single frame has the noise of a few cones a pixel. Gathered light belongs to a surface, not to
+//! a pixel; so it is looked up where the surface was in the previous frame, and the new light is
+//! blended into it. A filter over many pixels separates change from noise, and changes are applied
+//! at once. It also fills in where nothing is known: after a cut, and where something has just come
+//! into view.
 //!
 //! | step | for each | file |
 //! | --- | --- | --- |
-//! | how the light has changed where it was | probe | `trace_probes.wgsl`, `drift.wgsl` |
-//! | light that is known of the surface | pixel | `recall.wgsl`, `reflection.wgsl`, `past.wgsl` |
-//! | this frame's light beside it | traced pixel | `compare.wgsl` |
+//! | change of the light where it was | probe | `trace_probes.wgsl`, `drift.wgsl` |
+//! | known light of the surface | pixel | `recall.wgsl`, `reflection.wgsl`, `past.wgsl` |
+//! | comparison with this frame's light | traced pixel | `compare.wgsl` |
 //! | a wide filter in four steps | traced pixel | `filter.wgsl` |
-//! | the blend of both, for the picture and for the next frame | pixel | `resolve.wgsl`, `blend.wgsl` |
-//! | some traced pixels, for the next frame | probe | `take_probes.wgsl` |
+//! | blend of both, for the picture and the next frame | pixel | `resolve.wgsl`, `blend.wgsl` |
+//! | sample traced pixels, for the next frame | probe | `take_probes.wgsl` |
 //!
-//! Reflections are looked up where their image in the mirror was, which moves otherwise than the surface.
+//! Reflections are looked up where their mirror image was, which moves differently from the
+//! surface.
 //!
-//! Only what cones gather goes this way. Direct light never does: it has no noise, and must not lag.
+//! Only light gathered by cones is reused. Direct light is not: it has no noise, and must not lag.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -31,27 +33,27 @@ const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 const GUIDE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 const RECORD: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 
-/// The distance between the pixels of each step of the filter.
+/// Distance between the pixels of each filter step.
 const STEPS: [u32; 4] = [1, 2, 4, 8];
 
-/// `FilterStep` of `filter.wgsl`, as far apart as uniforms may lie.
+/// Stride of `FilterStep` (`filter.wgsl`) in its buffer: the offset alignment of uniforms.
 const STEP_BYTES: u64 = 256;
 
-/// Turns of their cones that pixels trace in a frame in which nothing is known of them: half the noise.
+/// Jitter turns that a pixel traces in a frame without known light; four of them halve the noise.
 pub(crate) const FIRST_TURNS: u32 = 4;
 
 /// `SPACING` of `probe.wgsl`, and the bytes of a `Probe`.
 const PROBE_SPACING: u32 = 3;
 const PROBE_BYTES: u64 = 80;
 
-/// Bytes of a [`Past`], for a picture of so many pixels.
+/// Bytes of a [`Past`] for a picture with this number of pixels.
 pub(crate) fn past_bytes(pixels: u64, traced_size: UVec2) -> u64 {
     let traced = u64::from(traced_size.x) * u64::from(traced_size.y);
-    // Kept, recalled and records; guides, light, change and drift.
+    // First term: kept, recalled and records; second: guides, light, change and drift.
     48 * pixels + 88 * traced + probe_bytes(traced_size)
 }
 
-/// Bytes of the probes of a picture with so many traced pixels along each edge.
+/// Bytes of the probes of a picture with this many traced pixels along each edge.
 pub(crate) fn probe_bytes(traced_size: UVec2) -> u64 {
     let probes = traced_size.map(|pixels| pixels.div_ceil(PROBE_SPACING));
     u64::from(probes.x) * u64::from(probes.y) * PROBE_BYTES
@@ -67,7 +69,7 @@ pub(crate) struct Layouts {
     compare: wgpu::BindGroupLayout,
     filter: wgpu::BindGroupLayout,
     resolve: wgpu::BindGroupLayout,
-    /// In place of the lights, of which blending reads none.
+    /// Empty layout in place of the lights, which blending does not read.
     nothing: wgpu::BindGroupLayout,
 }
 
@@ -176,49 +178,49 @@ impl Kernels {
     }
 }
 
-/// A frame's textures.
+/// Textures and buffers of a frame.
 #[derive(Debug)]
 pub(crate) struct Traced<'a> {
-    /// What the cones have written, at the traced size.
+    /// Output of the cones, at the traced size.
     pub(crate) irradiance: &'a TextureView,
     pub(crate) specular: &'a TextureView,
-    /// How far away what is reflected is.
+    /// Distance to what is reflected.
     pub(crate) distance: &'a TextureView,
     /// The outputs, at the size of the picture.
     pub(crate) outputs: [&'a Texture; 2],
-    /// The pixels that are traced by themselves.
+    /// Pixels that are traced individually.
     pub(crate) counts: &'a Buffer,
     pub(crate) listed: &'a Buffer,
 }
 
-/// The light of earlier frames, for one picture.
+/// Light of earlier frames of one picture.
 #[derive(Debug)]
 pub(crate) struct Past {
     size: UVec2,
     traced_size: UVec2,
-    /// Irradiance and reflection as the last frame left them, and the records of their surfaces.
+    /// Irradiance and reflection of the last frame, and the records of its surfaces.
     kept: [Texture; 3],
-    /// The records of this frame.
+    /// Records of this frame.
     records: Texture,
     recalled: [Texture; 2],
     guide: Texture,
-    /// The frame's light, and that after each step of the filter.
+    /// The frame's light, and its light after each step of the filter.
     light: [Texture; 5],
     change: [Texture; 2],
     steps: Buffer,
     probes: Buffer,
-    /// The filtered light of the probes, as it was and as it is.
+    /// Old and new filtered light of the probes.
     drift: [Texture; 2],
     seen: Mutex<Seen>,
 }
 
-/// What the next frame recalls.
+/// Source of the next frame's recall.
 #[derive(Clone, Debug)]
 enum Seen {
     Nothing,
-    /// What targets of another size have kept.
+    /// The textures kept by targets of another size.
     Former([Texture; 3]),
-    /// The last frame, and what its cones saw.
+    /// The last frame; the numbers identify the content that its cones saw.
     Frame([u64; 2]),
 }
 
@@ -235,7 +237,7 @@ pub(crate) struct Groups {
 }
 
 impl Past {
-    /// `make` makes a texture of the name, size and format.
+    /// `make` creates a texture with the name, size and format.
     pub(crate) fn new(
         device: &wgpu::Device,
         (size, traced_size): (UVec2, UVec2),
@@ -264,12 +266,12 @@ impl Past {
         }
     }
 
-    /// Forgets the light of earlier frames.
+    /// Discards the light of earlier frames.
     pub(crate) fn forget(&self) {
         self.see(Seen::Nothing);
     }
 
-    /// Lets the next frame recall what another past knows.
+    /// Makes the next frame recall the light of `former`.
     pub(crate) fn take(&self, former: &Self) {
         self.see(match former.seen() {
             Seen::Frame(_) => Seen::Former(former.kept.clone()),
@@ -277,11 +279,12 @@ impl Past {
         });
     }
 
-    /// Whether the next frame recalls anything, and whether cones see something else than in the last one.
+    /// Whether the next frame recalls anything, and whether `content` has changed since the last
+    /// frame.
     pub(crate) fn known(&self, content: [u64; 2]) -> [bool; 2] {
         match self.seen() {
             Seen::Nothing => [false, false],
-            // Of another size there are no probes to trace again.
+            // Probes are not kept across a resize.
             Seen::Former(_) => [true, false],
             Seen::Frame(seen) => [true, seen != content],
         }
@@ -388,7 +391,8 @@ impl Past {
         group.view(distance).build(device, "recall")
     }
 
-    /// The group by which the next frame recalls what was kept in another size, if it does.
+    /// Bind group for recalling light that was kept at another size; `None` if the next frame does
+    /// not.
     pub(crate) fn former_group(
         &self,
         device: &wgpu::Device,
@@ -399,7 +403,7 @@ impl Past {
         Some(self.recall_group(device, layouts, (settings, distance), &kept))
     }
 
-    /// Traces the last frame's probes again, through the light of this frame.
+    /// Retraces the last frame's probes in the light of this frame.
     pub(crate) fn probe(
         &self,
         recorder: &mut Recorder,
@@ -419,8 +423,8 @@ impl Past {
         self.traced_size.map(|pixels| pixels.div_ceil(PROBE_SPACING))
     }
 
-    /// Blends the frame that was traced into what is known, lists the pixels that are to be traced by themselves, and takes
-    /// probes for the next frame.
+    /// Blends the traced frame into the known light, lists the pixels that have to be traced
+    /// individually, and samples probes for the next frame.
     pub(crate) fn blend(
         &self,
         recorder: &mut Recorder,
@@ -443,7 +447,7 @@ impl Past {
         kernels.take_probes.run(recorder, &with(&groups.take_probes), [probes.x, probes.y, 1]);
     }
 
-    /// Keeps the frame for the next one, once its outputs are complete.
+    /// Keeps the frame for the next one. Call it after its outputs are complete.
     pub(crate) fn keep(&self, recorder: &mut Recorder, outputs: [&Texture; 2], content: [u64; 2]) {
         let [irradiance, specular] = outputs;
         for (from, to) in [irradiance, specular, &self.records].into_iter().zip(&self.kept) {

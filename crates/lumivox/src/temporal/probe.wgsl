@@ -1,15 +1,16 @@
-// One traced pixel of each 3x3, by which the next frame finds out how the light has changed.
+// One traced pixel of each 3x3, from which the next frame measures how the light has changed.
 
 struct Probe {
     position_in_world: vec3f,
-    // The place in the sequence of its jitter.
+    // The index in its jitter sequence.
     turn: u32,
     shading_normal: vec3f,
-    // The pixel: x, and y in the upper half; NO_PROBE where nothing was traced.
+    // The pixel: x in the lower half, y in the upper; NO_PROBE if nothing was traced.
     pixel: u32,
     geometric_normal: vec3f,
     padding_0: u32,
-    // The irradiance that the probe's cones gathered, and that the very same cones gather now.
+    // The irradiance that the probe's cones gathered, and the irradiance that the same cones gather
+    // now.
     was: vec3f,
     padding_1: u32,
     now: vec3f,
@@ -18,7 +19,7 @@ struct Probe {
 
 const NO_PROBE: u32 = 0xffffffffu;
 
-// Traced pixels between probes.
+// Spacing of probes, in traced pixels.
 const SPACING: u32 = 3u;
 
 // The size of the table of probes.

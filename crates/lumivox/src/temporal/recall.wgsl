@@ -1,9 +1,10 @@
-// What earlier frames know of the surface at a pixel: the light that they gathered where it was in the picture of the
-// frame before.
+// Light of earlier frames for the surface at a pixel, read where the surface was in the previous
+// frame's picture.
 //
-// The four texels around that place count as in bilinear filtering, as far as they show the same surface. A surface that
-// has not moved in the picture takes its own texel, so that nothing blurs. Where none of the four fits, as at the
-// border of a thing in a picture whose samples move within the pixels, the best of the neighbours around does.
+// The four texels around that place are weighted bilinearly and by how well they fit the surface. A
+// surface that has not moved in the picture uses its own texel, so that nothing blurs. If none of
+// the four fits, as at the border of an object when the picture is jittered within the pixels, the
+// best of the neighbours is used.
 
 import package::grid::world_from_grid;
 import package::temporal::blend::FRAMES_OF_CHANGE;
@@ -21,30 +22,33 @@ import package::trace::view::{camera_motion, view};
 import package::voxelize::reproducible::is_finite;
 
 @group(1) @binding(4) var irradiance_out: texture_storage_2d<rgba16float, write>;
-// In a the frames: 0 where nothing is known, negative where the reflection's own place was not found.
+// Frames in a: 0 if nothing is known, negative if the reflection's own place was not found.
 @group(1) @binding(5) var specular_out: texture_storage_2d<rgba16float, write>;
-// The last frame's traced pixels: their surfaces, what probes near them gathered, and what these gather now.
+// Traced pixels of the last frame: their surfaces, and the old and new light of the probes near
+// them.
 @group(1) @binding(6) var past_guides: texture_2d<f32>;
 @group(1) @binding(7) var probes_were: texture_2d<f32>;
 @group(1) @binding(8) var probes_are: texture_2d<f32>;
 
-// A place this near to the middle of a texel is there, in texels: rounding of matrices.
+// Tolerance in texels for a place at the center of a texel: rounding of matrices.
 const SAME_TEXEL: f32 = 0.01;
-// Texels that count for less than this altogether say nothing.
+// Texels with less total weight than this are ignored.
 const LEAST_WEIGHT: f32 = 0.1;
-// A thing that has moved may have left the plane that it was in, by this many voxels.
+// An object that has moved may be off its former plane, by this many voxels.
 const MOVED_SLACK: f32 = 4.0;
 
-// The most frames in the mean of a surface that moves over the picture: each look-up between texels blurs it a little.
+// Maximum frames in the mean of a surface that moves in the picture: each look-up between texels
+// blurs it a little.
 const MOVING_FRAMES: f32 = 32.0;
 
-// The frames that light counts for of which no probe tells how it has changed.
+// Frame count of light if no probe shows how it has changed.
 const UNKNOWN_FRAMES: f32 = 4.0;
 
-// Light that has changed so much that it counts for fewer frames than this is reflected otherwise, too.
+// If the light has changed so much that it counts for fewer frames than this, its reflections have
+// changed, too.
 const CHANGED_FRAMES: f32 = 64.0;
 
-// Light up to this many times as bright keeps its detail; what is beyond is added evenly.
+// Light that is up to this many times brighter keeps its detail; the excess is added uniformly.
 const MOST_BRIGHTER: f32 = 4.0;
 
 struct Recalled {
@@ -53,7 +57,7 @@ struct Recalled {
     frames: f32,
     weights: f32,
     is_same_texel: bool,
-    // Whether the reflection was found where its image was, in light that is much the same.
+    // Whether the reflection was found where its image was, in light that has hardly changed.
     is_image: bool,
 }
 
@@ -72,11 +76,11 @@ fn add(recalled: ptr<function, Recalled>, texel: vec2i, weight: f32) {
 
 struct Drifted {
     light: vec3f,
-    // The frames that it may count for.
+    // Maximum frame count for this light.
     most_frames: f32,
 }
 
-// Light that is known of a place of the last frame, with what has changed since.
+// Known light of a place in the last frame, updated by the change since.
 fn drift(light: vec3f, place: vec2f, surface: Surface, slack: f32) -> Drifted {
     let small = place / f32(settings.scale);
     let last = vec2i(textureDimensions(past_guides)) - 1;
@@ -112,7 +116,7 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
     let slack = select(1.0, MOVED_SLACK, any(abs(own_motion) * vec2f(view.size) > vec2f(SAME_TEXEL)));
     let exact = former_place(pixel, motion);
     let nearest = round(exact);
-    // What is far outside may not be a number that an integer holds.
+    // Far outside, the coordinates may not fit into an integer.
     if !(all(exact > vec2f(-2.0)) && all(exact < past_size() + 1.0)) {
         return recalled;
     }

@@ -1,21 +1,21 @@
-// What is remembered of a pixel's surface, in two words: its depth in clip space, its normal, how many frames its
-// light is the mean of, and whether anything was known of it.
+// Record of a pixel's surface, in two words: its depth in clip space, its normal, the number of
+// frames in the mean of its light, and whether it was newly seen.
 
 import package::trace::surface::{octahedral_decode, octahedral_encode};
 
 struct Record {
     depth: f32,
     normal: vec3f,
-    // 0 where there was no surface.
+    // 0 if there was no surface.
     frames: f32,
-    // Whether no earlier frame knew anything of the surface.
+    // Whether no earlier frame had light for the surface.
     is_new: bool,
 }
 
-// The most frames that are counted, in 11 bits: the halves in which they are recalled count hardly further.
+// Maximum frame count, in 11 bits; the half floats in which it is recalled are hardly exact beyond.
 const MOST_FRAMES: f32 = 2047.0;
 
-// Normals have two coordinates of 10 bits: some 0.2 degrees.
+// Steps of a normal's two coordinates, 10 bits each: about 0.2 degrees.
 const STEPS: f32 = 1023.0;
 
 fn encode_record(record: Record) -> vec2u {

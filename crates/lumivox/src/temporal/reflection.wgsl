@@ -1,5 +1,5 @@
-// The reflection that is known of the surface at a pixel: at the place where its image in the mirror was in the last frame's picture,
-// which moves otherwise than the surface.
+// The known reflection of the surface at a pixel, read where its mirror image was in the last
+// frame's picture. That image moves differently from the surface.
 
 import package::grid::grid;
 import package::temporal::past::{former_place, past_size, past_specular, texel_fit, SAME_SURFACE};
@@ -10,12 +10,13 @@ import package::trace::surface::Surface;
 import package::trace::view::{camera_motion, view};
 import package::voxelize::reproducible::is_finite;
 
-// How far away what is reflected is, in voxels.
+// Distance to what is reflected, in voxels.
 @group(1) @binding(9) var reflected_distance: texture_2d<f32>;
 
-// How far behind the surface its reflection seems to be, in metres: as far as what is reflected is in front of a flat
-// mirror, less the rougher the surface is (Lagarde and de Rousiers 2014, "Moving Frostbite to physically based rendering",
-// section 4.9.3), and less behind one that bulges (the mirror equation).
+// How far behind the surface its reflection appears, in metres: for a flat mirror as far as the
+// reflected object is in front of it, less for rougher surfaces (Lagarde and de Rousiers 2014,
+// "Moving Frostbite to physically based rendering", section 4.9.3), and less behind a convex one
+// (the mirror equation).
 fn image_distance(pixel: vec2u, surface: Surface, around: Around) -> f32 {
     var distance = 0.0;
     for (var i = 0; i < 4; i++) {
@@ -29,7 +30,7 @@ fn image_distance(pixel: vec2u, surface: Surface, around: Around) -> f32 {
     return dominant * ahead / (1.0 + 2.0 * curvature(pixel, surface) * ahead);
 }
 
-// The curvature of the surface, as far as the pixels beside show it, in 1/m: positive where it bulges.
+// The curvature of the surface, estimated from the adjacent pixels, in 1/m: positive if convex.
 fn curvature(pixel: vec2u, surface: Surface) -> f32 {
     var most = 0.0;
     for (var i = 0u; i < 2u; i++) {
@@ -44,8 +45,9 @@ fn curvature(pixel: vec2u, surface: Surface) -> f32 {
     return most;
 }
 
-// The reflection that is known at the place of its image in the last frame (Stachowiak and Uludag 2015,
-// "Stochastic screen-space reflections", on temporal reprojection): in rgb; in a the share of the texels there that show the surface.
+// The known reflection at the place of its image in the last frame (Stachowiak and Uludag 2015,
+// "Stochastic screen-space reflections", on temporal reprojection) in rgb; in a the share of the
+// texels there that show the surface.
 fn recall_reflection(pixel: vec2u, surface: Surface, own_motion: vec2f, slack: f32) -> vec4f {
     let ray = normalize(surface.position_in_world - view.position_in_world);
     let distance = image_distance(pixel, surface, traced_around(pixel, surface));

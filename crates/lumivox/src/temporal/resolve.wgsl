@@ -1,5 +1,5 @@
-// This frame's light at every pixel: what was gathered around it, blended into what is known. It is the picture's light and
-// what the next frame recalls.
+// This frame's light at every pixel: the light gathered around it, blended into the known light.
+// The result is the light of the picture, and what the next frame recalls.
 
 import package::temporal::blend::{blend, Fresh, Known, FILTER_STEPS};
 import package::temporal::record::{encode_record, Record};
@@ -13,7 +13,7 @@ import package::voxelize::reproducible::is_finite;
 
 @group(1) @binding(1) var traced_irradiance: texture_2d<f32>;
 @group(1) @binding(2) var traced_specular: texture_2d<f32>;
-// After each step of the filter.
+// Light after each step of the filter.
 @group(1) @binding(3) var step_1: texture_2d<f32>;
 @group(1) @binding(4) var step_2: texture_2d<f32>;
 @group(1) @binding(5) var step_3: texture_2d<f32>;
@@ -27,19 +27,21 @@ import package::voxelize::reproducible::is_finite;
 @group(1) @binding(13) var<storage, read_write> counts: array<atomic<u32>>;
 @group(1) @binding(14) var<storage, read_write> listed: array<u32>;
 
-// The most frames in the mean of a reflection on a rough surface, seen by a camera that moves.
+// Maximum frames in the mean of a reflection on a rough surface, seen by a moving camera.
 const GLOSSY_FRAMES: f32 = 16.0;
-// Reflections on surfaces smoother than this show edges, which may move when anything does.
+// Reflections on surfaces smoother than this show edges, which may move if anything in the scene
+// does.
 const SHARP_ROUGHNESS: f32 = 0.35;
 // Reflections within this many standard deviations of those around are plausible.
 const PLAUSIBLE: f32 = 1.5;
 
-// The most that a pixel's middle is from what was sampled, over its distance.
+// Maximum distance of the pixel's center from the sampled point, divided by its distance to the
+// camera.
 const MOST_MOVED: f32 = 0.1;
 
-// With more frames than this, what a pixel reflects itself is taken, unfiltered.
+// From this number of frames on, the pixel's own reflection is used unfiltered.
 const FILTERED_REFLECTIONS: f32 = 32.0;
-// The known reflection, held within the range of this frame's reflections around it.
+// The known reflection, clamped to the range of this frame's reflections around it.
 fn plausible(known: vec3f, centre: vec2u) -> vec3f {
     var mean = vec3f(0.0);
     var square = vec3f(0.0);
@@ -55,7 +57,7 @@ fn plausible(known: vec3f, centre: vec2u) -> vec3f {
     return clamp(known, mean - spread, mean + spread);
 }
 
-// This frame's reflection blended into the one that is known, in rgb; the cone samples in a.
+// This frame's reflection blended into the known one, in rgb; the cone samples in a.
 fn blend_specular(pixel: vec2u, surface: Surface, around: Around, known: vec4f, frames: f32) -> vec4f {
     var fresh = vec4f(0.0);
     for (var i = 0; i < 4; i++) {
@@ -74,7 +76,7 @@ fn blend_specular(pixel: vec2u, surface: Surface, around: Around, known: vec4f, 
     if known.a == 0.0 {
         return fresh;
     }
-    // Where the image in the mirror was in the last frame is not known for certain: of smooth surfaces little is kept.
+    // The place of the mirror image in the last frame is uncertain: smooth surfaces keep little.
     let most = select(1e4, GLOSSY_FRAMES * smoothstep(0.05, 0.4, roughness), known.a < 0.0);
     var past = known.rgb;
     if known.a < 0.0 || (settings.has_changed != 0u && roughness < SHARP_ROUGHNESS) {
@@ -84,7 +86,7 @@ fn blend_specular(pixel: vec2u, surface: Surface, around: Around, known: vec4f, 
     return vec4f(mix(past, fresh.rgb, weight), fresh.a);
 }
 
-// Where the plane of a pixel's surface is at the middle of the pixel: the jitter of this frame is not that of the next one.
+// The plane of a pixel's surface at the center of the pixel: the next frame has another jitter.
 fn middle_of(pixel: vec2u, surface: Surface) -> vec3f {
     let uv = (vec2f(pixel) + 0.5 + view.jitter) / vec2f(view.size);
     let far = view.world_from_clip * vec4f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y, 0.0, 1.0);
@@ -93,7 +95,7 @@ fn middle_of(pixel: vec2u, surface: Surface) -> vec3f {
     let share = dot(to_surface, surface.geometric_normal) / dot(ray, surface.geometric_normal);
     let middle = share * ray;
     let moved = distance(middle, to_surface) / length(to_surface);
-    // At a silhouette the plane may not be there. Also false for what is not a number.
+    // At a silhouette the plane may not extend there. The comparison is also false for NaN.
     return select(surface.position_in_world, view.position_in_world + middle, moved < MOST_MOVED);
 }
 
@@ -136,7 +138,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let recalled = textureLoad(recalled_specular, pixel, 0);
     let known = Known(textureLoad(recalled_irradiance, pixel, 0), abs(recalled.a));
     if is_alone && settings.bounces > 0u && known.frames <= 0.0 {
-        // In whatever order: each is traced by itself.
+        // In any order: each pixel is traced individually.
         let place = 1u + atomicAdd(&counts[0], 1u);
         if place < arrayLength(&listed) {
             listed[place] = pixel.y * view.size.x + pixel.x;
@@ -145,13 +147,13 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     var blended = blend(known, fresh);
     var specular = blend_specular(pixel, surface, around, recalled, blended.frames - 1.0);
     if !is_finite(blended.irradiance.rgb) || !is_finite(specular.rgb) {
-        // Nothing of it is remembered.
+        // Discard it.
         blended = Known(vec4f(0.0, 0.0, 0.0, 1.0), 0.0);
         specular = vec4f(0.0);
     }
     textureStore(irradiance_out, pixel, blended.irradiance);
     textureStore(specular_out, pixel, specular);
-    // The depth in clip space, whatever the G-buffer's own is.
+    // The depth in clip space, independent of the G-buffer's own depth.
     let clip = view.clip_from_world * vec4f(middle_of(pixel, surface), 1.0);
     let is_new = known.frames <= 0.0;
     let record = Record(clip.z / clip.w, surface.shading_normal, blended.frames, is_new);

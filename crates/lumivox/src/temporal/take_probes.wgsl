@@ -1,4 +1,4 @@
-// Takes the probes of a frame that was traced: another pixel of each 3x3 in each frame.
+// Samples the probes of a traced frame: a different pixel of each 3x3 in each frame.
 
 import package::temporal::probe::{probes_size, Probe, NO_PROBE, SPACING};
 import package::trace::gbuffer::load_surface;

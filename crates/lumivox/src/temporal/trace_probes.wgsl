@@ -1,6 +1,6 @@
-// Traces the cones of the last frame's probes again, through the light of this frame. Nothing is drawn anew, so that what
-// differs is change, without noise of its own: Schied et al. 2018, "Gradient estimation for real-time adaptive temporal
-// filtering", section 3.
+// Retraces the cones of the last frame's probes in the light of this frame. They reuse the same
+// random numbers, so that every difference is change, without noise: Schied et al. 2018, "Gradient
+// estimation for real-time adaptive temporal filtering", section 3.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

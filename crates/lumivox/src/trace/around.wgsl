@@ -1,4 +1,4 @@
-// The four traced pixels around a pixel, and how much each says about it.
+// The four traced pixels around a pixel, and their weights.
 
 import package::trace::fit::fit;
 import package::trace::gbuffer::load_surface;
@@ -9,11 +9,12 @@ struct Around {
     sources: array<vec2u, 4>,
     // They add up to 1; zeros if none shows a surface.
     weights: array<f32, 4>,
-    // How well the best fits.
+    // Fit of the best of them.
     best: f32,
 }
 
-// A neighbour that fits less does not count as one: a third of a voxel off the plane, or turned by 25 degrees.
+// A neighbour with a smaller fit is ignored: a third of a voxel off the plane, or turned by 25
+// degrees.
 const FITS: f32 = 0.66;
 
 fn traced_around(pixel: vec2u, surface: Surface) -> Around {
@@ -24,7 +25,7 @@ fn traced_around(pixel: vec2u, surface: Surface) -> Around {
         around.best = 1.0;
         return around;
     }
-    // Where this frame's traced pixels stand, in the coordinates of the small picture.
+    // Position of this frame's traced pixels, in the coordinates of the small picture.
     let shift = vec2f(traced_pixel(vec2u(0u)));
     let place = (vec2f(pixel) - shift) / f32(settings.scale);
     let corner = vec2i(floor(place));
@@ -41,7 +42,7 @@ fn traced_around(pixel: vec2u, surface: Surface) -> Around {
         let bilinear = abs(vec2f(1 - offset) - fraction);
         let between = other.position_in_world - surface.position_in_world;
         let fits = fit(between, other.shading_normal, surface);
-        // The floors keep a pixel that fits nowhere at the mean of what there is.
+        // The floors give a pixel that fits nowhere the mean of its neighbours.
         let weight = (bilinear.x * bilinear.y + 1e-3) * (fits + 1e-4);
         around.best = max(around.best, fits);
         around.sources[i] = source;

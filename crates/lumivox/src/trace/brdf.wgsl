@@ -3,15 +3,16 @@
 
 const PI: f32 = 3.14159265359;
 
-// The least alpha: below it f32 cannot hold the distribution's peak.
+// Minimum alpha: below it f32 cannot represent the distribution's peak.
 const MIN_ALPHA: f32 = 0.001;
 
 fn alpha_from_roughness(perceptual_roughness: f32) -> f32 {
     return max(perceptual_roughness * perceptual_roughness, MIN_ALPHA);
 }
 
-// Schlick 1994. The reflectance at grazing angles is 1, and falls to 0 only for surfaces that reflect less than
-// any real dielectric does (2 %): Lagarde and de Rousiers 2014, section 3.1.3. So F0 = 0 switches it all off.
+// Schlick 1994. The reflectance at grazing angles is 1. It falls to 0 only for surfaces that
+// reflect less than any real dielectric (2 %): Lagarde and de Rousiers 2014, section 3.1.3. So F0 =
+// 0 disables reflection.
 fn fresnel_schlick(f0: vec3f, cos_theta: f32) -> vec3f {
     let f90 = saturate(dot(f0, vec3f(50.0 * 0.33)));
     let rest = saturate(1.0 - cos_theta);
@@ -19,8 +20,9 @@ fn fresnel_schlick(f0: vec3f, cos_theta: f32) -> vec3f {
     return f0 + (vec3f(f90) - f0) * (rest_2 * rest_2 * rest);
 }
 
-// The mean of fresnel_schlick at the half vectors to a camera, over light that arrives evenly from the hemisphere, weighted by its
-// cosine. The polynomial is fitted to numeric integrals of (1 - cosine)^5, within 0.00001.
+// Mean of fresnel_schlick at the half vectors to a camera, over uniform light from the hemisphere,
+// weighted by its cosine. The polynomial is fitted to numeric integrals of (1 - cosine)^5, within
+// 0.00001.
 fn fresnel_of_even_light(f0: vec3f, n_dot_v: f32) -> vec3f {
     let f90 = saturate(dot(f0, vec3f(50.0 * 0.33)));
     let x = 1.0 - saturate(n_dot_v);
@@ -49,7 +51,7 @@ fn ggx_masking(n_dot_v: f32, alpha: f32) -> f32 {
     return 2.0 * n_dot_v / (n_dot_v + sqrt(a2 + (1.0 - a2) * n_dot_v * n_dot_v));
 }
 
-// Density, per steradian, of a direction mirrored at a visible normal.
+// Density, per steradian, of a direction reflected at a visible normal.
 fn mirrored_density(n_dot_v: f32, n_dot_h: f32, alpha: f32) -> f32 {
     return ggx_masking(n_dot_v, alpha) * ggx_distribution(n_dot_h, alpha) / (4.0 * n_dot_v);
 }

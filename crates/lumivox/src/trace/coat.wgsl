@@ -1,7 +1,9 @@
-// A layer of varnish on the surface of a pixel: a dielectric with a reflectance of 4 % (KHR_materials_clearcoat).
+// A clear coat on the surface of a pixel: a dielectric with a reflectance of 4 %
+// (KHR_materials_clearcoat).
 //
-// It covers the share `strength` of the surface. What lies below is dimmed by what the coat reflects towards the
-// camera, 1 - strength * F(n . v): the extension's own approximation, in which light enters unhindered.
+// It covers the share `strength` of the surface. The layer below is dimmed by what the coat
+// reflects towards the camera, 1 - strength * F(n . v): the extension's own approximation, in which
+// light enters without loss.
 
 import package::trace::brdf::{alpha_from_roughness, fresnel_schlick};
 import package::trace::gbuffer::load_specular;
@@ -10,7 +12,7 @@ import package::trace::surface::Specular;
 const COAT_F0: f32 = 0.04;
 
 struct Coat {
-    // 0: none.
+    // 0: no coat.
     strength: f32,
     alpha: f32,
 }
@@ -23,12 +25,12 @@ fn load_coat(pixel: vec2u) -> Coat {
     return coat_of(load_specular(pixel));
 }
 
-// What the coat reflects of light that it meets at a cosine.
+// The share of light that the coat reflects at a cosine.
 fn coat_fresnel(coat: Coat, cos_theta: f32) -> f32 {
     return coat.strength * fresnel_schlick(vec3f(COAT_F0), cos_theta).x;
 }
 
-// The share of the light from below that the coat lets through towards the camera.
+// The share of the light from below that the coat transmits towards the camera.
 fn below_coat(coat: Coat, n_dot_v: f32) -> f32 {
     return 1.0 - coat_fresnel(coat, n_dot_v);
 }

@@ -15,7 +15,7 @@ struct TracedDiffuse {
     samples: f32,
 }
 
-// The light that a surface gathers at a pixel; `turn` is the place in the sequence of the jitter.
+// The light that a surface gathers at a pixel; `turn` is the index in the jitter sequence.
 fn gather_at(
     position_in_world: vec3f,
     shading_normal: vec3f,
@@ -50,7 +50,7 @@ fn gather_at(
     );
 }
 
-// The mean of so many turns, from one on; the samples are their sum.
+// The mean of `turns` turns, starting at `turn`; the samples are their sum.
 fn trace_diffuse(pixel: vec2u, turn: u32, turns: u32) -> TracedDiffuse {
     let surface = load_surface(pixel);
     if surface.depth <= 0.0 || settings.bounces == 0u {
@@ -68,7 +68,7 @@ fn trace_diffuse(pixel: vec2u, turn: u32, turns: u32) -> TracedDiffuse {
         mean.irradiance += traced.irradiance / f32(turns);
         mean.samples += traced.samples;
     }
-    // Beside a filament it may exceed the largest half float.
+    // Next to a filament it may exceed the largest half float.
     mean.irradiance = min(mean.irradiance, vec4f(65504.0));
     return mean;
 }

@@ -1,8 +1,8 @@
-// The arguments of the dispatch over the pixels that are listed (`reconstruct.wgsl`).
+// The arguments of the dispatch over the listed pixels (`reconstruct.wgsl`).
 
 import package::constants::{LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS};
 
-// How many there are; and behind it that dispatch's workgroups.
+// The number of listed pixels, followed by the workgroups of that dispatch.
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
 @group(1) @binding(1) var<storage, read_write> listed: array<u32>;
 

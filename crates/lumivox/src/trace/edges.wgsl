@@ -1,7 +1,8 @@
-// Pixels at half resolution that no traced neighbour fits, traced themselves: thin things and silhouettes.
+// At half resolution, traces the pixels that no traced neighbour fits: thin objects and
+// silhouettes.
 //
-// They are listed by `reconstruct.wgsl`; a thread then stands for an element of the list, so that no group waits
-// for a few of its threads.
+// `reconstruct.wgsl` lists them. Each thread handles one element of the list, so that no workgroup
+// waits for a few of its threads.
 
 import package::gpu::dispatch::linear_index;
 import package::constants::LINEAR_WORKGROUP_SIZE;
@@ -40,7 +41,7 @@ fn diffuse(
     }
 }
 
-// As many diffuse samples a turn are counted as the pixel took that was traced of the same block.
+// Counts as many diffuse samples a turn as the traced pixel of the same block took.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn specular(
     @builtin(global_invocation_id) invocation: vec3u,

@@ -1,10 +1,12 @@
-// How far two places share the light that arrives at them: what cones gather is smooth below the size of a voxel,
-// so a place counts less and less up to a voxel off the surface's plane, and less where its normal differs.
+// How much two places share the light that arrives at them. What cones gather is smooth below the
+// size of a voxel, so the fit of a place falls to zero up to a voxel off the surface's plane, and
+// falls with the angle between the normals.
 
 import package::cascades::voxel_size_at;
 import package::trace::surface::Surface;
 
-// 1: the same surface, 0: another one. `offset` is the other place, seen from the surface, in metres.
+// 1: the same surface, 0: a different one. `offset` is from the surface to the other place, in
+// metres.
 fn fit(offset: vec3f, normal: vec3f, surface: Surface) -> f32 {
     let off_plane = abs(dot(offset, surface.geometric_normal));
     let facing = max(dot(normal, surface.shading_normal), 0.0);

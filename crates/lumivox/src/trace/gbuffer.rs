@@ -1,4 +1,4 @@
-//! The G-buffer that the caller renders and the cones start from.
+//! The G-buffer, rendered by the caller, from which the cones start.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, UVec2, Vec2, Vec3};
@@ -10,26 +10,29 @@ use crate::mounted::{Mounted, Resource};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CameraView {
-    /// From the world to clip space (y up, z reversed: 1 near, 0 far), sub-pixel jitter included. A G-buffer module
-    /// of the caller's own may have another depth.
+    /// From the world to clip space (y up, z reversed: 1 near, 0 far), including sub-pixel jitter.
+    /// A caller's own G-buffer module may use another depth.
     pub clip_from_world: Mat4,
-    /// As `clip_from_world` was in the frame before, but with the jitter of this frame, for motion; equal to it by default.
+    /// `clip_from_world` of the previous frame, but with the jitter of this frame, for motion.
+    /// Default: `clip_from_world`.
     pub previous_clip_from_world: Mat4,
-    /// Where the camera stands, m.
+    /// Position of the camera, m.
     pub position: Vec3,
     /// The picture's width and height in pixels.
     pub size: UVec2,
-    /// Number of the frame since the picture last changed; it moves the jitter of the cones, and without
-    /// [`TraceSettings::temporal`](crate::TraceSettings::temporal) pixels share less and less light with their neighbours: all in
-    /// frame 0, half in frame 2, a tenth in frame 18. Default: 0.
+    /// Number of frames since the picture last changed. It advances the jitter of the cones.
+    /// Without [`TraceSettings::temporal`](crate::TraceSettings::temporal), pixels share less and
+    /// less light with their neighbours: all in frame 0, half in frame 2, a tenth in frame 18.
+    /// Default: 0.
     pub frame: u32,
-    /// How far the matrices move the picture within a pixel, so that frames sample different places: in pixels, x to the right, y
-    /// down. It is in both matrices, since it is no motion. Default: 0.
+    /// Sub-pixel shift of the picture by the matrices, so that frames sample different positions:
+    /// in pixels, x to the right, y down. It is in both matrices, since it is not motion. Default:
+    /// 0.
     pub jitter: Vec2,
 }
 
 impl CameraView {
-    /// The first frame of a camera that stands still.
+    /// The first frame of a static camera.
     pub fn new(clip_from_world: Mat4, position: Vec3, size: UVec2) -> Self {
         let previous_clip_from_world = clip_from_world;
         let jitter = Vec2::ZERO;
@@ -70,35 +73,37 @@ pub(crate) struct CameraViewUniform {
     padding_1: [u32; 2],
 }
 
-/// In [`GBufferViews::motion`], the x of a surface that stands still in the world: it moves over the picture only as the camera
-/// does. A pass that draws what moves clears its target to this.
+/// In [`GBufferViews::motion`], the x of a surface that is static in the world: only the camera
+/// moves it in the picture. A pass that draws moving objects clears its target to this.
 pub const AS_THE_CAMERA: f32 = 1024.0;
 
-/// Views of the G-buffer's textures, all of the picture's size.
+/// Views of the G-buffer's textures, all with the picture's size.
 #[derive(Clone, Copy, Debug)]
 pub struct GBufferViews<'a> {
-    /// `Depth32Float`, reversed z; 0 where there is nothing.
+    /// `Depth32Float`, reversed z; 0 where there is no surface.
     pub depth: &'a wgpu::TextureView,
-    /// Octahedral shading normal in xy and geometric normal in zw, both towards the camera (`Rgba16Float`).
+    /// Octahedral shading normal in xy and geometric normal in zw, both towards the camera
+    /// (`Rgba16Float`).
     pub normals: &'a wgpu::TextureView,
-    /// Diffuse albedo, and in a one minus the strength of a clear coat on top: 1 where there is none
+    /// Diffuse albedo, and in a one minus the strength of a clear coat: 1 without a coat
     /// (`Rgba8UnormSrgb` or any other float format).
     pub diffuse: &'a wgpu::TextureView,
     /// Specular reflectance at normal incidence, and perceptual roughness in a.
     pub specular: &'a wgpu::TextureView,
     /// Emitted radiance, and in a the coat's perceptual roughness (`Rgba16Float`).
     pub emission: &'a wgpu::TextureView,
-    /// In xy where a pixel's surface is in the picture minus where it was in the frame before, in shares of the
-    /// picture, x to the right, y down (`Rg16Float`); [`AS_THE_CAMERA`] where nothing moves by itself. `None`: nothing moves but
-    /// the camera ([`CameraView::previous_clip_from_world`]). It is read where light of earlier frames is carried along
-    /// ([`TraceSettings::temporal`](crate::TraceSettings::temporal)).
+    /// In xy the position of a pixel's surface in the picture minus its position in the previous
+    /// frame, as a share of the picture, x to the right, y down (`Rg16Float`); [`AS_THE_CAMERA`]
+    /// for static surfaces. `None` if only the camera moves
+    /// ([`CameraView::previous_clip_from_world`]). It is read only if light of earlier frames is
+    /// reused ([`TraceSettings::temporal`](crate::TraceSettings::temporal)).
     pub motion: Option<&'a wgpu::TextureView>,
 }
 
 /// A G-buffer bound for the shaders (group 3).
 #[derive(Debug)]
 pub struct GBuffer {
-    /// The bind group, of the layout [`crate::Gi::gbuffer_layout`].
+    /// The bind group, with the layout [`crate::Gi::gbuffer_layout`].
     pub group: BindGroup,
     /// The picture's width and height in pixels.
     pub size: UVec2,
@@ -106,9 +111,10 @@ pub struct GBuffer {
     has_motion: bool,
 }
 
-/// The layout of group 3: the camera, and what the caller's module binds or Lumivox's own.
+/// The layout of group 3: the camera, followed by the bindings of the caller's module or Lumivox's
+/// own.
 pub fn gbuffer_layout(device: &Pipelines, own: Option<&Mounted>) -> wgpu::BindGroupLayout {
-    // Fragment shaders of the caller's may read it as well.
+    // The caller's fragment shaders may read it as well.
     let stages = wgpu::ShaderStages::COMPUTE | wgpu::ShaderStages::FRAGMENT;
     let camera = LayoutBuilder::new(stages).storage();
     let layout = match own {
@@ -119,7 +125,7 @@ pub fn gbuffer_layout(device: &Pipelines, own: Option<&Mounted>) -> wgpu::BindGr
 }
 
 impl GBuffer {
-    /// Binds a G-buffer; the views stay the caller's.
+    /// Binds a G-buffer; the caller keeps the ownership of the views.
     pub(crate) fn new(
         device: &wgpu::Device,
         layout: &wgpu::BindGroupLayout,
@@ -135,13 +141,13 @@ impl GBuffer {
             .view(views.diffuse)
             .view(views.specular)
             .view(views.emission)
-            // Nothing reads the one that stands in.
+            // The placeholder is not read.
             .view(views.motion.unwrap_or(views.normals))
             .build(device, "G-buffer");
         Self { group, size: view.size, view: uniform, has_motion }
     }
 
-    /// Binds what the caller's own module reads.
+    /// Binds the resources of the caller's own module.
     pub(crate) fn own(
         device: &wgpu::Device,
         layout: &wgpu::BindGroupLayout,
@@ -158,8 +164,8 @@ impl GBuffer {
         Self { group, size: view.size, view: uniform, has_motion: false }
     }
 
-    /// Sets the camera of the next frame. The write takes effect at the next submission, for all that is submitted
-    /// then: bind a G-buffer for each camera, and submit each frame by itself.
+    /// Sets the camera of the next frame. The write takes effect at the next submission, for
+    /// everything submitted then: bind one G-buffer per camera, and submit each frame separately.
     pub fn set_camera(&self, queue: &wgpu::Queue, view: CameraView) {
         let uniform = view.to_gpu(self.has_motion);
         queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));

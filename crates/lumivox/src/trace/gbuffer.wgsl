@@ -1,12 +1,12 @@
-// The G-buffer: group 3 of every pass over the screen, behind the camera.
+// The G-buffer: group 3 of every pass over the screen, after the camera.
 //
-// A caller's own module (`GiConfig::gbuffer`) takes its place as `package::trace::gbuffer`, with bindings of its own
-// from 1 on and the same three functions: load_surface, load_specular, load_motion.
+// A caller's own module (`GiConfig::gbuffer`) can replace it as `package::trace::gbuffer`, with its
+// own bindings from 1 on and the same three functions: load_surface, load_specular, load_motion.
 
 import package::trace::surface::{octahedral_decode, Specular, Surface};
 import package::trace::view::{camera_motion, position_from_depth, view};
 
-// Reversed z: 1 at the near plane, 0 infinitely far and where there is nothing.
+// Reversed z: 1 at the near plane, 0 at infinity and where there is no surface.
 @group(3) @binding(1) var gbuffer_depth: texture_depth_2d;
 // Octahedral unit vectors in [-1, 1]: shading normal in xy, geometric normal in zw; both face the camera.
 @group(3) @binding(2) var gbuffer_normals: texture_2d<f32>;
@@ -16,12 +16,12 @@ import package::trace::view::{camera_motion, position_from_depth, view};
 @group(3) @binding(4) var gbuffer_specular: texture_2d<f32>;
 // Emitted radiance in rgb; the coat's perceptual roughness in a.
 @group(3) @binding(5) var gbuffer_emission: texture_2d<f32>;
-// Motion in xy, if view.has_motion says so; AS_THE_CAMERA where nothing moves by itself.
+// Motion in xy, read if view.has_motion is set; AS_THE_CAMERA for static surfaces.
 @group(3) @binding(6) var gbuffer_motion: texture_2d<f32>;
 
 const AS_THE_CAMERA: f32 = 1024.0;
 
-// Where the pixel's surface is, and how it is turned.
+// The position and orientation of the pixel's surface.
 fn load_surface(pixel: vec2u) -> Surface {
     let depth = textureLoad(gbuffer_depth, pixel, 0);
     let normals = textureLoad(gbuffer_normals, pixel, 0);
@@ -33,7 +33,7 @@ fn load_surface(pixel: vec2u) -> Surface {
     );
 }
 
-// What the pixel's surface mirrors.
+// The specular properties of the pixel's surface.
 fn load_specular(pixel: vec2u) -> Specular {
     let specular = textureLoad(gbuffer_specular, pixel, 0);
     return Specular(
@@ -44,8 +44,8 @@ fn load_specular(pixel: vec2u) -> Specular {
     );
 }
 
-// Where the pixel's surface is in the picture minus where it was in the frame before: in shares of the picture, x to
-// the right, y down.
+// The position of the pixel's surface in the picture minus its position in the previous frame: as a
+// share of the picture, x to the right, y down.
 fn load_motion(pixel: vec2u, position_in_world: vec3f) -> vec2f {
     if view.has_motion != 0u {
         let motion = textureLoad(gbuffer_motion, pixel, 0).xy;

@@ -1,8 +1,9 @@
 //! Cones from the pixels of a G-buffer: diffuse irradiance, occlusion, glossy reflection.
 //!
-//! A frame traces one jittered direction in each cell of the hemisphere and one in the glossy lobe; the mean
-//! over frames is what the settings describe. Output textures hold a single frame, in which pixels beside one another share
-//! their light, the less the more frames there are (`reconstruct.wgsl`), or with the setting `temporal` the mean of the frames so far.
+//! A frame traces one jittered direction in each cell of the hemisphere and one in the glossy lobe;
+//! the mean over frames is what the settings describe. Output textures hold a single frame, in
+//! which adjacent pixels share their light, less with each frame (`reconstruct.wgsl`), or with the
+//! setting `temporal` the mean of the frames so far.
 
 mod gbuffer;
 mod targets;
@@ -27,7 +28,7 @@ pub use targets::TraceTargets;
 
 /// Format of the outputs.
 const OUTPUT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-/// Format of the counts of samples.
+/// Format of the sample counts.
 const SAMPLES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
 /// `ScreenSettings` of `screen.wgsl`.
@@ -48,7 +49,7 @@ pub(crate) struct ScreenSettings {
 }
 
 impl ScreenSettings {
-    /// What a frame is traced with.
+    /// The uniforms for tracing a frame.
     pub(crate) fn new(
         (settings, model_values): (&TraceSettings, [f32; 4]),
         resolution: TraceResolution,
@@ -59,21 +60,21 @@ impl ScreenSettings {
             cones: settings.cones(voxel_size_m, model_values),
             diffuse_cones: settings.diffuse_cones,
             scale: resolution.scale(),
-            // Without glossy cones every share is zero.
+            // 0 disables glossy cones.
             specular_share: if settings.specular { settings.specular_share } else { 0.0 },
             bounces,
             remembers: 0,
             has_changed: 0,
             turns: 1,
             listed_turns: 1,
-            // Marches have cones wide enough.
+            // Marched cones are wide enough without sharing.
             shares: u32::from(!marches),
             padding: [0; 3],
         }
     }
 }
 
-/// Where the workgroups stand in the counts of half resolution.
+/// Offset of the workgroup counts in the counts buffer of half resolution.
 const ARGUMENTS_OFFSET: u64 = 4;
 
 /// Traces cones from a G-buffer.
@@ -86,22 +87,22 @@ pub(crate) struct Tracer {
     reconstruct_layout: wgpu::BindGroupLayout,
     half: HalfLayouts,
     temporal: temporal::Layouts,
-    /// Once something was traced without the light of earlier frames.
+    /// Created by the first trace without light of earlier frames.
     reconstruct: OnceLock<Kernel>,
-    /// Once something was traced at half resolution.
+    /// Created by the first trace at half resolution.
     half_kernels: OnceLock<HalfKernels>,
-    /// Once something was traced with the light of earlier frames.
+    /// Created by the first trace with light of earlier frames.
     temporal_kernels: OnceLock<temporal::Kernels>,
 }
 
-/// What half resolution binds.
+/// Bind group layouts of half resolution.
 #[derive(Debug)]
 struct HalfLayouts {
     count: wgpu::BindGroupLayout,
     edges: wgpu::BindGroupLayout,
 }
 
-/// What half resolution needs besides.
+/// Additional kernels of half resolution.
 #[derive(Debug)]
 struct HalfKernels {
     count: Kernel,
@@ -164,7 +165,7 @@ impl Tracer {
         })
     }
 
-    /// Links what makes a picture without the light of earlier frames, at its first use.
+    /// Links the kernel that makes a picture without light of earlier frames, at its first use.
     pub(crate) fn prepare_reconstruct(
         &self,
         device: &Pipelines,
@@ -179,7 +180,7 @@ impl Tracer {
         Ok(())
     }
 
-    /// Links what half resolution needs, at its first use.
+    /// Links the kernels of half resolution, at their first use.
     pub(crate) fn prepare_half(
         &self,
         device: &Pipelines,
@@ -200,7 +201,7 @@ impl Tracer {
         Ok(())
     }
 
-    /// Links what the light of earlier frames needs, at its first use.
+    /// Links the kernels that use light of earlier frames, at their first use.
     pub(crate) fn prepare_temporal(
         &self,
         device: &Pipelines,
@@ -225,7 +226,7 @@ impl Tracer {
         recorder.stage("trace");
         targets.with_settings(self, &device, |slot| {
             let known = targets.past.as_ref().map(|past| past.known(bound.content));
-            // Where nothing is known yet, more is traced at once.
+            // If no light is known yet, trace more turns at once.
             let listed_turns = if known.is_some() { temporal::FIRST_TURNS } else { 1 };
             let [remembers, has_changed] = known.unwrap_or_default().map(u32::from);
             let turns = if remembers != 0 { 1 } else { listed_turns };
@@ -233,7 +234,8 @@ impl Tracer {
             slot.set(recorder.queue(), &own);
             let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
             let UVec2 { x, y } = targets.traced_size();
-            // Diffuse cones, whose pixels draw emitters, must not find them as well.
+            // Diffuse cones must not find emitters as well, since their pixels sample emitters
+            // explicitly.
             let hide_emission = |recorder: &mut Recorder<'_>, hides| {
                 if settings.bounces > 0 {
                     (bound.hide_emission)(recorder, hides);
@@ -277,13 +279,13 @@ impl Tracer {
     }
 }
 
-/// The bind groups that tracing reads from.
+/// Bind groups that tracing reads.
 pub(crate) struct Bound<'a> {
     pub(crate) globals: &'a BindGroup,
     pub(crate) lights: &'a BindGroup,
     pub(crate) gbuffer: &'a GBuffer,
-    /// Lets the volume show reflected light alone, or all light again.
+    /// Makes the volume show only reflected light, or all light again.
     pub(crate) hide_emission: &'a dyn Fn(&mut Recorder<'_>, bool),
-    /// Another number for each change of what cones see.
+    /// Changes whenever what the cones see changes.
     pub(crate) content: [u64; 2],
 }

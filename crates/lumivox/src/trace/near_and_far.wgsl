@@ -1,8 +1,9 @@
 // Irradiance at a surface: the module package::trace::way.
 //
-// Light from farther than NEAR is known: the faces around have gathered it (light/far.wgsl, light/share_far.wgsl). It is summed up over the
-// hemisphere without chance. Rays find what is nearer, and put it in the place of what is known in their direction. Where
-// nothing is known, rays find all.
+// Light from farther away than NEAR is known: the faces around have gathered it (light/far.wgsl,
+// light/share_far.wgsl), and it is summed over the hemisphere without sampling. Rays find nearer
+// surfaces, whose light replaces the known light in their direction. If nothing is known, rays find
+// everything.
 
 import package::cones::cone::ConeSettings;
 import package::cones::gather::Gathered;
@@ -18,7 +19,8 @@ import package::volume::surface::{far_cells, far_light_of};
 
 const PI: f32 = 3.14159265359;
 
-// The cell of FAR_CELLS that a direction is in: cell_cone of hemisphere.wgsl has 5 in the inner ring and 11 in the outer one.
+// The cell of FAR_CELLS that contains a direction: cell_cone of hemisphere.wgsl has 5 cells in the
+// inner ring and 11 in the outer one.
 const INNER_CELLS = 5.0;
 
 fn cell_of(local: vec3f) -> u32 {
@@ -28,12 +30,12 @@ fn cell_of(local: vec3f) -> u32 {
     return u32(select(INNER_CELLS, 0.0, is_inner) + min(floor(turn * ring), ring - 1.0));
 }
 
-// Radiance in rgb and openness in a of each cell; zero where nothing is known.
+// Radiance in rgb and openness in a of each cell; zero if nothing is known.
 var<private> known: array<vec4f, FAR_CELLS>;
-// A bit for each of them.
+// Bit mask of the known cells.
 var<private> known_cells: u32;
 
-// The mean of the four faces around a point, by their distance.
+// The mean of the four faces around a point, weighted bilinearly.
 fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
     let point = grid_from_world(position_in_world) * exp2(-f32(level));
     let size = abs(normal);
@@ -77,7 +79,7 @@ fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
     }
 }
 
-// As package::cones::gather.
+// Same contract as `gather` in package::cones::gather.
 fn gather_surface(
     position_in_world: vec3f,
     shading_normal: vec3f,
@@ -101,7 +103,7 @@ fn gather_surface(
     let origin = cone_start(position_in_world, geometric_normal, level, settings);
     let world_from_normal = basis(shading_normal);
     let jitter = cell_jitter(start, frame);
-    // Where only near surface occludes, rays find all of it.
+    // If only near surfaces occlude, rays find all of them.
     let near = NEAR * exp2(f32(level));
     let is_occlusion_near = settings.occlusion_distance < 3e38;
     let least_reach = select(near, max(near, settings.occlusion_distance), is_occlusion_near);
@@ -110,7 +112,7 @@ fn gather_surface(
     for (var i = 0u; i < cone_count; i++) {
         let local = cell_cone(i, cone_count, jitter);
         var direction = world_from_normal * local.direction;
-        // With a normal map, a part of the hemisphere is below the surface; it is folded up.
+        // With a normal map, a part of the hemisphere is below the surface; mirror it up.
         let below = min(dot(direction, geometric_normal), 0.0);
         direction = direction - 2.0 * below * geometric_normal;
         let cell = cell_of(cells_from_world * direction);

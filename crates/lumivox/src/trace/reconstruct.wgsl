@@ -1,6 +1,7 @@
-// From traced pixels to the picture: each pixel takes the weighted mean of the four traced pixels around it (`around.wgsl`), or
-// itself at full resolution, and in the first frames of a mean what the traced pixels beside have gathered as well. Where none of
-// the four fits, the pixel is listed, to be traced itself (`edges.wgsl`).
+// From traced pixels to the picture: each pixel is the weighted mean of the four traced pixels
+// around it (`around.wgsl`), or its own value at full resolution. In the first frames it also
+// includes the light of adjacent traced pixels. If none of the four fits, the pixel is listed, to
+// be traced individually (`edges.wgsl`).
 
 import package::trace::around::{traced_around, FITS};
 import package::trace::fit::fit;
@@ -15,23 +16,23 @@ import package::voxelize::reproducible::is_finite;
 @group(1) @binding(2) var specular_in: texture_2d<f32>;
 @group(1) @binding(3) var irradiance_out: texture_storage_2d<rgba16float, write>;
 @group(1) @binding(4) var specular_out: texture_storage_2d<rgba16float, write>;
-// How many are listed.
+// The number of listed pixels.
 @group(1) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
-// From its second element on: their numbers, row by row.
+// Pixel indices in row-major order, from the second element on.
 @group(1) @binding(6) var<storage, read_write> listed: array<u32>;
 
-// The frame of a mean in which half of the light is what is shared.
+// Frame number at which shared light has a weight of one half.
 const SHARED_FRAMES: f32 = 2.0;
 
 // Differences below this many times their noise are noise.
 const CERTAIN: f32 = 3.0;
 
-// The light of 5 x 5 traced pixels around a pixel, and how far they share its surface.
+// The light of 5 x 5 traced pixels around a pixel, and how well they fit its surface.
 var<private> light: array<vec4f, 25>;
 var<private> shares: array<f32, 25>;
 
-// The variance of a traced pixel's noise: what is left where all that is even or has a straight edge is taken away (Immerkaer 1996,
-// "Fast noise variance estimation").
+// The variance of a traced pixel's noise: what is left after removing everything that is uniform or
+// has a straight edge (Immerkaer 1996, "Fast noise variance estimation").
 fn noise_variance() -> f32 {
     var sum = 0.0;
     var count = 0.0;
@@ -53,13 +54,14 @@ fn noise_variance() -> f32 {
     return sum / max(count, 1e-3);
 }
 
-// `difference` without what may be noise of that variance (Wiener's filter).
+// `difference` without the part that may be noise of that variance (Wiener filter).
 fn without_noise(difference: vec4f, variance: f32) -> vec4f {
     let size = brightness(abs(difference.rgb));
     return difference * max(1.0 - CERTAIN * CERTAIN * variance / max(size * size, 1e-20), 0.0);
 }
 
-// The mean of what 5 x 5 traced pixels have gathered; and what 3 x 3, and the pixel itself, differ from it by more than noise does.
+// The mean of 5 x 5 traced pixels, plus the differences of the mean of 3 x 3 and of the pixel
+// itself, as far as they exceed noise.
 fn gathered_beside(centre: vec2u, surface: Surface, own: vec4f) -> vec4f {
     let last = vec2i(traced_size()) - 1;
     var near = vec4f(0.0);
@@ -72,7 +74,7 @@ fn gathered_beside(centre: vec2u, surface: Surface, own: vec4f) -> vec4f {
         let other = load_surface(traced_pixel(vec2u(place)));
         let between = other.position_in_world - surface.position_in_world;
         let gathered = textureLoad(irradiance_in, place, 0);
-        // Light that is not a number must not reach the pixels around.
+        // NaN must not spread to the pixels around.
         let is_light = other.depth > 0.0 && is_finite(gathered.rgb);
         light[i] = select(vec4f(0.0), gathered, is_light);
         shares[i] = select(0.0, fit(between, other.shading_normal, surface), is_light);
@@ -131,7 +133,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     textureStore(irradiance_out, pixel, irradiance);
     textureStore(specular_out, pixel, specular);
     if around.best < FITS && settings.bounces > 0u {
-        // In whatever order: each is traced by itself.
+        // In any order: each pixel is traced individually.
         let place = 1u + atomicAdd(&counts[0], 1u);
         if place < arrayLength(&listed) {
             listed[place] = pixel.y * view.size.x + pixel.x;

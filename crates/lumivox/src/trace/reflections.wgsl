@@ -1,4 +1,4 @@
-// A filter of traced reflections.
+// Filter for traced reflections.
 
 import package::trace::fit::fit;
 import package::trace::gbuffer::{load_specular, load_surface};
@@ -10,8 +10,8 @@ import package::voxelize::reproducible::is_finite;
 var<private> reflected: array<vec3f, 25>;
 var<private> weights: array<f32, 25>;
 
-// Reflections brighter than so many times the typical one around are spread over all pixels around: one pixel's ray has met by chance
-// what all of them reflect.
+// The excess of reflections brighter than this many times the typical one around is spread over all
+// pixels around: one pixel's ray has hit by chance what all of them reflect.
 const TYPICAL: f32 = 2.0;
 
 fn brightness(light: vec3f) -> f32 {
@@ -23,8 +23,9 @@ fn above(light: vec3f, limit: f32) -> vec3f {
     return light * max(1.0 - limit / max(brightness(light), 1e-20), 0.0);
 }
 
-// A pixel's own reflection, and what 5 x 5 traced pixels reflect in this frame, as far as they are on the same surface and their lobes
-// overlap: the rougher it is, the more. `share` is what counts of the latter.
+// Blends a pixel's own reflection with those of 5 x 5 traced pixels in this frame, weighted by how
+// well they fit the surface and how much their lobes overlap: more if the surface is rougher.
+// `share` is the weight of the latter.
 fn filter_reflection(
     own: vec3f,
     share: f32,
@@ -52,7 +53,7 @@ fn filter_reflection(
         let weight = fit(offset, other.geometric_normal, surface)
             * exp(-4.0 * bend / (alpha * alpha) - 10.0 * unlike - spread);
         let light = textureLoad(reflections, place, 0).rgb;
-        // Light that is not a number must not reach the pixels around.
+        // NaN must not spread to the pixels around.
         let is_light = other.depth > 0.0 && is_finite(light);
         reflected[i] = select(vec3f(0.0), light, is_light);
         weights[i] = select(0.0, weight, is_light);

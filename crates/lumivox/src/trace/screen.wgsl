@@ -1,4 +1,4 @@
-// What the passes over the screen share: the settings, and the pixel that an invocation stands for.
+// Shared by the passes over the screen: the settings, and the mapping from invocations to pixels.
 
 import package::cones::cone::ConeSettings;
 import package::trace::view::view;
@@ -9,16 +9,17 @@ struct ScreenSettings {
     // 1: every pixel; 2: one of each 2x2 block.
     scale: u32,
     specular_share: f32,
-    // 0: no indirect light at all.
+    // 0: no indirect light.
     bounces: u32,
-    // Whether earlier frames' light is there to be recalled.
+    // Whether light of earlier frames is available.
     remembers: u32,
-    // Whether light or surfaces have changed since.
+    // Whether light or surfaces have changed since the last frame.
     has_changed: u32,
-    // How many turns of their sequences a frame traces of a pixel, and of one that it lists (`edges.wgsl`).
+    // Turns of their jitter sequences that a frame traces of a pixel, and of a listed pixel
+    // (`edges.wgsl`).
     turns: u32,
     listed_turns: u32,
-    // Whether pixels share what they have gathered.
+    // Whether pixels share the light that they have gathered.
     shares: u32,
     padding_0: u32,
     padding_1: u32,
@@ -37,14 +38,15 @@ fn traced_pixel(invocation: vec2u) -> vec2u {
     return min(settings.scale * invocation + shift, view.size - 1u);
 }
 
-// How often this pixel's block has traced it before: its place in the sequence of its jitter. The frame itself would not do, since
-// every fourth number of that sequence is nearly the same.
+// How often this pixel's block has traced it before: its index in the jitter sequence. The frame
+// number does not work, since every fourth element of that sequence is nearly the same.
 fn traced_turn() -> u32 {
     return select(view.frame >> 2u, view.frame, settings.scale == 1u);
 }
 
-// The turns of one frame are far apart, so that those of the next ones are new: so far that four of them are spread well over all
-// sequences of a place. (The sequence of cones goes on by 0.743 and 0.299, of emitters by 0.755, of lobes by 0.265.)
+// Distance between the turns of one frame, so that later frames do not repeat them, chosen so that
+// four of them are well distributed in every sequence of a pixel. (The sequence of cones advances
+// by 0.743 and 0.299, of emitters by 0.755, of lobes by 0.265.)
 const TURNS_APART: u32 = 2510u;
 
 // The share of the pixels that a frame traces.

@@ -1,15 +1,16 @@
 // A glossy cone from each pixel: reflected radiance in rgb, the pixel's samples (diffuse ones included) in a.
 //
-// Every frame draws one half vector from the distribution of visible normals and traces a cone along the
-// mirrored direction, as wide as a share of what that draw stands for: its solid angle is share / pdf, the
-// footprint of filtered importance sampling (Krivanek and Colbert 2008, section 4). The weight of the draw is
-// F G2 / G1 (Heitz 2018, equation 19), so the mean over frames is the BRDF's integral, blurred by the cone alone.
+// Every frame draws one half vector from the distribution of visible normals and traces a cone
+// along the mirrored direction. The cone's solid angle is share / pdf, a share of what the draw
+// represents: the footprint of filtered importance sampling (Krivanek and Colbert 2008, section 4).
+// The weight of the draw is F G2 / G1 (Heitz 2018, equation 19), so the mean over frames is the
+// BRDF's integral, blurred only by the cone.
 //
-// Under a clear coat there are two lobes. A frame draws one of them, as often as it reflects more, and divides by
-// that probability.
+// Under a clear coat there are two lobes. A frame draws one of them, with a probability
+// proportional to its reflectance, and divides by that probability.
 //
-// Emitters are drawn as well, since a wide lobe rarely looks at a small one: the light of each direction counts partly where the
-// lobe has drawn it, and partly where the emitters have, by the squares of both densities (the power heuristic: Veach and Guibas
+// Emitters are sampled as well, since a wide lobe rarely finds a small one. The two ways of
+// sampling are combined by the squares of both densities (the power heuristic: Veach and Guibas
 // 1995, "Optimally combining sampling techniques for Monte Carlo rendering").
 
 import package::gpu::random::{hash, random_pair, sequence_pair};
@@ -37,24 +38,27 @@ import package::trace::view::view;
 
 @group(1) @binding(1) var diffuse_samples: texture_2d<f32>;
 @group(1) @binding(2) var specular_out: texture_storage_2d<rgba16float, write>;
-// How far away what is reflected is, in voxels. It has one texel where nobody asks.
+// Distance to what is reflected, in voxels. It is 1x1 if it is not needed.
 @group(1) @binding(3) var distance_out: texture_storage_2d<r32float, write>;
 
-// Points of emitters among which the lobe's is drawn, and those that tell what to expect.
+// Number of emitter points from which the lobe's point is drawn, and number of points for the
+// expected irradiance.
 const REFLECTED: u32 = 4u;
 const EXPECTING: u32 = 2u;
 
-// Half of a hemisphere: wider cones would reach below the surface that they leave.
+// Cosine of 60 degrees, half of a hemisphere: wider cones would reach below the surface that they
+// leave.
 const MIN_COS_HALF_ANGLE: f32 = 0.5;
 
 struct Reflection {
     // Radiance in rgb, samples in a.
     light: vec4f,
-    // In voxels; 0 where nothing is reflected.
+    // In voxels; 0 if nothing is reflected.
     distance: f32,
 }
 
-// The mean of so many turns, from one on; `samples` are those of the pixel's diffuse cones.
+// The mean of `turns` turns, starting at `turn`; `samples` is the number of samples of the pixel's
+// diffuse cones.
 fn trace_specular(pixel: vec2u, turn: u32, turns: u32, samples: f32) -> Reflection {
     var mean = Reflection(vec4f(0.0, 0.0, 0.0, samples), 0.0);
     for (var i = 0u; i < turns; i++) {
@@ -65,7 +69,7 @@ fn trace_specular(pixel: vec2u, turn: u32, turns: u32, samples: f32) -> Reflecti
     return mean;
 }
 
-// The lobe that a frame has drawn.
+// The lobe drawn by a frame.
 struct Lobe {
     // The unit vector to the camera, in the frame whose z is the normal.
     view: vec3f,
@@ -73,7 +77,8 @@ struct Lobe {
     is_coat: bool,
     reflectance: vec3f,
     coat: Coat,
-    // Over the probability of the lobe.
+    // The share of light from below that the coat transmits, and the probability of drawing the
+    // coat.
     below: f32,
     coat_share: f32,
 }
@@ -85,14 +90,15 @@ fn fresnel_of(lobe: Lobe, cosine: f32) -> vec3f {
     return fresnel_schlick(lobe.reflectance, cosine) * (lobe.below / (1.0 - lobe.coat_share));
 }
 
-// The share of the light of a direction that counts where the lobe has drawn it: `density` is the lobe's, `emitted` about that of
-// the emitters, both in 1/sr.
+// Weight of lobe sampling for the light of a direction: `density` is the lobe's density, `emitted`
+// approximately that of the emitters, both in 1/sr.
 fn share_of_lobe(density: f32, emitted: f32) -> f32 {
     return density * density / max(density * density + emitted * emitted, 1e-30);
 }
 
-// The light of a point on an emitter that the lobe reflects to the camera, if nothing is between, times the point's solid angle and the
-// share that counts where emitters are drawn. `expected` is about the irradiance from all emitters.
+// The light of a point on an emitter that the lobe reflects to the camera, without occlusion, times
+// the point's solid angle and the weight of emitter sampling. `expected` is approximately the
+// irradiance from all emitters.
 fn reflected_from(point: EmitterPoint, lobe: Lobe, normal_from_world: mat3x3f, geometric_normal: vec3f, expected: f32) -> vec3f {
     let light = normal_from_world * point.direction;
     if light.z <= 0.0 || dot(point.direction, geometric_normal) <= 0.0 || point.solid_angle <= 0.0 {
@@ -106,8 +112,8 @@ fn reflected_from(point: EmitterPoint, lobe: Lobe, normal_from_world: mat3x3f, g
     return point.radiance * brdf * (light.z * point.solid_angle * (1.0 - share));
 }
 
-// About the irradiance from all emitters, if nothing stands in their way: always the same for a place, so that both ways of drawing
-// share light by the same number.
+// Approximate irradiance from all emitters, without occlusion. It is deterministic for a place, so
+// that both ways of sampling use the same weights.
 fn expected_irradiance(surface: Surface) -> f32 {
     let place = grid_from_world(surface.position_in_world);
     var sum = 0.0;
@@ -118,8 +124,8 @@ fn expected_irradiance(surface: Surface) -> f32 {
     return max(sum / f32(EXPECTING), 1e-20);
 }
 
-// Reflected light of drawn emitters, by the share that counts there: of several points one is kept, as in emitters/gather.wgsl. In a
-// the samples of its ray.
+// Reflected light of sampled emitters, times the weight of emitter sampling: one of several points
+// is kept, as in emitters/gather.wgsl. In a the samples of its ray.
 fn reflect_emitters(
     surface: Surface,
     lobe: Lobe,
@@ -131,7 +137,7 @@ fn reflect_emitters(
     let place = grid_from_world(surface.position_in_world);
     var kept: EmitterPoint;
     var sum = 0.0;
-    // A random number, stretched to [0, 1) again after each choice.
+    // A random number, rescaled to [0, 1) after each choice.
     var lot = fract(numbers.x * 4096.0);
     for (var i = 0u; i < REFLECTED; i++) {
         let point = point_of(draw_emitter(place, surface.geometric_normal, candidate(numbers, i, REFLECTED)), place);
@@ -154,7 +160,7 @@ fn reflect_emitters(
     return vec4f(its * (seen / max(strength(its), 1e-30)), f32(traced.samples));
 }
 
-// `turn` is the place in the sequence of the jitter.
+// `turn` is the index in the jitter sequence.
 fn trace_turn(pixel: vec2u, turn: u32) -> Reflection {
     let nothing = Reflection(vec4f(0.0), 0.0);
     let surface = load_surface(pixel);
@@ -175,7 +181,7 @@ fn trace_turn(pixel: vec2u, turn: u32) -> Reflection {
     let below = below_coat(coat, local_view.z);
     let base_weight = below * dot(fresnel_schlick(material.reflectance, local_view.z), vec3f(1.0 / 3.0));
     let coat_weight = coat_fresnel(coat, local_view.z);
-    // The golden ratio's sequence is independent of the half vector's.
+    // The golden ratio sequence is independent of the half vector's.
     let choice = fract(start.x - start.y + 1.0 + 0.618034 * f32(turn & 0xffffu));
     let coat_share = select(0.0, coat_weight / (coat_weight + base_weight), coat_weight > 0.0);
     let is_coat = choice < coat_share;
@@ -199,10 +205,11 @@ fn trace_turn(pixel: vec2u, turn: u32) -> Reflection {
     let growth = cone_growth(tan_half, cos_plane, settings.cones);
     let level_offset = fract(start.x + start.y + 0.754878 * f32(turn & 0xffffu));
     let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset, level), settings.cones);
-    // A mirror shows the surroundings sharply, whatever the width of its cone.
+    // A mirror shows the environment sharply, whatever the width of its cone.
     let outside_width = min(growth, 2.0 * tan_half * settings.cones.voxel_per_diameter);
     let outside = environment_reflection(direction, outside_width, alpha);
-    // A mirror looks along one ray, over which nothing evens out: no pixel of it may be darker than black.
+    // A mirror uses a single ray, so negative values are not averaged out: no pixel may be darker
+    // than black.
     var radiance = max(traced.radiance + traced.transmittance * outside, vec3f(0.0));
 
     let lobe = Lobe(local_view, alpha, is_coat, material.reflectance, coat, below, coat_share);

@@ -1,15 +1,16 @@
-// The visible surface of a pixel, as a G-buffer module gives it, and the encoding of unit vectors in two numbers.
+// The visible surface of a pixel, as a G-buffer module returns it, and the encoding of unit vectors
+// in two numbers.
 
 struct Surface {
     position_in_world: vec3f,
-    // 0 where the pixel shows no surface, else more.
+    // 0 if the pixel shows no surface, otherwise positive.
     depth: f32,
     // Unit vectors, both towards the camera.
     shading_normal: vec3f,
     geometric_normal: vec3f,
 }
 
-// What a pixel's surface mirrors.
+// The specular properties of a pixel's surface.
 struct Specular {
     // At normal incidence.
     reflectance: vec3f,

@@ -1,4 +1,4 @@
-//! What cones are traced into, and the bind groups with the settings of each recording.
+//! The textures that cones are traced into, and bind groups with the settings of each recording.
 
 use bytemuck::Zeroable;
 use glam::UVec2;
@@ -14,46 +14,47 @@ use crate::temporal::{self, Past};
 /// The textures that cones are traced into, for one size of picture.
 #[derive(Debug)]
 pub struct TraceTargets {
-    /// Irradiance in rgb; in a the share of the hemisphere that is open, weighted by the cosine.
+    /// Irradiance in rgb; in a the open share of the hemisphere, weighted by the cosine.
     pub irradiance: TextureView,
-    /// Radiance reflected by the glossy lobe towards the camera in rgb, the BRDF included; in a the samples
-    /// that the pixel cost, diffuse ones included.
+    /// Radiance reflected by the glossy lobe towards the camera in rgb, including the BRDF; in a
+    /// the number of samples of the pixel, including diffuse ones.
     pub specular: TextureView,
-    /// What is remembered of each pixel's surface, if light of earlier frames is kept: `Rg32Uint`, decoded by
-    /// `package::temporal::record::decode_record`. Among it are how many frames the light is the mean of, and whether
-    /// nothing was known of the surface; zeros where there is none.
+    /// Records of each pixel's surface, if light of earlier frames is kept: `Rg32Uint`, decoded by
+    /// `package::temporal::record::decode_record`. They contain the number of frames in the mean of
+    /// the light, and whether the surface was newly seen; zeros where there is no surface.
     pub records: Option<TextureView>,
-    /// The textures of the two.
+    /// The textures of `irradiance` and `specular`.
     outputs: [Texture; 2],
     size: UVec2,
     resolution: TraceResolution,
     traced: Traced,
     listed: Listed,
-    /// The light of earlier frames, if it is kept.
+    /// Light of earlier frames; `None` if it is not kept.
     pub(super) past: Option<Past>,
     slots: Slots<TraceSlot>,
     bytes: u64,
 }
 
-/// What the cones themselves write, at the traced size.
+/// Direct output of the cones, at the traced size.
 #[derive(Debug)]
 struct Traced {
     size: UVec2,
     irradiance: TextureView,
     specular: TextureView,
     samples: TextureView,
-    /// How far away what is reflected is, in voxels; one texel without the light of earlier frames.
+    /// Distance to what is reflected, in voxels; one texel without light of earlier frames.
     distance: TextureView,
 }
 
-/// The pixels that are traced by themselves: how many with the workgroups for them, and which.
+/// The pixels that are traced individually: their number, with the workgroups of the dispatch, and
+/// their indices.
 #[derive(Debug)]
 struct Listed {
     counts: Buffer,
     pixels: Buffer,
 }
 
-/// The settings of one recording, bound.
+/// The settings of one recording, with their bind groups.
 #[derive(Debug)]
 pub(super) struct TraceSlot {
     settings: Buffer,
@@ -73,7 +74,7 @@ pub(super) struct HalfSlot {
 
 impl Slot for TraceSlot {
     fn is_free(&self) -> bool {
-        // Every recording has the diffuse cones.
+        // Every recording uses the group of the diffuse cones.
         !self.diffuse.is_held()
     }
 }
@@ -83,7 +84,7 @@ impl TraceSlot {
         &self.settings
     }
 
-    /// Sets what the recording is traced with.
+    /// Sets the settings of the recording.
     pub(super) fn set(&self, queue: &wgpu::Queue, settings: &ScreenSettings) {
         queue.write_buffer(&self.settings, 0, bytemuck::bytes_of(settings));
     }
@@ -130,7 +131,7 @@ impl TraceTargets {
         let sizes = (size, traced_size);
         let past = settings.temporal.then(|| Past::new(device, sizes, &mut texture));
         let pixels = if scale > 1 { u64::from(size.x) * u64::from(size.y) } else { 0 };
-        // More than 33 million of them no picture has, whatever its size.
+        // The list is capped at the binding limit, 33 million pixels by default.
         let most = device.limits().max_storage_buffer_binding_size / 4;
         let listed = Listed {
             counts: storage_buffer(device, "edge count", 16),
@@ -154,13 +155,14 @@ impl TraceTargets {
         }
     }
 
-    /// Bytes on the GPU of targets of a size, before they are made.
+    /// GPU memory in bytes of targets with this size, computed without creating them.
     pub fn bytes(size: UVec2, settings: &TraceSettings) -> u64 {
         let scale = settings.resolution.scale();
         let traced_size = size.map(|edge| edge.div_ceil(scale));
         let [pixels, traced] =
             [size, traced_size].map(|size| u64::from(size.x) * u64::from(size.y));
-        // Two pictures and the counts of samples that cones write; what is made of them at the size of the picture.
+        // `cones`: the cones' two pictures and sample counts; `outputs`: the results at the size of
+        // the picture.
         let cones = 20 * traced;
         let outputs = 16 * pixels;
         let listed = 16 + if scale > 1 { 4 * (pixels + 1) } else { 16 };
@@ -172,23 +174,25 @@ impl TraceTargets {
         cones + outputs + listed + past
     }
 
-    /// Forgets the light of earlier frames: for a cut, another scene, or another view, of which nothing is to shine through.
+    /// Discards the light of earlier frames. Call it for a cut, another scene or another view, so
+    /// that nothing of the old picture shows through.
     pub fn forget(&self) {
         if let Some(past) = &self.past {
             past.forget();
         }
     }
 
-    /// Takes the light of earlier frames over from targets of another size, so that the next frame goes on from theirs: for
-    /// pictures whose size follows the frame rate. Both are of the same [`Gi`](crate::Gi), and
-    /// [`CameraView::frame`](crate::CameraView::frame) goes on counting. Nothing is taken unless both keep it.
+    /// Takes over the light of earlier frames from targets of another size, so that the next frame
+    /// continues from it: for pictures whose size depends on the frame rate. Both must belong to
+    /// the same [`Gi`](crate::Gi), and [`CameraView::frame`](crate::CameraView::frame) must
+    /// continue to count. Does nothing unless both keep light of earlier frames.
     pub fn take_past(&self, former: &Self) {
         if let (Some(past), Some(former)) = (&self.past, &former.past) {
             past.take(former);
         }
     }
 
-    /// Whether the light of earlier frames is kept.
+    /// Whether light of earlier frames is kept.
     pub fn is_temporal(&self) -> bool {
         self.past.is_some()
     }
@@ -216,7 +220,7 @@ impl TraceTargets {
         &self.traced.distance
     }
 
-    /// Records with settings that no other recording sees.
+    /// Calls `record` with settings that no other recording uses.
     pub(super) fn with_settings<R>(
         &self,
         tracer: &Tracer,
@@ -288,13 +292,13 @@ impl TraceTargets {
         }
     }
 
-    /// How many recordings were under way at once.
+    /// Number of slots: the most recordings that were in progress at once.
     #[cfg(test)]
     pub(super) fn slot_count(&self) -> usize {
         self.slots.count()
     }
 
-    /// Whether no recording is under way.
+    /// Whether no recording is in progress.
     #[cfg(test)]
     pub(super) fn are_slots_free(&self) -> bool {
         self.slots.are_free()

@@ -3,31 +3,31 @@
 struct CameraView {
     clip_from_world: mat4x4f,
     world_from_clip: mat4x4f,
-    // As clip_from_world was in the frame before.
+    // clip_from_world of the previous frame.
     previous_clip_from_world: mat4x4f,
     previous_world_from_clip: mat4x4f,
     position_in_world: vec3f,
-    // Counts the frames that are accumulated; it moves the jitter.
+    // Number of accumulated frames; it advances the jitter.
     frame: u32,
     size: vec2u,
-    // Whether Lumivox's own G-buffer has a texture of motion.
+    // Whether Lumivox's own G-buffer has a motion texture.
     has_motion: u32,
     padding_0: u32,
-    // How far both matrices move the picture within a pixel, in pixels.
+    // Sub-pixel shift of the picture by both matrices, in pixels.
     jitter: vec2f,
     padding_1: vec2u,
 }
 
-// A storage buffer, not a uniform: lavapipe 22.3 crashes when it inlines uniforms into kernels that march cones
-// from here.
+// A storage buffer, not a uniform: lavapipe 22.3 crashes when it inlines uniforms into kernels that
+// march cones from here.
 @group(3) @binding(0) var<storage, read> view: CameraView;
 
-// World position of a pixel's centre at a depth in clip space.
+// World position of a pixel's center at a depth in clip space.
 fn position_from_depth(pixel: vec2u, depth: f32) -> vec3f {
     return position_at(vec2f(pixel) + 0.5, depth);
 }
 
-// World position of a place in the picture, in pixels, at a depth in clip space.
+// World position of a point in the picture, in pixels, at a depth in clip space.
 fn position_at(place: vec2f, depth: f32) -> vec3f {
     let uv = place / vec2f(view.size);
     let ndc = vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
@@ -35,8 +35,8 @@ fn position_at(place: vec2f, depth: f32) -> vec3f {
     return world.xyz / world.w;
 }
 
-// The unit vector from the camera through a pixel's centre, from where it meets infinity: points nearby would
-// lose its digits to the camera's own position.
+// The unit vector from the camera through a pixel's center, computed from its point at infinity:
+// nearby points would lose precision to the camera's own position.
 fn ray_direction(pixel: vec2u) -> vec3f {
     let uv = (vec2f(pixel) + 0.5) / vec2f(view.size);
     let ndc = vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
@@ -44,8 +44,8 @@ fn ray_direction(pixel: vec2u) -> vec3f {
     return normalize(far.xyz - far.w * view.position_in_world);
 }
 
-// How far a place that stands still has moved over the picture since the frame before, by the camera alone: in shares
-// of the picture, x to the right, y down.
+// How far the camera alone has moved a static point in the picture since the previous frame: as a
+// share of the picture, x to the right, y down.
 fn camera_motion(pixel: vec2u, position_in_world: vec3f) -> vec2f {
     let clip = view.previous_clip_from_world * vec4f(position_in_world, 1.0);
     let ndc = clip.xy / clip.w;

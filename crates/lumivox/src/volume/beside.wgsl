@@ -1,4 +1,5 @@
-// Faces beside one another: of the same surface, and parted by other surface.
+// Adjacent faces: whether they belong to the same surface, and whether another surface separates
+// them.
 
 import package::cascades::{box_size, lowest_voxel, stored_cell};
 import package::volume::patch::{start_of, unpack_patch, NOTHING, Patch, PATCH_WORDS};
@@ -8,7 +9,7 @@ import package::voxels::index::{first_entry, FACE_BITS};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_encode;
 
-// Surface parts what is farther from it than this, in voxels.
+// Minimum distance of both points from a surface that separates them, in voxels.
 const PARTED = 0.002;
 
 fn patch_of(face: u32) -> Patch {
@@ -19,7 +20,7 @@ fn start_of_face(face: u32) -> vec3f {
     return start_of(patch_of(face), patches[PATCH_WORDS * face].y);
 }
 
-// The entry of a voxel of the index; zero if it is empty or not there.
+// The entry of a voxel in the index; zero if the voxel is empty or outside its box.
 fn entry_at(voxel: vec3i, cascade: u32) -> u32 {
     let lowest = lowest_voxel(cascade);
     if any(voxel < lowest) || any(voxel >= lowest + vec3i(box_size())) {
@@ -33,7 +34,8 @@ fn entry_at(voxel: vec3i, cascade: u32) -> u32 {
     return index[first_entry() + index[2u * (code / 32u) + 1u] + bits_below(bits, code % 32u)];
 }
 
-// The face of a voxel between two points in its coordinates, other than a given one, or NOTHING.
+// The first face of a voxel, other than `but`, that lies between two points in the voxel's
+// coordinates, or NOTHING.
 fn face_between(entry: u32, but: u32, start: vec3f, end: vec3f) -> u32 {
     let first = entry & ((1u << FACE_BITS) - 1u);
     for (var other = first; other < first + (entry >> FACE_BITS); other++) {
@@ -53,7 +55,8 @@ fn face_between(entry: u32, but: u32, start: vec3f, end: vec3f) -> u32 {
     return NOTHING;
 }
 
-// How much faces of one surface may differ: the cosine of their normals, and the height of one over the other, in voxels.
+// How much faces of one surface may differ: minimum cosine between their normals, and maximum
+// height of one over the other, in voxels.
 struct Likeness {
     least_cosine: f32,
     most_height: f32,
@@ -77,8 +80,9 @@ fn face_like(entry: u32, lobe: u32, normal: vec3f, point: vec3f, likeness: Liken
     return found;
 }
 
-// Whether other surface is between two points of a surface, in voxels of a cascade: looked for as far above it as rays start, where
-// what stands on it is, in the voxels of both and of the middle.
+// Whether another surface lies between two points of a surface, in voxels of a cascade. It is
+// tested ABOVE the surface, where rays start, for anything that stands on it, in the voxels of both
+// points and of the middle.
 fn is_parted(start: vec3f, end: vec3f, normal: vec3f, cascade: u32) -> bool {
     let first = start + ABOVE * normal;
     let last = end + ABOVE * normal;
@@ -94,16 +98,17 @@ fn is_parted(start: vec3f, end: vec3f, normal: vec3f, cascade: u32) -> bool {
 
 const ABOVE = 0.05;
 
-// A face, and where its light is found, in voxels of a cascade.
+// A face, and the point where its light is gathered, in voxels of a cascade.
 struct Spot {
     face: u32,
     start: vec3f,
 }
 
-// Faces that share light from afar: curved surface may turn and rise so much from voxel to voxel.
+// Limits for faces that share light from far away: a curved surface may turn and rise this much
+// from voxel to voxel.
 const SHARED = Likeness(0.9, 0.4);
 
-// The face of a surface at a point of it.
+// The face of a surface at a point on it.
 fn spot_at(point: vec3f, lobe: u32, normal: vec3f, cascade: u32) -> Spot {
     let voxel = vec3i(floor(point));
     let corner = vec3f(voxel);

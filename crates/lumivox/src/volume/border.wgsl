@@ -3,7 +3,7 @@
 
 import package::cascades::{box_size, lowest_voxel};
 
-// The position is in the voxels of the cascade; `up` is the level less the cascade.
+// `position` is in the voxels of the cascade; `up` is the level minus the cascade's number.
 fn border_weight(position: vec3f, up: u32, cascade: u32) -> f32 {
     let scale = exp2(-f32(up));
     let texel = (position - vec3f(lowest_voxel(cascade))) * scale;

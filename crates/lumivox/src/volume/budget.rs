@@ -1,9 +1,9 @@
-//! How much a volume may take.
+//! Memory budget of a volume.
 
 use crate::{GiError, Grid};
 
-/// Refuses a number of bytes above a budget. `growth` is the power of the resolution by which the
-/// bytes grow.
+/// Returns an error if a number of bytes exceeds the budget. The bytes grow with this power
+/// (`growth`) of the resolution.
 pub(super) fn check(
     what: &str,
     needed: u64,

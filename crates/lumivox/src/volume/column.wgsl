@@ -1,12 +1,11 @@
-// Two cells behind each other along an axis, seen from both sides: the rule by which pyramids are
-// filtered.
+// Two cells behind each other along an axis, seen from both sides: the rule for filtering pyramids.
 //
 // Along a lobe's axis the farther cell adds to the nearer one up to full coverage. The sum
 // saturates instead of multiplying transmittances, because coverage comes from clipping: the pieces
 // of a wall that straddles two cells are parts of one sheet and add up to exactly one. A cell that
-// hides radiance hides the vector area with it, so the same weights apply to both.
+// hides radiance also hides the vector area, so the same weights apply to both.
 
-// The parts of a cell that belong to an axis (parts.wgsl), or those of two cells together.
+// The parts of a cell along an axis (parts.wgsl), or those of two cells combined.
 struct AxisParts {
     positive: vec4f,
     negative: vec4f,

@@ -1,15 +1,17 @@
-// Light from afar that a surface gathers: a word for each of FAR_CELLS cells of the hemisphere over it (cones/hemisphere.wgsl), the
-// mean radiance of what is farther than NEAR there, and the share of it that is open.
+// Light from far away that a surface gathers: one word for each of FAR_CELLS cells of the
+// hemisphere over it (cones/hemisphere.wgsl) with the mean radiance of surfaces farther away than
+// NEAR, and the open share of the cell.
 
 const FAR_CELLS = 16u;
 
-// Up to this distance, in voxels, pixels find surface by rays of their own.
+// Pixels find surfaces up to this distance, in voxels, by their own rays.
 const NEAR = 6.0;
 
-// Nothing is known of a cell: all is near, or nothing was gathered. The exponent of light is not zero.
+// Nothing is known of a cell: all its surfaces are near, or nothing was gathered. The exponent of
+// stored light is never zero.
 const NO_FAR_LIGHT = 0u;
 
-// Radiance has 8 bits a channel and a common exponent, openness 3.
+// Radiance has 8 bits a channel and a common exponent, openness 3 bits.
 struct FarLight {
     radiance: vec3f,
     openness: f32,

@@ -1,4 +1,4 @@
-// Makes patches of faces, and gives them the light that they show.
+// Creates patches of faces, and writes the light that they show.
 
 import package::cascades::voxel_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
@@ -19,7 +19,7 @@ fn light_of(face: u32) -> vec2u {
     return pack_light(shown[face].rgb, faces[face].lobe, faces[face].flags);
 }
 
-// After the list has changed. The light of faces that are new comes with the next light.
+// Runs after the list has changed. The light of new faces is written by the next light update.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn surface(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -43,7 +43,7 @@ fn surface(
     patches[first + 5u] = pack_emission(faces[face].emission);
 }
 
-// After the light has.
+// Runs after the light has changed.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn light(
     @builtin(global_invocation_id) invocation: vec3u,

@@ -1,6 +1,7 @@
-// The faces of a lobe in a voxel as one: what the finest cells hold.
+// The faces of a lobe in a voxel, combined to the content of the finest cells.
 //
-// Layers lie behind each other. As in a column of cells (column.wgsl), one adds to those in front of it up to full coverage.
+// Layers lie behind each other. As in a column of cells (column.wgsl), a layer adds to those in
+// front of it up to full coverage.
 
 import package::voxels::list::{Face, lobe_axis, lobe_sign};
 
@@ -15,12 +16,12 @@ fn opacity_of(face: Face) -> f32 {
     return abs(face.vector_area[lobe_axis(face.lobe)]);
 }
 
-// How far a face lies towards the side that its lobe looks to.
+// The position of a face along its lobe's direction.
 fn height_of(face: Face) -> f32 {
     return face.position_in_world[lobe_axis(face.lobe)] * lobe_sign(face.lobe);
 }
 
-// Adds a layer of which `hidden` lies in front.
+// Adds a layer; `hidden` is the coverage in front of it.
 fn with_layer(layers: Layers, face: Face, radiance: vec3f, hidden: f32) -> Layers {
     let axis = lobe_axis(face.lobe);
     let opacity = opacity_of(face);

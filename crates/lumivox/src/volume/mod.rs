@@ -1,11 +1,12 @@
-//! What cones meet. Their rays meet the faces of the voxel list (`surface.rs`). Next to these the radiance of the
-//! faces is stored in cells and filtered into a pyramid, for views, and for cones of a caller's own model, which march through it.
+//! The scene as cones see it. Their rays hit the faces of the voxel list (`surface.rs`). In
+//! addition, the radiance of the faces is stored in cells and filtered into a pyramid, for views,
+//! and for cones of a caller's own model, which march through it.
 //!
 //! All kinds of cells are filled from the same [`VoxelList`](crate::voxels::VoxelList) and have one
-//! interface: in Rust the methods of [`Volume`] that match on [`CellVolume`], in shaders the module `package::volume` with
-//! `probe_volume`, `is_empty`, `is_oblique`, `sample_probe`, `wall_coverage` and `load_cell`, bound
-//! as group 0. That module is `six_lobes.wgsl` or `isotropic.wgsl`; the module
-//! `package::volume::cells`, which each kind of volume has, knows where cells are stored
+//! interface: in Rust the methods of [`Volume`] that match on [`CellVolume`], in shaders the module
+//! `package::volume` with `probe_volume`, `is_empty`, `is_oblique`, `sample_probe`, `wall_coverage`
+//! and `load_cell`, bound as group 0. That module is `six_lobes.wgsl` or `isotropic.wgsl`. Each
+//! kind of volume has a module `package::volume::cells`, which defines where cells are stored
 //! (`place_at`, `parts_at`, `fetch`, `load_part`). `docs/recipes.md` lists the steps to add a kind.
 
 mod budget;
@@ -32,18 +33,19 @@ pub use octree::{
 pub(crate) use octree::{OldAtlas, TreeUniform, Verdict as TreeVerdict, read_nodes};
 use surface::Surface;
 
-/// The format of the textures that hold cells.
+/// Format of the textures that store cells.
 const CELL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// Where cells are stored.
+/// How cells are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum VolumeKind {
-    /// 3D textures over the whole grid: the fastest look-ups, and memory that goes with the cube of
+    /// 3D textures over the whole grid: the fastest look-ups; memory grows with the third power of
     /// the resolution.
     Dense,
-    /// The same textures for the boxes of a clipmap around the camera; for a [`Grid::cascades`], and for no other grid.
+    /// The same textures for the boxes of a clipmap around the camera; only for a
+    /// [`Grid::cascades`].
     Cascades,
-    /// A sparse octree with bricks: memory that goes with the surface.
+    /// A sparse octree with bricks: memory grows with the surface.
     Octree(OctreeOptions),
 }
 
@@ -61,12 +63,12 @@ pub enum Directionality {
     /// of the view.
     #[default]
     SixLobes,
-    /// One value a voxel, the same from everywhere: a ninth of the memory, and surfaces that light
-    /// and shadow themselves.
+    /// One value per voxel, the same from all directions: a ninth of the memory, and surfaces that
+    /// light and shadow themselves.
     Isotropic,
 }
 
-/// Bytes that a dense volume takes, known before it is made.
+/// GPU memory of a dense volume in bytes, computed without creating it.
 pub fn dense_volume_bytes(grid: &Grid, directionality: Directionality) -> u64 {
     dense::bytes(grid, directionality)
 }
@@ -76,7 +78,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     octree::add_constants(library);
 }
 
-/// Makes a kind of volume `package::volume` and `package::volume::cells`.
+/// Mounts a kind of volume as `package::volume` and `package::volume::cells`.
 pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionality: Directionality) {
     let volume = match directionality {
         Directionality::SixLobes => "volume::six_lobes",
@@ -90,7 +92,7 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
         .fill(crate::shaders::implementation(volume))
         .fill(crate::shaders::implementation(cells))
         .constant_u32("ISOTROPIC", u32::from(directionality == Directionality::Isotropic))
-        // Until there is a grid.
+        // Placeholder until there is a grid.
         .constant_u32("OCTREE_STEPS", 0);
     if kind == VolumeKind::Cascades {
         let some = Cascades::stored([2, 16]);
@@ -98,8 +100,8 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
     }
 }
 
-/// Group 0 of everything that samples a volume: the grid, the volume's numbers, its masks or nodes,
-/// its one texture, how that is filtered, and the emitters (`crate::emitters`).
+/// Group 0 of everything that samples a volume: the grid, the volume's uniforms, its masks or
+/// nodes, its texture, the sampler, and the emitters (`crate::emitters`).
 fn globals_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     LayoutBuilder::compute()
         .uniform()
@@ -111,7 +113,7 @@ fn globals_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
         .build(device, "globals")
 }
 
-/// Levels are not mixed: the tracer draws one for each sample.
+/// Levels are not blended: the tracer chooses one at random for each sample.
 fn sampler(device: &wgpu::Device) -> wgpu::Sampler {
     device.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("volume"),
@@ -121,26 +123,28 @@ fn sampler(device: &wgpu::Device) -> wgpu::Sampler {
     })
 }
 
-/// What cones meet on the GPU: all surface, unless they march through cells; and cells, if something shows them.
+/// The scene on the GPU as cones see it: all surfaces, unless cones march through cells; and cells,
+/// if something shows them.
 #[derive(Debug)]
 pub(crate) struct Volume {
     pub(crate) cells: Option<CellVolume>,
     surface: Option<Surface>,
 }
 
-/// Where cells are.
+/// Storage of the cells.
 #[derive(Debug)]
 pub(crate) enum CellVolume {
     /// 3D textures over the whole grid.
     Dense(Box<DenseVolume>),
-    /// Nodes and bricks where there is surface.
+    /// Nodes and bricks only where there are surfaces.
     Octree(Box<OctreeVolume>),
 }
 
 impl Volume {
-    /// Makes an empty volume over a grid, and mounts its shaders. Its cells refuse to take more than
-    /// `budget` bytes: dense ones at once, an octree once there are voxels. An octree's nodes are built as the caller
-    /// wants, or by ranks. Without cones that march there is all surface.
+    /// Creates an empty volume over a grid, and mounts its shaders. Cells that need more than
+    /// `budget` bytes are an error: dense ones at once, an octree once there are voxels. The
+    /// caller's builder, or ranks by default, build an octree's nodes. Unless cones march, the
+    /// volume also contains all surfaces.
     pub(crate) fn new(
         device: &Pipelines,
         shaders: &mut ShaderLibrary,
@@ -181,7 +185,7 @@ impl Volume {
         }
     }
 
-    /// Goes on with a clipmap whose boxes have moved: what is recorded from here on.
+    /// Uses the moved boxes of a clipmap for everything recorded from here on.
     pub(crate) fn move_to(&mut self, device: &Pipelines, grid: &Grid, emitters: &Buffer) {
         if let Some(surface) = &mut self.surface {
             surface.move_to(device, grid, emitters);
@@ -192,7 +196,8 @@ impl Volume {
         }
     }
 
-    /// A word that is not zero while cones see an earlier list, once it follows one; `None`: they never do.
+    /// A word that is nonzero while cones see an earlier list; valid after the first list was
+    /// followed. `None` if cones never see an earlier one.
     pub(crate) fn late_word(&self) -> Option<&Buffer> {
         if !self.is_marched() {
             return None;
@@ -203,10 +208,11 @@ impl Volume {
         }
     }
 
-    /// Takes what the GPU has told of recorded calls of [`Self::follow`], and makes the room that lacked.
+    /// Applies finished read-backs of recorded calls of [`Self::follow`]; grows buffers that
+    /// overflowed.
     ///
     /// # Errors
-    /// [`GiError::Limit`] and [`GiError::Budget`] when an octree does not fit.
+    /// [`GiError::Limit`] and [`GiError::Budget`] if an octree does not fit.
     pub(crate) fn hear(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
         match &mut self.cells {
             None | Some(CellVolume::Dense(_)) => Ok(()),
@@ -214,7 +220,8 @@ impl Volume {
         }
     }
 
-    /// Whether it shows an earlier list, for lack of room, as far as the GPU has told. Dense volumes always have room.
+    /// Whether it shows an earlier list after an overflow, by the read-backs so far. Dense volumes
+    /// do not overflow.
     pub(crate) fn is_late(&self) -> bool {
         match &self.cells {
             None | Some(CellVolume::Dense(_)) => false,
@@ -222,8 +229,9 @@ impl Volume {
         }
     }
 
-    /// Whether it shows an earlier list, and whether the GPU has yet to tell of the last recorded call of [`Self::follow`]: by what
-    /// the GPU has told by now. The caller polls the device before it.
+    /// Whether it shows an earlier list, and whether the read-back of the last recorded call of
+    /// [`Self::follow`] is pending, by the read-backs that have finished. The caller must poll the
+    /// device first.
     pub(crate) fn told(&self) -> [bool; 2] {
         match &self.cells {
             None | Some(CellVolume::Dense(_)) => [false, false],
@@ -231,8 +239,8 @@ impl Volume {
         }
     }
 
-    /// Binds another list, or one with other room, the light that its faces will send out, and the lists of cells that
-    /// [`Self::update`] and [`Self::follow`] will come with.
+    /// Binds another list, or the same one after its buffers were resized, the radiance of its
+    /// faces, and the lists of cells that will be passed to [`Self::update`] and [`Self::follow`].
     pub(crate) fn bind(
         &mut self,
         device: &wgpu::Device,
@@ -249,12 +257,14 @@ impl Volume {
         }
     }
 
-    /// Whether it needs a list of the cells of another surface to follow; an octree has nodes of its own to list.
+    /// Whether [`Self::follow`] needs a list of the cells with changed surface; an octree lists its
+    /// own nodes.
     pub(crate) fn clears_cells(&self) -> bool {
         matches!(self.cells, Some(CellVolume::Dense(_)))
     }
 
-    /// Before the cells of another surface are found by their bits: adds those that it has missed.
+    /// Call before the cells with changed surface are found by their bits: adds the changes that
+    /// the volume has missed.
     pub(crate) fn join_missed(&mut self, recorder: &mut Recorder<'_>, bits: &Buffer) {
         match &mut self.cells {
             None | Some(CellVolume::Dense(_)) => {}
@@ -262,9 +272,10 @@ impl Volume {
         }
     }
 
-    /// Follows the voxel list: forgets cells of another surface than before. There is a bit for each, and a list if
-    /// [`Self::clears_cells`]. The radiance is not there before [`Self::update`]. If an octree has no room, it shows what it showed; after
-    /// [`Self::tell`], [`Self::hear`] makes room, and after [`Self::settle`] it has followed.
+    /// Updates the volume to the voxel list: discards cells with changed surface. There is a bit
+    /// for each, and a list if [`Self::clears_cells`]. The radiance is stored by [`Self::update`].
+    /// If an octree overflows, it keeps showing the earlier list. After [`Self::tell`],
+    /// [`Self::hear`] grows its buffers; [`Self::settle`] waits until the list is followed.
     ///
     /// # Errors
     /// As [`Self::hear`].
@@ -287,7 +298,7 @@ impl Volume {
         }
     }
 
-    /// Reads whether there was room, to be heard of later.
+    /// Queues a read-back of the overflow flags.
     pub(crate) fn tell(&mut self, recorder: &mut Recorder<'_>) {
         match &mut self.cells {
             None | Some(CellVolume::Dense(_)) => {}
@@ -295,10 +306,11 @@ impl Volume {
         }
     }
 
-    /// Waits until a list is followed, and makes the room that lacks: with some to spare if the list will change in parts.
+    /// Waits until a list is followed, and grows buffers that overflow: with a reserve if the list
+    /// will change partially.
     ///
     /// # Errors
-    /// As [`Self::hear`]; then it shows what it showed.
+    /// As [`Self::hear`]; it then keeps showing the earlier list.
     pub(crate) async fn settle(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -311,7 +323,7 @@ impl Volume {
         }
     }
 
-    /// Stores the radiance of the faces and filters it into the pyramid, where it has changed.
+    /// Stores the changed radiance of the faces and filters it into the pyramid.
     pub(crate) fn update(&self, recorder: &mut Recorder<'_>, changed: &ChangedCells) {
         if let Some(surface) = &self.surface {
             surface.update(recorder);
@@ -323,7 +335,7 @@ impl Volume {
         }
     }
 
-    /// Shows cones the radiance of the faces: all that is needed between bounces.
+    /// Shows the radiance of the faces to cones: all that is needed between bounces.
     pub(crate) fn bounce(&self, recorder: &mut Recorder, changed: &ChangedCells) {
         match &self.surface {
             Some(surface) => surface.update(recorder),
@@ -331,7 +343,7 @@ impl Volume {
         }
     }
 
-    /// Shows the light that faces get from afar.
+    /// Shows the light that faces get from far away.
     pub(crate) fn show_far(&self, recorder: &mut Recorder<'_>, far: &Buffer) {
         if let Some(surface) = &self.surface {
             surface.show_far(recorder, far);
@@ -343,7 +355,7 @@ impl Volume {
         self.surface.is_none()
     }
 
-    /// Group 0 of everything that traces cones. Another one after there was more room.
+    /// Group 0 of everything that traces cones. It is replaced when buffers grow.
     pub(crate) fn globals(&self) -> &BindGroup {
         let surface = self.surface.as_ref().map(Surface::globals);
         surface.or_else(|| self.cell_globals()).expect("cones meet surface or cells")
@@ -355,7 +367,8 @@ impl Volume {
         surface.or_else(|| self.cell_globals_layout()).expect("cones meet surface or cells")
     }
 
-    /// Group 0 of everything that samples cells: the grid and the cells. Another one after an octree got more room.
+    /// Group 0 of everything that samples cells: the grid and the cells. It is replaced when an
+    /// octree grows.
     pub(crate) fn cell_globals(&self) -> Option<&BindGroup> {
         self.cells.as_ref().map(|cells| match cells {
             CellVolume::Dense(dense) => dense.globals(),
@@ -382,7 +395,7 @@ impl Volume {
         memory
     }
 
-    /// The composition of the octree, if it is one and there are voxels.
+    /// Statistics of the octree; `None` for other volumes and before there are voxels.
     pub(crate) fn octree_stats(&self) -> Option<OctreeStats> {
         match &self.cells {
             None | Some(CellVolume::Dense(_)) => None,

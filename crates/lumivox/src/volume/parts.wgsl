@@ -13,7 +13,8 @@ const TILT: u32 = 0u;
 const POSITIVE: u32 = 1u;
 const NEGATIVE: u32 = 2u;
 
-// A part as half floats hold it: of what is brighter they would keep infinity, which each bounce spreads.
+// A part, clamped to half floats: brighter values would become infinite, and each bounce would
+// spread them.
 fn storable(part: vec4f) -> vec4f {
     return min(part, vec4f(65504.0));
 }

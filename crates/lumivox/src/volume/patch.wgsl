@@ -1,4 +1,5 @@
-// A face as rays meet it: twelve words. The last two are the light that it emits, which is part of what it shows.
+// A face as rays see it: twelve words. The last two are its emission, which is included in the
+// light that it shows.
 
 import package::voxels::list::{HOLES, PARTED, SINGLE_SIDED};
 
@@ -8,20 +9,21 @@ struct Patch {
     offset: f32,
     lobe: u32,
     is_single_sided: bool,
-    // The share that light passes, of 255.
+    // The share of light that passes through, of 255.
     holes: u32,
     is_parted: bool,
 }
 
 const PATCH_WORDS = 6u;
 
-// What a ray meets in place of a face's light: no surface, a single-sided surface from behind, or a surface whose light
-// nothing tells.
+// Placeholders for a face's light: no surface, a single-sided surface from behind, or a surface
+// whose light is unknown.
 const NOTHING = 0xffffffffu;
 const BLACK = 0xfffffffeu;
 const UNLIT = 0xfffffffdu;
 
-// Offsets are up to this, and have 20 bits; the start, where the face's light is found, has six along each side.
+// Maximum absolute offset. Offsets have 20 bits; the start, where the face's light is gathered, has
+// six bits along each side.
 const MOST_OFFSET = 1.05;
 const OFFSET_STEPS = 1048575.0;
 
@@ -43,7 +45,7 @@ fn pack_normal(normal: vec3f) -> u32 {
     return pack2x16snorm(select(flat, folded, normal.z < 0.0));
 }
 
-// Of any length.
+// The result has any length.
 fn unpack_normal(packed: u32) -> vec3f {
     let flat = unpack2x16snorm(packed);
     let z = 1.0 - abs(flat.x) - abs(flat.y);
@@ -51,7 +53,7 @@ fn unpack_normal(packed: u32) -> vec3f {
     return vec3f(select(flat, folded, z < 0.0), z);
 }
 
-// The brightest that half floats hold.
+// The largest half float.
 const BRIGHTEST = 65504.0;
 
 fn pack_light(radiance: vec3f, lobe: u32, flags: u32) -> vec2u {
@@ -84,7 +86,7 @@ fn unpack_patch(plane: vec2u, light: vec2u) -> Patch {
     );
 }
 
-// Where the light of a face is found; `packed` is the second word of its patch.
+// The point where the light of a face is gathered; `packed` is the second word of its patch.
 fn start_of(plane: Patch, packed: u32) -> vec3f {
     let axis = plane.lobe >> 1u;
     let uv = (vec2f(vec2u(extractBits(packed, 20u, 6u), packed >> 26u)) + 0.5) / 64.0;

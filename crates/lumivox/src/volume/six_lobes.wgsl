@@ -1,5 +1,5 @@
-// A volume with six lobes, as the tracer sees it: the module package::volume. Where its cells are
-// stored is package::volume::cells.
+// A volume with six lobes, as the tracer sees it: the module package::volume.
+// package::volume::cells defines where its cells are stored.
 //
 // Seen along d, a lobe with vector area N covers max(0, -d . N): exactly what a plane of that
 // orientation covers, and nothing from behind.
@@ -7,11 +7,11 @@
 import package::volume::cells::{fetch, inside_share, load_part, parts_at, place_at, Place};
 import package::volume::parts::{part_of, NEGATIVE, PARTS, POSITIVE, TILT};
 
-// The tilts of all axes.
+// Bit mask of the tilts of all axes.
 const TILTS: u32 = 0x49u;
 
-// Radiance times coverage, and coverage, of a lobe seen along a direction: `along` and `across` are
-// the direction's components in the frame of the lobe, the first counted outwards.
+// Radiance times coverage, and coverage, of a lobe seen along a direction. `along` and `across` are
+// the direction's components in the frame of the lobe; `along` is positive outwards.
 fn seen(lobe: vec4f, tilt: vec2f, along: f32, across: vec2f) -> vec4f {
     let coverage = max(0.0, -(along * lobe.a + dot(across, tilt)));
     if coverage <= 0.0 || lobe.a <= 0.0 {
@@ -24,9 +24,9 @@ fn across_axis(direction: vec3f, axis: u32) -> vec2f {
     return vec2f(direction[(axis + 1u) % 3u], direction[(axis + 2u) % 3u]);
 }
 
-// The parts that matter to a direction: on each axis the lobe that faces against it; the other one
-// only if something is tilted and the direction leans more across the axis than along (a lobe's
-// axis is the longest component of its normals, so below that only its back can be seen).
+// The parts that are visible along a direction: on each axis the lobe that faces against it; the
+// other lobe only if something is tilted and the direction leans more across the axis than along it
+// (a lobe's axis is the longest component of its normals, so otherwise only its back can be seen).
 fn parts_facing(parts: u32, direction: vec3f) -> u32 {
     var facing = 0u;
     for (var axis = 0u; axis < 3u; axis++) {
@@ -43,11 +43,11 @@ fn parts_facing(parts: u32, direction: vec3f) -> u32 {
     return facing;
 }
 
-// A place in the volume where a sample may be taken: cheap to make, and enough to see that nothing
-// is there.
+// A place in the volume where a sample may be taken: cheap to compute, and enough to detect empty
+// space.
 struct Probe {
     place: Place,
-    // The parts that matter; 0: the sample would be zero.
+    // The visible parts; 0: the sample would be zero.
     parts: u32,
 }
 
@@ -60,12 +60,12 @@ fn is_empty(probe: Probe) -> bool {
     return probe.parts == 0u;
 }
 
-// Whether a look-up meets nothing, whatever its direction.
+// Whether a look-up is empty in all directions.
 fn is_clear(position_in_grid: vec3f, level: u32) -> bool {
     return parts_at(place_at(position_in_grid, level)) == 0u;
 }
 
-// Whether a surface that matters lies oblique to the grid.
+// Whether a visible surface is oblique to the grid.
 fn is_oblique(probe: Probe) -> bool {
     return (probe.parts & TILTS) != 0u;
 }
@@ -104,8 +104,8 @@ fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
     return sum * inside_share(probe.place);
 }
 
-// The coverage of the surfaces across an axis in cells of a level: of those that face along it in
-// x, against it in y.
+// The coverage of the surfaces across an axis in cells of a level: of surfaces that face along the
+// axis in x, against it in y.
 fn wall_coverage(position_in_grid: vec3f, level: u32, axis: u32) -> vec2f {
     let place = place_at(position_in_grid, level);
     let positive = fetch(place, part_of(axis, POSITIVE)).a;

@@ -1,4 +1,4 @@
-//! All surface as rays meet it: an index of the voxels, and a patch for each face (`patch.wgsl`).
+//! All surfaces as rays see them: an index of the voxels, and a patch for each face (`patch.wgsl`).
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
@@ -11,10 +11,10 @@ use crate::{GiError, Grid};
 /// Bytes of a patch.
 const PATCH_BYTES: u64 = 48;
 
-/// The level of the blocks that rays pass at once (`voxels/index.wgsl`).
+/// The level of the blocks that rays skip at once (`voxels/index.wgsl`).
 const BLOCK_LEVEL: u32 = 3;
 
-/// The surface on the GPU.
+/// All surfaces on the GPU.
 #[derive(Debug)]
 pub(crate) struct Surface {
     globals_layout: wgpu::BindGroupLayout,
@@ -23,7 +23,7 @@ pub(crate) struct Surface {
     patches_layout: wgpu::BindGroupLayout,
     grid_layout: wgpu::BindGroupLayout,
     grid_uniform: Buffer,
-    /// The grid alone.
+    /// Group 0 with only the grid.
     grid: BindGroup,
     cells: Grid,
     fill_index: Kernel,
@@ -35,7 +35,7 @@ pub(crate) struct Surface {
     bound: Option<Bound>,
 }
 
-/// What goes with a list.
+/// Bind groups of a list.
 #[derive(Debug)]
 struct Bound {
     index: BindGroup,
@@ -45,7 +45,7 @@ struct Bound {
 }
 
 impl Surface {
-    /// Without any surface.
+    /// Creates it without any surface.
     pub(super) fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
@@ -65,7 +65,7 @@ impl Surface {
         };
         check_index(grid, &device.limits())?;
         let grid_uniform = grid.uniform(device);
-        // A grid without voxels has an index all the same.
+        // A grid without voxels has an index, too.
         let index = storage_buffer(device, "index of voxels", index_bytes(grid, 1));
         let patches = storage_buffer(device, "patches", PATCH_BYTES + FAR_BYTES);
         Ok(Self {
@@ -91,7 +91,7 @@ impl Surface {
         })
     }
 
-    /// Goes on with boxes that have moved.
+    /// Uses the moved boxes from here on.
     pub(super) fn move_to(&mut self, device: &Pipelines, grid: &Grid, emitters: &Buffer) {
         self.grid_uniform = grid.uniform(device);
         self.grid = BindGroupBuilder::new(&self.grid_layout)
@@ -112,7 +112,8 @@ impl Surface {
         self.globals = bind_globals(device, &self.globals_layout, buffers);
     }
 
-    /// Binds another list, or one with other room, and the light that its faces will show.
+    /// Binds another list, or the same one after its buffers were resized, and the light that its
+    /// faces will show.
     pub(super) fn bind(&mut self, device: &wgpu::Device, (list, shown): (&VoxelList, &Buffer)) {
         let bytes = index_bytes(&self.cells, list.node_capacity());
         self.index = storage_buffer(device, "index of voxels", bytes);
@@ -136,7 +137,7 @@ impl Surface {
         self.bind_globals(device);
     }
 
-    /// Follows the list, which has changed.
+    /// Updates the index and the patches to the changed list.
     pub(super) fn follow(&self, recorder: &mut Recorder<'_>) {
         let Some(bound) = &self.bound else { return };
         recorder.stage("volume");
@@ -150,7 +151,7 @@ impl Surface {
         self.fill(recorder, &self.fill_light);
     }
 
-    /// Shows the light that faces get from afar, behind the patches.
+    /// Writes the light that faces get from far away, after the patches.
     pub(super) fn show_far(&self, recorder: &mut Recorder<'_>, far: &Buffer) {
         let first = self.patches.size() / (PATCH_BYTES + FAR_BYTES) * PATCH_BYTES;
         recorder.copy((far, 0), (&self.patches, first), far.size());
@@ -192,19 +193,19 @@ fn bind_globals(
         .build(device, "surface")
 }
 
-/// Bytes of the index of so many voxels.
+/// Bytes of the index for a number of voxels.
 fn index_bytes(grid: &Grid, voxels: u64) -> u64 {
     4 * (2 * level_words(grid, 0) + level_words(grid, BLOCK_LEVEL) + voxels)
 }
 
-/// Whether a device can bind the index of a grid without voxels; voxels add a word each.
+/// Checks that a device can bind the index of a grid without voxels; each voxel adds a word.
 fn check_index(grid: &Grid, limits: &wgpu::Limits) -> Result<(), GiError> {
     let available = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     let needed = index_bytes(grid, 1);
     if needed <= available {
         return Ok(());
     }
-    // Twice the edge takes eight times as much.
+    // Doubling the edge needs eight times as much.
     let fitting =
         (0..).map(|halvings| (needed >> (3 * halvings), grid.dimensions.max_element() >> halvings));
     let fitting =

@@ -1,15 +1,15 @@
-// All surface, as rays meet it: group 0 next to the grid and the emitters.
+// All surfaces, as rays see them: group 0, next to the grid and the emitters.
 
 import package::volume::far_light::FAR_CELLS;
 import package::volume::patch::PATCH_WORDS;
 
-// Where the faces of voxels are (voxels/index.wgsl).
+// Index of the voxels' faces (voxels/index.wgsl).
 @group(0) @binding(6) var<storage, read> index: array<u32>;
-// The faces (patch.wgsl), and behind all of them their light from afar (far_light.wgsl).
+// The faces (patch.wgsl), followed by their light from far away (far_light.wgsl).
 @group(0) @binding(7) var<storage, read> patches: array<vec2u>;
 
-// FAR_CELLS, but no constant: drivers unroll loops whose length they know. With constants a start without compiled pipelines takes
-// 11.6 s in place of 9.2 (lavapipe).
+// FAR_CELLS, but not as a constant: drivers unroll loops of known length. With constants a start
+// without compiled pipelines takes 11.6 s instead of 9.2 s (lavapipe).
 fn far_cells() -> u32 {
     return min(FAR_CELLS, arrayLength(&patches));
 }

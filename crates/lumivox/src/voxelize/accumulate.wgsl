@@ -1,6 +1,6 @@
-// Sums up what the faces are made of: integers, so that the order of the triangles does not matter.
+// Sums up the faces' attributes as integers, so that the order of the triangles does not matter.
 //
-// The sums stand in the list of faces itself, each where its mean will be (resolve.wgsl).
+// The sums are stored in the list of faces itself, each in the place of its mean (resolve.wgsl).
 
 import package::constants::{
     DOUBLE_SIDED, FACE_CELL, FACE_EMISSION, FACE_FLAGS, FACE_GLOSS, FACE_LOBE, FACE_MASK_HIGH, FACE_MASK_LOW, FACE_POSITION,
@@ -24,12 +24,14 @@ import package::voxels::morton::morton_encode;
 // The occupancy bits and the rank of each word of the finest level.
 @group(2) @binding(1) var<storage, read> cells: array<vec2u>;
 @group(2) @binding(2) var<storage, read> voxels: array<VoxelFaces>;
-// Per face, three signed numbers each: vector area and, weighted by the area along the lobe, reflectance, gloss, emission
-// and position within the voxel; and the area of holes. Beside them bits: what the face covers (cover.wgsl), its flags, and the key of its plane.
+// Per face, three signed numbers each: vector area and, weighted by the area along the lobe,
+// reflectance, gloss, emission and position within the voxel; and the area of holes. In addition
+// bits: what the face covers (cover.wgsl), its flags, and the key of its plane.
 @group(2) @binding(3) var<storage, read_write> sums: array<atomic<u32>>;
 @group(2) @binding(4) var<uniform> verdict: Verdict;
 
-// A random number of the triangle and the voxel alone: the triangle's place in the list has no part in it.
+// A random number that depends only on the triangle's corners and the voxel, not on the triangle's
+// place in the list.
 fn seed_of(walk: ptr<function, Walk>) -> u32 {
     let a = bitcast<vec3u>((*walk).a);
     let b = bitcast<vec3u>((*walk).b);
@@ -37,7 +39,8 @@ fn seed_of(walk: ptr<function, Walk>) -> u32 {
     return hash(a.x + hash(a.y + hash(a.z + hash(b.x + hash(b.y + hash(b.z + hash(c.x + hash(c.y + hash(c.z)))))))));
 }
 
-// Adds three numbers, rounded up or down at random, so that many parts below 1 add up to the right sum.
+// Adds three numbers, rounded up or down at random, so that many terms below 1 add up to the right
+// sum.
 fn add(first: u32, value: vec3f, seed: u32) {
     let x = hash(seed);
     let y = hash(x);
@@ -53,23 +56,23 @@ fn add(first: u32, value: vec3f, seed: u32) {
 // A piece of surface in a voxel.
 struct WeightedPiece {
     voxel: u32,
-    // The factor that makes integers.
+    // Converts sums to integers.
     scale: f32,
     plane: Plane,
     cover: Cover,
-    // All but the vector area weighted by the area along the lobe.
+    // All but the vector area are weighted by the area along the lobe.
     vector_area: vec3f,
     reflectance: vec3f,
     position: vec3f,
     emission: vec3f,
     gloss: vec3f,
-    // The area along the lobe that light passes.
+    // The area along the lobe that light passes through.
     holes: f32,
-    // SINGLE_SIDED, if light does not pass it from behind.
+    // SINGLE_SIDED, if light does not pass from behind.
     flags: u32,
 }
 
-// The face of a voxel's lobe, among its faces there, whose plane is nearest.
+// Among the faces of a voxel's lobe, the one with the nearest plane.
 fn nearest_face(voxel: u32, lobes: u32, lobe: u32, plane: Plane) -> u32 {
     var nearest = 0u;
     var least = 1e9;
@@ -83,17 +86,17 @@ fn nearest_face(voxel: u32, lobes: u32, lobe: u32, plane: Plane) -> u32 {
     return nearest;
 }
 
-// Adds bits, which many pieces have in common.
+// Sets bits, which many pieces share.
 fn add_bits(word: u32, bits: u32) {
     if (atomicLoad(&sums[word]) & bits) != bits {
         atomicOr(&sums[word], bits);
     }
 }
 
-// Adds a piece to the face of its plane, and to that of the opposite lobe if it has two sides.
+// Adds a piece to the face of its plane, and to that of the opposite lobe if it is double-sided.
 //
-// In loops and not one after the other: what is not needed is then left out on a software GPU as well, which
-// goes through both sides of every `if`.
+// Written as loops, so that a software GPU, which runs both sides of every `if`, skips unneeded
+// work, too.
 fn add_to_faces(piece: WeightedPiece, lobe: u32, sides: u32, seed: u32) {
     let lobes = voxels[piece.voxel].lobes;
     let all_rows = 7u
@@ -146,14 +149,14 @@ fn add_to_faces(piece: WeightedPiece, lobe: u32, sides: u32, seed: u32) {
     }
 }
 
-// What does not change over a triangle.
+// Values that are constant over a triangle.
 struct Summing {
     map: SurfaceMap,
-    // Of its normal, and how many sides it has.
+    // The lobe of its normal, and its number of sides.
     lobe: u32,
     sides: u32,
     seed: u32,
-    // Vector area over projected area.
+    // Vector area divided by projected area.
     normal: vec3f,
 }
 

@@ -1,4 +1,5 @@
-//! The triangles of a batch on the GPU, cut into work items, with the dispatches that walk over them.
+//! The triangles of a batch on the GPU, split into work items, with the dispatches that walk over
+//! them.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -40,7 +41,7 @@ pub(super) struct ItemRun {
     pub end_draw: u32,
 }
 
-/// Stand-ins for what a material or batch does not have.
+/// Fallbacks for resources that a material or batch does not have.
 #[derive(Debug)]
 pub(crate) struct Fallbacks {
     white: TextureView,
@@ -49,7 +50,7 @@ pub(crate) struct Fallbacks {
 }
 
 impl Fallbacks {
-    /// Makes them.
+    /// Creates the fallbacks.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let size = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
         let texture = Texture::new(
@@ -79,7 +80,7 @@ impl Fallbacks {
     }
 }
 
-/// A group's dispatch.
+/// The dispatch of a group.
 #[derive(Debug)]
 pub(super) struct GroupDispatch {
     run: BindGroup,
@@ -88,14 +89,14 @@ pub(super) struct GroupDispatch {
 }
 
 impl GroupDispatch {
-    /// What there is to sample.
+    /// What its kernel has to sample.
     pub fn detail(&self) -> Detail {
         self.group.detail
     }
 }
 
-/// A batch with the work items that its triangles are split into. Bound once: it serves as long as nothing but what
-/// stands in its draws changes.
+/// A batch with the work items that its triangles are split into. Bound once; reused as long as
+/// only the contents of its draws change.
 #[derive(Debug)]
 pub(super) struct SplitBatch {
     /// The batch that it is bound to, without draws.
@@ -106,17 +107,17 @@ pub(super) struct SplitBatch {
     triangles: BindGroup,
     split: BindGroup,
     scan: BoundScan,
-    /// Prefix sum of the items of the triangles, with the total last.
+    /// Prefix sum of the numbers of items per triangle, with the total at the end.
     pub item_starts: Buffer,
     /// [`SplitCounts`].
     pub counts: Buffer,
     groups: Vec<GroupDispatch>,
-    /// Workgroups for each group.
+    /// Indirect dispatch sizes, for each group.
     indirect: BoundIndirect,
 }
 
 impl SplitBatch {
-    /// Makes room for the draws and items of a batch.
+    /// Allocates buffers for the draws and items of a batch.
     pub fn new(
         memory: &mut Memory<'_>,
         kernels: &Kernels,
@@ -172,7 +173,8 @@ impl SplitBatch {
         })
     }
 
-    /// Whether it is bound to all that a batch is made of, but for what stands in its draws.
+    /// `true` if it is bound to the batch's buffers and groups; the contents of the draws may
+    /// differ.
     pub fn fits(
         &self,
         (batch, prepared): (&GeometryBatch, &PreparedBatch),
@@ -190,7 +192,7 @@ impl SplitBatch {
             && self.groups.iter().zip(&prepared.groups).all(|(own, group)| is_same(own, group))
     }
 
-    /// Takes the draws, and splits the triangles into items.
+    /// Uploads the draws, and splits the triangles into items.
     pub fn split(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -206,7 +208,7 @@ impl SplitBatch {
         kernels.indirect.run(recorder, &self.indirect);
     }
 
-    /// Dispatches a walk over the items of all groups, each with the kernel that is chosen for it;
+    /// Dispatches a walk over the items of all groups, each with the kernel for its detail;
     /// `pass_group` is bind group 2.
     pub fn walk<'k>(
         &self,
@@ -225,7 +227,7 @@ impl SplitBatch {
         }
     }
 
-    /// The runs of triangles that share textures, for a walk of the caller's own; `own` is bind group 2.
+    /// The runs of triangles that share textures, for a caller's own walk; `own` is bind group 2.
     pub fn runs<'a>(
         &'a self,
         globals: &'a BindGroup,
@@ -239,13 +241,13 @@ impl SplitBatch {
     }
 }
 
-/// The textures that a material has.
+/// The textures of a material.
 pub(crate) fn textures_of(material: &SurfaceMaterial) -> [Option<&SurfaceTexture>; 3] {
     [&material.reflectance_texture, &material.emission_texture, &material.transmission_texture]
         .map(Option::as_ref)
 }
 
-/// A batch's triangles, bound for all kernels that load them; `draws` are its draws.
+/// Bind group of a batch's triangles for all kernels that load them; `draws` are its draws.
 pub(crate) fn triangles_group(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
@@ -264,7 +266,7 @@ pub(crate) fn triangles_group(
         .build(device, "voxelize::triangles")
 }
 
-/// A run of triangles with its textures, bound for all kernels that sample them.
+/// Bind group of a run of triangles and its textures for all kernels that sample them.
 pub(crate) fn run_group(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,

@@ -1,5 +1,5 @@
-// Which of the voxels that dynamic surface touches have another surface than the list still holds: their cells, and the
-// cells above them, are outdated.
+// Marks the voxels touched by dynamic surface whose surface differs from the list's: their cells,
+// and the cells above them, are outdated.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -33,12 +33,12 @@ fn main(
     for (var i = 0u; is_same && i < count; i++) {
         let before = faces[former + i];
         let now = moving_faces[first + i];
-        // Bits, since a zero has a sign that the volume stores.
+        // Compares bits, since the volume also stores the sign of a zero.
         is_same = before.cell == cell && before.lobe == now.lobe
             && all(bitcast<vec3u>(before.vector_area) == bitcast<vec3u>(now.vector_area))
             && all(bitcast<vec3u>(before.position_in_world) == bitcast<vec3u>(now.position_in_world));
     }
-    // It may have had more.
+    // The voxel may have had more faces.
     if is_same && former + count < arrayLength(&faces) {
         is_same = faces[former + count].cell != cell;
     }

@@ -1,7 +1,9 @@
-// Where in its voxel the piece of a triangle is, as bits, so that pieces add up without an order.
+// The place of a triangle's piece within its voxel, as bits, so that pieces can be combined in any
+// order.
 //
-// Seen along the lobe's axis the voxel's side has 8 x 8 squares, a bit each: those that the piece touches. Finer, but convex,
-// are four profiles of 32 bits: along u, v, u + v and u - v. A point is covered if the bits of all five are set.
+// Seen along the lobe's axis, the voxel's side has 8 x 8 squares with a bit each, set if the piece
+// touches the square. Finer, but convex, are four profiles of 32 bits: along u, v, u + v and u - v.
+// A point is covered if its bits in all five are set.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::voxelize::walk::Walk;
@@ -11,18 +13,18 @@ struct Cover {
     profiles: vec4u,
 }
 
-// What rounding may hide, in voxels.
+// Rounding error that is allowed for, in voxels.
 const MARGIN = 1.0 / 1024.0;
 
 // Half the side of a square of the mask.
 const HALF_SQUARE = 0.0625;
 
-// A point of the voxel's side on the axes of the profiles, each from 0 to 1.
+// Projects a point of the voxel's side onto the axes of the profiles, each from 0 to 1.
 fn on_profiles(uv: vec2f) -> vec4f {
     return vec4f(uv, 0.5 * (uv.x + uv.y), 0.5 * (uv.x - uv.y) + 0.5);
 }
 
-// The least and the most of a piece on each of these axes.
+// The minimum and maximum of a piece along each of these axes.
 struct Extent {
     low: vec4f,
     high: vec4f,
@@ -34,7 +36,7 @@ fn reach(extent: ptr<function, Extent>, uv: vec2f, is_there: bool) {
     (*extent).high = select((*extent).high, max((*extent).high, at), is_there);
 }
 
-// The part of an edge that is in the voxel.
+// Extends by the part of an edge that is in the voxel.
 fn reach_edge(extent: ptr<function, Extent>, a: vec3f, b: vec3f) {
     let along = b - a;
     let inverse = 1.0 / select(along, vec3f(1e-20), abs(along) < vec3f(1e-20));
@@ -48,7 +50,7 @@ fn reach_edge(extent: ptr<function, Extent>, a: vec3f, b: vec3f) {
     reach(extent, a.xy + along.xy * last, first <= last);
 }
 
-// The triangle in the voxel's own coordinates.
+// The triangle in coordinates relative to the voxel.
 struct Own {
     a: vec3f,
     b: vec3f,
@@ -57,7 +59,7 @@ struct Own {
     slope: vec2f,
 }
 
-// How far inside of an edge a point is, times the edge's length.
+// Distance of a point to the inner side of an edge, times the edge's length.
 fn inside_of(p: vec2f, start: vec2f, end: vec2f, side: f32) -> f32 {
     let along = end - start;
     let to = p - start;
@@ -68,7 +70,7 @@ fn reach_of(start: vec2f, end: vec2f) -> f32 {
     return abs(end.x - start.x) + abs(end.y - start.y);
 }
 
-// Whether a square around a point, of half the side, may touch the triangle.
+// Whether a square around a point, with `half` of its side length, may touch the triangle.
 fn touches_square(own: Own, p: vec2f, half: f32) -> bool {
     let height = own.a.z + dot(own.slope, p - own.a.xy);
     let rise = half * (abs(own.slope.x) + abs(own.slope.y)) + MARGIN;
@@ -78,12 +80,12 @@ fn touches_square(own: Own, p: vec2f, half: f32) -> bool {
         && height + rise >= 0.0 && height - rise <= 1.0;
 }
 
-// Where the edges of the voxel pass the triangle.
+// Extends by the points where the edges of the voxel intersect the triangle.
 fn reach_inside(extent: ptr<function, Extent>, own: Own) {
     for (var i = 0u; i < 4u; i++) {
         let low = vec2f(f32(i & 1u), f32(i >> 1u));
         reach(extent, low, touches_square(own, low, MARGIN));
-        // Along u, at a v and a w; and along v.
+        // The edges along u and along v.
         let rest = low.y - own.a.z;
         let u = own.a.x + (rest - own.slope.y * (low.x - own.a.y))
             / select(own.slope.x, 1e-20, abs(own.slope.x) < 1e-20);
@@ -94,12 +96,12 @@ fn reach_inside(extent: ptr<function, Extent>, own: Own) {
     }
 }
 
-// The bits from one number to another, both included.
+// A mask of the bits from `first` to `last`, both included.
 fn bits_between(first: u32, last: u32) -> u32 {
     return (0xffffffffu >> (31u - last)) & (0xffffffffu << first);
 }
 
-// Of the piece in the walk's current voxel, which has its middle there.
+// Cover of the piece in the walk's current voxel, with the given centroid.
 fn cover_of(walk: ptr<function, Walk>, centroid: vec3f) -> Cover {
     let corner = vec3f((*walk).voxel);
     let own = Own(
@@ -127,7 +129,7 @@ fn cover_of(walk: ptr<function, Walk>, centroid: vec3f) -> Cover {
         }
         cover.mask[v / 4u] |= row << (8u * (v % 4u));
     }
-    // That of its middle at least.
+    // At least the square of the centroid.
     let square = vec2u(min(8.0 * middle.xy, vec2f(7.0)));
     cover.mask[square.y / 4u] |= 1u << (8u * (square.y % 4u) + square.x);
     return cover;

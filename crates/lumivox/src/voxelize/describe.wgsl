@@ -1,4 +1,4 @@
-// The lobes of each voxel of the list, and where its faces stand.
+// Writes the lobes of each voxel of the list, and the index of its first face.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -9,9 +9,9 @@ import package::voxelize::verdict::Verdict;
 
 @group(1) @binding(0) var<uniform> verdict: Verdict;
 @group(1) @binding(1) var<uniform> counts: ListCounts;
-// The voxels.
+// The nodes of level 0.
 @group(1) @binding(2) var<uniform> finest: NodeRange;
-// Of each share: bits and ranks, the lobes of its voxels, and where their faces start.
+// Of each share: bits and ranks, the lobes of its voxels, and the indices of their first faces.
 @group(1) @binding(3) var<storage, read> fixed_cells: array<vec2u>;
 @group(1) @binding(4) var<storage, read> fixed_nodes: array<Node>;
 @group(1) @binding(5) var<storage, read> fixed_faces: array<u32>;
@@ -32,7 +32,7 @@ fn main(
     }
     let word = nodes[voxel].morton / 32u;
     let bit = nodes[voxel].morton % 32u;
-    // Dynamic surface comes first: its faces have those of static surface in them.
+    // Dynamic surface takes precedence: its faces include those of static surface.
     if word < arrayLength(&moving_cells) {
         let cell = moving_cells[word];
         if (cell.x & (1u << bit)) != 0u {

@@ -1,4 +1,4 @@
-// From the sums of a face to its means.
+// Converts the sums of a face to its means.
 
 import package::cascades::grid_from_stored;
 import package::grid::world_from_grid;
@@ -7,15 +7,15 @@ import package::voxelize::plane_keys::plane_of;
 import package::voxels::list::{HOLES, LARGEST_REFLECTANCE, lobe_axis, lobe_sign};
 import package::voxels::morton::morton_decode;
 
-// A face before and after: sums as integers, then the numbers of voxels::list::Face as their bits. In place,
-// since the two together would be the largest thing that voxelization needs.
+// A face before and after the conversion: sums as integers, then the numbers of voxels::list::Face
+// as their bits. In place, since both together would be the largest allocation of voxelization.
 struct FaceSlot {
-    // Within the voxel at first.
+    // Sums: within the voxel.
     position_in_world: vec3i,
-    // At first the area of holes.
+    // Sums: the area of holes.
     cell: u32,
     vector_area: vec3i,
-    // At first the key of the plane (plane_keys.wgsl).
+    // Sums: the key of the plane (plane_keys.wgsl).
     lobe: u32,
     reflectance: vec3i,
     flags: u32,
@@ -35,19 +35,19 @@ struct FaceMeans {
     gloss: vec3f,
 }
 
-// Of less, in the sums' unit, rounding decides what the normal is.
+// Below this, in units of the sums, rounding dominates the normal.
 const LEAST_SUM = 64.0;
 
-// The normal of a face's plane, by its key.
+// The normal of a face's plane, from the plane's key.
 fn normal_of(key: u32, lobe: u32) -> vec3f {
     let plane = plane_of(key, lobe);
     return turn_back(normalize(vec3f(-plane.slope, 1.0)) * lobe_sign(lobe), lobe_axis(lobe));
 }
 
-// The sums are multiplied by `scale`.
+// `scale` is the factor of the sums.
 fn means_of(slot: FaceSlot, scale: f32, lobe: u32) -> FaceMeans {
-    // All parts of the area along the lobe have one sign, so that it is zero only where all of them are too small
-    // for the sums.
+    // All terms of the area along the lobe have the same sign, so it is zero only if all of them
+    // are too small for the sums.
     let along = f32(slot.vector_area[lobe_axis(lobe)]) * lobe_sign(lobe);
     let weight = max(along, 1.0);
     var area = vec3f(slot.vector_area) / max(scale, along);
@@ -63,7 +63,7 @@ fn means_of(slot: FaceSlot, scale: f32, lobe: u32) -> FaceMeans {
     );
 }
 
-// The share of what a face covers that light passes, as a byte.
+// The share of a face's covered area that light passes through, as a byte.
 fn holes_of(slot: FaceSlot, lobe: u32) -> u32 {
     let solid = f32(slot.vector_area[lobe_axis(lobe)]) * lobe_sign(lobe);
     let holes = f32(bitcast<i32>(slot.cell));
@@ -74,11 +74,12 @@ fn holes_of(slot: FaceSlot, lobe: u32) -> u32 {
 fn is_tilted(vector_area: vec3f, lobe: u32) -> bool {
     var across = vector_area;
     across[lobe_axis(lobe)] = 0.0;
-    // As WebGPU packs a number into 8 bits with a sign.
+    // Rounded as WebGPU packs 8-bit snorm.
     return any(floor(abs(across) * 127.0 + 0.5) > vec3f(0.0));
 }
 
-// The face of a lobe in a voxel that is stored as `cell`; the largest emission of all materials is `emission_scale`.
+// The face of a lobe in a voxel that is stored as `cell`; `emission_scale` is the scale of all
+// materials' emission.
 fn face_of(sums: FaceSlot, scale: f32, cell: u32, lobe: u32, emission_scale: f32) -> FaceSlot {
     let means = means_of(sums, scale, lobe);
     let position = grid_from_stored(morton_decode(cell), means.position_in_voxel);

@@ -1,47 +1,50 @@
-// What each voxel collects before and while its faces are summed up, and where its faces stand in the list.
+// Per-voxel data that is collected before and while faces are summed up, and the index of each
+// voxel's first face in the list.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::voxelize::plane_keys::is_same;
 import package::voxels::list::{faces_of, with_faces};
 
-// Areas are counted in this unit, rounded up, so that their sum is an upper bound.
+// Areas are counted in units of 1 / AREAS_PER_UNIT of a voxel's side, rounded up, so that their sum
+// is an upper bound.
 const AREAS_PER_UNIT = 4096.0;
 
-// Sums stay below this; the sign needs one bit of 32, and rounding half of the rest.
+// Sums stay below this; the sign needs one of 32 bits, and rounding half of the remaining range.
 const LARGEST_SUM = 1073741824.0;
 
 struct VoxelFaces {
-    // As Node has it (voxels/list.wgsl); how many faces each lobe has is known once they are counted.
+    // As in Node (voxels/list.wgsl); the numbers of faces are added when they are counted.
     lobes: u32,
-    // First an upper bound of the area of all pieces in the voxel, low and high word; then, in place of the former, the
-    // factor (f32) that turns a share of a sum into an integer.
+    // First an upper bound of the area of all pieces in the voxel, low and high word; later the low
+    // word is the factor (f32) that converts a share of a sum to an integer.
     area_low: u32,
     area_high: u32,
     first_face: u32,
-    // Four of each lobe (planes.wgsl): of the first walk the largest key and, inverted, the smallest one, at the ends, and
-    // those of the second between them. Then the keys of the planes, those in front first.
+    // Four for each lobe (planes.wgsl): the outer two are the largest key of the first walk and,
+    // inverted, the smallest one; those of the second walk are between them. Later the sorted keys
+    // of the planes, from the front.
     planes: array<u32, 24>,
 }
 
 @group(1) @binding(0) var<storage, read_write> voxels: array<VoxelFaces>;
 // One more than there are voxels: the total.
 @group(1) @binding(1) var<storage, read_write> first_faces: array<u32>;
-// Of the finest level; the last one is the number of voxels, for all of which there may be no room.
+// Ranks of the finest level; the last one is the number of voxels, which may exceed the capacity.
 @group(1) @binding(2) var<storage, read> ranks: array<u32>;
 
 fn voxel_count() -> u32 {
     return min(ranks[arrayLength(&ranks) - 1u], arrayLength(&voxels));
 }
 
-// In areas of a voxel's side.
+// In units of the area of a voxel's side.
 fn area_of(voxel: u32) -> f32 {
     let low = f32(voxels[voxel].area_low);
     let high = f32(voxels[voxel].area_high) * 4294967296.0;
     return max(low + high, 1.0) / AREAS_PER_UNIT;
 }
 
-// Puts the planes of a lobe in order, and counts them.
+// Sorts the planes of a lobe, and counts them.
 fn order_planes(voxel: u32, lobe: u32) -> u32 {
     let first = 4u * lobe;
     let front = voxels[voxel].planes[first];
@@ -64,7 +67,8 @@ fn order_planes(voxel: u32, lobe: u32) -> u32 {
     return count;
 }
 
-// How many faces each voxel has: one for each plane. A prefix sum makes it the index of the first one.
+// Counts each voxel's faces: one for each plane. A prefix sum turns the counts into indices of
+// first faces.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn count(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -75,7 +79,7 @@ fn count(
         return;
     }
     var lobes = voxels[voxel].lobes;
-    // Not of a voxel that stays of a share before.
+    // Skips voxels that were kept from a previous share.
     if faces_of(lobes) == 0u {
         var left = lobes & 0x3fu;
         while left != 0u {
@@ -95,8 +99,9 @@ fn prepare(
 ) {
     let voxel = linear_index(invocation, workgroups);
     if voxel < voxel_count() {
-        // A piece's part of any sum is at most its projected area (the normal's components are at most that
-        // along the dominant axis, and all other factors at most 1): as large a scale as the sum allows.
+        // A piece's term in any sum is at most its projected area (the normal's components are at
+        // most that along the dominant axis, and all other factors at most 1), so this is the
+        // largest scale that cannot overflow.
         voxels[voxel].area_low = bitcast<u32>(LARGEST_SUM / area_of(voxel));
         voxels[voxel].first_face = first_faces[voxel];
     }

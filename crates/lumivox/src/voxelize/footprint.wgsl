@@ -1,16 +1,18 @@
-// The columns of voxels that a triangle stands on, seen along the dominant axis of its normal, and how they
-// are cut into tiles. A tile is a work item: no thread walks a whole wall.
+// The columns of voxels that a triangle covers, seen along the dominant axis of its normal, and how
+// they are cut into tiles. A tile is a work item: no thread walks a whole wall.
 //
-// "Walk order" names the axes (u, v, w): w is the dominant axis, and the turn is cyclic, so that it keeps the
-// side that a triangle faces. Since w is dominant, the plane's slope along u and v is at most 1.
+// "Walk order" names the axes (u, v, w): w is the dominant axis, and the permutation is cyclic, so
+// that it preserves the side that a triangle faces. Since w is dominant, the plane's slope along u
+// and v is at most 1.
 
 import package::cascades::{walked_high, walked_low};
 import package::constants::{CASCADES, TILE_EDGE};
 import package::voxelize::reproducible::{cross_fused, is_finite};
 import package::voxelize::triangles::Triangle;
 
-// A second axis must beat the first by this factor to be the dominant one. Rounding then cannot scatter the
-// triangles of a plane at 45 degrees over two axes; the axis that is chosen is off by as little.
+// A second axis must beat the first by this factor to be the dominant one. Rounding then cannot
+// scatter the triangles of a plane at 45 degrees over two axes; the chosen axis may be off by the
+// same factor.
 const DOMINANCE = 1.0 + 1.0 / 8192.0;
 
 // Below this, a cross product (twice an area, in voxels) is rounding or near underflow.
@@ -19,9 +21,10 @@ const SMALLEST_CROSS = 1e-30;
 struct Footprint {
     // 0, 1, 2 for x, y, z.
     axis: u32,
-    // In walk order, of twice the triangle's area.
+    // In walk order; its length is twice the triangle's area.
     normal: vec3f,
-    // The voxels of the triangle's box inside of what is walked of the cascade, in walk order, both ends included.
+    // The voxels of the triangle's box inside the walked part of the cascade, in walk order, both
+    // ends included.
     first: vec3i,
     last: vec3i,
     // No area, or not finite.
@@ -51,19 +54,19 @@ fn dominant_axis(normal: vec3f) -> u32 {
     return select(xy, 2u, size.z > larger * DOMINANCE);
 }
 
-// A triangle in the voxels of a cascade.
+// A triangle in units of a cascade's voxels.
 fn in_cascade(triangle: Triangle, cascade: u32) -> Triangle {
     let scale = exp2(-f32(cascade));
     return Triangle(
         scale * triangle.a, scale * triangle.b, scale * triangle.c, triangle.vertices, triangle.draw);
 }
 
-// In a grid without cascades.
+// Footprint in a grid without cascades.
 fn footprint(triangle: Triangle) -> Footprint {
     return footprint_in(triangle, 0u);
 }
 
-// Of a triangle in the voxels of a cascade.
+// Footprint of a triangle in units of a cascade's voxels.
 fn footprint_in(triangle: Triangle, cascade: u32) -> Footprint {
     let cross = cross_fused(triangle.b - triangle.a, triangle.c - triangle.a);
     var result: Footprint;
@@ -85,8 +88,8 @@ fn footprint_in(triangle: Triangle, cascade: u32) -> Footprint {
     return result;
 }
 
-// The columns from which tiles are counted. In cascades they are the same wherever the box is, so that sums are the same to
-// the bit.
+// The column from which tiles are counted. With cascades it does not depend on the position of the
+// box, so that sums are identical to the bit.
 fn first_tile(area: Footprint) -> vec2i {
     if CASCADES == 0u {
         return area.first.xy;

@@ -1,4 +1,5 @@
-// Where the list still has the faces of a voxel that dynamic surface touches: before a new list is taken.
+// Before a new list is committed: finds the faces that the list currently has for each voxel that
+// dynamic surface touches.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -6,7 +7,7 @@ import package::voxelize::verdict::Verdict;
 import package::voxels::list::Node;
 import package::voxels::lookup::bits_below;
 
-// In place of a face: the list does not have the voxel.
+// Instead of a face: the list does not have the voxel.
 const NO_FACE = 0xffffffffu;
 
 @group(1) @binding(0) var<uniform> verdict: Verdict;

@@ -1,4 +1,4 @@
-//! Voxelization for frames: it only records, and hears a few frames late of what it found.
+//! Voxelization for frames: it only records commands, and reads results back a few frames late.
 
 use super::Voxelizer;
 use super::input::{self, ShareInput, ShareKey};
@@ -11,20 +11,21 @@ use crate::gpu::{LateReads, Recorder, uniform_buffer};
 use crate::voxels::{VoxelList, count_bytes};
 use crate::{Geometry, GiError, Grid};
 
-/// Voxels that dynamic surface is given room for before it is known how many it touches.
+/// Initial capacity for voxels of dynamic surface, before their number is known.
 const FIRST_VOXELS: u64 = 4096;
 
-/// The most nodes that so many voxels can have in all levels.
+/// The most nodes that `voxels` voxels can have in all levels.
 fn most_nodes(grid: &Grid, voxels: u64) -> u64 {
     let cells = |level| grid.level_dimensions(level).as_u64vec3().element_product();
     (0..grid.levels).map(|level| voxels.min(cells(level))).sum()
 }
 
 impl Voxelizer {
-    /// Records the voxelization of what moves, and returns without waiting.
+    /// Records the voxelization of dynamic draws, and returns without waiting.
     ///
-    /// The list is the same as that of [`Self::voxelize`], unless there is no room for it: then it stays what it was, and a
-    /// few frames later, when that is known here, there is. Static draws that are not what they were take a few frames, too.
+    /// The list is the same as that of [`Self::voxelize`], unless a buffer overflows: then the list
+    /// does not change, and the buffers grow a few frames later, when the read-back arrives.
+    /// Changed static draws take a few frames, too.
     pub(crate) fn record(
         &self,
         recorder: &mut Recorder<'_>,
@@ -37,7 +38,7 @@ impl Voxelizer {
         let limits = device.limits();
         let emission_scale = input::emission_scale(geometry);
         recorder.stage("voxelize");
-        // What is on its way gets there, so that boxes that move all the time do move.
+        // Finish one move before starting the next, or boxes that always move would never arrive.
         if scene.next.is_none() && scene.wanted.is_some() {
             scene.next = scene.first_step().map(|grid| self.placed(&device, grid));
             scene.rebuild = None;
@@ -54,7 +55,7 @@ impl Voxelizer {
         } else if is_needed && !scene.has_fixed(self.method, geometry) {
             arrived = self.rebuild(recorder, scene, geometry, &scene.grid.clone())?;
         } else if is_needed {
-            // Static draws are again what the list has: nobody asks any more for what is on its way.
+            // Static draws match the list again: the rebuild in progress is obsolete.
             scene.rebuild = None;
         }
         let grid = scene.grid;
@@ -68,7 +69,7 @@ impl Voxelizer {
             is_late = true;
             Self::replace(work, scene, Some(fixed))?;
         } else if scene.next.is_some() {
-            // The list stays what it was until then.
+            // The list does not change until the next grid is ready.
         } else if !is_needed {
             scene.rebuild = None;
             if scene.fixed.is_some() {
@@ -76,14 +77,14 @@ impl Voxelizer {
             }
         } else if scene.rebuild.is_some() {
             is_late = true;
-            // What moves cannot be put together with static surface that is not there.
+            // Dynamic surface cannot be united with static surface that is not ready.
             if scene.union.is_none() {
                 return Ok(scene.frame(true));
             }
         }
         Self::mark_moving(work, scene, &moving_input, geometry)?;
         if scene.moving.is_none() && !scene.is_list_new {
-            // Without a list there is nothing that could come late but static draws.
+            // Without a list, only static draws can be late.
             return Ok(scene.frame(is_late && (scene.list.is_some() || scene.rebuild.is_some())));
         }
         if scene.union.is_none() || scene.list.is_none() {
@@ -125,7 +126,8 @@ impl Voxelizer {
         Ok(scene.frame(is_late))
     }
 
-    /// Takes what the GPU has told of earlier recordings, and makes the room that lacked. Whether any did is returned.
+    /// Applies finished read-backs; grows buffers that overflowed. Returns `true` if one had
+    /// overflowed.
     fn hear(work: &mut Work<'_, '_>, scene: &mut VoxelizedScene) -> Result<bool, GiError> {
         let device = work.memory.device();
         let Some(words) = scene.late.as_mut().and_then(|late| late.latest(device)) else {
@@ -149,7 +151,7 @@ impl Voxelizer {
         let mut needed_faces = u64::from(verdict.moving_faces);
         if verdict.no_room & NO_ROOM_FOR_VOXELS != 0 {
             let needed = u64::from(verdict.moving_voxels);
-            // Of what is in them nothing is known yet.
+            // The numbers of their faces are not known yet; this is a guess.
             (needed_sums, needed_faces) = (2 * needed, 2 * needed);
             if voxels < needed {
                 moving.make_room(work, with_spare(needed))?;
@@ -170,9 +172,10 @@ impl Voxelizer {
         Ok(scene.lacks_room)
     }
 
-    /// Goes on with static surface that is not what it was, a step a call. Once it is there, it is returned. With cascades, only
-    /// what has entered their boxes is walked over, and what is near draws that have come or gone; the rest is taken from the
-    /// share so far. What is on its way gets there though draws have changed again, so that it does where they always do.
+    /// Advances the rebuild of changed static surface by one step, and returns the surface once it
+    /// is complete. With cascades it walks only what has entered their boxes, and the surroundings
+    /// of draws that were added or removed; the rest is copied from the current share. A rebuild is
+    /// finished even if draws have changed again, or draws that always change would starve it.
     fn rebuild(
         &self,
         recorder: &mut Recorder<'_>,
@@ -236,7 +239,7 @@ impl Voxelizer {
         Ok(Some(Fixed { key, share: Some(share), faces, counts }))
     }
 
-    /// Puts other static surface, or none, in the place of that so far, with a list of its own.
+    /// Replaces the static surface by another one, or by none, with a new list.
     fn replace(
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
@@ -246,7 +249,7 @@ impl Voxelizer {
         let voxels = share.map_or(0, |share| share.capacity()[0]);
         let faces = fixed.as_ref().map_or(0, |fixed| fixed.faces);
         let moving = scene.moving.as_ref().map_or(FIRST_VOXELS, |moving| moving.capacity()[0]);
-        // What moves has had room so far.
+        // Keep the list's current capacity for dynamic surface.
         let so_far = scene.list.as_ref().map_or(0, VoxelList::face_capacity);
         let before = scene.fixed.as_ref().map_or(0, |fixed| fixed.faces);
         let moving_faces = so_far.saturating_sub(before).max(2 * moving);
@@ -256,7 +259,7 @@ impl Voxelizer {
         scene.union = Some(union);
         scene.fixed = fixed;
         scene.replace_list(list);
-        // The verdicts on the list so far say nothing of this one.
+        // Earlier verdicts are about the old list.
         (scene.late, scene.lacks_room) = (None, true);
         Ok(())
     }

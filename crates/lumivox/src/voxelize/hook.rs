@@ -1,4 +1,4 @@
-//! The hook for a caller's own way from triangles to voxels.
+//! The hook for a caller's own voxelization method.
 
 use std::fmt::Debug;
 use std::ops::Range;
@@ -8,24 +8,26 @@ use super::kernels::Layouts;
 use crate::gpu::{BindGroup, Pipelines, Recorder, ShaderLibrary};
 use crate::{GiError, Grid};
 
-/// How voxels of triangles, and the surface in them, are found, instead of by the exact walk.
+/// A method to find voxels and the surface in them, instead of the exact walk.
 ///
-/// Write one to use what your hardware is good at (a rasterizer, ray queries), or to trade voxels for time. It records
-/// what it finds by the functions of `package::voxelize::mark`, `planes` and `accumulate`, into the same bits and sums,
-/// so that lists, layers, static shares and all that comes after work with it as they are.
+/// Implement it to use the strengths of your hardware (a rasterizer, ray queries), or to trade
+/// accuracy for time. It records its results by the functions of `package::voxelize::mark`,
+/// `planes` and `accumulate`, into the same bits and sums, so that lists, layers, static shares and
+/// all later stages work with it unchanged.
 pub trait Voxelization: Debug + Send + Sync {
     /// The name; settings that name the same voxelization are equal.
     fn name(&self) -> &'static str;
 
-    /// The shader stages of its walks, next to compute. They read triangles in all of them, and write in fragments.
+    /// The shader stages of its walks, in addition to compute. All stages read triangles; of the
+    /// additional ones only fragment shaders write.
     fn stages(&self) -> wgpu::ShaderStages {
         wgpu::ShaderStages::NONE
     }
 
-    /// Makes what walks on a device.
+    /// Creates the walker on a device.
     ///
     /// # Errors
-    /// As [`crate::Gi::with_pipelines`], which passes them on.
+    /// Returned by [`crate::Gi::with_pipelines`].
     fn make(&self, shares: &VoxelizationShares<'_>) -> Result<Box<dyn Walker>, GiError>;
 }
 
@@ -36,7 +38,7 @@ impl PartialEq for dyn Voxelization {
     }
 }
 
-/// What a [`Voxelization`] can be made of.
+/// What a [`Voxelization`] can use to create its [`Walker`].
 #[derive(Clone, Copy, Debug)]
 pub struct VoxelizationShares<'a> {
     /// The device, with its pipelines.
@@ -47,8 +49,8 @@ pub struct VoxelizationShares<'a> {
 }
 
 impl<'a> VoxelizationShares<'a> {
-    /// The layouts of a step's bind groups: the grid, the triangles, what the step reads and writes, and the textures of
-    /// a run of triangles, as `package::voxelize` declares them.
+    /// The layouts of a step's bind groups: the grid, the triangles, the step's inputs and outputs,
+    /// and the textures of a run of triangles, as `package::voxelize` declares them.
     pub fn layouts(&self, step: WalkStep) -> [&'a wgpu::BindGroupLayout; 4] {
         let Layouts { grid, triangles, mark, planes, accumulate, run, .. } = self.layouts;
         let own = match step {
@@ -63,30 +65,32 @@ impl<'a> VoxelizationShares<'a> {
 /// The purpose of a walk over the voxels of all triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WalkStep {
-    /// To find which voxels are occupied.
+    /// Find the occupied voxels.
     Mark,
-    /// To find which lobes they have, how much surface, and of each lobe the plane in front and that at the back.
+    /// Find their lobes, the area of their surface, and the front and back plane of each lobe.
     Planes,
-    /// To find the planes between these two.
+    /// Find the planes between these two.
     MorePlanes,
-    /// To sum up what their faces are made of.
+    /// Sum up the attributes of their faces.
     Accumulate,
 }
 
-/// What there is to sample of a run of triangles: `UNIFORM`, `VARIED` and `PIERCED` of `package::voxelize::surface`.
+/// What has to be sampled for a run of triangles: `UNIFORM`, `VARIED` and `PIERCED` of
+/// `package::voxelize::surface`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Detail {
-    /// One look all over.
+    /// The same appearance everywhere.
     Uniform,
     /// Textures or colours.
     Varied,
-    /// Light passes, by holes or by transmission; textures and colours as well.
+    /// Light passes through holes or by transmission; textures and colours as well.
     Pierced,
 }
 
-/// What a [`Voxelization`] makes.
+/// Created by a [`Voxelization`].
 pub trait Walker: Debug + wgpu::WasmNotSendSync {
-    /// Records a walk for a step, and says whether it did: where not, the exact walk does.
+    /// Records a walk for a step and returns `true`, or returns `false` to leave the step to the
+    /// exact walk.
     fn walk(&self, recorder: &mut Recorder, step: WalkStep, walk: &Walk<'_>) -> bool;
 }
 
@@ -95,19 +99,19 @@ pub trait Walker: Debug + wgpu::WasmNotSendSync {
 pub struct Walk<'a> {
     /// Where the voxels are.
     pub grid: &'a Grid,
-    /// The pass's name among the times.
+    /// The pass's name in timings.
     pub label: &'static str,
     pub(super) globals: &'a BindGroup,
     pub(super) batches: &'a [SplitBatch],
     pub(super) pass_groups: &'a [BindGroup],
 }
 
-/// Triangles that are walked together: they share textures.
+/// Triangles that are walked together, since they share textures.
 #[derive(Clone, Debug)]
 pub struct WalkRun<'a> {
-    /// What there is to sample of them.
+    /// What has to be sampled.
     pub detail: Detail,
-    /// Their numbers in their batch.
+    /// Their range in the numbering of their batch.
     pub triangles: Range<u32>,
     /// Their bind groups, of the layouts of the step ([`VoxelizationShares::layouts`]).
     pub groups: [&'a BindGroup; 4],

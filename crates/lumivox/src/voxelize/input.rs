@@ -1,7 +1,7 @@
-//! The caller's geometry, checked against its buffers and put in order.
+//! The caller's geometry, checked against its buffers and sorted.
 //!
-//! The draws of a batch are sorted into groups that share their textures, so that a group is one run of
-//! triangles and one dispatch; materials without textures are one group.
+//! The draws of a batch are sorted into groups that share their textures, so that a group is one
+//! run of triangles and one dispatch; all materials without textures form one group.
 
 mod check;
 mod key;
@@ -55,13 +55,13 @@ pub(crate) struct DrawRecord {
 
 /// Bits of [`DrawRecord::flags`].
 pub(crate) const DOUBLE_SIDED: u32 = 1;
-/// Alpha cuts holes.
+/// Alpha is coverage.
 pub(crate) const ALPHA_IS_COVERAGE: u32 = 2;
 /// The vertices have colours.
 pub(crate) const HAS_COLORS: u32 = 4;
 /// Indices have 16 bits.
 pub(crate) const HAS_SHORT_INDICES: u32 = 8;
-/// Colours are four floats, or four bytes; else four 16-bit numbers.
+/// Colours are four floats, or four bytes; otherwise four 16-bit numbers.
 pub(crate) const HAS_FLOAT_COLORS: u32 = 16;
 pub(crate) const HAS_BYTE_COLORS: u32 = 32;
 
@@ -71,9 +71,9 @@ pub(crate) const OPEN_BEHIND: u32 = 64;
 /// Neighbouring draws that share their textures.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct DrawGroup {
-    /// The material of one of them: what its textures are.
+    /// The material of one of its draws, for the textures.
     pub material: u32,
-    /// What there is to sample.
+    /// What has to be sampled.
     pub detail: Detail,
     /// Its triangles, in the batch's numbering.
     pub triangles: std::ops::Range<u32>,
@@ -92,18 +92,19 @@ pub(crate) struct PreparedBatch {
     pub triangle_count: u32,
 }
 
-/// The draws of one share of the surface, static or dynamic, checked and in order.
+/// The draws of one share of the surface, static or dynamic, checked and sorted.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ShareInput<'a> {
-    /// Batches that have triangles in this share.
+    /// Batches with triangles in this share.
     pub batches: Vec<(&'a GeometryBatch, PreparedBatch)>,
-    /// Triangles of static draws that are outside of all that is walked.
+    /// Triangles of static draws that are outside of everything that is walked.
     pub left_out: u64,
 }
 
 impl<'a> ShareInput<'a> {
-    /// The share of the draws that are static, or of those that are not. Static ones that are nowhere in what is walked are
-    /// left out; dynamic ones stay, so that nothing is bound again when they come and go.
+    /// The share of either the static or the dynamic draws. Static draws that are outside of
+    /// everything that is walked are left out; dynamic ones are kept, so that nothing is rebound
+    /// when they enter or leave it.
     ///
     /// # Errors
     /// [`GiError::Geometry`] and [`GiError::Limit`] as [`super::Voxelizer::voxelize`] says.
@@ -116,10 +117,10 @@ impl<'a> ShareInput<'a> {
         Self::of_draws(geometry, |draw| draw.is_static == is_static, (grid, walked), limits)
     }
 
-    /// The share of the draws that emit light, static or not.
+    /// The share of all emissive draws, static or dynamic.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// The same as [`Self::new`].
     pub(crate) fn of_emitters(
         geometry: &'a Geometry,
         grid: &Grid,
@@ -144,7 +145,7 @@ impl<'a> ShareInput<'a> {
         Ok(input)
     }
 
-    /// Whether there are no triangles.
+    /// `true` if there are no triangles.
     pub(crate) fn is_empty(&self) -> bool {
         self.batches.is_empty()
     }
@@ -160,14 +161,14 @@ impl<'a> ShareInput<'a> {
         groups.map(|group| group.detail)
     }
 
-    /// How many triangles there are.
+    /// The number of triangles.
     pub(crate) fn triangle_count(&self) -> u64 {
         self.batches.iter().map(|(_, prepared)| u64::from(prepared.triangle_count)).sum()
     }
 }
 
-/// The emission of materials is stored relative to this: the least power of two that none of them is above. A lamp that
-/// flickers seldom changes it, so that voxels of still things stay valid.
+/// The scale of stored emission: the smallest power of two that no material's emission exceeds. A
+/// flickering lamp rarely changes it, so voxels of static draws stay valid.
 pub(crate) fn emission_scale(geometry: &Geometry) -> f32 {
     let emissions = geometry.materials.iter().map(|material| material.emission.max_element());
     emissions.fold(0.0, f32::max).log2().ceil().exp2()
@@ -178,7 +179,7 @@ pub(crate) fn emits(material: &SurfaceMaterial) -> bool {
     material.emission.max_element() > 0.0
 }
 
-/// Checks a batch and puts the draws of a share in order; `None` if they have no triangles.
+/// Checks a batch and sorts the draws of a share; `None` if they have no triangles.
 fn prepare_batch(
     geometry: &Geometry,
     index: usize,
@@ -205,7 +206,7 @@ fn prepare_batch(
         stays
     });
     let triangles: u64 = order.iter().map(|(draw, _)| u64::from(draw.index_count / 3)).sum();
-    // The items' starts take a word per triangle, and one more.
+    // The items' starts need one word per triangle, and one more.
     let available = limits.max_storage_buffer_binding_size / 4 - 1;
     if triangles > available {
         return Err(GiError::Limit {
@@ -295,7 +296,7 @@ fn color_flags(batch: &GeometryBatch) -> u32 {
         }
 }
 
-/// What a kernel has to sample of a material on a batch's vertices.
+/// What has to be sampled for a material on a batch's vertices.
 fn detail(material: &SurfaceMaterial, batch: &GeometryBatch) -> Detail {
     let varies = material.reflectance_texture.is_some() || has_colors(batch);
     let has_holes = material.alpha_is_coverage && (varies || material.reflectance.w < 1.0);
@@ -308,11 +309,11 @@ fn detail(material: &SurfaceMaterial, batch: &GeometryBatch) -> Detail {
     }
 }
 
-/// For each material, the number of the group that shares its textures and its detail.
+/// For each material, the number of the group that shares its textures and detail.
 fn texture_groups(materials: &[SurfaceMaterial], batch: &GeometryBatch) -> Vec<usize> {
     let is_same = |a: &SurfaceMaterial, b: &SurfaceMaterial| {
         let same_textures = textures(a).into_iter().zip(textures(b)).all(|(a, b)| match (a, b) {
-            // Where on the texture a vertex lies is each draw's own.
+            // The texture's transform is stored per draw.
             (Some(a), Some(b)) => a.view == b.view && a.sampler == b.sampler,
             (None, None) => true,
             _ => false,
@@ -329,7 +330,7 @@ fn texture_groups(materials: &[SurfaceMaterial], batch: &GeometryBatch) -> Vec<u
     materials.iter().map(group).collect()
 }
 
-/// Where the vertices of a batch lie on a texture; anything where there is none.
+/// How the vertices of a batch map to a texture; arbitrary if there is no texture.
 fn place(texture: Option<&SurfaceTexture>, batch: &GeometryBatch) -> TexturePlace {
     let transform = texture.map_or(Affine2::IDENTITY, |texture| texture.transform);
     let [first, second] = batch.attributes.as_ref().map_or([None; 2], |a| a.texcoords);

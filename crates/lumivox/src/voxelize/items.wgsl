@@ -1,9 +1,9 @@
-// From a work item's number to its triangle and tile.
+// Converts a work item's number to its triangle and tile.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 
-// The triangles that one dispatch goes over: those of neighbouring draws that share their textures.
+// The triangles of one dispatch: those of neighbouring draws that share their textures.
 struct ItemRun {
     first_triangle: u32,
     end_triangle: u32,
@@ -17,14 +17,15 @@ struct ItemRun {
 struct Item {
     exists: bool,
     triangle: u32,
-    // The tile's number within its triangle, whose tiles are those of the finest cascade it is in, then those of the next.
+    // The tile's number within its triangle: first the tiles of the finest cascade that it is in,
+    // then those of the next.
     tile: u32,
 }
 
 var<workgroup> first_and_last: array<u32, 2>;
 
-// The last triangle from `first` up to but not including `end` whose items start at or before `item`. Those
-// without items start where the next one does, so that they are never found.
+// The last triangle in [first, end) whose items start at or before `item`. A triangle without items
+// starts where the next one does, so it is never found.
 fn find_triangle(item: u32, first: u32, end: u32) -> u32 {
     var low = first;
     var high = end;
@@ -39,8 +40,8 @@ fn find_triangle(item: u32, first: u32, end: u32) -> u32 {
     return low;
 }
 
-// All invocations of a workgroup must call this. Two of them look for the ends of the workgroup's triangles,
-// then each has a few left to search.
+// All invocations of a workgroup must call this. Two of them search for the first and last triangle
+// of the workgroup, then each searches only between these.
 fn find_item(invocation: vec3u, workgroups: vec3u, local: u32) -> Item {
     let end_item = item_starts[run.end_triangle];
     let item = item_starts[run.first_triangle] + linear_index(invocation, workgroups);

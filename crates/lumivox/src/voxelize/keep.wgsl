@@ -1,5 +1,5 @@
-// What stays in the boxes of a clipmap that have moved: from the static share of before to the new one, whose walks go over
-// the rest alone.
+// Copies what stays in the moved boxes of a clipmap from the old static share to the new one, whose
+// walks cover only the rest.
 
 import package::cascades::is_walked;
 import package::constants::LINEAR_WORKGROUP_SIZE;
@@ -10,11 +10,11 @@ import package::voxels::list::{Node, faces_of};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_decode;
 
-// Of the share before, by rank; the last one of `old_ranks` is their number.
+// The old share, by rank; the last one of `old_ranks` is the number of its voxels.
 @group(1) @binding(0) var<storage, read> old_ranks: array<u32>;
 @group(1) @binding(1) var<storage, read> old_nodes: array<Node>;
 @group(1) @binding(2) var<storage, read> old_voxels: array<VoxelFaces>;
-// Of the new one: the occupancy bits and the rank of each word of the finest level.
+// The new share: the occupancy bits and the rank of each word of the finest level.
 @group(1) @binding(3) var<storage, read> cells: array<vec2u>;
 @group(1) @binding(4) var<storage, read_write> voxels: array<VoxelFaces>;
 @group(1) @binding(5) var<storage, read> old_sums: array<FaceSlot>;
@@ -22,7 +22,7 @@ import package::voxels::morton::morton_decode;
 
 const NOTHING = 0xffffffffu;
 
-// The new index of a voxel of before; NOTHING if it has left.
+// The new index of an old voxel; NOTHING if it is not kept.
 fn kept_as(old: u32) -> u32 {
     if old >= min(old_ranks[arrayLength(&old_ranks) - 1u], arrayLength(&old_voxels)) {
         return NOTHING;
@@ -35,7 +35,7 @@ fn kept_as(old: u32) -> u32 {
     return cell.y + bits_below(cell.x, code % 32u);
 }
 
-// Before faces are counted: the planes are what they were.
+// Before faces are counted: copies lobes and planes.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn lobes(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -48,7 +48,7 @@ fn lobes(
     }
 }
 
-// Once they have their places: their sums, and the scale of these.
+// After faces have their indices: copies their sums and scale.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn faces(
     @builtin(global_invocation_id) invocation: vec3u,

@@ -1,5 +1,5 @@
-// The bits of the voxels that stay in the boxes of a clipmap that have moved. Boxes move by eight voxels, so that the 4 x 4 x 2
-// cells of a word stay together.
+// Copies the bits of the voxels that stay in the moved boxes of a clipmap. Boxes move by eight
+// voxels, so the 4 x 4 x 2 cells of a word stay together.
 
 import package::cascades::is_walked;
 import package::constants::LINEAR_WORKGROUP_SIZE;

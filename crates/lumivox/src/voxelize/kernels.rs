@@ -6,8 +6,9 @@ use super::hook::{Detail, Voxelization};
 use crate::gpu::{Indirect, Kernel, LayoutBuilder, Pipelines, Scan, ShaderError, ShaderLibrary};
 use crate::voxels::ListBuilder;
 
-/// Layouts of bind groups. Group 0 is the grid, group 1 a batch's triangles, group 2 what a pass reads and
-/// writes, group 3 the run of items and its textures. The passes over voxels have their own group 1.
+/// Layouts of bind groups. Group 0 is the grid, group 1 a batch's triangles, group 2 a pass's
+/// inputs and outputs, group 3 the run of items and its textures. The passes over voxels have their
+/// own group 1.
 #[derive(Debug)]
 pub(super) struct Layouts {
     pub grid: wgpu::BindGroupLayout,
@@ -37,7 +38,7 @@ impl Layouts {
     fn new(device: &Pipelines, voxelization: Option<&dyn Voxelization>) -> Self {
         use wgpu::ShaderStages;
         let compute = LayoutBuilder::compute;
-        // What walks exactly asks nothing of other stages.
+        // The exact walk needs no other stages.
         let drawn = voxelization.map_or(ShaderStages::NONE, Voxelization::stages);
         let written = drawn & ShaderStages::FRAGMENT;
         let walk = || LayoutBuilder::new(ShaderStages::COMPUTE | drawn);
@@ -47,7 +48,7 @@ impl Layouts {
         let planes = pass().storage().storage().storage_mut().storage_mut();
         let accumulate = pass().storage().storage().storage().storage_mut().uniform();
         let run = (0..3).fold(walk().uniform(), |run, _| run.texture_2d().sampler());
-        // Of a pass over voxels: its uniforms, the buffers that it reads, and those that it writes.
+        // A pass over voxels: uniforms, read-only buffers, and written buffers.
         let voxels = |uniforms: u32, read: u32, written: u32, label: &str| {
             let layout = (0..uniforms).fold(compute(), |layout, _| layout.uniform());
             let layout = (0..read).fold(layout, |layout, _| layout.storage());
@@ -138,12 +139,12 @@ impl Kernels {
         let walk = |module: &str, entry: &str, pass: &wgpu::BindGroupLayout| {
             kernel(module, entry, &[&layouts.triangles, pass, &layouts.run])
         };
-        // Made once a scene is known to need it (`Self::make`).
+        // Compiled once a scene needs it (`Self::make`).
         let deferred = |module: &str, entry: &str, pass: &wgpu::BindGroupLayout| {
             let groups = [&layouts.grid, &layouts.triangles, pass, &layouts.run];
             Kernel::deferred(device, shaders, module, entry, &groups)
         };
-        // Where the surface itself does not matter, what is not pierced is all alike.
+        // If the surface's appearance does not matter, all details except pierced share a kernel.
         let by_holes = |module: &str, again: &str, pass: &wgpu::BindGroupLayout| {
             let opaque = walk(module, &format!("opaque{again}"), pass)?;
             let covered = deferred(module, &format!("covered{again}"), pass)?;
@@ -185,7 +186,7 @@ impl Kernels {
         })
     }
 
-    /// Makes the walks over runs of some details, all at once.
+    /// Compiles the walks over runs of some details, all at once.
     pub async fn make(&self, details: impl Iterator<Item = Detail>) {
         let walks = [&self.mark, &self.planes, &self.more_planes, &self.accumulate];
         let details: HashSet<_> = details.collect();

@@ -14,13 +14,13 @@ import package::voxels::morton::morton_encode;
 fn mark(walk: ptr<function, Walk>) {
     let code = morton_encode(walk_cell(walk));
     let bit = 1u << (code % 32u);
-    // Reading is cheap where many triangles share a voxel; writing would make them wait for each other.
+    // Reads are cheap if many triangles share a voxel; writes would be serialized.
     if (atomicLoad(&occupancy[code / 32u]) & bit) == 0u {
         atomicOr(&occupancy[code / 32u], bit);
     }
 }
 
-// Surfaces that let no light through.
+// Surfaces that block all light.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn opaque(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -41,7 +41,7 @@ fn opaque(
     }
 }
 
-// Surfaces that let light through: voxels in which nothing is left of them stay free.
+// Surfaces that let light through: voxels in which none of the surface is left stay empty.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn covered(
     @builtin(global_invocation_id) invocation: vec3u,

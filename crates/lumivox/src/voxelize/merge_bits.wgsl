@@ -1,4 +1,4 @@
-// The voxels that any of the two shares of the surface touches. A share that is not there touches none.
+// The union of the voxels of both shares of the surface. A missing share has no voxels.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

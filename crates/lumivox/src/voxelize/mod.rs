@@ -1,35 +1,39 @@
-//! Triangles to voxels: the exact set of voxels that they touch, and per voxel what surface is in it.
+//! Triangles to voxels: the exact set of voxels that they touch, and the surface in each voxel.
 //!
 //! # Stages
-//! 1. `split` cuts each triangle into work items, tiles of columns along the dominant axis of its normal. A
-//!    prefix sum numbers them, and the counts become the sizes of indirect dispatches: no queue that could
-//!    overflow, no thread that walks a whole wall.
-//! 2. `mark` walks the items and sets the bit of each voxel that its triangle touches, by separating axes
-//!    (Schwarz and Seidel 2010). The pyramid of bits and its ranks are the list of voxels.
-//! 3. `planes` walks the items twice. The piece of the triangle in each voxel belongs to the lobe of its
-//!    normal's dominant axis and side, and there to one of up to four planes. The walks find these planes, and add up
-//!    how much surface the voxel has.
-//! 4. `accumulate` walks once more and adds vector area, reflectance, emission and position to the integer sums of
-//!    the plane, and the bits of what it covers (`cover`); `resolve` turns them into faces.
-//! 5. `starts` moves the faces' positions into what is seen of them.
+//! 1. `split` cuts each triangle into work items, tiles of columns along the dominant axis of its
+//!    normal. A prefix sum numbers them, and the counts become the sizes of indirect dispatches: no
+//!    queue that could overflow, no thread that walks a whole wall.
+//! 2. `mark` walks the items and sets the bit of each voxel that its triangle touches, by
+//!    separating axes (Schwarz and Seidel 2010). The pyramid of bits and its ranks are the list of
+//!    voxels.
+//! 3. `planes` walks the items twice. The piece of the triangle in each voxel belongs to the lobe
+//!    of its normal's dominant axis and side, and to one of the lobe's up to four planes. The walks
+//!    find these planes, and add up the area of each voxel's surface.
+//! 4. `accumulate` walks once more and adds vector area, reflectance, emission and position to the
+//!    integer sums of the plane, and sets the bits of what the piece covers (`cover`); `resolve`
+//!    turns them into faces.
+//! 5. `starts` moves the faces' positions into their visible part.
 //!
 //! # Parts
-//! What is static and what moves ([`Draw::is_static`](crate::Draw)) are two shares of the surface, each with its own
-//! voxels, planes and sums (`share.rs`). Nothing in a share depends on the other one: not its bits, and not the scale of
-//! its sums. So when only dynamic draws changed, the static share is what it was, and the walks are over the dynamic
-//! triangles alone. `union.rs` makes one list of both, the same way whether a share is new or kept: to the bit what
-//! a voxelization of everything gives.
+//! Static and dynamic draws ([`Draw::is_static`](crate::Draw)) are two shares of the surface, each
+//! with its own voxels, planes and sums (`share.rs`). Neither share depends on the other: not its
+//! bits, and not the scale of its sums. So if only dynamic draws have changed, the static share is
+//! unchanged, and only dynamic triangles are walked. `union.rs` unites both in one list, in the
+//! same way whether a share is new or kept: the result is identical to the bit to a voxelization of
+//! everything.
 //!
-//! Walking again costs less memory than storing the pieces, of which a fine mesh has millions. Buffers have room to spare,
-//! or are sized from counts that are read back (`waiting.rs`).
+//! Walking again costs less memory than storing the pieces, of which a fine mesh has millions.
+//! Buffers have spare capacity, or are sized from counts that are read back (`waiting.rs`).
 //!
-//! A caller's own [`Voxelization`] may walk in another way than over the items, and shares all else.
+//! A caller's own [`Voxelization`] may walk differently than over the items; everything else is
+//! shared.
 //!
 //! # Sums
-//! All that many threads write at once is a bit set or an integer sum, so that neither scheduling nor the order
-//! of the triangles shows in the result. The sums' scale is chosen voxel by voxel from the surface in it, as
-//! large as cannot overflow, and shares are rounded at random (by a hash of triangle and voxel), so that a
-//! million shares below the unit still add up.
+//! All concurrent writes are bit sets or integer sums, so neither scheduling nor the order of the
+//! triangles affects the result. Each voxel's sums have the largest scale that cannot overflow,
+//! chosen from the surface in it, and terms are rounded at random (by a hash of triangle and
+//! voxel), so that a million terms below the unit still add up.
 
 pub(crate) mod batch;
 mod frames;
@@ -101,55 +105,55 @@ struct VoxelFaces {
     planes: [u32; 24],
 }
 
-/// What a voxelization found and took.
+/// Results and memory of a voxelization.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct VoxelizeStats {
     /// Triangles given.
     pub triangles: u64,
-    /// Of those, the ones that were walked over: all, or the dynamic ones alone if the static ones were kept.
+    /// How many of them were walked: all, or only the dynamic ones if the static ones were reused.
     pub walked: u64,
-    /// Whether what an earlier voxelization found of the static triangles was used again. All that is counted
-    /// here is counted with them.
+    /// `true` if the results of an earlier voxelization were reused for the static triangles. All
+    /// counts here include them.
     pub static_reused: bool,
-    /// Of the triangles given, the ones without an area or with coordinates that are not finite; they are left out.
+    /// How many of the given triangles have no area, or non-finite coordinates; they are left out.
     pub skipped: u64,
-    /// Of the triangles given, the ones that lie wholly outside the grid.
+    /// How many of the given triangles lie wholly outside the grid.
     pub outside: u64,
     /// Tiles of triangles: the threads of each exact walk.
     pub work_items: u64,
-    /// Pieces of triangles in voxels; those that a walk finds more than once count as often.
+    /// Pieces of triangles in voxels; those that a walk finds more than once are counted each time.
     pub fragments: u64,
     /// Occupied voxels.
     pub voxels: u32,
     /// Sides of voxels that have surface.
     pub faces: u32,
-    /// Bytes by buffer, those that only the voxelization itself needs included.
+    /// Bytes by buffer, including buffers that only the voxelization itself needs.
     pub bytes: Vec<(String, u64)>,
 }
 
 /// The kernels that turn triangles into voxels.
 #[derive(Debug)]
 pub struct Voxelizer {
-    /// The name of the way to find voxels.
+    /// The name of the voxelization method.
     method: &'static str,
     kernels: Kernels,
-    /// The caller's way, which takes the place of the kernels' walks.
+    /// The caller's own walker, which replaces the kernels' walks.
     walker: Option<Box<dyn Walker>>,
 }
 
 impl Voxelizer {
-    /// Links the kernels, which walk exactly.
+    /// Links the kernels of the exact walk.
     ///
     /// # Errors
-    /// [`GiError::Shader`] when a shader does not link, which is a defect of this crate.
+    /// [`GiError::Shader`] if a shader does not link, which is a bug in this crate.
     pub fn new(device: &Pipelines, shaders: &ShaderLibrary) -> Result<Self, GiError> {
         Self::with(device, shaders, None)
     }
 
-    /// As [`Self::new`], with the caller's own way to find voxels, if there is one.
+    /// Like [`Self::new`], but with the caller's own voxelization method, if there is one.
     ///
     /// # Errors
-    /// As [`Self::new`], and those of that way.
+    /// The errors of [`Self::new`] and of [`Voxelization::make`].
     pub fn with(
         device: &Pipelines,
         shaders: &ShaderLibrary,
@@ -162,8 +166,8 @@ impl Voxelizer {
         Ok(Self { method, kernels, walker })
     }
 
-    /// The layouts of the groups that kernels over triangles have besides their own: the grid, the triangles, and a
-    /// run of them with its textures.
+    /// The layouts of the bind groups that kernels over triangles share: the grid, the triangles,
+    /// and a run of them with its textures.
     pub(crate) fn triangle_layouts(&self) -> [&wgpu::BindGroupLayout; 3] {
         let kernels::Layouts { grid, triangles, run, .. } = &self.kernels.layouts;
         [grid, triangles, run]

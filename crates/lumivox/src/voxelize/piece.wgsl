@@ -1,15 +1,16 @@
 // The piece of a triangle inside a voxel: its area and its centroid, without building the clipped polygon.
 //
-// Seen along the dominant axis w, the piece is the triangle's projection, cut to the voxel's square and to the
-// slab between the voxel's lower and upper depth. Green's theorem turns area and first moments into integrals
-// along the boundary. The boundary of triangle and slab is the three edges, each cut to the slab, and two
-// lines that close it where it leaves and enters the slab again. Cutting to the square needs no new vertices:
-// for each v the extent along u of a region within [low, high] is the sum, with the sign of the crossing, of
-// the boundary's u clamped to [low, high] (the exact area coverage of Catmull 1978, "A hidden-surface
-// algorithm with anti-aliasing", in the form that font rasterizers use). No arrays, hardly a branch.
+// Seen along the dominant axis w, the piece is the triangle's projection, cut to the voxel's square
+// and to the slab between the voxel's lower and upper depth. Green's theorem turns area and first
+// moments into integrals along the boundary. The boundary of triangle and slab is the three edges,
+// each cut to the slab, and two lines that close it where it leaves and re-enters the slab. Cutting
+// to the square needs no new vertices: for each v the extent along u of a region within [low, high]
+// is the sum, with the sign of the crossing, of the boundary's u clamped to [low, high] (the exact
+// area coverage of Catmull 1978, "A hidden-surface algorithm with anti-aliasing", in the form that
+// font rasterizers use). No arrays, hardly a branch.
 //
-// The slab is half open (its lower end belongs to it, its upper end does not): what lies in the plane between
-// two voxels is counted once.
+// The slab is half open (it includes its lower end, but not its upper end): surface in the plane
+// between two voxels is counted once.
 
 import package::voxelize::walk::Walk;
 
@@ -20,13 +21,13 @@ struct Piece {
     centroid: vec3f,
 }
 
-// The part of an edge inside a slab, seen along w, with where it crosses the slab's ends.
+// The part of an edge inside a slab, seen along w, and whether it crosses the slab's ends.
 struct Cut {
     start: vec2f,
     end: vec2f,
 }
 
-// A share of the boundary integrals: of u dv, u^2 / 2 dv and u v dv.
+// The contribution of an edge to the boundary integrals: of u dv, u^2 / 2 dv and u v dv.
 fn integrals(start: vec2f, end: vec2f, low: vec2f, high: vec2f) -> vec3f {
     // Cut to the square along v.
     let run = end - start;
@@ -35,7 +36,7 @@ fn integrals(start: vec2f, end: vec2f, low: vec2f, high: vec2f) -> vec3f {
     let v3 = clamp(end.y, low.y, high.y);
     let u_start = start.x + (v0 - start.y) * du_dv;
     let u_end = end.x - (end.y - v3) * du_dv;
-    // Clamped along u, that is a vertical, a slanted and a vertical part (each may be empty).
+    // Clamped along u, it becomes a vertical, a slanted and a vertical part (each may be empty).
     let u0 = clamp(u_start, low.x, high.x);
     let u1 = clamp(u_end, low.x, high.x);
     let du = u_end - u_start;
@@ -55,8 +56,8 @@ fn integrals(start: vec2f, end: vec2f, low: vec2f, high: vec2f) -> vec3f {
     );
 }
 
-// The part of the edge from a to b with depth in [low, high). The ends are exactly a and b where those are
-// inside, so that the boundary stays closed.
+// The part of the edge from a to b with depth in [low, high). The ends are exactly a and b if those
+// are inside, so that the boundary stays closed.
 fn cut_edge(a: vec3f, b: vec3f, low: f32, high: f32) -> Cut {
     let rise = b.z - a.z;
     let inverse = select(1.0 / rise, 0.0, rise == 0.0);
@@ -78,8 +79,8 @@ fn piece_in_voxel(walk: ptr<function, Walk>) -> Piece {
     let box_high = clamp(most, corner, corner + 1.0);
     let is_whole = all(least >= corner) && all(most <= corner + 1.0) && least.z < corner.z + 1.0;
 
-    // Relative to a point near the piece: the integrals of a tiny piece are then sums of tiny numbers. Depth
-    // stays as it is, so that two neighbours compare it with the same number.
+    // Relative to a point near the piece, so that the integrals of a tiny piece are sums of tiny
+    // numbers. Depth is not changed, so that two neighbours compare it with the same number.
     let origin = vec3f(box_low.xy, 0.0);
     let low = corner - origin;
     let high = low + 1.0;
@@ -119,7 +120,7 @@ fn piece_in_voxel(walk: ptr<function, Walk>) -> Piece {
     sum *= sign(normal.z);
 
     var piece = Piece(0.0, vec3f(0.0));
-    // The sums are of terms no larger than the box, each off by a few roundings.
+    // The sums have terms no larger than the box, each off by a few roundings.
     let box = box_high.xy - box_low.xy;
     if is_whole {
         piece.area = 0.5 * abs(normal.z);

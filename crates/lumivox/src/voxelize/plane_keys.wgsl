@@ -12,12 +12,13 @@ struct Plane {
 const HEIGHT_STEPS = 1364.0;
 const SLOPE_STEPS = 511.0;
 
-// Parallel planes that are closer than this, in voxels, are one. Those of curved surface meet each other in the voxel; they are
-// one, too, if their slopes differ by less than the second.
+// Parallel planes that are closer than this, in voxels, are merged. Planes of curved surface
+// intersect in the voxel; they are merged, too, if their slopes differ by less than the second
+// constant.
 const SAME_HEIGHT = 0.004;
 const SAME_SLOPE = 0.15;
 
-// The larger, the nearer to the side that the lobe looks to; never 0.
+// Larger keys are nearer to the side that the lobe faces; never 0.
 fn key_of(plane: Plane, lobe: u32) -> u32 {
     let steps = u32(round((plane.height + 1.0) * HEIGHT_STEPS));
     let height = 1u + select(steps, 4092u - min(steps, 4092u), (lobe & 1u) != 0u);
@@ -32,7 +33,7 @@ fn plane_of(key: u32, lobe: u32) -> Plane {
     return Plane(f32(steps) / HEIGHT_STEPS - 1.0, slope / SLOPE_STEPS - 1.0);
 }
 
-// How far two planes are apart at most, in a voxel.
+// The largest distance between two planes in a voxel.
 fn apart(a: Plane, b: Plane) -> f32 {
     let slope = abs(a.slope - b.slope);
     return abs(a.height - b.height) + 0.5 * (slope.x + slope.y);

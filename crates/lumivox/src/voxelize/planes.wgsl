@@ -1,9 +1,11 @@
-// Which planes of surface each voxel has, and how much surface: what the faces' list and the scale of their sums need.
+// Finds the planes of surface in each voxel, and the area of its surface, which size the list of
+// faces and scale their sums.
 //
-// The pieces in a voxel belong to lobes, and those of a lobe to planes: two sides of a thin wall, a lamp below a ceiling and
-// the ceiling itself are never one. A plane is a key of 32 bits: its height along the lobe's axis at the voxel's middle, and
-// its two slopes. Of a lobe four planes are kept, found in two walks without an order: the one in front and the one at the
-// back, and of those that are neither again the two outermost. Other pieces, which curved surface has, join the nearest.
+// The pieces in a voxel belong to lobes, and those of a lobe to planes: two sides of a thin wall,
+// or a lamp below a ceiling and the ceiling itself, are never merged. A plane is a key of 32 bits:
+// its height along the lobe's axis at the voxel's middle, and its two slopes. A lobe has up to four
+// planes, found in two order-independent walks: first the front and the back plane, then the two
+// outermost of the rest. Other pieces, which curved surface has, join the nearest plane.
 
 import package::constants::{DOUBLE_SIDED, LINEAR_WORKGROUP_SIZE};
 import package::voxelize::faces::AREAS_PER_UNIT;
@@ -44,7 +46,7 @@ fn lobe_bits(walk: ptr<function, Walk>) -> u32 {
     return pair & select(one, 0x3fu, is_double_sided);
 }
 
-// Marks a piece's lobes and its planes in front and at the back, and adds up its area.
+// Marks a piece's lobes and their front and back planes, and adds its area.
 fn add_first(walk: ptr<function, Walk>, voxel: u32, lobes: u32, area: f32) {
     if (atomicLoad(&voxels[voxel].lobes) & lobes) != lobes {
         atomicOr(&voxels[voxel].lobes, lobes);
@@ -65,7 +67,7 @@ fn add_first(walk: ptr<function, Walk>, voxel: u32, lobes: u32, area: f32) {
     }
 }
 
-// Of what is neither the plane in front nor that at the back, the two outermost.
+// Marks the two outermost of the planes that are neither the front nor the back plane.
 fn add_second(walk: ptr<function, Walk>, voxel: u32, lobes: u32) {
     let plane = plane_of_walk(walk);
     var left = lobes;
@@ -112,7 +114,7 @@ fn count_pieces(count: u32, local: u32) {
     }
 }
 
-// Surfaces that let no light through.
+// Surfaces that block all light.
 fn walk_opaque(item: Item, local: u32, step: u32) {
     var walk = walk_begin(item);
     let lobes = lobe_bits(&walk);

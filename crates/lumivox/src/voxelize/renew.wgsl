@@ -1,4 +1,4 @@
-// A list in place of another one: whatever was in the old one, or is in the new one, has changed.
+// A list replaces another one: marks all cells of the old and the new list as changed.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -1,8 +1,9 @@
 // Products and sums whose rounding does not depend on the kernel.
 //
-// A compiler may fuse `a * b + c` into one rounding or not, and may decide so differently for two kernels that
-// share a function. What several kernels must agree on (which columns a triangle covers, which way it faces)
-// is therefore computed with `fma` written out, which leaves nothing to fuse.
+// A compiler may or may not fuse `a * b + c` into one rounding, and may decide differently for two
+// kernels that share a function. Values on which several kernels must agree (which columns a
+// triangle covers, which way it faces) are therefore computed with explicit `fma`, which leaves
+// nothing to fuse.
 
 fn dot_fused(a: vec3f, b: vec3f) -> f32 {
     return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z));

@@ -1,4 +1,4 @@
-// From the sums of the static share to faces: a thread per voxel.
+// Converts the sums of the static share to faces: a thread per voxel.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

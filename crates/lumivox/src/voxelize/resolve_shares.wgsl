@@ -1,5 +1,5 @@
-// From the sums of both shares of the surface to the faces of the voxels that dynamic surface touches: a thread per voxel.
-// A lobe has the faces of both, those of static surface first.
+// Converts the sums of both shares of the surface to the faces of the voxels that dynamic surface
+// touches: a thread per voxel. A lobe has the faces of both shares, the static ones first.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -1,11 +1,11 @@
-//! Room for a list of voxels.
+//! Allocates lists of voxels.
 
 use super::share::Work;
 use crate::GiError;
 use crate::gpu::{Buffer, Remedy, counted_buffer};
 use crate::voxels::{FaceRecord, NodeRecord, VoxelList, count_bytes, level_first_word};
 
-/// A list without voxels, with room for some.
+/// An empty list with the given capacity.
 pub(super) fn new_list(
     work: &mut Work<'_, '_>,
     nodes: u64,
@@ -19,7 +19,7 @@ pub(super) fn new_list(
     list_with_room(work, (occupancy, ranks), nodes, faces)
 }
 
-/// The list with room for other numbers of nodes and faces; what is in it stays.
+/// The list reallocated with other capacities; its contents are kept.
 pub(super) fn resized_list(
     work: &mut Work<'_, '_>,
     list: &VoxelList,
@@ -56,7 +56,7 @@ fn list_with_room(
         occupancy,
         ranks,
         nodes: memory.buffer("nodes", nodes, size_of::<NodeRecord>() as u64, remedy)?,
-        // Voxels are fewer than nodes.
+        // There are fewer voxels than nodes.
         first_faces: memory.buffer("first faces", nodes, 4, remedy)?,
         faces: memory.buffer("faces", faces.max(1), size_of::<FaceRecord>() as u64, remedy)?,
         counts: counted_buffer(memory.device(), "counts of voxels", count_bytes(levels)),

@@ -1,9 +1,10 @@
-//! The voxels of a scene, as its triangles change.
+//! The voxels of a scene whose triangles change.
 //!
-//! Static surface is collected once, in buffers that are as large as needed. What moves is collected again at each change,
-//! in buffers with room to spare, and the list is changed in place. [`Voxelizer::voxelize`] waits for counts and makes
-//! room before it goes on. [`Voxelizer::record`] only records, hears of the counts a few frames late, and makes room
-//! then; until there is room, the list stays what it was.
+//! Static surface is collected once, in buffers of the exact size. Dynamic surface is collected
+//! again at each change, in buffers with spare capacity, and the list is changed in place.
+//! [`Voxelizer::voxelize`] waits for counts and allocates before it continues.
+//! [`Voxelizer::record`] only records, reads counts back a few frames late, and grows buffers then;
+//! while a buffer is too small, the list does not change.
 
 use super::Voxelizer;
 use super::batch::Fallbacks;
@@ -17,7 +18,7 @@ use crate::gpu::{
 use crate::voxels::{VoxelList, level_first_word};
 use crate::{Geometry, GiError, Grid};
 
-/// The voxels of a scene, and what is kept to make them again when some of its triangles have moved.
+/// The voxels of a scene, and the data that is kept to update them when some triangles have moved.
 #[derive(Debug)]
 pub struct VoxelizedScene {
     pub(super) grid: Grid,
@@ -27,28 +28,29 @@ pub struct VoxelizedScene {
     pub(super) fixed: Option<Fixed>,
     pub(super) moving: Option<Share>,
     pub(super) union: Option<Union>,
-    /// Whether the union is bound to the shares and the list as they are.
+    /// `true` if the union is bound to the current shares and list.
     pub(super) is_bound: bool,
     pub(super) list: Option<VoxelList>,
-    /// The list is new: static surface is not in it yet.
+    /// `true` if the list is new: static surface is not in it yet.
     pub(super) is_list_new: bool,
-    /// The last list that was taken, which the new one comes in the place of.
+    /// The last committed list, which the new one replaces.
     pub(super) replaced: Option<VoxelList>,
-    /// A bit per cell, laid out as the list's occupancy: cells of another surface than before. Whoever follows the list
-    /// clears them.
+    /// Cells whose surface has changed, a bit each, laid out as the list's occupancy. The list's
+    /// consumers clear them.
     pub(super) changed: Buffer,
-    /// The verdicts and counts of recorded voxelizations.
+    /// Pending read-backs of verdicts and counts.
     pub(super) late: Option<LateReads>,
-    /// The last verdict that was heard of is that there is no room, or none was heard yet.
+    /// `true` if the last verdict read back was an overflow, or if none was read back since the
+    /// list was replaced.
     pub(super) lacks_room: bool,
     pub(super) rebuild: Option<Rebuild>,
-    /// The grid to go on with: a clipmap whose boxes have moved.
+    /// The next grid: that of a clipmap whose boxes have moved.
     pub(super) wanted: Option<Grid>,
-    /// That of what is on its way.
+    /// Grid of the rebuild in progress.
     pub(super) next: Option<PlacedGrid>,
 }
 
-/// A grid, and group 0 with it.
+/// A grid and its bind group 0.
 #[derive(Clone, Debug)]
 pub(super) struct PlacedGrid {
     pub(super) grid: Grid,
@@ -59,48 +61,51 @@ pub(super) struct PlacedGrid {
 #[derive(Debug)]
 pub(super) struct Fixed {
     pub(super) key: ShareKey,
-    /// Nothing where nothing moves: then nobody would ask for it.
+    /// `None` if there are no dynamic draws: no update would need it.
     pub(super) share: Option<Share>,
     pub(super) faces: u64,
     pub(super) counts: ShareCounts,
 }
 
-/// Static surface that is on its way, a step at a time, while the list stays what it was.
+/// Rebuild of static surface in progress, a step per frame, while the list does not change.
 #[derive(Debug)]
 pub(super) struct Rebuild {
     pub(super) key: ShareKey,
-    /// Group 0 of its walks.
+    /// Bind group 0 of its walks.
     pub(super) globals: BindGroup,
-    /// It goes on from the static surface so far: only what has changed is walked.
+    /// `true` if it copies unchanged voxels from the current static surface, and walks only the
+    /// changed parts.
     pub(super) keeps: bool,
     pub(super) share: Share,
-    /// Once its voxels are counted.
+    /// Number of voxels, once they are counted.
     pub(super) voxels: Option<u64>,
     pub(super) reads: LateReads,
 }
 
-/// A list that is about to be taken.
+/// A list that is about to be committed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Taken<'a> {
     /// The list.
     pub list: &'a VoxelList,
-    /// The one that it comes in the place of, unless it is that one itself.
+    /// The list that it replaces; `None` if the list itself is updated.
     pub replaced: Option<&'a VoxelList>,
-    /// The faces that it will take.
+    /// The faces that it will get for dynamic surface.
     pub moving: Moving<'a>,
     /// Its grid.
     pub grid: &'a Grid,
 }
 
-/// How a recorded voxelization stands, as far as the GPU has told.
+/// Status of a recorded voxelization, from the results that have been read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct FrameVoxels {
-    /// The voxels are those of an earlier frame: there was no room for all that was found, or static surface is on its way.
+    /// `true` if the voxels are those of an earlier frame: a buffer overflowed, or static surface
+    /// is still being rebuilt.
     pub is_late: bool,
-    /// The GPU has not told yet whether there was room for what the last call of
-    /// [`Gi::voxelize_frame`](crate::Gi::voxelize_frame) has found, and `is_late` tells of an earlier call. What that call returns is
-    /// pending if it has recorded anything; ask [`Gi::frame_voxels`](crate::Gi::frame_voxels) later.
+    /// `true` if it is not known yet whether the last call of
+    /// [`Gi::voxelize_frame`](crate::Gi::voxelize_frame) overflowed a buffer; `is_late` then
+    /// describes an earlier call. The return value of that call is pending if it recorded anything;
+    /// poll [`Gi::frame_voxels`](crate::Gi::frame_voxels) later.
     pub is_pending: bool,
     /// Occupied voxels.
     pub voxels: u32,
@@ -109,7 +114,7 @@ pub struct FrameVoxels {
 }
 
 impl VoxelizedScene {
-    /// No voxels yet.
+    /// A scene without voxels.
     fn new(device: &Pipelines, queue: &wgpu::Queue, voxelizer: &Voxelizer, grid: &Grid) -> Self {
         let globals = BindGroupBuilder::new(&voxelizer.kernels.layouts.grid);
         let words = level_first_word(grid, grid.levels);
@@ -133,19 +138,19 @@ impl VoxelizedScene {
         }
     }
 
-    /// The grid of the list, and of the next one until it is taken.
+    /// The grid of the current list.
     pub(crate) fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// Lets the next voxelization go on with a grid whose boxes have moved. Whether it differs from the present one is
-    /// returned.
+    /// Sets a grid with moved boxes for the next voxelization. Returns `true` if it differs from
+    /// the current grid.
     pub(crate) fn move_to(&mut self, grid: Grid) -> bool {
         self.wanted = (grid != self.grid).then_some(grid);
         self.wanted.is_some()
     }
 
-    /// The grid to go on with first, on the way to the one that is wanted.
+    /// The next grid on the way to the wanted one.
     pub(super) fn first_step(&self) -> Option<Grid> {
         let wanted = self.wanted?;
         let cascades = self.grid.cascades.zip(wanted.cascades);
@@ -153,29 +158,29 @@ impl VoxelizedScene {
         Some(Grid { cascades, ..wanted })
     }
 
-    /// Goes on with another grid.
+    /// Switches to another grid.
     pub(super) fn place(&mut self, placed: PlacedGrid) {
         self.wanted = self.wanted.filter(|wanted| *wanted != placed.grid);
         (self.grid, self.globals, self.next) = (placed.grid, placed.globals, None);
     }
 
-    /// The list of voxels, once there is one.
+    /// The list of voxels; `None` before the first voxelization.
     pub fn list(&self) -> Option<&VoxelList> {
         self.list.as_ref()
     }
 
-    /// Whether anything ever moved.
+    /// `true` if there ever were dynamic draws.
     pub(crate) fn has_moving(&self) -> bool {
         self.moving.is_some()
     }
 
-    /// A bit per cell, laid out as the list's occupancy: cells of another surface than before. Who follows the list
-    /// clears them.
+    /// Cells whose surface has changed, a bit each, laid out as the list's occupancy. The list's
+    /// consumers clear them.
     pub(crate) fn changed(&self) -> &Buffer {
         &self.changed
     }
 
-    /// Forgets what is kept of static draws, so that they are voxelized again.
+    /// Discards the results for static draws, so that they are voxelized again.
     pub fn forget_static(&mut self) {
         if let Some(fixed) = &mut self.fixed {
             fixed.share = None;
@@ -190,24 +195,26 @@ impl VoxelizedScene {
         share.map_or(0, |share| share.counts.items)
     }
 
-    /// Bytes on the GPU of what is kept of static draws, and of what the voxels of dynamic ones are collected in.
+    /// Bytes on the GPU that are kept for static draws, and for collecting the voxels of dynamic
+    /// ones.
     pub fn kept_bytes(&self) -> u64 {
         let fixed = self.fixed.iter().flat_map(|fixed| &fixed.share);
         let shares: u64 = fixed.chain(&self.moving).map(Share::bytes).sum();
         shares + self.union.as_ref().map_or(0, Union::bytes)
     }
 
-    /// Puts a list without voxels in the place of that so far, until it is taken.
+    /// Replaces the list by an empty one, which has yet to be committed.
     pub(super) fn replace_list(&mut self, list: VoxelList) {
         let before = self.list.replace(list);
-        // One that was never taken has never been lit.
+        // A list that was never committed has no light.
         if !self.is_list_new {
             self.replaced = before;
         }
         (self.is_list_new, self.is_bound) = (true, false);
     }
 
-    /// How the last recorded voxelization stands, by what the GPU has told by now. The caller polls the device before it.
+    /// Status of the last recorded voxelization, from the results that have been read back. The
+    /// caller must poll the device first.
     pub(crate) fn told(&self) -> FrameVoxels {
         let (last, words) = self.last_read();
         let lacks_room = match (last, &words) {
@@ -228,7 +235,7 @@ impl VoxelizedScene {
         self.late.as_ref().map_or((LastRead::Done, None), LateReads::peek)
     }
 
-    /// How it stands.
+    /// Status with the given `is_late`.
     pub(super) fn frame(&self, is_late: bool) -> FrameVoxels {
         let list = self.list.as_ref();
         FrameVoxels {
@@ -244,7 +251,7 @@ impl VoxelizedScene {
         [self.fixed.as_ref().and_then(|fixed| fixed.share.as_ref()), self.moving.as_ref()]
     }
 
-    /// Whether static draws are what they were, and what was found of them is there.
+    /// `true` if static draws have not changed and their share is available.
     pub(super) fn has_fixed(&self, method: &str, geometry: &Geometry) -> bool {
         self.fixed.as_ref().is_some_and(|fixed| {
             fixed.share.is_some() && fixed.key.is_of(method, geometry, &self.grid)
@@ -252,10 +259,12 @@ impl VoxelizedScene {
     }
 }
 
-/// Words of the [`Verdict`] that each read of [`VoxelizedScene::late`] starts with; the first is zero if there was room.
+/// Words of the [`Verdict`] at the start of each read-back of [`VoxelizedScene::late`]; the first
+/// is zero if nothing overflowed.
 const VERDICT_WORDS: usize = size_of::<Verdict>() / 4;
 
-/// Room for a number that grows: a quarter to spare, and a thousand, so that little things need no more when they turn.
+/// Capacity for a count that may grow: a quarter more, plus 1024, so that small objects do not
+/// overflow when they turn.
 pub(super) fn with_spare(count: u64) -> u64 {
     count + count / 4 + 1024
 }
@@ -266,7 +275,7 @@ impl Voxelizer {
         VoxelizedScene::new(device, queue, self, grid)
     }
 
-    /// A grid to go on with.
+    /// A grid and its bind group 0.
     pub(super) fn placed(&self, device: &wgpu::Device, grid: Grid) -> PlacedGrid {
         PlacedGrid { grid, globals: self.group_of(device, &grid.uniform(device)) }
     }
@@ -287,7 +296,7 @@ impl Voxelizer {
         Work { voxelizer: self, kernels: &self.kernels, grid, globals, recorder, memory }
     }
 
-    /// Marks the voxels of what moves, if anything ever did.
+    /// Marks the voxels of dynamic surface, if there ever was any.
     pub(super) fn mark_moving(
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
@@ -305,7 +314,7 @@ impl Voxelizer {
         Ok(())
     }
 
-    /// The list from what was collected, if there is room.
+    /// Updates and commits the list from the collected shares, unless it overflows.
     pub(super) fn take(
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,

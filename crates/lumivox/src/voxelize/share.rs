@@ -1,7 +1,7 @@
-//! A share of the surface, static or dynamic, on its way through the walks.
+//! A share of the surface, static or dynamic, during the walks.
 //!
-//! Every buffer has room for more than there may be, or for less: then what is found is counted all the same, and the
-//! share is collected again in larger buffers ([`Share::make_room`]).
+//! A buffer may be larger than needed, or too small: then everything is counted all the same, and
+//! the share is collected again in larger buffers ([`Share::make_room`]).
 
 use super::batch::{Fallbacks, SplitBatch, SplitCounts};
 use super::hook::{Walk, WalkStep};
@@ -15,9 +15,9 @@ use crate::gpu::{Memory, Remedy};
 use crate::voxels::{BoundNodes, Cells, FaceRecord, NodeRecord, RankedBits};
 use crate::{Geometry, GiError, Grid};
 
-/// What all passes of a voxelization need.
+/// Common arguments of all passes of a voxelization.
 pub(super) struct Work<'a, 'r> {
-    /// Who walks.
+    /// The voxelizer, which may have its own walker.
     pub voxelizer: &'a Voxelizer,
     pub kernels: &'a Kernels,
     pub grid: &'a Grid,
@@ -28,13 +28,13 @@ pub(super) struct Work<'a, 'r> {
 }
 
 impl Work<'_, '_> {
-    /// What helps where a buffer of the surface does not fit.
+    /// The remedy if a buffer of the surface does not fit.
     pub fn remedy(&self) -> Remedy {
         Remedy::Surface(self.grid.dimensions.max_element())
     }
 }
 
-/// How many triangles and pieces a share has.
+/// Numbers of triangles, items and pieces of a share.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ShareCounts {
     pub triangles: u64,
@@ -44,28 +44,28 @@ pub(super) struct ShareCounts {
     pub pieces: u64,
 }
 
-/// What is collected of a share: nothing in it depends on the other share.
+/// The collected data of a share; it does not depend on the other share.
 #[derive(Debug)]
 pub(super) struct Share {
-    /// Of the finest level.
+    /// Occupancy bits of the finest level.
     bits: RankedBits,
     cells: Cells,
     batches: Vec<SplitBatch>,
     mark_groups: Vec<BindGroup>,
     voxels: Option<Voxels>,
     sums: Option<Sums>,
-    /// As far as they are known.
+    /// Counts that have been read back.
     pub counts: ShareCounts,
 }
 
-/// What is known of each voxel.
+/// Per-voxel data.
 #[derive(Debug)]
 struct Voxels {
     capacity: u64,
     /// `VoxelFaces`.
     faces: Buffer,
     nodes: Buffer,
-    /// The index of each voxel's first face, and last the total.
+    /// The index of each voxel's first face, with the total at the end.
     first_faces: Buffer,
     pieces: Buffer,
     scan: BoundScan,
@@ -74,18 +74,18 @@ struct Voxels {
     walk_groups: Vec<BindGroup>,
 }
 
-/// Sums of the faces, as `FaceSlot` of `face_sums.wgsl` has them.
+/// Sums of the faces, laid out as `FaceSlot` of `face_sums.wgsl`.
 #[derive(Debug)]
 struct Sums {
     capacity: u64,
     buffer: Buffer,
-    /// `Verdict` of `verdict.wgsl`: whether they have room.
+    /// `Verdict` of `verdict.wgsl`: whether the sums fit.
     verdict: Buffer,
     walk_groups: Vec<BindGroup>,
 }
 
 impl Share {
-    /// A share of nothing.
+    /// An empty share.
     pub fn new(work: &mut Work<'_, '_>) -> Result<Self, GiError> {
         let list = &work.kernels.list;
         let bits = list.bits(&mut work.memory, work.grid, 1)?;
@@ -101,7 +101,7 @@ impl Share {
         })
     }
 
-    /// Binds the batches of an input, if it is not bound to them already.
+    /// Binds the batches of an input, unless they are already bound.
     pub fn bind(
         &mut self,
         work: &mut Work<'_, '_>,
@@ -131,7 +131,7 @@ impl Share {
         Ok(())
     }
 
-    /// Makes the bind groups of the walks, for the batches and the buffers that there are.
+    /// Creates the bind groups of the walks for the current batches and buffers.
     fn bind_walks(&mut self, work: &Work<'_, '_>) {
         let (device, layouts) = (work.memory.device(), &work.kernels.layouts);
         let batches = &self.batches;
@@ -152,7 +152,7 @@ impl Share {
         sums.walk_groups = groups(&layouts.accumulate, &buffers);
     }
 
-    /// Voxels and faces that there is room for.
+    /// Capacity for voxels and faces.
     pub fn capacity(&self) -> [u64; 2] {
         [
             self.voxels.as_ref().map_or(0, |voxels| voxels.capacity),
@@ -160,11 +160,11 @@ impl Share {
         ]
     }
 
-    /// Makes room for so many voxels.
+    /// Allocates buffers for `capacity` voxels.
     pub fn make_room(&mut self, work: &mut Work<'_, '_>, capacity: u64) -> Result<(), GiError> {
         let remedy = work.remedy();
         let stride = size_of::<VoxelFaces>() as u64;
-        // A binding of an array has room for one element at least.
+        // The binding of an array needs at least one element.
         let capacity = capacity.max(1);
         let faces = work.memory.buffer("planes of voxels", capacity, stride, remedy)?;
         let stride = size_of::<NodeRecord>() as u64;
@@ -193,7 +193,7 @@ impl Share {
         Ok(())
     }
 
-    /// Makes room for so many faces, of which `verdict` will tell whether it is enough.
+    /// Allocates sums for `capacity` faces; `verdict` says whether they fit.
     pub fn make_room_for_sums(
         &mut self,
         work: &mut Work<'_, '_>,
@@ -209,7 +209,8 @@ impl Share {
         Ok(())
     }
 
-    /// Splits the triangles into items and marks the voxels that they touch, and those that stay of a share before.
+    /// Splits the triangles into items and marks the voxels that they touch, and those that are
+    /// copied from the share `kept`.
     pub fn mark<'d>(
         &mut self,
         work: &mut Work<'_, '_>,
@@ -229,7 +230,8 @@ impl Share {
         list.fill_cells(work.recorder, globals, &self.cells);
     }
 
-    /// Collects the planes of the voxels, with those that stay of a share before, and counts their faces.
+    /// Collects the planes of the voxels, including those copied from the share `kept`, and counts
+    /// their faces.
     pub fn collect_planes(&self, work: &mut Work<'_, '_>, kept: Option<&Self>) {
         let Some(voxels) = &self.voxels else { return };
         let (kernels, globals) = (work.kernels, work.globals);
@@ -247,7 +249,8 @@ impl Share {
         kernels.prepare_faces.run_linear(work.recorder, &groups, voxels.capacity);
     }
 
-    /// Sums the faces up, if the verdict is that there is room; those that stay of a share before keep their sums.
+    /// Sums up the faces if the verdict is that nothing overflowed; those from the share `kept`
+    /// keep their sums.
     pub fn sum_up(&self, work: &mut Work<'_, '_>, kept: Option<&Self>) {
         let Some(sums) = &self.sums else { return };
         work.recorder.clear(&sums.buffer);
@@ -257,7 +260,7 @@ impl Share {
         }
     }
 
-    /// Takes the bits of voxels that stay of a share before.
+    /// Copies the bits of voxels that are kept from an earlier share.
     fn keep_bits(&self, work: &mut Work<'_, '_>, before: &Self) {
         let group = BindGroupBuilder::new(&work.kernels.layouts.keep_bits)
             .buffer(&before.bits.occupancy)
@@ -267,7 +270,8 @@ impl Share {
         work.kernels.keep_bits.run_linear(work.recorder, &[work.globals, &group], words);
     }
 
-    /// Runs a kernel of `keep.wgsl` over the voxels of a share before. Before there is room for sums it reads none.
+    /// Runs a kernel of `keep.wgsl` over the voxels of an earlier share. If sums are not allocated
+    /// yet, the kernel does not read them.
     fn keep(&self, work: &mut Work<'_, '_>, before: &Self, kernel: &Kernel) {
         let (Some(old), Some(new)) = (&before.voxels, &self.voxels) else { return };
         let device = work.memory.device();
@@ -286,7 +290,8 @@ impl Share {
         kernel.run_linear(work.recorder, &[work.globals, &group], old.capacity);
     }
 
-    /// Walks over all items: bind group 2 has each batch's starts of items, and then what the step reads and writes.
+    /// Walks over all items: bind group 2 has each batch's starts of items, and then the step's
+    /// inputs and outputs.
     fn walk(&self, work: &mut Work<'_, '_>, step: WalkStep, groups: &[BindGroup]) {
         let Work { voxelizer, recorder, globals, grid, .. } = work;
         let batches = &self.batches;
@@ -299,31 +304,32 @@ impl Share {
         &self.bits
     }
 
-    /// The same side by side.
+    /// Bits and ranks side by side.
     pub fn cells(&self) -> &Buffer {
         &self.cells.buffer
     }
 
-    /// Of each voxel `VoxelFaces`, its node, and the index of its first face; once there is room for them.
+    /// `VoxelFaces`, node, and index of the first face of each voxel; `None` before they are
+    /// allocated.
     pub fn voxels(&self) -> Option<[&Buffer; 3]> {
         let voxels = self.voxels.as_ref()?;
         Some([&voxels.faces, &voxels.nodes, &voxels.first_faces])
     }
 
-    /// The faces' sums, once there is room for them.
+    /// The faces' sums; `None` before they are allocated.
     pub fn sums(&self) -> Option<&Buffer> {
         self.sums.as_ref().map(|sums| &sums.buffer)
     }
 
-    /// The buffers to read back once voxels are marked, with the bytes of each: the number of voxels, then of each batch
-    /// [`SplitCounts`].
+    /// The buffers to read back after voxels are marked, with the bytes of each: the number of
+    /// voxels, then [`SplitCounts`] for each batch.
     pub fn marked_counts(&self) -> Vec<(&Buffer, u64, u64)> {
         let total = (&self.bits.ranks, self.bits.total_byte(), 4);
         let splits = self.batches.iter().map(|batch| (&batch.counts, 0, SPLIT_BYTES));
         [total].into_iter().chain(splits).collect()
     }
 
-    /// Takes what [`Self::marked_counts`] told. The voxels are returned.
+    /// Applies the read-back of [`Self::marked_counts`]. Returns the number of voxels.
     pub fn take_marked(&mut self, words: &[u32]) -> Result<u64, GiError> {
         let splits: Vec<SplitCounts> = words[1..]
             .chunks_exact(SPLIT_BYTES as usize / 4)
@@ -337,14 +343,14 @@ impl Share {
         Ok(u64::from(words[0]))
     }
 
-    /// The buffers to read back once planes are collected of so many voxels: the number of faces, and the low and the high
-    /// word of that of pieces.
+    /// The buffers to read back after the planes of `voxels` voxels are collected: the number of
+    /// faces, and the low and high word of the number of pieces.
     pub fn face_counts(&self, voxels: u64) -> Vec<(&Buffer, u64, u64)> {
         let Some(own) = &self.voxels else { return Vec::new() };
         vec![(&own.first_faces, voxels * 4, 4), (&own.pieces, 0, 8)]
     }
 
-    /// Takes what [`Self::face_counts`] told. The number of faces is returned.
+    /// Applies the read-back of [`Self::face_counts`]. Returns the number of faces.
     pub fn take_faces(&mut self, words: &[u32]) -> u64 {
         self.counts.pieces = u64::from(words[2]) << 32 | u64::from(words[1]);
         u64::from(words[0])

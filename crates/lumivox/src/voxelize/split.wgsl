@@ -1,5 +1,5 @@
-// How many work items (tiles of columns) each triangle needs, in all cascades together. A prefix sum turns `item_starts` into the number
-// of each triangle's first item.
+// Counts the work items (tiles of columns) of each triangle, in all cascades together. A prefix sum
+// turns `item_starts` into the number of each triangle's first item.
 
 import package::cascades::box_count;
 import package::constants::LINEAR_WORKGROUP_SIZE;
@@ -13,7 +13,7 @@ struct SplitParams {
 }
 
 struct SplitCounts {
-    // Not zero if the items, of which there are `items`, passed 2^32 (how often they did).
+    // How often the counter `items` wrapped past 2^32; 0 if it is valid.
     items_overflow: atomic<u32>,
     items: atomic<u32>,
     degenerate: atomic<u32>,

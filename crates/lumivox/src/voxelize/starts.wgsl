@@ -1,8 +1,10 @@
-// Where the light of a face is found: in the middle of what is seen of it. A thread per voxel.
+// Finds the point at which the light of a face is computed: the middle of its visible part. A
+// thread per voxel.
 //
-// Of a floor under a box or a wall, a part lies inside of other surface: the squares of the face's mask that a back in the
-// voxel covers, or that a front touches. A face without other squares is HIDDEN. A wall on the floor also parts the squares before it
-// from those behind it: light starts on the side of most of them.
+// If a box or wall is on a floor, a part of the floor lies inside of other surface: the squares of
+// the face's mask that a back face in the voxel covers, or that a front face touches. A face
+// without other squares is HIDDEN. A wall on the floor also separates the squares in front of it
+// from those behind it: the point is then on the side with most of them.
 
 import package::cascades::voxel_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;
@@ -18,17 +20,17 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(2) var<storage, read> first_faces: array<u32>;
 @group(1) @binding(3) var<storage, read_write> faces: array<Face>;
 
-// Surfaces that are as close as this touch, in voxels.
+// Surfaces at most this far apart touch, in voxels.
 const TOUCHING = 0.02;
 
-// As far as a surface is off its plane by rounding.
+// How far rounding may move a surface off its plane, in voxels.
 const ROUNDING = 0.001;
 
-// More than half the diagonal of a square, and the cosine of planes that do not cross in it.
+// More than half the diagonal of a square; and the cosine above which planes do not cross in it.
 const NEAR = 0.15;
 const PARALLEL = 0.99;
 
-// Where a voxel is: its corner in the grid, and its edge.
+// A voxel: its corner in units of its own edge, and its edge in units of the grid.
 struct Place {
     corner: vec3f,
     edge: f32,
@@ -38,11 +40,12 @@ fn in_voxel(position_in_world: vec3f, place: Place) -> vec3f {
     return grid_from_world(position_in_world) / place.edge - place.corner;
 }
 
-// What another face of the voxel does to a point of a face: it hides it, or has it on one of its sides.
+// Relation of another face of the voxel to a point of a face: the other face hides it, or has it on
+// one of its sides.
 struct Beside {
     is_hidden: bool,
     is_behind: bool,
-    // It may pass through the point's square.
+    // The other face may pass through the point's square.
     is_near: bool,
 }
 
@@ -63,7 +66,8 @@ fn beside(other: u32, point: vec3f, normal: vec3f, is_single_sided: bool, place:
     return Beside(is_hidden, to > ROUNDING, is_near);
 }
 
-// A square of a face's mask: whether it is seen, and a bit for each other face that has it behind.
+// A square of a face's mask: whether it is visible, and a bit for each other face that it is
+// behind.
 struct Square {
     point: vec3f,
     is_covered: bool,
@@ -102,11 +106,12 @@ fn square_of(index: u32, square: u32, first: u32, count: u32, place: Place) -> S
 
 struct Start {
     point: vec3f,
-    // HIDDEN, PARTED or none.
+    // HIDDEN, PARTED or 0.
     flags: u32,
 }
 
-// The middle of what is seen on the sides of the other faces on which most squares are.
+// The middle of the visible squares that share the most frequent combination of sides of the other
+// faces.
 fn find_start(index: u32, first: u32, count: u32, place: Place) -> Start {
     var seen = vec4f(0.0);
     var is_whole = true;
@@ -157,7 +162,7 @@ fn main(
     let first = first_faces[voxel];
     let own = voxel_of(morton_decode(nodes[voxel].morton));
     let place = Place(vec3f(own.voxel), exp2(f32(own.cascade)));
-    // A start lies in the face's plane, so that planes stay where they are.
+    // The new position lies in the face's plane, so the plane does not change.
     for (var i = 0u; i < count; i++) {
         let start = find_start(first + i, first, count, place);
         faces[first + i].flags |= start.flags;

@@ -1,10 +1,11 @@
-// What a triangle's surface looks like at a point: its material's factors times its textures and colours.
+// The appearance of a triangle's surface at a point: its material's factors times its textures and
+// colours.
 
 import package::constants::{ALPHA_IS_COVERAGE, HAS_BYTE_COLORS, HAS_COLORS, HAS_FLOAT_COLORS};
 import package::voxelize::triangles::{attributes, draws, TexturePlace};
 import package::voxelize::walk::Walk;
 
-// Textures are white where the material has none.
+// White if the material has no texture.
 @group(3) @binding(1) var reflectance_texture: texture_2d<f32>;
 @group(3) @binding(2) var reflectance_sampler: sampler;
 @group(3) @binding(3) var emission_texture: texture_2d<f32>;
@@ -13,25 +14,25 @@ import package::voxelize::walk::Walk;
 @group(3) @binding(6) var transmission_sampler: sampler;
 
 struct Surface {
-    // Of what is there.
+    // Of the covered part.
     reflectance: vec3f,
-    // The share that is there, and blocks light.
+    // The covered share, which blocks light.
     coverage: f32,
     // Relative to the largest of all materials.
     emission: vec3f,
 }
 
-// Texture coordinates over the triangle, and how dense they are.
+// Texture coordinates over the triangle, and their density.
 struct TexcoordMap {
     at_a: vec2f,
     along_ab: vec2f,
     along_ac: vec2f,
-    // Area in texture space of a sample, as a power of 4: the mip level of a texture of one texel whose texel is as
-    // large as the sample.
+    // log4 of a sample's area in texture space: the mip level at which a texel is as large as the
+    // sample, for a texture of one texel.
     level: f32,
 }
 
-// All that varies over the triangle.
+// Everything that varies over the triangle.
 struct SurfaceMap {
     reflectance: TexcoordMap,
     emission: TexcoordMap,
@@ -41,10 +42,11 @@ struct SurfaceMap {
     color_along_ac: vec4f,
 }
 
-// Which kernel samples what: constants, since a software GPU samples even where a branch says not to.
+// What a kernel samples: constants, since a software GPU samples even in branches that are not
+// taken.
 //
-// UNIFORM: one look all over, and no holes. VARIED: textures or colours. PIERCED: textures, colours, and light
-// that passes.
+// UNIFORM: the same appearance everywhere, and no holes. VARIED: textures or colours. PIERCED:
+// textures, colours, and light that passes through.
 const UNIFORM: u32 = 0;
 const VARIED: u32 = 1;
 const PIERCED: u32 = 2;
@@ -79,8 +81,7 @@ fn color_at(vertex: u32, draw: u32) -> vec4f {
     return vec4f(unpack2x16unorm(attributes[word]), unpack2x16unorm(attributes[word + 1u]));
 }
 
-// Over a triangle of which a sample stands for one of `footprints` halves: twice the triangle's area in areas of a
-// sample.
+// `footprints` is twice the triangle's area divided by the area of a sample.
 fn triangle_map(vertices: vec3u, draw: u32, footprints: f32) -> SurfaceMap {
     let color = color_at(vertices.x, draw);
     return SurfaceMap(
@@ -93,7 +94,7 @@ fn triangle_map(vertices: vec3u, draw: u32, footprints: f32) -> SurfaceMap {
     );
 }
 
-// For samples as large as a voxel's side.
+// With samples as large as a voxel's side.
 fn surface_map(walk: ptr<function, Walk>) -> SurfaceMap {
     return triangle_map((*walk).vertices, (*walk).draw, length((*walk).normal));
 }
@@ -130,9 +131,9 @@ fn surface_of(draw: u32, map: SurfaceMap, at: vec2f, detail: u32) -> Surface {
     }
     reflectance = clamp(reflectance, vec4f(0.0), vec4f(1.0));
     if detail == PIERCED {
-        // Of the light that enters, the share t passes, coloured by the reflectance r; the rest is reflected.
-        // Voxels block all colours alike, so the luminance Y passes, and what stays behind and blocks reflects
-        // r (1 - t) / (1 - t Y): no more than comes in.
+        // Of the light that enters, the share t passes through, coloured by the reflectance r; the
+        // rest is reflected. Voxels block all colours alike, so the luminance Y passes through, and
+        // the remaining, blocking part reflects r (1 - t) / (1 - t Y): no more than arrives.
         let share = draws[draw].transmission
             * sample_at(transmission_texture, transmission_sampler, map.transmission, at).r;
         // ITU-R BT.709-6, section 3.2.

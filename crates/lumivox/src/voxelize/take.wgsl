@@ -1,5 +1,5 @@
-// Takes the new list, where it has room: bits and ranks of all cells, and the faces of the voxels that dynamic surface
-// touches, in place of those that it touched before.
+// Commits the new list, unless it overflows: bits and ranks of all cells, and the set of voxels
+// that dynamic surface touches.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -8,7 +8,7 @@ import package::voxelize::verdict::Verdict;
 @group(1) @binding(0) var<uniform> verdict: Verdict;
 @group(1) @binding(1) var<storage, read> new_occupancy: array<u32>;
 @group(1) @binding(2) var<storage, read> new_ranks: array<u32>;
-// Of the finest level: the voxels that dynamic surface touches, now and in the list so far.
+// The voxels of the finest level that dynamic surface touches, now and in the list so far.
 @group(1) @binding(3) var<storage, read> moving: array<u32>;
 @group(1) @binding(4) var<storage, read_write> moving_before: array<u32>;
 @group(1) @binding(5) var<storage, read_write> occupancy: array<u32>;
@@ -24,19 +24,20 @@ fn cells(
     if verdict.no_room != 0u || word > arrayLength(&occupancy) {
         return;
     }
-    // The total stands behind the ranks.
+    // The total follows the ranks.
     ranks[word] = new_ranks[word];
     if word == arrayLength(&occupancy) {
         return;
     }
     occupancy[word] = new_occupancy[word];
     if word < arrayLength(&moving_before) {
-        // A share that is not there touches nothing.
+        // A missing share touches nothing.
         var now = 0u;
         if word < arrayLength(&moving) {
             now = moving[word];
         }
-        // What dynamic surface has left has another surface, if any; compare.wgsl finds the others.
+        // Voxels that dynamic surface has left have changed; compare.wgsl finds the other changed
+        // voxels.
         changed[word] |= moving_before[word] & ~now;
         moving_before[word] = now;
     }

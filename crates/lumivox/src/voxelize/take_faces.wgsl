@@ -1,4 +1,5 @@
-// Takes the faces of the voxels that dynamic surface touches, behind those of static surface.
+// Copies the faces of the voxels that dynamic surface touches into the list, after those of static
+// surface.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -1,14 +1,15 @@
-// The triangles of a batch: all draws one after another, brought into grid space.
+// The triangles of a batch: all draws one after another, transformed to grid space.
 
 import package::constants::HAS_SHORT_INDICES;
 
-// Of a piece with holes, when less than this share is left, it is not there: about what 8 bits can hold.
+// A piece with holes of which less than this share is left is dropped: about the resolution of 8
+// bits.
 const SMALLEST_COVERAGE = 1.0 / 512.0;
 
-// Where a vertex lies on a texture.
+// How vertices map to a texture.
 struct TexturePlace {
-    // The rows of the affine transform from the vertices' coordinates to the image's, and the word at which those
-    // coordinates of vertex 0 stand.
+    // The rows of the affine transform from the vertices' coordinates to the image's, and the word
+    // offset of those coordinates of vertex 0.
     u_row: vec3f,
     word: u32,
     v_row: vec3f,
@@ -26,7 +27,8 @@ struct Draw {
     emission: vec3f,
     // The first triangle in the batch's numbering.
     first_triangle: u32,
-    // The first index, counted from the start of the index buffer, and what is added to each index.
+    // The first index, counted from the start of the index buffer, and the offset added to each
+    // index.
     first_index: u32,
     base_vertex: u32,
     // Bits named in package::constants: DOUBLE_SIDED, OPEN_BEHIND, ALPHA_IS_COVERAGE, HAS_COLORS, HAS_FLOAT_COLORS,
@@ -36,15 +38,16 @@ struct Draw {
     reflectance_place: TexturePlace,
     emission_place: TexturePlace,
     transmission_place: TexturePlace,
-    // Words from a vertex's attributes to the next one's, and the word of vertex 0 at which its colour stands.
+    // Words from one vertex's attributes to the next one's, and the word offset of the colour of
+    // vertex 0.
     vertex_words: u32,
     color_word: u32,
-    // The word of the position of vertex 0, and the words from there to the next one's.
+    // The word offset of the position of vertex 0, and the words from one position to the next.
     position_word: u32,
     position_words: u32,
-    // What the surface mirrors (voxels::list::Face).
+    // Light that the surface mirrors (voxels::list::Face).
     gloss: vec3f,
-    // A bit for each cascade of which it may touch what is walked.
+    // A bit for each cascade whose walked part it may touch.
     cascades: u32,
 }
 
@@ -63,7 +66,7 @@ struct Triangle {
     draw: u32,
 }
 
-// The draw that a triangle belongs to, among the draws from `first` up to but not including `end`.
+// The draw that a triangle belongs to, among the draws in [first, end).
 fn find_draw(triangle: u32, first: u32, end: u32) -> u32 {
     var low = first;
     var high = end;

@@ -1,8 +1,9 @@
-//! From shares to the list of voxels.
+//! Unites the shares in the list of voxels.
 //!
-//! The list is changed in place. Static surface has its faces at the front of the list, where they stay; behind them stand
-//! the faces of the voxels that dynamic surface touches, with what is static in them. A new list is put together beside
-//! the old one and taken only if it has room, which the GPU decides by itself (`verdict.wgsl`).
+//! The list is changed in place. The faces of static surface are at the front of the list and stay
+//! there; after them come the faces of the voxels that dynamic surface touches, including the
+//! static faces of those voxels. A new list is built beside the old one and committed only if it
+//! fits, which the GPU decides by itself (`verdict.wgsl`).
 
 use bytemuck::{Pod, Zeroable};
 
@@ -63,7 +64,7 @@ pub(super) struct Verdict {
 }
 
 impl Verdict {
-    /// There is room, and there are so many voxels.
+    /// A verdict without overflow, for `voxels` voxels.
     pub fn of_voxels(voxels: u64) -> Self {
         Self { moving_voxels: voxels as u32, ..Self::zeroed() }
     }
@@ -71,24 +72,24 @@ impl Verdict {
 
 const _: () = assert!(size_of::<VoxelFaces>() >= size_of::<FaceRecord>());
 
-/// Bits of [`Verdict::no_room`].
+/// Bits of [`Verdict::no_room`]: the voxels of the dynamic share do not fit.
 pub(super) const NO_ROOM_FOR_VOXELS: u32 = 1;
-/// Of the sums of dynamic surface.
+/// The sums of the dynamic share do not fit.
 pub(super) const NO_ROOM_FOR_SUMS: u32 = 2;
-/// Of all levels.
+/// The nodes of all levels do not fit.
 pub(super) const NO_ROOM_FOR_NODES: u32 = 4;
-/// Of the list.
+/// The faces of the list do not fit.
 pub(super) const NO_ROOM_FOR_FACES: u32 = 8;
 
 /// The union of both shares.
 #[derive(Debug)]
 pub(super) struct Union {
-    /// Stands in for what a share that is not there would have: zeros.
+    /// Zeros, bound in place of a missing share.
     nothing: Buffer,
     /// Bits of all levels of the new list.
     merged: RankedBits,
     pyramid: BoundPyramid,
-    /// Bits of the finest level: the voxels that dynamic surface touches in the list so far.
+    /// The voxels that dynamic surface touches in the current list: bits of the finest level.
     moving_before: Buffer,
     /// [`Verdict`].
     verdict: Buffer,
@@ -98,25 +99,25 @@ pub(super) struct Union {
     taking: Option<Taking>,
 }
 
-/// What goes with the voxels that dynamic surface touches.
+/// Buffers for the voxels that dynamic surface touches.
 #[derive(Debug)]
 struct United {
     capacity: u64,
     voxels: Buffer,
     faces: Buffer,
-    /// Where the list so far has a voxel's faces.
+    /// The indices of the voxels' first faces in the current list.
     former: Buffer,
     scan: BoundScan,
     group: BindGroup,
 }
 
-/// What goes with the list.
+/// Bindings to the list.
 #[derive(Debug)]
 struct Taking {
     /// The faces of the voxels that dynamic surface touches.
     moving_faces: Buffer,
     room: Room,
-    /// Words of the bits, and one for the total.
+    /// Words of the bits, plus one for the total.
     words: u64,
     nodes: u64,
     verdict: BindGroup,
@@ -131,18 +132,19 @@ struct Taking {
     inner: BoundInner,
 }
 
-/// What light needs to follow a list that takes others' faces.
+/// What lighting needs to move light to a list that is about to be committed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moving<'a> {
     /// [`Verdict`].
     pub verdict: &'a Buffer,
     /// For each voxel that dynamic surface touches, the index of its first face among `faces`.
     pub united_faces: &'a Buffer,
-    /// The faces that the list takes behind those of static surface.
+    /// The faces that the list gets after those of static surface.
     pub faces: &'a Buffer,
-    /// For each voxel, where the list so far has its first face; `0xffffffff` where it has none.
+    /// For each voxel, the index of its first face in the current list; `0xffffffff` if it has
+    /// none.
     pub former: &'a Buffer,
-    /// Voxels that there is room for.
+    /// Capacity for voxels.
     pub voxels: u64,
 }
 
@@ -156,7 +158,7 @@ impl Union {
         let verdict = counted_buffer(device, "verdict", size_of::<Verdict>() as u64);
         let params = Staged::new(device, "resolve parameters", size_of::<ResolveParams>() as u64);
         Ok(Self {
-            // One element of the largest kind: what the binding of an array needs at least.
+            // One element of the largest type: the minimum for the binding of an array.
             nothing: storage_buffer(device, "nothing", size_of::<VoxelFaces>() as u64),
             merged,
             pyramid,
@@ -187,7 +189,7 @@ impl Union {
         self.merge = Some(group.build(work.memory.device(), "voxelize::merge_bits"));
     }
 
-    /// Which voxels there are in all.
+    /// Merges the bits of both shares.
     pub fn merge(&self, work: &mut Work<'_, '_>) {
         let Some(merge) = &self.merge else { return };
         let (kernels, globals) = (work.kernels, work.globals);
@@ -197,13 +199,14 @@ impl Union {
         kernels.list.rank(work.recorder, globals, &self.merged);
     }
 
-    /// The buffers to read back once bits are merged: where each level's nodes start, and their total.
+    /// The buffers to read back after bits are merged: where each level's nodes start, and their
+    /// total.
     pub fn level_starts(&self, grid: &Grid) -> Vec<(&Buffer, u64, u64)> {
         let start = |level| (&self.merged.ranks, level_first_word(grid, level) * 4, 4);
         (0..=grid.levels).map(start).collect()
     }
 
-    /// Binds the shares' voxels, for which there is room.
+    /// Binds the shares' voxels and allocates as many united ones.
     pub fn bind_voxels(
         &mut self,
         work: &mut Work<'_, '_>,
@@ -234,7 +237,7 @@ impl Union {
         Ok(())
     }
 
-    /// Which lobes the voxels have that dynamic surface touches.
+    /// Finds the lobes of the voxels that dynamic surface touches.
     pub fn unite(&self, work: &mut Work<'_, '_>) {
         let Some(united) = &self.united else { return };
         let groups = [work.globals, &united.group];
@@ -242,12 +245,13 @@ impl Union {
         work.kernels.scan.run_bound(work.recorder, &united.scan);
     }
 
-    /// The buffer to read back once lobes are united of so many voxels: the number of their faces.
+    /// The buffer to read back after the lobes of `voxels` voxels are united: the number of their
+    /// faces.
     pub fn united_count(&self, voxels: u64) -> Option<(&Buffer, u64, u64)> {
         self.united.as_ref().map(|united| (&united.faces, voxels * 4, 4))
     }
 
-    /// Binds the list that the voxels are put into. `changed` has a bit per cell.
+    /// Binds the list that is updated. `changed` has a bit per cell.
     pub fn bind_list(
         &mut self,
         work: &mut Work<'_, '_>,
@@ -367,14 +371,15 @@ impl Union {
         Ok(())
     }
 
-    /// Whether all that was found has room: what follows is done only then.
+    /// Decides whether everything fits; later passes do nothing otherwise.
     pub fn judge(&self, work: &mut Work<'_, '_>) {
         let Some(taking) = &self.taking else { return };
         let groups = [work.globals, &taking.verdict];
         work.kernels.verdict.run(work.recorder, &groups, [1; 3]);
     }
 
-    /// The faces of the voxels that dynamic surface touches, and which of them differ from what the list has.
+    /// Computes the faces of the voxels that dynamic surface touches, and marks those that differ
+    /// from the list.
     pub fn resolve(&mut self, work: &mut Work<'_, '_>, emission_scale: f32) {
         let (Some(united), Some(taking)) = (&self.united, &self.taking) else { return };
         let params = ResolveParams { emission_scale, padding: [0; 3] };
@@ -387,7 +392,7 @@ impl Union {
         kernels.compare.run_linear(recorder, &[globals, &taking.compare], count);
     }
 
-    /// What light needs before the list is taken.
+    /// What lighting needs before the list is committed.
     pub fn moving(&self) -> Option<Moving<'_>> {
         let (united, taking) = self.united.as_ref().zip(self.taking.as_ref())?;
         Some(Moving {
@@ -399,7 +404,7 @@ impl Union {
         })
     }
 
-    /// Makes the list the new one.
+    /// Commits the new list.
     pub fn take(&self, work: &mut Work<'_, '_>) {
         let Some(taking) = &self.taking else { return };
         let Work { kernels, recorder, globals, .. } = work;
@@ -420,7 +425,7 @@ impl Union {
     }
 }
 
-/// The faces of the static share, at the front of a list.
+/// Computes the faces of the static share, at the front of a list.
 pub(super) fn resolve_fixed(
     work: &mut Work<'_, '_>,
     share: &Share,
@@ -452,7 +457,7 @@ pub(super) fn resolve_fixed(
     work.kernels.starts.run_linear(work.recorder, &[work.globals, &group], count);
 }
 
-/// Marks all cells of two lists as changed, one of which comes in the other's place.
+/// Marks all cells of two lists as changed, of which the new one replaces the old one.
 pub(super) fn renew(
     work: &mut Work<'_, '_>,
     (old, new): (Option<&VoxelList>, &VoxelList),
@@ -469,7 +474,7 @@ pub(super) fn renew(
 }
 
 impl Union {
-    /// Zeros that stand in for what is not there.
+    /// Zeros, bound in place of missing buffers.
     pub fn nothing(&self) -> &Buffer {
         &self.nothing
     }

@@ -1,4 +1,5 @@
-// Which lobes a voxel that dynamic surface touches has of each share of the surface, and where the shares keep their sums.
+// Finds the lobes of each share in a voxel that dynamic surface touches, and where the shares store
+// their sums.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -7,12 +8,12 @@ import package::voxels::list::{MOST_FACES, Node, faces_in, faces_of, with_faces}
 import package::voxels::lookup::bits_below;
 
 struct UnitedVoxel {
-    // As Node has them: of both shares, and of each one.
+    // As in Node: of both shares, and of each one.
     lobes: u32,
     fixed_lobes: u32,
     moving_lobes: u32,
     padding: u32,
-    // The index of the voxel's first face among each share's sums, and the scale of these.
+    // The index of the voxel's first face among each share's sums, and the scale of those sums.
     first_sums: vec2u,
     scales: vec2f,
 }
@@ -26,15 +27,17 @@ fn united_lobes(fixed: u32, moving: u32) -> u32 {
     return lobes;
 }
 
-// Of the static share: the occupancy bits and the rank of each word of the finest level, and its voxels.
+// The static share: the occupancy bits and the rank of each word of the finest level, and its
+// voxels.
 @group(1) @binding(0) var<storage, read> fixed_cells: array<vec2u>;
 @group(1) @binding(1) var<storage, read> fixed_voxels: array<VoxelFaces>;
-// Of the dynamic share, by rank; the last one of `moving_ranks` is their number.
+// The dynamic share, by rank; the last one of `moving_ranks` is the number of its voxels.
 @group(1) @binding(2) var<storage, read> moving_ranks: array<u32>;
 @group(1) @binding(3) var<storage, read> moving_nodes: array<Node>;
 @group(1) @binding(4) var<storage, read> moving_voxels: array<VoxelFaces>;
 @group(1) @binding(5) var<storage, read_write> united: array<UnitedVoxel>;
-// One more than there are voxels. How many faces each has; a prefix sum makes it the index of the first one.
+// One more than there are voxels. The number of faces of each; a prefix sum turns it into the index
+// of the first one.
 @group(1) @binding(6) var<storage, read_write> united_faces: array<u32>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
@@ -50,7 +53,7 @@ fn main(
     let word = moving_nodes[voxel].morton / 32u;
     let bit = moving_nodes[voxel].morton % 32u;
     var result: UnitedVoxel;
-    // A share that is not there has no cells.
+    // A missing share has no cells.
     if word < arrayLength(&fixed_cells) {
         let fixed = fixed_cells[word];
         if (fixed.x & (1u << bit)) != 0u {

@@ -1,20 +1,20 @@
-// Whether all that was found has room; if so, the counts of the new list. One thread.
+// Decides whether everything fits; if so, writes the counts of the new list. One thread.
 //
-// What does not have room was counted all the same: a thread that writes past the end of a buffer writes nothing that
-// matters, since nothing of this voxelization is taken then.
+// Everything is counted even if it does not fit: a thread that writes past the end of a buffer does
+// no harm, since nothing of this voxelization is committed then.
 
 import package::constants::{COUNT_BLOCK_WORDS, LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS,
     NO_ROOM_FOR_FACES, NO_ROOM_FOR_NODES, NO_ROOM_FOR_SUMS, NO_ROOM_FOR_VOXELS};
 import package::grid::grid;
 import package::voxels::lookup::level_first_word;
 
-// What there is room for.
+// Capacities.
 struct Room {
     voxels: u32,
     sums: u32,
     nodes: u32,
     faces: u32,
-    // Faces of static surface, which stand before those of voxels that dynamic surface touches.
+    // Faces of static surface, which come before those of voxels that dynamic surface touches.
     fixed_faces: u32,
     padding_0: u32,
     padding_1: u32,
@@ -22,12 +22,13 @@ struct Room {
 }
 
 struct Verdict {
-    // Bits NO_ROOM_FOR_*; zero: the list is taken.
+    // Bits NO_ROOM_FOR_*; zero: the list is committed.
     no_room: u32,
-    // Voxels that dynamic surface touches, and their faces with those of static surface in them.
+    // Voxels that dynamic surface touches, and the number of their faces, including those of static
+    // surface.
     moving_voxels: u32,
     moving_faces: u32,
-    // What is needed; of faces those of dynamic surface alone.
+    // Needed capacities; `sums` counts only faces of dynamic surface.
     sums: u32,
     nodes: u32,
     padding_0: u32,
@@ -37,7 +38,7 @@ struct Verdict {
 
 @group(1) @binding(0) var<uniform> room: Room;
 @group(1) @binding(1) var<storage, read> list_ranks: array<u32>;
-// Of the dynamic share: the last one is the number of its voxels.
+// Of the dynamic share; the last one is the number of its voxels.
 @group(1) @binding(2) var<storage, read> moving_ranks: array<u32>;
 @group(1) @binding(3) var<storage, read> own_faces: array<u32>;
 @group(1) @binding(4) var<storage, read> united_faces: array<u32>;
@@ -60,7 +61,7 @@ fn main() {
     now.moving_voxels = voxels;
     now.nodes = nodes;
     if voxels > room.voxels {
-        // Nothing is known of what is in them.
+        // The numbers of their faces are not known.
         now.no_room |= NO_ROOM_FOR_VOXELS;
     } else {
         now.moving_faces = united_faces[voxels];

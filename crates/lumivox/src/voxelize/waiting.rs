@@ -1,4 +1,4 @@
-//! Voxelization that waits: it reads counts back, and makes room before it goes on.
+//! Voxelization that waits: it reads counts back, and allocates before it continues.
 
 use super::input::{self, ShareInput, ShareKey};
 use super::room::{new_list, resized_list};
@@ -14,16 +14,18 @@ use crate::voxels::VoxelList;
 use crate::{Geometry, GiError};
 
 impl Voxelizer {
-    /// Voxelizes triangles: the list of voxels is in the scene then. What was found, and the time of each pass if asked
-    /// for, are returned. Static draws are walked only if they are not what they were: the same transforms,
-    /// materials and buffers. That those buffers' content is the same, too, is the caller's promise.
+    /// Voxelizes triangles into the scene's list of voxels. Returns statistics, and the time of
+    /// each pass if requested. Static draws are walked only if they have changed: their transforms,
+    /// materials or buffers. The caller guarantees that the contents of those buffers have not
+    /// changed.
     ///
-    /// Coordinates are computed in `f32` in units of a voxel: triangles that reach farther than some 10⁵
-    /// voxels beyond the grid touch voxels that they miss by a share of a voxel.
+    /// Coordinates are computed in `f32` in units of a voxel: triangles that extend more than about
+    /// 10⁵ voxels beyond the grid may touch voxels that they miss by a fraction of a voxel.
     ///
     /// # Errors
-    /// [`GiError::Geometry`] when draws and buffers contradict each other, [`GiError::NothingToVoxelize`] when
-    /// no voxel is touched, [`GiError::Limit`] when something does not fit the device. The list is what it was then.
+    /// [`GiError::Geometry`] if draws and buffers contradict each other,
+    /// [`GiError::NothingToVoxelize`] if no voxel is touched, [`GiError::Limit`] if something does
+    /// not fit the device. The list is then unchanged.
     pub async fn voxelize(
         &self,
         device: &wgpu::Device,
@@ -38,7 +40,8 @@ impl Voxelizer {
         Ok((stats, recorder.finish().await?))
     }
 
-    /// As [`Self::voxelize`], with a recorder that it submits in between, and somebody who follows the list.
+    /// Like [`Self::voxelize`], with a recorder that it submits in between; `follow` is called
+    /// before a list is committed.
     pub(crate) async fn voxelize_into(
         &self,
         recorder: &mut Recorder<'_>,
@@ -56,7 +59,7 @@ impl Voxelizer {
         let limits = device.limits();
         let is_reused = grid == scene.grid && scene.has_fixed(self.method, geometry);
         let walked = Walked::all(&grid);
-        // What is used again is not looked at.
+        // Reused draws are not checked again.
         let fixed_input = if is_reused {
             ShareInput::default()
         } else {
@@ -66,14 +69,14 @@ impl Voxelizer {
         if self.walker.is_none() {
             self.kernels.make(fixed_input.details().chain(moving_input.details())).await;
         }
-        // Whatever was on its way comes too late.
+        // Cancels a rebuild in progress.
         (scene.rebuild, scene.late, scene.lacks_room) = (None, None, false);
 
         recorder.stage("voxelize");
         let mut work = self.work(recorder, &device, &grid, &globals);
         let work = &mut work;
 
-        // Which voxels are touched.
+        // Find the touched voxels.
         let mut fixed = None;
         if !fixed_input.is_empty() {
             let mut share = Share::new(work)?;
@@ -85,7 +88,7 @@ impl Voxelizer {
         let replaces = scene.list.is_none()
             || scene.union.is_none()
             || (!is_reused && (fixed.is_some() || scene.fixed.is_some()));
-        // Without the union, should anything fail, all is made anew the next time.
+        // If anything fails, the scene has no union, and the list is rebuilt the next time.
         let mut union = match scene.union.take() {
             Some(union) if !replaces => union,
             _ => Union::new(work)?,
@@ -126,7 +129,7 @@ impl Voxelizer {
             scene.place(placed);
         }
 
-        // Which planes they have, and how much surface.
+        // Find their planes and the area of their surface.
         if let Some(fixed) = &mut fixed {
             fixed.make_room(work, voxels)?;
             fixed.collect_planes(work, None);
@@ -155,7 +158,7 @@ impl Voxelizer {
         let (of_moving, united) = rest.split_at(split[1]);
         let united = united.first().copied().map_or(0, u64::from);
 
-        // What is in them.
+        // Sum up their faces.
         let emission_scale = input::emission_scale(geometry);
         let mut faces = scene.fixed.as_ref().filter(|_| is_reused).map_or(0, |kept| kept.faces);
         if let Some(fixed) = &mut fixed {
@@ -227,7 +230,8 @@ impl Voxelizer {
     }
 }
 
-/// Submits the work so far and reads parts of buffers back: a buffer, a byte and a number of bytes each.
+/// Submits the recorded work and reads parts of buffers back: buffer, byte offset and number of
+/// bytes each.
 async fn read(
     work: &mut Work<'_, '_>,
     sources: &[(&Buffer, u64, u64)],

@@ -5,7 +5,7 @@ use super::hook::{Walk, WalkStep};
 use crate::gpu::Recorder;
 
 impl WalkStep {
-    /// The name of its passes.
+    /// The name of the step's passes.
     pub(super) fn label(self) -> &'static str {
         match self {
             Self::Mark => "voxelize::mark",
@@ -17,7 +17,7 @@ impl WalkStep {
 }
 
 impl Voxelizer {
-    /// Walks all batches for a step, by the caller's way if it has one for it.
+    /// Walks all batches for a step, by the caller's walker if it handles the step.
     pub(super) fn walk(&self, recorder: &mut Recorder, step: WalkStep, walk: &Walk<'_>) {
         if walk.batches.is_empty() {
             return;

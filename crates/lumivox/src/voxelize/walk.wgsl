@@ -1,9 +1,10 @@
-// Walks the voxels that one tile of a triangle may touch: per column, those in the range of depth that the
-// triangle's plane has there.
+// Walks the voxels that one tile of a triangle may touch: in each column, those in the depth range
+// of the triangle's plane.
 //
-// All coordinates are in walk order (footprint.wgsl) and relative to a voxel near the tile, so that rounding
-// is that of small numbers. Every test is widened by a bound of its own rounding error: it may let a voxel
-// pass that the triangle misses by a hair, but never the other way round.
+// All coordinates are in walk order (footprint.wgsl) and relative to a voxel near the tile, so that
+// rounding errors are those of small numbers. Every test is widened by a bound of its own rounding
+// error: it may accept a voxel that the triangle misses by a hair, but never rejects one that it
+// touches.
 
 import package::cascades::{box_count, stored_cell};
 import package::constants::{CASCADES, TILE_EDGE};
@@ -17,19 +18,21 @@ import package::voxelize::triangles::{Triangle, draws, load_triangle};
 // is off by less than 8 * 2^-24 m.
 const ROUNDING = 1.0 / 2097152.0;
 
-// Farther than any voxel, and a number that `f32` still counts one by one.
+// Farther than any voxel, but `f32` still represents every integer up to it.
 const FARTHEST = 8388608.0;
 
-// An interval test (Akenine-Möller 2001, "Fast 3D triangle-box overlap testing", section 2) along the normal m
-// of a triangle's edge in a projection: a unit square with its centre at p is apart from the triangle if
-// |m . p + offset| > reach. It needs no orientation, which rounding may turn around for a sliver.
+// An interval test (Akenine-Möller 2001, "Fast 3D triangle-box overlap testing", section 2) along
+// the normal m of a triangle's edge in a projection: a unit square with its centre at p does not
+// overlap the triangle if
+// m . p + offset| > reach. It needs no orientation, which rounding may flip for a sliver.
 struct EdgeTest {
     m: vec2f,
     offset: f32,
     reach: f32,
 }
 
-// `from` and `to` end the edge, `other` is the third corner; all coordinates are at most `extent`.
+// The edge goes from `start` to `end`, `other` is the third corner; all coordinates are at most
+// `extent`.
 fn edge_test(start: vec2f, end: vec2f, other: vec2f, extent: f32) -> EdgeTest {
     let m = vec2f(end.y - start.y, start.x - end.x);
     let width = dot(m, other - start);
@@ -42,7 +45,7 @@ fn may_touch(test: EdgeTest, centre: vec2f) -> bool {
 }
 
 struct Walk {
-    // The corners, and the normal with the length of twice the area.
+    // The corners, and the normal, whose length is twice the area.
     a: vec3f,
     b: vec3f,
     c: vec3f,
@@ -62,7 +65,7 @@ struct Walk {
     // How the plane's depth changes along u and v, and by how much a column's range is widened.
     slope: vec2f,
     widening: f32,
-    // Of the triangle, and of the cascade.
+    // Depth range of the triangle, and depth limits of the cascade.
     depth_range: vec2f,
     depth_limits: vec2i,
     // The first and the last column of the tile; the current voxel, and the last one of its column.
@@ -101,7 +104,7 @@ fn item_in_cascade(item: Item) -> ItemInCascade {
     return own;
 }
 
-// Before the first voxel of an item; `walk_on` moves to it.
+// Starts before the first voxel of an item; `walk_on` moves to it.
 fn walk_begin(item: Item) -> Walk {
     var walk: Walk;
     walk.voxel = vec3i(-1, 0, 0);
@@ -125,14 +128,14 @@ fn walk_begin(item: Item) -> Walk {
     walk.last_column = min(area.last.xy - corner, vec2i(i32(TILE_EDGE) - 1));
     walk.voxel = vec3i(walk.first_column - vec2i(1, 0), 0);
 
-    // Depth is counted from where the plane passes the tile's middle.
+    // Depth is relative to the point where the plane passes the tile's middle.
     let a = turn(triangle.a, walk.axis);
     let b = turn(triangle.b, walk.axis);
     let c = turn(triangle.c, walk.axis);
     walk.slope = -walk.normal.xy / walk.normal.z;
     let middle = vec2f(corner) + 0.5 * f32(TILE_EDGE);
     let depth = a.z + dot(walk.slope, middle - a.xy);
-    // In cascades wherever the box is.
+    // With cascades, independent of the position of the box.
     let held = vec2f(vec2i(area.first.z, area.last.z));
     let range = select(held, FARTHEST * vec2f(-1.0, 1.0), CASCADES > 0u);
     walk.base = vec3i(corner, i32(clamp(depth, range.x, range.y)));
@@ -148,9 +151,10 @@ fn walk_begin(item: Item) -> Walk {
     walk.bc = edge_test(walk.b.xy, walk.c.xy, walk.a.xy, walk.extent);
     walk.ca = edge_test(walk.c.xy, walk.a.xy, walk.b.xy, walk.extent);
 
-    // A component of the normal is off by up to 4 * 2^-24 of the product of two edges, so the slope by that
-    // over normal.z (twice, since it is a quotient of at most 1): no more than rounding for a compact
-    // triangle, a lot for a sliver, whose plane is uncertain. There the edges' tests alone decide.
+    // A component of the normal is off by up to 4 * 2^-24 of the product of two edges, so the slope
+    // is off by that over normal.z (twice, since it is a quotient of at most 1): no more than
+    // rounding for a compact triangle, a lot for a sliver, whose plane is uncertain. For a sliver
+    // only the edge tests decide.
     let size = high - low;
     let edges = max(size.x, max(size.y, size.z));
     walk.widening = ROUNDING * walk.extent * (1.0 + edges * edges / abs(walk.normal.z))
@@ -160,16 +164,16 @@ fn walk_begin(item: Item) -> Walk {
     return walk;
 }
 
-// Moves to the next voxel that the triangle may touch; false if there is none left.
+// Moves to the next voxel that the triangle may touch; returns false if there is none left.
 //
-// Loops that test at their end, here and around this: a software GPU runs eight threads in step, and goes
-// through a body once more for a test at its start that none of them passes.
+// The loops here and around this test at their end: a software GPU runs eight threads in lockstep,
+// and would run a body once more for a test at its start that none of them passes.
 fn walk_on(walk: ptr<function, Walk>) -> bool {
     (*walk).voxel.z += 1;
     if (*walk).voxel.z <= (*walk).last_depth {
         return true;
     }
-    // The next column with a range of depth that is not empty.
+    // The next column with a non-empty depth range.
     loop {
         (*walk).voxel.x += 1;
         if (*walk).voxel.x > (*walk).last_column.x {
@@ -195,7 +199,7 @@ fn walk_on(walk: ptr<function, Walk>) -> bool {
     return true;
 }
 
-// Where the current voxel is stored.
+// The cell in which the current voxel is stored.
 fn walk_cell(walk: ptr<function, Walk>) -> vec3u {
     let voxel = turn_back_cell((*walk).base + (*walk).voxel, (*walk).axis);
     return stored_cell(voxel, 0u, (*walk).cascade);

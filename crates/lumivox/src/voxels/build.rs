@@ -1,4 +1,4 @@
-//! The list from the bits: ranks and nodes.
+//! Builds the list from occupancy bits: ranks and nodes.
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, BoundScan, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder,
@@ -14,7 +14,7 @@ use crate::{GiError, Grid};
 pub(crate) struct RankedBits {
     /// A bit per cell.
     pub occupancy: Buffer,
-    /// The bits before each word, and last the total.
+    /// The number of bits before each word, and the total at the end.
     pub ranks: Buffer,
     words: u64,
     group: BindGroup,
@@ -22,7 +22,7 @@ pub(crate) struct RankedBits {
 }
 
 impl RankedBits {
-    /// Where the total stands among the ranks, bytes.
+    /// Byte offset of the total among the ranks.
     pub fn total_byte(&self) -> u64 {
         self.words * 4
     }
@@ -33,8 +33,8 @@ impl RankedBits {
     }
 }
 
-/// Bits and ranks of the finest level's words side by side (`array<vec2u>`): one binding for kernels that have none to
-/// spare.
+/// Bits and ranks of the finest level's words side by side (`array<vec2u>`): one binding for
+/// kernels that cannot afford two.
 #[derive(Debug)]
 pub(crate) struct Cells {
     /// The pairs.
@@ -43,22 +43,22 @@ pub(crate) struct Cells {
     group: BindGroup,
 }
 
-/// What filling the nodes of a list needs.
+/// What [`ListBuilder::fill_nodes`] binds.
 #[derive(Debug)]
 pub(crate) struct BoundNodes {
     words: u64,
     group: BindGroup,
 }
 
-/// What filling the lobes of a list's inner nodes needs.
+/// What [`ListBuilder::inner_lobes`] binds.
 #[derive(Debug)]
 pub(crate) struct BoundInner {
-    /// Of all levels but the finest.
+    /// One for each level except the finest.
     groups: Vec<BindGroup>,
     counts: Buffer,
 }
 
-/// The kernels that make the list.
+/// The kernels that build the list.
 #[derive(Debug)]
 pub(crate) struct ListBuilder {
     rank_layout: wgpu::BindGroupLayout,
@@ -111,7 +111,7 @@ impl ListBuilder {
         })
     }
 
-    /// Bits of the first levels of a grid, all zero.
+    /// Zeroed bits of the first `levels` levels of a grid.
     ///
     /// # Errors
     /// [`GiError::Limit`] when they do not fit.
@@ -133,13 +133,13 @@ impl ListBuilder {
         Ok(RankedBits { occupancy, ranks, words, group, scan })
     }
 
-    /// Ranks the cells.
+    /// Computes the ranks of the cells.
     pub fn rank(&self, recorder: &mut Recorder<'_>, globals: &BindGroup, bits: &RankedBits) {
         self.count.run_linear(recorder, &[globals, &bits.group], bits.words);
         self.scan.run_bound(recorder, &bits.scan);
     }
 
-    /// Room for [`Cells`].
+    /// Allocates [`Cells`].
     ///
     /// # Errors
     /// [`GiError::Limit`] when they do not fit.
@@ -165,7 +165,7 @@ impl ListBuilder {
         self.cells.run_linear(recorder, &[globals, &cells.group], cells.words);
     }
 
-    /// What [`Self::fill_nodes`] needs.
+    /// What [`Self::fill_nodes`] binds.
     pub fn bind_nodes(
         &self,
         device: &wgpu::Device,
@@ -175,12 +175,12 @@ impl ListBuilder {
         BoundNodes { words: occupancy.size() / 4, group }
     }
 
-    /// Fills the nodes, but for their lobes.
+    /// Fills the nodes, except for their lobes.
     pub fn fill_nodes(&self, recorder: &mut Recorder<'_>, globals: &BindGroup, bound: &BoundNodes) {
         self.list.run_linear(recorder, &[globals, &bound.group], bound.words);
     }
 
-    /// What [`Self::inner_lobes`] needs.
+    /// What [`Self::inner_lobes`] binds.
     pub fn bind_inner(&self, device: &wgpu::Device, grid: &Grid, list: &VoxelList) -> BoundInner {
         let group = |level| {
             BindGroupBuilder::new(&self.inner_layout)

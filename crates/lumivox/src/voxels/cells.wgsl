@@ -1,5 +1,5 @@
 // The occupancy bits of each word of level 0 and its rank, side by side: one binding for kernels
-// that have none to spare.
+// that cannot afford two.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

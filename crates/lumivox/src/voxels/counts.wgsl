@@ -1,9 +1,10 @@
-// How much there is in the list of voxels: numbers that stay on the GPU.
+// The counts of the list of voxels, on the GPU.
 //
-// They stand in one buffer of blocks of COUNT_BLOCK_WORDS words: first `ListCounts`, then for each level a `NodeRange` and behind it the workgroups of a dispatch over its nodes.
+// They are stored in one buffer of blocks of COUNT_BLOCK_WORDS words: first `ListCounts`, then for
+// each level a `NodeRange`, followed by the workgroups of a dispatch over its nodes.
 
 struct ListCounts {
-    // Faces: those of static surface, which come first, and all.
+    // Faces of static surface, which come first; and all faces.
     fixed_faces: u32,
     faces: u32,
     // Nodes of all levels.

@@ -1,6 +1,7 @@
-// What a face covers of its voxel, seen along its lobe's axis (voxelize/cover.wgsl has how it is found).
+// What a face covers of its voxel, seen along its lobe's axis (computed in voxelize/cover.wgsl).
 
-// How far beyond its voxel a surface is met, in voxels, so that rounding leaves no gap between neighbours.
+// A surface is hit up to this far beyond its voxel, in voxels, so that rounding leaves no gap
+// between neighbours.
 const TOLERANCE = 0.01;
 
 // The two components across an axis, in cyclic order.

@@ -1,7 +1,8 @@
-// Where the faces of a voxel are, in one buffer.
+// The index of each voxel's faces, in one buffer.
 //
-// First the bits of each word of 32 voxels with the rank of the word, then a bit for each block of 8 x 8 x 8 voxels, then for
-// each voxel the index of its first face, and in the highest bits how many it has. Group 0 is the grid.
+// First the bits of each word of 32 voxels with the rank of the word, then a bit for each block of
+// 8 x 8 x 8 voxels, then for each voxel the index of its first face and, in the highest bits, its
+// number of faces. Group 0 is the grid.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -18,7 +19,7 @@ import package::voxels::lookup::{level_first_word, level_words};
 // The level of the blocks.
 const BLOCK_LEVEL = 3u;
 
-// The bits of an entry that are the index of the first face.
+// The low bits of an entry, which are the index of the first face.
 const FACE_BITS = 26u;
 
 fn first_block() -> u32 {

@@ -1,5 +1,5 @@
 // The lobes of the inner nodes of one level: the union of those of the children. A node's children
-// follow one another in the list, since the list of each level is in Morton order.
+// are consecutive in the list, since the list of each level is in Morton order.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -1,8 +1,8 @@
-// The compact list of occupied voxels and its content.
+// The compact list of occupied voxels and its contents.
 //
 // Lobes are numbered 2 * axis + (0 for the positive side, 1 for the negative): +x -x +y -y +z -z.
 
-// Light that bounces for ever must lose some at each bounce.
+// Light that bounces infinitely often must lose some energy at each bounce.
 const LARGEST_REFLECTANCE = 0.99;
 
 // An occupied cell of some level. Level 0 comes first in the list, then level 1, and so on.
@@ -10,22 +10,22 @@ struct Node {
     // The cell's coordinates, interleaved: x in the lowest bit.
     morton: u32,
     // Bits 0..5: which lobes have coverage here or below. Bits 8..13: which of them are tilted,
-    // that is, have a vector area off their axis that survives rounding to 8 bits. Of a voxel, bits
-    // 14 to 31: how many faces each lobe has, three bits each.
+    // that is, have a vector area off their axis that survives rounding to 8 bits. Voxels only:
+    // bits 14 to 31 are the number of faces of each lobe, three bits each.
     lobes: u32,
 }
 
 // The most faces of a lobe in a voxel.
 const MOST_FACES = 7u;
 
-// How many faces a voxel has.
+// The number of faces of a voxel.
 fn faces_of(lobes: u32) -> u32 {
     let counts = lobes >> 14u;
     let pairs = (counts & 0x71c7u) + ((counts >> 3u) & 0x71c7u);
     return (pairs & 0x3fu) + ((pairs >> 6u) & 0x3fu) + (pairs >> 12u);
 }
 
-// How many of them come before those of a lobe.
+// The number of faces before those of a lobe.
 fn faces_before(lobes: u32, lobe: u32) -> u32 {
     return faces_of(lobes & ((1u << (14u + 3u * lobe)) - 1u));
 }
@@ -34,23 +34,24 @@ fn faces_in(lobes: u32, lobe: u32) -> u32 {
     return extractBits(lobes, 14u + 3u * lobe, 3u);
 }
 
-// With a number of faces in a lobe that had none.
+// Sets the number of faces of a lobe that had none.
 fn with_faces(lobes: u32, lobe: u32, count: u32) -> u32 {
     return lobes | (count << (14u + 3u * lobe));
 }
 
-// Flags of a face. SINGLE_SIDED: there is no surface behind it that is seen from there; where it is met from behind, it blocks.
+// Flags of a face. SINGLE_SIDED: no surface behind it is visible from there; it blocks rays that
+// meet it from behind.
 const SINGLE_SIDED = 1u;
-// Nothing of it is seen: it lies inside of other surface, and gathers nothing.
+// No part of it is visible: it lies inside of other surface, and gathers nothing.
 const HIDDEN = 2u;
-// Other surface parts some of what is seen of it from where its light is found.
+// Other surface separates some of its visible part from the point where its light is computed.
 const PARTED = 4u;
-// The lowest of eight bits: the share of what it covers that light passes, of 255.
+// The lowest of eight bits: the share of its covered area that light passes, of 255.
 const HOLES = 8u;
 
-// The surface of a plane in one lobe of a voxel.
+// The surface of one plane in one lobe of a voxel.
 struct Face {
-    // Mean position of the surface that is seen, weighted by area along the lobe's axis.
+    // Mean position of the visible surface, weighted by area along the lobe's axis.
     position_in_world: vec3f,
     // The voxel's Morton code.
     cell: u32,
@@ -59,13 +60,13 @@ struct Face {
     vector_area: vec3f,
     // 0..5, as numbered above.
     lobe: u32,
-    // Mean share of the light that enters, which leaves again diffusely.
+    // Mean share of the light that enters which is reflected diffusely.
     reflectance: vec3f,
     // SINGLE_SIDED, HIDDEN, PARTED and HOLES.
     flags: u32,
     // Mean emitted radiance.
     emission: vec3f,
-    // What it covers, seen along its lobe's axis (voxelize::cover).
+    // The covered part of the voxel's side, seen along its lobe's axis (voxelize::cover).
     mask_low: u32,
     // The light that the surface mirrors, and so keeps from entering: mean, grazing, kept_out
     // (light/reflected.wgsl).

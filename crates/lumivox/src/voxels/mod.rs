@@ -1,10 +1,10 @@
-//! The compact list of occupied voxels: the one thing that all volumes are filled from.
+//! The compact list of occupied voxels, from which all volumes are filled.
 //!
 //! Memory layout: a bit per cell of every level, in Morton order, all levels in one buffer; the
 //! prefix sum of the bits of its words, so that a cell's rank (its place in the list) is one
 //! look-up and one bit count; a [`Node`](NodeRecord) per occupied cell, level after level; a
-//! [`Face`](FaceRecord) per voxel, lobe and plane of surface. All of it grows only with the occupied
-//! cells, except for the bits: 2 MB at 256³.
+//! [`Face`](FaceRecord) per voxel, lobe and plane of surface. Everything grows only with the number
+//! of occupied cells, except for the bits: 2 MB at 256³.
 
 mod build;
 mod pyramid;
@@ -15,11 +15,11 @@ pub(crate) use pyramid::{BitLevel, BoundPyramid, Pyramid, level_first_word, leve
 use crate::gpu::{Buffer, Indirect};
 use bytemuck::{Pod, Zeroable};
 
-/// Bytes of a block of [`VoxelList::counts`]: what a uniform binding's offset must be a multiple of.
+/// Bytes of a block of [`VoxelList::counts`]: the alignment of a uniform binding's offset.
 const COUNT_BLOCK_BYTES: u64 = 256;
 /// Words of a block of [`VoxelList::counts`].
 pub(crate) const COUNT_BLOCK_WORDS: u32 = COUNT_BLOCK_BYTES as u32 / 4;
-/// Bytes of [`ListCounts`], and more than [`NodeRange`] takes.
+/// Bytes of [`ListCounts`]; at least as many as [`NodeRange`] has.
 pub(crate) const LIST_COUNT_BYTES: u64 = size_of::<ListCounts>() as u64;
 
 /// `ListCounts` of `counts.wgsl`.
@@ -44,17 +44,17 @@ pub(crate) struct NodeRange {
     pub(crate) padding: u32,
 }
 
-/// The byte at which a level's [`NodeRange`] stands.
+/// Byte offset of a level's [`NodeRange`].
 pub(crate) fn level_block(level: u32) -> u64 {
     u64::from(level + 1) * COUNT_BLOCK_BYTES
 }
 
-/// The byte at which the arguments of a dispatch over a level's nodes stand.
+/// Byte offset of the arguments of a dispatch over a level's nodes.
 pub(crate) fn level_arguments(level: u32) -> u64 {
     level_block(level) + size_of::<NodeRange>() as u64
 }
 
-/// The byte at which the arguments of a dispatch over all faces stand.
+/// Byte offset of the arguments of a dispatch over all faces.
 pub(crate) const FACE_ARGUMENTS: u64 = 16;
 
 /// `Node` of `list.wgsl`: an occupied cell of some level.
@@ -64,23 +64,23 @@ pub struct NodeRecord {
     /// The cell's coordinates, interleaved, x in the lowest bit.
     pub morton: u32,
     /// Bits 0 to 5: lobes with coverage here or below; bits 8 to 13: those that are tilted off
-    /// their axis; of a voxel, bits 14 to 31: how many faces each lobe has, three bits each.
+    /// their axis; voxels only: bits 14 to 31, the number of faces of each lobe, three bits each.
     pub lobes: u32,
 }
 
 impl NodeRecord {
-    /// How many faces a voxel has.
+    /// The number of faces of a voxel.
     pub fn faces(&self) -> u32 {
         (0..6).map(|lobe| self.faces_in(lobe)).sum()
     }
 
-    /// How many of them are those of a lobe.
+    /// The number of faces of one of its lobes.
     pub fn faces_in(&self, lobe: u32) -> u32 {
         self.lobes >> (14 + 3 * lobe) & 7
     }
 }
 
-/// `Face` of `list.wgsl`: the surface of a plane in one lobe of a voxel.
+/// `Face` of `list.wgsl`: the surface of one plane in one lobe of a voxel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct FaceRecord {
@@ -92,10 +92,10 @@ pub struct FaceRecord {
     pub vector_area: [f32; 3],
     /// +x, -x, +y, -y, +z, -z as 0 to 5.
     pub lobe: u32,
-    /// Mean share of the light that enters, which leaves again diffusely.
+    /// Mean share of the light that enters which is reflected diffusely.
     pub reflectance: [f32; 3],
-    /// Bit 0: it blocks where it is met from behind. Bit 1: nothing of it is seen. Bits 8 to 15: the share of what it covers
-    /// that light passes, of 255.
+    /// Bit 0: it blocks rays that meet it from behind. Bit 1: no part of it is visible. Bits 8 to
+    /// 15: the share of its covered area that light passes, of 255.
     pub flags: u32,
     /// Mean emitted radiance.
     pub emission: [f32; 3],
@@ -103,22 +103,22 @@ pub struct FaceRecord {
     pub mask_low: u32,
     /// Means of [`crate::Gloss`], in its order.
     pub gloss: [f32; 3],
-    /// The upper half.
+    /// The upper half of the mask.
     pub mask_high: u32,
-    /// What it covers along u, v, u + v and u - v, a bit for each of 32 parts.
+    /// Its covered range along u, v, u + v and u - v, a bit for each of 32 parts.
     pub profiles: [u32; 4],
 }
 
 /// The list of occupied voxels of a scene, on the GPU.
 ///
-/// Its buffers have room for more than there is. How much there is stands in `counts`, and in `level_starts` and
-/// `face_count` as far as the GPU has told: exactly after [`crate::Gi::voxelize`], a few frames late after
+/// Its buffers have spare capacity. The actual numbers are in `counts`, and, once read back, in
+/// `level_starts` and `face_count`: exact after [`crate::Gi::voxelize`], a few frames late after
 /// [`crate::Gi::voxelize_frame`].
 #[derive(Debug)]
 pub struct VoxelList {
-    /// Where each level's nodes start in `nodes`; one entry more than there are levels: the total.
+    /// Where each level's nodes start in `nodes`, and the total at the end.
     pub level_starts: Vec<u32>,
-    /// How many faces there are.
+    /// The number of faces.
     pub face_count: u32,
     /// A bit per cell, all levels one after another (`array<u32>`).
     pub occupancy: Buffer,
@@ -126,13 +126,13 @@ pub struct VoxelList {
     pub ranks: Buffer,
     /// `array<Node>`.
     pub nodes: Buffer,
-    /// For each voxel, the index of its first face (`array<u32>`); a voxel's faces are one after another, in the order
-    /// of lobes.
+    /// For each voxel, the index of its first face (`array<u32>`); a voxel's faces are consecutive,
+    /// in the order of lobes.
     pub first_faces: Buffer,
-    /// `array<Face>`: those of static surface in the order of the voxels, then those of the voxels that dynamic surface
-    /// touches, which take the place of the static ones there.
+    /// `array<Face>`: the faces of static surface in the order of the voxels, then those of the
+    /// voxels that dynamic surface touches, which replace the static ones there.
     pub faces: Buffer,
-    /// How much there is, as `package::voxels::counts` has it.
+    /// The counts, laid out as in `package::voxels::counts`.
     pub counts: Buffer,
 }
 
@@ -147,22 +147,22 @@ impl VoxelList {
         self.level_starts[level as usize]..self.level_starts[level as usize + 1]
     }
 
-    /// Nodes of all levels that there is room for.
+    /// Capacity of `nodes`, for all levels together.
     pub fn node_capacity(&self) -> u64 {
         self.nodes.size() / size_of::<NodeRecord>() as u64
     }
 
-    /// Faces that there is room for.
+    /// Capacity of `faces`.
     pub fn face_capacity(&self) -> u64 {
         self.faces.size() / size_of::<FaceRecord>() as u64
     }
 
-    /// Takes what the GPU has told of `counts`.
+    /// Applies `counts` that were read back.
     pub(crate) fn know(&mut self, words: &[u32]) {
         (self.level_starts, self.face_count) = Self::counted(words);
     }
 
-    /// `level_starts` and `face_count` by what the GPU has told of `counts`.
+    /// `level_starts` and `face_count` of `counts` that were read back.
     pub(crate) fn counted(words: &[u32]) -> (Vec<u32>, u32) {
         let counts: ListCounts = bytemuck::pod_read_unaligned(bytemuck::cast_slice(
             &words[..LIST_COUNT_BYTES as usize / 4],

@@ -1,5 +1,5 @@
 // Morton order: the bits of three coordinates of up to 10 bits each, interleaved, x in the lowest
-// bit. The eight children of a cell follow one another, so that they are one byte of a bit mask.
+// bit. The eight children of a cell are consecutive, so that they are one byte of a bit mask.
 
 fn spread_bits(value: u32) -> u32 {
     var bits = value & 0x3ffu;

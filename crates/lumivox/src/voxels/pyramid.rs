@@ -29,7 +29,7 @@ pub(crate) fn level_first_word(grid: &Grid, level: u32) -> u64 {
     (0..level).map(|finer| level_words(grid, finer)).sum()
 }
 
-/// The places of a level's bits in their buffer.
+/// Where a level's bits are in their buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BitLevel {
     pub first_word: u32,
@@ -56,7 +56,7 @@ impl Pyramid {
         Ok(Self { layout, kernel })
     }
 
-    /// What [`Self::run`] needs to fill the coarser levels of bits that are laid out as the list's occupancy.
+    /// Binds [`Self::run`] for bits that are laid out as the list's occupancy.
     pub fn bind(&self, device: &wgpu::Device, grid: &Grid, bits: &Buffer) -> BoundPyramid {
         let levels: Vec<BitLevel> = (0..grid.levels)
             .map(|level| BitLevel {
@@ -67,7 +67,8 @@ impl Pyramid {
         self.bind_levels(device, bits, &levels)
     }
 
-    /// As [`Self::bind`], for all levels but the first one given, each of which is filled from the one before.
+    /// Like [`Self::bind`], for the given levels: each is filled from the one before, except the
+    /// first.
     pub fn bind_levels(
         &self,
         device: &wgpu::Device,
@@ -94,7 +95,7 @@ impl Pyramid {
         BoundPyramid(groups)
     }
 
-    /// Fills the levels, each from the one before.
+    /// Fills the levels, each from the previous one.
     pub fn run(&self, recorder: &mut Recorder<'_>, globals: &BindGroup, bound: &BoundPyramid) {
         recorder.compute("voxels::pyramid", |pass| {
             for (group, words) in &bound.0 {

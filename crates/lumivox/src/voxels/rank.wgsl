@@ -1,6 +1,6 @@
-// The compact list from the occupancy bits: `count` leaves the bit count of each word, a prefix sum
+// The compact list from the occupancy bits: `count` writes the bit count of each word, a prefix sum
 // turns the counts into ranks, and `list` writes each set bit's Morton code to its place in the
-// list, and leaves the lobes.
+// list, without its lobes.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

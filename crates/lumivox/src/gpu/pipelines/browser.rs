@@ -1,10 +1,10 @@
-//! Making pipelines in browsers asynchronously, while the page continues.
+//! Asynchronous creation of pipelines in browsers, without blocking the page.
 //!
-//! wgpu only calls `createComputePipeline` and `createRenderPipeline`: the browser then compiles
-//! one after the other, in the process that all GPU work waits for. Their `Async` siblings take the
-//! same descriptors. So during one call our function replaces the device's method: first it takes
-//! the descriptor, and once the browser has made the pipeline, another function returns it to wgpu.
-//! Nothing is compiled twice.
+//! wgpu only calls `createComputePipeline` and `createRenderPipeline`, which the browser compiles
+//! one after the other, in the process that all GPU work waits for. Their `Async` variants take the
+//! same descriptors. So our function replaces the device's method during two calls: the first
+//! captures the descriptor, and once the browser has created the pipeline, the second returns it to
+//! wgpu. Nothing is compiled twice.
 
 use js_sys::{Function, Object, Promise, Reflect};
 use wasm_bindgen::closure::Closure;
@@ -14,7 +14,7 @@ use wasm_bindgen_futures::JsFuture;
 use super::lazy::Pending;
 
 impl Pending {
-    /// The device's method that makes this pipeline.
+    /// The device's method that creates this pipeline.
     fn method(&self) -> &'static str {
         match self {
             Self::Compute(_) => "createComputePipeline",
@@ -23,7 +23,7 @@ impl Pending {
     }
 }
 
-/// Makes all pipelines at once.
+/// Creates all pipelines at once.
 pub(super) async fn make(
     device: &wgpu::Device,
     pending: &[Pending],
@@ -43,15 +43,15 @@ pub(super) async fn make(
             (Some(device), Some(made)) => {
                 stand_in(device, pipeline.method(), |_| made.clone(), || pipeline.make());
             }
-            // A pipeline that the browser refuses is refused again, and the device's error handlers
-            // see it.
+            // A pipeline that the browser has rejected is rejected again here, so that the device's
+            // error handlers see it.
             _ => pipeline.make(),
         }
         progress(done, pending.len() as u32);
     }
 }
 
-/// Starts to make a pipeline; `None` if the browser has no such method.
+/// Starts to create a pipeline; `None` if the browser has no such method.
 fn start(device: &JsValue, pipeline: &Pending) -> Option<Promise> {
     let asynchronous = format!("{}Async", pipeline.method());
     let create: Function = Reflect::get(device, &asynchronous.into()).ok()?.dyn_into().ok()?;

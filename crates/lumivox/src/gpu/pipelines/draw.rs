@@ -1,4 +1,4 @@
-//! Pipelines that draw.
+//! Render pipelines.
 
 use std::ops::Deref;
 
@@ -6,7 +6,7 @@ use super::lazy::{Lazy, Plan, pipeline_layout};
 use super::{Shader, ShaderEntry};
 use crate::gpu::ShaderError;
 
-/// The description of a pipeline that draws triangles: one sample a pixel, one view.
+/// The description of a render pipeline for triangles: one sample per pixel, one view.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct DrawPlan {
     /// The vertex shader.
@@ -15,22 +15,22 @@ pub struct DrawPlan {
     pub fragment: Option<ShaderEntry>,
     /// The colour targets of the fragment shader, by location.
     pub targets: Vec<Option<wgpu::ColorTargetState>>,
-    /// Vertex buffers by their slots.
+    /// Vertex buffers by slot.
     pub vertex_buffers: Vec<Option<wgpu::VertexBufferLayout<'static>>>,
     /// Layouts of the bind groups, from group 0.
     pub groups: Vec<wgpu::BindGroupLayout>,
-    /// The assembly of vertices into triangles.
+    /// Primitive assembly.
     pub primitive: wgpu::PrimitiveState,
-    /// The depth test, if there is one.
+    /// The depth test; `None` to disable it.
     pub depth_stencil: Option<wgpu::DepthStencilState>,
 }
 
 impl DrawPlan {
     /// A plan that draws both sides of triangles without vertex buffers, targets, bind groups or a
-    /// depth buffer: a start for struct updates.
+    /// depth buffer, as a base for struct updates.
     ///
     /// # Errors
-    /// When there is no entry point of that name.
+    /// If there is no entry point with that name.
     pub fn new(vertex: &Shader, entry: &str) -> Result<Self, ShaderError> {
         Ok(Self {
             vertex: vertex.entry(entry)?,
@@ -77,7 +77,7 @@ impl Plan for DrawPlan {
     }
 }
 
-/// A pipeline that draws; it is made at its first use (by `Deref`) if not before. Clones share it.
+/// A render pipeline, created at the latest at its first use (by `Deref`). Clones share it.
 #[derive(Clone, Debug)]
 pub struct DrawPipeline(pub(super) Lazy<DrawPlan>);
 

@@ -1,4 +1,4 @@
-//! Pipelines that are made when they are needed.
+//! Pipelines that are created on demand.
 
 use std::sync::{Arc, OnceLock};
 
@@ -11,7 +11,7 @@ pub(crate) trait Plan {
     fn create(&self, device: &wgpu::Device, cache: Option<&wgpu::PipelineCache>) -> Self::Pipeline;
 }
 
-/// A pipeline that is made once, at its first use if not before. Clones share it.
+/// A pipeline that is created once, at the latest at its first use. Clones share it.
 #[derive(Debug)]
 pub(crate) struct Lazy<P: Plan>(Arc<Slot<P>>);
 
@@ -56,7 +56,7 @@ impl<P: Plan> Clone for Lazy<P> {
     }
 }
 
-/// A pipeline of either kind that may not be made yet.
+/// A pipeline of either kind that may not be created yet.
 #[derive(Clone, Debug)]
 pub(super) enum Pending {
     Compute(LazyCompute),
@@ -71,7 +71,7 @@ impl Pending {
         }
     }
 
-    /// The same for all clones of one pipeline.
+    /// An address that is the same for all clones of one pipeline.
     pub(super) fn address(&self) -> *const () {
         match self {
             Self::Compute(pipeline) => Arc::as_ptr(&pipeline.0).cast(),
@@ -79,7 +79,7 @@ impl Pending {
         }
     }
 
-    /// Bytes of its shader, which go with the time that it takes.
+    /// Size of its shader in bytes, an estimate of the compile time.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn source_bytes(&self) -> usize {
         match self {
@@ -88,7 +88,7 @@ impl Pending {
         }
     }
 
-    /// Makes the pipeline if it does not exist.
+    /// Creates the pipeline if it does not exist.
     pub(super) fn make(&self) {
         match self {
             Self::Compute(pipeline) => {
@@ -100,7 +100,7 @@ impl Pending {
         }
     }
 
-    /// Makes a pipeline and discards it, for the calls that wgpu makes on the way.
+    /// Creates a pipeline and discards it, to observe the calls that wgpu makes.
     #[cfg(target_arch = "wasm32")]
     pub(super) fn rehearse(&self) {
         match self {

@@ -1,17 +1,18 @@
-//! A cache of shaders, layouts and pipelines, one a device.
+//! A cache of shaders, layouts and pipelines, one per device.
 //!
-//! All that is made on a device with one [`Pipelines`] shares what is in it: a second scene,
-//! another resolution or a volume that was there before find their pipelines made. What counts is
-//! content. A shader is known by its linked WGSL, a bind group layout by its entries, a pipeline by
-//! both. So a layout of an older object fits a bind group of a newer one.
+//! Everything created on a device with the same [`Pipelines`] shares it: a second scene, another
+//! resolution or a volume that was used before find their pipelines in the cache. Keys are
+//! contents: a shader is identified by its linked WGSL, a bind group layout by its entries, a
+//! pipeline by both. So a layout of an older object fits a bind group of a newer one.
 //!
-//! Asking for a pipeline links its shader and makes nothing on the device, unless the shader
-//! contains a module that was added at run time: then the device checks it, so that errors come
-//! early. [`Pipelines::compile`] makes the pipelines that most scenes need, at once: on all cores, or
-//! by the browser beside the page. The first use makes all others.
+//! Requesting a pipeline links its shader and creates nothing on the device, unless the shader
+//! contains a module that was added at run time: then the device validates it, so that errors are
+//! reported early. [`Pipelines::compile`] creates the pipelines that most scenes need, in parallel:
+//! on all cores, or in the browser without blocking the page. All others are created at their first
+//! use.
 //!
-//! Nothing is given up before the last clone goes: pipelines number with the kinds of volumes,
-//! materials and views that were in use, not with scenes.
+//! Nothing is released before the last clone is dropped: the number of pipelines grows with the
+//! kinds of volumes, materials and views that were used, not with scenes.
 
 #[cfg(target_arch = "wasm32")]
 mod browser;
@@ -40,7 +41,7 @@ pub(crate) struct ComputePlan {
     pub(crate) groups: Vec<wgpu::BindGroupLayout>,
 }
 
-/// The cache of one device, which it stands for as well (by `Deref`). Clones share it.
+/// The pipeline cache of one device; derefs to the device. Clones share it.
 #[derive(Clone, Debug)]
 pub struct Pipelines {
     device: wgpu::Device,
@@ -54,30 +55,30 @@ struct Cache {
     layouts: Mutex<HashMap<Vec<wgpu::BindGroupLayoutEntry>, wgpu::BindGroupLayout>>,
     compute: Mutex<HashMap<ComputePlan, LazyCompute>>,
     draw: Mutex<HashMap<DrawPlan, DrawPipeline>>,
-    /// Asked for, and not known to be made.
+    /// Requested pipelines that may not be created yet.
     pending: Mutex<Vec<Pending>>,
 }
 
-/// Shaders by where they come from and by what they are.
+/// Shaders by origin and by content.
 #[derive(Debug, Default)]
 struct Linked {
-    /// Every library so far that differs from the others.
+    /// All different libraries so far.
     libraries: Vec<ShaderLibrary>,
-    /// By the library's place in the list, and the module's path.
+    /// By the library's index in the list, and the module's path.
     by_path: HashMap<(usize, String), Shader>,
     by_source: HashMap<String, Shader>,
 }
 
-/// How many there are.
+/// Numbers of cached objects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PipelineCounts {
-    /// Shader modules whose WGSL differs.
+    /// Shader modules with different WGSL.
     pub shaders: usize,
-    /// Bind group layouts whose entries differ.
+    /// Bind group layouts with different entries.
     pub layouts: usize,
-    /// Pipelines that were asked for.
+    /// Requested pipelines.
     pub pipelines: usize,
-    /// Of those, the ones that the device has made.
+    /// Requested pipelines that the device has created.
     pub made: usize,
 }
 
@@ -87,7 +88,7 @@ impl Pipelines {
         Self { device: device.clone(), driver_cache: None, cache: Arc::default() }
     }
 
-    /// As [`Self::new`], with what the driver has compiled before.
+    /// [`Self::new`] with a cache of the driver's compilations.
     pub fn with_cache(device: &wgpu::Device, driver_cache: wgpu::PipelineCache) -> Self {
         Self { driver_cache: Some(driver_cache), ..Self::new(device) }
     }
@@ -100,8 +101,7 @@ impl Pipelines {
     /// The shader module `path` of a library, linked once for the same sources and constants.
     ///
     /// # Errors
-    /// When it does not link, or contains a module that was added at run time and does not
-    /// validate.
+    /// If it does not link, or contains a module that was added at run time and does not validate.
     pub fn shader(&self, library: &ShaderLibrary, path: &str) -> Result<Shader, ShaderError> {
         let mut linked = lock(&self.cache.linked);
         let known = linked.libraries.iter().position(|known| known == library);
@@ -126,8 +126,7 @@ impl Pipelines {
         Ok(shader)
     }
 
-    /// The layout of bind groups with the given entries; the first label that it was asked for with
-    /// stays.
+    /// The layout of bind groups with the given entries; it keeps the label of its first request.
     pub(crate) fn layout(
         &self,
         entries: Vec<wgpu::BindGroupLayoutEntry>,
@@ -142,21 +141,21 @@ impl Pipelines {
         layouts.entry(entries).or_insert_with_key(create).clone()
     }
 
-    /// A compute pipeline, which is made by [`Self::compile_all`], by [`Self::compile`] if it is
+    /// A compute pipeline, created by [`Self::compile_all`], by [`Self::compile`] if it is
     /// expected, or at its first use.
     pub(crate) fn compute(&self, plan: ComputePlan) -> LazyCompute {
         let create = |plan: &ComputePlan| Lazy::new(self, plan.clone());
         lock(&self.cache.compute).entry(plan).or_insert_with_key(create).clone()
     }
 
-    /// Lets [`Self::compile`] make a compute pipeline.
+    /// Makes [`Self::compile`] create a compute pipeline.
     pub(crate) fn expect(&self, pipeline: &LazyCompute) {
         if !pipeline.is_made() {
             lock(&self.cache.pending).push(Pending::Compute(pipeline.clone()));
         }
     }
 
-    /// A pipeline that draws, which is made by [`Self::compile`] or at its first use.
+    /// A render pipeline, created by [`Self::compile`] or at its first use.
     pub fn draw(&self, plan: DrawPlan) -> DrawPipeline {
         let create = |plan: &DrawPlan| {
             let pipeline = Lazy::new(self, plan.clone());
@@ -166,10 +165,10 @@ impl Pipelines {
         lock(&self.cache.draw).entry(plan).or_insert_with_key(create).clone()
     }
 
-    /// Makes the pipelines that were asked for and are not there: on all cores, or in browsers
-    /// without holding the page up. It leaves out what only scenes that move or have holes run:
-    /// [`Self::compile_all`] makes that, too. `progress` gets the number made and the total, if any
-    /// are left to make.
+    /// Creates the requested pipelines that do not exist yet: on all cores, or in browsers without
+    /// blocking the page. It skips pipelines that only scenes with motion or holes run;
+    /// [`Self::compile_all`] includes them. `progress` gets the number created and the total, if
+    /// any are left to create.
     ///
     /// An error of the device is reported like that of any failed call, not here.
     pub async fn compile(&self, progress: &mut dyn FnMut(u32, u32)) {
@@ -177,8 +176,7 @@ impl Pipelines {
         make(&self.device, pending, progress).await;
     }
 
-    /// As [`Self::compile`], for every pipeline that was asked for: a frame then never waits for
-    /// one.
+    /// [`Self::compile`] for every requested pipeline, so that no frame waits for one.
     pub async fn compile_all(&self, progress: &mut dyn FnMut(u32, u32)) {
         let mut pending = std::mem::take(&mut *lock(&self.cache.pending));
         let is_draw = |pipeline: &Pending| matches!(pipeline, Pending::Draw(_));
@@ -187,7 +185,7 @@ impl Pipelines {
         make(&self.device, pending, progress).await;
     }
 
-    /// How many there are of each.
+    /// Numbers of cached objects.
     pub fn counts(&self) -> PipelineCounts {
         let compute = lock(&self.cache.compute);
         let draw = lock(&self.cache.draw);
@@ -210,7 +208,7 @@ impl Deref for Pipelines {
     }
 }
 
-/// Makes those of some pipelines that are not there.
+/// Creates the pipelines that do not exist yet.
 async fn make(
     device: &wgpu::Device,
     mut pending: Vec<Pending>,
@@ -229,7 +227,7 @@ async fn make(
     browser::make(device, &pending, progress).await;
 }
 
-/// Makes those of some compute pipelines that are not there, all at once.
+/// Creates the compute pipelines that do not exist yet, all at once.
 pub(super) async fn make_all(pipelines: &[LazyCompute]) {
     if let Some(first) = pipelines.first() {
         let device = first.device().clone();
@@ -238,7 +236,7 @@ pub(super) async fn make_all(pipelines: &[LazyCompute]) {
     }
 }
 
-/// A panic elsewhere leaves nothing half done in these maps.
+/// A panic elsewhere cannot leave these maps inconsistent.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

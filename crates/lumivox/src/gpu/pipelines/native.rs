@@ -1,17 +1,17 @@
-//! Making many pipelines at once, outside of browsers.
+//! Parallel creation of pipelines, outside of browsers.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
 use super::lazy::Pending;
 
-/// Makes pipelines on all cores. It blocks, as does waiting for the device outside browsers.
+/// Creates pipelines on all cores. It blocks, as waiting for the device does outside of browsers.
 pub(super) fn make(
     _: &wgpu::Device,
     pending: &[Pending],
     progress: &mut dyn FnMut(u32, u32),
 ) -> std::future::Ready<()> {
-    // The longest first, so that the cores end together.
+    // The longest first, so that all cores finish at about the same time.
     let mut pending = pending.to_vec();
     pending.sort_by_key(|pipeline| std::cmp::Reverse(pipeline.source_bytes()));
     let pending = &pending;

@@ -1,4 +1,4 @@
-//! A linked shader, and an entry point of one.
+//! A linked shader, and its entry points.
 
 use std::hash::{Hash, Hasher};
 use std::sync::{Arc, OnceLock};
@@ -7,7 +7,7 @@ use lumivox_wgsl::LinkedShader;
 
 use crate::gpu::ShaderError;
 
-/// A linked shader; its module on the device is made with its first pipeline. Clones share it.
+/// A linked shader; its module on the device is created with its first pipeline. Clones share it.
 #[derive(Clone, Debug)]
 pub struct Shader(Arc<Content>);
 
@@ -20,10 +20,11 @@ struct Content {
 }
 
 impl Shader {
-    /// A shader that contains a module that was added at run time is made on the device here, and checked.
+    /// A shader with a module that was added at run time is created on the device here, and
+    /// validated.
     ///
     /// # Errors
-    /// When the device refuses the shader. Browsers only say so later, in the log.
+    /// If the device rejects the shader. Browsers report that only later, in the log.
     pub(super) fn new(
         device: &wgpu::Device,
         path: &str,
@@ -38,10 +39,10 @@ impl Shader {
         Ok(shader)
     }
 
-    /// The entry point of that name.
+    /// The entry point with that name.
     ///
     /// # Errors
-    /// When there is none.
+    /// If there is none.
     pub fn entry(&self, name: &str) -> Result<ShaderEntry, ShaderError> {
         let found = self.0.linked.entries.iter().position(|(entry, _)| entry == name);
         let number = found.ok_or_else(|| ShaderError {
@@ -86,7 +87,7 @@ impl Shader {
         Ok(())
     }
 
-    /// The first error that a compiler tells, with the module that it is in.
+    /// The first error in the compiler's messages, with the module that it is in.
     fn error_in(&self, info: &wgpu::CompilationInfo) -> Option<ShaderError> {
         let is_error = |message: &&wgpu::CompilationMessage| {
             message.message_type == wgpu::CompilationMessageType::Error
@@ -103,7 +104,7 @@ impl Shader {
     }
 }
 
-/// The result of a future that outside of browsers is ready at once.
+/// The result of a future that is ready at once outside of browsers.
 #[cfg(not(target_arch = "wasm32"))]
 fn ready<T>(future: impl Future<Output = T>) -> Option<T> {
     let mut context = std::task::Context::from_waker(std::task::Waker::noop());
@@ -113,7 +114,7 @@ fn ready<T>(future: impl Future<Output = T>) -> Option<T> {
     }
 }
 
-/// Within a cache each content exists once, so identity is equality.
+/// A cache contains each content only once, so identity is equality.
 impl PartialEq for Shader {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
@@ -141,12 +142,12 @@ impl ShaderEntry {
         &self.shader.0.linked.entries[self.number].0
     }
 
-    /// The path of the module, and the name.
+    /// The path of the module, and the name of the entry point.
     pub fn label(&self) -> String {
         format!("{}::{}", self.shader.0.path, self.name())
     }
 
-    /// Invocations along x, y and z of one workgroup; zeros for other stages than compute.
+    /// Invocations along x, y and z of one workgroup; zeros for stages other than compute.
     pub fn workgroup_size(&self) -> [u32; 3] {
         self.shader.0.linked.entries[self.number].1
     }

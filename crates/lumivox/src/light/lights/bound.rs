@@ -1,4 +1,4 @@
-//! Lights bound for the shaders, and changed without binding them anew.
+//! Lights bound for the shaders, and updated without rebinding.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -15,7 +15,8 @@ use crate::gpu::{
 };
 use crate::mounted::{Mounted, Resource};
 
-/// Where the shadows of lights with [`Shadow::Map`] come from. `None` and `Some(&maps)` turn into it.
+/// The source of the shadows of lights with [`Shadow::Map`]. `None` and `Some(&maps)` convert into
+/// it.
 ///
 /// ```
 /// # pollster::block_on(async {
@@ -60,7 +61,8 @@ pub enum ShadowSource<'a> {
     None,
     /// Maps in Lumivox's own layout.
     Maps(&'a ShadowMaps),
-    /// What the caller's own module binds ([`crate::GiConfig::shadow_maps`]), in the order of its bindings.
+    /// The resources of the caller's own module ([`crate::GiConfig::shadow_maps`]), in the order of
+    /// its bindings.
     Own(&'a [Resource]),
 }
 
@@ -73,8 +75,8 @@ impl<'a> From<Option<&'a ShadowMaps>> for ShadowSource<'a> {
 /// The bindings of shadow maps in Lumivox's own layout.
 const MAP_BINDINGS: u32 = 3;
 
-/// The layout of group 2: lights, shadow maps in Lumivox's layout, environment, and behind them what the caller's own
-/// module of shadow maps binds.
+/// The layout of group 2: lights, shadow maps in Lumivox's layout, environment, and then the
+/// bindings of the caller's own module of shadow maps.
 pub fn lights_layout(device: &Pipelines, own: Option<&Mounted>) -> wgpu::BindGroupLayout {
     let lights = LayoutBuilder::compute().uniform().storage();
     let maps = match own {
@@ -90,19 +92,20 @@ pub fn lights_layout(device: &Pipelines, own: Option<&Mounted>) -> wgpu::BindGro
 /// Lights, environment and shadow maps bound for the shaders.
 #[derive(Debug)]
 pub struct Lights {
-    /// The bind group, of the layout [`crate::Gi::lights_layout`]. [`Self::update`] may put another in its place.
+    /// The bind group, of the layout [`crate::Gi::lights_layout`]. [`Self::update`] may replace it.
     pub group: BindGroup,
-    /// How many lights there are.
+    /// Number of lights.
     pub count: u32,
-    /// A number that is unique to these lights: others have another, and so have these once they have changed.
+    /// A number that is unique to these lights and changes whenever they do.
     pub(crate) version: u64,
-    /// Whether any of them gets its shadows by cones, or may, where a caller's own maps do not reach.
+    /// `true` if any of them has cone shadows, or may have them where a caller's own maps do not
+    /// reach.
     pub(crate) has_cone_shadows: bool,
-    /// Those that have shadow maps.
+    /// The lights that have shadow maps.
     pub mapped: Vec<MappedLight>,
-    /// Width and height of the maps, texels; zeros without any.
+    /// Width and height of the maps, texels; zero without any.
     pub map_size: [u32; 2],
-    /// As they are on the GPU, in the next three.
+    /// The contents of the next three buffers.
     known: Records,
     globals: Buffer,
     records: Buffer,
@@ -113,20 +116,21 @@ pub struct Lights {
     layout: wgpu::BindGroupLayout,
 }
 
-/// A light with the layers of the shadow maps that are its own.
+/// A light and its layers of the shadow maps.
 #[derive(Clone, Debug)]
 pub struct MappedLight {
-    /// Its place among the lights.
+    /// Its index among the lights.
     pub index: u32,
-    /// Where it stands and how it spreads.
+    /// Its position and distribution.
     pub source: LightSource,
     /// Its first layer among all of the maps.
     pub first_layer: u32,
-    /// Its layers: the six faces of a point light, or the one of another with the finer ones within it.
+    /// Its layers: the six faces of a point light, or one layer and the finer ones within it for
+    /// other lights.
     pub layers: Vec<ShadowLayer>,
 }
 
-/// The textures that are bound.
+/// The bound textures.
 #[derive(Clone, Debug, PartialEq)]
 struct Textures {
     shadows: ShadowTextures,
@@ -140,7 +144,7 @@ enum ShadowTextures {
     Own(Vec<Resource>),
 }
 
-/// What is bound where something is not there, and the samplers.
+/// Fallbacks for missing textures, and the samplers.
 #[derive(Debug)]
 struct StandIns {
     no_map: TextureView,
@@ -150,7 +154,7 @@ struct StandIns {
     environment_sampler: wgpu::Sampler,
 }
 
-/// Lights as the shaders read them.
+/// Lights in the shaders' format.
 #[derive(Debug)]
 struct Records {
     globals: LightGlobals,
@@ -159,9 +163,10 @@ struct Records {
 }
 
 impl Lights {
-    /// Uploads lights. `environment` is what lies outside the grid; `white` stands in for its map.
+    /// Uploads lights. `environment` is what lies outside the grid; `white` is the fallback for its
+    /// map.
     ///
-    /// A light whose shadow layer does not exist in the maps gets its shadows by cones instead.
+    /// A light whose shadow layer does not exist in the maps gets cone shadows instead.
     pub(crate) fn new(
         device: &wgpu::Device,
         layout: &wgpu::BindGroupLayout,
@@ -198,12 +203,12 @@ impl Lights {
         bound
     }
 
-    /// Takes other lights, another environment and other shadow layers, from the next submission on, for all that is
-    /// submitted then. Light in the voxels stays what it was before the next [`crate::Gi::light`].
+    /// Replaces lights, environment and shadow layers for everything submitted from the next
+    /// submission on. Light in the voxels does not change before the next [`crate::Gi::light`].
     ///
-    /// The parameters are those of [`crate::Gi::bind_lights`]; where they say what is bound already, nothing is done.
-    /// Buffers and the bind group stay, unless there are more lights or layers than ever before, or textures other
-    /// than those bound.
+    /// The parameters are those of [`crate::Gi::bind_lights`]; if nothing has changed, nothing is
+    /// done. Buffers and the bind group are kept, unless there are more lights or layers than ever
+    /// before, or other textures.
     pub fn update<'a>(
         &mut self,
         queue: &wgpu::Queue,
@@ -236,7 +241,7 @@ impl Lights {
         self.describe(lights, shadows);
     }
 
-    /// Sets what the host knows of the lights.
+    /// Updates the fields that describe the lights on the CPU.
     fn describe(&mut self, lights: &[Light], shadows: ShadowSource<'_>) {
         let records = &self.known;
         self.count = records.globals.light_count;
@@ -256,13 +261,14 @@ impl Lights {
     }
 }
 
-/// A number that was not given out before.
+/// A number that was never returned before.
 fn next_version() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
-/// Writes records into a buffer, or makes one with room to grow if they do not fit; tells whether it did.
+/// Writes records into a buffer, or creates a larger one if they do not fit; returns `true` if it
+/// did.
 fn write_or_grow<T: Pod>(
     (device, queue): (&wgpu::Device, &wgpu::Queue),
     buffer: &mut Buffer,
@@ -357,7 +363,7 @@ impl StandIns {
 }
 
 impl Records {
-    /// Whether both are the same to the bit.
+    /// `true` if both have the same bits.
     fn are_same(&self, other: &Self) -> bool {
         fn bits<T: Pod>(records: &[T]) -> &[u32] {
             bytemuck::cast_slice(records)
@@ -377,7 +383,7 @@ impl Records {
             ShadowSource::Maps(maps) => maps.layers.as_slice(),
             ShadowSource::None | ShadowSource::Own(_) => &[],
         };
-        // The caller's own module has what layers it says.
+        // The layers of the caller's own module are not known here.
         let layer_count =
             if matches!(shadows, ShadowSource::Own(_)) { u32::MAX } else { layers.len() as u32 };
         let lights: Vec<LightRecord> =
@@ -404,7 +410,7 @@ impl Records {
     }
 }
 
-/// The light, or with shadows by cones if it asks for layers that are not there.
+/// The light, with cone shadows instead if it names layers that do not exist.
 fn with_layers(light: &Light, layer_count: u32) -> Light {
     let needed = layers_of(&light.source) as u32;
     let shadow = match light.shadow {
@@ -420,7 +426,7 @@ fn with_layers(light: &Light, layer_count: u32) -> Light {
     Light { shadow, ..*light }
 }
 
-/// The lights that have layers of the maps, which the records have checked.
+/// The lights with layers of the maps, whose indices were checked when the records were created.
 fn mapped(lights: &[Light], records: &[LightRecord], maps: &ShadowMaps) -> Vec<MappedLight> {
     let with_records = lights.iter().zip(records).enumerate();
     with_records
@@ -444,8 +450,8 @@ fn layers_of(source: &LightSource) -> usize {
     if matches!(source, LightSource::Point { .. }) { 6 } else { 1 }
 }
 
-/// The alpha below which a lobe shows the shape of the widest light that is a part of the environment: the
-/// microfacets' normals turn by half of what the reflection does. 0 without such lights.
+/// The alpha below which a lobe shows the shape of the widest environment light: the microfacets'
+/// normals turn by half the angle of the reflection. 0 without such lights.
 fn mirror_alpha(records: &[LightRecord]) -> f32 {
     let parts = records.iter().filter(|light| light.kind == LIGHT_ENVIRONMENT);
     parts.map(|light| 0.5 * light.radius).fold(0.0, f32::max)

@@ -1,4 +1,4 @@
-//! Bits of changed cells, as lists to run over.
+//! Lists of changed cells, made from their bits.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -38,10 +38,10 @@ impl LevelWords {
     }
 }
 
-/// Cells that have changed, level after level, and how to run over them.
+/// Changed cells, level by level, and how to run over them.
 #[derive(Debug)]
 pub(crate) struct ChangedCells {
-    /// For each word of the bits, those before it, and last the total.
+    /// For each word of the bits, the number of cells before it; last, the total.
     pub(crate) ranks: Buffer,
     /// `array<ChangedCell>` of `list.wgsl`.
     pub(crate) cells: Buffer,
@@ -54,8 +54,8 @@ pub(crate) struct ChangedCells {
 }
 
 impl ChangedCells {
-    /// Runs a kernel with a thread for each changed cell of a level, and some more:
-    /// `package::volume::changes::cells` returns its cell.
+    /// Runs a kernel with one thread per changed cell of a level, and some more:
+    /// `package::volume::changes::cells` returns a thread's cell.
     pub(crate) fn dispatch(
         &self,
         pass: &mut ComputePass<'_>,
@@ -73,7 +73,7 @@ impl ChangedCells {
     }
 }
 
-/// The kernels.
+/// Kernels that list changed cells.
 #[derive(Debug)]
 pub(super) struct Lister {
     layout: wgpu::BindGroupLayout,
@@ -81,7 +81,7 @@ pub(super) struct Lister {
     list: Kernel,
     scan: Scan,
     indirect: Indirect,
-    /// The value that means no overflow.
+    /// A zero: no overflow.
     zero: Buffer,
 }
 
@@ -106,8 +106,8 @@ impl Lister {
         })
     }
 
-    /// Room for so many cells, which must be enough for all whose bits are set; those that are not occupied are left out
-    /// if asked for.
+    /// Creates lists for up to `count` cells, which must be enough for all set bits; with
+    /// `only_occupied`, cells that are not occupied are skipped.
     pub(super) fn cells(
         &self,
         device: &wgpu::Device,
@@ -138,7 +138,7 @@ impl Lister {
         }
     }
 
-    /// Binds other bits, whose cells are listed in the same place.
+    /// Binds other bits, whose cells are listed in the same buffers.
     pub(super) fn other_bits(
         &self,
         device: &wgpu::Device,
@@ -174,7 +174,7 @@ impl Lister {
         self.list_bits(recorder, globals, cells, &cells.group);
     }
 
-    /// Lists the cells of the bits of a group.
+    /// Lists the cells of the bits of a bind group.
     pub(super) fn list_bits(
         &self,
         recorder: &mut Recorder<'_>,

@@ -1,22 +1,22 @@
-// The changed cells of all levels as a list, so that passes run only over them: level after level,
-// each in Morton order. `count` leaves the bit count of each word, a prefix sum turns the counts
-// into ranks, and `list` writes each cell to its place.
+// The changed cells of all levels as a list, so that passes run only over them: level by level,
+// each in Morton order. `count` writes the bit count of each word, a prefix sum turns the counts
+// into ranks, and `list` writes each cell to its index.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::voxels::lookup::{bits_below, level_words};
 
-// In place of a cell or a node where there is none.
+// Placeholder for a missing cell or node.
 const NOTHING = 0xffffffffu;
 
 struct ListParams {
-    // 1: cells that are not occupied are left out.
+    // 1: skip cells that are not occupied.
     only_occupied: u32,
 }
 
 struct ChangedCell {
     morton: u32,
-    // The cell's place in the list of nodes; NOTHING if it is not occupied.
+    // The cell's index in the list of nodes; NOTHING if it is not occupied.
     node: u32,
 }
 

@@ -1,15 +1,15 @@
-//! The cells of a volume whose content is outdated, so that all others can stay as they are.
+//! The cells of a volume whose content is outdated, so that all others can stay unchanged.
 //!
-//! It works only on the voxel list and the faces' radiance: any volume can use it. A bit per cell,
-//! laid out as the list's occupancy bits, says whether the cell's surface or light, or that of any
-//! cell below it, differs from what is stored. The cells whose bits are set are listed, and passes
-//! that write to the volume run only over them. The values that they write depend only on the voxel
-//! list and the radiance: so the volume has the same bits as if all cells were written.
+//! This depends only on the voxel list and the faces' radiance: any volume can use it. A bit per
+//! cell, laid out like the list's occupancy bits, is set if the surface or light of the cell, or of
+//! any cell below it, differs from what is stored. Cells with set bits are listed, and passes that
+//! write to the volume run only over them. The values that they write depend only on the voxel list
+//! and the radiance, so the volume is bit-identical to one with all cells written.
 //!
-//! Who voxelizes sets the bits of voxels of another surface (`voxelize/union.rs`). Light is compared with
-//! what the volume holds of each face ([`Changes::find`]). Where light comes from darkness with many
-//! bounces, nearly everything changes, several times within one update; there everything is written
-//! without looking ([`Changes::all`]).
+//! Voxelization sets the bits of voxels with changed surface (`voxelize/union.rs`). Light is
+//! compared with what the volume stores of each face ([`Changes::find`]). If light starts from
+//! darkness with many bounces, nearly everything changes several times within one update; then
+//! everything is written without a comparison ([`Changes::all`]).
 
 mod list;
 #[cfg(test)]
@@ -28,7 +28,8 @@ pub(crate) use list::ListParams;
 use list::Lister;
 pub(crate) use list::{ChangedCells, LevelWords};
 
-/// What the faces of a list send out, and what the volume holds of it (`array<vec4f>` both).
+/// Outgoing radiance of the faces of a list, and the radiance that the volume stores of them
+/// (`array<vec4f>` both).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shown<'a> {
     pub(crate) now: &'a Buffer,
@@ -41,15 +42,15 @@ struct Bound {
     occupancy: Buffer,
     counts: Buffer,
     relit: BindGroup,
-    /// The occupied cells that are to be written.
+    /// Occupied cells to be written.
     changed: ChangedCells,
-    /// All cells of another surface, those that are gone included.
+    /// All cells with changed surface, including removed ones.
     wrong: ChangedCells,
-    /// Where there is emission.
+    /// `None` if there is no emission.
     shining: Option<Shining>,
 }
 
-/// Finds the cells that look otherwise with the emission of their faces than without.
+/// Finds the cells that look different with the emission of their faces than without.
 #[derive(Debug)]
 struct Shining {
     bits: Buffer,
@@ -70,16 +71,16 @@ pub(crate) struct Changes {
     bits: Buffer,
     levels: BoundPyramid,
     bound: Option<Bound>,
-    /// The bits are those of a new list that the volume has not stored yet.
+    /// The bits belong to a new list that the volume has not stored yet.
     is_list_new: bool,
-    /// The bits are those of what was stored last.
+    /// The bits belong to what was stored last.
     is_stored: bool,
-    /// Nothing is known of the volume's content.
+    /// Nothing is known about the volume's content.
     is_forgotten: bool,
 }
 
 impl Changes {
-    /// `bits` are those that voxelizations set.
+    /// `bits` are the bits set by voxelizations.
     pub(crate) fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
@@ -112,14 +113,15 @@ impl Changes {
         })
     }
 
-    /// Before a voxelization: what was stored has not changed any more.
+    /// Call before a voxelization: clears the bits of what has been stored.
     pub(crate) fn begin(&mut self, recorder: &mut Recorder<'_>) {
         if std::mem::take(&mut self.is_stored) {
             recorder.clear(&self.bits);
         }
     }
 
-    /// Binds another list, or one with other room. Cells of `old` may be gone.
+    /// Binds another list, or the same one after its buffers were resized. Cells of `old` may be
+    /// gone.
     pub(crate) fn bind(
         &mut self,
         device: &wgpu::Device,
@@ -163,7 +165,8 @@ impl Changes {
         });
     }
 
-    /// After a voxelization: finds the cells of another surface, those that are gone included, and lists them if asked for.
+    /// Call after a voxelization: finds the cells with changed surface, including removed ones, and
+    /// lists them if `lists_them`.
     pub(crate) fn wrong(&mut self, recorder: &mut Recorder<'_>, lists_them: bool) {
         recorder.stage("changes");
         self.is_list_new = true;
@@ -174,20 +177,21 @@ impl Changes {
         }
     }
 
-    /// Before surfaces are needed, whatever their light: the cells that lack those of the current
-    /// list; none if the volume has them.
+    /// Call before surfaces are needed, regardless of their light: returns the cells without the
+    /// surfaces of the current list; `None` if the volume is up to date.
     pub(crate) fn surfaces(&mut self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
         if self.is_list_new { self.list(recorder) } else { None }
     }
 
-    /// Before all cells are stored: every occupied one.
+    /// Call before all cells are stored: returns every occupied cell.
     pub(crate) fn all(&mut self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
         let bound = self.bound.as_ref()?;
         recorder.copy((&bound.occupancy, 0), (&self.bits, 0), self.bits.size());
         self.stored(recorder)
     }
 
-    /// Before the current radiance is stored: the cells that do not hold it. Afterwards what is held is what is shown.
+    /// Call before the current radiance is stored: returns the cells that do not store it.
+    /// Afterwards `held` equals `now`.
     pub(crate) fn find(&mut self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
         let bound = self.bound.as_ref()?;
         if self.is_forgotten {
@@ -203,8 +207,9 @@ impl Changes {
         self.stored(recorder)
     }
 
-    /// Before emission is stored on top of all other light: the cells that it is seen in. They stay listed until other cells are
-    /// asked for ([`Self::listed`]). Afterwards what is held is what is shown.
+    /// Call before emission is stored on top of all other light: returns the cells in which it is
+    /// visible. They stay listed until other cells are requested ([`Self::listed`]). Afterwards
+    /// `held` equals `now`.
     pub(crate) fn find_shining(&self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
         let bound = self.bound.as_ref()?;
         let shining = bound.shining.as_ref()?;
@@ -235,18 +240,19 @@ impl Changes {
         Some(&bound.changed)
     }
 
-    /// Forgets the volume's content, so that all is stored the next time.
+    /// Discards the knowledge of the volume's content, so that everything is stored the next time.
     pub(crate) fn forget(&mut self) {
         self.is_forgotten = true;
     }
 
-    /// The lists that [`Self::find`] and its like fill, and that [`Self::wrong`] fills.
+    /// The list that [`Self::find`] and similar methods fill, and the one that [`Self::wrong`]
+    /// fills.
     pub(crate) fn cells(&self) -> Option<[&ChangedCells; 2]> {
         self.bound.as_ref().map(|bound| [&bound.changed, &bound.wrong])
     }
 
-    /// A bit per cell, laid out as the list's occupancy, once there is a list: those of another surface after a
-    /// voxelization, those that were stored after light.
+    /// A bit per cell, laid out like the list's occupancy: cells with changed surface after a
+    /// voxelization, stored cells after a light update. `None` before the first list.
     pub(crate) fn bits(&self) -> Option<&Buffer> {
         self.bound.as_ref().map(|_| &self.bits)
     }

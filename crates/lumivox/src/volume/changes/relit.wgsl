@@ -1,16 +1,17 @@
-// Which voxels send out other light than the volume holds of them: a thread per voxel.
+// Marks voxels whose outgoing radiance differs from what the volume stores: one thread per voxel.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::voxels::counts::NodeRange;
 import package::voxels::list::{Node, faces_of};
 
-// The voxels.
+// The range of the voxels in the list.
 @group(1) @binding(0) var<uniform> finest: NodeRange;
 @group(1) @binding(1) var<storage, read> nodes: array<Node>;
 @group(1) @binding(2) var<storage, read> first_faces: array<u32>;
 @group(1) @binding(3) var<storage, read> radiance: array<vec4f>;
-// The volume's content of each face before this pass, and after the next update.
+// The volume's content of each face: before this pass the old one, afterwards that of the next
+// update.
 @group(1) @binding(4) var<storage, read_write> held: array<vec4f>;
 @group(1) @binding(5) var<storage, read_write> changed: array<atomic<u32>>;
 
@@ -28,7 +29,7 @@ fn main(
     let end = first + faces_of(nodes[voxel].lobes);
     for (var face = first; face < end; face++) {
         let now = radiance[face];
-        // Bits, since a zero has a sign that the volume stores.
+        // Compare bits, since the volume stores the sign of zero.
         is_same = is_same && all(bitcast<vec4u>(now) == bitcast<vec4u>(held[face]));
         held[face] = now;
     }

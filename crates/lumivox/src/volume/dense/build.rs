@@ -1,5 +1,5 @@
 //! Stores faces into the dense volume, filters its pyramid, and clears the cells of an earlier
-//! list: all where anything has changed.
+//! list: only where something has changed.
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
@@ -22,11 +22,11 @@ pub(super) struct Build {
     filter: Kernel,
     /// [`LevelWords`] of each level.
     levels: Vec<Buffer>,
-    /// Storing into the finest level.
+    /// Bind group for storing into the finest level.
     store_group: Option<BindGroup>,
-    /// Filtering into each level but the finest.
+    /// Bind groups for filtering into each coarser level.
     filter_groups: Vec<BindGroup>,
-    /// Clearing each level.
+    /// Bind groups for clearing each level.
     clear_groups: Vec<BindGroup>,
 }
 
@@ -77,8 +77,8 @@ impl Build {
         })
     }
 
-    /// Makes the bind groups for a voxel list, its light and the cells of it that change; `views` are the levels of the
-    /// texture.
+    /// Creates the bind groups for a voxel list, its light and its changed cells; `views` are the
+    /// levels of the texture.
     pub(super) fn bind(
         &mut self,
         device: &wgpu::Device,
@@ -124,7 +124,7 @@ impl Build {
             .collect();
     }
 
-    /// Writes zeros over the cells of all levels whose content is wrong.
+    /// Writes zeros to the cells of all levels whose content is wrong.
     pub(super) fn clear(
         &self,
         recorder: &mut Recorder<'_>,

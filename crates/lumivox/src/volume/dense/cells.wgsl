@@ -1,4 +1,4 @@
-// The cells of the dense volume, as filtered look-ups see them: the module package::volume::cells.
+// The cells of the dense volume for filtered look-ups: the module package::volume::cells.
 
 import package::cascades::{block_of, box_size, cascade_at, lowest_voxel};
 import package::constants::{CASCADES, ISOTROPIC};
@@ -10,11 +10,11 @@ import package::volume::dense::masks::parts_near;
 @group(0) @binding(3) var atlas: texture_3d<f32>;
 @group(0) @binding(4) var atlas_sampler: sampler;
 
-// Where a filtered look-up reads.
+// Location of a filtered look-up.
 struct Place {
     // In the voxels of the cascade.
     position: vec3f,
-    // The level of its cells less the cascade.
+    // The level of its cells minus the cascade's number.
     up: u32,
     cascade: u32,
 }
@@ -24,7 +24,7 @@ fn place_at(position_in_grid: vec3f, level: u32) -> Place {
     return Place(position_in_grid * exp2(-f32(cascade)), level - cascade, cascade);
 }
 
-// All parts that a look-up at a place can meet.
+// All parts that a look-up at a place can contain.
 fn parts_at(place: Place) -> u32 {
     return parts_near(place.position, place.up, place.cascade);
 }
@@ -34,7 +34,7 @@ fn inside_share(place: Place) -> f32 {
     return border_weight(place.position, place.up, place.cascade);
 }
 
-// Trilinear at a stored position, which is at least half a cell inside of its box.
+// Trilinear sample at a stored position, which is at least half a cell inside its box.
 fn sample_stored(position: vec3f, part: u32, up: u32) -> vec4f {
     let extent = vec3f(grid.dimensions);
     let slabs = select(3.0, 1.0, ISOTROPIC != 0u);
@@ -42,7 +42,7 @@ fn sample_stored(position: vec3f, part: u32, up: u32) -> vec4f {
     return textureSampleLevel(atlas, atlas_sampler, uvw, f32(up));
 }
 
-// A part of the cells around a place, trilinear, clamped to its slab.
+// Trilinear sample of a part of the cells around a place, clamped to the part's slab.
 fn fetch(place: Place, part: u32) -> vec4f {
     let low = vec3f(lowest_voxel(place.cascade));
     let size = vec3f(box_size());
@@ -53,7 +53,8 @@ fn fetch(place: Place, part: u32) -> vec4f {
     }
     let block = vec3f(block_of(place.cascade)) * size;
     let turned = inside - size * floor(inside / size);
-    // Between a box's last cell as stored and its first one, which are neighbours, too.
+    // Between the last and the first stored cell of a box, which are neighbours, too (the box wraps
+    // around).
     let beyond = select(turned, turned - size, turned > 0.5 * size);
     let is_between = abs(beyond) < vec3f(half_cell);
     if !any(is_between) {
@@ -62,7 +63,7 @@ fn fetch(place: Place, part: u32) -> vec4f {
     let axes = dot(select(vec3u(0u), vec3u(1u, 2u, 4u), is_between), vec3u(1u));
     let of_first = select(vec3f(1.0), 0.5 + 0.5 * beyond / half_cell, is_between);
     var sum = vec4f(0.0);
-    // The axes along which the last one is read: all subsets.
+    // Bit mask of the axes along which the last cell is read; loops over all subsets.
     var last = 0u;
     loop {
         let is_last = (vec3u(last) & vec3u(1u, 2u, 4u)) != vec3u(0u);

@@ -1,4 +1,4 @@
-// Writes zeros over the cells of a level that have changed.
+// Writes zeros to the changed cells of a level.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -1,5 +1,5 @@
-// One level of the six-direction pyramid from the finer one, where that has changed: the mean of
-// the four columns of two cells each (column.wgsl) across a lobe's axis.
+// Filters the changed cells of one level of the six-direction pyramid from the finer one: the mean
+// of the four columns of two cells each (column.wgsl) across a lobe's axis.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -1,5 +1,5 @@
-// One level of the isotropic pyramid: each cell the mean of its eight children, where they have
-// changed.
+// Filters the changed cells of one level of the isotropic pyramid: each is the mean of its eight
+// children.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

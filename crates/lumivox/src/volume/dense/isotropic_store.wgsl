@@ -1,5 +1,4 @@
-// Fills the finest level of the isotropic volume from the faces of the voxel list, where they have
-// changed.
+// Fills the changed cells of the isotropic volume's finest level from the faces of the voxel list.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -24,7 +23,7 @@ fn store(
     if voxel == NOTHING {
         return;
     }
-    // The opacity is the surface's area in the voxel, the radiance the mean over it.
+    // The opacity is the surface's area in the voxel, the radiance the mean over that area.
     let node = nodes[voxel];
     let first = first_faces[voxel];
     var sum = vec4f(0.0);

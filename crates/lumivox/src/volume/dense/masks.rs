@@ -1,4 +1,4 @@
-//! The masks that let the tracer pass over empty space (`masks.wgsl`), filled by `mark_masks.wgsl`.
+//! Masks for skipping empty space in the tracer (`masks.wgsl`), filled by `mark_masks.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -19,12 +19,12 @@ pub(crate) struct MaskLevels {
     pub(crate) first_entry: [[u32; 4]; MAX_LEVELS],
 }
 
-/// Entries of a level.
+/// Number of entries of a level.
 fn entries(grid: &Grid, level: u32) -> u64 {
     (grid.level_dimensions(level) + 1).as_u64vec3().element_product()
 }
 
-/// Bytes of the masks of all levels, two an entry.
+/// Bytes of the masks of all levels, two per entry.
 pub(super) fn bytes(grid: &Grid) -> u64 {
     (0..grid.levels).map(|level| entries(grid, level)).sum::<u64>().div_ceil(2) * 4
 }
@@ -32,7 +32,7 @@ pub(super) fn bytes(grid: &Grid) -> u64 {
 #[derive(Debug)]
 pub(super) struct Masks {
     level_count: u32,
-    /// Of each level, with the list's counts.
+    /// Bind group of each level, and the list's counts.
     bound: Option<(Vec<BindGroup>, Buffer)>,
     levels_uniform: Buffer,
     entries: Buffer,
@@ -83,7 +83,7 @@ impl Masks {
         })
     }
 
-    /// Binds another list, or one with other room.
+    /// Binds another list, or the same one after its buffers were resized.
     pub(super) fn bind(&mut self, device: &wgpu::Device, voxels: &VoxelList) {
         let group = |level| {
             BindGroupBuilder::new(&self.layout)

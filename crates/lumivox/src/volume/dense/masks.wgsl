@@ -1,14 +1,14 @@
-// The parts of cells that a filtered look-up can meet, so that the tracer passes over empty space
-// for one load.
+// The parts that a filtered look-up can contain, so that the tracer skips empty space with one
+// load.
 //
 // A trilinear look-up at level l reads 2x2x2 texels, and which ones depends only on floor(texel -
 // 1/2). So each of those positions has an entry: the parts (parts.wgsl) of its 2x2x2 cells, OR-ed.
-// 16 bits an entry, two in a word. Skipping by them is exact.
+// 16 bits per entry, two entries per word. Skipping by them is exact.
 
 import package::cascades::{box_size, lowest_voxel, stored_cell};
 import package::grid::grid;
 
-// Levels that a grid can have: 1024 voxels down to 4.
+// Number of levels that a grid can have: 1024 voxels down to 4.
 const MAX_LEVELS: u32 = 9u;
 
 struct MaskLevels {
@@ -34,8 +34,9 @@ fn level_first_entry(level: u32) -> u32 {
     return first;
 }
 
-// All parts that a look-up at a level can meet, `up` levels above the voxels of a cascade, in which the position is counted.
-// Without cascades there is a position more than there are cells along an axis; a cascade's last one is its first one, too.
+// All parts that a look-up at a level can contain. `position` is in voxels of the cascade, the
+// level is `up` levels above them. Without cascades there is one more position than cells along an
+// axis; in a cascade the last position is also the first one.
 fn parts_near(position: vec3f, up: u32, cascade: u32) -> u32 {
     let corner = vec3i(floor(position * exp2(-f32(up)) + 0.5));
     let from_lowest = corner - (lowest_voxel(cascade) >> vec3u(up));

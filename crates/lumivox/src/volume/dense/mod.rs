@@ -1,11 +1,11 @@
 //! The dense volume: a 3D texture over the whole grid, with a pyramid of levels.
 //!
-//! With six lobes a cell has nine parts of four half floats (`parts.wgsl`): 72 bytes, 8/7 of it
-//! with the pyramid. Isotropic it has one. All parts are in one `Rgba16Float` texture, so that
-//! tracing binds a single texture and loops over the parts that a sample needs. Two more bytes a
-//! cell say which parts are there, so that empty space costs no look-up. Only cells of the voxel
-//! list are ever written or cleared: time goes with the surface, memory with the cube. Use it for
-//! small grids and for comparison.
+//! With six lobes a cell has nine parts of four half floats (`parts.wgsl`): 72 bytes, 8/7 of that
+//! with the pyramid. An isotropic cell has one part. All parts are in one `Rgba16Float` texture, so
+//! that tracing binds a single texture and loops over the parts that a sample needs. A mask of two
+//! more bytes per cell marks the existing parts, so that empty space costs no look-up. Only cells
+//! of the voxel list are written or cleared: time grows with the surface, memory with the third
+//! power of the resolution. Use it for small grids and for comparison.
 
 mod build;
 mod masks;
@@ -48,7 +48,7 @@ pub(crate) struct DenseVolume {
     grid_uniform: Buffer,
     all_levels: TextureView,
     sampler: wgpu::Sampler,
-    /// Group 0 with only the grid, for the kernels that write the volume.
+    /// Group 0 with only the grid, for kernels that write the volume.
     grid: BindGroup,
     levels: Vec<TextureView>,
     texture_bytes: u64,
@@ -118,7 +118,7 @@ impl DenseVolume {
         })
     }
 
-    /// Goes on with boxes that have moved.
+    /// Uses the moved boxes from here on.
     pub(super) fn move_to(&mut self, device: &Pipelines, grid: &Grid, emitters: &Buffer) {
         self.grid_uniform = grid.uniform(device);
         let layout = LayoutBuilder::compute().uniform().build(device, "grid");
@@ -132,7 +132,7 @@ impl DenseVolume {
         self.globals = bind_globals(device, &self.globals_layout, sampled, emitters);
     }
 
-    /// Binds another list, or one with other room.
+    /// Binds another list, or the same one after its buffers were resized.
     pub(super) fn bind(
         &mut self,
         device: &wgpu::Device,
@@ -143,7 +143,7 @@ impl DenseVolume {
         self.masks.bind(device, light.0);
     }
 
-    /// Follows the list, whose cells of another surface are `wrong`.
+    /// Updates the volume to the list; `wrong` are its cells with changed surface.
     pub(super) fn follow(&self, recorder: &mut Recorder<'_>, wrong: &ChangedCells) {
         recorder.stage("volume");
         self.build.clear(recorder, &self.grid, wrong);

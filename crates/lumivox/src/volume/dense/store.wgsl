@@ -1,4 +1,4 @@
-// Writes the faces of the voxel list into the finest level, where they have changed.
+// Writes the faces of the voxel list into the changed cells of the finest level.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -1,7 +1,8 @@
-// Nodes from ranks: a thread a word of node bits writes the groups of its four bytes.
+// Builds nodes from ranks: each thread handles one word of node bits and writes the groups of its
+// four bytes.
 //
-// The eight children of a node are one byte of the node bits. A byte that is not zero is a group, and its number is
-// how many come before it (groups.wgsl).
+// The eight children of a node are one byte of the node bits. A nonzero byte is a group, and its
+// number is the number of groups before it (groups.wgsl).
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -16,7 +17,7 @@ import package::volume::octree::verdict::Verdict;
 @group(1) @binding(3) var<storage, read_write> octree_out: array<u32>;
 @group(1) @binding(4) var<storage, read_write> sites: array<Site>;
 
-// The group of a byte of a word of the node bits; group 0 is the root's. The byte must not be zero.
+// The group of a byte in a word of the node bits; group 0 is the root's. The byte must be nonzero.
 fn group_number(word: u32, byte: u32) -> u32 {
     let before = occupied_bytes(node_bits[word]) & ((1u << (8u * byte)) - 1u);
     return 1u + group_ranks[word] + countOneBits(before);

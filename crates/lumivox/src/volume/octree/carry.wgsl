@@ -1,5 +1,5 @@
-// The values of renewed nodes' own cells: those of cells in which nothing has changed go where the node has its bricks now,
-// those of the others are forgotten. A thread a cell.
+// Moves the values of renewed nodes' own cells: values of unchanged cells move to the node's new
+// bricks, values of changed cells are discarded. One thread per cell.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -10,7 +10,7 @@ import package::volume::octree::verdict::Verdict;
 
 @group(1) @binding(0) var<uniform> verdict: Verdict;
 @group(1) @binding(1) var<storage, read> renewals: array<Renewal>;
-// A bit per cell, laid out as the occupancy: cells of another surface, here or below.
+// A bit per cell, laid out like the occupancy: cells with changed surface, in themselves or below.
 @group(1) @binding(2) var<storage, read> changed: array<u32>;
 @group(1) @binding(3) var<storage, read_write> values: array<vec2u>;
 

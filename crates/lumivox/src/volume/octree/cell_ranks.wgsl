@@ -1,4 +1,4 @@
-// A cell's place in the voxel list, from the occupancy bits and their ranks.
+// A cell's index in the voxel list, from the occupancy bits and their ranks.
 
 import package::grid::grid;
 import package::volume::octree::tree::tree;

@@ -1,4 +1,4 @@
-// The cells of the octree, as filtered look-ups see them: the module package::volume::cells.
+// The cells of the octree for filtered look-ups: the module package::volume::cells.
 
 import package::grid::grid;
 import package::volume::border::border_weight;
@@ -8,20 +8,21 @@ import package::volume::octree::tree::{brick_origin, octant_of, tree};
 @group(0) @binding(3) var atlas: texture_3d<f32>;
 @group(0) @binding(4) var atlas_sampler: sampler;
 
-// Where a filtered look-up reads.
+// Location of a filtered look-up.
 struct Place {
     position_in_grid: vec3f,
     level: u32,
-    // The first cell along each axis that is read.
+    // The first cell along each axis that the look-up reads.
     first: vec3u,
     node: u32,
-    // All parts that the look-up can meet.
+    // All parts that the look-up can contain.
     parts: u32,
 }
 
 fn place_at(position_in_grid: vec3f, level: u32) -> Place {
     let cells = vec3i(grid.dimensions >> vec3u(level));
-    // The cell after the first one that is read. What is farther out than half a cell meets nothing.
+    // The cell after the first one that is read. Farther outside than half a cell, everything is
+    // empty.
     let second = vec3i(floor(position_in_grid * exp2(-f32(level)) + 0.5));
     if any(second < vec3i(0)) || any(second > cells) {
         return Place(position_in_grid, level, vec3u(0u), 0u, 0u);
@@ -31,18 +32,19 @@ fn place_at(position_in_grid: vec3f, level: u32) -> Place {
     return Place(position_in_grid, level, first, node, node_mask(node, octant_of(first)));
 }
 
-// All parts that a look-up at a place can meet.
+// All parts that a look-up at a place can contain.
 fn parts_at(place: Place) -> u32 {
     return place.parts;
 }
 
-// A part of the cells around a place, trilinear; zero where the node does not have it.
+// Trilinear sample of a part of the cells around a place; zero if the node does not have the part.
 fn fetch(place: Place, part: u32) -> vec4f {
     if ((node_parts(place.node) >> part) & 1u) == 0u {
         return vec4f(0.0);
     }
     let position = place.position_in_grid * exp2(-f32(place.level));
-    // From the middle of the first cell to that of the next; outside of the grid as at its border.
+    // From the center of the first cell to that of the next; outside of the grid clamped to its
+    // border.
     let last = vec3f(grid.dimensions >> vec3u(place.level)) - 0.5;
     let share = saturate(min(position, last) - 0.5 - vec3f(place.first));
     let texel = brick_origin(brick_of(place.node, part)) + (place.first & vec3u(1u));

@@ -1,4 +1,4 @@
-//! What is in the octree: the values of cells, and the bricks that are filled from them.
+//! Content of the octree: the values of cells, and the bricks that are filled from them.
 
 use super::tree::Tree;
 use super::{Duplication, Mipmapping, OctreeOptions};
@@ -22,19 +22,19 @@ pub(super) struct ContentKernels {
     fill: Kernel,
     /// [`LevelWords`] of each level.
     levels: Vec<Buffer>,
-    /// Stands in for pointers where there are none.
+    /// Placeholder for unused pointers.
     nothing: Buffer,
 }
 
-/// A list with its light, an octree, and the cells that change, bound to each other.
+/// A list with its light, an octree, and the changed cells, bound together.
 #[derive(Debug)]
 pub(super) struct BoundContent {
     /// Group 0.
     globals: BindGroup,
     store: BindGroup,
-    /// Of each level but the finest, with the threads that go over every cell.
+    /// For each level except the finest, with the number of threads for running over every cell.
     filters: Vec<(BindGroup, u64)>,
-    /// Of each level.
+    /// For each level.
     fills: Vec<BindGroup>,
 }
 
@@ -87,7 +87,8 @@ impl ContentKernels {
         })
     }
 
-    /// Binds an octree to its list, its light, and the cells that will change; `globals` is group 0.
+    /// Binds an octree to its list, its light, and the cells that will change; `globals` is group
+    /// 0.
     pub fn bind(
         &self,
         device: &wgpu::Device,
@@ -130,7 +131,7 @@ impl ContentKernels {
         BoundContent { globals, store, filters, fills }
     }
 
-    /// Stores the radiance of the faces, filters it, and fills the bricks, where it has changed.
+    /// Stores the changed radiance of the faces, filters it, and fills the bricks.
     pub fn update(&self, recorder: &mut Recorder, bound: &BoundContent, changed: &ChangedCells) {
         let globals = &bound.globals;
         recorder.compute("volume::octree::store", |pass| {

@@ -1,8 +1,10 @@
-// Bricks from values: a thread a changed cell copies its values into all bricks that hold it (holders.wgsl).
+// Fills bricks from values: each thread copies the values of one changed cell into all bricks that
+// contain it (holders.wgsl).
 //
-// Two thirds of a brick's texels are its neighbours' cells (19 of 27). Three ways to find the nodes that hold a cell
-// give the same: by a search from the table on (fill_table.wgsl), by pointers to the nodes before (fill_pointers.wgsl), and by a search
-// from the root (fill_search.wgsl).
+// Two thirds of a brick's texels are its neighbours' cells (19 of 27). Three methods find the nodes
+// that contain a cell, with the same result: a search that starts from the table (fill_table.wgsl),
+// pointers to the previous nodes (fill_pointers.wgsl), and a search from the root
+// (fill_search.wgsl).
 
 import package::volume::changes::cells::{changed_cell, level_words};
 import package::volume::changes::list::NOTHING;
@@ -16,12 +18,12 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(5) var<uniform> verdict: Verdict;
 @group(1) @binding(6) var atlas_out: texture_storage_3d<rgba16float, write>;
 
-// What a thread copies.
+// The copy that a thread makes.
 struct Task {
-    // False: there is nothing to do.
+    // `false` if there is nothing to do.
     exists: bool,
     cell: vec3u,
-    // The level of the nodes that hold it.
+    // The level of the nodes that contain the cell.
     level: u32,
     octant: u32,
     parts: u32,
@@ -44,7 +46,7 @@ fn task_of(index: u32) -> Task {
     );
 }
 
-// Into the bricks of a node at a cell of its level.
+// Copies a cell into the bricks of a node at `node_cell`.
 fn fill_node(task: Task, node: u32, node_cell: vec3u) {
     let parts = node_parts(node);
     let first_brick = octree[node_word(node) + NODE_FIRST_BRICK];

@@ -1,7 +1,8 @@
-// Fills bricks, with the nodes that hold a cell found by pointers to the nodes before, along x, y and z.
+// Fills bricks. The nodes that contain a cell are found by pointers to the previous nodes along x,
+// y and z.
 //
-// The node across an edge or a corner is found by two or three of them: the nodes on the way hold the cell as well, so that
-// they exist.
+// A node across an edge or a corner is found by following two or three of them: the nodes in
+// between contain the cell as well, so they exist.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -10,7 +11,7 @@ import package::volume::octree::holders::has_holder;
 import package::volume::octree::search::find_node;
 import package::volume::octree::tree::corner_of;
 
-// Three a node.
+// Three per node.
 @group(1) @binding(7) var<storage, read> nodes_before: array<u32>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)

@@ -1,4 +1,4 @@
-// Fills bricks, with the nodes that hold a cell found by a search from the root for each.
+// Fills bricks. Each node that contains a cell is found by a search from the root.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -1,4 +1,4 @@
-// Fills bricks, with the nodes that hold a cell found by searches from the table on.
+// Fills bricks. The nodes that contain a cell are found by searches that start from the table.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

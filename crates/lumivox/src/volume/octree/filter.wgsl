@@ -1,7 +1,9 @@
-// The values of the cells of one level from those of the finer one, by the rule of all volumes (column.wgsl), over lists.
+// Filters the values of the cells of one level from those of the finer one, by the rule of all
+// volumes (column.wgsl), over lists.
 //
-// `main` has a thread for each cell that has changed. `every_cell` has one for each possible cell of the level, as the first
-// octree renderers did, and most of them find nothing to do: it is there to be measured.
+// `main` has a thread for each changed cell. `every_cell` has one for each possible cell of the
+// level, as the first octree renderers did; most of its threads have nothing to do. It exists for
+// measurements.
 
 import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
@@ -61,7 +63,7 @@ fn filter_mean(owner: Owner, octant: u32, children: Owner) {
     store_value(owner, octant, 0u, 0.125 * sum);
 }
 
-// The children of a cell are the own cells of the node that the cell is.
+// The children of a cell are the own cells of the node at the cell's position.
 fn filter_cell(cell: u32, morton: u32) {
     let children = owner_at(morton, level_words.level);
     let owner = owner_at(morton / 8u, level_words.level + 1u);

@@ -1,7 +1,9 @@
-//! How the octree follows a list: which nodes there are, which of them are renewed, and where their bricks stand.
+//! Updates the octree to a list: which nodes exist, which of them are renewed, and where their
+//! bricks are stored.
 //!
-//! All of it is recorded without a count known here: buffers have room, counts stay on the GPU, and one thread compares
-//! the two (`verdict.wgsl`). What is shown is written after that, and only if there is room.
+//! Everything is recorded without knowing the counts on the CPU: buffers have a capacity, counts
+//! stay on the GPU, and one thread compares the two (`verdict.wgsl`). What is shown is written
+//! after that, and only if nothing overflows.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -40,17 +42,17 @@ pub(crate) struct TreeVerdict {
     pub(crate) needed: [[u32; 4]; 3],
 }
 
-/// Bits of [`TreeVerdict::no_room`].
+/// Bits of [`TreeVerdict::no_room`]: too many nodes.
 pub(crate) const NO_ROOM_FOR_PLACES: u32 = 1;
-/// Of nodes that are renewed.
+/// Too many renewed nodes.
 pub(crate) const NO_ROOM_FOR_RENEWALS: u32 = 2;
-/// Of the atlas.
+/// The atlas is full.
 pub(crate) const NO_ROOM_FOR_BRICKS: u32 = 4;
 
 /// Bytes of `Places` of `verdict.wgsl`.
 const PLACES_BYTES: u64 = 44;
 
-/// What lasts from list to list and does not depend on room.
+/// State that persists from list to list and does not depend on capacities.
 #[derive(Debug)]
 pub(super) struct State {
     /// [`TreeVerdict`].
@@ -76,7 +78,7 @@ impl State {
     }
 }
 
-/// The kernels.
+/// Kernels that update the octree to a list.
 #[derive(Debug)]
 pub(super) struct FollowKernels {
     scan: Scan,
@@ -105,7 +107,7 @@ pub(super) struct FollowKernels {
 struct Layouts {
     /// Group 0: the grid and the tree.
     tree: wgpu::BindGroupLayout,
-    /// And its nodes.
+    /// The same, plus the tree's nodes.
     search: wgpu::BindGroupLayout,
     mark: wgpu::BindGroupLayout,
     groups: wgpu::BindGroupLayout,
@@ -121,20 +123,20 @@ struct Layouts {
     missed: wgpu::BindGroupLayout,
 }
 
-/// A list, an octree, and the bits of changed cells, bound to each other.
+/// A list, an octree, and the bits of changed cells, bound together.
 #[derive(Debug)]
 pub(super) struct BoundFollow {
     /// A bit for each node below the root, level 1 first, and one for the root.
     node_bits: Buffer,
-    /// Groups before each word of them.
+    /// Number of groups before each word of `node_bits`.
     group_ranks: Buffer,
-    /// A bit for each node that is renewed, or has gone.
+    /// A bit for each node that is renewed or removed.
     renewed: Buffer,
     renewed_ranks: Buffer,
     words: u64,
     old: [Buffer; 2],
     run_starts: Buffer,
-    /// Group 0: without nodes, with those so far, with those that are shown.
+    /// Group 0: without nodes, with the previous nodes, with the nodes that are shown.
     tree: BindGroup,
     so_far: BindGroup,
     shown: BindGroup,
@@ -145,7 +147,7 @@ pub(super) struct BoundFollow {
     group_scan: BoundScan,
     renewals: BindGroup,
     renewed_scan: BoundScan,
-    /// A dispatch over renewals before the verdict.
+    /// Arguments of a dispatch over renewals before the verdict.
     all_renewals: BoundIndirect,
     masks: BindGroup,
     run_scan: BoundScan,
@@ -166,7 +168,7 @@ impl BoundFollow {
     }
 }
 
-/// The bits of voxels that were missed, bound to those that have changed.
+/// The bits of missed voxels, bound to the bits of changed cells.
 #[derive(Debug)]
 pub(super) struct BoundMissed {
     group: BindGroup,
@@ -240,7 +242,7 @@ impl FollowKernels {
         &self.layouts.tree
     }
 
-    /// Binds the bits of changed cells to those that are missed.
+    /// Binds the bits of changed cells to those of missed ones.
     pub fn bind_missed(
         &self,
         device: &wgpu::Device,
@@ -256,7 +258,7 @@ impl FollowKernels {
         BoundMissed { group, words: level_first_word(grid, 1) }
     }
 
-    /// Before a list is followed: what was missed has changed.
+    /// Call before following a list: marks missed changes as changed.
     pub fn join_missed(
         &self,
         recorder: &mut Recorder<'_>,
@@ -266,7 +268,8 @@ impl FollowKernels {
         self.join_missed.run_linear(recorder, &[globals, &bound.group], bound.words);
     }
 
-    /// After a list was followed, and after an update: what has changed was missed, if there was no room.
+    /// Call after following a list, and after an update: marks changes as missed if there was an
+    /// overflow.
     pub fn note_missed(
         &self,
         recorder: &mut Recorder<'_>,
@@ -410,7 +413,8 @@ impl FollowKernels {
         }
     }
 
-    /// Follows the list, if there is room. Without a builder of the caller's, nodes are built by ranks.
+    /// Follows the list, unless something overflows. Without a caller's builder, nodes are built by
+    /// ranks.
     pub fn run(
         &self,
         recorder: &mut Recorder<'_>,
@@ -423,7 +427,7 @@ impl FollowKernels {
         for buffer in [&bound.node_bits, &bound.renewed, &bound.run_starts] {
             recorder.clear(buffer);
         }
-        // Which nodes there are, and which are renewed.
+        // Which nodes exist, and which are renewed.
         for group in &bound.mark {
             self.mark.run_linear(recorder, &[&bound.tree, group], bound.mark_words);
         }
@@ -435,7 +439,7 @@ impl FollowKernels {
         self.scan.run_bound(recorder, &bound.renewed_scan);
         self.list_renewals.run_linear(recorder, &renewals, bound.words);
 
-        // What they need, and whether there is room.
+        // Memory that they need, and whether it fits.
         self.indirect.run(recorder, &bound.all_renewals);
         recorder.compute("volume::octree::masks", |pass| {
             let arguments = &bound.all_renewals.arguments;
@@ -444,7 +448,7 @@ impl FollowKernels {
         self.scan.run_bound(recorder, &bound.run_scan);
         self.verdict.run(recorder, &[&bound.tree, &bound.verdict], [1; 3]);
 
-        // Places, nodes, and what is in them.
+        // Brick places, nodes, and their content.
         let at = |member: usize| member as u64;
         let of_renewals = at(std::mem::offset_of!(TreeVerdict, renewal_groups));
         let of_nodes = at(std::mem::offset_of!(TreeVerdict, node_groups));
@@ -482,7 +486,7 @@ impl FollowKernels {
         });
     }
 
-    /// Whether nodes point to those before.
+    /// Whether nodes have pointers to the previous nodes.
     pub fn has_pointers(&self) -> bool {
         self.has_pointers
     }

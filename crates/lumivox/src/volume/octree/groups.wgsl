@@ -1,7 +1,7 @@
-// Numbering the groups of nodes by ranks: without locks, in the same order in every run.
+// Numbers the groups of nodes by ranks: without locks, in the same order in every run.
 //
-// The eight children of a node are one byte of the node bits. A byte that is not zero is a group, and its number is
-// how many come before it: a prefix sum of the counts of words.
+// The eight children of a node are one byte of the node bits. A nonzero byte is a group, and its
+// number is the number of groups before it: a prefix sum over the words' counts.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -9,10 +9,10 @@ import package::volume::octree::tree::tree;
 
 // The bits of the nodes below the root's level, level 1 first.
 @group(1) @binding(0) var<storage, read> node_bits: array<u32>;
-// One word more: the total.
+// One more word: the total.
 @group(1) @binding(1) var<storage, read_write> group_ranks: array<u32>;
 
-// The lowest bit of each byte: whether any bit of it is set.
+// The lowest bit of each byte is set if any bit of the byte is.
 fn occupied_bytes(word: u32) -> u32 {
     var bytes = word | (word >> 4u);
     bytes |= bytes >> 2u;

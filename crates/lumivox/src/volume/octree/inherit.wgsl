@@ -1,11 +1,12 @@
-// Bricks and masks of all nodes: of those that are renewed from the renewals, of the others from the octree so far. And the table
-// that searches start from: the nodes of its level and of all coarser ones.
+// Writes bricks and masks of all nodes: for renewed nodes from the renewals, for the others from
+// the previous octree. Also writes the table that searches start from: the nodes of its level and
+// of all coarser ones.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::volume::octree::renewals::Renewal;
-// The octree so far.
+// The previous octree.
 import package::volume::octree::search::{find_node, octree};
 import package::volume::octree::sites::Site;
 import package::volume::octree::tree::{node_word, table_entry, tree, NODE_FIRST_BRICK, NODE_MASKS};
@@ -38,7 +39,7 @@ fn main(
         return;
     }
     let site = sites[slot];
-    // Above the coarsest cells nodes lead the way and have no bricks.
+    // Nodes above the coarsest cells only lead to finer ones and have no bricks.
     if site.level == 0u || site.level > grid.levels {
         put(slot, 0u, vec4u(0u));
         return;

@@ -1,4 +1,4 @@
-//! Where things stand in the octree's buffers: the Rust side of `tree.wgsl`.
+//! Layout of the octree's buffers: the Rust side of `tree.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::UVec3;
@@ -10,7 +10,8 @@ use crate::voxels::{BitLevel, level_first_word};
 const MAX_NODE_LEVELS: usize = 12;
 /// `NODE_WORDS` of `tree.wgsl`.
 const NODE_WORDS: u32 = 6;
-/// Nodes along an edge of the finest level of the table: a quarter of a million entries in all.
+/// Nodes along an edge of the finest level of the table: a quarter of a million entries in that
+/// level.
 const TABLE_EDGE: u32 = 64;
 
 /// `Tree` of `tree.wgsl`.
@@ -28,7 +29,7 @@ pub(crate) struct TreeUniform {
     pub(crate) levels: [[u32; 4]; MAX_NODE_LEVELS],
 }
 
-/// What follows from the grid alone.
+/// Layout that depends only on the grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TreeLayout {
     pub root_level: u32,
@@ -48,7 +49,7 @@ impl TreeLayout {
         for level in 1..=root_level {
             let words = &mut levels[level as usize];
             words[0] = (level_first_word(grid, level) - before) as u32;
-            // Above the coarsest cells nodes lead the way; nobody searches for them.
+            // Nodes above the coarsest cells only lead to finer ones; no search looks for them.
             if level >= table_level && level <= grid.levels {
                 words[1] = table_words;
                 table_words += (edge >> level).pow(3);
@@ -60,28 +61,28 @@ impl TreeLayout {
         Self { root_level, table_level, table_words, levels }
     }
 
-    /// Levels from the table down to the finest nodes.
+    /// Number of levels from the table down to the finest nodes.
     pub fn steps(&self) -> u32 {
         self.table_level - 1
     }
 
-    /// Words of node bits of the levels below the root's.
+    /// Number of words of node bits of the levels below the root's.
     pub fn bit_words(&self) -> u32 {
         self.levels[self.root_level as usize][0]
     }
 
-    /// Where the node bits of a level stand.
+    /// Where the node bits of a level are stored.
     pub fn bits(&self, level: u32) -> BitLevel {
         let cells = 1 << (3 * (self.root_level - level));
         BitLevel { first_word: self.levels[level as usize][0], words: (cells / 32).max(1) }
     }
 
-    /// Words of the table and of so many places for nodes.
+    /// Number of words of the table and of `slots` places for nodes.
     pub fn words(&self, slots: u64) -> u64 {
         u64::from(self.table_words) + slots * u64::from(NODE_WORDS)
     }
 
-    /// The uniform of an octree with so much room.
+    /// The uniform of an octree with these capacities.
     pub fn uniform(&self, slots: u32, bricks: u32) -> TreeUniform {
         let atlas = AtlasSize::of(bricks);
         TreeUniform {
@@ -98,7 +99,8 @@ impl TreeLayout {
     }
 }
 
-/// How bricks share the atlas out: rows and slices are powers of two, so that a brick's place is bits of its number.
+/// Arrangement of the bricks in the atlas: rows and slices are powers of two, so that a brick's
+/// place is bits of its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct AtlasSize {
     pub row_bits: u32,

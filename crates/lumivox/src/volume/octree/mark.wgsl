@@ -1,7 +1,7 @@
-// Sets the bit of each node that holds a marked cell in its bricks (holders.wgsl): of occupied cells, those are the nodes
-// that there are; of changed cells, those that are renewed.
+// Sets the bit of each node that contains a marked cell in its bricks (holders.wgsl): for occupied
+// cells, the nodes that exist; for changed cells, the nodes that are renewed.
 //
-// The eight cells in a node are a byte of the cells' bits. A thread has a word of them.
+// The eight cells in a node are a byte of the cells' bits. Each thread handles one word of them.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -9,13 +9,13 @@ import package::grid::grid;
 import package::volume::octree::tree::{corner_of, tree};
 import package::voxels::morton::{morton_decode, morton_encode};
 
-// A bit per cell, laid out as the occupancy.
+// A bit per cell, laid out like the occupancy.
 @group(1) @binding(0) var<storage, read> cell_bits: array<u32>;
 // A bit per node below the root, level 1 first, each level in Morton order.
 @group(1) @binding(1) var<storage, read_write> node_bits: array<atomic<u32>>;
 
-// The cells, of a node's eight, that the node back by a corner holds as its neighbours': the first of two along each axis
-// of the corner.
+// The cells, of a node's eight, that the node back by a corner contains as its neighbours': the
+// first of two along each axis of the corner.
 fn held_from(back: vec3u) -> u32 {
     return select(0xffu, 0x55u, back.x != 0u)
         & select(0xffu, 0x33u, back.y != 0u)

@@ -1,5 +1,5 @@
-// The masks of renewed nodes, which tell the parts that the look-ups into their bricks can meet; and how many runs of bricks of
-// each length are needed and given back.
+// The masks of renewed nodes (the parts that look-ups into their bricks can contain), and the
+// number of runs of bricks of each length that are needed and released.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -12,12 +12,12 @@ import package::voxels::list::Node;
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(2) var<storage, read> nodes: array<Node>;
-// A bit per node below the root, of those that there are.
+// A bit per existing node below the root.
 @group(1) @binding(3) var<storage, read> node_bits: array<u32>;
 @group(1) @binding(4) var<storage, read> renewed_ranks: array<u32>;
 @group(1) @binding(5) var<storage, read_write> renewals: array<Renewal>;
-// For each kind of run, the runs of each workgroup; one more word: the total. Kinds are the lengths 1 to 9 of runs that are
-// needed, then those of runs that are given back.
+// For each kind of run, the runs of each workgroup; one more word: the total. Kinds are the lengths
+// 1 to 9 of needed runs, then those of released runs.
 @group(1) @binding(6) var<storage, read_write> run_starts: array<u32>;
 
 const RUN_KINDS: u32 = 18u;
@@ -35,7 +35,7 @@ fn masks_of(node_cell: vec3u, level: u32) -> vec4u {
         }
         let parts = stored_parts(nodes[rank].lobes);
         everything |= parts;
-        // The look-ups that read this cell: those that start at it, or one before.
+        // The look-ups that read this cell: those that start at it, or one cell before.
         for (var lookup = 0u; lookup < 8u; lookup++) {
             if all(offset - corner_of(lookup) <= vec3u(1u)) {
                 masks[lookup / 2u] |= parts << (16u * (lookup % 2u));

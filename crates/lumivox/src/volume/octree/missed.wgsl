@@ -1,4 +1,4 @@
-// The voxels whose changes the octree has missed while it had no room, so that it makes up for them once it has.
+// The voxels whose changes the octree missed while it overflowed, to be applied once it has grown.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -10,7 +10,7 @@ import package::volume::octree::verdict::Verdict;
 // A bit per cell of all levels, the voxels first.
 @group(1) @binding(2) var<storage, read_write> changed: array<u32>;
 
-// Before a list is followed: what was missed has changed.
+// Before a list is followed: marks missed changes as changed.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn join(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -22,7 +22,8 @@ fn join(
     }
 }
 
-// After a verdict, and after an update.
+// Runs after a verdict, and after an update: marks changes as missed on overflow, otherwise clears
+// the marks.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn note(
     @builtin(global_invocation_id) invocation: vec3u,

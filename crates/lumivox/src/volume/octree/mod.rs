@@ -1,25 +1,27 @@
-//! The octree: memory for the surface alone, however fine the grid.
+//! The octree: memory only for the surface, however fine the grid.
 //!
-//! Nodes in groups of eight behind one child pointer; for each node and each part that it has (`../parts.wgsl`) a
-//! brick of 3x3x3 texels in one 3D texture: the node's 2x2x2 cells and a layer of its neighbours', so that the
-//! hardware's trilinear filter is right inside a brick (Crassin et al. 2009, "`GigaVoxels`", and 2011, section 4.1).
-//! `tree.wgsl` says what is where; the folder's files follow the steps:
+//! Nodes are in groups of eight with one child pointer. Each node has, for each of its parts
+//! (`../parts.wgsl`), a brick of 3x3x3 texels in one 3D texture: the node's 2x2x2 cells and a layer
+//! of its neighbours', so that the hardware's trilinear filter is correct inside a brick (Crassin
+//! et al. 2009, "`GigaVoxels`", and 2011, section 4.1). `tree.wgsl` defines the layout; the
+//! folder's files correspond to the steps:
 //!
 //! | step | once per | files |
 //! | --- | --- | --- |
-//! | which nodes there are, and which hold cells that have changed | voxel list | `mark.wgsl`, `renewals.wgsl` |
-//! | masks of the latter, and whether all has room | voxel list | `masks.wgsl`, `verdict.wgsl` |
+//! | which nodes exist, and which contain changed cells | voxel list | `mark.wgsl`, `renewals.wgsl` |
+//! | masks of the latter, and whether everything fits | voxel list | `masks.wgsl`, `verdict.wgsl` |
 //! | places of their bricks | voxel list | `places.wgsl` |
 //! | groups of nodes, by ranks or by the caller's builder (`hook.rs`) | voxel list | `groups.wgsl`, `build_ranked.wgsl` |
 //! | bricks and masks of all nodes, and the table | voxel list | `inherit.wgsl` |
-//! | values that are still right, and bricks that are new | voxel list | `carry.wgsl`, `refill.wgsl` |
-//! | values of the cells, filtered level by level | light, where it has changed | `store.wgsl`, `filter.wgsl` |
-//! | bricks, with the neighbours' layer | light, where it has changed | `fill*.wgsl` |
+//! | values that are still correct, and new bricks | voxel list | `carry.wgsl`, `refill.wgsl` |
+//! | values of the cells, filtered level by level | changed light | `store.wgsl`, `filter.wgsl` |
+//! | bricks, with the neighbours' layer | changed light | `fill*.wgsl` |
 //! | look-ups | cone sample | `cells.wgsl`, `search.wgsl` |
 //!
-//! The octree is changed in place. Nodes are numbered anew with each list, but a node whose parts are what they were keeps its
-//! bricks where they are, and only cells that have changed are written. Everything has room for more than there is; without room the
-//! octree shows what it showed, and makes up for it once there is (`missed.wgsl`).
+//! The octree is changed in place. Nodes are renumbered with each list, but a node with unchanged
+//! parts keeps its bricks in place, and only changed cells are written. All buffers have spare
+//! capacity. On overflow the octree keeps showing the earlier list, and applies the missed changes
+//! once it has grown (`missed.wgsl`).
 
 mod content;
 mod follow;
@@ -64,7 +66,7 @@ pub(super) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("NO_ROOM_FOR_BRICKS", NO_ROOM_FOR_BRICKS);
 }
 
-/// By which power of the resolution the memory grows: as surfaces do.
+/// The memory grows with this power of the resolution, as surfaces do.
 const GROWTH: f64 = 2.0;
 
 /// The octree volume.
@@ -79,36 +81,37 @@ pub(crate) struct OctreeVolume {
     sampler: wgpu::Sampler,
     emitters: Buffer,
     follow_kernels: FollowKernels,
-    /// The caller's way to build nodes, if it has one.
+    /// The caller's node builder, if any.
     builder: Option<Box<dyn OctreeBuilder>>,
     content_kernels: ContentKernels,
     resettler: Resettler,
-    /// Group 0 of kernels that need none of the tree's numbers.
+    /// Group 0 of kernels that do not need the tree's uniform.
     missed_globals: BindGroup,
     state: State,
     tree: Tree,
     scratch: Option<Scratch>,
-    /// Made again when the list or the room is another one.
+    /// Created again when the list or the capacities change.
     following: Option<BoundFollow>,
     content: Option<BoundContent>,
     missed: Option<BoundMissed>,
-    /// The verdicts of recordings.
+    /// Read-backs of the verdicts.
     late: Option<LateReads>,
-    /// The last verdict that was heard of is that there is no room, or none was heard yet.
+    /// `true` if the last verdict that was read back is an overflow, or none was read back yet.
     lacks_room: bool,
     stats: Option<OctreeStats>,
 }
 
-/// A list that the octree follows.
+/// A list for the octree to follow.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Followed<'a> {
     /// The list.
     pub voxels: &'a VoxelList,
-    /// The light that its faces send out.
+    /// Outgoing radiance of its faces.
     pub radiance: &'a Buffer,
-    /// The list of cells that updates will come with.
+    /// The list of cells that will be passed to updates.
     pub changed: &'a ChangedCells,
-    /// A bit per cell, laid out as the occupancy: cells of another surface, those that are gone included.
+    /// A bit per cell, laid out like the occupancy: cells with changed surface, including removed
+    /// ones.
     pub bits: &'a Buffer,
 }
 
@@ -134,7 +137,7 @@ impl OctreeVolume {
         let parts = OctreeParts { device, shaders, grid, globals };
         let builder = building.map(|building| building.make(&parts)).transpose()?;
         let has_pointers = follow_kernels.has_pointers();
-        // Whether it fits is asked when there are voxels.
+        // The size is checked once there are voxels.
         let tree = Tree::new(device, (grid, &layout), Room::NONE, has_pointers, None)?;
         let around = (&grid_uniform, &sampler, emitters);
         let globals = bind_globals(device, &globals_layout, &tree, around);
@@ -175,12 +178,12 @@ impl OctreeVolume {
         self.globals = bind_globals(device, &self.globals_layout, &self.tree, around);
     }
 
-    /// The verdict, which starts with what there was no room for.
+    /// The verdict; its first word is the overflow flags.
     pub(super) fn late_word(&self) -> &Buffer {
         &self.state.verdict
     }
 
-    /// Lets the next list, or one with other room, be bound.
+    /// Allows another list, or one with resized buffers, to be bound.
     pub(super) fn unbind(&mut self) {
         self.content = None;
         self.stop_following();
@@ -193,7 +196,8 @@ impl OctreeVolume {
         }
     }
 
-    /// Before the cells of another surface are found by their bits: what the octree has missed is among them.
+    /// Call before the cells with changed surface are found by their bits: adds the changes that
+    /// the octree has missed.
     pub(super) fn join_missed(&mut self, recorder: &mut Recorder<'_>, bits: &Buffer) {
         let kernels = &self.follow_kernels;
         let bound = self.missed.get_or_insert_with(|| {
@@ -202,7 +206,7 @@ impl OctreeVolume {
         kernels.join_missed(recorder, &self.missed_globals, bound);
     }
 
-    /// Follows a list, if there is room: what of the content is still right stays.
+    /// Follows a list, unless something overflows: content that is still correct stays.
     pub(super) fn follow(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -251,7 +255,7 @@ impl OctreeVolume {
         }
     }
 
-    /// After a list was followed without waiting: reads the verdict, to be heard of later.
+    /// Call after a list was followed without waiting: queues a read-back of the verdict.
     pub(super) fn tell(&mut self, recorder: &mut Recorder<'_>) {
         if self.following.is_none() {
             return;
@@ -262,7 +266,7 @@ impl OctreeVolume {
         late.record(recorder, &sources);
     }
 
-    /// Takes what the GPU has told of earlier recordings, and makes the room that lacked.
+    /// Applies finished read-backs; grows buffers that overflowed.
     pub(super) fn hear(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
         let device = recorder.device().clone();
         let Some(words) = self.late.as_mut().and_then(|late| late.latest(&device)) else {
@@ -273,32 +277,33 @@ impl OctreeVolume {
         self.make_room(recorder, verdict, with_spare)
     }
 
-    /// Whether what is shown is of an earlier list, as far as the GPU has told.
+    /// Whether it shows an earlier list, by the read-backs so far.
     pub(super) fn is_late(&self) -> bool {
         self.lacks_room && self.following.is_some()
     }
 
-    /// Whether what is shown is of an earlier list, and whether the last verdict is pending, by what the GPU has told by now.
+    /// Whether it shows an earlier list, and whether the last verdict is pending, by the read-backs
+    /// that have finished.
     pub(super) fn told(&self) -> [bool; 2] {
         let (last, words) = self.late.as_ref().map_or((LastRead::Done, None), LateReads::peek);
         let lacks_room = match (last, words) {
             (LastRead::Lost, _) => true,
-            // The verdict's first word.
+            // The verdict's first word: the overflow flags.
             (_, Some(words)) => words[0] != 0,
             (_, None) => self.lacks_room,
         };
         [lacks_room && self.following.is_some(), last == LastRead::Pending]
     }
 
-    /// Waits until a list that was followed is taken, and makes room where it lacks. Room to spare is left if
-    /// the list will change in parts.
+    /// Waits until the octree shows the followed list, and grows buffers that overflow, with a
+    /// reserve if the list will change partially.
     pub(super) async fn settle(
         &mut self,
         recorder: &mut Recorder<'_>,
         followed: Followed<'_>,
         has_moving: bool,
     ) -> Result<(), GiError> {
-        // What was recorded before is superseded.
+        // Supersedes what was recorded before.
         (self.late, self.lacks_room) = (None, true);
         let (device, queue) = (recorder.device().clone(), recorder.queue().clone());
         loop {
@@ -317,14 +322,14 @@ impl OctreeVolume {
         }
         self.lacks_room = false;
         if !has_moving {
-            // Nobody will follow in parts.
+            // No partial updates can follow.
             self.scratch = None;
             self.stop_following();
         }
         Ok(())
     }
 
-    /// Takes what the GPU has told.
+    /// Applies a verdict that was read back.
     fn know(&mut self, words: &[u32]) -> Result<TreeVerdict, GiError> {
         let (verdict, counters) = words.split_at(size_of::<TreeVerdict>() / 4);
         let verdict: TreeVerdict = bytemuck::pod_read_unaligned(bytemuck::cast_slice(verdict));
@@ -339,7 +344,7 @@ impl OctreeVolume {
         Ok(verdict)
     }
 
-    /// Makes the room that a verdict asks for, and some more. What is shown stays.
+    /// Grows the buffers to what a verdict needs, and some more. What is shown stays.
     fn make_room(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -408,7 +413,7 @@ impl OctreeVolume {
         self.stats.clone()
     }
 
-    /// Whether there was no room for the last list that was followed.
+    /// Whether the last list that was followed has overflowed.
     #[cfg(test)]
     pub(crate) fn lacks_room_now(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> bool {
         crate::testing::read::<TreeVerdict>(device, queue, &self.state.verdict, 1)[0].no_room != 0
@@ -420,7 +425,8 @@ impl OctreeVolume {
     }
 }
 
-/// Room for a number that grows: a quarter to spare, and some, so that little things need no more when they turn.
+/// Capacity for a count that grows: 25 % and a constant reserve, so that small objects do not need
+/// more when they turn.
 fn with_spare(count: u64) -> u64 {
     count + count / 4 + 256
 }
@@ -442,7 +448,7 @@ fn bind_globals(
         .build(device, "globals")
 }
 
-/// What is read back of a recording: the verdict, and what the caller's builder has counted.
+/// What is read back of a recording: the verdict, and the counters of the caller's builder.
 fn verdict_sources<'a>(
     state: &'a State,
     builder: Option<&'a dyn OctreeBuilder>,

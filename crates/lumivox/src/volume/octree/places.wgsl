@@ -1,8 +1,9 @@
-// Where renewed nodes have their bricks.
+// Assigns places to the bricks of renewed nodes.
 //
-// A node whose parts are what they were keeps its bricks where they are. The others take runs that are free, of the very length,
-// the last one given back first, and behind all bricks where there are none. Both go in the order of ranks, so that a
-// sequence of lists leads to the same places in every run.
+// A node with unchanged parts keeps its bricks in place. The others get free runs of exactly the
+// needed length, the last released one first, and runs after all bricks if there are none. Both are
+// assigned in the order of ranks, so that a sequence of lists leads to the same places in every
+// run.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -17,14 +18,15 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(0) var<uniform> verdict: Verdict;
 @group(1) @binding(1) var<storage, read> run_starts: array<u32>;
 @group(1) @binding(2) var<storage, read_write> renewals: array<Renewal>;
-// The first bricks of runs that are free: a stack for each length.
+// The first bricks of free runs: a stack for each length.
 @group(1) @binding(3) var<storage, read_write> free_runs: array<u32>;
 @group(1) @binding(4) var<storage, read_write> octree_out: array<u32>;
 
-// Of each thread of the workgroup.
+// The run length of each thread of the workgroup.
 var<workgroup> lengths: array<u32, LINEAR_WORKGROUP_SIZE>;
 
-// Where the stack of a length starts: there are never more runs of a length than fit behind one another.
+// Where the stack of a length starts: there are never more runs of a length than fit behind one
+// another.
 fn stack_start(length: u32) -> u32 {
     var start = 0u;
     for (var shorter = 1u; shorter < length; shorter++) {
@@ -37,7 +39,7 @@ fn free_before(length: u32) -> u32 {
     return verdict.free[length / 4u][length % 4u];
 }
 
-// The runs of a kind of the workgroups before one.
+// Number of runs of a kind in the workgroups before this one.
 fn runs_before(kind: u32, block: u32) -> u32 {
     let blocks = (arrayLength(&run_starts) - 1u) / RUN_KINDS;
     return run_starts[kind * blocks + block] - run_starts[kind * blocks];
@@ -64,7 +66,7 @@ fn take(
         renewals[index].first_brick = renewals[index].old_first_brick;
         return;
     }
-    // Runs that those before this one take.
+    // Runs assigned to the nodes before this one.
     var before: array<u32, 10>;
     for (var i = 1u; i <= PARTS; i++) {
         before[i] = runs_before(i - 1u, index / LINEAR_WORKGROUP_SIZE);
@@ -84,7 +86,7 @@ fn take(
     renewals[index].first_brick = first;
 }
 
-// After all have taken. Nodes that have gone leave the table as well.
+// After all runs are assigned. Removed nodes are also removed from the table.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn give_back(
     @builtin(global_invocation_id) invocation: vec3u,

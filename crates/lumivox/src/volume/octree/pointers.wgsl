@@ -1,4 +1,4 @@
-// Pointers from each node to the ones before it along x, y and z (fill_pointers.wgsl).
+// Pointers from each node to the previous ones along x, y and z (fill_pointers.wgsl).
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -1,5 +1,6 @@
-// The bricks of renewed nodes after a change of the list. A thread a texel: where the bricks are new it copies its cell's values, and
-// where the cell has changed it writes zeros, until there is light.
+// Updates the bricks of renewed nodes after a change of the list. One thread per texel: it copies
+// the cell's values if the brick is new, and writes zeros until the next light update if the cell
+// has changed.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -47,7 +48,7 @@ fn main(
     if stays && !is_changed {
         return;
     }
-    // The node that the cell is in, with its values.
+    // The cell's own node, which has its values.
     var there = 0u;
     var first_brick = 0u;
     if is_inside && !is_changed {

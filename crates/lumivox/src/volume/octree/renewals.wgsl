@@ -1,42 +1,43 @@
-// The nodes that are renewed, because a cell of theirs has changed: those that have gone included.
+// The renewed nodes: those with a changed cell, including removed ones.
 //
-// `count` leaves the bit count of each word, a prefix sum turns the counts into ranks, and `list` puts each node into its place.
+// `count` writes the bit count of each word, a prefix sum turns the counts into ranks, and `list`
+// writes each node to its index.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::volume::octree::tree::{all_parts, tree};
 
 struct Renewal {
-    // The node's coordinates, interleaved.
+    // Morton code of the node's coordinates.
     morton: u32,
     level: u32,
-    // 0: it has gone.
+    // 0: the node was removed.
     is_there: u32,
-    // Its parts so far; none if it is new.
+    // Its previous parts; none if it is new.
     old_parts: u32,
     // As in the node (tree.wgsl).
     masks: vec4u,
-    // The first of its bricks: so far, and from now on.
+    // The first of its bricks: previous and new.
     old_first_brick: u32,
     first_brick: u32,
     padding_0: u32,
     padding_1: u32,
 }
 
-// How many bricks it needs that it does not have: all, or none.
+// Number of bricks that it needs and does not have: all, or none.
 fn needed_bricks(renewal: Renewal) -> u32 {
     let parts = all_parts(renewal.masks.x);
     return select(countOneBits(parts), 0u, parts == renewal.old_parts);
 }
 
-// How many bricks it gives back: all, or none.
+// Number of bricks that it releases: all, or none.
 fn returned_bricks(renewal: Renewal) -> u32 {
     return select(countOneBits(renewal.old_parts), 0u, all_parts(renewal.masks.x) == renewal.old_parts);
 }
 
 // A bit per node below the root.
 @group(1) @binding(0) var<storage, read> renewed: array<u32>;
-// One word more: the total.
+// One more word: the total.
 @group(1) @binding(1) var<storage, read_write> renewed_ranks: array<u32>;
 @group(1) @binding(2) var<storage, read_write> renewals: array<Renewal>;
 

@@ -1,10 +1,10 @@
-// Bricks into a larger atlas, where the same number has another place: a thread a texel.
+// Copies bricks into a larger atlas, where the same number has another place: one thread per texel.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::volume::octree::tree::{brick_place, tree};
 
-// The atlas so far; `tree` is that of the larger one.
+// The previous atlas; `tree` describes the larger one.
 struct OldAtlas {
     bricks: u32,
     row_bits: u32,

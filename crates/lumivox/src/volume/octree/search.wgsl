@@ -8,15 +8,15 @@ import package::volume::octree::tree::{
 // The table, then the nodes (tree.wgsl).
 @group(0) @binding(2) var<storage, read> octree: array<u32>;
 
-// The child of a node on the way down to a node that lies `below` levels under it; NONE stays NONE.
+// The child of a node on the path to a node `below` levels under that child; NONE stays NONE.
 fn child_towards(node: u32, node_cell: vec3u, below: u32) -> u32 {
     let children = octree[node_word(node) + NODE_CHILDREN];
     return select(8u * children + octant_of(node_cell >> vec3u(below)), NONE, children == NONE);
 }
 
-// The node of a level at a cell of that level; if there is none, NONE or a place without a node, which has no parts.
-// From the table on it is OCTREE_STEPS levels down at most, none where the grid is small: the number is a constant of
-// the grid, which takes the loop away there.
+// The node at a cell of `level`; if there is none, NONE or a place without a node, which has no
+// parts. The search descends at most OCTREE_STEPS levels from the table, none in small grids: the
+// number is a constant of the grid, so the loop is compiled away there.
 fn find_node(node_cell: vec3u, level: u32) -> u32 {
     let start_level = max(level, tree.table_level);
     var below = start_level - level;
@@ -29,7 +29,7 @@ fn find_node(node_cell: vec3u, level: u32) -> u32 {
     return node;
 }
 
-// The same from the root.
+// The same, by a search from the root.
 fn find_node_from_root(node_cell: vec3u, level: u32) -> u32 {
     var node = child_towards(0u, node_cell, tree.root_level - 1u - level);
     var below = tree.root_level - 1u - level;
@@ -40,7 +40,8 @@ fn find_node_from_root(node_cell: vec3u, level: u32) -> u32 {
     return node;
 }
 
-// The parts that a look-up from the `octant`-th cell of a node on can meet; none if there is no node.
+// The parts that a look-up starting at the `octant`-th cell of a node can contain; none if there is
+// no node.
 fn node_mask(node: u32, octant: u32) -> u32 {
     let masks = octree[node_word(node) + NODE_MASKS + octant / 2u];
     return (masks >> (16u * (octant & 1u))) & 0x1ffu;

@@ -1,7 +1,7 @@
-// Where the nodes are: the other way round than a search.
+// Coordinates of the nodes: the inverse of a search.
 
 struct Site {
-    // The node's coordinates, interleaved.
+    // Morton code of the node's coordinates.
     morton: u32,
     // 0: there is no node in this place of its group.
     level: u32,

@@ -1,4 +1,4 @@
-// The values of the finest cells, from the faces of the voxel list, where they have changed.
+// Stores the values of changed cells of the finest level, from the faces of the voxel list.
 
 import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
@@ -51,7 +51,7 @@ fn store_lobes(voxel: u32, lobes: u32, owner: Owner, octant: u32) {
     }
 }
 
-// The opacity is the surface's area in the voxel, the radiance the mean over it.
+// The opacity is the surface's area in the voxel, the radiance the mean over that area.
 fn store_mean(voxel: u32, lobes: u32, owner: Owner, octant: u32) {
     let first = first_faces[voxel];
     var sum = vec4f(0.0);

@@ -1,4 +1,4 @@
-//! The octree's buffers and its atlas, with room for so many nodes and bricks.
+//! The octree's buffers and its atlas, with a capacity of nodes and bricks.
 
 use bytemuck::{Pod, Zeroable};
 use glam::UVec3;
@@ -15,9 +15,9 @@ use crate::{GiError, Grid};
 
 /// Texels of a brick.
 pub(super) const BRICK_TEXELS: u64 = 27;
-/// Four half floats: a texel, and a value.
+/// Size of a texel and of a value: four half floats.
 const TEXEL_BYTES: u64 = 8;
-/// Values beside each brick.
+/// Values per brick.
 const BRICK_VALUES: u64 = 8;
 /// The longest run of bricks: one for each part of a cell.
 pub(super) const MAX_RUN: u64 = 9;
@@ -26,18 +26,18 @@ const RUN_KINDS: u64 = 2 * MAX_RUN;
 /// Bytes of `Renewal` of `renewals.wgsl`.
 const RENEWAL_BYTES: u64 = 48;
 
-/// How much there is room for.
+/// Capacities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Room {
     /// Places for nodes, in groups of eight.
     pub slots: u64,
-    /// Nodes that may be renewed at once.
+    /// Nodes that can be renewed at once.
     pub renewals: u64,
     pub bricks: u64,
 }
 
 impl Room {
-    /// For nothing.
+    /// Minimum capacities.
     pub const NONE: Self = Self { slots: 8, renewals: 1, bricks: 1 };
 
     /// Where the stack of free runs of a length starts; `stack_start` of `places.wgsl`.
@@ -46,7 +46,7 @@ impl Room {
     }
 }
 
-/// What is shown.
+/// The octree that is shown.
 #[derive(Debug)]
 pub(super) struct Tree {
     pub room: Room,
@@ -54,33 +54,33 @@ pub(super) struct Tree {
     pub uniform: Buffer,
     /// The table and the nodes.
     pub octree: Buffer,
-    /// `Site` for each slot.
+    /// `Site` of each slot.
     pub sites: Buffer,
-    /// The places of runs of bricks that are free.
+    /// First places of free runs of bricks.
     pub free_runs: Buffer,
-    /// Eight values beside each brick.
+    /// Eight values per brick.
     pub values: Buffer,
-    /// Pointers to the nodes before, if they are asked for.
+    /// Pointers to the previous nodes; `None` if they are not needed.
     pub nodes_before: Option<Buffer>,
     pub atlas: TextureView,
 }
 
-/// What is needed while the octree follows a list.
+/// Temporary buffers, needed while the octree follows a list.
 #[derive(Debug)]
 pub(super) struct Scratch {
-    /// The octree so far.
+    /// The previous octree.
     pub old_octree: Buffer,
     /// `array<Renewal>`.
     pub renewals: Buffer,
-    /// The runs of bricks that workgroups need and give back.
+    /// The runs of bricks that workgroups need and release.
     pub run_starts: Buffer,
 }
 
 impl Tree {
-    /// Without nodes.
+    /// Creates a tree without nodes.
     ///
     /// # Errors
-    /// [`GiError::Limit`] and [`GiError::Budget`] when it does not fit.
+    /// [`GiError::Limit`] and [`GiError::Budget`] if it does not fit.
     pub fn new(
         device: &wgpu::Device,
         (grid, layout): (&Grid, &TreeLayout),
@@ -128,10 +128,10 @@ impl Tree {
 }
 
 impl Scratch {
-    /// For an octree.
+    /// Creates the buffers for an octree.
     ///
     /// # Errors
-    /// [`GiError::Limit`] when it does not fit.
+    /// [`GiError::Limit`] if they do not fit.
     pub fn new(device: &wgpu::Device, grid: &Grid, tree: &Tree) -> Result<Self, GiError> {
         let remedy = Remedy::Surface(grid.dimensions.max_element());
         let mut memory = Memory::new(device);
@@ -170,7 +170,7 @@ fn atlas(device: &wgpu::Device, size: UVec3) -> TextureView {
     texture.view()
 }
 
-/// Refuses an atlas that the device cannot make.
+/// Returns an error if the device cannot create the atlas.
 fn check_atlas(device: &wgpu::Device, texels: UVec3, grid: &Grid) -> Result<(), GiError> {
     let limit = device.limits().max_texture_dimension_3d;
     let longest = texels.max_element();
@@ -178,7 +178,8 @@ fn check_atlas(device: &wgpu::Device, texels: UVec3, grid: &Grid) -> Result<(), 
         return Ok(());
     }
     let resolution = grid.dimensions.max_element();
-    // The bricks go with the square of the resolution, the atlas's edge with their cube root.
+    // The number of bricks grows with the square of the resolution, the atlas's edge with the cube
+    // root of that number.
     let share = (f64::from(limit) / f64::from(longest)).powf(1.5);
     let fitting = (f64::from(resolution) * share) as u32 / 8 * 8;
     Err(GiError::Limit {
@@ -199,7 +200,7 @@ pub(crate) struct OldAtlas {
     pub(crate) row_bits: u32,
 }
 
-/// Moves what is in an octree to a larger one.
+/// Copies an octree into a larger one.
 #[derive(Debug)]
 pub(super) struct Resettler {
     tree_layout: wgpu::BindGroupLayout,
@@ -224,7 +225,7 @@ impl Resettler {
         Ok(Self { tree_layout: tree_layout.clone(), layout, kernel })
     }
 
-    /// Copies an octree into another one with more room.
+    /// Copies an octree into another one with more capacity.
     pub fn copy(
         &self,
         recorder: &mut Recorder<'_>,

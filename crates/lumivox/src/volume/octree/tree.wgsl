@@ -1,48 +1,50 @@
-// What the kernels that build, fill and sample the octree know of it as a whole.
+// Definitions shared by the kernels that build, fill and sample the octree.
 //
-// A *node* of level L is a cube of 2^L voxels; its *brick* holds the values of the 2x2x2 cells of level L - 1 in
-// it, and of the next ones along +x, +y and +z: 3x3x3 texels. A trilinear look-up at level l reads the cells from
-// floor(texel - 1/2) on, so the brick of the node that this cell is in has all that it needs. A node is there if
-// any of its 27 cells is occupied: nodes without a cell of their own exist for their neighbours' sake.
+// A *node* of level L is a cube of 2^L voxels. Its *brick* stores the values of the 2x2x2 cells of
+// level L - 1 in it, and of the next ones along +x, +y and +z: 3x3x3 texels. A trilinear look-up at
+// level l reads the cells from floor(texel - 1/2) on, so the brick of the node that contains this
+// cell has all that it needs. A node exists if any of its 27 cells is occupied: nodes without an
+// own cell exist for their neighbours' sake.
 //
-// Nodes come in groups of eight behind one child pointer: the children of node n are 8 * children(n) + octant,
-// with x in the lowest bit of the octant. Group 0 is the root alone.
+// Nodes are in groups of eight with one child pointer: the children of node n are 8 * children(n) +
+// octant, with x in the lowest bit of the octant. Group 0 contains only the root.
 
-// More than the levels of nodes or cells: those of 1024 voxels are 0 to 10.
+// Upper bound of the levels of nodes and cells: those of 1024 voxels are 0 to 10.
 const MAX_NODE_LEVELS: u32 = 12u;
 
 struct Tree {
     // The root's level: its cube is the whole grid, rounded up to a power of two.
     root_level: u32,
-    // The finest level whose nodes stand in the table that searches start from.
+    // The finest level whose nodes are in the table that searches start from.
     table_level: u32,
     // Words of the table, which comes before the nodes in the buffer.
     table_words: u32,
-    // Room for nodes, in groups of eight; places without a node have no site.
+    // Capacity in nodes, in groups of eight; places without a node have no site.
     slots: u32,
     // One over the size of the atlas in texels.
     inverse_size: vec3f,
     // The atlas has 2^row_bits bricks along x, and as many along y.
     row_bits: u32,
-    // Room for bricks.
+    // Capacity in bricks.
     bricks: u32,
     padding_0: u32,
     padding_1: u32,
     padding_2: u32,
-    // For each level, x: the first word of its node bits; y: its nodes' first entry in the table; z: the first word of
-    // its cells' occupancy bits.
+    // For each level, x: the first word of its node bits; y: the first table entry of its nodes; z:
+    // the first word of its cells' occupancy bits.
     levels: array<vec4u, MAX_NODE_LEVELS>,
 }
 
 @group(0) @binding(1) var<uniform> tree: Tree;
 
-// No node is a child of this "group", and no search finds this "node": it is the root.
+// No group of children has this number and no search finds this node: it is the root's.
 const NONE: u32 = 0u;
 
-// A node in the buffer: the children's group, the first of its bricks, and eight masks of nine bits, two a word from
-// its halves' lowest bits on. Mask i tells the parts that a look-up from the node's i-th cell on can meet. All parts
-// that the node has (it has a brick for each) are in the seven bits above the first mask and the two above the second.
-// The root has no bricks, so that its masks are zero.
+// A node in the buffer: the children's group, the first of its bricks, and eight masks of nine
+// bits, two per word, each from the lowest bit of a half on. Mask i contains the parts that a
+// look-up starting at the node's i-th cell can contain. All parts of the node (it has a brick for
+// each) are in the seven bits above the first mask and the two bits above the second. The root has
+// no bricks, so its masks are zero.
 const NODE_WORDS: u32 = 6u;
 const NODE_CHILDREN: u32 = 0u;
 const NODE_FIRST_BRICK: u32 = 1u;
@@ -57,12 +59,12 @@ fn all_parts(masks: u32) -> u32 {
     return ((masks >> 9u) & 0x7fu) | (((masks >> 25u) & 3u) << 7u);
 }
 
-// The same into the first word.
+// Puts all parts of a node into the first word of its masks.
 fn with_all_parts(masks: u32, parts: u32) -> u32 {
     return masks | ((parts & 0x7fu) << 9u) | ((parts >> 7u) << 25u);
 }
 
-// Which of the children of its parent a node is.
+// The number of a node among the children of its parent.
 fn octant_of(node_cell: vec3u) -> u32 {
     return (node_cell.x & 1u) | ((node_cell.y & 1u) << 1u) | ((node_cell.z & 1u) << 2u);
 }
@@ -71,7 +73,7 @@ fn corner_of(octant: u32) -> vec3u {
     return vec3u(octant & 1u, (octant >> 1u) & 1u, octant >> 2u);
 }
 
-// The place of a node in its level of the table.
+// The index of a node's table entry.
 fn table_entry(node_cell: vec3u, level: u32) -> u32 {
     let edge = 1u << (tree.root_level - level);
     return tree.levels[level].y + (node_cell.z * edge + node_cell.y) * edge + node_cell.x;

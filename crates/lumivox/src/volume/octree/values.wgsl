@@ -1,8 +1,9 @@
-// The values of the cells: what bricks are filled from.
+// The values of the cells, from which bricks are filled.
 //
-// A value is four half floats. Beside each brick of a node stand eight values, of the node's own cells, zero where a cell
-// does not have the brick's part: so values stay where they are as long as the bricks do, and the children of a cell, which are the own
-// cells of one node, stand side by side. Bricks are copies alone, so that no texture is read and written at once.
+// A value is four half floats. Each brick of a node has eight values, for the node's own cells,
+// zero if a cell does not have the brick's part. So values stay in place as long as the bricks do,
+// and the children of a cell, which are the own cells of one node, are adjacent. Bricks are only
+// copies, so that no texture is read and written at once.
 
 import package::volume::octree::search::{find_node, node_parts, octree};
 import package::volume::octree::tree::{node_word, NODE_FIRST_BRICK};
@@ -23,12 +24,12 @@ fn unpack_value(packed: vec2u) -> vec4f {
     return vec4f(unpack2x16float(packed.x), unpack2x16float(packed.y));
 }
 
-// The place of a part that a node has, of its `octant`-th own cell.
+// The index of the value of a part of the `octant`-th own cell; the node must have the part.
 fn value_place(first_brick: u32, parts: u32, part: u32, octant: u32) -> u32 {
     return 8u * (first_brick + countOneBits(parts & ((1u << part) - 1u))) + octant;
 }
 
-// A node as far as its values are concerned.
+// The fields of a node that locate its values.
 struct Owner {
     parts: u32,
     first_brick: u32,
@@ -40,7 +41,7 @@ fn owner_at(morton: u32, level: u32) -> Owner {
     return Owner(node_parts(node), octree[node_word(node) + NODE_FIRST_BRICK]);
 }
 
-// A part of a node's own cell; zero if the node lacks it.
+// The value of a part of a node's own cell; zero if the node does not have the part.
 fn load_value(owner: Owner, octant: u32, part: u32) -> vec4f {
     if ((owner.parts >> part) & 1u) == 0u {
         return vec4f(0.0);

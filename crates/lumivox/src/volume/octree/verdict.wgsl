@@ -1,6 +1,8 @@
-// Whether the octree has room for the new list's nodes and bricks; if so, where free bricks are from now on. One thread.
+// Whether the new list's nodes and bricks fit the octree's capacities; if so, also where free
+// bricks are from now on. One thread.
 //
-// Without room nothing of the octree is written: it shows what it showed, until there is more room.
+// On overflow nothing of the octree is written: it keeps showing the earlier list until it has
+// grown.
 
 import package::constants::{LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS, NO_ROOM_FOR_BRICKS, NO_ROOM_FOR_PLACES, NO_ROOM_FOR_RENEWALS};
 import package::volume::octree::masks::RUN_KINDS;
@@ -8,22 +10,23 @@ import package::volume::octree::renewals::Renewal;
 import package::volume::octree::tree::tree;
 import package::volume::parts::PARTS;
 
-// Numbers by the length of a run, 1 to 9; the first one is not used.
+// Arrays are indexed by the length of a run, 1 to 9; element 0 is not used.
 struct Verdict {
-    // Bits NO_ROOM_FOR_*; zero: the octree takes the list.
+    // Bits NO_ROOM_FOR_*; zero: everything fits.
     no_room: u32,
-    // Groups of nodes that are needed, the root's included.
+    // Needed groups of nodes, including the root's.
     groups: u32,
     renewals: u32,
-    // Places for bricks that are needed, those of free runs included.
+    // Needed places for bricks, including those of free runs.
     brick_places: u32,
     // Bricks in use.
     bricks: u32,
-    // The first place that no brick was ever in, before this list.
+    // The first place that was never used by a brick, before this list.
     first_place: u32,
     padding_0: u32,
     padding_1: u32,
-    // Workgroups of dispatches over places of nodes, over renewals, and over eight and 27 times as many.
+    // Workgroups of dispatches over places of nodes, over renewals, and over eight and 27 times as
+    // many.
     node_groups: vec3u,
     padding_2: u32,
     renewal_groups: vec3u,
@@ -32,16 +35,16 @@ struct Verdict {
     padding_4: u32,
     texel_groups: vec3u,
     padding_5: u32,
-    // Runs that are free before this list, and that it needs.
+    // Runs that are free before this list, and runs that it needs.
     free: array<vec4u, 3>,
     needed: array<vec4u, 3>,
 }
 
-// The places of bricks between lists.
+// The places of bricks, kept from list to list.
 struct Places {
-    // The first one that no brick was ever in.
+    // The first place that was never used by a brick.
     first_place: u32,
-    // Runs that are free, by length.
+    // Number of free runs, by length.
     free: array<u32, 10>,
 }
 
@@ -76,7 +79,7 @@ fn main() {
         let returned = run_starts[(kind + PARTS + 1u) * blocks] - run_starts[(kind + PARTS) * blocks];
         now.free[length / 4u][length % 4u] = free[length];
         now.needed[length / 4u][length % 4u] = needed;
-        // What is given back is free for the next list: until then its values are still read.
+        // Released runs are free from the next list on: until then their values are still read.
         now.brick_places += length * (needed - min(needed, free[length]));
         free[length] += returned - min(needed, free[length]);
         idle += length * free[length];

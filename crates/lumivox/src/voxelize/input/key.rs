@@ -1,4 +1,4 @@
-//! What static surface was made of: whether it is what it was, and else where it has changed.
+//! Detects whether static surface has changed since it was voxelized, and where.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -8,16 +8,17 @@ use super::emission_scale;
 use crate::geometry::{Draw, GeometryBatch};
 use crate::{Geometry, Grid, SurfaceMaterial};
 
-/// All that the static share was made of but what stands in its buffers: equal keys give equal shares, if those are as they
-/// were. It holds what the caller gave, and not what is made of it, so that what has not changed is only compared.
+/// Everything that the static share was made of, except the contents of buffers: equal keys give
+/// equal shares if those contents have not changed. It stores the caller's input rather than values
+/// computed from it, so that unchanged input only has to be compared.
 #[derive(Clone, Debug)]
 pub(crate) struct ShareKey {
-    /// The name of the voxelization.
+    /// The name of the voxelization method.
     method: &'static str,
     grid: Grid,
-    /// With the static draws that have triangles.
+    /// With only the static draws that have triangles.
     batches: Vec<GeometryBatch>,
-    /// Those that the draws have, with their numbers.
+    /// The materials of these draws, with their numbers.
     materials: Vec<(u32, SurfaceMaterial)>,
     emission_scale: f32,
 }
@@ -27,7 +28,7 @@ fn static_draws(batch: &GeometryBatch) -> impl Iterator<Item = &Draw> {
     batch.draws.iter().filter(|draw| draw.is_static && draw.index_count > 0)
 }
 
-/// Adds the draws that are in one of two lists alone.
+/// Adds the draws that are in only one of two lists.
 fn differences<'a>(
     before: &[Draw],
     after: impl IntoIterator<Item = &'a Draw>,
@@ -46,16 +47,16 @@ fn differences<'a>(
 }
 
 impl ShareKey {
-    /// Whether there are static draws at all.
+    /// `true` if there are static draws.
     pub(crate) fn is_needed(geometry: &Geometry) -> bool {
         geometry.batches.iter().any(|batch| static_draws(batch).next().is_some())
     }
 
-    /// Of the static draws.
+    /// The key of the static draws.
     pub(crate) fn new(method: &'static str, geometry: &Geometry, grid: &Grid) -> Self {
         let key = |batch: &GeometryBatch| {
             let draws = static_draws(batch).copied().collect();
-            // Not a copy of all draws, which may be many.
+            // Does not copy all draws, which may be many.
             let (positions, indices) = (batch.positions.clone(), batch.indices.clone());
             GeometryBatch { positions, attributes: batch.attributes.clone(), indices, draws }
         };
@@ -75,21 +76,22 @@ impl ShareKey {
         }
     }
 
-    /// Whether it is of that voxelization.
+    /// `true` if the share was made by that method.
     pub(crate) fn is_by(&self, method: &str) -> bool {
         self.method == method
     }
 
-    /// Whether surface that was made of other draws can stand for these until theirs is there: of the same voxelization, in the
-    /// same place and unit of emission.
+    /// Whether surface that was made of other draws can be shown until that of these draws is
+    /// ready: it must have the same method, grid and scale of emission.
     pub(crate) fn suits(&self, method: &str, geometry: &Geometry, grid: &Grid) -> bool {
         self.is_by(method)
             && self.grid == *grid
             && self.emission_scale.to_bits() == emission_scale(geometry).to_bits()
     }
 
-    /// Boxes in the world, m, around the static draws that have come or gone since: outside of them surface is what it was. `None`
-    /// where all has to be looked at again: other materials, another unit of emission, or draws without bounds.
+    /// Boxes in the world, m, around the static draws that were added or removed since: surface
+    /// outside of them has not changed. `None` if everything has to be voxelized again: because of
+    /// other materials, another scale of emission, or draws without bounds.
     pub(crate) fn changes(&self, geometry: &Geometry) -> Option<Vec<[Vec3; 2]>> {
         let is_known = |(number, material): &(u32, SurfaceMaterial)| {
             geometry.materials.get(*number as usize) == Some(material)
@@ -112,7 +114,7 @@ impl ShareKey {
         changed.iter().map(Draw::bounds_in_world).collect()
     }
 
-    /// Whether it is that of these static draws.
+    /// `true` if it is the key of these static draws.
     pub(crate) fn is_of(&self, method: &str, geometry: &Geometry, grid: &Grid) -> bool {
         let mut known = self.batches.iter();
         let is_same_batch = |batch: &GeometryBatch| {
