@@ -1,4 +1,4 @@
-//! Errors of rendering, typed, with the remedy in the message.
+//! Typed errors of rendering; the messages include the remedy.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use lumivox_scene::Scene;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// There is no adapter at all, or none of the requested name.
+    /// There is no adapter, or none of the requested name.
     #[error("{problem}; {remedy}")]
     Adapter {
         /// The requested adapter, and the available ones.
@@ -26,7 +26,7 @@ pub enum RenderError {
     NoDevice {
         /// The adapter's name.
         adapter: String,
-        /// The message of the driver.
+        /// The driver's message.
         reason: String,
     },
     /// The device was lost, ran out of memory, or refused a command.
@@ -34,15 +34,15 @@ pub enum RenderError {
     Device {
         /// The work that failed.
         doing: &'static str,
-        /// The message of the driver.
+        /// The driver's message.
         reason: String,
     },
-    /// Something is larger than the device allows.
+    /// A resource is larger than the device allows.
     #[error(
         "{what} needs {needed} {unit}, but this device's limit `{limit}` is {available}; {remedy}"
     )]
     Limit {
-        /// The thing that does not fit.
+        /// The resource that does not fit.
         what: String,
         /// The needed amount.
         needed: u64,
@@ -58,16 +58,16 @@ pub enum RenderError {
     /// The device has too little memory.
     #[error("{what} needs {}; {remedy}", shortage(*needed_mib, *available_mib))]
     OutOfMemory {
-        /// The thing that does not fit.
+        /// The resource that does not fit.
         what: String,
-        /// The needed memory in MiB; `None` if it is only known while it grows.
+        /// The needed memory in MiB; `None` if it is unknown because the resource grows.
         needed_mib: Option<u64>,
-        /// The free memory in MiB; `None` if the driver does not report it (no GPU's driver does).
+        /// The free memory in MiB; `None` if the driver does not report it (GPU drivers never do).
         available_mib: Option<u64>,
         /// The remedy.
         remedy: String,
     },
-    /// No triangle of a scene becomes a voxel.
+    /// None of a scene's triangles becomes a voxel.
     #[error(
         "the scene \"{scene}\" has no triangle that is large enough to be seen in a grid around all {triangles}; {remedy}"
     )]
@@ -89,7 +89,7 @@ pub enum RenderError {
         /// The allowed values.
         expected: String,
     },
-    /// The extension of a picture's file is not one of the written formats.
+    /// The extension of a picture's file is not that of a supported format.
     #[error(
         "{}: cannot tell the picture's format from the extension \"{extension}\"; end the name \
          with .png (8 bits a channel, tone mapped) or .exr (linear, full range)",
@@ -106,7 +106,7 @@ pub enum RenderError {
     Write {
         /// The file.
         file: PathBuf,
-        /// The message of the system.
+        /// The system's message.
         reason: String,
     },
     /// A reference cannot be read.
@@ -126,8 +126,8 @@ pub enum RenderError {
 }
 
 impl RenderError {
-    /// Converts an error of the library for a scene: only the scene can explain why there is
-    /// nothing to voxelize.
+    /// Converts an error of the library; the scene is needed to explain why nothing could be
+    /// voxelized.
     pub fn of_scene(error: GiError, scene: &Scene) -> Self {
         let GiError::NothingToVoxelize { triangles, .. } = error else { return Self::Gi(error) };
         let remedy = match scene.outlier() {

@@ -14,19 +14,19 @@
 //! # }
 //! ```
 //!
-//! | room | holds |
+//! | module | contains |
 //! | --- | --- |
-//! | `settings/` | everything that can be set, in one table |
-//! | `look.rs` | the hook for another way to the picture |
+//! | `settings/` | all settings, in one table |
+//! | `look.rs` | the hook for other ways to draw the picture |
 //! | `scene/` | a scene on the GPU |
 //! | `passes/` | the passes of a frame, each with its shader beside it |
-//! | `picture/` | radiance on its way to a screen and to files |
-//! | `renderer/` | joins the passes, and redoes what a change makes necessary |
-//! | `measure.rs` | the grid of a workplane, and the figures of many readings of light |
-//! | `reference/` | the truth that all this is measured by: a path tracer |
-//! | `compare/` | how far a picture is from it |
+//! | `picture/` | conversion of radiance for screens and files |
+//! | `renderer/` | connects the passes, and updates whatever a change invalidates |
+//! | `measure.rs` | the grid of a workplane, and statistics of light readings |
+//! | `reference/` | the path tracer that provides ground truth |
+//! | `compare/` | the error of a picture against the reference |
 
-// Tests compare floats that must be equal to the bit.
+// Tests compare floats that must be bit-identical.
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
 pub mod compare;
@@ -43,7 +43,7 @@ mod scene;
 mod settings;
 pub mod shaders;
 
-// Tests inside the crate and in `tests/` share code that names the crate like this.
+// Tests inside the crate and in `tests/` share code that refers to the crate by this name.
 #[cfg(test)]
 extern crate self as lumivox_render;
 #[cfg(test)]

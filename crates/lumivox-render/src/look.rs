@@ -1,10 +1,10 @@
-//! Looks: the hook by which a caller draws the picture in place of the physical passes.
+//! Looks: the hook with which a caller replaces the physical passes to draw the picture.
 //!
-//! Write one for non-photorealistic rendering, for the shading of another engine to compare with,
-//! or for a study that leaves terms out. A [`Look`] is a cheap description, named in
-//! [`RenderSettings::look`](crate::RenderSettings::look); it makes [`LookPasses`] for a scene on a
-//! device. The renderer uploads the scene, counts and averages frames, draws overlays and develops
-//! the picture, as without a look. `lumivox-vxct` is an example.
+//! Write one for non-photorealistic rendering, to compare with another engine's shading, or for a
+//! study that leaves terms out. A [`Look`] is a cheap description, set in
+//! [`RenderSettings::look`](crate::RenderSettings::look); it creates [`LookPasses`] for a scene on
+//! a device. The renderer still uploads the scene, counts and averages frames, draws overlays and
+//! develops the picture. `lumivox-vxct` is an example.
 
 use std::any::Any;
 use std::fmt::Debug;
@@ -21,8 +21,7 @@ pub use crate::scene::{Attributes, GpuMaterial, SceneDraw, VertexBuffers};
 use crate::scene::{GpuScene, Lighting};
 use crate::{Exposure, Gpu, MemoryUse, RenderError, ToneMap, View};
 
-/// A look, as [`RenderSettings::look`](crate::RenderSettings::look) takes it; `None` is the
-/// physical one.
+/// The type of [`RenderSettings::look`](crate::RenderSettings::look); `None` is the physical look.
 pub type LookChoice = Option<Arc<dyn Look>>;
 
 /// A way of drawing a scene, with its settings.
@@ -30,7 +29,7 @@ pub trait Look: Any + Debug + Send + Sync {
     /// The name, in lower case.
     fn name(&self) -> &'static str;
 
-    /// Whether another look of the same name has the same settings.
+    /// Whether another look with the same name has the same settings.
     fn is_same(&self, other: &dyn Look) -> bool;
 
     /// Checks the settings against their ranges.
@@ -39,7 +38,7 @@ pub trait Look: Any + Debug + Send + Sync {
     /// [`RenderError::Setting`] for the first one that is out of range.
     fn validate(&self) -> Result<(), RenderError>;
 
-    /// Whether it draws a view. Lumivox draws the others.
+    /// Whether it draws a view. Lumivox draws the other views.
     fn shows(&self, view: View) -> bool;
 
     /// The coarsest level in its views of voxels.
@@ -47,11 +46,11 @@ pub trait Look: Any + Debug + Send + Sync {
         0
     }
 
-    /// Its exposure and curve, for a scene if it is known.
+    /// Its exposure and curve; `scene` is `None` if the scene is not known yet.
     fn display(&self, scene: Option<&Scene>) -> (Exposure, ToneMap);
 
-    /// Makes the passes that draw a scene. `grid` is the box that the grid is fitted to. Nothing
-    /// need be on the GPU before [`LookPasses::prepare`].
+    /// Creates the passes that draw a scene. `grid` is the box that the grid is fitted to. GPU
+    /// resources may be created later, in [`LookPasses::prepare`].
     fn passes(&self, scene: &LookScene, grid: Bounds) -> Box<dyn LookPasses>;
 }
 
@@ -76,7 +75,7 @@ pub struct LookScene {
 }
 
 impl LookScene {
-    /// Takes the parts of a scene.
+    /// Collects the parts of a scene.
     pub fn of(scene: &Scene) -> Self {
         Self {
             materials: scene.materials.clone(),
@@ -87,26 +86,26 @@ impl LookScene {
     }
 }
 
-/// The passes of a look for one scene, made by [`Look::passes`]. They are made again when materials
-/// or the grid change, and dropped when another look is chosen.
+/// The passes of a look for one scene, created by [`Look::passes`]. They are recreated when
+/// materials or the grid change, and dropped when another look is chosen.
 pub trait LookPasses: Debug + wgpu::WasmNotSendSync {
-    /// Takes other lights or transforms; materials stay.
+    /// Updates lights and transforms; the materials are unchanged.
     fn set_scene(&mut self, scene: &LookScene);
 
     /// Invalidates everything that depends on transforms and light, for the next frame.
     fn relight(&mut self);
 
-    /// Links shaders and makes the missing resources of the next frame. Called before each frame.
+    /// Links shaders and creates missing resources for the next frame. Called before each frame.
     ///
     /// # Errors
     /// When something does not fit the device, or a shader does not link.
     fn prepare(&mut self, parts: &LookParts<'_>) -> Result<(), RenderError>;
 
-    /// Records a frame. Buffers that it writes take effect at the next submission: one frame per
+    /// Records a frame. Buffer writes take effect at the next submission, so record one frame per
     /// recorder.
     fn record(&mut self, gpu: &Gpu, recorder: &mut Recorder, frame: &LookFrame<'_>);
 
-    /// GPU memory by what it holds.
+    /// GPU memory by its use.
     fn memory(&self) -> Vec<MemoryUse>;
 }
 
@@ -115,7 +114,8 @@ pub trait LookPasses: Debug + wgpu::WasmNotSendSync {
 pub struct LookParts<'a> {
     /// The device, with its pipelines.
     pub gpu: &'a Gpu,
-    /// All modules of Lumivox and of this crate, for the present volume; add your own to a clone.
+    /// All shader modules of Lumivox and of this crate, for the current volume; add your own to a
+    /// clone.
     pub shaders: &'a ShaderLibrary,
     /// The volume, for its layouts.
     pub gi: &'a Gi,
@@ -142,13 +142,13 @@ pub struct LookFrame<'a> {
     pub shown: View,
     /// The level of voxels to draw.
     pub level: u32,
-    /// The target of the picture, of [`PICTURE_FORMAT`], for a storage binding: multiples of
-    /// [`GpuScene::radiance_unit`], with the share that surfaces cover as alpha.
+    /// The target of the picture, with format [`PICTURE_FORMAT`], for a storage binding: radiance
+    /// in multiples of [`GpuScene::radiance_unit`], and the share that surfaces cover as alpha.
     pub picture: &'a TextureView,
-    /// The target of the surfaces' depths, of [`DEPTH_FORMAT`], for a render pass; nearer is
-    /// greater. Overlays read them.
+    /// The target of the surfaces' depths, with format [`DEPTH_FORMAT`], for a render pass; nearer
+    /// is greater. Overlays read it.
     pub depth: &'a TextureView,
-    /// The target of the surfaces' normals, of [`NORMALS_FORMAT`], for a render pass. Overlays read
-    /// them.
+    /// The target of the surfaces' normals, with format [`NORMALS_FORMAT`], for a render pass.
+    /// Overlays read it.
     pub normals: &'a TextureView,
 }

@@ -1,4 +1,4 @@
-//! Light as numbers: the grid of a workplane, and the figures of many readings.
+//! Light as numbers: the grid of a workplane, and statistics of many readings.
 
 use glam::Vec3;
 
@@ -9,14 +9,15 @@ pub fn photometric(rgb: [f32; 3]) -> f32 {
     luminance(rgb) as f32
 }
 
-/// A flat grid of points in the middles of equal cells of a parallelogram, such as 0.85 m above a floor.
+/// A planar grid of points at the centres of equal cells of a parallelogram, such as 0.85 m above a
+/// floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workplane {
     /// A corner, m.
     pub origin: Vec3,
-    /// The edge that the columns divide, m.
+    /// The edge along which the columns are counted, m.
     pub along: Vec3,
-    /// The edge that the rows divide, m.
+    /// The edge along which the rows are counted, m.
     pub across: Vec3,
     /// Cells along the first edge, at least 1.
     pub columns: u32,
@@ -25,7 +26,7 @@ pub struct Workplane {
 }
 
 impl Workplane {
-    /// The points, row by row from the origin on.
+    /// The points, row by row, starting at the origin.
     pub fn points(&self) -> Vec<Vec3> {
         let at = |row: u32, column: u32| {
             let u = (column as f32 + 0.5) / self.columns as f32;
@@ -38,21 +39,21 @@ impl Workplane {
     }
 }
 
-/// The figures of readings, in their unit: lux or cd/m².
+/// Statistics of readings, in the readings' unit: lux or cd/m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Summary {
     /// The mean.
     pub mean: f64,
-    /// The least.
+    /// The minimum.
     pub minimum: f64,
-    /// The greatest.
+    /// The maximum.
     pub maximum: f64,
-    /// The least over the mean (EN 12464-1:2021, the uniformity U0), 0 to 1; 0 in darkness.
+    /// The minimum divided by the mean (EN 12464-1:2021, the uniformity U0), 0 to 1; 0 in darkness.
     pub uniformity: f64,
 }
 
 impl Summary {
-    /// The figures of some readings; all are 0 without any.
+    /// The statistics of some readings; all are 0 if `values` is empty.
     pub fn of(values: &[f32]) -> Self {
         if values.is_empty() {
             return Self::default();

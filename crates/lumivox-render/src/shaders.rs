@@ -4,7 +4,7 @@ use lumivox::gpu::ShaderLibrary;
 
 use crate::{passes, picture, reference};
 
-/// The modules as `build.rs` has resolved them.
+/// The modules as resolved by `build.rs`.
 #[allow(clippy::all, clippy::pedantic)]
 mod built {
     include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
@@ -12,8 +12,8 @@ mod built {
 
 /// Adds this crate's modules to a library, as `package::render::...`.
 ///
-/// `base` is the library of the present volume (`Gi::shaders`): direct light may march it for
-/// shadows, and the voxel view shows it.
+/// `base` is the library of the current volume (`Gi::shaders`): direct light may march the volume
+/// for shadows, and the voxel view shows it.
 #[must_use]
 pub fn library(base: &ShaderLibrary) -> ShaderLibrary {
     let mut library = base.clone();

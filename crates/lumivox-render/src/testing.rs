@@ -1,4 +1,4 @@
-//! Common parts of the tests inside and outside the crate: the device, and a scene.
+//! Shared by the tests inside and outside the crate: the device, and a scene.
 
 #[path = "../tests/it/common/device.rs"]
 mod device;

@@ -19,7 +19,7 @@ pub enum CompareError {
         /// Width and height of the picture that is compared with it.
         ours: UVec2,
     },
-    /// A picture's pixels are not as many as its size says, or it has none.
+    /// The number of a picture's pixels does not match its size, or is 0.
     #[error("{picture} has {pixels} pixels for a size of {}x{}; give width times height, at least one", size.x, size.y)]
     Pixels {
         /// Which picture: "the reference", "the other picture" or "the variance".
@@ -29,7 +29,7 @@ pub enum CompareError {
         /// The expected width and height.
         size: UVec2,
     },
-    /// A value is infinite, not a number, or a variance below 0.
+    /// A value is infinite or NaN, or a variance is below 0.
     #[error(
         "{picture} is {value} at pixel {x},{y} (counted from 0, from the top left), which cannot be \
          compared; find out what made it"
@@ -41,10 +41,10 @@ pub enum CompareError {
         x: u32,
         /// Row, from 0 at the top.
         y: u32,
-        /// The value that is there.
+        /// The offending value.
         value: String,
     },
-    /// The mean of the reference is not above 0, so nothing can be given as a share of it.
+    /// The mean of the reference is not above 0, so errors cannot be relative to it.
     #[error(
         "the reference is black (its mean is {mean}), so errors cannot be given as a share of it; \
          give a reference that shows light"
@@ -63,7 +63,7 @@ pub enum CompareError {
         /// The remedy.
         remedy: &'static str,
     },
-    /// An `OpenEXR` file has no layer of that name.
+    /// An `OpenEXR` file has no layer of the requested name.
     #[error("{}: it has no layer \"{layer}\" with red, green and blue; there are: {known}", file.display())]
     Layer {
         /// The file.

@@ -5,12 +5,12 @@ use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 
 use super::LinearPicture;
 
-/// Pixels in a degree of the viewer's sight: 67.02, for a screen of 3840 pixels and 0.7 m in width,
-/// 0.7 m away (Andersson et al. 2020, section 6). A lower number is stricter, as for a closer
-/// viewer.
+/// Pixels per degree of the visual field: 67.02, for a screen 3840 pixels and 0.7 m wide, seen from
+/// 0.7 m (Andersson et al. 2020, section 6). A lower number is stricter, as for a closer viewer.
 pub const FLIP_PIXELS_PER_DEGREE: f32 = DEFAULT_PIXELS_PER_DEGREE;
 
-/// The mean over pixels, 0 (equal) to 1. Both are shown with the exposure of the reference.
+/// The mean over pixels, 0 (equal) to 1. Both pictures are shown with the exposure of the
+/// reference.
 pub(super) fn mean_flip(reference: &LinearPicture, ours: &LinearPicture) -> f64 {
     let stops = reference.exposure_stops();
     let [reference, ours] = [reference, ours].map(|picture| {

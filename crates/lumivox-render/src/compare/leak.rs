@@ -3,16 +3,16 @@
 use super::figures::check_pair;
 use super::{CompareError, LinearPicture};
 
-/// Light that leaks into a dark room through its walls, in percent of the light in the room next
-/// door.
+/// Light that leaks into a dark room through its walls, in percent of the light in the adjacent
+/// room.
 ///
-/// It is the mean over pixels of the dark room's surplus of luminance,
-/// `max(0, Y ours - Y reference)`, as a share of the mean luminance of the reference in the lit
-/// room. Noise in the dark reference counts as light where it is too low, so let it converge.
+/// It is the mean over the dark room's pixels of the excess luminance, `max(0, Y ours - Y
+/// reference)`, divided by the mean luminance of the reference in the lit room. Pixels of the dark
+/// reference that are too low because of noise count as leaks, so let the reference converge.
 ///
 /// # Errors
 /// [`CompareError`] when the two dark pictures differ in size, a value is not finite, or the lit
-/// room is black. The dark reference may be.
+/// room is black. The dark reference may be black.
 pub fn leak_percent(
     dark_reference: &LinearPicture,
     dark_ours: &LinearPicture,
@@ -39,7 +39,8 @@ mod tests {
     #[test]
     fn only_what_is_too_bright_leaks() {
         let lit = grey([5.0, 15.0, 10.0]);
-        // 0.4 too much in one of four pixels is 0.1 on average, of 10.
+        // One of four pixels is 0.4 too bright: 0.1 on average, against a mean of 10 in the lit
+        // room.
         let (reference, ours) = (grey([0.0, 0.0, 0.5, 1.0]), grey([0.0, 0.4, 0.5, 0.2]));
         let percent = leak_percent(&reference, &ours, &lit);
         let percent = percent.expect("a share");

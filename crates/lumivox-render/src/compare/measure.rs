@@ -18,7 +18,7 @@ const COST_FRAMES: u32 = 4;
 pub struct RenderedLayers {
     /// Irradiance in lux on the visible surface after one gather.
     pub one_bounce: LinearPicture,
-    /// The same after as many bounces as the settings ask for.
+    /// Irradiance in lux on the visible surface after as many bounces as the settings ask for.
     pub full: LinearPicture,
     /// The picture, in cd/m².
     pub picture: LinearPicture,
@@ -31,10 +31,9 @@ pub struct RenderedLayers {
 /// The cost of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Cost {
-    /// Milliseconds of wall-clock time: the mean over the picture's frames, without work that is
-    /// done once.
+    /// Wall-clock milliseconds: the mean over the picture's frames, without one-time work.
     pub frame_ms: f64,
-    /// Samples of the volume that a pixel's cones take.
+    /// Volume samples that a pixel's cones take.
     pub samples_per_pixel: f64,
 }
 

@@ -25,8 +25,8 @@ impl From<&Picture> for LinearPicture {
 }
 
 impl LinearPicture {
-    /// The stops at which the geometric mean of luminance becomes middle grey (Reinhard et al.
-    /// 2002, "Photographic tone reproduction for digital images", equation 1); every pixel counts.
+    /// The stops that map the geometric mean of luminance to middle grey (Reinhard et al. 2002,
+    /// "Photographic tone reproduction for digital images", equation 1); every pixel counts.
     pub fn exposure_stops(&self) -> f32 {
         let opaque: Vec<_> = self.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
         middle_grey_stops(&opaque).unwrap_or(0.0)
@@ -39,7 +39,7 @@ impl LinearPicture {
         self.to_display(stops).map(code).collect()
     }
 
-    /// The same as display values from 0 to 1, without rounding to codes.
+    /// Like [`Self::to_screen`], but as display values from 0 to 1, not rounded to codes.
     pub fn to_display(&self, stops: f32) -> impl Iterator<Item = [f32; 3]> + '_ {
         let scale = stops.exp2();
         self.rgb.iter().map(move |&rgb| ToneMap::Neutral.encode(Vec3::from(rgb) * scale).to_array())
@@ -71,7 +71,7 @@ impl LinearPicture {
     pub(super) fn check_reference(&self) -> Result<(), CompareError> {
         self.check("the reference")?;
         let mean = self.mean();
-        // Negative channels may leave one of the two above 0.
+        // With negative channels, one of the two can be above 0 and the other not.
         if mean > 0.0 && self.mean_luminance() > 0.0 {
             return Ok(());
         }

@@ -1,4 +1,4 @@
-//! Errors of a device that no call has returned, kept until they are asked for.
+//! Errors of a device that no call has returned, stored until they are polled.
 //!
 //! wgpu reports such an error within the call that raised it, on the calling thread; error scopes
 //! belong to a thread as well. So each thread that shares a device receives its own errors.
@@ -28,7 +28,7 @@ struct Thread {
 }
 
 impl Faults {
-    /// Keeps an error of this thread, unless there is an earlier one.
+    /// Stores an error of this thread, unless there is an earlier one.
     pub(crate) fn keep(&self, message: String) {
         tracing::error!("GPU: {message}");
         self.lock().this_thread().first.get_or_insert(message);
@@ -40,9 +40,9 @@ impl Faults {
         self.lock().loss.get_or_insert(message);
     }
 
-    /// Takes this thread's error; otherwise that of a thread which has ended or has never asked,
-    /// such as one that compiles pipelines, so that no error is ignored. A lost device is reported
-    /// each time.
+    /// Takes this thread's error. If there is none, takes an error of a thread that has ended or
+    /// has never asked, such as one that compiles pipelines, so that no error is ignored. A lost
+    /// device is reported each time.
     pub(crate) fn take(&self) -> Option<String> {
         let mut kept = self.lock();
         let own = kept.this_thread();
@@ -59,7 +59,7 @@ impl Faults {
 
 impl Kept {
     fn this_thread(&mut self) -> &mut Thread {
-        // A thread that is just ending counts as ended.
+        // A thread that is shutting down counts as ended.
         let sign_of_life = SIGN_OF_LIFE.try_with(Arc::downgrade).unwrap_or_default();
         let is_this = |thread: &Thread| thread.sign_of_life.ptr_eq(&sign_of_life);
         let place = self.threads.iter().position(is_this).unwrap_or_else(|| {

@@ -3,14 +3,14 @@
 /// The memory of one use.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryUse {
-    /// The use, such as `shadow maps`.
+    /// The kind of use, such as `shadow maps`.
     pub name: String,
-    /// Its size, without what a driver adds for alignment.
+    /// Bytes, without the driver's alignment.
     pub bytes: u64,
 }
 
 impl MemoryUse {
-    /// A thing by its name.
+    /// Memory of a named use.
     pub fn new(name: &str, bytes: u64) -> Self {
         Self { name: name.to_owned(), bytes }
     }

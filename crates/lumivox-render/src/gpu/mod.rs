@@ -1,5 +1,5 @@
-//! The GPU: choosing an adapter, opening a device and catching its errors, and tools for the whole
-//! crate: textures of a picture's size, reading them back, memory and times.
+//! The GPU: choosing an adapter, opening a device and collecting its errors. Also tools for the
+//! whole crate: screen-sized textures, read-back, memory and times.
 
 mod faults;
 pub(crate) mod memory;
@@ -22,7 +22,7 @@ use pipeline_cache::PipelineFile;
 #[cfg(not(target_arch = "wasm32"))]
 pub use pipeline_cache::pipeline_cache_folder;
 
-/// The APIs that lumivox runs on. OpenGL is left out: it lacks what WebGPU's default limits promise,
+/// The APIs that lumivox runs on. OpenGL is left out: it cannot guarantee WebGPU's default limits,
 /// and probing for it prints errors on machines without a display.
 #[cfg(not(target_arch = "wasm32"))]
 const BACKENDS: wgpu::Backends =
@@ -30,34 +30,36 @@ const BACKENDS: wgpu::Backends =
 #[cfg(target_arch = "wasm32")]
 const BACKENDS: wgpu::Backends = wgpu::Backends::BROWSER_WEBGPU;
 
-/// Features that a device is opened with if its adapter has them.
+/// Features that a device is opened with if its adapter supports them.
 const USED_FEATURES: wgpu::Features =
     wgpu::Features::TIMESTAMP_QUERY.union(wgpu::Features::PIPELINE_CACHE);
 
 /// Options for choosing and opening a device.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct GpuOptions {
-    /// Part of the adapter's name, in upper or lower case; `None` (the default) takes the fastest:
-    /// a discrete GPU before an integrated one before a software driver.
+    /// Part of the adapter's name, case-insensitive. `None` (the default) selects the fastest
+    /// adapter: discrete before integrated before software.
     pub adapter: Option<String>,
-    /// Stay on WebGPU's default limits even where the adapter offers more, as in a browser. Default:
-    /// no; then buffers and textures may be as large as the adapter allows.
+    /// `true` limits the device to WebGPU's default limits, as in a browser, even if the adapter
+    /// offers more. Default: `false`; then buffers and textures may be as large as the adapter
+    /// allows.
     pub portable: bool,
-    /// The folder in which compiled pipelines are kept from one run to the next ([`pipeline_cache_folder`] is the user's);
-    /// `None` (the default) keeps none. Only Vulkan drivers take them, and browsers keep their own.
+    /// The folder that caches compiled pipelines across runs; [`pipeline_cache_folder`] returns the
+    /// user's. `None` (the default) caches none. Only Vulkan drivers support it; browsers have
+    /// their own cache.
     pub pipeline_cache: Option<std::path::PathBuf>,
 }
 
-/// Tells open devices apart. Handles of wgpu do not: those of different instances compare as equal.
+/// Identifies an open device. Handles of wgpu cannot: those of different instances compare equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GpuId(u64);
 
 /// An open device.
 #[derive(Clone, Debug)]
 pub struct Gpu {
-    /// The same for all clones, and for nothing else.
+    /// Shared by all clones, and different for every other device.
     pub id: GpuId,
-    /// The instance that the adapter comes from: surfaces that the device is to draw into are made with it.
+    /// The instance of the adapter; create surfaces that the device draws into from it.
     pub instance: wgpu::Instance,
     /// The adapter that the device was opened on.
     pub adapter: wgpu::Adapter,
@@ -65,11 +67,11 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// Its queue.
     pub queue: wgpu::Queue,
-    /// The pipelines, shared by everything on the device.
+    /// Pipeline cache, shared by everything on the device.
     pub pipelines: Pipelines,
-    /// The adapter of the device.
+    /// Name, type, API and driver of the adapter.
     pub adapter_info: wgpu::AdapterInfo,
-    /// Errors that were not asked for yet.
+    /// Errors that were not polled yet.
     faults: Arc<Faults>,
     is_lost: Arc<AtomicBool>,
     #[cfg(not(target_arch = "wasm32"))]
@@ -109,10 +111,11 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// Takes over a device that the caller has opened, for an engine or a window that renders with its own. It needs
-    /// WebGPU's default limits at least, and [`wgpu::Features::TIMESTAMP_QUERY`] where times of stages are to be taken.
+    /// Uses a device that the caller has opened, for an engine or a window with its own device. It
+    /// needs at least WebGPU's default limits, and [`wgpu::Features::TIMESTAMP_QUERY`] to measure
+    /// the times of stages.
     ///
-    /// The device's errors and its loss are heard here from now on, in the place of handlers that it had.
+    /// Replaces the device's handlers for uncaptured errors and for device loss.
     pub fn with_device(
         instance: wgpu::Instance,
         adapter: wgpu::Adapter,
@@ -141,8 +144,9 @@ impl Gpu {
         }
     }
 
-    /// Keeps compiled pipelines in a folder ([`GpuOptions::pipeline_cache`]) if the device was opened with
-    /// [`wgpu::Features::PIPELINE_CACHE`]. For a new `Gpu`, before anything is made on it.
+    /// Caches compiled pipelines in a folder ([`GpuOptions::pipeline_cache`]) if the device was
+    /// opened with [`wgpu::Features::PIPELINE_CACHE`]. Call it on a new `Gpu`, before anything is
+    /// created on it.
     #[cfg(not(target_arch = "wasm32"))]
     #[must_use]
     pub fn with_pipeline_cache(mut self, folder: Option<&std::path::Path>) -> Self {
@@ -154,7 +158,7 @@ impl Gpu {
         self
     }
 
-    /// Saves compiled pipelines, if they are kept.
+    /// Saves compiled pipelines, if there is a cache file.
     pub(crate) fn save_pipelines(&self) {
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(file) = &self.pipeline_file {
@@ -162,13 +166,13 @@ impl Gpu {
         }
     }
 
-    /// Whether the adapter is a software driver, running on the CPU.
+    /// Whether the adapter is a software driver on the CPU.
     pub fn is_software(&self) -> bool {
         self.adapter_info.device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Whether the device is lost: it cannot be used any more, and its contents are gone. Another
-    /// one may be opened.
+    /// Whether the device is lost: it is no longer usable, and its contents are gone. A new device
+    /// can be opened.
     pub fn is_lost(&self) -> bool {
         self.is_lost.load(Ordering::Relaxed)
     }
@@ -176,9 +180,9 @@ impl Gpu {
     /// Reports failures on the device since the last call, outside of calls that return errors
     /// themselves: a lost device, no memory left, a refused command.
     ///
-    /// Each thread that shares the device receives its own failures; those of threads that have
-    /// ended or have never asked go to the next one that asks. A lost device is reported to all of
-    /// them, each time.
+    /// Each thread that shares the device receives its own failures. Failures of threads that have
+    /// ended or have never called this go to the next caller. A lost device is reported to all
+    /// threads, at each call.
     ///
     /// # Errors
     /// [`RenderError::Device`] with the first failure.
@@ -186,8 +190,8 @@ impl Gpu {
         self.faults.take().map_or(Ok(()), |reason| Err(RenderError::Device { doing, reason }))
     }
 
-    /// The error that something does not fit into the device's memory; `bytes` is its size, if
-    /// known. The free memory is only known for software drivers, which use the machine's own.
+    /// The error for something that does not fit into the device's memory; `bytes` is its size, if
+    /// known. The free memory is known only for software drivers, which use main memory.
     pub(crate) fn out_of_memory(
         &self,
         what: impl Into<String>,
@@ -203,8 +207,8 @@ impl Gpu {
         }
     }
 
-    /// Waits until the device has done all submitted work; in browsers the page continues
-    /// meanwhile.
+    /// Waits until the device has finished all submitted work. In browsers the page stays
+    /// responsive.
     ///
     /// # Errors
     /// [`RenderError::Device`] when the device is lost.
@@ -217,8 +221,8 @@ impl Gpu {
         self.check(doing)
     }
 
-    /// Waits until the device has done all submitted work. In browsers, where nothing may block, it
-    /// returns at once; see [`Self::finished`].
+    /// Waits until the device has finished all submitted work. In browsers, where nothing may
+    /// block, it returns at once; see [`Self::finished`].
     ///
     /// # Errors
     /// [`RenderError::Device`] when the device is lost.
@@ -248,7 +252,7 @@ pub fn describe(info: &wgpu::AdapterInfo) -> String {
     format!("{} ({kind}, {:?}, {driver})", info.name, info.backend)
 }
 
-/// An instance of the APIs that devices are looked for in.
+/// An instance with the supported APIs.
 fn instance() -> wgpu::Instance {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = BACKENDS;
@@ -256,7 +260,7 @@ fn instance() -> wgpu::Instance {
 }
 
 async fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
-    // Browsers show one adapter, and take a hint which.
+    // Browsers expose one adapter, and accept a power preference.
     #[cfg(target_arch = "wasm32")]
     let mut adapters = {
         let options = wgpu::RequestAdapterOptions {
@@ -267,7 +271,7 @@ async fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     };
     #[cfg(not(target_arch = "wasm32"))]
     let mut adapters = instance.enumerate_adapters(BACKENDS).await;
-    // Stable, so that adapters of a kind stay in the driver's order.
+    // The sort is stable, so adapters of one type stay in the driver's order.
     adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
@@ -305,8 +309,8 @@ fn choose(adapters: Vec<wgpu::Adapter>, name: Option<&str>) -> Result<wgpu::Adap
     })
 }
 
-/// WebGPU's default limits. Only limits of size are raised to the adapter's: the user chooses the
-/// scene's size, while the shaders' needs are fixed.
+/// WebGPU's default limits. Only size limits are raised to the adapter's, because the size of the
+/// scene is the user's choice; the needs of the shaders are fixed.
 fn limits(offered: &wgpu::Limits, portable: bool) -> wgpu::Limits {
     let defaults = wgpu::Limits::default();
     if portable {
@@ -327,8 +331,8 @@ fn limits(offered: &wgpu::Limits, portable: bool) -> wgpu::Limits {
     }
 }
 
-/// Keeps the first error that reaches no error scope, and the reason of a lost device, where wgpu
-/// would panic.
+/// Stores the first error that reaches no error scope and the reason of a device loss. Without
+/// these handlers wgpu would panic.
 fn hear_errors(device: &wgpu::Device, faults: &Arc<Faults>, is_lost: &Arc<AtomicBool>) {
     let kept = faults.clone();
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| kept.keep(error.to_string())));

@@ -1,5 +1,5 @@
-//! Compiled pipelines, kept in a file from one run to the next, for drivers that do not keep them
-//! themselves (Vulkan only).
+//! Compiled pipelines, cached in a file across runs, for drivers without a cache of their own
+//! (Vulkan only).
 
 use std::fs;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// The folder for compiled pipelines: `LUMIVOX_PIPELINE_CACHE` if it is set, else
 /// `lumivox/pipelines` in the user's cache folder. `None` if the variable is `off`, or the user has
-/// no folder.
+/// no cache folder.
 pub fn pipeline_cache_folder() -> Option<PathBuf> {
     match std::env::var_os("LUMIVOX_PIPELINE_CACHE") {
         Some(folder) if folder == "off" => None,
@@ -20,19 +20,19 @@ pub fn pipeline_cache_folder() -> Option<PathBuf> {
     }
 }
 
-/// The compiled pipelines of one device, which are saved when the last clone of its `Gpu` goes.
+/// The compiled pipelines of one device; saved when the last clone of its `Gpu` is dropped.
 #[derive(Debug)]
 pub(super) struct PipelineFile {
     path: PathBuf,
-    /// The adapter, the driver and the version of Lumivox that the content is for.
+    /// The adapter, driver and Lumivox version that the content is valid for.
     identity: String,
     pub(super) cache: wgpu::PipelineCache,
-    /// The checksum of what the file holds.
+    /// The checksum of the file's content.
     saved: Mutex<Option<u64>>,
 }
 
 impl PipelineFile {
-    /// The file of a device in a folder; `None` if the device keeps no pipelines.
+    /// Opens the file of a device in a folder; `None` if the device has no pipeline cache.
     pub(super) fn open(
         device: &wgpu::Device,
         info: &wgpu::AdapterInfo,
@@ -64,8 +64,8 @@ impl PipelineFile {
         Some(Self { path, identity, cache, saved: Mutex::new(data.as_deref().map(checksum)) })
     }
 
-    /// Writes the pipelines that the device has compiled, if there are new ones. A folder that
-    /// cannot be written costs time at the next start, and nothing else.
+    /// Writes the pipelines that the device has compiled, if there are new ones. A failed write
+    /// only costs time at the next start.
     pub(super) fn save(&self) {
         let Some(data) = self.cache.get_data() else { return };
         let mut saved = self.saved.lock().unwrap_or_else(PoisonError::into_inner);
@@ -81,7 +81,7 @@ impl PipelineFile {
         }
     }
 
-    /// Replaces the file as a whole, so that another process never reads half of it.
+    /// Replaces the file atomically, so that no other process reads half of it.
     fn write(&self, bytes: &[u8]) -> std::io::Result<()> {
         if let Some(folder) = self.path.parent() {
             fs::create_dir_all(folder)?;
@@ -102,14 +102,14 @@ impl Drop for PipelineFile {
     }
 }
 
-/// The content of a file; `None` if it is none, or larger than what any driver keeps.
+/// The content of a file; `None` if it cannot be read, or is larger than any driver's cache.
 fn read(path: &Path) -> Option<Vec<u8>> {
     let about = fs::metadata(path).ok()?;
     let is_likely = about.is_file() && about.len() <= 1 << 30;
     is_likely.then(|| fs::read(path).ok()).flatten()
 }
 
-/// A hash of another version of Rust may differ: the file is then made anew.
+/// The hash may differ between Rust versions; the file is then rewritten.
 fn checksum(data: &[u8]) -> u64 {
     let mut hasher = DefaultHasher::new();
     data.hash(&mut hasher);
@@ -175,7 +175,7 @@ mod tests {
         assert_eq!(files.len(), usize::from(is_kept), "{files:?}");
         let Some(file) = files.first() else { return };
         let content = std::fs::read(file).expect("it is there");
-        // An unchanged file is not written again; a damaged file is replaced.
+        // An unchanged file is not rewritten; a damaged file is replaced.
         let written = std::fs::metadata(file).expect("it is there").modified().expect("a time");
         let gpu = open();
         compile(&gpu);

@@ -7,7 +7,7 @@ use lumivox::gpu::{Buffer, Texture};
 use crate::gpu::textures::extent;
 use crate::{Gpu, RenderError};
 
-/// The most bytes read at once, well below WebGPU's default limit of 256 MiB a buffer.
+/// The most bytes in one read-back, well below WebGPU's default limit of 256 MiB per buffer.
 const BAND_BYTES: u64 = 64 << 20;
 
 /// Reads one texel of a 2D texture of type `T`; the texture needs `COPY_SRC`.

@@ -3,12 +3,12 @@
 use glam::UVec2;
 use lumivox::gpu::{Texture, TextureView};
 
-/// Makes textures of one picture's size, and sums up their memory.
+/// Creates textures of one picture's size, and sums up their memory.
 #[derive(Debug)]
 pub(crate) struct ScreenTextures<'a> {
     device: &'a wgpu::Device,
     size: UVec2,
-    /// Bytes of all textures made so far.
+    /// Bytes of all textures created so far.
     pub(crate) bytes: u64,
 }
 
@@ -17,7 +17,7 @@ impl<'a> ScreenTextures<'a> {
         Self { device, size, bytes: 0 }
     }
 
-    /// A texture that passes write as `usage` says, and that later passes read.
+    /// Creates a texture that passes write as `usage` says, and that later passes read.
     pub(crate) fn create(
         &mut self,
         label: &str,

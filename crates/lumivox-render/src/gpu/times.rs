@@ -11,7 +11,8 @@ pub(crate) struct StageTimes {
 }
 
 impl StageTimes {
-    /// Adds the times of one recording. A pass that ran several times in it counts with its sum.
+    /// Adds the times of one recording. The times of a pass that ran several times in it are
+    /// summed.
     pub(crate) fn add(&mut self, times: Vec<StageTime>) {
         let mut recording: Vec<StageTime> = Vec::new();
         for time in times {
@@ -31,7 +32,7 @@ impl StageTimes {
         }
     }
 
-    /// The mean of each pass over the recordings that had it.
+    /// The mean time of each pass over the recordings that contain it.
     pub(crate) fn means(&self) -> Vec<StageTime> {
         let mean = |sum: Duration, count: u32| sum.checked_div(count).unwrap_or_default();
         self.sums

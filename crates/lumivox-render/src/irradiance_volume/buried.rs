@@ -1,11 +1,11 @@
-//! Which probes are inside solid things.
+//! Finds probes inside solid objects.
 
 use glam::Vec3;
 use lumivox_scene::{Picker, Scene};
 use rayon::prelude::*;
 
-/// The directions in which a probe looks: those of a cube's sides and corners, turned a little so that they do not run along
-/// edges and diagonals of what is built in right angles.
+/// The rays of a probe: to a cube's sides and corners, rotated a little so that they do not run
+/// along the edges and diagonals of right-angled geometry.
 fn sights() -> impl Iterator<Item = Vec3> {
     let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.21, 0.34, 0.13);
     let all = (-1..=1)
@@ -14,19 +14,20 @@ fn sights() -> impl Iterator<Item = Vec3> {
     all.filter(is_sight).map(move |way| turn * way.as_vec3().normalize())
 }
 
-/// Which of some places, m, are inside solid things or behind walls that have one side: those from which most lines of sight
-/// meet the back of a single-sided surface first. Double-sided surfaces have no back.
+/// For each place, m: whether it is inside a solid or behind a single-sided wall. That is the case
+/// if most rays from it hit the back of a single-sided surface first. Double-sided surfaces have no
+/// back.
 pub fn buried(scene: &Scene, places: &[Vec3]) -> Vec<bool> {
     let picker = Picker::new(scene);
     let bounds = scene.bounds();
     let reach = bounds.min.distance(bounds.max);
     let sights: Vec<Vec3> = sights().collect();
     let is_buried = |&place: &Vec3| {
-        // Beyond this there is nothing.
+        // Nothing is beyond this distance.
         let far = reach + place.distance(bounds.min);
         let meets_back = |&&sight: &&Vec3| {
             let front = picker.pick(place, sight).map_or(far, |pick| pick.distance_m);
-            // The back of a surface is the front of it for who looks the other way.
+            // Seen from the opposite direction, the back of a surface is its front.
             let end = front * (1.0 - 1e-4);
             picker
                 .pick(place + sight * end, -sight)

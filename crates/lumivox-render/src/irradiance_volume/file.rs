@@ -1,4 +1,5 @@
-//! A volume as a KTX2 file, in the layout of Bevy (the documentation of `bevy_pbr::light_probe::irradiance_volume`, 0.20).
+//! A volume as a KTX2 file, in Bevy's layout (the documentation of
+//! `bevy_pbr::light_probe::irradiance_volume`, 0.20).
 
 use glam::{UVec3, Vec3};
 use half::f16;
@@ -7,18 +8,20 @@ use ktx2::{Format, Header, Index, LevelIndex};
 
 use super::IrradianceVolume;
 
-/// The name and the value of a KTX2 file's entry for the program that wrote it (KTX 2.0, section 3.11.2).
+/// Key and value of the KTX2 metadata entry for the writing program (KTX 2.0, section 3.11.2).
 const WRITER: &[u8] = b"KTXwriter\0Lumivox\0";
 
 impl IrradianceVolume {
-    /// The bytes of a KTX2 file with a texture of half floats (`R16G16B16A16_SFLOAT`), and what its values are to be multiplied
-    /// by to be cd/m²: 1, unless one of them is more than half floats hold.
+    /// The bytes of a KTX2 file with a texture of half floats (`R16G16B16A16_SFLOAT`), and the
+    /// factor that converts its values to cd/m²: 1, unless a value exceeds the range of half
+    /// floats.
     ///
-    /// The texture of probes (Rx, Ry, Rz) has the size (Rx, 2 Ry, 3 Rz): along z the axes x, y and z, along y the light of
-    /// surfaces that face along the axis, then of those that face against it. That is the order in which Bevy's shader reads it.
+    /// The texture of (Rx, Ry, Rz) probes has the size (Rx, 2 Ry, 3 Rz). Along z are the axes x, y
+    /// and z. Along y is first the light on surfaces that face along the axis, then the light on
+    /// those that face against it. Bevy's shader reads it in this order.
     ///
     /// # Panics
-    /// If the texture's format has no descriptor, which it has.
+    /// Never: the texture's format has a descriptor.
     pub fn to_ktx2(&self) -> (Vec<u8>, f32) {
         let brightest =
             self.light.iter().flatten().map(|light| light.max_element()).fold(0.0, f32::max);

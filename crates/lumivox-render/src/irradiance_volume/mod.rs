@@ -1,12 +1,14 @@
-//! Irradiance volumes: light in the air at a grid of probes, baked for renderers without global illumination of their own.
+//! Irradiance volumes: light at a grid of probes in the air, baked for renderers without global
+//! illumination of their own.
 //!
-//! A probe keeps the light of six directions, an ambient cube (Mitchell 2006, "Shading in Valve's Source Engine", slides 27 and
-//! 28). The light on a surface is the mean of the three directions that it faces, weighted by the squares of its normal's
-//! components. Bevy 0.20 reads such volumes.
+//! A probe stores the light from six directions, an ambient cube (Mitchell 2006, "Shading in
+//! Valve's Source Engine", slides 27 and 28). The light on a surface is the sum of the three
+//! directions that it faces, weighted by the squares of its normal's components. Bevy 0.20 reads
+//! such volumes.
 //!
 //! | file | is |
 //! | --- | --- |
-//! | `buried.rs` | which probes are inside solid things, where no light is |
+//! | `buried.rs` | finds probes inside solid objects, where there is no light |
 //! | `file.rs` | the volume as a KTX2 file |
 
 mod buried;
@@ -18,14 +20,14 @@ use glam::{UVec3, Vec3};
 
 pub use buried::buried;
 
-/// The directions of a probe's light, in the order of its values.
+/// The directions of a probe's values, in their order.
 pub const DIRECTIONS: [Vec3; 6] =
     [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
 
-/// A grid of probes in the middles of equal cells of a box.
+/// A grid of probes at the centres of equal cells of a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbeGrid {
-    /// The box's corner of least coordinates, m.
+    /// The box's minimum corner, m.
     pub min: Vec3,
     /// The box's size, m, above 0.
     pub size: Vec3,
@@ -34,13 +36,13 @@ pub struct ProbeGrid {
 }
 
 impl ProbeGrid {
-    /// A grid over a box, whose cells have about the given edge, m.
+    /// A grid over a box, with cells whose edges are about `spacing` long, m.
     pub fn over(min: Vec3, max: Vec3, spacing: f32) -> Self {
         let size = max - min;
         Self { min, size, cells: (size / spacing).round().max(Vec3::ONE).as_uvec3() }
     }
 
-    /// The middle of the box, m.
+    /// The centre of the box, m.
     pub fn center(&self) -> Vec3 {
         self.min + self.size / 2.0
     }
@@ -50,13 +52,13 @@ impl ProbeGrid {
         self.cells.to_array().map(|cells| cells as usize).iter().product()
     }
 
-    /// The places of the probes, m: along x first, then along y, then along z.
+    /// The positions of the probes, m: x varies fastest, then y, then z.
     pub fn probes(&self) -> Vec<Vec3> {
         let cell = self.size / self.cells.as_vec3();
         self.numbers().map(|number| self.min + (number.as_vec3() + 0.5) * cell).collect()
     }
 
-    /// The number of each probe along the axes, in their order.
+    /// The grid coordinates of each probe, in the order of [`Self::probes`].
     fn numbers(&self) -> impl Iterator<Item = UVec3> + use<> {
         let UVec3 { x, y, z } = self.cells;
         (0..z).flat_map(move |z| (0..y).flat_map(move |y| (0..x).map(move |x| UVec3::new(x, y, z))))
@@ -67,7 +69,7 @@ impl ProbeGrid {
         (z as usize * height as usize + y as usize) * width as usize + x as usize
     }
 
-    /// The numbers of the probes beside one.
+    /// The indices of the probes next to one.
     fn beside(&self, at: UVec3) -> impl Iterator<Item = usize> + use<'_> {
         DIRECTIONS.into_iter().filter_map(move |direction| {
             let next = (at.as_ivec3() + direction.as_ivec3()).as_uvec3();
@@ -84,21 +86,22 @@ pub struct IrradianceVolume {
 }
 
 impl IrradianceVolume {
-    /// The volume of the irradiance at the probes of a grid, lux in linear RGB, towards [`DIRECTIONS`]. Probes that are
-    /// [`buried`] get the light of those beside them, so that it does not darken what is near; where all are, there is none.
+    /// A volume from the irradiance at a grid's probes, lux in linear RGB, towards [`DIRECTIONS`].
+    /// A probe that is [`buried`] gets the light of its neighbours, so that it does not darken
+    /// surfaces nearby. If all probes are buried, all are black.
     ///
     /// # Panics
-    /// Unless there are as many values as probes.
+    /// If the number of values differs from the number of probes.
     pub fn new(grid: ProbeGrid, irradiance: &[[Vec3; 6]], buried: &[bool]) -> Self {
         assert!(
             irradiance.len() == grid.count() && buried.len() == grid.count(),
             "one value for each probe"
         );
-        // The luminance of a white matt surface in this light, cd/m².
+        // The luminance of a white Lambertian surface in this light, cd/m².
         let mut light: Vec<[Vec3; 6]> =
             irradiance.iter().map(|sides| sides.map(|lux| lux / std::f32::consts::PI)).collect();
         let mut known: Vec<bool> = buried.iter().map(|is_buried| !is_buried).collect();
-        // One layer of probes at a time, from the air into the solid.
+        // Each pass fills one more layer of probes, from the air into the solid.
         while known.contains(&true) && known.contains(&false) {
             let before = known.clone();
             for (index, at) in grid.numbers().enumerate() {
@@ -119,13 +122,13 @@ impl IrradianceVolume {
         Self { grid, light }
     }
 
-    /// Its grid.
+    /// Grid of the probes.
     pub fn grid(&self) -> ProbeGrid {
         self.grid
     }
 
-    /// The light of each probe towards [`DIRECTIONS`], in the order of [`ProbeGrid::probes`]: irradiance over pi, cd/m² in linear
-    /// RGB.
+    /// The light of each probe towards [`DIRECTIONS`], in the order of [`ProbeGrid::probes`]:
+    /// irradiance divided by pi, cd/m² in linear RGB.
     pub fn light(&self) -> &[[Vec3; 6]] {
         &self.light
     }

@@ -1,12 +1,13 @@
 //! The mean over frames.
 //!
 //! After n frames the mean m moves by (x - m) / (n + 1), in full floats: each frame has the same
-//! weight, and nothing grows with their number. Two textures take turns, since WebGPU's core cannot
-//! both read and write storage textures of this format.
+//! weight, and no sum grows with their number. Two textures are swapped each frame, since WebGPU's
+//! core cannot both read and write storage textures of this format.
 //!
-//! Frames that are means themselves, blended with the light of all frames before them, get weights
-//! that grow as they get better: m moves by 2 (x - m) / (n + 2). When something moves, their mean
-//! does not start again: it follows the surfaces (`follow.wgsl`), and counts for a few frames.
+//! With temporal blending, frames already contain the light of all frames before them and improve
+//! over time, so later frames get larger weights: m moves by 2 (x - m) / (n + 2). When something
+//! moves, the mean does not start from nothing: it is reprojected along the surfaces
+//! (`follow.wgsl`), and counts as a few frames.
 
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
@@ -19,8 +20,8 @@ use lumivox::{GBuffer, Gi};
 use crate::gpu::textures::ScreenTextures;
 use crate::passes::composite::PICTURE_FORMAT;
 
-/// The most frames that a moving picture's mean counts for: what is looked up between texels blurs
-/// a little each time.
+/// The most frames that a moving picture's mean counts as: each lookup between texels blurs it a
+/// little.
 const MOVING_FRAMES: u32 = 8;
 
 /// `AccumulateSettings` of `accumulate.wgsl`.
@@ -39,29 +40,29 @@ pub struct AccumulatePass {
     follow: Option<Follow>,
     settings: Buffer,
     means: [Texture; 2],
-    /// Group `i` writes mean `i`.
+    /// Bind group `i` writes mean `i`.
     groups: [BindGroup; 2],
-    /// The mean that was written last.
+    /// Index of the mean that was written last.
     newest: usize,
     size: UVec2,
     frames: u32,
-    /// The weight of the newest frame, all of its samples together.
+    /// The weight of the newest frame, summed over its samples.
     share: f32,
 }
 
-/// The kernel for frames that are blended with those before them, and how many of these count.
+/// The reprojection kernel for blended frames, and the number of past frames in the mean.
 #[derive(Debug)]
 struct Follow {
     kernel: Kernel,
-    /// In place of groups that it does not use.
+    /// Bound in place of the groups that the kernel does not use.
     nothing: BindGroup,
-    /// The frames that the mean counts for beyond those of the present picture.
+    /// The number of frames that the mean counts as, in addition to those of the current picture.
     past: u32,
 }
 
 impl AccumulatePass {
-    /// Makes the pipeline and the textures; `frame` is the texture of each frame. Frames that are
-    /// blended with those before them have the volume of their G-buffer.
+    /// Creates the pipeline and the textures; `frame` is the texture of each frame. If frames are
+    /// blended, `blended` is the volume of their G-buffer.
     ///
     /// # Errors
     /// When the shader does not link.
@@ -102,7 +103,8 @@ impl AccumulatePass {
         self.frames
     }
 
-    /// Starts again: the next frame replaces the mean, or follows it if frames are blended.
+    /// Starts again: the next frame replaces the mean, or is blended with the reprojected mean if
+    /// frames are blended.
     pub fn reset(&mut self) {
         if let Some(follow) = &mut self.follow {
             follow.past = (follow.past + self.frames).min(MOVING_FRAMES);
@@ -110,7 +112,7 @@ impl AccumulatePass {
         self.frames = 0;
     }
 
-    /// Starts again from nothing.
+    /// Starts again without the past frames.
     pub(crate) fn forget(&mut self) {
         self.frames = 0;
         if let Some(follow) = &mut self.follow {
@@ -118,7 +120,7 @@ impl AccumulatePass {
         }
     }
 
-    /// Makes the next frame number `frames` of the mean, counted from 0.
+    /// Sets the index of the next frame in the mean, counted from 0.
     pub(crate) fn number(&mut self, frames: u32) {
         if frames == 0 {
             self.reset();
@@ -126,8 +128,8 @@ impl AccumulatePass {
         self.frames = frames;
     }
 
-    /// Adds the first of so many samples of a frame; once per submission. Frames that are blended have their G-buffer, and
-    /// whether their light is on its way from a change.
+    /// Adds the first of `samples` samples of a frame; once per submission. For blended frames,
+    /// `of` is their G-buffer and whether their light is still changing.
     pub(crate) fn record(
         &mut self,
         recorder: &mut Recorder,
@@ -151,7 +153,7 @@ impl AccumulatePass {
         self.frames += 1;
     }
 
-    /// Adds another of so many samples of the newest frame.
+    /// Adds a further one of `samples` samples of the newest frame.
     pub(crate) fn record_further(&mut self, recorder: &mut Recorder, sample: u32, samples: u32) {
         let weight = weight_of_sample(self.share, sample, samples);
         self.set(recorder, AccumulateSettings { weight, is_relit: 0, padding: [0; 2] });
@@ -159,13 +161,13 @@ impl AccumulatePass {
         self.kernel.run(recorder, &[group], [self.size.x, self.size.y, 1]);
     }
 
-    /// The textures change places.
+    /// Writes the settings and swaps the textures.
     fn set(&mut self, recorder: &Recorder, settings: AccumulateSettings) {
         recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
         self.newest = 1 - self.newest;
     }
 
-    /// Whether the mean goes on from another picture, before the present one's frames.
+    /// Whether the mean includes frames of past pictures.
     pub(crate) fn has_past(&self) -> bool {
         self.follow.as_ref().is_some_and(|follow| follow.past > 0)
     }
@@ -186,7 +188,8 @@ impl AccumulatePass {
     }
 }
 
-/// The share of a sample in the mean with those before it, if all samples of the frame have the same and `share` together.
+/// The share of a sample in the mean so far, such that all samples of the frame have the same
+/// weight, `share` in total.
 pub(crate) fn weight_of_sample(share: f32, sample: u32, samples: u32) -> f32 {
     let each = share / samples as f32;
     each / (1.0 - each * (samples - 1 - sample) as f32)

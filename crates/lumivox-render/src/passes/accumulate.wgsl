@@ -1,9 +1,10 @@
-// A frame into the mean of those before, of the same pixel. It does not use the grid: its own bindings are in group 0.
+// Adds a frame to the mean of earlier frames at the same pixel. It does not use the grid: its own
+// bindings are in group 0.
 
 struct AccumulateSettings {
-    // The frame's share of the new mean; 1: nothing of the old one is left.
+    // The frame's share of the new mean; 1 discards the old mean.
     weight: f32,
-    // Whether the light is on its way from a change.
+    // Whether the light is still changing.
     is_relit: u32,
     padding_0: u32,
     padding_1: u32,

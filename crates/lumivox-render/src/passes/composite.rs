@@ -1,9 +1,9 @@
 //! One frame's picture from its parts, or a view of one of them.
 //!
-//! Outgoing radiance is emission, plus light straight from lamps and sun, plus albedo / pi times
-//! the gathered irradiance (less the part that the gloss reflects before it enters), plus the
-//! radiance of the glossy cones. The background is the environment. Coloured glass in front of all
-//! this tints the sum.
+//! Outgoing radiance is emission, plus direct light from lamps and sun, plus albedo / pi times the
+//! gathered irradiance (less the part that the gloss reflects before it enters), plus the radiance
+//! of the glossy cones. The background is the environment. Coloured glass in front of all this
+//! tints the sum.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
@@ -21,7 +21,7 @@ use crate::passes::gbuffer::GBufferTargets;
 /// Format of pictures before tone mapping: full floats, so that the mean over frames is exact.
 pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// A format of one number a pixel that every device can read and write in place.
+/// A single-channel format that every device can read and write in place.
 const ILLUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
 /// `CompositeSettings` of `composite.wgsl`.
@@ -36,12 +36,12 @@ pub(crate) struct CompositeSettings {
     padding: [u32; 2],
 }
 
-/// Puts the parts of a picture together.
+/// Combines the parts of a picture.
 #[derive(Debug)]
 pub struct CompositePass {
     kernel: Kernel,
     layout: wgpu::BindGroupLayout,
-    /// Takes the place of records where no light of earlier frames is kept.
+    /// Bound in place of records if no light of earlier frames is stored.
     no_records: TextureView,
 }
 
@@ -50,28 +50,29 @@ pub struct CompositePass {
 pub struct CompositeTargets {
     /// Radiance or a quantity in rgb; in a 1 where there is a surface, 0 elsewhere.
     pub picture: TextureView,
-    /// The mean over frames of the surface's illuminance, in lux divided by the unit of radiance; negative where there is no
-    /// surface.
+    /// The mean over frames of the surface's illuminance, in lux divided by the unit of radiance;
+    /// negative if there is no surface.
     pub illuminance: Texture,
     settings: Buffer,
     group: BindGroup,
 }
 
-/// One sample of a picture: the view of it, its light, and its place.
+/// One sample of a picture: its view, its light, and its position in the pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct Composed {
     /// The view that the picture shows.
     pub view: View,
     /// Whether cones were traced for the frame.
     pub has_cones: bool,
-    /// The sample's share of the mean of illuminances, its own included.
+    /// The sample's share in the new mean of illuminances.
     pub weight: f32,
-    /// For a further sample of the frame: from its place in the pixel to that of the sample that was traced, in pixels.
+    /// For a further sample of the frame: the offset from its position in the pixel to that of the
+    /// traced sample, in pixels.
     pub to_traced: Option<Vec2>,
 }
 
 impl CompositePass {
-    /// Makes the pipeline.
+    /// Creates the pipeline.
     ///
     /// # Errors
     /// When the shader does not link.
@@ -103,7 +104,7 @@ impl CompositePass {
         Ok(Self { kernel, layout, no_records: no_records.view() })
     }
 
-    /// In place of records where there are none.
+    /// Placeholder for records that do not exist.
     pub(crate) fn no_records(&self) -> &TextureView {
         &self.no_records
     }
@@ -138,7 +139,7 @@ impl CompositePass {
         CompositeTargets { picture, illuminance, settings, group }
     }
 
-    /// Makes the picture. It takes effect at the next submission: one sample per recorder.
+    /// Composes the picture. It takes effect at the next submission: one sample per recorder.
     pub fn record(
         &self,
         recorder: &mut Recorder,

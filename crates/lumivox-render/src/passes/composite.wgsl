@@ -1,4 +1,4 @@
-// One frame's picture, or one view of it: radiance or a quantity in rgb, and in a whether there is
+// One frame's picture, or one view of it: radiance or a quantity in rgb, and in a 1 where there is
 // a surface.
 
 import package::constants::{
@@ -19,37 +19,37 @@ import package::trace::view::{position_at, ray_direction, view};
 struct CompositeSettings {
     // One of VIEW_...
     shown: u32,
-    // Whether cones were traced for this frame; if not, their textures hold an earlier frame's
+    // Whether cones were traced for this frame; if not, their textures contain an earlier frame's
     // light.
     has_cones: u32,
-    // The share of the mean of illuminances; 1: nothing of the old one is left.
+    // The sample's share in the mean of illuminances; 1 discards the old mean.
     weight: f32,
-    // Whether the G-buffer is of another sample of the pixels than the one that was traced.
+    // Whether the G-buffer shows another sample of the pixels than the traced one.
     is_further: u32,
-    // From its place in the pixel to that of the traced sample, in pixels.
+    // Offset from that sample's position in the pixel to the traced sample's, in pixels.
     to_traced: vec2f,
     padding: vec2u,
 }
 
 @group(1) @binding(0) var<storage, read> composite_settings: CompositeSettings;
-// Reflected radiance; visibility of the lights in a of the first.
+// Reflected radiance in rgb; visibility of the lights in a.
 @group(1) @binding(1) var direct_diffuse: texture_2d<f32>;
-// The illuminance in a of the second.
+// Reflected radiance in rgb; illuminance in a.
 @group(1) @binding(2) var direct_specular: texture_2d<f32>;
 // Irradiance in rgb, openness in a.
 @group(1) @binding(3) var irradiance: texture_2d<f32>;
 // Reflected radiance in rgb, cone samples in a.
 @group(1) @binding(4) var specular: texture_2d<f32>;
-// The light that coloured glass in front lets through, in rgb; one white texel if the scene has
-// none.
+// The transmittance of coloured glass in front, in rgb; one white texel if the scene has none.
 @group(1) @binding(5) var tint: texture_2d<f32>;
-// The records of the surfaces; one texel of zeros if there are none.
+// The records of the surfaces; one zero texel if there are none.
 @group(1) @binding(6) var records: texture_2d<u32>;
 @group(1) @binding(7) var picture: texture_storage_2d<rgba32float, write>;
 // The mean over frames of the illuminance at the surface; negative where there is none.
 @group(1) @binding(8) var illuminance: texture_storage_2d<r32float, read_write>;
 
-// The depth of the traced sample, and its octahedral shading normal as two times 16 bits; kept for further samples.
+// The depth of the traced sample, and its octahedral shading normal in two 16-bit halves; stored
+// for further samples.
 @group(1) @binding(9) var traced_depth: texture_storage_2d<r32float, read_write>;
 @group(1) @binding(10) var traced_normal: texture_storage_2d<r32uint, read_write>;
 
@@ -58,7 +58,8 @@ var<private> traced_irradiance: vec4f;
 // Reflected radiance in rgb, cone samples in a.
 var<private> traced_specular: vec4f;
 
-// The mean light of 3 x 3 traced samples, as far as they show the same surface and are near.
+// The mean light of 3 x 3 traced samples, weighted by proximity and by how well they match the
+// surface.
 fn take_traced_around(pixel: vec2u, surface: Surface) {
     traced_irradiance = vec4f(0.0);
     traced_specular = vec4f(0.0);
@@ -73,7 +74,7 @@ fn take_traced_around(pixel: vec2u, surface: Surface) {
         let offset = position_at(seen + 0.5, depth) - surface.position_in_world;
         let normal = octahedral_decode(unpack2x16snorm(textureLoad(traced_normal, place).r));
         let near = max(1.0 - abs(seen - vec2f(pixel)), vec2f(0.0));
-        // The floors keep a sample that fits nowhere at the mean of what there is.
+        // The floors make a sample that matches nothing use the plain mean.
         let weight = (near.x * near.y + 1e-3) * (fit(offset, normal, surface) + 1e-4);
         traced_irradiance += weight * textureLoad(irradiance, place, 0);
         traced_specular += weight * textureLoad(specular, place, 0);
@@ -159,7 +160,7 @@ fn shade(pixel: vec2u, surface: Surface) -> vec3f {
     }
 }
 
-// The tint of views that show light on its way to the camera.
+// The tint, for views that show light arriving at the camera.
 fn tint_at(pixel: vec2u) -> vec3f {
     switch composite_settings.shown {
         case VIEW_DIFFUSE, VIEW_OCCLUSION, VIEW_SHADOW, VIEW_ALBEDO, VIEW_NORMAL, VIEW_DEPTH, VIEW_COST,
@@ -172,7 +173,7 @@ fn tint_at(pixel: vec2u) -> vec3f {
     }
 }
 
-// The sky is a light source, so it is seen wherever emission is.
+// The sky is a light source, so views that include emission show it.
 fn shows_environment() -> bool {
     switch composite_settings.shown {
         case VIEW_INDIRECT, VIEW_DIFFUSE, VIEW_SPECULAR, VIEW_OCCLUSION, VIEW_SHADOW,
@@ -185,7 +186,7 @@ fn shows_environment() -> bool {
     }
 }
 
-// The illuminance of the surface, from everywhere.
+// The illuminance of the surface from all directions.
 fn arriving(pixel: vec2u) -> f32 {
     // ITU-R BT.709-6, section 3.2.
     let indirect = dot(traced_irradiance.rgb, vec3f(0.2126, 0.7152, 0.0722));

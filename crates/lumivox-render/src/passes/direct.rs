@@ -1,5 +1,5 @@
-//! Light that reaches the visible surfaces straight from lamps and sun: Lambert's diffuse
-//! reflection and the microfacet gloss of `package::trace::brdf`, per pixel and light.
+//! Direct light on the visible surfaces from lamps and sun: Lambert's diffuse reflection and the
+//! microfacet gloss of `package::trace::brdf`, per pixel and light.
 
 use lumivox::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
@@ -29,7 +29,7 @@ pub struct DirectTargets {
 }
 
 impl DirectPass {
-    /// Makes the pipeline.
+    /// Creates the pipeline.
     ///
     /// # Errors
     /// When the shader does not link.
@@ -52,7 +52,7 @@ impl DirectPass {
         DirectTargets { diffuse, specular }
     }
 
-    /// Lights the G-buffer. The shadow maps around the camera are drawn already.
+    /// Lights the G-buffer. The shadow maps around the camera must be drawn before.
     pub(crate) fn record(
         &self,
         device: &wgpu::Device,

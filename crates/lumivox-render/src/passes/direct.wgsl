@@ -1,4 +1,4 @@
-// Light that reaches the visible surfaces straight from the lamps and the sun.
+// Direct light on the visible surfaces from lamps and sun.
 
 import package::environment::glossy_share;
 import package::light::lights::{incident_light, light_globals, lights};
@@ -18,7 +18,7 @@ import package::trace::view::view;
 // Reflected radiance in rgb, illuminance in a.
 @group(1) @binding(1) var direct_specular: texture_storage_2d<rgba16float, write>;
 
-// A square of a parallel light's shadow map around the camera.
+// A square layer of a parallel light's shadow map around the camera.
 struct NearLayer {
     clip_from_world: mat4x4f,
     // Edge of a texel in the world, m.
@@ -29,7 +29,7 @@ struct NearLayer {
     padding_1: u32,
 }
 
-// In the order of the lights, the smallest square of each first.
+// Ordered by light, and for each light from the smallest square to the largest.
 @group(1) @binding(2) var<storage, read> near_layers: array<NearLayer>;
 @group(1) @binding(3) var near_maps: texture_depth_2d_array;
 
@@ -41,9 +41,9 @@ fn luminance(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));
 }
 
-// The share of a light that reaches a point, by the smallest of the light's squares around the point; -1 without one that is finer
-// than the map of the voxels. `next` is the
-// index of the next layer to look at, and moves past the light's own.
+// The visible share of a light at a point, from the smallest of the light's squares that contains
+// the point; -1 if there is none, or none is finer than the light's map for the voxels. `next` is
+// the index of the next layer to test; it is advanced past the light's own layers.
 fn near_visibility(next: ptr<function, u32>, index: u32, position_in_world: vec3f, normal: vec3f) -> f32 {
     var found = -1.0;
     while *next < arrayLength(&near_layers) && near_layers[*next].light <= index {
@@ -78,7 +78,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let coat = load_coat(pixel);
     let normal = surface.shading_normal;
     let to_camera = normalize(view.position_in_world - surface.position_in_world);
-    // Never quite grazing: the visibility term is 0 / 0 there.
+    // Avoids grazing angles: the visibility term is 0 / 0 there.
     let n_dot_v = max(dot(normal, to_camera), 1e-4);
 
     var diffuse = vec3f(0.0);
@@ -94,8 +94,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         let brightness = luminance(incident.irradiance);
         sent += brightness;
         let n_dot_l = dot(normal, incident.direction);
-        // The geometric normal decides, too: a bent normal must not receive light from behind the
-        // surface.
+        // The geometric normal is tested as well: a bent normal must not receive light from behind
+        // the surface.
         if brightness <= 0.0 || n_dot_l <= 0.0
             || dot(surface.geometric_normal, incident.direction) <= 0.0 {
             continue;
@@ -110,7 +110,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         illuminance += luminance(irradiance);
         let half_vector = normalize(incident.direction + to_camera);
         let fresnel = fresnel_schlick(specular.rgb, dot(half_vector, to_camera));
-        // Light that the gloss reflects does not enter: glTF 2.0, appendix B.3.
+        // Light that the gloss reflects does not reach the diffuse layer: glTF 2.0, appendix B.3.
         diffuse += irradiance * (1.0 - fresnel) * albedo / PI;
         glossy += glossy_share(light, alpha) * irradiance * fresnel
             * ggx_distribution(saturate(dot(normal, half_vector)), alpha)

@@ -1,5 +1,4 @@
-//! Figures of a frame for those who watch its speed: sums over one pixel in 64, which cost next to
-//! nothing.
+//! Performance figures of a frame: sums over one pixel in 64, at almost no cost.
 
 use glam::UVec2;
 use lumivox::TraceTargets;
@@ -11,7 +10,7 @@ use lumivox::gpu::{
 /// `SPACING` of `figures.wgsl`.
 const SPACING: u32 = 8;
 
-/// Adds up figures of a frame.
+/// Sums up the figures of a frame.
 #[derive(Debug)]
 pub(crate) struct FiguresPass {
     kernel: Kernel,
@@ -19,19 +18,19 @@ pub(crate) struct FiguresPass {
     sums: Buffer,
 }
 
-/// The sums over some pixels.
+/// The sums over the sampled pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sums {
-    /// Pixels that were looked at.
+    /// Sampled pixels.
     pub(crate) pixels: u32,
     pub(crate) samples: u32,
-    /// Those of which something is remembered.
+    /// Pixels that have a record of earlier frames.
     pub(crate) known: u32,
     pub(crate) frames: u32,
 }
 
 impl FiguresPass {
-    /// Makes the pipeline.
+    /// Creates the pipeline.
     ///
     /// # Errors
     /// When the shader does not link.
@@ -45,8 +44,8 @@ impl FiguresPass {
         Ok(Self { kernel, layout, sums: storage_buffer(device, "figures", 16) })
     }
 
-    /// Adds up what was traced last; `no_records` stands in for records that there are not. The
-    /// sums are in the buffer once it is submitted.
+    /// Sums over what was traced last; `no_records` is bound if there are no records. The buffer
+    /// contains the sums after submission.
     pub(crate) fn record(
         &self,
         recorder: &mut Recorder,
@@ -66,7 +65,7 @@ impl FiguresPass {
 }
 
 impl Sums {
-    /// The content of the buffer, for a picture of a size.
+    /// Decodes the buffer for a traced picture of the given size.
     pub(crate) fn new(words: &[u32], size: UVec2) -> Self {
         let word = |index: usize| words.get(index).copied().unwrap_or_default();
         let pixels = places(size).element_product();
@@ -74,7 +73,7 @@ impl Sums {
     }
 }
 
-/// How many pixels are looked at along each edge.
+/// Sampled pixels along each edge.
 fn places(size: UVec2) -> UVec2 {
     size.map(|pixels| pixels.div_ceil(SPACING))
 }

@@ -1,12 +1,12 @@
-// Sums over one pixel of each 8x8: what cones cost there, and how long its light is known.
+// Sums over one pixel of each 8x8: the cost of cones, and the age of the pixel's light.
 
 import package::temporal::record::decode_record;
 
-// Cone samples; pixels of which something is remembered; the frames in their means.
+// Cone samples; pixels that have a record; the frames in their means.
 @group(0) @binding(0) var<storage, read_write> sums: array<atomic<u32>, 3>;
 // Cone samples in a.
 @group(0) @binding(1) var specular: texture_2d<f32>;
-// One texel of zeros if nothing is remembered.
+// One zero texel if there are no records.
 @group(0) @binding(2) var records: texture_2d<u32>;
 
 const SPACING: u32 = 8u;

@@ -1,20 +1,23 @@
-// A frame into the mean of those before, while the picture moves: the mean is looked up where the pixel's surface was.
+// Adds a frame to the mean of earlier frames while the picture moves: the mean is looked up at the
+// former position of the pixel's surface.
 //
-// Each frame samples another place within the pixel, so the mean smooths edges. What was there before counts only within
-// the range of the frame's own 3x3 pixels around (Karis 2014, "High-quality temporal supersampling"): edges have that range, but
-// within a surface it is narrow, and light and shadow follow at once. When light has changed, the mean is scaled as the 3x3
-// pixels have changed, as far as that is more than what their edges account for (James and Stein 1961, as in
+// Each frame samples another position within the pixel, so the mean smooths edges. The old mean is
+// clamped to the range of the frame's own 3x3 pixels (Karis 2014, "High-quality temporal
+// supersampling"). The range is wide at edges but narrow within a surface, so changes of light and
+// shadow appear at once. When light has changed, the mean is scaled by the change of the 3x3
+// pixels, as far as it exceeds what their edges can explain (James and Stein 1961, as in
 // temporal/blend.wgsl).
 
 import package::render::passes::accumulate::{accumulate_settings, frame, new_mean, old_mean};
 import package::trace::gbuffer::{load_motion, load_surface};
 import package::trace::view::view;
 
-// A place this near to the middle of a texel is there, in texels: rounding of matrices.
+// Positions this near to a texel's centre are snapped to it, in texels: matrices are rounded.
 const SAME_TEXEL: f32 = 0.01;
 
-// Where the pixel was in the frame before, in texels with whole numbers at their centres: with the nearest of the surfaces
-// around, so that the edge of a thing moves as the thing does.
+// The pixel's position in the previous frame, in texels with whole numbers at their centres. It
+// uses the motion of the nearest surface of the 3x3 pixels, so that the edge of an object moves
+// with the object.
 fn former_place(pixel: vec2u) -> vec2f {
     var nearest = pixel;
     var nearest_depth = -1.0;
@@ -35,17 +38,18 @@ fn around(pixel: vec2u, i: i32) -> vec2u {
     return vec2u(clamp(place, vec2i(0), vec2i(view.size) - 1));
 }
 
-// The weight of one of 3x3 pixels in their mean. An even mean turns the sign of what alternates from pixel to pixel, so that scaling by
-// it from frame to frame would make rings about edges; this one has none of it.
+// The weight of one of 3x3 pixels in their mean. A box filter inverts the sign of patterns that
+// alternate from pixel to pixel, so repeated scaling by it would make rings around edges. This
+// filter removes them.
 fn binomial(i: i32) -> f32 {
     return f32((2 - abs(i % 3 - 1)) * (2 - abs(i / 3 - 1))) / 16.0;
 }
 
-// The sum of the squares of these weights.
+// The sum of the squared weights.
 const BINOMIAL_SQUARES: f32 = 36.0 / 256.0;
 
-// Weights of the four texels around a place, `t` beyond the second: Catmull and Rom 1974, which keeps what it looks up
-// over and over sharp.
+// Weights of the four texels around a position, `t` beyond the second texel: Catmull and Rom 1974,
+// which stays sharp over repeated lookups.
 fn cubic(t: f32) -> vec4f {
     return vec4f(
         t * (-0.5 + t * (1.0 - 0.5 * t)),
@@ -84,7 +88,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
     let value = textureLoad(frame, pixel, 0);
     let place = former_place(pixel);
-    // Also false for what is not a number.
+    // Also false for NaN.
     let was_on_screen = all(place > vec2f(-0.5)) && all(place < vec2f(view.size) - 0.5);
     if !was_on_screen {
         textureStore(new_mean, pixel, value);

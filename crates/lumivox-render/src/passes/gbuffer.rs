@@ -1,6 +1,6 @@
 //! The G-buffer: the visible surface of each pixel, in 36 bytes.
 //!
-//! | target | format | holds |
+//! | target | format | contains |
 //! | --- | --- | --- |
 //! | depth | `Depth32Float` | reversed, without a far plane |
 //! | normals | `Rgba16Float` | octahedral shading normal and geometric normal |
@@ -8,14 +8,14 @@
 //! | specular | `Rgba16Float` | reflectance at normal incidence, perceptual roughness |
 //! | emission | `Rgba16Float` | emitted radiance, the coat's perceptual roughness |
 //!
-//! The geometric normal is that of the triangle's plane, from the derivatives of the position: it
-//! decides from where cones start and which side light comes from, for which an interpolated normal
-//! would be wrong.
+//! The geometric normal is that of the triangle's plane, from the derivatives of the position. It
+//! determines where cones start and which side light comes from; an interpolated normal would be
+//! wrong for both.
 //!
 //! Materials without layers have shaders that only sample their four textures. A surface that
-//! blends or transmits light exists in a share of the frames (`screen_door.wgsl`), and is then
-//! opaque. In the other frames, if its glass has a colour, a second pass multiplies that onto the
-//! tint of the pixel.
+//! blends or transmits light exists in a share of the frames (`screen_door.wgsl`), where it is
+//! opaque. In the other frames, if its glass has a colour, a second pass multiplies that colour
+//! into the tint of the pixel.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -50,10 +50,10 @@ const FORMATS: [wgpu::TextureFormat; 4] = [
     wgpu::TextureFormat::Rgba16Float,
 ];
 
-/// The tint of the light from the visible surface by panes in front, in linear light.
+/// The tint by panes in front of the visible surface, in linear light.
 const TINT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// The tints of panes are multiplied; their order does not matter.
+/// The tints of panes are multiplied, so their order does not matter.
 const MULTIPLY: wgpu::BlendComponent = wgpu::BlendComponent {
     src_factor: wgpu::BlendFactor::Dst,
     dst_factor: wgpu::BlendFactor::Zero,
@@ -71,7 +71,7 @@ pub(crate) struct RasterView {
     pub(crate) padding: [f32; 2],
 }
 
-/// A kind of pipeline; draws are in this order.
+/// A kind of pipeline; draws are sorted in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Variant {
     is_double_sided: bool,
@@ -100,14 +100,14 @@ pub struct GBufferTargets {
     diffuse: TextureView,
     specular: TextureView,
     emission: TextureView,
-    /// The tint of the light of each pixel; one white texel if nothing is tinted.
+    /// The tint of each pixel's light; one white texel if nothing is tinted.
     pub(crate) tint: TextureView,
-    /// The motion of what moves by itself, where light of earlier frames is carried along.
+    /// The motion of moving objects; `None` if light of earlier frames is not reprojected.
     pub(crate) motion: Option<TextureView>,
 }
 
 impl GBufferTargets {
-    /// `is_tinted` says whether the scene has coloured glass, `has_motion` whether motion is wanted.
+    /// `is_tinted`: the scene has coloured glass. `has_motion`: motion is needed.
     pub(crate) fn new(
         gpu: &Gpu,
         textures: &mut ScreenTextures<'_>,
@@ -125,7 +125,7 @@ impl GBufferTargets {
         }
     }
 
-    /// The textures in the form that the library reads.
+    /// The textures in the library's form.
     pub fn views(&self) -> GBufferViews<'_> {
         GBufferViews {
             depth: &self.depth,
@@ -139,7 +139,7 @@ impl GBufferTargets {
 }
 
 impl GBufferPass {
-    /// Makes the pipelines for a scene.
+    /// Creates the pipelines for a scene.
     ///
     /// # Errors
     /// When the shader does not link.
@@ -159,7 +159,7 @@ impl GBufferPass {
         Ok(pass)
     }
 
-    /// Takes another pose of its scene.
+    /// Updates to another pose of the same scene.
     ///
     /// # Errors
     /// When the shader lacks something that a material needs.
@@ -173,7 +173,7 @@ impl GBufferPass {
         self.make_pipelines(pipelines, scene)
     }
 
-    /// Makes the missing pipelines.
+    /// Creates missing pipelines.
     fn make_pipelines(
         &mut self,
         pipelines: &Pipelines,
@@ -214,8 +214,8 @@ impl GBufferPass {
         Ok(())
     }
 
-    /// Renders sample number `sample` of each pixel of a scene. It takes effect at the next submission: one sample per
-    /// recorder.
+    /// Renders sample `sample` of each pixel of a scene. It takes effect at the next submission:
+    /// one sample per recorder.
     pub fn record(
         &self,
         recorder: &mut Recorder,
@@ -252,7 +252,7 @@ impl GBufferPass {
         }
     }
 
-    /// Renders the surfaces that tint the light of the visible ones.
+    /// Renders the surfaces that tint the light from the visible surfaces.
     fn record_tint(&self, recorder: &mut Recorder, scene: &GpuScene, targets: &GBufferTargets) {
         let color = wgpu::RenderPassColorAttachment {
             view: &targets.tint,
@@ -273,7 +273,7 @@ impl GBufferPass {
         });
     }
 
-    /// Draws the selected records, each with the pipeline that it needs.
+    /// Draws the selected records, each with the pipeline of its variant.
     fn draw(
         &self,
         pass: &mut RenderPass<'_>,
@@ -358,22 +358,23 @@ fn bind(
     builder.build(device, "raster view")
 }
 
-/// The matrix from the world to clip space: reversed depth without a far plane, moved by `jitter`
+/// The matrix from the world to clip space: reversed depth without a far plane, offset by `jitter`
 /// pixels.
 pub fn clip_from_world(camera: &Camera, size: UVec2, jitter: Vec2) -> Mat4 {
     let size = size.as_vec2();
     let projection =
         perspective_infinite_reverse(camera.vertical_fov_rad, size.x / size.y, camera.near_m);
-    // Pixels count downwards, clip space upwards.
+    // Pixel rows are counted downwards; clip space points upwards.
     let shift = 2.0 * jitter * Vec2::new(1.0, -1.0) / size;
     Mat4::from_translation(shift.extend(0.0)) * projection * camera.camera_from_world()
 }
 
-/// Where sample number `sample` is in its pixel, from the centre, in pixels: pairs of opposite points, so that each pair's mean is
-/// the centre, and of each pair one from an even sequence (Roberts 2018, "The unreasonable effectiveness of quasirandom
-/// sequences"). The mean is a box filter of one pixel.
+/// The offset of sample `sample` from the pixel's centre, in pixels. Samples come in opposite
+/// pairs, whose mean is the centre; one of each pair is from an even sequence (Roberts 2018, "The
+/// unreasonable effectiveness of quasirandom sequences"). The mean is a box filter of one pixel.
 pub fn jitter(sample: u32) -> Vec2 {
-    // The powers of 1 / x with x^3 = x + 1, to 32 bits; of the first dozen starts the one whose edges are best.
+    // The powers of 1 / x with x^3 = x + 1, to 32 bits. The start has the best edges of the first
+    // dozen starts.
     const STEP: [u32; 2] = [3_242_174_889, 2_447_445_414];
     const START: u32 = 11;
     let point =

@@ -11,9 +11,9 @@ import package::trace::surface::octahedral_encode;
 struct RasterView {
     clip_from_world: mat4x4f,
     position_in_world: vec3f,
-    // The number of the pixels' sample.
+    // The index of the sample within the pixels.
     sample: u32,
-    // The jitter of the pixels' positions, pixels.
+    // The offset of the sample from the pixels' centres, in pixels.
     jitter: vec2f,
     padding: vec2f,
 }
@@ -21,10 +21,10 @@ struct RasterView {
 @group(0) @binding(0) var<uniform> raster_view: RasterView;
 
 struct Vertex {
-    // The same in all pipelines, since their depths are compared.
+    // Invariant across pipelines, since their depths are compared.
     @builtin(position) @invariant clip: vec4f,
-    // From the camera, not from the origin: f32 then resolves the small steps between near pixels,
-    // from whose derivatives the geometric normal comes.
+    // Relative to the camera, not to the origin: f32 then resolves the small steps between near
+    // pixels. Their derivatives give the geometric normal.
     @location(0) from_camera: vec3f,
     @location(1) normal: vec3f,
     @location(2) tangent: vec4f,
@@ -187,7 +187,7 @@ fn layered_point(fragment: LayeredFragment) -> LayeredPoint {
 fn layered_fragment(fragment: LayeredFragment) -> Targets {
     let point = layered_point(fragment);
     let layered = point.layered;
-    // In the middle of the pixel, whatever the frame's jitter: a surface whose number changed from
+    // At the pixel's centre, independent of the frame's jitter: a surface whose seed changed from
     // frame to frame would exist at random, instead of evenly spread over the frames.
     let distance = length(fragment.from_camera);
     let in_middle =

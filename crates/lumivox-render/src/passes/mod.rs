@@ -5,7 +5,7 @@
 //! | `shadow_maps` | depth from each light | the scene |
 //! | `near_shadows` | depth from the sun around the camera | the scene |
 //! | `gbuffer` | the surface at each pixel | the scene |
-//! | `direct` | light that comes from lamps and the sun without a detour | G-buffer, shadow maps |
+//! | `direct` | direct light from lamps and the sun | G-buffer, shadow maps |
 //! | (`lumivox`) | the cones: indirect light | G-buffer, volume |
 //! | `composite` | the sum of both, or the part that a view shows | all of these |
 //! | `voxel_view/` | the voxels, in place of the composite | the volume |
@@ -14,8 +14,8 @@
 //! | `overlay/` | lines and wires over the picture | G-buffer |
 //!
 //! A pass receives the textures that it reads and the [library](crate::shaders) that its shader is
-//! linked from, and does not know who made them: [`Targets`](targets::Targets) and the renderer
-//! connect the passes.
+//! linked from. It does not depend on the passes that write them: [`Targets`](targets::Targets) and
+//! the renderer connect the passes.
 
 pub(crate) mod accumulate;
 pub(crate) mod composite;

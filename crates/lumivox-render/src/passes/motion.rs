@@ -1,7 +1,7 @@
-//! The motion of what moves by itself, for the light of earlier frames: 4 bytes a pixel (`Rg16Float`).
+//! Motion of moving objects, for the light of earlier frames: 4 bytes a pixel (`Rg16Float`).
 //!
-//! Only what has moved since the last frame is drawn, where it is what the G-buffer shows. Everywhere else the picture moves
-//! as the camera does.
+//! Only objects that have moved since the last frame are drawn, where the G-buffer shows them. All
+//! other pixels move with the camera.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
@@ -38,7 +38,7 @@ pub(crate) struct MotionPass {
     bound: Option<Bound>,
 }
 
-/// The buffers of one upload of a scene's draws.
+/// The buffers for one upload of a scene's draws.
 #[derive(Debug)]
 struct Bound {
     records: Buffer,
@@ -47,7 +47,7 @@ struct Bound {
 }
 
 impl MotionPass {
-    /// Makes the pipeline.
+    /// Creates the pipeline.
     ///
     /// # Errors
     /// When the shader does not link.
@@ -73,7 +73,8 @@ impl MotionPass {
         Ok(Self { pipeline, layout, view, bound: None })
     }
 
-    /// Draws what has moved since the last frame; once per submission, after the G-buffer.
+    /// Draws the objects that have moved since the last frame; once per submission, after the
+    /// G-buffer.
     pub(crate) fn record(
         &mut self,
         recorder: &mut Recorder,

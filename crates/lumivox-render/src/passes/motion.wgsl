@@ -1,5 +1,6 @@
-// How things that have moved since the last frame have moved over the picture: where a surface is less where it was, in
-// shares of the picture, x to the right, y down. It is drawn over the G-buffer's own depths.
+// Screen-space motion of objects that have moved since the last frame: the surface's position minus
+// its former position, in shares of the picture, x to the right, y down. It is tested against the
+// G-buffer's depths.
 
 import package::render::scene::draws::draws;
 
@@ -13,7 +14,7 @@ struct MotionView {
 @group(0) @binding(2) var<storage, read> former_draws: array<mat4x4f>;
 
 struct Moved {
-    // As in the G-buffer's pipelines, since depths are compared.
+    // Invariant, as in the G-buffer's pipelines, since depths are compared.
     @builtin(position) @invariant clip: vec4f,
     @location(0) now: vec4f,
     @location(1) before: vec4f,

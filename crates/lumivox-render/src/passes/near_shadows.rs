@@ -1,9 +1,11 @@
-//! Shadow maps of parallel light around the camera: squares within the map of the whole scene, each a quarter as wide as the one
-//! before, as engines cascade them (Engel 2006, "Cascaded shadow maps"). A thing of a metre on a wide ground has its shadow.
+//! Shadow maps of parallel light around the camera: squares within the map of the whole scene, each
+//! a quarter as wide as the one before, like cascades in engines (Engel 2006, "Cascaded shadow
+//! maps"). They resolve the shadow of an object of a metre on a wide ground.
 //!
-//! They are for what is seen, and follow the camera; the light of voxels keeps the map of the whole scene, so that it doesn't
-//! depend on where one looks from, or has maps around its cascades. Where both lie around a place, the finer one counts. A square has its place by the camera's cell, not by its view: turning draws nothing anew, and
-//! edges of shadows don't crawl.
+//! They light visible pixels and follow the camera. The light of voxels uses the map of the whole
+//! scene, so that it does not depend on the view, or the maps around the voxels' cascades. Where
+//! both kinds cover a place, the finer one is used. A square is placed by the camera's cell, not by
+//! the view direction: turning redraws nothing, and shadow edges do not crawl.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
@@ -17,18 +19,18 @@ use super::shadow_maps::{
 use crate::Gpu;
 use crate::scene::GpuScene;
 
-/// The most squares of a light: the smallest is a 64th as wide as the scene.
+/// The most squares of a light: the smallest is 1/64 as wide as the scene.
 pub(crate) const SQUARES: u32 = 3;
 /// The most lights that have squares.
 const MOST_SUNS: usize = 16;
 /// The most memory of all squares.
 pub(crate) const MAX_NEAR_BYTES: u64 = 64 << 20;
-/// The edge of a square over that of the next smaller one.
+/// The edge of a square divided by that of the next smaller one.
 const STEP: f32 = 4.0;
-/// The edge of the cells in which the camera moves before a square does, over half the edge of the square.
+/// The edge of the cells that a square snaps to, as a share of half the square's edge.
 const CELL: f32 = 0.25;
 
-/// The texels of the maps of a scene, by their resolution.
+/// The texels of the maps of a scene at a resolution.
 pub(crate) fn fineness(resolution: u32) -> ShadowMapFineness {
     ShadowMapFineness { resolution, squares: SQUARES, step: STEP, reach_m: None }
 }
@@ -57,19 +59,19 @@ pub(crate) struct NearShadows {
 }
 
 impl NearShadows {
-    /// Makes room for the squares of parallel lights that have shadow maps. Nothing is drawn yet.
+    /// Allocates the squares of parallel lights that have shadow maps. Nothing is drawn yet.
     pub(crate) fn new(gpu: &Gpu, lights: &Lights) -> Self {
         let suns =
             lights.mapped.iter().filter_map(|l| Some((l.index, parallel_direction(&l.source)?)));
         let suns: Vec<_> = suns.take(MOST_SUNS).collect();
-        // Where memory is short, the maps are coarser.
+        // If memory is short, the maps are coarser.
         let mut resolution = lights.map_size[0].max(1);
         let bytes = |edge: u32| 4 * u64::from(edge).pow(2) * u64::from(SQUARES) * suns.len() as u64;
         while bytes(resolution) > MAX_NEAR_BYTES {
             resolution /= 2;
         }
         let edge = if suns.is_empty() { 1 } else { resolution };
-        // Nothing that is bound may be empty.
+        // Bound resources may not be empty.
         let count = (SQUARES * suns.len() as u32).max(1);
         let texture = depth_array(&gpu.device, "shadow maps around the camera", edge, count);
         let none = vec![NearLayerRecord::of_none(); count as usize];
@@ -124,7 +126,7 @@ impl NearShadows {
 }
 
 impl NearLayerRecord {
-    /// The record of an unused layer: no light has its index.
+    /// The record of an unused layer; no light has this index.
     fn of_none() -> Self {
         Self { light: u32::MAX, ..Self::zeroed() }
     }
@@ -140,8 +142,8 @@ impl NearLayerRecord {
     }
 }
 
-/// The squares around a camera, the smallest first. Squares smaller than `away_m`, the camera's distance from the scene, are left
-/// out: nothing visible is that near.
+/// The squares around a camera, the smallest first. Squares whose half edge is less than `away_m`,
+/// the camera's distance from the scene, are left out: nothing visible is that near.
 fn squares(
     sight: &ParallelSight,
     camera: Vec3,
@@ -151,7 +153,7 @@ fn squares(
     let middle = sight.view.transform_point3(camera).truncate();
     (1..=SQUARES as i32).rev().filter_map(move |level| {
         let half_m = sight.half_m / STEP.powi(level);
-        // Wider by as much as the camera may be from the middle of its cell.
+        // Enlarged by the camera's possible offset from the centre of its cell.
         let square = |middle| sight.layer(middle, half_m * (1.0 + 0.5 * CELL), resolution);
         let texel_m = square(middle).texel_size;
         let cell_m = texel_m * (CELL * half_m / texel_m).floor().max(1.0);
@@ -190,7 +192,7 @@ mod tests {
     #[test]
     fn small_steps_of_the_camera_leave_the_squares_where_they_are() {
         let camera = Vec3::new(20.1, 1.5, -31.2);
-        // A quarter of a metre, where cells have two fifths.
+        // A quarter of a metre; cells measure two fifths.
         let steps = (0..64).map(|step| at(camera + Vec3::X * 0.004 * step as f32, 0.0)[0]);
         let mut squares: Vec<ShadowLayer> = steps.collect();
         squares.dedup();

@@ -1,4 +1,4 @@
-//! Common parts of the passes that rasterize: vertex layouts, reversed depth, draws.
+//! Shared by the passes that rasterize: vertex layouts, reversed depth, draws.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use crate::scene::{AllAttributes, Attributes, SceneDraw, Shading, VertexBuffers}
 /// The format of depths.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// The vertex buffers of what has moved: positions, and former positions.
+/// The vertex buffers of moved objects: positions, and former positions.
 pub(crate) const MOVED_POSITIONS: [Option<wgpu::VertexBufferLayout<'static>>; 2] =
     [Some(stream::<[f32; 3]>(&POSITION)), Some(stream::<[f32; 3]>(&FORMER_POSITION))];
 
@@ -32,7 +32,7 @@ const fn stream<T>(
     }
 }
 
-/// Vertex buffers by their slots: positions, attributes, normals and tangents.
+/// Vertex buffers by slot: positions, attributes, normals and tangents.
 pub(crate) type Streams = [Option<wgpu::VertexBufferLayout<'static>>; 3];
 
 /// The vertex buffers of a batch with these attributes.
@@ -62,9 +62,9 @@ pub(crate) struct RasterPipeline<'a> {
 pub(crate) enum Depth {
     /// Triangles hide what is behind them.
     Hides,
-    /// Triangles are drawn where nothing is in front, and hide nothing.
+    /// Triangles are depth-tested but do not write depth.
     InFront,
-    /// Triangles are drawn where they are the visible surface.
+    /// Triangles are drawn only where they are the visible surface.
     OfVisible,
 }
 
@@ -110,7 +110,7 @@ pub(crate) fn depth_attachment(view: &TextureView) -> wgpu::RenderPassDepthStenc
     }
 }
 
-/// Draws a run of triangles once for each record; the instance's index selects the record in the
+/// Draws a run of triangles once for each record; the instance index selects the record in the
 /// shader.
 pub(crate) fn draw(
     pass: &mut RenderPass<'_>,

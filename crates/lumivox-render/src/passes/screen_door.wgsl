@@ -1,17 +1,18 @@
 // Order-independent transparency: a surface that covers a share of its pixel exists with that
 // probability, and is then opaque (Enderton et al. 2010, "Stochastic transparency", IEEE TVCG 17
 // (8)). The mean over frames, or over the texels of a shadow map's filter, equals blending in the
-// right order.
+// correct order.
 //
-// Surfaces behind each other in a pixel must be drawn independently, or else two half-covering
-// panes would let one half through. So every surface has a sequence of its own: van der Corput's
-// over the frames, shuffled and scrambled (Burley 2020, "Practical hash-based Owen scrambling",
-// JCGT 9 (4)), which keeps 2^n frames evenly spread. All pixels share it, rotated by a pattern that
-// spreads neighbouring pixels evenly as well (interleaved gradient noise: Jimenez 2014, "Next
-// generation post processing in Call of Duty: Advanced Warfare"). A number for each tile of 4x4
-// pixels rotates the pattern of a surface further: even in a single frame two half-covering panes
-// then let one quarter through (+-0.02 over 32x32 pixels, against +-0.14 with one pattern for all),
-// at little more noise within 3x3 pixels (0.09; 0.06 with one pattern, 0.17 with random numbers).
+// Surfaces behind each other in a pixel must be drawn independently, or two half-covering panes
+// would let half the light through instead of a quarter. So every surface has its own sequence: van
+// der Corput's over the frames, shuffled and scrambled (Burley 2020, "Practical hash-based Owen
+// scrambling", JCGT 9 (4)), which is evenly spread over any 2^n frames. All pixels share it,
+// rotated by a pattern that also spreads neighbouring pixels evenly (interleaved gradient noise:
+// Jimenez 2014, "Next generation post processing in Call of Duty: Advanced Warfare"). A number for
+// each tile of 4x4 pixels further rotates the pattern of a surface: even in a single frame two
+// half-covering panes then let one quarter through (+-0.02 over 32x32 pixels, against +-0.14 with
+// one pattern for all), with slightly more noise within 3x3 pixels (0.09; 0.06 with one pattern,
+// 0.17 with random numbers).
 
 import package::gpu::random::hash;
 
@@ -30,8 +31,8 @@ fn gradient_noise(pixel: vec2u) -> f32 {
     return fract(52.9829189 * f32(turn >> 8u) / 16777216.0);
 }
 
-// A number for the surface of a fragment: from its draw, its side, and its distance to within a
-// 256th, so that pieces of one mesh behind each other get different numbers.
+// A seed for the surface of a fragment: from its draw, its side, and its distance to 1 part in 256,
+// so that pieces of one mesh behind each other get different seeds.
 fn surface_seed(draw: u32, is_front: bool, distance: f32) -> u32 {
     return hash(bitcast<u32>(distance) >> 15u) ^ hash(2u * draw + u32(is_front));
 }

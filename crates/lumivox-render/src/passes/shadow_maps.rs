@@ -1,12 +1,13 @@
-//! Shadow maps: the scene's depth as each light sees it, in the layers of one depth array.
+//! Shadow maps: the scene's depth seen from each light, in the layers of one depth array.
 //!
-//! A directional light has one layer, a parallel projection fitted to the scene's bounds, and finer ones within it around every
-//! second cascade of the voxels (on screen, more of them around the camera: [`NearShadows`](super::near_shadows::NearShadows)); a
-//! spot light has one, a perspective projection as wide as its cone; a point light has six, the faces of
-//! a cube. Depth is reversed (1 near, 0 far) and, in perspective, without a far plane: a float's
-//! precision then falls off as perspective's own (Reed 2015, "Depth precision visualized"). Both
-//! sides of every triangle cast shadows; the receiver is moved off its surface instead
-//! (`light/shadow_map.wgsl`). A surface that lets a share of the light pass leaves that share of
+//! A directional light has one layer, a parallel projection fitted to the scene's bounds, and finer
+//! layers within it around every second cascade of the voxels (on screen, more of them around the
+//! camera: [`NearShadows`](super::near_shadows::NearShadows)). A spot light has one, a perspective
+//! projection as wide as its cone; a point light has six, the faces of a cube. Depth is reversed (1
+//! near, 0 far) and, in perspective, has no far plane: a float's precision then falls off like that
+//! of perspective (Reed 2015, "Depth precision visualized"). Both sides of every triangle cast
+//! shadows; instead of culling one, the receiver is offset from its surface
+//! (`light/shadow_map.wgsl`). A surface that transmits a share of the light leaves that share of
 //! the texels free, in a pattern that the filter evens out.
 
 use std::collections::BTreeMap;
@@ -29,27 +30,28 @@ use crate::Gpu;
 use crate::passes::raster::{self, RasterPipeline};
 use crate::scene::{Attributes, GpuScene, Presence, SceneDraw, corners};
 
-/// The most memory that all layers may take together.
+/// The memory limit of all layers together.
 pub(crate) const MAX_BYTES: u64 = 256 << 20;
-/// The most layers: ten point lights.
+/// The most layers: enough for ten point lights.
 const MAX_LAYERS: u32 = 64;
-/// Texels along the edge of a map below which none are taken from it to have finer maps.
+/// The edge in texels below which a map's resolution is not reduced to make space for finer maps.
 const ENOUGH: u32 = 1024;
-/// Of so many cascades one has a layer.
+/// One in this many cascades has a layer.
 const EACH_CASCADE: usize = 2;
-/// The edge of such a layer over that of the next smaller one.
+/// The edge of such a layer divided by that of the next smaller one.
 pub(crate) const STEP: f32 = (1 << EACH_CASCADE) as f32;
-/// The texels by which layers are wider on each side: the filter reaches 1.5 texels over a receiver
-/// that was moved by 2, and both must stay within the layer that the receiver itself falls into.
+/// The margin of layers on each side, in texels: the filter reaches 1.5 texels around a receiver
+/// that was offset by 2, and both must stay within the layer that contains the receiver.
 const BORDER_TEXELS: f32 = 4.0;
-/// The widest spot light for one perspective layer: at this angle its middle has a quarter of the
-/// resolution of a 90-degree map.
+/// The widest half angle of a spot light for one perspective layer: at this angle its centre has a
+/// quarter of the resolution of a 90-degree map.
 const MAX_SPOT_ANGLE_RAD: f32 = 1.32;
-/// The near plane of a light without radius, as a share of the scene's radius: sixteen times the resolution of f32 there, by which
-/// the path tracer's rays end before a lamp, too. A lamp may lie in the plane of a surface.
+/// The near plane of a light without radius, as a share of the scene's radius: sixteen times the
+/// resolution of f32 there. The path tracer's rays end before a lamp by the same distance. A lamp
+/// may lie in the plane of a surface.
 const NEAR_SHARE: f32 = 1.0 / (1 << 18) as f32;
 
-/// Two steps of f32, over the distance from zero: places there are rounded.
+/// Two steps of f32, relative to the distance from the origin: positions there are rounded.
 const COARSENESS: f32 = 1.0 / (1 << 22) as f32;
 
 /// `ShadowView` of `shadow_maps.wgsl`.
@@ -68,14 +70,14 @@ pub struct ShadowMapPass {
     pipelines: BTreeMap<Variant, DrawPipeline>,
 }
 
-/// A kind of pipeline; draws are in this order.
+/// A kind of pipeline; draws are sorted in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Variant {
     /// Only positions are needed.
     Solid,
-    /// The alpha is compared with its threshold.
+    /// The alpha is compared with its cutoff.
     Masked(Attributes),
-    /// The surface covers a share.
+    /// The surface covers a share of each pixel.
     Partial(Attributes),
 }
 
@@ -113,7 +115,7 @@ impl Variant {
             vertex,
             fragment,
             targets: &[],
-            // Normals do not matter here.
+            // Normals are not needed here.
             vertex_buffers: &streams[..if attributes.is_some() { 2 } else { 1 }],
             groups,
             cull_mode: None,
@@ -124,7 +126,7 @@ impl Variant {
 }
 
 impl ShadowMapPass {
-    /// Makes the pipelines for a scene.
+    /// Creates the pipelines for a scene.
     ///
     /// # Errors
     /// When the shader does not link.
@@ -143,7 +145,7 @@ impl ShadowMapPass {
         Ok(pass)
     }
 
-    /// Takes another pose of its scene: a hidden object may be visible now.
+    /// Updates to another pose of the same scene: a hidden object may be visible now.
     ///
     /// # Errors
     /// When the shader lacks something that a material needs.
@@ -162,8 +164,8 @@ impl ShadowMapPass {
         Ok(())
     }
 
-    /// Renders the shadow maps of `lights` and sets the layers of each light. Lights for which
-    /// there is no room keep their shadows by cones, with a warning. `None` if no light has a map.
+    /// Renders the shadow maps of `lights` and sets the layers of each light. Lights that do not
+    /// fit use shadows by cones, with a warning. `None` if no light has a map.
     pub fn record(
         &self,
         gpu: &Gpu,
@@ -260,7 +262,7 @@ pub(super) fn view_of_all(texture: &Texture) -> TextureView {
     })
 }
 
-/// The ranges of each run of draws that may be visible in a projection.
+/// The ranges of records in each run of draws that may be visible in a projection.
 fn runs_in_sight(scene: &GpuScene, clip_from_world: Mat4) -> Vec<Range<u32>> {
     let sides = sides(clip_from_world);
     let mut seen: Vec<Range<u32>> = Vec::new();
@@ -270,7 +272,7 @@ fn runs_in_sight(scene: &GpuScene, clip_from_world: Mat4) -> Vec<Range<u32>> {
                 continue;
             }
             match seen.last_mut().filter(|last| last.end == record) {
-                // Not one of the run before, which has other triangles.
+                // Do not extend a range of the previous run, which has other triangles.
                 Some(last) if last.start >= run.start => last.end += 1,
                 _ => seen.push(record..record + 1),
             }
@@ -279,8 +281,9 @@ fn runs_in_sight(scene: &GpuScene, clip_from_world: Mat4) -> Vec<Range<u32>> {
     seen
 }
 
-/// The boxes whose voxels need finer maps than that of the whole scene, the largest first: every second cascade, so that a texel is
-/// a quarter of a voxel at most with 1024 texels and cascades of 64 voxels.
+/// The boxes whose voxels need finer maps than that of the whole scene, the largest first: every
+/// second cascade, so that a texel is at most a quarter of a voxel with 1024 texels and cascades of
+/// 64 voxels.
 pub(crate) fn fine_boxes(grid: &Grid) -> Vec<Bounds> {
     if grid.cascades.is_none() {
         return Vec::new();
@@ -289,14 +292,15 @@ pub(crate) fn fine_boxes(grid: &Grid) -> Vec<Bounds> {
     boxes.map(|(min, max)| Bounds { min, max }).rev().collect()
 }
 
-/// The most layers of a resolution.
+/// The most layers at a resolution.
 fn most_layers(resolution: u32) -> usize {
     let layer_bytes = 4 * u64::from(resolution).pow(2);
     (MAX_BYTES / layer_bytes).min(u64::from(MAX_LAYERS)) as usize
 }
 
-/// The resolution of maps with finer ones around cascades: what is asked for, or half and so on as long as there is no room for all and
-/// more than enough texels. A finer map does more for small things than a larger one.
+/// The resolution if there are finer maps around cascades: the requested one, halved while the
+/// layers do not all fit and the maps have more than [`ENOUGH`] texels. For small objects a finer
+/// map is better than a larger one.
 fn resolution_with_finer(
     lights: &[LightSource],
     bounds: Bounds,
@@ -312,8 +316,8 @@ fn resolution_with_finer(
     resolution
 }
 
-/// Assigns layers to the lights in order, as long as there is room: first those that each light needs, then finer ones, the smallest
-/// first.
+/// Assigns layers to the lights in order, as far as they fit: first those that each light needs,
+/// then finer ones, the smallest first.
 fn assign_layers(
     lights: &mut [Light],
     bounds: Bounds,
@@ -336,7 +340,7 @@ fn assign_layers(
         light.shadow = Shadow::Map { first_layer: layers.len() as u32 };
         layers.extend(own);
         let finer = finer_layers(&light.source, bounds, fine_boxes, resolution);
-        // Suns share what room there is.
+        // The suns left share the remaining layers.
         let fits = finer.len().min(room / suns_left.max(1));
         suns_left -= usize::from(is_parallel(&light.source));
         room -= fits;
@@ -358,7 +362,7 @@ fn assign_layers(
     layers
 }
 
-/// The layers of one light; none if no projection is wide enough.
+/// The layers of one light; empty if a spot light is too wide for a projection.
 fn layers_of(source: &LightSource, bounds: Bounds, resolution: u32) -> Vec<ShadowLayer> {
     let far_m = bounds.center().abs().max_element();
     let least_near_m = bounds.radius_m() * NEAR_SHARE + far_m * COARSENESS;
@@ -386,7 +390,8 @@ fn layers_of(source: &LightSource, bounds: Bounds, resolution: u32) -> Vec<Shado
     }
 }
 
-/// The layers of a parallel light within that of the whole scene: squares around boxes, each within the one before.
+/// The finer layers of a parallel light within that of the whole scene: squares around boxes, each
+/// within the one before.
 fn finer_layers(
     source: &LightSource,
     bounds: Bounds,
@@ -398,7 +403,7 @@ fn finer_layers(
     let layer = |own: &Bounds| {
         let middle = sight.view.transform_point3(own.center()).truncate();
         let square = |middle| sight.layer(middle, own.radius_m(), resolution);
-        // By whole texels, so that edges of shadows don't crawl.
+        // Snapped to whole texels, so that shadow edges do not crawl.
         let texel_m = square(middle).texel_size;
         square(texel_m * (middle / texel_m).round())
     };
@@ -428,9 +433,9 @@ fn parallel_layer(direction: Vec3, bounds: Bounds, resolution: u32) -> ShadowLay
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ParallelSight {
     pub(super) view: Mat4,
-    /// The scene's box in the view.
+    /// The scene's box in view space.
     seen: Bounds,
-    /// Half the edge of the square around it.
+    /// Half the edge of the square around `seen`.
     pub(super) half_m: f32,
     depth_margin_m: f32,
 }
@@ -444,15 +449,15 @@ impl ParallelSight {
         Self { view, seen, half_m: 0.5 * extent_m, depth_margin_m: bounds.radius_m() * 1e-3 }
     }
 
-    /// The boxes for which squares pay: at most half as wide as that of the scene.
+    /// The boxes small enough for a square of their own: at most half as wide as the scene's.
     pub(crate) fn smaller(self, boxes: &[Bounds]) -> impl Iterator<Item = &Bounds> {
         boxes.iter().filter(move |own| 2.0 * own.radius_m() <= self.half_m)
     }
 
-    /// The layer of a square of the view, as deep as the whole scene.
+    /// The layer of a square in view space, as deep as the whole scene.
     pub(super) fn layer(&self, middle: Vec2, half_m: f32, resolution: u32) -> ShadowLayer {
         let half_m = half_m * border(resolution);
-        // Near and far are exchanged to reverse the depth.
+        // Near and far are swapped to reverse the depth.
         let projection = orthographic(
             middle.x - half_m,
             middle.x + half_m,
@@ -488,20 +493,21 @@ fn perspective_layer(
     }
 }
 
-/// The factor by which a layer is wider for its border.
+/// The factor by which a layer is enlarged for its border.
 fn border(resolution: u32) -> f32 {
     let resolution = resolution as f32;
     resolution / (resolution - 2.0 * BORDER_TEXELS)
 }
 
-/// The sides of a projection, as planes that are negative outside: left, right, bottom, top, near.
+/// The sides of a projection, as planes whose distance is negative outside: left, right, bottom,
+/// top, near.
 /// There is no far plane.
 fn sides(clip_from_world: Mat4) -> [Vec4; 5] {
     let [x, y, z, w] = [0, 1, 2, 3].map(|row| clip_from_world.row(row));
     [w - x, w + x, w - y, w + y, w - z]
 }
 
-/// Whether any part of a box may be inside the planes: not all of it is outside one of them.
+/// Whether any part of a box may be inside the planes: it is not entirely outside one of them.
 /// Rounding errors count as inside.
 fn may_be_seen(sides: &[Vec4; 5], bounds: Bounds) -> bool {
     let (center, half) = (bounds.center(), 0.5 * bounds.size());
@@ -553,7 +559,7 @@ mod tests {
         let axes = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
         for (layer, axis) in layers.iter().zip(axes) {
             let side = axis.any_orthonormal_vector();
-            // At the seam of two faces it is still within the border.
+            // At the seam of two faces the position is still within the border.
             for at in [axis, axis + 0.99 * side, axis - side] {
                 let ndc = project(layer, position + 3.0 * at);
                 assert!(ndc.x.abs() < 1.0 && ndc.y.abs() < 1.0, "{axis}: {ndc}");
@@ -594,20 +600,20 @@ mod tests {
         let finer: Vec<bool> = layers.iter().map(|layer| layer.has_finer).collect();
         assert_eq!(finer, [[true; 4].as_slice(), &[false; 7]].concat());
         for (layer, own) in layers[1..5].iter().zip(&boxes) {
-            // A quarter of the voxels of the next larger cascade.
+            // Less than a quarter of a voxel of the box's cascade.
             assert!(layer.texel_size < 0.25 * own.size().x / 64.0, "{}", layer.texel_size);
             for corner in corners(*own) {
                 let ndc = project(layer, corner);
                 assert!(ndc.x.abs() < 1.0 && ndc.y.abs() < 1.0, "{corner}: {ndc}");
             }
         }
-        // In a room the one map is as fine.
+        // In a room the scene's map is fine enough.
         assert_eq!(assign_layers(&mut [sun], BOUNDS, &boxes, 1024).len(), 1);
-        // Each light has its own before one has finer ones.
+        // Each light gets its needed layers before any light gets finer ones.
         let mut many = vec![sun; 62];
         assert_eq!(assign_layers(&mut many, ground, &boxes, 1024).len(), 64);
         assert!(many.iter().all(|light| light.shadow != Shadow::Cone));
-        // Where not all have room, the smallest have.
+        // If not all finer layers fit, the smallest are kept.
         let few = assign_layers(&mut [sun; 24], ground, &boxes, 1024);
         assert_eq!(few.len(), 64);
         assert!((few[1].texel_size - layers[4].texel_size).abs() < 1e-6);

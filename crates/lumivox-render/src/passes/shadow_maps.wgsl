@@ -1,4 +1,4 @@
-// One layer of the shadow maps: the scene's depth as a light sees it, reversed z.
+// One layer of the shadow maps: the scene's depth seen from a light, reversed z.
 
 import package::render::scene::draws::draws;
 import package::render::scene::material::{
@@ -77,9 +77,9 @@ fn masked_fragment(fragment: MaskedFragment) {
     }
 }
 
-// A share of the map's texels is blocked: after filtering, as large a share of the light.
+// Blocks a share of the map's texels: after filtering, the same share of the light.
 //
-// Light of all colours shares the map, so a tinted pane lets the luminance of its tint pass. Its
+// Light of all colours shares the map, so a tinted pane transmits the luminance of its tint. Its
 // reflectance is approximated by that at normal incidence.
 @fragment
 fn partial_fragment(fragment: PartialFragment) {

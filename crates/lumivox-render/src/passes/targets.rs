@@ -27,7 +27,7 @@ pub(crate) struct Targets {
     pub(crate) voxel_view: VoxelViewPass,
     pub(crate) accumulate: AccumulatePass,
     pub(crate) tone_map: ToneMapPass,
-    /// Other views of the same frames; empty until the first frame that has any.
+    /// Other views of the same frames; empty until the first frame with such a view.
     pub(crate) beside: Vec<BesideView>,
     /// The overlay; `None` until there is something to draw.
     pub(crate) overlay: Option<OverlayPass>,
@@ -35,14 +35,14 @@ pub(crate) struct Targets {
     pub(crate) bytes: u64,
 }
 
-/// Bytes a pixel of everything in [`Targets`] but the cones: G-buffer 36, direct light 16, picture and mean 48, illuminance 4,
-/// traced surfaces 8, screen 4.
+/// Bytes a pixel of everything in [`Targets`] except the cones: G-buffer 36, direct light 16,
+/// picture and mean 48, illuminance 4, traced surfaces 8, screen 4.
 pub(crate) const BYTES_PER_PIXEL: u64 = 116;
 
-/// Additional bytes a pixel for motion, where light of earlier frames is kept.
+/// Additional bytes a pixel for motion, if light of earlier frames is stored.
 const MOTION_BYTES_PER_PIXEL: u64 = 4;
 
-/// Bytes for the cones of a picture of a size.
+/// Bytes of the cones' textures for a picture of the given size.
 pub(crate) fn trace_bytes(trace: &TraceSettings, size: UVec2) -> u64 {
     let motion = if trace.temporal { MOTION_BYTES_PER_PIXEL } else { 0 };
     u64::from(size.x) * u64::from(size.y) * motion + TraceTargets::bytes(size, trace)
@@ -52,7 +52,7 @@ pub(crate) fn trace_bytes(trace: &TraceSettings, size: UVec2) -> u64 {
 pub(crate) const TINT_BYTES_PER_PIXEL: u64 = 4;
 
 impl Targets {
-    /// Makes everything; `is_tinted` says whether the scene has coloured glass.
+    /// Creates everything; `is_tinted` is `true` if the scene has coloured glass.
     ///
     /// # Errors
     /// [`RenderError::OutOfMemory`] when the device has too little memory; also when a shader does
@@ -73,8 +73,7 @@ impl Targets {
             let what = format!("a picture of {}x{}", size.x, size.y);
             gpu.out_of_memory(what, Some(needed), "ask for a smaller picture")
         };
-        // Software drivers promise memory that they do not have, and the system then kills the
-        // process.
+        // Software drivers overcommit memory, and the system then kills the process.
         if gpu.is_software() && available_memory().is_some_and(|available| needed > available) {
             return Err(too_large());
         }
@@ -86,7 +85,7 @@ impl Targets {
         targets
     }
 
-    /// Forgets what was drawn before: the next frame is the first one of a picture.
+    /// Discards earlier frames: the next frame is the first one of a picture.
     pub(crate) fn forget(&mut self) {
         self.traced.forget();
         self.accumulate.forget();

@@ -11,7 +11,7 @@ use crate::picture::tone_map::{Encoding, ToneMapPass};
 use crate::{Exposure, Gpu, Picture, RenderError, ToneMap};
 
 impl Picture {
-    /// A picture of radiances in cd/m² (in a whether there is a surface), row by row from the top,
+    /// A picture of radiances in cd/m² (a is 1 where there is a surface), row by row from the top,
     /// with its tone-mapped pixels for a screen.
     ///
     /// # Errors

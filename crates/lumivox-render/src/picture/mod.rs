@@ -1,5 +1,5 @@
 //! Pictures, from radiance to screens and files: `tone_map/` exposes and encodes them, `develop`
-//! does so with radiance from other sources, and [`Picture`] holds and writes the result.
+//! does the same for radiance from other sources, and [`Picture`] stores and writes the result.
 
 mod develop;
 pub(crate) mod srgb;
@@ -33,8 +33,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
 pub struct Picture {
     /// Width and height in pixels.
     pub size: UVec2,
-    /// Radiance in cd/m², or the quantity of a view, in rgb; the share of the pixel that shows a
-    /// surface in a.
+    /// Radiance in cd/m², or the quantity of a view, in rgb; the surfaces' share of the pixel in a.
     pub hdr: Vec<[f32; 4]>,
     /// The pixels for a screen: exposed, tone mapped, sRGB-encoded, opaque.
     pub ldr: Vec<[u8; 4]>,
@@ -50,10 +49,10 @@ pub enum ImageFormat {
 }
 
 impl ImageFormat {
-    /// The format of a file's extension; call it before rendering.
+    /// The format for a file's extension; call it before rendering.
     ///
     /// # Errors
-    /// [`RenderError::UnknownFormat`] when it is neither `png` nor `exr`, in upper or lower case.
+    /// [`RenderError::UnknownFormat`] when it is neither `png` nor `exr`, ignoring case.
     pub fn from_path(path: &Path) -> Result<Self, RenderError> {
         let extension = path.extension().map(|e| e.to_string_lossy().into_owned());
         let extension = extension.unwrap_or_default();
@@ -66,14 +65,14 @@ impl ImageFormat {
 }
 
 impl Picture {
-    /// Writes the picture in the format that the extension names.
+    /// Writes the picture in the format of the extension.
     ///
-    /// It is written under a temporary name in the same folder first and renamed at the end: a
+    /// The file is first written under a temporary name in the same folder and then renamed: a
     /// reader finds the old picture or the whole new one.
     ///
     /// # Errors
     /// [`RenderError::UnknownFormat`], and [`RenderError::Write`] when the file cannot be written;
-    /// then nothing is left behind.
+    /// then no temporary file is left behind.
     pub fn write(&self, path: &Path) -> Result<(), RenderError> {
         let format = ImageFormat::from_path(path)?;
         let written = write_atomically(path, |out| self.write_to(out, format));
@@ -101,7 +100,7 @@ impl Picture {
     }
 
     fn write_png(&self, out: &mut impl Write) -> io::Result<()> {
-        // No alpha: holes where the sky is would be a surprise in a picture of a room.
+        // No alpha: transparent sky would be a surprise in a picture of a room.
         let rgb: Vec<u8> = self.ldr.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
         image::codecs::png::PngEncoder::new(out)
             .write_image(&rgb, self.size.x, self.size.y, ExtendedColorType::Rgb8)
@@ -115,8 +114,8 @@ impl Picture {
             (r, g, b)
         });
         let image = exr::image::Image::from_channels((width, self.size.y as usize), channels);
-        // Threads would append their blocks of lines in the order in which they end: other bytes in
-        // every run.
+        // Threads would append their blocks of lines in the order in which they finish, so the
+        // bytes would differ between runs.
         image.write().non_parallel().to_buffered(out).map_err(io::Error::other)
     }
 }
@@ -196,7 +195,7 @@ mod tests {
         let missing = folder.path().join("missing").join("picture.png");
         let error = picture().write(&missing).expect_err("no such folder");
         assert!(error.to_string().contains("missing"), "{error}");
-        // A folder is in the picture's place: the rename fails at the very end.
+        // A folder has the picture's name, so the rename at the end fails.
         let blocked = folder.path().join("picture.exr");
         fs::create_dir(&blocked).expect("a folder");
         let error = picture().write(&blocked).expect_err("a folder is in the way");

@@ -1,7 +1,7 @@
-//! All textures of a scene in the layers of one: on WebGPU, a shader can only select a texture by
-//! number in this way.
+//! All textures of a scene in the layers of one array texture: on WebGPU, a shader cannot select a
+//! texture by number in any other way.
 //!
-//! Only the finest levels are kept: a path tracer averages by its samples. A texture larger than
+//! Only the finest levels are stored: a path tracer filters with its samples. A texture larger than
 //! the device's limit is halved until it fits.
 
 use lumivox::gpu::{Texture, TextureView};
@@ -14,7 +14,8 @@ use super::records::TileRecord;
 use crate::scene::{Alpha, Encoding, Level, mip_chain};
 use crate::{Gpu, RenderError};
 
-/// `TILE_CLAMP` of the shaders for the first axis; the bits of the second are two higher.
+/// `TILE_CLAMP` of the shaders for the first axis; the bits of the second axis are two positions
+/// higher.
 pub(crate) const TILE_CLAMP: u32 = 1;
 pub(crate) const TILE_MIRROR: u32 = 2;
 pub(crate) const TILE_NEAREST: u32 = 16;
@@ -24,17 +25,17 @@ pub(crate) const TILE_PRESENT: u32 = 64;
 /// The edge of a layer, unless a texture is larger.
 const LAYER_EDGE: u32 = 4096;
 
-/// The places of the textures.
+/// The layout of the textures in the atlas.
 #[derive(Debug)]
 pub(super) struct Atlas {
     pub(super) view: TextureView,
-    /// The tile of a texture, by its number and whether it holds colours.
+    /// The tile of each texture, keyed by its number and whether it contains colours.
     tiles: BTreeMap<(usize, bool), TileRecord>,
     samplers: Vec<Sampler>,
 }
 
 impl Atlas {
-    /// Uploads the textures that `used` lists, each with whether it holds colours.
+    /// Uploads the textures in `used`, each with whether it contains colours.
     pub(super) fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -52,7 +53,7 @@ impl Atlas {
         }
         let area: f64 = places.values().map(|t| f64::from(t.size[0]) * f64::from(t.size[1])).sum();
         let largest = places.values().flat_map(|tile| tile.size).max().unwrap_or(1);
-        // Some room for the gaps between rectangles.
+        // A margin for the gaps between rectangles.
         let edge = ((1.2 * area).sqrt().ceil() as u32).min(LAYER_EDGE).max(largest).min(most);
 
         let mut order: Vec<_> = places.values_mut().collect();
@@ -112,7 +113,7 @@ impl Atlas {
         Ok(Self { view, tiles: places, samplers })
     }
 
-    /// The place of a texture, and its sampling.
+    /// The tile of a texture, with its sampling.
     pub(super) fn tile(&self, reference: TextureRef, is_color: bool) -> TileRecord {
         let sampler = self.samplers[reference.texture];
         let wrap = |wrap, shift: u32| match wrap {

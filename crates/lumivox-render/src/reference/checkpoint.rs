@@ -1,7 +1,7 @@
-//! Unfinished sums, kept in a file.
+//! Sums of an unfinished reference, saved in a file.
 //!
-//! Little-endian: a mark, the fingerprint of the traced scene, width, height, samples and batches,
-//! all sums ([`super::film`]), and a checksum of everything before.
+//! Little-endian: a magic number, the fingerprint of the traced scene, width, height, samples and
+//! batches, all sums ([`super::film`]), and a checksum of everything before.
 
 use glam::UVec2;
 
@@ -25,7 +25,7 @@ pub enum CheckpointError {
     Size {
         /// Its size in pixels.
         found: UVec2,
-        /// The size of the present picture.
+        /// The size of the current picture.
         wanted: UVec2,
     },
     /// The scene, the camera, the seed or the limit of bounces has changed.
@@ -76,9 +76,9 @@ pub(super) fn write_sums(bytes: &mut Vec<u8>, film: &Film) {
     }
 }
 
-/// The film of a size with these sums; `None` if their number is another.
+/// The film of a size with these sums; `None` if their number does not match.
 pub(super) fn read_sums(bytes: &[u8], size: UVec2) -> Option<Film> {
-    // Before anything is allocated for a size that a damaged file names.
+    // Check before allocating for a size that a damaged file claims.
     let expected = u128::from(size.x) * u128::from(size.y) * size_of::<Sums>() as u128;
     if bytes.len() as u128 != expected {
         return None;
@@ -92,7 +92,7 @@ pub(super) fn read_sums(bytes: &[u8], size: UVec2) -> Option<Film> {
 }
 
 /// FNV-1a (Fowler, Noll and Vo 1991) over 8 bytes at a time: it detects accidental differences, not
-/// intended ones.
+/// deliberate ones.
 pub(super) fn fingerprint_of<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut mix =

@@ -1,9 +1,9 @@
-//! References in `OpenEXR` files, all layers in one.
+//! Reference files: `OpenEXR` with all layers in one file.
 //!
-//! 32-bit floats: the radiance is `R`, `G` and `B`, the coverage `A`, the others are `direct.R`,
-//! `one_bounce.R`, `full.R`, `occlusion.Y`, `albedo.R`, `normal.X`, `depth.Z` and so on, and
+//! 32-bit floats: the radiance is `R`, `G` and `B`, the coverage `A`; the others are `direct.R`,
+//! `one_bounce.R`, `full.R`, `occlusion.Y`, `albedo.R`, `normal.X`, `depth.Z` and so on, and the
 //! variances `variance.radiance`, `variance.direct`, `variance.one_bounce`, `variance.full` and
-//! `variance.occlusion`. An attribute holds the number of samples and the scene's fingerprint.
+//! `variance.occlusion`. An attribute contains the number of samples and the scene's fingerprint.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -20,7 +20,7 @@ use lumivox_scene::{check_regular, write_atomically};
 use super::ReferenceLayers;
 use crate::{Exposure, Gpu, ImageFormat, Picture, RenderError, ToneMap};
 
-/// One attribute for all: several would be written in an order that changes from run to run.
+/// A single attribute: several would be written in an order that differs between runs.
 const ATTRIBUTE: &str = "lumivox.reference";
 
 /// Layers of three channels, with the channels' names.
@@ -68,10 +68,11 @@ impl ReferenceLayers {
         ]
     }
 
-    /// Writes all layers into one `OpenEXR` file, whole or not at all.
+    /// Writes all layers into one `OpenEXR` file, atomically.
     ///
     /// # Errors
-    /// [`RenderError::Write`] when the file cannot be written; then nothing is left behind.
+    /// [`RenderError::Write`] when the file cannot be written; then no temporary file is left
+    /// behind.
     pub fn write_exr(&self, path: &Path) -> Result<(), RenderError> {
         let written = write_atomically(path, |out| self.write_exr_to(out));
         written.map_err(|error| RenderError::Write {
@@ -80,8 +81,7 @@ impl ReferenceLayers {
         })
     }
 
-    /// The bytes of a file: all layers as `OpenEXR`, or the picture as PNG, with the exposure that
-    /// it asks for.
+    /// The bytes of a file: all layers as `OpenEXR`, or the picture as PNG with automatic exposure.
     ///
     /// # Errors
     /// When the device fails, or the picture is larger than the format allows.
@@ -126,11 +126,11 @@ impl ReferenceLayers {
         let channels = AnyChannels::sort(channels.into());
         let layer = Layer::new(size, attributes, Encoding::FAST_LOSSLESS, channels);
         let image = exr::image::Image::from_layer(layer);
-        // In one thread, so that the bytes are the same in every run.
+        // Single-threaded, so that the bytes are the same in every run.
         image.write().non_parallel().to_buffered(out).map_err(io::Error::other)
     }
 
-    /// Reads a file of [`ReferenceLayers::write_exr`].
+    /// Reads a file written by [`ReferenceLayers::write_exr`].
     ///
     /// # Errors
     /// [`RenderError::Reference`] when the file cannot be read or lacks a layer.
@@ -195,7 +195,7 @@ impl ReferenceLayers {
     }
 }
 
-/// The number of samples and the fingerprint from the words of the attribute.
+/// Parses the number of samples and the fingerprint from the attribute's text.
 fn numbers(words: &str) -> Option<(u32, u64)> {
     let (samples, fingerprint) = words.split_once(" samples, fingerprint ")?;
     samples.parse().ok().zip(fingerprint.parse().ok())

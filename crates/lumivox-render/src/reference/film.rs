@@ -1,29 +1,31 @@
-//! Sums over samples, exactly, and their means and variances.
+//! Exact sums over samples, and their means and variances.
 //!
-//! Samples come in batches, within which they are evenly spread and therefore not independent; batches are. The GPU sums a
-//! batch in f32. Batches are added as whole multiples of [`STEP`], so that the order of additions does not matter: batches
-//! that several machines have traced add up to the bits of one. The noise follows from the differences of the batches'
-//! means: with means m of n samples each, M of all N, and B batches, the variance of a sample is about sum(n (m - M)^2) / (B
-//! - 1), and that of the mean is an Nth of it.
+//! Samples come in batches. Within a batch they are evenly spread and therefore not independent;
+//! batches are independent. The GPU sums a batch in f32. Batches are added as integer multiples of
+//! [`STEP`], so that the order of additions does not matter: batches traced on several machines add
+//! up to the same bits as on one. The noise is estimated from the differences of the batches'
+//! means: with means m of n samples each, M of all N, and B batches, the variance of a sample is
+//! about sum(n (m - M)^2) / (B - 1), and that of the mean is that divided by N.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, UVec2};
 
 use super::records::PixelRecord;
 
-/// The step of all sums, 2^-64: an f32 from 2^-41 up has no finer digits, and what is smaller is rounded to it.
+/// The step of all sums, 2^-64: every f32 of at least 2^-41 is a multiple of it; smaller values are
+/// rounded to it.
 const STEP: f64 = 1.0 / (1_u128 << 64) as f64;
-/// The most of a batch, 2^42, at which larger values and those that are not numbers are cut: as many batches as there can be
-/// (2^24 samples, 16 a batch) stay below 2^127 steps.
+/// The limit of a batch, 2^42, to which larger values and NaN are clamped: the sum over the most
+/// batches (2^24 samples, 16 a batch) stays below 2^127 steps.
 const MOST: f64 = (1_u64 << 42) as f64;
 
-/// A number as whole steps.
+/// Converts a number to steps.
 fn steps(value: f64) -> i128 {
     let value = if value.is_nan() { MOST } else { value.clamp(-MOST, MOST) };
     (value / STEP).round_ties_even() as i128
 }
 
-/// The number of whole steps, rounded to f64.
+/// Converts steps to a number, rounded to f64.
 fn number(steps: i128) -> f64 {
     steps as f64 * STEP
 }
@@ -41,8 +43,8 @@ pub(super) struct Sums {
     pub(super) coverage: i128,
     pub(super) depth_m: i128,
     pub(super) openness: i128,
-    /// The sum over batches of n times the square of the mean; for colours, the mean of the
-    /// channels' squares.
+    /// The sum over batches of n times the squared mean; for colours, the square is averaged over
+    /// the channels.
     pub(super) picture_square: i128,
     pub(super) direct_square: i128,
     pub(super) one_bounce_square: i128,
@@ -82,7 +84,7 @@ impl Film {
     pub(super) fn merge(&mut self, other: &Self) {
         let sums = bytemuck::cast_slice_mut::<Sums, i128>(&mut self.sums);
         for (sum, more) in sums.iter_mut().zip(bytemuck::cast_slice::<Sums, i128>(&other.sums)) {
-            // A damaged file may hold anything; whole ones have room.
+            // A damaged file may contain any values; valid sums do not overflow.
             *sum = sum.wrapping_add(*more);
         }
         self.samples = self.samples.saturating_add(other.samples);
@@ -95,8 +97,8 @@ impl Film {
         self.sums.iter().map(|sums| of(sums).map(|sum| (number(sum) * scale) as f32)).collect()
     }
 
-    /// The variance of the mean (for colours the mean of the channels' variances), from a sum and
-    /// its sum of squares; infinite below two batches.
+    /// The variance of the mean (for colours averaged over the channels), from a sum and its sum of
+    /// squares; infinite with fewer than two batches.
     pub(super) fn variance(
         &self,
         factor: f64,
@@ -155,10 +157,11 @@ mod tests {
             film.add(1, &[(0, vec![grey(value)])]);
         }
         assert_eq!(film.mean(2.0, |sums| sums.full), [[6.0; 3]]);
-        // The mean is 3, the deviations -2, -1, 1, 2: 10 / 3 for a sample, a fourth of it for the
-        // mean.
+        // The mean is 3, the deviations -2, -1, 1, 2: the variance is 10 / 3 for a sample, a fourth
+        // of that for the mean.
         assert!((variance(&film) - 4.0 * 10.0 / 3.0 / 4.0).abs() < 1e-5);
-        // Batches of two have a mean of 1.5 and 4.5: 2 (1.5^2 + 1.5^2) / 1 for a sample.
+        // Batches of two have means of 1.5 and 4.5: the variance of a sample is 2 (1.5^2 + 1.5^2) /
+        // 1.
         let mut film = Film::new(UVec2::ONE);
         film.add(2, &[(0, vec![grey(3.0)])]);
         assert!(variance(&film).is_infinite());
@@ -166,7 +169,7 @@ mod tests {
         assert!((variance(&film) - 4.0 * 9.0 / 4.0).abs() < 1e-5);
     }
 
-    /// Values of any size and sign have the same sums, in any order and grouping.
+    /// Values of any size and sign have the same sums in any order and grouping.
     #[test]
     fn the_order_of_batches_does_not_matter() {
         let values =
@@ -189,7 +192,7 @@ mod tests {
         }
     }
 
-    /// A pixel that is broken is seen, and numbers of pictures are kept as they are.
+    /// NaN becomes the largest value, and usual pixel values are stored exactly.
     #[test]
     fn steps_are_finer_than_floats() {
         for value in [1.0_f32, 1.0 / 3.0, 1e-6, 1e-12, 65_504.0, 1e12, -2.5] {

@@ -1,4 +1,4 @@
-//! The triangles of a scene as rays meet them: flat, in world space, in the order of a bounding
+//! The triangles of a scene for ray tracing: flattened, in world space, in the order of a bounding
 //! volume hierarchy.
 
 use std::collections::HashMap;
@@ -18,12 +18,12 @@ const LEAF: u32 = 1 << 31;
 const DOUBLE_SIDED: u32 = 1 << 31;
 /// `SEE_THROUGH` of `world.wgsl`.
 const SEE_THROUGH: u32 = 1 << 30;
-/// The most triangles of a leaf: a leaf's link has three bits for their number.
+/// The most triangles of a leaf: a leaf's link stores their number in three bits.
 const MOST_PER_LEAF: u32 = 4;
-/// The least height of a triangle over its longest edge: eight roundings of f32. A flatter triangle
-/// has neither normal nor area.
+/// The least ratio of a triangle's height to its longest edge: eight roundings of f32. A flatter
+/// triangle has neither normal nor area.
 const LEAST_SLENDERNESS: f64 = 1.0 / (1 << 20) as f64;
-/// The most triangles: a leaf's link has 28 bits for the first.
+/// The most triangles: a leaf's link stores the first one in 28 bits.
 pub(super) const MOST_TRIANGLES: usize = 1 << 28;
 
 /// `Node` of `world.wgsl`.
@@ -64,9 +64,9 @@ pub(crate) struct VertexRecord {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each says a thing of its own")]
 pub(super) struct Sides {
-    /// Whether no part of the surface exists.
+    /// Whether the surface exists nowhere.
     pub(super) is_absent: bool,
-    /// Whether it has no textures, and so needs neither texture coordinates nor tangents.
+    /// Whether it has no textures, so that it needs neither texture coordinates nor tangents.
     pub(super) is_plain: bool,
     pub(super) is_double_sided: bool,
     /// Whether light may pass where the surface does not exist.
@@ -80,7 +80,7 @@ pub(super) struct Triangles {
     pub(super) nodes: Vec<NodeRecord>,
     /// The link of the root.
     pub(super) root: u32,
-    /// The most links that wait while a ray descends.
+    /// The most pending links during a traversal.
     pub(super) stack: u32,
     pub(super) triangles: Vec<TriangleRecord>,
     pub(super) vertices: Vec<VertexRecord>,
@@ -91,7 +91,7 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
-    /// All visible triangles of a valid scene whose material exists anywhere.
+    /// Collects all visible triangles of a valid scene whose material exists anywhere.
     pub(super) fn new(scene: &Scene, sides: &[Sides]) -> Self {
         let bounds = scene.bounds();
         let origin = bounds.center().as_dvec3();
@@ -111,7 +111,7 @@ impl Triangles {
                     *vertex = VertexRecord { tangent: [0.0; 4], texcoords: [0.0; 4], ..*vertex };
                 }
             }
-            // Copies of a mesh share most of their vertices' records, which have no places.
+            // Copies of a mesh share most of their vertex records, which contain no positions.
             let numbers: Vec<u32> = own
                 .into_iter()
                 .map(|vertex| {
@@ -126,7 +126,7 @@ impl Triangles {
                 .iter()
                 .map(|p| (world_from_local.transform_point3(p.as_dvec3()) - origin).as_vec3())
                 .collect();
-            // A mirrored front is still a front.
+            // Mirroring an instance must not swap front and back.
             let is_mirrored = world_from_local.determinant() < 0.0;
             let bits = if sides.is_double_sided { DOUBLE_SIDED } else { 0 }
                 | if sides.is_see_through { SEE_THROUGH } else { 0 };
@@ -161,7 +161,7 @@ impl Triangles {
         let stack = if nodes.is_empty() { 1 } else { bvh.depth(0) as u32 + 1 };
         Self {
             root: nodes.first().map_or(LEAF, |node| node.link),
-            // Buffers may not be empty; a triangle without area is never met.
+            // Buffers may not be empty; a ray never hits a triangle without area.
             triangles: or_one(triangles),
             nodes: or_one(nodes),
             vertices: or_one(vertices),
@@ -236,7 +236,7 @@ fn build(triangles: &[TriangleRecord]) -> Bvh2 {
 
 fn vertices_of(mesh: &Mesh, world_from_local: DMat4, material: u32) -> Vec<VertexRecord> {
     let linear = glam::DMat3::from_mat4(world_from_local);
-    // With the determinant's sign: a mirror must not turn normals inwards.
+    // With the determinant's sign: mirroring must not turn normals inwards.
     let normal_from_local = linear.inverse().transpose();
     let vertex = |index: usize| {
         let normal = mesh.normals.get(index).copied().unwrap_or(Vec3::Y);

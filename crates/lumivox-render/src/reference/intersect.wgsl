@@ -1,9 +1,9 @@
-// Rays against triangles: a descent through boxes, nearest first.
+// Ray-triangle intersection by a traversal of boxes, nearest first.
 //
-// The loop over boxes and the loop over a leaf's triangles take turns (Aila and Laine 2009,
-// "Understanding the efficiency of ray traversal on GPUs"): the lanes of a wide machine then do the
-// same thing at the same time. The triangle test is Moeller and Trumbore's (1997), widened by the
-// resolution of f32, so that no ray slips through the edge that two triangles share.
+// The loop over boxes and the loop over a leaf's triangles alternate (Aila and Laine 2009,
+// "Understanding the efficiency of ray traversal on GPUs"): the lanes of a wide processor then do
+// the same work at the same time. The triangle test is Moeller and Trumbore's (1997), widened by
+// the resolution of f32, so that no ray slips through the edge that two triangles share.
 
 import package::constants::REFERENCE_STACK;
 import package::render::reference::world::{
@@ -19,11 +19,11 @@ struct Ray {
 
 struct Hit {
     distance: f32,
-    // NOTHING: none.
+    // NOTHING if there is no hit.
     triangle: u32,
     // Weights of the second and third vertex.
     weights: vec2f,
-    // It is met from behind, where it is not seen.
+    // The ray hits the back, on which the surface is not visible.
     is_back: bool,
 }
 
@@ -32,11 +32,13 @@ const NOTHING: u32 = 0xffffffffu;
 // of 2^-24 each, relative to the input lengths: 4e-7. This is a little more than twice that.
 const EDGE_TOLERANCE: f32 = 1e-6;
 
-// The surfaces that rays meet. For the camera fronts, and backs only of double-sided surfaces.
+// The sides of surfaces that rays hit. For the camera: fronts, and backs only of double-sided
+// surfaces.
 const AS_SEEN: u32 = 0u;
 // Both sides of everything.
 const BOTH_SIDES: u32 = 1u;
-// As seen, and the backs of what light does not pass, which block: a wall is a wall from behind, too. As the rays of cones do.
+// As `AS_SEEN`, and the backs of opaque surfaces, which block: a wall is also a wall from behind.
+// The rays of cones do the same.
 const BLOCKING: u32 = 2u;
 
 // The distance at which a ray enters a box; above `reach` if it does not.
@@ -46,14 +48,14 @@ fn entry(node: u32, origin: vec3f, inverse: vec3f, reach: f32) -> f32 {
     let near = min(a, b);
     let far = max(a, b);
     let first = max(max(near.x, near.y), max(near.z, 0.0));
-    // Rounding must not lose triangles in the box's own faces.
+    // Rounding must not lose triangles that lie in the box's own faces.
     let last = min(min(far.x, far.y), min(far.z, reach)) * 1.0000004;
     return select(3.4e38, first, first <= last);
 }
 
-// The nearest triangle that a ray meets; if `stops_early`, any that lets no light pass will do.
+// The nearest triangle that a ray hits; if `stops_early`, any opaque triangle.
 fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
-    // No component is zero, so that no product is undefined.
+    // Components must not be zero, or products would be undefined.
     let tiny = abs(ray.direction) < vec3f(1e-20);
     let inverse = 1.0 / select(ray.direction, vec3f(1e-20), tiny);
     var hit = Hit(ray.reach, NOTHING, vec2f(0.0), false);
@@ -86,7 +88,7 @@ fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
             for (var index = first; index <= last; index++) {
                 let triangle = triangle_at(index);
                 let p = cross(ray.direction, triangle.edge_2);
-                // Above zero: the front.
+                // Positive: the front.
                 let determinant = dot(triangle.edge_1, p);
                 let inverse_determinant = 1.0 / determinant;
                 let from_corner = ray.origin - triangle.corner;
@@ -100,7 +102,7 @@ fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
                 let is_back = determinant <= 0.0 && (triangle.vertex_0 & DOUBLE_SIDED) == 0u;
                 let counts = !is_back || sides == BOTH_SIDES
                     || (sides == BLOCKING && (triangle.vertex_0 & SEE_THROUGH) == 0u);
-                // Written so that an undefined result (a determinant of zero) is not a hit.
+                // Written so that NaN (from a determinant of zero) is not a hit.
                 if counts && u >= least && v >= least && u + v <= 1.0 - least
                     && distance > 0.0 && distance < hit.distance {
                     hit = Hit(distance, index, vec2f(u, v), is_back);
@@ -120,7 +122,7 @@ fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
     return hit;
 }
 
-// A ray from a surface point, on the side of a normal, clear of rounding errors.
+// A ray from a surface point, offset to a normal's side against rounding errors.
 fn ray_from(position: vec3f, side: vec3f, direction: vec3f, reach: f32) -> Ray {
     return Ray(position + side * world.offset_m, direction, reach);
 }

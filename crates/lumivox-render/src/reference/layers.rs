@@ -6,11 +6,12 @@ use glam::UVec2;
 
 use super::film::{Film, Sums};
 
-/// The layers of a path-traced picture, each row by row from the top; in pixels without a surface
-/// they are zero.
+/// The layers of a path-traced picture, each row by row from the top; zero in pixels without a
+/// surface.
 ///
 /// A variance is that of the mean over samples, averaged over the channels: the square of the
-/// pixel's standard error. It is infinite below 17 samples, which are two batches.
+/// pixel's standard error. It is infinite with fewer than 17 samples, that is, fewer than two
+/// batches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferenceLayers {
     /// Width and height in pixels.
@@ -21,12 +22,12 @@ pub struct ReferenceLayers {
     pub fingerprint: u64,
     /// The picture: radiance in cd/m².
     pub radiance: Vec<[f32; 3]>,
-    /// The share of it that is emitted, comes straight from lamps, or is the background.
+    /// The share of it that is emitted, comes directly from lamps, or is the background.
     pub direct: Vec<[f32; 3]>,
     /// Irradiance in lux on the visible surface, from emissive surfaces and from surfaces that
     /// lamps light directly.
     pub one_bounce: Vec<[f32; 3]>,
-    /// Irradiance in lux on the visible surface by all light except that straight from lamps.
+    /// Irradiance in lux on the visible surface from all light except direct light from lamps.
     pub full: Vec<[f32; 3]>,
     /// The cosine-weighted share of the hemisphere that is open within the reach of occlusion.
     pub occlusion: Vec<f32>,

@@ -14,7 +14,7 @@ use crate::scene::{
 };
 use crate::{Gpu, RenderError};
 
-/// Whether the textures hold colours, in the order of `TEXTURE_...` in `material.wgsl`.
+/// Whether each texture contains colours, in the order of `TEXTURE_...` in `material.wgsl`.
 const HOLDS_COLORS: [bool; TEXTURE_COUNT] = [true, false, false, true, true, false, true, false];
 
 type Textures = [Option<TextureRef>; TEXTURE_COUNT];
@@ -26,7 +26,7 @@ pub(super) struct Materials {
     pub(super) sides: Vec<Sides>,
     pub(super) atlas: Atlas,
     pub(super) has_textures: bool,
-    /// Whether any material has layers, or does not exist everywhere.
+    /// Whether any material has layers, or is absent in places.
     pub(super) has_layers: bool,
     pub(super) has_sheen: bool,
 }
@@ -60,7 +60,7 @@ impl Materials {
             let mut shown = material_record(material, radiance_unit, white, colors.has_alpha);
             unmask(material, textures, &mut shown);
             if !is_layered(material, &shown) {
-                // It was multiplied already, for the shader of plain materials.
+                // The factor was already applied, for the shader of plain materials.
                 shown.specular_factor = 1.0;
             }
             let sides = sides(material, textures, &shown);
@@ -76,7 +76,7 @@ impl Materials {
                 }),
                 emitter_density: 0.0,
                 phong_exponent: match &material.shading {
-                    // Zero would mean that the lobe does not exist.
+                    // Zero would mean that there is no Phong lobe.
                     Shading::Phong(phong) => phong.shininess.max(1e-3),
                     _ => 0.0,
                 },
@@ -86,7 +86,7 @@ impl Materials {
         Ok(made)
     }
 
-    /// The emissive triangles, drawn in proportion to their area times the luminance of their
+    /// The emissive triangles, sampled in proportion to their area times the luminance of their
     /// material's mean emission. Sets the density of each material.
     pub(super) fn emitters(&mut self, scene: &Scene, triangles: &Triangles) -> Vec<EmitterRecord> {
         let means: Vec<f64> = scene.materials.iter().map(|m| mean_emission(m, scene)).collect();
@@ -121,7 +121,7 @@ fn opacity(material: &Material) -> f32 {
 }
 
 /// The rasterizer thresholds a mask's texture and compares it with one half; rays compare its alpha
-/// itself.
+/// directly.
 fn unmask(material: &Material, textures: &Textures, shown: &mut MaterialRecord) {
     if let AlphaMode::Mask { cutoff } = material.alpha
         && (textures[0].is_some() || shown.mask_threshold > 0.0)

@@ -6,20 +6,20 @@
 //! the material. All of it is one compute kernel (`path.wgsl`) within WebGPU's default limits, over
 //! a bounding volume hierarchy from the `obvhs` crate.
 //!
-//! | file | is |
+//! | file | contains |
 //! | --- | --- |
-//! | `world.wgsl` | all that the kernel reads, as it lies in buffers |
-//! | `intersect.wgsl` | rays against triangles |
-//! | `surface.wgsl`, `texels.wgsl` | what a ray meets: materials and their textures |
-//! | `scatter.wgsl` | the BRDF and how directions are drawn from it |
-//! | `sources.wgsl`, `panorama.wgsl` | how light is asked for |
-//! | `sensors.wgsl` | where light is measured instead of a picture ([`LightMeter`]) |
-//! | `transmittance.wgsl` | what lies between |
+//! | `world.wgsl` | all buffers and textures that the kernel reads |
+//! | `intersect.wgsl` | ray-triangle intersection |
+//! | `surface.wgsl`, `texels.wgsl` | materials and their textures at a hit |
+//! | `scatter.wgsl` | the BRDF and the sampling of directions |
+//! | `sources.wgsl`, `panorama.wgsl` | the sampling of light sources |
+//! | `sensors.wgsl` | sensors in place of pixels ([`LightMeter`]) |
+//! | `transmittance.wgsl` | visibility and see-through surfaces in between |
 //! | `path.wgsl` | the path, and which light counts for which layer |
 //!
-//! Every sample of every pixel has random numbers of its own, which depend only on the seed. So a
-//! picture is the same to the bit on the same device, in one run or in several, and its noise is
-//! known: the variance of each pixel's mean is estimated along with it.
+//! Every sample of every pixel has its own random numbers, which depend only on the seed. So a
+//! picture is bit-identical on the same device, in one run or in several, and its noise is known:
+//! the variance of each pixel's mean is estimated along with it.
 
 mod atlas;
 mod checkpoint;
@@ -62,10 +62,10 @@ use upload::Uploaded;
 
 use crate::{Gpu, RenderError};
 
-/// The samples of a batch: they are evenly spread together, and the GPU sums them in f32 before
-/// they are added exactly.
+/// The number of samples in a batch: they are evenly spread together, and the GPU sums them in f32
+/// before they are added exactly.
 pub const BATCH: u32 = 16;
-/// The most samples of a pixel for which the sums have room.
+/// The most samples of a pixel for which the sums cannot overflow.
 const MOST_SAMPLES: u32 = 1 << 24;
 /// The longest edge of a picture, px.
 const MOST_EDGE: u32 = 16_384;
@@ -93,8 +93,8 @@ pub struct ReferenceSettings {
     pub samples: u32,
     /// Seed of the random numbers: another seed gives other noise. Default 0.
     pub seed: u32,
-    /// The number of the first batch of 16 samples, 0 to 1 048 575. Default 0. Parts of a reference that several machines
-    /// trace have numbers of their own ([`ReferencePart`]).
+    /// The number of the first batch of 16 samples, 0 to 1 048 575. Default 0. If several machines
+    /// trace parts of a reference, each part has its own batch numbers ([`ReferencePart`]).
     pub first_batch: u32,
     /// The most bounces of a path, counted as [`RenderSettings::bounces`](crate::RenderSettings::bounces);
     /// `None`, the default, sets no limit.
@@ -152,8 +152,8 @@ impl PathTracer {
         Self::with_features(gpu, scene, camera, settings, &[], |features| features).await
     }
 
-    /// As [`Self::new`], for the light at sensors where there are any, and with some techniques switched off, which must
-    /// not change the mean.
+    /// Like [`Self::new`], but measures at sensors if there are any, and can switch off some
+    /// techniques, which must not change the mean.
     async fn with_features(
         gpu: &Gpu,
         scene: &Scene,
@@ -178,9 +178,9 @@ impl PathTracer {
         self.film.samples
     }
 
-    /// Traces the missing samples of those that the settings ask for.
+    /// Traces the samples that the settings ask for and that are missing.
     ///
-    /// `progress` is called often; when it breaks, the samples so far stay, and tracing can
+    /// `progress` is called often; if it breaks, the samples so far are kept, and tracing can
     /// continue later.
     ///
     /// # Errors
@@ -193,12 +193,12 @@ impl PathTracer {
         Ok(())
     }
 
-    /// Traces the next missing samples, up to a whole number of batches of 16; returns `false` once
+    /// Traces the next missing samples, up to a whole number of batches of 16; returns `false` if
     /// none is left or `progress` broke.
     ///
-    /// Between batches, tracing can continue from a checkpoint to the same bits as without a break.
-    /// Within a batch, samples that all pixels have stay as well; the result then differs by
-    /// rounding.
+    /// Between batches, tracing can continue from a checkpoint and gives the same bits as without a
+    /// break. If it stops within a batch, samples that all pixels have are kept as well; the result
+    /// then differs by rounding.
     ///
     /// # Errors
     /// When the device fails.
@@ -249,13 +249,13 @@ impl PathTracer {
         ReferenceLayers::new(&self.film, self.uploaded.radiance_unit, self.uploaded.fingerprint)
     }
 
-    /// All data that is needed to continue later, as bytes for a file.
+    /// The state needed to continue later, as bytes for a file.
     pub fn checkpoint(&self) -> Vec<u8> {
         checkpoint::write(&self.film, self.seeded_fingerprint())
     }
 
-    /// The samples so far as a part of a larger reference. It names what its bits depend on besides the input: the version
-    /// of this crate, the GPU and its driver.
+    /// The samples so far as a part of a larger reference. The part names everything besides the
+    /// input that affects its bits: the version of this crate, the GPU and its driver.
     pub fn part(&self) -> ReferencePart {
         ReferencePart::new(self)
     }
@@ -263,15 +263,15 @@ impl PathTracer {
     /// Continues from a checkpoint.
     ///
     /// # Errors
-    /// [`CheckpointError`] when it is not one, is damaged, or belongs to another scene, camera,
-    /// size, seed or limit of bounces; then nothing has changed.
+    /// [`CheckpointError`] when the bytes are not a checkpoint, are damaged, or belong to another
+    /// scene, camera, size, seed or limit of bounces; the tracer is then unchanged.
     pub fn resume(&mut self, checkpoint: &[u8]) -> Result<(), CheckpointError> {
         self.film = checkpoint::read(checkpoint, self.settings.size, self.seeded_fingerprint())?;
         Ok(())
     }
 
     /// The fingerprint of scene, camera, size and limit of bounces, independent of the seed. It is
-    /// kept with the layers.
+    /// stored with the layers.
     pub fn fingerprint(&self) -> u64 {
         self.uploaded.fingerprint
     }

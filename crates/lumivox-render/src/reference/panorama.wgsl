@@ -1,5 +1,5 @@
-// The surroundings: constant within each texel, so that directions drawn in proportion to them have
-// exactly that density.
+// The surroundings: constant within each texel, so that directions sampled in proportion to them
+// have exactly that density.
 
 import package::render::reference::random::random_2;
 import package::render::reference::world::{panorama, panorama_rows, world};
@@ -14,7 +14,7 @@ struct Surroundings {
     density: f32,
 }
 
-// From the world to the map: a turn about y.
+// From the world to the map: a rotation about y.
 fn map_from_world(direction: vec3f) -> vec3f {
     let turn = world.environment_turn;
     return vec3f(
@@ -35,15 +35,15 @@ fn world_from_map(direction: vec3f) -> vec3f {
 
 fn texel_of(in_map: vec3f) -> vec2i {
     let size = vec2f(textureDimensions(panorama));
-    // The middle is in the direction -z; columns go on to +x, rows down from +y.
+    // The centre of the map is the direction -z; columns continue towards +x, rows go down from +y.
     let across = 0.5 + atan2(in_map.x, -in_map.z) / (2.0 * PI);
-    // Not acos, which has no resolution near the poles.
+    // acos would have no resolution near the poles.
     let down = atan2(length(in_map.xz), in_map.y) / PI;
     return clamp(vec2i(vec2f(across, down) * size), vec2i(0), vec2i(size) - 1);
 }
 
-// The solid angle of a texel. The difference of two cosines is written as a product that is precise
-// near the poles.
+// The solid angle of a texel. The difference of two cosines is written as a product, which is
+// precise near the poles.
 fn texel_sr(row: i32) -> f32 {
     let size = vec2f(textureDimensions(panorama));
     return 4.0 * PI / size.x * sin(PI * (f32(row) + 0.5) / size.y) * sin(0.5 * PI / size.y);
@@ -75,12 +75,12 @@ fn surroundings(direction: vec3f) -> Surroundings {
     );
 }
 
-// A direction drawn in proportion to the radiance; its density is that of `surroundings`.
+// A direction sampled in proportion to the radiance; its density is that of `surroundings`.
 fn draw_surroundings() -> vec3f {
     let place = random_2();
     let inside = random_2();
     let size = vec2i(textureDimensions(panorama));
-    // The first whose cumulated probability is above.
+    // Find the first row whose cumulative probability exceeds the random number.
     var row = 0;
     var last = size.y - 1;
     while row < last {
@@ -97,7 +97,7 @@ fn draw_surroundings() -> vec3f {
         last = select(last, middle, is_above);
         column = select(middle + 1, column, is_above);
     }
-    // Even over the row means even in the cosine, 1 - 2 sin^2 of half the angle.
+    // Uniform over the row means uniform in the cosine, 1 - 2 sin^2 of half the angle.
     let half_sines = sin(0.5 * PI / f32(size.y) * vec2f(f32(row), f32(row + 1)));
     let half_square = mix(half_sines.x * half_sines.x, half_sines.y * half_sines.y, inside.y);
     let cosine = 1.0 - 2.0 * half_square;

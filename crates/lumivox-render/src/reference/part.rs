@@ -1,9 +1,10 @@
 //! Parts of a reference that several machines trace, and their sum.
 //!
-//! A part has some batches of samples, by their numbers. Since batches are added exactly (`film.rs`), parts add up to the bits
-//! of one machine, in any order. A part that was traced twice counts once. The file is little-endian: a mark, the length of
-//! the maker's name and that name, the fingerprint of the scene, the seed, the unit of radiance, width, height, the first
-//! batch, samples, batches, all sums, and a checksum of everything before.
+//! A part has some batches of samples, identified by their numbers. Since batches are added exactly
+//! (`film.rs`), parts add up to the same bits as on one machine, in any order. A part that was
+//! traced twice counts once. The file is little-endian: a magic number, the length of the maker's
+//! name and that name, the fingerprint of the scene, the seed, the unit of radiance, width, height,
+//! the first batch, samples, batches, all sums, and a checksum of everything before.
 
 use std::ops::Range;
 
@@ -25,7 +26,7 @@ pub enum PartError {
     /// The bytes are not a complete part.
     #[error("it is not a part of a reference, or it is damaged; trace it again")]
     Damaged,
-    /// A part does not have whole batches.
+    /// The part ends within a batch.
     #[error("it has {samples} samples, which are no whole batches of {BATCH}; trace it to its end")]
     Unfinished {
         /// Its samples.
@@ -34,7 +35,7 @@ pub enum PartError {
     /// A part is of another scene, camera, size, seed or limit of bounces.
     #[error("it is of another scene, camera, size, seed or number of bounces than the first part")]
     Other,
-    /// A part was made by another program, GPU or driver, which may round otherwise.
+    /// A part was made by another program, GPU or driver, which may round differently.
     #[error(
         "it was made by {found}, the first part by {first}; parts of a mix do not have the bits of one machine, but can \
          be added (--allow-mixed)"
@@ -42,7 +43,7 @@ pub enum PartError {
     Mixed {
         /// The maker of the part.
         found: String,
-        /// The maker of the first one.
+        /// The maker of the first part.
         first: String,
     },
     /// Some of the batches are in another part.
@@ -55,7 +56,7 @@ pub enum PartError {
         /// The batches of the other part.
         other: Range<u32>,
     },
-    /// Two parts have the same batches, but other sums.
+    /// Two parts have the same batches, but different sums.
     #[error(
         "its batches {batches:?} are there already, with other sums; trace them again on the same machine"
     )]
@@ -63,7 +64,7 @@ pub enum PartError {
         /// The batches.
         batches: Range<u32>,
     },
-    /// Batches are missing between those that are there.
+    /// Batches are missing between the added ones.
     #[error("the batches {batches:?} are missing; trace them with --batches {}..{}", batches.start, batches.end)]
     Missing {
         /// The batches.
@@ -123,10 +124,10 @@ impl ReferencePart {
         bytes
     }
 
-    /// The part of a file's bytes.
+    /// Parses the bytes of a part's file.
     ///
     /// # Errors
-    /// [`PartError::Damaged`], and [`PartError::Unfinished`] for one that was stopped within a batch.
+    /// [`PartError::Damaged`], and [`PartError::Unfinished`] for a part that ends within a batch.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, PartError> {
         let part = Self::parse(bytes).ok_or(PartError::Damaged)?;
         let Film { samples, batches, .. } = part.film;
@@ -171,7 +172,7 @@ impl ReferencePart {
     }
 }
 
-/// The sum of parts, which are added one after the other, in any order.
+/// The sum of parts, which are added one by one, in any order.
 #[derive(Clone, Debug, Default)]
 pub struct ReferenceMerge {
     allows_mixed: bool,
@@ -181,15 +182,15 @@ pub struct ReferenceMerge {
 }
 
 impl ReferenceMerge {
-    /// A sum of nothing; `allows_mixed` is whether parts of different programs, GPUs and drivers are added.
+    /// An empty sum. `allows_mixed` accepts parts of different programs, GPUs and drivers.
     pub fn new(allows_mixed: bool) -> Self {
         Self { allows_mixed, ..Self::default() }
     }
 
-    /// Adds a part. One that is there already, with the same sums, counts once.
+    /// Adds a part. A part that is already in the sum, with the same sums, counts once.
     ///
     /// # Errors
-    /// [`PartError`] when it does not fit the others; then nothing has changed.
+    /// [`PartError`] when it does not fit the others; the sum is then unchanged.
     pub fn add(&mut self, part: ReferencePart) -> Result<(), PartError> {
         let batches = part.batches();
         let sums = fingerprint_of([bytemuck::cast_slice(&part.film.sums)]);
@@ -223,10 +224,10 @@ impl ReferenceMerge {
         Ok(())
     }
 
-    /// The layers of all parts; `None` without one.
+    /// The layers of all parts; `None` if there are none.
     ///
     /// # Errors
-    /// [`PartError::Missing`] for the first batches from number 0 on that are not there.
+    /// [`PartError::Missing`] for the first missing batches, counted from batch 0.
     pub fn layers(&self) -> Result<Option<ReferenceLayers>, PartError> {
         let mut end = 0;
         for (batches, _) in &self.added {
@@ -241,7 +242,7 @@ impl ReferenceMerge {
         Ok(self.sum.as_ref().map(layers))
     }
 
-    /// The number of parts, each once.
+    /// The number of distinct parts.
     pub fn count(&self) -> usize {
         self.added.len()
     }

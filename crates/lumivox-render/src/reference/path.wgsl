@@ -1,16 +1,16 @@
-// A path tracer: unbiased, for as many bounces as the light takes, one sample of every pixel after
-// another.
+// A path tracer: unbiased, with unlimited bounces by default. It traces one sample of every pixel
+// at a time.
 //
 // Two paths start in each sample: one for the picture, with the real materials, and one for the
-// irradiance of the visible surface, for which that one surface is white and diffuse: its radiance
-// is then irradiance / pi. Light is separated by its path. Lamps and the peaks of the panorama
-// count as *lights*; the light of emissive surfaces and of the rest of the panorama reaches
-// surfaces through *gathers*, like reflected light. So the layers are those of the renderer: direct
-// light is that of lights; one bounce is the light that one gather finds. With sensors, one path
-// starts at each of them, and the light of lights is theirs, too.
+// irradiance of the visible surface, which is treated as white and diffuse: its radiance is then
+// irradiance / pi. Light is classified by its path. Lamps and the peaks of the panorama count as
+// *lights*; the light of emissive surfaces and of the rest of the panorama reaches surfaces through
+// *gathers*, like reflected light. So the layers match the renderer's: direct light comes from
+// lights; one bounce is the light that one gather finds. With sensors, one path starts at each of
+// them, and its direct light comes from lights as well.
 //
-// A path ends at random, with a probability that depends on the light that it could still bring
-// (Russian roulette: Arvo and Kirk 1990, "Particle transport and image synthesis").
+// A path ends at random, with a probability that depends on the light that it could still
+// contribute (Russian roulette: Arvo and Kirk 1990, "Particle transport and image synthesis").
 
 import package::constants::{
     REFERENCE_CANDIDATES,
@@ -33,8 +33,8 @@ import package::render::reference::transmittance::{transmittance, MOST_LAYERS};
 import package::render::reference::world::world;
 import package::trace::coat::{below_coat, Coat};
 
-// Sums over the samples of a pixel. Those of a sensor are in `full`, `direct` (of lights alone), `openness`, and, as a
-// luminance, in `one_bounce`.
+// Sums over the samples of a pixel. A sensor uses `full`, `direct` (only of lights), `openness`,
+// and `one_bounce` for a luminance.
 struct Pixel {
     picture: vec3f,
     coverage: f32,
@@ -53,14 +53,14 @@ struct Pixel {
 @group(0) @binding(7) var<storage, read_write> film: array<Pixel>;
 
 const MOST_VERTICES: u32 = 4096u;
-// Paths of fewer vertices never end at random.
+// Paths with fewer vertices never end at random.
 const SURE_VERTICES: u32 = 3u;
 // Kinds of light queries; the last two are for peaks.
 const KINDS: u32 = 4u + 2u * REFERENCE_HAS_PEAKS;
 // Paths of a sample.
 const PATHS: u32 = 2u - REFERENCE_HAS_SENSORS;
 
-// Two sums: all of a path's light, and the share that arrives early.
+// Two sums: all of a path's light, and its early share.
 struct Light2 {
     all: vec3f,
     early: vec3f,
@@ -70,7 +70,7 @@ fn camera_ray(pixel: vec2u, jitter: vec2f) -> Ray {
     let place = (vec2f(pixel) + jitter) / vec2f(world.size) * 2.0 - 1.0;
     let along = world.forward + place.x * world.right - place.y * world.up;
     let direction = normalize(along);
-    // As in the rasterizer, the picture begins at a plane.
+    // The ray starts at the near plane, as in the rasterizer.
     return Ray(world.camera + world.near_m * along, direction, 3e38);
 }
 
@@ -81,21 +81,21 @@ struct Traced {
     albedo: vec3f,
     normal: vec3f,
     depth_m: f32,
-    // Whether the second segment met nothing within the reach of occlusion.
+    // Whether the second segment hit nothing within the reach of occlusion.
     is_open: bool,
 }
 
 fn trace(start: Ray, is_picture: bool) -> Traced {
     var traced: Traced;
     let is_sensor = REFERENCE_HAS_SENSORS != 0u && !is_picture;
-    // The vertices at which light counts as early.
+    // The vertex at which light counts as early.
     let early_vertex = select(1u, 0u, is_picture || is_sensor);
     var ray = start;
     var throughput = vec3f(1.0);
-    // Density with which the ray's direction was drawn.
+    // Density with which the ray's direction was sampled.
     var density = 0.0;
     for (var vertex = 0u; vertex < MOST_VERTICES; vertex++) {
-        // The surface that the ray meets, after those that it passes.
+        // Find the surface that the ray hits, passing through see-through surfaces.
         var travelled = 0.0;
         var hit: Hit;
         var met: Met;
@@ -122,12 +122,12 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             traced.is_open = !is_surface || travelled + hit.distance * f32(hit.is_back) > world.occlusion_distance_m;
         }
         if hit.is_back {
-            // Black.
+            // Backs are black.
             break;
         }
 
-        // The light at the ray's end, for gathers and for the camera. Only the camera sees peaks in
-        // this way: for others they are lights, which next-event estimation samples.
+        // The light at the ray's end, for gathers and for the camera. Only camera rays see peaks in
+        // this way: for other rays peaks are lights, which next-event estimation samples.
         var shining = vec3f(0.0);
         var other = 0.0;
         if is_surface {
@@ -143,7 +143,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
                 other = seen.density;
             }
         }
-        // Only the camera's ray itself samples along the camera's ray.
+        // No other technique samples the camera's ray.
         let weight = select(power_weight(density, other), 1.0, vertex == 0u);
         if is_picture || vertex > 0u {
             let arriving = throughput * weight * shining;
@@ -168,7 +168,8 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             surface.phong_exponent = 0.0;
             surface.coat = Coat(0.0, 1.0);
         }
-        // The last vertex only reflects the light of lights, as a voxel does before any bounce.
+        // The last vertex only reflects direct light from lights, as a voxel does before any
+        // bounce.
         let may_gather = vertex < world.most_bounces;
 
         let direction = draw_direction(surface);

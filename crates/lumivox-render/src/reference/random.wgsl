@@ -1,16 +1,16 @@
 // Random numbers that are evenly spread over the samples of a batch.
 //
-// A batch of 16 samples uses each 16th of the range once in every dimension, and each cell of a
-// grid of 4 x 4 for a pair of numbers, in an order of its own for each dimension, pixel and batch
-// (jittered sampling: Cook, Porter and Carpenter 1984, "Distributed ray tracing"). Every single
-// sample is as random as without; their mean is less noisy. Batches are independent of each other,
-// so the spread of their means gives the noise.
+// A batch of 16 samples uses each 16th of the range once in every dimension, and each cell of a 4 x
+// 4 grid for a pair of numbers, in a separate order for each dimension, pixel and batch (jittered
+// sampling: Cook, Porter and Carpenter 1984, "Distributed ray tracing"). Every single sample is as
+// random as without stratification; their mean is less noisy. Batches are independent of each
+// other, so the spread of their means gives the noise.
 
 import package::constants::REFERENCE_BATCH;
 import package::gpu::random::hash;
 
 var<private> random_key: u32;
-// The sample's place in its batch.
+// The sample's index in its batch.
 var<private> random_place: u32;
 var<private> random_count: u32;
 
@@ -26,8 +26,8 @@ fn next_dimension() -> u32 {
     return hash(random_key ^ hash(random_count));
 }
 
-// A permutation of the numbers below 16 that follows from the key: odd factors, sums and shifts are
-// one to one modulo 16.
+// A permutation of the numbers below 16, given by the key: odd factors, sums and shifts are one to
+// one modulo 16.
 fn shuffled(place: u32, key: u32) -> u32 {
     var x = place ^ key;
     x = (x * (((key >> 4u) & 14u) | 1u)) & 15u;
@@ -37,12 +37,12 @@ fn shuffled(place: u32, key: u32) -> u32 {
     return (x ^ (key >> 16u)) & 15u;
 }
 
-// In [0, 1), the sample's own.
+// In [0, 1), different for each sample.
 fn jitter(key: u32) -> f32 {
     return f32(hash(key ^ hash(random_place)) >> 8u) * (1.0 / 16777216.0);
 }
 
-// Sums are rounded; 1 itself would be out of range.
+// Sums are rounded, and 1 would be out of range.
 const BELOW_ONE: f32 = 0.99999994;
 
 // In [0, 1).

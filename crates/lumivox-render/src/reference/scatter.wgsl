@@ -1,4 +1,4 @@
-// The scattering of a surface: the BRDF, and directions drawn in proportion to its lobes.
+// The scattering of a surface: the BRDF, and directions sampled in proportion to its lobes.
 //
 // Three lobes: diffuse below the gloss, gloss, and clear coat over both. The gloss is a GGX
 // microfacet lobe (see package::trace::brdf) or, for Phong materials, Phong's lobe normalized for
@@ -12,7 +12,7 @@ import package::trace::brdf::{
 import package::trace::coat::{below_coat, coat_fresnel, Coat};
 import package::cones::hemisphere::basis;
 
-// A point where a path meets a surface; normals are on the side that it comes from.
+// A point where a path meets a surface; normals are on the side of the incoming path.
 struct Surface {
     position: vec3f,
     geometric: vec3f,
@@ -40,22 +40,22 @@ fn average(color: vec3f) -> f32 {
 }
 
 fn cos_toward(surface: Surface) -> f32 {
-    // Never quite grazing: the visibility term is 0 / 0 there.
+    // Avoids grazing angles: the visibility term is 0 / 0 there.
     return max(dot(surface.shading, surface.toward), 1e-4);
 }
 
-// Reflectance of the gloss for light that meets the microfacets at a cosine.
+// Reflectance of the gloss for light at a given cosine to the microfacets.
 fn gloss_fresnel(surface: Surface, cosine: f32) -> vec3f {
     return select(fresnel_schlick(surface.f0, cosine), surface.f0, surface.phong_exponent > 0.0);
 }
 
-// The probabilities of the lobes: diffuse, gloss, clear coat. They sum to one, or all are zero if
+// The probabilities of the lobes: diffuse, gloss, clear coat. They sum to one, or are all zero if
 // nothing is reflected.
 fn lobe_shares(surface: Surface) -> vec3f {
     let cosine = cos_toward(surface);
     let below = below_coat(surface.coat, cosine);
     let gloss = average(gloss_fresnel(surface, cosine));
-    // However grazing the view, some of the diffuse light comes out.
+    // Even at grazing angles, some of the diffuse light comes out.
     let diffuse = average(surface.diffuse) * max(1.0 - gloss, 0.1);
     let weights = vec3f(below * diffuse, below * gloss, coat_fresnel(surface.coat, cosine));
     let sum = weights.x + weights.y + weights.z;
@@ -64,7 +64,7 @@ fn lobe_shares(surface: Surface) -> vec3f {
 
 fn scatter(surface: Surface, direction: vec3f) -> Scattered {
     let n_dot_l = dot(surface.shading, direction);
-    // The geometric normal decides, too: a bent normal must not receive light from behind the
+    // The geometric normal is tested as well: a bent normal must not receive light from behind the
     // surface.
     if n_dot_l <= 0.0 || dot(surface.geometric, direction) <= 0.0 {
         return Scattered(vec3f(0.0), 0.0);
@@ -105,8 +105,8 @@ fn draw_direction(surface: Surface) -> vec3f {
     let place = random_2();
     let is_gloss = choice >= shares.x && choice < shares.x + shares.y;
     let world_from_normal = basis(surface.shading);
-    // Malley's method: even on the disc is cosine on the hemisphere (Pharr, Jakob and Humphreys
-    // 2016, 13.6.3).
+    // Malley's method: uniform on the disc is cosine-weighted on the hemisphere (Pharr, Jakob and
+    // Humphreys 2016, 13.6.3).
     let radius = sqrt(place.x);
     let turn = 2.0 * PI * place.y;
     let disc = vec2f(cos(turn), sin(turn));

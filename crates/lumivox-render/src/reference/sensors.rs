@@ -1,7 +1,7 @@
-//! Light at places instead of pixels: lux meters and luminance meters for the path tracer.
+//! Light at points instead of pixels: lux meters and luminance meters for the path tracer.
 //!
-//! Sensors are the pixels of a film of their own. One path starts at each in every sample; sums, batches and their noise are
-//! those of pictures.
+//! Sensors are the pixels of a separate film. In every sample one path starts at each sensor; sums,
+//! batches and noise estimates work as for pictures.
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -20,22 +20,22 @@ pub(super) const SENSOR_RAY: u32 = 2;
 /// The most sensors of a meter: their sums take 416 bytes each.
 const MOST_SENSORS: usize = 1 << 20;
 
-/// A place where light is measured.
+/// A sensor that measures light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sensor {
-    /// A lux meter: the irradiance at a point in the world, m. A point on a surface may be off by the path tracer's own
-    /// rounding, 2e-6 of the scene's diagonal.
+    /// A lux meter: the irradiance at a point in the world, m. A point on a surface may be off by
+    /// the path tracer's rounding, 2e-6 of the scene's diagonal.
     Irradiance {
         /// The point.
         at: Vec3,
-        /// The direction that it faces, of any length but zero.
+        /// The direction that it faces, of any length except zero.
         normal: Vec3,
     },
     /// A luminance meter: the radiance that arrives at a point in the world, m.
     Radiance {
         /// The point.
         at: Vec3,
-        /// The direction that it looks in, of any length but zero.
+        /// The direction that it looks in, of any length except zero.
         direction: Vec3,
     },
 }
@@ -49,14 +49,14 @@ impl Sensor {
     }
 }
 
-/// The paths of a [`LightMeter`].
+/// Settings of a [`LightMeter`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MeterSettings {
     /// Samples of each sensor, 1 to 16 777 216. Noise falls with their square root. Default 1024.
     pub samples: u32,
     /// Seed of the random numbers. Default 0.
     pub seed: u32,
-    /// The most bounces, as [`ReferenceSettings::bounces`].
+    /// The most bounces, as in [`ReferenceSettings::bounces`].
     pub bounces: Option<u32>,
 }
 
@@ -69,16 +69,18 @@ impl Default for MeterSettings {
 /// The light at a sensor: irradiance in lux, or radiance in cd/m².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// All of it, linear RGB.
+    /// All light, linear RGB.
     pub total: [f32; 3],
-    /// The share of `total` that comes straight from lamps and suns; for a radiance, also what the surface emits that the
-    /// ray meets.
+    /// The share of `total` that comes directly from lamps and suns; for a radiance, also the
+    /// emission of the surface that the ray hits.
     pub direct: [f32; 3],
-    /// The illuminance in lux, or the luminance in cd/m²: `total` weighted by the channels' luminance.
+    /// The illuminance in lux, or the luminance in cd/m²: the luminance of `total`.
     pub value: f32,
-    /// The standard error of `value`; infinite below 17 samples, which are two batches.
+    /// The standard error of `value`; infinite with fewer than 17 samples, that is, fewer than two
+    /// batches.
     pub standard_error: f32,
-    /// The share of the hemisphere that is open, weighted by the cosine, 0 to 1. For a radiance it means nothing.
+    /// The open share of the hemisphere, weighted by the cosine, 0 to 1. Meaningless for a
+    /// radiance.
     pub openness: f32,
 }
 
@@ -90,11 +92,11 @@ pub struct LightMeter {
 }
 
 impl LightMeter {
-    /// Prepares a valid scene, as [`PathTracer::new`].
+    /// Prepares a valid scene, like [`PathTracer::new`].
     ///
     /// # Errors
-    /// As [`PathTracer::new`]; and [`RenderError::Setting`] for sensors that are not finite, have no direction, are none or
-    /// more than 1 048 576.
+    /// As [`PathTracer::new`]; and [`RenderError::Setting`] if a sensor is not finite or has no
+    /// direction, or if there are no sensors or more than 1 048 576.
     pub async fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -103,7 +105,8 @@ impl LightMeter {
     ) -> Result<Self, RenderError> {
         check(sensors)?;
         let MeterSettings { samples, seed, bounces } = settings;
-        // The samples' random numbers are those of a pixel, so the shape is part of the result.
+        // A sensor's random numbers depend on its pixel, so the shape of the film affects the
+        // result.
         let width = (sensors.len() as f64).sqrt().ceil() as u32;
         let width = if width > 64 { width.next_multiple_of(8) } else { width };
         let size = UVec2::new(width, (sensors.len() as u32).div_ceil(width));
@@ -114,7 +117,7 @@ impl LightMeter {
         Ok(Self { tracer: tracer.await?, sensors: sensors.to_vec() })
     }
 
-    /// Traces the missing samples, as [`PathTracer::render`].
+    /// Traces the missing samples, like [`PathTracer::render`].
     ///
     /// # Errors
     /// When the device fails.
@@ -130,7 +133,7 @@ impl LightMeter {
         self.tracer.samples()
     }
 
-    /// The light at the sensors, in their order, by the samples so far.
+    /// The light at the sensors, in their order, from the samples so far.
     pub fn readings(&self) -> Vec<Reading> {
         let (film, unit) = (&self.tracer.film, f64::from(self.tracer.uploaded.radiance_unit));
         let total = film.mean(unit, |sums| sums.full);
@@ -175,7 +178,8 @@ fn check(sensors: &[Sensor]) -> Result<(), RenderError> {
     Ok(())
 }
 
-/// The texels of `sensors.wgsl` for a film of a size, around the scene's middle; one empty one without sensors.
+/// The texels of `sensors.wgsl` for a film of a size, relative to the scene's centre; one empty
+/// texel without sensors.
 pub(super) fn texels(sensors: &[Sensor], size: UVec2, origin: DVec3) -> ([u32; 2], Vec<[f32; 4]>) {
     if sensors.is_empty() {
         return ([1, 1], vec![[0.0; 4]]);

@@ -1,19 +1,20 @@
-// Sensors: where light is measured, instead of the pixels of a picture.
+// Sensors, which measure light in place of the pixels of a picture.
 //
-// A lux meter is a white diffuse surface, whose radiance is irradiance / pi. A luminance meter is a ray of the camera's kind.
+// A lux meter is a white diffuse surface, whose radiance is irradiance / pi. A luminance meter is a
+// ray like the camera's.
 
 import package::constants::{SENSOR_NONE, SENSOR_RAY};
 import package::render::reference::intersect::Ray;
 import package::render::reference::scatter::Surface;
 import package::trace::coat::Coat;
 
-// Two texels for each: the place with the kind, and the direction, of unit length.
+// Two texels for each sensor: position and kind, then the unit direction.
 @group(0) @binding(13) var sensors: texture_2d<f32>;
 
 struct Sensor {
     ray: Ray,
     is_there: bool,
-    // The ray is that of a luminance meter, and not one of a lux meter.
+    // Whether the ray is that of a luminance meter, not of a lux meter.
     is_ray: bool,
 }
 
@@ -25,7 +26,7 @@ fn sensor_at(pixel: vec2u) -> Sensor {
     return Sensor(Ray(place.xyz, direction, 3e38), kind != SENSOR_NONE, kind == SENSOR_RAY);
 }
 
-// The white surface of a lux meter, which faces along the ray.
+// The white surface of a lux meter; it faces along the ray.
 fn white_sensor(ray: Ray) -> Surface {
     let normal = ray.direction;
     return Surface(

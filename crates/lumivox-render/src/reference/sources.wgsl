@@ -17,15 +17,15 @@ import package::trace::brdf::PI;
 import package::trace::coat::below_coat;
 import package::cones::hemisphere::basis;
 
-// A query to the scene: does light come along a ray?
+// A visibility query: does light arrive along a ray?
 struct Question {
     direction: vec3f,
     reach: f32,
     sides: u32,
-    // The light that is reflected towards the path if nothing blocks it: light of lamps and of the
-    // panorama's peaks, ...
+    // The light that is reflected towards the path if the ray is not blocked: light of lamps and of
+    // the panorama's peaks, ...
     from_lights: vec3f,
-    // ... and that of emitters and the rest of the panorama.
+    // ... and light of emitters and the rest of the panorama.
     from_surroundings: vec3f,
 }
 
@@ -36,14 +36,14 @@ fn brightness(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));
 }
 
-// The weight of a technique of density `own` where another has density `other`.
+// The weight of a technique of density `own` if the other technique has density `other`.
 fn power_weight(own: f32, other: f32) -> f32 {
-    // As a ratio: squares of densities overflow.
+    // As a ratio, because squared densities overflow.
     let ratio = other / own;
     return 1.0 / (1.0 + ratio * ratio);
 }
 
-// The square of the sine of the angle under which half of a light is seen; 0 for a point.
+// The squared sine of half the angle that a light subtends; 0 for a point.
 fn light_spread(light: Light, incident: Incident) -> f32 {
     let squared = light.radius * light.radius;
     if is_parallel(light) {
@@ -52,13 +52,14 @@ fn light_spread(light: Light, incident: Incident) -> f32 {
     return min(squared / (incident.distance_m * incident.distance_m), 1.0);
 }
 
-// 1 - cos of an angle, from the square of its sine.
+// 1 - cos of an angle, from its squared sine.
 fn cap_height(spread: f32) -> f32 {
     return spread / (1.0 + sqrt(1.0 - spread));
 }
 
-// How far a ray to a light in a direction goes: up to the light's surface, less what f32 cannot tell apart, so that a surface in
-// whose plane a lamp lies does not block it. `height` is 1 - cos of the angle to the light's middle.
+// The length of a ray towards a light: up to the light's surface, minus the resolution of f32, so
+// that a surface in the lamp's plane does not block it. `height` is 1 - cos of the angle to the
+// light's centre.
 fn light_reach(light: Light, incident: Incident, height: f32) -> f32 {
     if is_parallel(light) {
         return 3e38;
@@ -68,8 +69,9 @@ fn light_reach(light: Light, incident: Incident, height: f32) -> f32 {
     return max(incident.distance_m * (1.0 - height) - depth - world.offset_m, 0.0);
 }
 
-// The light that a lamp sends to where rays start from a surface: aimed from the surface itself they would end beside the lamp.
-// Inside a lamp, its middle is still in a direction of unit length.
+// The light that a lamp sends to the offset origin of a surface's rays: aimed from the surface
+// itself, rays would miss the lamp. Inside a lamp, the direction to its centre still has unit
+// length.
 fn light_at(index: u32, surface: Surface) -> Incident {
     let irradiance = incident_light(lights[index], surface.position).irradiance;
     let aimed = incident_light(lights[index], surface.position + surface.geometric * world.offset_m);
@@ -77,7 +79,7 @@ fn light_at(index: u32, surface: Surface) -> Incident {
     return Incident(aimed.direction / length, aimed.distance_m, irradiance);
 }
 
-// The sum of the light that all lights could give a surface that faces them.
+// The sum of the light from all lights on a surface that faces them.
 fn all_lights(position: vec3f) -> f32 {
     var sum = 0.0;
     for (var index = 0u; index < world.light_count; index++) {
@@ -86,7 +88,7 @@ fn all_lights(position: vec3f) -> f32 {
     return sum;
 }
 
-// One of the lights, drawn in proportion to the light that it could give, and a point of it.
+// A light, sampled in proportion to its light on a surface that faces it, and a point of it.
 fn ask_light(surface: Surface) -> Question {
     var sum = 0.0;
     var chosen = 0u;
@@ -94,7 +96,7 @@ fn ask_light(surface: Surface) -> Question {
     for (var index = 0u; index < world.light_count; index++) {
         let bright = brightness(incident_light(lights[index], surface.position).irradiance);
         sum += bright;
-        // A reservoir of one (Chao 1982).
+        // Reservoir sampling of one item (Chao 1982).
         if random() * sum < bright {
             chosen = index;
             chosen_brightness = bright;
@@ -115,7 +117,7 @@ fn ask_light(surface: Surface) -> Question {
     let drawn = basis(incident.direction) * vec3f(sine * cos(turn), sine * sin(turn), cosine);
     let direction = select(incident.direction, drawn, spread > 0.0);
     let scattered = scatter(surface, direction);
-    // The disc is even, and gives a surface that faces it the light's irradiance: pi sin^2 times
+    // The disc is uniform, and gives a surface that faces it the light's irradiance: pi sin^2 times
     // its radiance.
     var weight = 1.0 / probability;
     if spread > 0.0 {
@@ -126,7 +128,7 @@ fn ask_light(surface: Surface) -> Question {
     return Question(direction, light_reach(light, incident, height), BOTH_SIDES, reflected, vec3f(0.0));
 }
 
-// The light whose disc a drawn direction meets; `weight` is BRDF times cosine over density.
+// The light whose disc a sampled direction hits; `weight` is BRDF times cosine over density.
 fn ask_disc(surface: Surface, direction: vec3f, weight: vec3f, own_density: f32) -> Question {
     let sum = all_lights(surface.position);
     var count = 0.0;
@@ -135,7 +137,7 @@ fn ask_disc(surface: Surface, direction: vec3f, weight: vec3f, own_density: f32)
         let light = lights[index];
         let incident = light_at(index, surface);
         let spread = light_spread(light, incident);
-        // From the chord: the cosine of a small angle is one.
+        // From the chord: the cosine of a small angle rounds to one.
         let chord = direction - incident.direction;
         let height = 0.5 * dot(chord, chord);
         let bright = brightness(incident.irradiance);
@@ -169,9 +171,10 @@ fn emitted(triangle: u32, weights: vec2f, direction: vec3f) -> vec3f {
     return materials[material].shown.emission * texture_at(material, TEXTURE_EMISSION, texcoords).rgb;
 }
 
-// The best of some points on emitters (resampled importance sampling: Talbot, Cline and Egbert 2005, "Importance resampling for
-// global illumination"): of thousands of lamps few matter to a place. Any weight of a point serves multiple importance sampling, as
-// long as both techniques agree on it: here its density counts once for each candidate.
+// The best of several points on emitters (resampled importance sampling: Talbot, Cline and Egbert
+// 2005, "Importance resampling for global illumination"): of thousands of lamps only few matter at
+// a point. For multiple importance sampling any density of a point is valid, as long as both
+// techniques use the same: here each candidate counts with its density.
 fn ask_emitter(surface: Surface) -> Question {
     var chosen = NEVER;
     var chosen_brightness = 0.0;
@@ -194,7 +197,7 @@ fn ask_emitter(surface: Surface) -> Question {
     return chosen;
 }
 
-// A point of an emitter, in proportion to area times mean radiance.
+// A point of an emitter, sampled in proportion to area times mean radiance.
 fn ask_any_emitter(surface: Surface) -> Question {
     let choice = random();
     let place = random_2();
@@ -207,7 +210,7 @@ fn ask_any_emitter(surface: Surface) -> Question {
         index = select(middle + 1u, index, is_above);
     }
     let triangle = emitters[index].triangle;
-    // Even over the triangle (Turk 1990, "Generating random points in triangles").
+    // Uniform over the triangle (Turk 1990, "Generating random points in triangles").
     let root = sqrt(place.x);
     let weights = vec2f(root * (1.0 - place.y), root * place.y);
     let corners = triangle_at(triangle);
@@ -226,8 +229,8 @@ fn ask_any_emitter(surface: Surface) -> Question {
     let density = per_area * distance * distance / max(abs(facing), 1e-8);
     let reflected = scattered.value * emitted(triangle, weights, -direction)
         * (power_weight(f32(REFERENCE_CANDIDATES) * density, scattered.density) / density);
-    // Up to the emitter, which must not block itself: as far from it as rays start from their
-    // surface.
+    // The ray ends before the emitter, which must not block itself, by the same offset with which
+    // rays start from their surface.
     let reach = distance - world.offset_m / max(abs(facing), 1e-8);
     return Question(direction, reach, BLOCKING, vec3f(0.0), reflected);
 }
@@ -248,7 +251,7 @@ fn ask_peak(surface: Surface) -> Question {
     return Question(direction, 3e38, BOTH_SIDES, reflected * seen.peaks, vec3f(0.0));
 }
 
-// The peak in a drawn direction; `weight` is BRDF times cosine over density.
+// The peak in a sampled direction; `weight` is BRDF times cosine over density.
 fn ask_peak_along(direction: vec3f, weight: vec3f, own_density: f32) -> Question {
     let seen = surroundings(direction);
     let other = select(0.0, seen.density, REFERENCE_HAS_PANORAMA != 0u);
@@ -256,7 +259,7 @@ fn ask_peak_along(direction: vec3f, weight: vec3f, own_density: f32) -> Question
     return Question(direction, 3e38, BOTH_SIDES, reflected, vec3f(0.0));
 }
 
-// The share that a surface reflects of a radiance of one from a direction that was drawn from the
+// The light that a surface reflects of unit radiance from a direction that was sampled from the
 // panorama.
 fn reflected_from(surface: Surface, direction: vec3f, density: f32) -> vec3f {
     if density <= 0.0 {

@@ -1,4 +1,4 @@
-// The surface where a ray meets a triangle: the same materials as the rasterizer's, by the same
+// The surface where a ray hits a triangle: the same materials as the rasterizer's, with the same
 // code.
 
 import package::constants::{REFERENCE_HAS_LAYERS, REFERENCE_HAS_TEXTURES};
@@ -15,13 +15,14 @@ import package::render::reference::world::{materials, triangle_at, vertices, VER
 import package::trace::brdf::alpha_from_roughness;
 import package::trace::coat::Coat;
 
-// The directional albedo of velvet: cosine along u, roughness along v (scene/sheen.rs).
+// The directional albedo of sheen: cosine along u, roughness along v (scene/sheen.rs).
 @group(0) @binding(11) var sheen_albedo: texture_2d<f32>;
 
 struct Met {
     surface: Surface,
     emission: vec3f,
-    // The probability that the surface exists, and the colour of the light that passes otherwise.
+    // The probability that the surface exists, and the colour of the light that passes if it does
+    // not.
     coverage: f32,
     tint: vec3f,
     emitter_density: f32,
@@ -55,8 +56,8 @@ fn texture_at(material: u32, which: u32, texcoords: vec4f) -> vec4f {
     return sample_texture(material, which, texcoords);
 }
 
-// `is_seen`: by the camera. An unlit surface shows its colour there; to other surfaces it is
-// diffuse, as it is in voxels.
+// `is_seen`: by the camera. An unlit surface shows its colour to the camera; to other surfaces it
+// is diffuse, as in the voxels.
 fn meet(ray: Ray, hit: Hit, is_seen: bool) -> Met {
     let triangle = triangle_at(hit.triangle);
     let weights = vec3f(1.0 - hit.weights.x - hit.weights.y, hit.weights);
@@ -83,11 +84,11 @@ fn meet(ray: Ray, hit: Hit, is_seen: bool) -> Met {
         emission += unlit_radiance * base.rgb;
     }
 
-    // From the corner and its edges: the distance along the ray is less precise.
+    // Computed from the corner and the edges: the distance along the ray is less precise.
     let position = triangle.corner + hit.weights.x * triangle.edge_1 + hit.weights.y * triangle.edge_2;
     var geometric = normalize(cross(triangle.edge_1, triangle.edge_2));
     geometric = select(-geometric, geometric, dot(geometric, toward) >= 0.0);
-    // Met from behind, the whole shading frame turns over.
+    // If the ray hits the back, the whole shading frame is flipped.
     let side = select(-1.0, 1.0, dot(smooth_normal, geometric) >= 0.0);
     var shading = smooth_normal;
     if REFERENCE_HAS_TEXTURES != 0u && materials[material].shown.has_normal_texture != 0u {
@@ -102,8 +103,8 @@ fn meet(ray: Ray, hit: Hit, is_seen: bool) -> Met {
         );
     }
     shading = facing(side * shading, geometric, toward);
-    // Normals that cancel each other out and tangents along the normal are undefined; the triangle
-    // has its own.
+    // Normals that cancel each other out and tangents along the normal are undefined; use the
+    // triangle's normal.
     shading = select(geometric, shading, abs(dot(shading, shading) - 1.0) < 0.01);
 
     var met: Met;

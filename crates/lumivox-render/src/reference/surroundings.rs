@@ -1,4 +1,4 @@
-//! The panorama for rays: radiance with cumulated probabilities.
+//! The panorama for rays: radiance with cumulative probabilities.
 
 use std::f64::consts::PI;
 
@@ -13,20 +13,20 @@ use crate::picture::tone_map::luminance;
 #[derive(Clone, Debug)]
 pub(super) struct Surroundings {
     pub(super) size: [u32; 2],
-    /// Radiance of each texel; in a, the probability of this texel of its row or an earlier one.
+    /// Radiance of each texel; in a, the cumulative probability within its row.
     pub(super) texels: Vec<[f32; 4]>,
-    /// The probability of each row or one above it.
+    /// The cumulative probability of the rows.
     pub(super) rows: Vec<f32>,
     pub(super) peaks: Vec<PeakRecord>,
 }
 
 impl Surroundings {
-    /// The same radiance everywhere.
+    /// Constant radiance in all directions.
     pub(super) fn even() -> Self {
         Self { size: [1, 1], texels: vec![[1.0; 4]], rows: vec![1.0], peaks: Vec::new() }
     }
 
-    /// A panorama, drawn in proportion to solid angle times luminance.
+    /// A panorama, sampled in proportion to solid angle times luminance.
     pub(super) fn of_map(map: &EnvironmentMap) -> Result<Self, RenderError> {
         let panorama = Panorama { width: map.width, height: map.height, rgb: &map.rgb };
         let PanoramaWithPeaks { width, height, rgb, peaks } = panorama.with_peaks()?;

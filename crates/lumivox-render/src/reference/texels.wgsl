@@ -1,7 +1,8 @@
-// Textures from the atlas, filtered in the shader: colours are linear before they are mixed.
+// Textures from the atlas, filtered in the shader: colours are converted to linear before they are
+// mixed.
 //
-// Only the finest level is read: the mean over a pixel's samples does what a mip does for the
-// rasterizer.
+// Only the finest level is read: the mean over a pixel's samples does the work of the rasterizer's
+// mips.
 
 import package::constants::{TILE_CLAMP, TILE_COLOR, TILE_MIRROR, TILE_NEAREST, TILE_PRESENT};
 import package::render::scene::material::texcoord_at;

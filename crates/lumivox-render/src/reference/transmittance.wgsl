@@ -7,10 +7,10 @@ import package::render::reference::sources::Question;
 import package::render::reference::surface::meet;
 import package::render::reference::world::{triangle_at, SEE_THROUGH};
 
-// The most panes and holes that a ray passes.
+// The most panes and holes that a ray can pass.
 const MOST_LAYERS: u32 = 64u;
 
-// The share of light that passes along a ray, by colour.
+// The transmitted share of light along a ray, by colour.
 fn transmittance(question: Question, surface: Surface) -> vec3f {
     var ray = ray_from(surface.position, surface.geometric, question.direction, question.reach);
     if REFERENCE_SEE_THROUGH == 0u {

@@ -20,16 +20,16 @@ use super::surroundings::Surroundings;
 use crate::scene::{Lighting, SHEEN_EDGE, radiance_unit, sheen_table};
 use crate::{Gpu, RenderError};
 
-/// The most pixels that are traced at once, so that the GPU stays responsive.
+/// The most pixels traced in one dispatch, so that the GPU stays responsive.
 const MOST_PIXELS: u64 = 1 << 20;
-/// Up to so many emitters one point is drawn; of more, the best of many.
+/// With up to this many emitters one point is sampled; with more, the best of many.
 const FEW_EMITTERS: usize = 1024;
 const MANY_CANDIDATES: u32 = 64;
-/// The distance of rays' starts from their surface, over half the diagonal of the scene: sixteen
-/// times the resolution of f32 there.
+/// The offset of rays from their surface, as a share of half the scene's diagonal: sixteen times
+/// the resolution of f32 there.
 const OFFSET: f32 = 1.0 / (1 << 18) as f32;
 
-/// Two steps of f32, over the distance from zero.
+/// Two steps of f32, relative to the distance from the origin.
 const COARSENESS: f64 = 1.0 / (1 << 22) as f64;
 
 /// The resources of a path tracer on the GPU.
@@ -39,9 +39,9 @@ pub(super) struct Uploaded {
     pub(super) group: BindGroup,
     /// Sums of the pixels of a band.
     pub(super) film: Buffer,
-    /// The number of rows that are traced at once.
+    /// The number of rows traced in one dispatch.
     pub(super) band_rows: u32,
-    /// The number of links that the kernel's stack holds.
+    /// The capacity of the kernel's stack, in links.
     #[cfg(test)]
     pub(super) stack: u32,
     /// The unit of radiance, in cd/m².
@@ -53,7 +53,7 @@ pub(super) struct Uploaded {
 }
 
 impl Uploaded {
-    /// Uploads a scene; `adjust` may change the constants that the kernel is compiled with.
+    /// Uploads a scene; `adjust` can change the constants that the kernel is compiled with.
     pub(super) async fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -64,7 +64,8 @@ impl Uploaded {
     ) -> Result<Self, RenderError> {
         let lighting = Lighting::of(scene);
         let unit = radiance_unit(scene, &lighting);
-        // Before anything is built: that would take minutes and the memory of many such scenes.
+        // Check before anything is built: building would take minutes and many times the scene's
+        // memory.
         let count = scene.triangle_count();
         let bytes = count as u64 * size_of::<TriangleRecord>() as u64;
         let most = gpu.device.limits().max_storage_buffer_binding_size;
@@ -89,7 +90,7 @@ impl Uploaded {
             ..world
         };
         let textures = scene.textures.iter().map(|texture| texture.rgba8.as_slice());
-        // The visible surfaces are the same with any random numbers.
+        // The fingerprint must not depend on the seed.
         let seen = WorldRecord { seed: 0, ..world };
         let parts = [
             bytemuck::bytes_of(&seen),
@@ -195,7 +196,7 @@ impl Uploaded {
         })
     }
 
-    /// Empties the sums.
+    /// Clears the sums.
     pub(super) fn clear_film(&self, gpu: &Gpu) {
         let mut encoder =
             gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -216,14 +217,14 @@ impl Uploaded {
     }
 }
 
-/// The features that the kernel is compiled with: software GPUs run both sides of every branch.
+/// The features that the kernel is compiled with: software GPUs execute both sides of every branch.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a constant of the shader")]
 pub(crate) struct Features {
     pub(crate) stack: u32,
-    /// The number of triangles in the first of two buffers.
+    /// The number of triangles in the first of the two buffers.
     pub(crate) split: u32,
-    /// Points on emitters of which the best is asked.
+    /// Sampled points on emitters, of which the best is traced.
     pub(crate) candidates: u32,
     pub(crate) has_textures: bool,
     pub(crate) has_layers: bool,
@@ -301,7 +302,7 @@ fn world(
     let environment = &scene.environment;
     let mut peaks = [PeakRecord::zeroed(); MOST_PEAKS];
     peaks[..surroundings.peaks.len()].copy_from_slice(&surroundings.peaks);
-    // Places far from zero are rounded before they come here.
+    // Positions far from the origin are already rounded in the scene.
     let coarseness_m = (triangles.origin.abs().max_element() * COARSENESS) as f32;
     WorldRecord {
         camera: position.to_array(),
@@ -323,7 +324,7 @@ fn world(
     }
 }
 
-/// The lights, as seen from the middle of the scene.
+/// The lights, relative to the scene's centre.
 fn lights_around(lighting: &Lighting, radiance_unit: f32, origin: DVec3) -> Vec<Light> {
     let moved = |position: &mut Vec3| *position = (position.as_dvec3() - origin).as_vec3();
     let mut lights = lighting.to_gpu(radiance_unit);

@@ -1,17 +1,17 @@
 // The scene for the path tracer: group 0, and its layout.
 //
-// Everything is in the world's axes with the middle of the scene as origin, where f32 is most
-// precise, in metres and in multiples of the renderer's unit of radiance.
+// Positions are relative to the centre of the scene, where f32 is most precise, with the world's
+// axes, in metres. Radiance is in multiples of the renderer's unit.
 
 import package::constants::REFERENCE_SPLIT;
 import package::light::lights::Light;
 import package::render::scene::material::Material;
 
-// A box of the hierarchy. The children of an inner box are side by side.
+// A box of the hierarchy. The two children of an inner box are adjacent.
 struct Node {
     low: vec3f,
-    // Inner: the first child. Leaf: LEAF, the number of triangles less one in the three bits below,
-    // the first.
+    // Inner box: the first child. Leaf: LEAF, then the number of triangles minus one in the three
+    // bits below, then the first triangle.
     link: u32,
     high: vec3f,
     padding: u32,
@@ -33,12 +33,12 @@ struct Vertex {
     tangent: vec4f,
     // Two sets of texture coordinates.
     texcoords: vec4f,
-    // Four times 16 bits.
+    // Four 16-bit channels.
     color: vec2u,
     padding: vec2u,
 }
 
-// The place of a texture in the atlas; its bits are TILE_...
+// The position of a texture in the atlas; its bits are TILE_...
 struct Tile {
     origin: vec2u,
     size: vec2u,
@@ -49,9 +49,9 @@ struct Tile {
 
 struct TracedMaterial {
     shown: Material,
-    // By TEXTURE_...
+    // Indexed by TEXTURE_...
     tiles: array<Tile, 8>,
-    // The density, per m2, with which next-event estimation picks a point of this emitter.
+    // The density, per m2, with which next-event estimation samples a point of this emitter.
     emitter_density: f32,
     // Exponent of a Phong lobe; 0: microfacets.
     phong_exponent: f32,
@@ -61,11 +61,11 @@ struct TracedMaterial {
 // An emissive triangle.
 struct Emitter {
     triangle: u32,
-    // The probability of this emitter or an earlier one.
+    // The cumulative probability up to this emitter.
     cumulated: f32,
 }
 
-// A compact bright part of the panorama: within the cap, everything above `around`.
+// A compact bright part of the panorama: the radiance above `around` within the cap.
 struct Peak {
     direction: vec3f,
     cos_cap: f32,
@@ -78,18 +78,18 @@ struct World {
     near_m: f32,
     forward: vec3f,
     light_count: u32,
-    // Its length is half the picture at a distance of one.
+    // Its length is half the picture's width at a distance of one.
     right: vec3f,
     emitter_count: u32,
     up: vec3f,
     seed: u32,
     size: vec2u,
-    // The rows that the film holds.
+    // The rows in the film.
     first_row: u32,
     row_count: u32,
     // The factor of the panorama.
     environment: vec3f,
-    // The most segments behind the visible surface.
+    // The most path segments after the visible surface.
     most_bounces: u32,
     // Cosine and sine of the panorama's rotation about y.
     environment_turn: vec2f,
@@ -97,7 +97,7 @@ struct World {
     occlusion_distance_m: f32,
     // The link of the hierarchy's root.
     root: u32,
-    // The distance of rays' starts from their surface.
+    // The offset of rays from their surface.
     offset_m: f32,
     first_sample: u32,
     sample_count: u32,
@@ -106,7 +106,7 @@ struct World {
 
 const LEAF: u32 = 0x80000000u;
 const DOUBLE_SIDED: u32 = 0x80000000u;
-// Alpha or glass: light may pass.
+// Alpha or glass: light may pass through.
 const SEE_THROUGH: u32 = 0x40000000u;
 const VERTEX_INDEX: u32 = 0x3fffffffu;
 
@@ -119,11 +119,11 @@ const VERTEX_INDEX: u32 = 0x3fffffffu;
 @group(0) @binding(6) var<storage, read> emitters: array<Emitter>;
 // 8 bits a channel, as in the files.
 @group(0) @binding(8) var atlas: texture_2d_array<f32>;
-// Radiance; in a, the probability of this texel of its row or an earlier one.
+// Radiance; in a, the cumulative probability within the row.
 @group(0) @binding(9) var panorama: texture_2d<f32>;
-// One column: the probability of this row or one above it.
+// One column: the cumulative probability of the rows.
 @group(0) @binding(10) var panorama_rows: texture_2d<f32>;
-// The triangles from REFERENCE_SPLIT on: a buffer holds only so many bytes.
+// The triangles from REFERENCE_SPLIT on: the size of a buffer is limited.
 @group(0) @binding(12) var<storage, read> more_triangles: array<Triangle>;
 
 fn triangle_at(index: u32) -> Triangle {

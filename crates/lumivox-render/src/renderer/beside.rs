@@ -1,5 +1,5 @@
-//! Other views of the frames of the picture, from the same G-buffer and the same cones, each with a
-//! mean of its own. Measurements read them beside the picture that a viewer sees.
+//! Other views of the picture's frames, from the same G-buffer and the same cones, each with a
+//! separate mean. They let measurements read other quantities than the view on the screen.
 
 use lumivox::gpu::Recorder;
 use lumivox::{GBuffer, Gi, Lights};
@@ -17,12 +17,12 @@ pub(crate) struct BesideView {
     view: View,
     composite: CompositeTargets,
     accumulate: AccumulatePass,
-    /// Bytes of its textures.
+    /// Bytes of the view's textures.
     bytes: u64,
 }
 
 impl BesideView {
-    /// Adds the first of so many samples of a frame that has been traced, which is frame number `frame` of the mean.
+    /// Adds the first of `samples` samples of a traced frame, which has index `frame` in the mean.
     pub(super) fn record(
         &mut self,
         recorder: &mut Recorder,
@@ -38,7 +38,7 @@ impl BesideView {
         add_frame(&mut self.accumulate, recorder, shown, (lit.2, is_relit));
     }
 
-    /// Adds another sample of the newest frame, of the same surfaces that the picture's is of.
+    /// Adds a further sample of the newest frame, of the same surfaces as the picture's sample.
     pub(super) fn record_further(
         &mut self,
         recorder: &mut Recorder,
@@ -53,14 +53,14 @@ impl BesideView {
         }
     }
 
-    /// Forgets the frames so far.
+    /// Discards the frames so far.
     pub(crate) fn forget(&mut self) {
         self.accumulate.forget();
     }
 }
 
-/// Adds the first of so many samples of frame number `frame` of a view to its mean. Of a view of what is known from earlier frames,
-/// it takes the mean's place.
+/// Adds the first of `samples` samples of frame `frame` to a view's mean. If the view shows what is
+/// known from earlier frames, the sample replaces the mean.
 pub(super) fn add_frame(
     accumulate: &mut AccumulatePass,
     recorder: &mut Recorder,
@@ -74,11 +74,11 @@ pub(super) fn add_frame(
     accumulate.number(frame + 1);
 }
 
-/// Checks that views can be shown beside that of the settings: both are views of surfaces, by the
-/// physics.
+/// Checks [`RenderSettings::beside`]: the views must be of surfaces, beside [`View::Final`] and
+/// without a look.
 ///
 /// # Errors
-/// [`RenderError::Setting`] for the first one that cannot.
+/// [`RenderError::Setting`] with the first value that is not allowed.
 pub(crate) fn validate(settings: &RenderSettings) -> Result<(), RenderError> {
     if settings.beside.is_empty() {
         return Ok(());
@@ -101,7 +101,7 @@ pub(crate) fn validate(settings: &RenderSettings) -> Result<(), RenderError> {
 }
 
 impl Renderer {
-    /// Makes the views beside the picture that the settings ask for and that are not there yet.
+    /// Creates the views that the settings ask for and that do not exist yet.
     pub(super) fn prepare_beside(&mut self) -> Result<(), RenderError> {
         let Self { gpu, settings, gi, passes, targets, .. } = self;
         if targets.beside.iter().map(|beside| beside.view).eq(settings.beside.iter().copied()) {
@@ -133,9 +133,9 @@ impl Renderer {
         Ok(())
     }
 
-    /// The mean over the frames so far of one of the views of [`RenderSettings::beside`], row by
-    /// row from the top: light in cd/m², other quantities as their views have them. `None` if the
-    /// settings do not ask for the view, or before the first frame.
+    /// The mean over the frames so far of a view in [`RenderSettings::beside`], row by row from the
+    /// top: light in cd/m², other quantities in the view's unit. `None` if the settings do not
+    /// contain the view, or before the first frame.
     ///
     /// # Errors
     /// When the device fails.

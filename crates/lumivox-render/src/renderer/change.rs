@@ -1,7 +1,7 @@
-//! Changes to a renderer at work: to its settings, its scene, its materials.
+//! Changes to a renderer's settings, scene and materials.
 //!
 //! Each change redoes only what depends on it, so that the picture afterwards is the one that a new
-//! renderer would make. The mean over frames starts again wherever the picture changes.
+//! renderer would make. The mean over frames starts again if the picture changes.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use crate::parameters::{PARAMETERS, Redoes};
 use crate::scene::{Lighting, radiance_unit_within, suits};
 use crate::{Exposure, RenderError, RenderSettings, View};
 
-/// The work that a change of settings requires, the most costly first.
+/// The work that a change of settings requires, the most expensive first.
 #[allow(clippy::struct_excessive_bools)] // One for each thing that is redone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Redo {
@@ -35,11 +35,12 @@ struct Redo {
 }
 
 impl Redo {
-    /// Compares settings; `is_same_volume` says that both have the same grid, and that the cells are there that are shown.
+    /// Compares settings; `is_same_volume` is `true` if both have the same grid and the volume
+    /// stores the cells that are shown.
     fn between(old: &RenderSettings, new: &RenderSettings, is_same_volume: bool) -> Self {
         let changed = PARAMETERS.iter().filter(|row| row.get(old) != row.get(new));
         let changed: HashSet<Redoes> = changed.map(|row| row.redoes).collect();
-        // Another model of the cones is other shaders, other values of the same model are not.
+        // Another cone model needs other shaders; other values of the same model do not.
         let model = |settings: &RenderSettings| settings.cone_model.as_ref().map(|m| m.name());
         let are_same_hooks = old.voxelizer == new.voxelizer
             && old.injection == new.injection
@@ -63,13 +64,13 @@ impl Redo {
 }
 
 impl Renderer {
-    /// Takes other settings, and redoes what depends on the difference: a new size makes new
+    /// Changes the settings, and redoes what depends on the difference: a new size recreates
     /// textures, another resolution voxelizes again, another exposure only changes how frames are
     /// shown. `progress` is called with the stages `voxelize` and `light`.
     ///
     /// # Errors
-    /// As [`Renderer::new`]. The renderer then stays as it was, except for a volume that did not
-    /// fit beside its successor.
+    /// As [`Renderer::new`]. The renderer is then unchanged, except if a new volume did not fit in
+    /// memory together with the old one.
     pub async fn set_settings(
         &mut self,
         settings: RenderSettings,
@@ -92,7 +93,7 @@ impl Renderer {
         let lacks_cells = settings.shows_cells() && !self.gi.config().has_cells();
         let is_same_volume = grid == *self.gi.grid() && !lacks_cells;
         let redo = Redo::between(&self.settings, &settings, is_same_volume);
-        // A picture of another size keeps the light of earlier frames.
+        // Resizing the picture keeps the light of earlier frames.
         let is_resized =
             RenderSettings { size: self.settings.size, ..settings.clone() } == self.settings;
         if redo.volume {
@@ -108,7 +109,7 @@ impl Renderer {
             (self.gi, self.passes, self.targets) = (gi, passes, targets);
             self.grid_bounds = bounds;
             self.scene.bounds = bounds.union(self.shown_bounds);
-            // It was linked against the volume's library.
+            // The look is linked against the old volume's library.
             self.look = None;
             progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });
         } else {
@@ -138,7 +139,7 @@ impl Renderer {
             self.relight(progress).await?;
         }
         if redo.mean && !is_resized {
-            // As in a renderer that was made with these settings.
+            // Start like a renderer created with these settings.
             self.targets.forget();
             (self.drawn, self.samples_drawn, self.former_camera) = (0, 0, None);
         }
@@ -146,17 +147,17 @@ impl Renderer {
     }
 
     /// Shows the same scene in another pose, under other lights, with other instances; the mean
-    /// starts again. The camera stays.
+    /// starts again. The camera does not change.
     ///
     /// Vertices and transforms are uploaded, voxelized and lit again; the voxels of static
-    /// instances that have not changed stay. Everything else stays, too: pipelines, textures,
-    /// targets, the grid and the unit of radiance. So a scene that moves out of the grid loses the
-    /// part outside; set [`RenderSettings::grid_bounds`] to avoid that. `progress` is called with
-    /// the stages `upload`, `voxelize` and `light`.
+    /// instances that have not changed are kept. Everything else is kept as well: pipelines,
+    /// textures, targets, the grid and the unit of radiance. So a scene that moves out of the grid
+    /// loses the part outside; set [`RenderSettings::grid_bounds`] to avoid that. `progress` is
+    /// called with the stages `upload`, `voxelize` and `light`.
     ///
     /// # Errors
-    /// When it is another scene, or has other materials; when no part of it is in the grid,
-    /// something does not fit the device, or the device fails.
+    /// When it is another scene, or has other materials; when no part of it is in the grid, when
+    /// something does not fit the device, or when the device fails.
     pub async fn set_scene(
         &mut self,
         scene: &Scene,
@@ -167,8 +168,8 @@ impl Renderer {
         self.show_pose(progress).await
     }
 
-    /// As [`Self::set_scene`] for a scene in which only the instances of these numbers have moved:
-    /// the cost is proportional to these, not to the scene.
+    /// Like [`Self::set_scene`], for a scene in which only the instances with the indices `moved`
+    /// have moved: the cost is proportional to their number, not to the scene.
     ///
     /// # Errors
     /// As [`Self::set_scene`].
@@ -195,7 +196,7 @@ impl Renderer {
         self.make_pose(progress).await
     }
 
-    /// Voxelizes and lights the present pose at once.
+    /// Voxelizes and lights the current pose immediately.
     pub(super) async fn make_pose(
         &mut self,
         progress: &mut dyn FnMut(RenderProgress),
@@ -207,7 +208,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// As [`Self::set_scene`], but the voxels and their light stay behind until
+    /// Like [`Self::set_scene`], but voxels and their light are not updated until
     /// [`Self::revoxelize`]: only surfaces and the shadows on them move.
     ///
     /// # Errors
@@ -223,11 +224,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// Shows the same triangles with other materials, and takes the other changes of
-    /// [`Self::set_scene`].
+    /// Shows the same triangles with other materials, and applies all changes that
+    /// [`Self::set_scene`] allows.
     ///
-    /// Materials that name the same textures as before keep them; if one names others, all textures
-    /// are uploaded again. `progress` is called with the stages `upload`, `voxelize` and `light`.
+    /// Materials that refer to the same textures as before keep them; if any material refers to
+    /// other textures, all textures are uploaded again. `progress` is called with the stages
+    /// `upload`, `voxelize` and `light`.
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -253,13 +255,13 @@ impl Renderer {
         }
         compile(&self.gpu, &self.gi, &self.settings, progress).await?;
         self.look_scene = LookScene::of(scene);
-        // The layout of materials may be another one, too.
+        // The layout of materials may differ, too.
         self.look = None;
         self.take_pose(scene)?;
         self.make_pose(progress).await
     }
 
-    /// Shows the same scene under other lights or other surroundings; the mean starts again.
+    /// Shows the same scene under other lights or surroundings; the mean starts again.
     /// `progress` is called with the stage `light`.
     ///
     /// # Errors
@@ -272,7 +274,7 @@ impl Renderer {
         let lighting = Lighting::of(scene);
         let (unit, bounds) = (self.scene.radiance_unit, self.grid_bounds);
         let is_suited = if self.settings.follows() {
-            // A lamp that is switched off comes back.
+            // Tolerates a lamp that is switched off: it may be switched on again.
             suits(unit, bounds, scene, &lighting)
         } else {
             radiance_unit_within(bounds, scene, &lighting).to_bits() == unit.to_bits()
@@ -290,8 +292,9 @@ impl Renderer {
         Ok(())
     }
 
-    /// Voxelizes everything again, static objects included, moved or not. The mean starts again if
-    /// something has moved. `progress` is called with the stages `voxelize` and `light`.
+    /// Voxelizes everything again, including static objects, whether it has moved or not. The mean
+    /// starts again if something has moved. `progress` is called with the stages `voxelize` and
+    /// `light`.
     ///
     /// # Errors
     /// When something does not fit the device, or the device fails.
@@ -311,7 +314,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Whether objects have moved without the voxels ([`Self::place`]).
+    /// Whether objects have moved but their voxels have not ([`Self::place`]).
     pub fn has_stale_voxels(&self) -> bool {
         self.voxels_are_stale && !self.following.surfaces
     }
@@ -325,11 +328,11 @@ impl Renderer {
         self.set_settings(settings, &mut |_| {}).await
     }
 
-    /// Changes the view; the mean starts again. The level is that of the views of voxels.
+    /// Changes the view; the mean starts again. `voxel_level` is the level for views of voxels.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] when there is no such level, or when the volume lacks the data of
-    /// the view.
+    /// [`RenderError::Setting`] when the level does not exist, or when the volume lacks the view's
+    /// data.
     pub fn set_view(&mut self, view: View, voxel_level: u32) -> Result<(), RenderError> {
         let settings = RenderSettings { view, voxel_level, ..self.settings.clone() };
         validate_level(&settings, self.gi.grid())?;
@@ -344,8 +347,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Changes the look; the mean starts again. The voxels are lit again if the look needs other
-    /// light in them.
+    /// Changes the look; the mean starts again. The voxels are lit again if the look needs
+    /// different light in them.
     ///
     /// # Errors
     /// [`RenderError::Setting`] when a value is out of range, and when the device fails.
@@ -363,18 +366,18 @@ impl Renderer {
         Ok(())
     }
 
-    /// Drops the look of former settings, unless it is still used.
+    /// Drops the look of the previous settings, unless it is still used.
     fn drop_look_of(&mut self, was: &RenderSettings) {
         if was.look_name() != self.settings.look_name() {
             self.look = None;
         }
         if self.settings.shown_look().is_some() {
-            // The content of the volume will be out of date.
+            // The light in the volume will become stale.
             self.gi.forget_light();
         }
     }
 
-    /// Lights the voxels according to the settings, with the bound lights.
+    /// Lights the voxels according to the settings with the bound lights.
     fn light_voxels(&mut self) -> Result<(), RenderError> {
         let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
         let Self { settings, gi, lights, .. } = self;
@@ -383,12 +386,12 @@ impl Renderer {
         self.gpu.check("lighting the voxels")
     }
 
-    /// Changes the exposure of pictures from now on; the frames so far stay.
+    /// Changes the exposure of later pictures; the frames so far are kept.
     pub fn set_exposure(&mut self, exposure: Exposure) {
         self.settings.exposure = exposure;
     }
 
-    /// Uploads the places of the instances of these numbers, and lights.
+    /// Uploads the transforms of the instances with the indices `moved`, and the lights.
     pub(super) fn take_moved(&mut self, scene: &Scene, moved: &[usize]) -> Result<(), RenderError> {
         if self.scene.move_instances(&self.gpu, scene, moved) {
             self.take_places(scene)
@@ -397,7 +400,7 @@ impl Renderer {
         }
     }
 
-    /// Uploads moved geometry and lights.
+    /// Uploads moved geometry and the lights.
     pub(super) fn take_pose(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.scene.repose(&self.gpu, scene)?;
         self.passes.set_scene(&self.gpu, &self.scene)?;
@@ -407,7 +410,7 @@ impl Renderer {
         self.take_places(scene)
     }
 
-    /// Takes the present places of the scene's parts, and its lights.
+    /// Updates the bounds of the scene, and its lights.
     pub(super) fn take_places(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.shown_bounds = self.scene.bounds_of(scene);
         self.scene_bounds = scene.grid_bounds.unwrap_or(self.shown_bounds);
@@ -416,14 +419,14 @@ impl Renderer {
         self.gpu.check("uploading the scene")
     }
 
-    /// Takes the lights and surroundings of a scene; a new map is uploaded.
+    /// Updates the lights and surroundings from a scene; a new map is uploaded.
     fn take_lighting(&mut self, scene: &Scene) -> Result<(), RenderError> {
         let lighting = Lighting::of(scene);
         let maps = [&lighting, &self.lighting].map(|lighting| lighting.environment.map.as_ref());
         if maps[0].map(Arc::as_ptr) != maps[1].map(Arc::as_ptr) {
             self.environment = environment_map(&self.gpu, &lighting)?;
         }
-        // Its white must not change because something moves.
+        // Only new lights update the look: its white must not change when objects move.
         let is_new = lighting.lights != self.lighting.lights;
         self.lighting = lighting;
         if is_new {
@@ -455,7 +458,7 @@ impl Renderer {
         self.times.add(voxelized.times);
     }
 
-    /// Makes the shadow maps, and lights the voxels.
+    /// Renders the shadow maps, and lights the voxels.
     pub(super) async fn relight(
         &mut self,
         progress: &mut dyn FnMut(RenderProgress),

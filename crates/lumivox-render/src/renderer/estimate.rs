@@ -1,10 +1,10 @@
 //! An estimate of a rendering's GPU memory, before anything is uploaded.
 //!
-//! Everything but the voxel list follows from known sizes. The number of voxels is estimated from
-//! the surface: a plane of area A and unit normal n at a random place in a grid of cells of edge h
-//! meets about A / h² · (|nx| + |ny| + |nz|) of them, the area of its projections along the axes
-//! (Cauchy's formula, axis by axis). Pieces that share a voxel count several times, so fine detail
-//! is overestimated.
+//! Everything except the voxel list follows from known sizes. The number of voxels is estimated
+//! from the surface: a plane of area A and unit normal n at a random position in a grid of cells of
+//! edge h meets about A / h² · (|nx| + |ny| + |nz|) cells, the area of its projections along the
+//! axes (Cauchy's formula, axis by axis). Pieces that share a voxel count several times, so fine
+//! detail is overestimated.
 
 use std::collections::HashSet;
 
@@ -20,28 +20,29 @@ use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL, trace_bytes}
 use crate::scene::{DrawRecord, VERTEX_BYTES};
 use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 
-/// Faces of a voxel; on the built-in scenes 0.9 to 1.9.
+/// Faces per voxel; 0.9 to 1.9 on the built-in scenes.
 const FACES_PER_VOXEL: f64 = 1.4;
-/// Bytes of a face: its record in the list (96), its patch (48), what its rays meet (96), its light, five colours in full
-/// floats, and three times the light from afar (64).
+/// Bytes of a face: its record in the list (96), its patch (48), the hits of its rays (96), its
+/// light, five colours in full floats (80), and three times the light from afar (64).
 const FACE_BYTES: u64 = 96 + 48 + 96 + 80 + 3 * 64;
-/// Bytes of a node: its record (8), the place of its faces, and room in two lists of changed cells.
+/// Bytes of a node: its record (8), the index of its faces (4), and entries in two lists of changed
+/// cells (24).
 const NODE_BYTES: u64 = 8 + 4 + 24;
-/// Bytes of an octree for each voxel: 160 to 430 on the scenes of docs/octree.md, from 128 voxels
-/// on.
+/// Bytes of an octree per voxel: 160 to 430 on the scenes of docs/octree.md, with 128 voxels or
+/// more along the longest axis.
 const OCTREE_BYTES_PER_VOXEL: u64 = 300;
-/// The same with one value a voxel.
+/// Bytes of an octree per voxel, with one value a voxel.
 const ISOTROPIC_OCTREE_BYTES_PER_VOXEL: u64 = 170;
 
 /// The estimated GPU memory of a scene with given settings, by its use.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MemoryEstimate {
-    /// Each use; those called `about` are estimates, the others are exact.
+    /// Each use; those whose name contains `about` are estimates, the others are exact.
     pub parts: Vec<MemoryUse>,
     /// The estimated number of occupied voxels.
     pub voxels: u64,
     name: String,
-    /// The remedy if there are too many voxels.
+    /// The remedy for too many voxels.
     voxel_remedy: &'static str,
 }
 
@@ -60,13 +61,13 @@ impl MemoryEstimate {
         let vertex_bytes = vertices as u64 * VERTEX_BYTES + indices as u64 * 4;
         let pixels = u64::from(settings.size.x) * u64::from(settings.size.y);
         let voxels = voxel_count(scene, &grid, |_| true);
-        // If instances may move, the static and the moving share are kept in buffers of their own.
+        // If instances can move, the static and the moving share have separate buffers.
         let voxelized = || scene.shown().filter(|instance| instance.is_voxelized);
         let fixed = voxelized().filter(|instance| instance.is_static).count();
         let fixed_voxels = || voxel_count(scene, &grid, |instance| instance.is_static);
         let moves = fixed < voxelized().count();
         let kept = if moves { kept_bytes(&grid, fixed_voxels(), voxels) } else { 0 };
-        // Clear glass has no tint either, but the difference is too small to check.
+        // Clear glass has no tint, but the difference is too small to check.
         let has_glass = scene.materials.iter().any(|material| material.transmission.factor > 0.0);
         let tint = if has_glass { TINT_BYTES_PER_PIXEL } else { 0 };
         let overlay = if settings.overlay.is_on() { OVERLAY_BYTES_PER_PIXEL } else { 0 };
@@ -92,15 +93,14 @@ impl MemoryEstimate {
         self.parts.iter().map(|part| part.bytes).fold(0, u64::saturating_add)
     }
 
-    /// Compares with the device's memory, if it is known. Graphics APIs do not report how much a
-    /// GPU has, so there only an allocation can fail; a software driver uses the machine's own,
-    /// which the system reports.
+    /// Compares with the device's memory, if it is known. Graphics APIs do not report a GPU's
+    /// memory, so there only an allocation can fail; a software driver uses main memory, which the
+    /// system reports.
     ///
     /// # Errors
     /// [`RenderError::OutOfMemory`], with the parts and a remedy.
     pub fn check(&self, gpu: &Gpu) -> Result<(), RenderError> {
-        // Software drivers promise memory that they do not have, and the system then kills the
-        // process.
+        // Software drivers overcommit memory, and the system then kills the process.
         let is_short = |available| self.bytes() > available;
         if gpu.is_software() && available_memory().is_some_and(is_short) {
             return Err(self.too_large(gpu));
@@ -108,7 +108,7 @@ impl MemoryEstimate {
         Ok(())
     }
 
-    /// The error that the scene does not fit.
+    /// The error for a scene that does not fit.
     pub(crate) fn too_large(&self, gpu: &Gpu) -> RenderError {
         let mib = |bytes: u64| bytes.div_ceil(1 << 20);
         let mut parts: Vec<&MemoryUse> = self.parts.iter().collect();
@@ -160,8 +160,7 @@ fn voxel_remedy(settings: &RenderSettings) -> &'static str {
     }
 }
 
-/// The volume. An octree's size is estimated: the memory of voxels depends on how they touch each
-/// other.
+/// The volume. An octree's size is an estimate: it depends on how voxels touch each other.
 fn volume_part(grid: &Grid, settings: &RenderSettings, voxels: u64) -> (&'static str, u64) {
     match (settings.volume, settings.directionality) {
         (VolumeKind::Dense | VolumeKind::Cascades, _) if !settings.gi_config(*grid).has_cells() => {
@@ -179,8 +178,8 @@ fn volume_part(grid: &Grid, settings: &RenderSettings, voxels: u64) -> (&'static
     }
 }
 
-/// The estimated number of voxels that some of the instances occupy. A triangle that reaches out of a cascade counts there by
-/// the share of its box that is inside.
+/// The estimated number of voxels that the selected instances occupy. A triangle that extends
+/// beyond a cascade is weighted there by the share of its box that is inside.
 fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool) -> u64 {
     let voxel_m = f64::from(grid.voxel_size_m);
     let boxes: Vec<_> = (0..).zip(grid.boxes_in_world()).collect();
@@ -206,7 +205,7 @@ fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool)
     (voxels.ceil() as u64).min(grid.voxel_count())
 }
 
-/// The share of a box that is inside of another one; along an axis without extent, all or nothing.
+/// The share of a box that is inside another box; along an axis without extent, 0 or 1.
 fn share_inside((low, high): (Vec3, Vec3), (outer_low, outer_high): (Vec3, Vec3)) -> f64 {
     let common = high.min(outer_high) - low.max(outer_low);
     if common.min_element() < 0.0 {
@@ -216,21 +215,21 @@ fn share_inside((low, high): (Vec3, Vec3), (outer_low, outer_high): (Vec3, Vec3)
     f64::from(share.min(Vec3::ONE).element_product())
 }
 
-/// Bits and ranks, once of occupied and twice of changed cells; nodes of all levels; faces, their rays and
-/// their light.
+/// Bits and ranks, once for occupied and twice for changed cells; nodes of all levels; faces, their
+/// rays and their light.
 fn list_bytes(grid: &Grid, voxels: u64, settings: &RenderSettings) -> u64 {
     let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
-    // A surface has a quarter of the cells on the next level.
+    // The next level has a quarter of a surface's cells.
     let nodes = voxels + voxels / 3;
     let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
     let own_bytes = settings.injection.as_ref().map_or(0, |injection| injection.bytes_per_face());
     let face_bytes = FACE_BYTES + own_bytes;
-    // The ranks: a word for each word of bits; in the index both again.
+    // Ranks: a word for each word of bits. The index contains both again.
     7 * cells.div_ceil(8) + nodes * NODE_BYTES + faces * face_bytes
 }
 
-/// For each share: bits, ranks, both side by side, planes, and the faces' sums. For the moving share
-/// also its faces, with a quarter to spare; and the bits of both together.
+/// For each share: bits, ranks, an index with both, planes, and the faces' sums. The moving share
+/// also has the faces, with a quarter to spare; and there are the bits of both together.
 fn kept_bytes(grid: &Grid, fixed: u64, voxels: u64) -> u64 {
     let cells = u64::from(grid.morton_edge(0)).pow(3);
     let faces = |voxels: u64| (voxels as f64 * FACES_PER_VOXEL) as u64;
@@ -259,7 +258,7 @@ fn texture_uses(material: &Material) -> impl Iterator<Item = (usize, bool)> {
     material.textures().map(move |used| (used.texture, !is_data(used.texture)))
 }
 
-/// All levels down to one texel, four bytes a texel.
+/// All levels down to one texel, four bytes per texel.
 fn mip_bytes(texture: &Texture) -> u64 {
     let levels = 0..=texture.width.max(texture.height).max(1).ilog2();
     let edge = |edge: u32, level: u32| u64::from((edge >> level).max(1));
@@ -292,7 +291,7 @@ mod tests {
     use crate::testing::gpu;
     use lumivox::{Preset, TraceSettings};
 
-    /// Compares with the renderer's own account.
+    /// Compares with the memory that the renderer reports.
     #[test]
     fn what_was_estimated_is_what_is_allocated() {
         let gpu = gpu();
@@ -326,7 +325,8 @@ mod tests {
             };
             for part in &estimate.parts {
                 let (truth, tolerance) = match part.name.as_str() {
-                    // The edges of tilted walls, and surfaces that share a voxel.
+                    // Tilted walls are overestimated at their edges, and surfaces that share a
+                    // voxel count twice.
                     "voxel list (about)" => (truth(&["voxels", "light"]), 0.4),
                     // The white texel for missing textures.
                     "textures" => (truth(&["textures"]), 0.001),

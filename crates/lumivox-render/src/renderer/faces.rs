@@ -12,22 +12,24 @@ use crate::RenderError;
 pub struct VoxelFace {
     /// The mean position of the surface in the world, m.
     pub position: Vec3,
-    /// The sum of area times normal, in m²; at most that of the voxel's side along the axis.
+    /// The sum of area times normal, in m²; at most the area of the voxel's side along the axis.
     pub vector_area: Vec3,
-    /// The voxel's place in the grid.
+    /// The voxel's position in the grid.
     pub cell: UVec3,
     /// The axis that it faces: +x, -x, +y, -y, +z, -z as 0 to 5.
     pub axis: u32,
-    /// The mean share of the light that enters, which leaves again diffusely, RGB.
+    /// The mean diffuse reflectance of the light that enters, RGB.
     pub reflectance: Vec3,
     /// The mean emitted radiance, cd/m².
     pub emission: Vec3,
-    /// The radiance that leaves it, cd/m², as the last gather finds it: with one bounce less than the settings have.
+    /// The outgoing radiance, cd/m², as the last gather finds it: with one bounce fewer than the
+    /// settings have.
     pub radiance: Vec3,
 }
 
 impl Renderer {
-    /// The faces of all voxels, in the order of the voxel list. Reads them back, and waits for the GPU.
+    /// The faces of all voxels, in the order of the voxel list. Reads them back and waits for the
+    /// GPU.
     ///
     /// # Errors
     /// When the device fails.
@@ -59,7 +61,7 @@ impl Renderer {
     }
 }
 
-/// Every third bit of a Morton code, from the given one on.
+/// Every third bit of a Morton code, starting at bit `axis`.
 fn coordinate(morton: u32, axis: u32) -> u32 {
     (0..10).map(|bit| (morton >> (3 * bit + axis) & 1) << bit).sum()
 }

@@ -1,4 +1,4 @@
-//! Figures of the last frame: what its cones cost, and how long its light is known.
+//! Figures of the last frame: the cost of its cones, and the age of its light.
 
 use lumivox::gpu::read_buffer;
 
@@ -10,18 +10,17 @@ use crate::passes::figures::{FiguresPass, Sums};
 /// Figures of the last frame, over one pixel in 64.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceFigures {
-    /// Cone samples by pixels of the picture: at half resolution each of those that are traced
-    /// stands for four.
+    /// Cone samples per pixel of the picture; at half resolution each traced pixel counts for four.
     pub samples_per_pixel: f32,
-    /// The frames that the light of a surface is the mean of, on average over the surfaces' pixels.
-    /// `None` without [`TraceSettings::temporal`](lumivox::TraceSettings::temporal), and where
+    /// The number of frames in the mean of a pixel's light, averaged over the pixels with a
+    /// surface. `None` without [`TraceSettings::temporal`](lumivox::TraceSettings::temporal), or if
     /// there is no surface.
     pub history_frames: Option<f32>,
 }
 
 impl Renderer {
-    /// Figures of the last frame; adds up sums on the GPU and reads them back. `None` before the
-    /// first frame, and if it had no cones.
+    /// Figures of the last frame; sums them up on the GPU and reads them back. `None` before the
+    /// first frame, or if it had no cones.
     ///
     /// # Errors
     /// When the device fails.

@@ -40,7 +40,7 @@ use prepare::{bind_lights, compile, environment_map, upload, validate, validate_
 /// The progress of rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RenderProgress {
-    /// The present stage: `upload`, `compile`, `voxelize`, `light` or `render`.
+    /// The current stage: `upload`, `compile`, `voxelize`, `light` or `render`.
     pub stage: &'static str,
     /// Steps done, from 0 to `total`.
     pub done: u32,
@@ -55,20 +55,20 @@ pub struct Renderer {
     settings: RenderSettings,
     camera: Camera,
     scene: GpuScene,
-    /// The box that the scene itself asks the grid to be fitted to.
+    /// The box that the grid is fitted to if the settings have none.
     scene_bounds: Bounds,
-    /// Whether the grid may be empty, because the scene has a grid of its own.
+    /// Whether the grid may be empty: the scene defines its own grid.
     may_be_empty: bool,
     /// The box that the grid is fitted to.
     grid_bounds: Bounds,
-    /// The box around everything that is shown; shadow maps include the parts outside the grid.
+    /// The box around everything visible; shadow maps include the parts outside the grid.
     shown_bounds: Bounds,
     lighting: Lighting,
     gi: Gi,
     lights: Lights,
     /// Shadow maps around the camera, for the direct light of pixels.
     near_shadows: NearShadows,
-    /// The grid for whose voxels the shadow maps were drawn.
+    /// The grid for which the shadow maps were drawn.
     mapped_grid: Grid,
     voxels: VoxelizeStats,
     voxels_are_stale: bool,
@@ -77,25 +77,25 @@ pub struct Renderer {
     targets: Targets,
     /// The parts of the scene for looks.
     look_scene: LookScene,
-    /// The passes of the settings' look, once it has drawn.
+    /// The passes of the settings' look; `None` before it first draws.
     look: Option<Box<dyn LookPasses>>,
     environment: Option<EnvironmentMap>,
     shadow_bytes: u64,
     times: StageTimes,
-    /// Frames that were drawn, in whatever picture.
+    /// Frames drawn so far, over all pictures.
     drawn: u32,
-    /// Samples of a pixel in them.
+    /// Samples per pixel drawn so far, over all pictures.
     samples_drawn: u32,
-    /// The camera of the last one.
+    /// The camera of the last frame.
     former_camera: Option<Camera>,
 }
 
 impl Renderer {
     /// Prepares a scene: uploads it, fits the grid to its bounds, voxelizes it and lights the voxels.
     ///
-    /// The camera is the given one, else the scene's first, else one that frames the whole scene.
-    /// `progress` is called with the stages `upload`, `compile` (if some pipelines are missing),
-    /// `voxelize` and `light`.
+    /// The camera is `camera`, or the scene's first, or one that frames the whole scene. `progress`
+    /// is called with the stages `upload`, `compile` (if some pipelines are missing), `voxelize`
+    /// and `light`.
     ///
     /// # Errors
     /// When a setting is out of range, when no part of the scene is in the grid (unless it has a
@@ -170,7 +170,8 @@ impl Renderer {
             &settings,
         );
         if settings.timing != Timing::Off && settings.shown_look().is_none() {
-            // Drivers compile a kernel at its first use, which must not count as time of a stage.
+            // Drivers compile a kernel at its first use, which must not count towards a stage's
+            // time.
             let mut first_use = Recorder::new(&gpu.device, &gpu.queue);
             gi.light(&mut first_use, &lights, settings.voxel_bounces().min(2), &settings.trace)?;
             first_use.submit();
@@ -214,7 +215,7 @@ impl Renderer {
         })
     }
 
-    /// Renders the missing frames of those that the settings ask for, and finishes the picture.
+    /// Renders the frames that the settings ask for and that are missing, and finishes the picture.
     /// `progress` is called with the stage `render` after each frame.
     ///
     /// # Errors
@@ -232,8 +233,8 @@ impl Renderer {
         self.finish().await
     }
 
-    /// The same until `progress` breaks between two frames: then there is no picture, and the
-    /// frames so far stay.
+    /// Like [`Self::render`], until `progress` breaks between two frames: it then returns no
+    /// picture, and the frames so far are kept.
     ///
     /// # Errors
     /// When the device fails.
@@ -258,8 +259,8 @@ impl Renderer {
         let mut wish = progress(step(self.frame_count()));
         while !self.is_complete() && wish.is_continue() {
             self.render_frame().await?;
-            // Only one frame is in flight, so that progress is true and memory for commands stays
-            // small.
+            // Only one frame is in flight, so that the progress is accurate and commands use little
+            // memory.
             self.gpu.wait("rendering a frame")?;
             wish = progress(step(self.frame_count()));
         }
@@ -274,7 +275,7 @@ impl Renderer {
         self.draw_frame(true).await.map(|_| ())
     }
 
-    /// Renders the next frame only for its time: the mean stays as it is.
+    /// Renders the next frame only to time it: the mean is unchanged.
     ///
     /// # Errors
     /// When the device fails.
@@ -282,7 +283,8 @@ impl Renderer {
         self.draw_frame(false).await.map(|_| ())
     }
 
-    /// The voxels are returned if they had to follow something.
+    /// Renders a frame; `is_kept` adds it to the mean. Returns the frame's voxels if they were
+    /// updated.
     async fn draw_frame(&mut self, is_kept: bool) -> Result<Option<FrameVoxels>, RenderError> {
         self.follow_camera().await?;
         self.prepare_view().await?;
@@ -296,7 +298,8 @@ impl Renderer {
         Ok(voxels)
     }
 
-    /// Records the passes of the first of so many samples of the next frame; `is_kept` adds it to the mean.
+    /// Records the passes of the first of `samples` samples of the next frame; `is_kept` adds it to
+    /// the mean.
     fn record_frame(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -310,7 +313,7 @@ impl Renderer {
         let Self { settings, camera, scene, gi, lights, near_shadows, passes, targets, .. } = self;
         let mut is_traced = false;
         let (drawn, former_camera) = (&self.drawn, &self.former_camera);
-        // Frames that are blended must not repeat each other.
+        // Blended frames must not repeat each other.
         let turn = if targets.traced.is_temporal() { *drawn } else { frame };
         let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
@@ -318,7 +321,7 @@ impl Renderer {
         (view.frame, view.jitter) = (turn, jitter);
         if targets.traced.is_temporal() {
             let former = former_camera.as_ref().unwrap_or(camera);
-            // The jitter within the pixel is no motion.
+            // The jitter within the pixel must not count as motion.
             view.previous_clip_from_world = gbuffer::clip_from_world(former, size, jitter);
         }
         targets.gbuffer.set_camera(&self.gpu.queue, view);
@@ -382,7 +385,7 @@ impl Renderer {
             beside::add_frame(accumulate, recorder, shown, (gbuffer, is_relit));
             self.record_overlay(recorder, &view)?;
         }
-        // A frame that was not kept cannot be followed by the next one.
+        // The next frame cannot reuse the light of a frame that was not kept.
         if !(is_kept && is_traced) {
             self.targets.traced.forget();
         }
@@ -396,7 +399,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Renders a picture in the look, with the depths and normals of its surfaces.
+    /// Renders a picture with the look, including the depths and normals of its surfaces.
     fn record_look(&mut self, recorder: &mut Recorder, view: &lumivox::CameraView) {
         let Self { gpu, settings, scene, lights, targets, look: Some(passes), .. } = self else {
             return;
@@ -417,7 +420,7 @@ impl Renderer {
         passes.record(gpu, recorder, &frame);
     }
 
-    /// Compiles what the view and the look need and no earlier frame did.
+    /// Compiles the pipelines that the view and the look need and no earlier frame needed.
     async fn prepare_view(&mut self) -> Result<(), RenderError> {
         let Self {
             gpu, settings, scene, gi, passes, targets, look, look_scene, grid_bounds, ..
@@ -439,8 +442,8 @@ impl Renderer {
         self.targets.accumulate.frames()
     }
 
-    /// Whether the picture has all frames that the settings ask for. While voxels are late for what has moved, frames
-    /// lack that.
+    /// Whether the picture has all frames that the settings ask for, and nothing is pending: voxels
+    /// do not lag behind moving objects, and no geometry is still to be uploaded.
     pub fn is_complete(&self) -> bool {
         self.frame_count() >= self.settings.frames
             && !self.are_voxels_late()
@@ -463,7 +466,7 @@ impl Renderer {
         &self.settings
     }
 
-    /// The global illumination, for its grid and voxels.
+    /// The global illumination, with its grid and voxels.
     pub fn gi(&self) -> &Gi {
         &self.gi
     }
@@ -473,18 +476,18 @@ impl Renderer {
         &self.voxels
     }
 
-    /// The times of all passes so far, in order: the mean over the frames that had them. Empty
-    /// unless the settings ask for times.
+    /// The mean time of each pass, in order, over the frames that ran it. Empty unless the settings
+    /// enable timing.
     pub fn times(&self) -> Vec<StageTime> {
         self.times.means()
     }
 
-    /// Forgets the times so far: later ones exclude the compilation of kernels by the driver.
+    /// Discards the times so far, so that later ones exclude the driver's compilation of kernels.
     pub fn forget_times(&mut self) {
         self.times = StageTimes::default();
     }
 
-    /// Makes the next lighting store and filter all voxels, even unchanged ones, for measurements.
+    /// Makes the next lighting store and filter all voxels, even unchanged ones. For measurements.
     pub fn forget_light(&mut self) {
         self.gi.forget_light();
     }

@@ -1,4 +1,4 @@
-//! Voxels and light that follow what moves, frame by frame, without waiting for the GPU in between.
+//! Updates of voxels and light for moving objects, frame by frame, without waiting for the GPU.
 
 use std::ops::ControlFlow;
 
@@ -10,51 +10,55 @@ use super::{RenderError, RenderProgress, Renderer};
 use crate::scene::StreamedGeometry;
 use crate::{Picture, RenderSettings};
 
-/// Light that follows has all bounces. Settings that ask for fewer than this many want to see just these: they are
-/// gathered from darkness at each change.
+/// The least number of bounces with incremental light, which includes all bounces. With fewer
+/// bounces the user wants exactly that many, so the light is gathered from darkness at each change.
 const MANY_BOUNCES: u32 = 8;
 
-/// Vertices that are uploaded in a frame, where they come and go with the camera.
+/// The most bytes of vertices uploaded in a frame while streaming with the camera.
 const UPLOADED_BYTES: u64 = 4 << 20;
 
-/// Frames after a change until less than a hundredth of it is still to come, at one bounce a frame.
+/// Frames after a change until less than a hundredth of it is missing, at one bounce a frame.
 const SETTLING_FRAMES: u32 = 8;
 
-/// Changes that the next frames have to follow.
+/// Changes that the next frames have to process.
 #[allow(clippy::struct_excessive_bools, reason = "independent facts about one frame")]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Following {
     /// Surfaces have moved.
     pub(super) surfaces: bool,
-    /// Whether the voxels had room for what has moved last may not be known yet.
+    /// Whether it is still unknown if the voxels of the last move fitted into their buffers.
     pub(super) is_pending: bool,
-    /// Lights have moved, or what casts their shadows.
+    /// Lights or their shadow casters have moved.
     pub(super) lights: bool,
-    /// Frames until the light has settled, but for little.
+    /// Frames until the light has nearly converged.
     settling: u32,
-    /// Whether the voxels' light has gone on from frame to frame since it was made from darkness.
+    /// Whether the voxels' light has been updated incrementally since it was computed from
+    /// darkness.
     pub(super) goes_on: bool,
 }
 
 impl Following {
-    /// Whether the light is on its way from a change.
+    /// Whether the light is still changing.
     pub(super) fn is_settling(self) -> bool {
         self.settling > 0
     }
 }
 
 impl Renderer {
-    /// Moves the instances of these numbers to their places in `scene`, takes its lights, and renders the first sample of a frame: all
-    /// in one submission, as an engine does ([`Gi::voxelize_frame`](lumivox::Gi::voxelize_frame) and
-    /// [`Gi::light_frame`](lumivox::Gi::light_frame), with all faces). The picture is this frame alone, or follows from those
-    /// before it if [`TraceSettings::temporal`](lumivox::TraceSettings::temporal) says so.
+    /// Moves the instances with the indices `moved` to their transforms in `scene`, applies its
+    /// lights, and renders the first sample of a frame: all in one submission, like an engine
+    /// ([`Gi::voxelize_frame`](lumivox::Gi::voxelize_frame) and
+    /// [`Gi::light_frame`](lumivox::Gi::light_frame), with all faces). The picture is only this
+    /// frame, or blended with earlier ones if
+    /// [`TraceSettings::temporal`](lumivox::TraceSettings::temporal) is on.
     ///
-    /// Light travels one bounce of [`RenderSettings::bounces`](crate::RenderSettings::bounces) a frame, whatever their
-    /// number, and voxels may be a few frames late, which the result tells. Where [`Self::move_instances`] would upload the
-    /// whole scene, this does, too.
+    /// Light travels one bounce a frame, whatever the number of
+    /// [`RenderSettings::bounces`](crate::RenderSettings::bounces). Voxels may be a few frames
+    /// late; the result says so. If [`Self::move_instances`] would upload the whole scene, this
+    /// method does as well.
     ///
     /// # Errors
-    /// As [`Self::set_scene`], and what [`Gi::voxelize_frame`](lumivox::Gi::voxelize_frame) refuses.
+    /// As [`Self::set_scene`] and [`Gi::voxelize_frame`](lumivox::Gi::voxelize_frame).
     pub async fn render_moved(
         &mut self,
         scene: &Scene,
@@ -69,8 +73,9 @@ impl Renderer {
         })
     }
 
-    /// Renders so many frames more, whatever the settings ask for, and finishes the picture: frames of a film, of which each goes on
-    /// from those before. `progress` is as in [`Self::render_until`].
+    /// Renders `frames` more frames, whatever the settings ask for, and finishes the picture: for
+    /// films, in which each frame continues from the one before. `progress` works as in
+    /// [`Self::render_until`].
     ///
     /// # Errors
     /// When the device fails.
@@ -90,11 +95,13 @@ impl Renderer {
         self.finish().await.map(Some)
     }
 
-    /// Shows the present scene as a new renderer would: the voxels and light of what has moved are made at once, and nothing of
-    /// earlier frames is left. The mean starts again. `progress` is called with the stages `voxelize` and `light`.
+    /// Shows the current scene like a new renderer: voxels and light of moved objects are computed
+    /// at once, and nothing of earlier frames remains. The mean starts again. `progress` is called
+    /// with the stages `voxelize` and `light`.
     ///
-    /// It is for cuts of a film, and for pictures that shall not depend on those before them: changes and a moving camera keep the
-    /// light of earlier frames if [`TraceSettings::temporal`](lumivox::TraceSettings::temporal) is on. Otherwise it costs nothing.
+    /// Use it for cuts in a film, and for pictures that must not depend on those before: with
+    /// [`TraceSettings::temporal`](lumivox::TraceSettings::temporal), changes and a moving camera
+    /// keep the light of earlier frames. It costs nothing if no frame was updated incrementally.
     ///
     /// # Errors
     /// As [`Self::set_scene`].
@@ -115,19 +122,20 @@ impl Renderer {
         Ok(())
     }
 
-    /// How much of the scene is on the GPU; `None` without a budget ([`RenderSettings::geometry_budget`]): all.
+    /// How much of the scene is on the GPU; `None` if there is no budget
+    /// ([`RenderSettings::geometry_budget`]) and all of it is.
     pub fn streamed(&self) -> Option<StreamedGeometry> {
         self.scene.streamed()
     }
 
-    /// Lets the next frame follow surfaces, and their shadows.
+    /// Updates surfaces and their shadows in the next frame.
     pub(super) fn follow_surfaces(&mut self) {
         self.following.surfaces = true;
         self.follow_lights();
     }
 
-    /// Whether voxels are still to follow what has moved. Whether they had room for the last move is known once the GPU is done
-    /// with it, which is waited for, but not in browsers.
+    /// Whether voxels still lag behind moved objects. Whether the last move fitted into the buffers
+    /// is only known once the GPU has finished it; this waits for the GPU, except in browsers.
     pub(super) fn are_voxels_late(&self) -> bool {
         let Following { surfaces, is_pending, .. } = self.following;
         if surfaces || !is_pending {
@@ -138,23 +146,24 @@ impl Renderer {
             if !told.is_pending || cfg!(target_arch = "wasm32") {
                 return told.is_late;
             }
-            // A device that is lost tells elsewhere.
+            // Another call reports the lost device.
             if self.gpu.wait("following what has moved").is_err() {
                 return false;
             }
-            // Another thread that polls the device may be about to tell.
+            // Another thread that polls the device may be about to deliver the result.
             std::thread::yield_now();
         }
     }
 
-    /// Lets the next frame follow the lights.
+    /// Updates the lights in the next frame.
     pub(super) fn follow_lights(&mut self) {
         self.following.lights = true;
         self.targets.accumulate.reset();
     }
 
-    /// Lets cascades follow the camera, and vertices that come and go with it: over the next frames, or at once where nothing else
-    /// follows frame by frame. Where there is no surface any more, voxels stay.
+    /// Moves cascades with the camera, and streams vertices: over the next frames, or at once if
+    /// the settings do not update frame by frame. If no surface is left in the grid, the old voxels
+    /// are kept.
     pub(super) async fn follow_camera(&mut self) -> Result<(), RenderError> {
         let follows = self.settings.follows();
         let most_bytes = if follows { UPLOADED_BYTES } else { u64::MAX };
@@ -183,7 +192,7 @@ impl Renderer {
         self.lights.mapped.iter().flat_map(|light| &light.layers).any(|layer| layer.has_finer)
     }
 
-    /// Records what the frame has to follow, before its passes.
+    /// Records the pending updates before the passes of the frame.
     pub(super) fn follow(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -192,7 +201,7 @@ impl Renderer {
         if self.following.is_pending {
             let told = self.gi.frame_voxels();
             self.following.is_pending = told.is_pending;
-            // The last move had no room, which is known only now.
+            // The last move did not fit, which is known only now.
             self.following.surfaces |= told.is_late;
         }
         if self.following.surfaces {
@@ -202,7 +211,7 @@ impl Renderer {
             self.following.is_pending = frame.is_pending;
             voxels = Some(frame);
         }
-        // Maps for the voxels of cascades move with them.
+        // Shadow maps around cascades move with them.
         self.following.lights |= self.has_fine_maps() && self.mapped_grid != *self.gi.grid();
         let has_changed = self.following.lights || voxels.is_some();
         if std::mem::take(&mut self.following.lights) {
@@ -218,7 +227,7 @@ impl Renderer {
         }
         if self.settings.follows() {
             if self.following.settling > 0 {
-                // Light that is still on its way does not belong into the mean.
+                // Light that is still changing must not enter the mean.
                 self.targets.accumulate.reset();
             }
             let left = self.following.settling.saturating_sub(1);
@@ -229,7 +238,7 @@ impl Renderer {
 }
 
 impl RenderSettings {
-    /// Whether voxels and light follow changes frame by frame, instead of being made anew at once.
+    /// Whether voxels and light are updated frame by frame, instead of at once.
     pub(crate) fn follows(&self) -> bool {
         self.trace.temporal && self.voxel_bounces() >= MANY_BOUNCES && self.shown_look().is_none()
     }

@@ -1,4 +1,4 @@
-//! The overlay, frame by frame and at the end.
+//! The overlay: its frames, and its blend over the picture.
 
 use lumivox::CameraView;
 use lumivox::gpu::Recorder;
@@ -11,8 +11,7 @@ use crate::passes::overlay::{OverlayPass, OverlayView, Shown};
 use crate::picture::tone_map::Encoding;
 
 impl Renderer {
-    /// The number of frames of the present overlay. There are none without frames of the picture
-    /// below it.
+    /// The number of frames in the mean of the current overlay; 0 if the picture has no frames.
     pub fn overlay_frame_count(&self) -> u32 {
         if self.frame_count() == 0 {
             return 0;
@@ -21,7 +20,7 @@ impl Renderer {
     }
 
     /// Renders one more frame of only the overlay, for a picture that has all of its frames. Does
-    /// nothing while it is off, and before the picture's first frame.
+    /// nothing if the overlay is off, or before the picture's first frame.
     ///
     /// # Errors
     /// When the device fails.
@@ -51,7 +50,7 @@ impl Renderer {
     /// # Errors
     /// When the device fails.
     pub async fn complete_overlay(&mut self) -> Result<(), RenderError> {
-        // Without a picture there is nothing to draw over.
+        // Without a picture there is nothing to blend with.
         let is_on = self.settings.overlay.is_on() && self.frame_count() > 0;
         while is_on && self.overlay_frame_count() < self.settings.frames {
             self.render_overlay_frame().await?;
@@ -66,14 +65,14 @@ impl Renderer {
         recorder: &mut Recorder,
         view: &CameraView,
     ) -> Result<(), RenderError> {
-        // Whatever restarts the picture restarts the overlay.
+        // The overlay restarts whenever the picture does.
         if let Some(pass) = self.targets.overlay.as_mut().filter(|_| view.frame == 0) {
             pass.reset();
         }
         if !self.settings.overlay.is_on() {
             return Ok(());
         }
-        // Views of voxels have no G-buffer of their own.
+        // Views of voxels do not fill the G-buffer.
         if self.settings.view.is_of_voxels() && self.settings.overlay.needs_depth() {
             self.record_surfaces(recorder, view);
         }
@@ -93,7 +92,8 @@ impl Renderer {
 
     fn record_surfaces(&mut self, recorder: &mut Recorder, view: &CameraView) {
         if self.settings.shown_look().is_some() && !self.settings.view.is_of_voxels() {
-            // The overlay sees other sides of them. The picture's mean is not affected.
+            // The overlay's samples see other points of the surfaces. The picture's mean is not
+            // affected.
             self.record_look(recorder, view);
             return;
         }

@@ -1,4 +1,4 @@
-//! The passes of a frame, linked against one volume and made for one scene's materials.
+//! The passes of a frame, linked against one volume and created for one scene's materials.
 
 use lumivox::Gi;
 use lumivox::gpu::ShaderLibrary;
@@ -18,17 +18,17 @@ use crate::{Gpu, RenderError, RenderSettings, ShadowMethod};
 pub(super) struct Passes {
     pub(super) shaders: ShaderLibrary,
     pub(super) gbuffer: GBufferPass,
-    /// The shadow maps, if shadows come from maps.
+    /// The shadow maps; `None` if shadows are traced by cones.
     pub(super) shadows: Option<ShadowMapPass>,
     pub(super) direct: DirectPass,
     pub(super) composite: CompositePass,
     pub(super) motion: MotionPass,
-    /// Once somebody has asked for figures.
+    /// `None` before the first request for figures.
     pub(super) figures: Option<FiguresPass>,
 }
 
 impl Passes {
-    /// Links and makes all pipelines.
+    /// Links and creates all pipelines.
     pub(super) fn new(
         gpu: &Gpu,
         gi: &Gi,
@@ -50,7 +50,7 @@ impl Passes {
         Ok(passes)
     }
 
-    /// Switches to the other kind of shadows.
+    /// Switches to the other shadow method.
     pub(super) fn set_shadows(
         &mut self,
         gpu: &Gpu,
@@ -64,7 +64,7 @@ impl Passes {
         Ok(())
     }
 
-    /// Takes the same scene, moved or with other materials of the same layout.
+    /// Updates to the same scene, moved or with other materials of the same layout.
     pub(super) fn set_scene(&mut self, gpu: &Gpu, scene: &GpuScene) -> Result<(), RenderError> {
         self.gbuffer.set_scene(&gpu.pipelines, scene)?;
         if let Some(pass) = &mut self.shadows {
@@ -73,7 +73,7 @@ impl Passes {
         Ok(())
     }
 
-    /// Makes everything of the picture's size.
+    /// Creates everything of the picture's size.
     pub(super) async fn targets(
         &self,
         gpu: &Gpu,

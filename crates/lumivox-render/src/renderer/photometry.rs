@@ -1,4 +1,4 @@
-//! Light as numbers: at a pixel of the frames so far, and at any points.
+//! Light as numbers: at a pixel of the frames so far, and at arbitrary points.
 
 use glam::{UVec2, Vec3};
 use lumivox::{GatherSettings, Irradiance};
@@ -8,19 +8,19 @@ use crate::gpu::readback::read_texel;
 use crate::picture::tone_map::luminance;
 use crate::{RenderError, View};
 
-/// The light of a pixel, as light meters measure it: the mean over the frames so far.
+/// The light of a pixel, as light meters would measure it: the mean over the frames so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photometry {
-    /// The luminance that a camera sees, cd/m².
+    /// The luminance at the camera, cd/m².
     pub luminance_cd_m2: f32,
-    /// The illuminance of the surface, direct and indirect, lux. `None` over the background, and in
+    /// The direct and indirect illuminance of the surface, lux. `None` for the background, and in
     /// views that do not show all light.
     pub illuminance_lux: Option<f32>,
 }
 
 impl Renderer {
     /// The light at a pixel, counted from the top left; reads two texels back. `None` outside the
-    /// picture, before the first frame, and for views that show no light.
+    /// picture, before the first frame, and for views that do not show light.
     ///
     /// # Errors
     /// When the device fails.
@@ -44,12 +44,14 @@ impl Renderer {
         Ok(Some(Photometry { luminance_cd_m2, illuminance_lux }))
     }
 
-    /// The irradiance in lux at points in the world, m, on surfaces or in the air, with normals of any length but zero:
-    /// the reading of a lux meter there. It is gathered by the cones of the settings, with as many bounces as a picture
-    /// has, over `frames` frames (1 to 65 536) whose cones point elsewhere.
+    /// The irradiance in lux at points in the world, m, on surfaces or in the air, with normals of
+    /// any length except zero: the reading of a lux meter. It is gathered by the cones of the
+    /// settings, with as many bounces as the picture, over `frames` frames (1 to 65 536) with
+    /// different cone directions.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] in a look without physical units; [`RenderError::Gi`] as [`lumivox::Gi::gather`].
+    /// [`RenderError::Setting`] in a look without physical units; [`RenderError::Gi`] as
+    /// [`lumivox::Gi::gather`].
     pub async fn irradiance(
         &self,
         points: &[Vec3],
@@ -69,7 +71,7 @@ impl Renderer {
         let unit = self.scene.radiance_unit;
         for point in &mut gathered {
             point.direct *= unit;
-            // Without a bounce, nothing but lamps and suns lights surfaces.
+            // Without bounces, only lamps and suns light surfaces.
             point.indirect *= if self.settings.bounces == 0 { 0.0 } else { unit };
         }
         self.gpu.check("gathering light at points")?;

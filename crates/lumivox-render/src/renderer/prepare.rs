@@ -1,4 +1,4 @@
-//! Preparation of the first frame: the scene and its lights on the GPU.
+//! Preparation for the first frame: the scene and its lights on the GPU.
 
 use lumivox::gpu::{Recorder, Timing};
 use lumivox::hooks::Injection;
@@ -16,7 +16,7 @@ use crate::renderer::estimate::MemoryEstimate;
 use crate::scene::{GeometryBudget, GpuScene, Lighting, corners};
 use crate::{Gpu, RenderError, RenderSettings};
 
-/// Uploads a scene, if it is known to fit.
+/// Uploads a scene, unless it is known not to fit.
 pub(super) async fn upload(
     gpu: &Gpu,
     scene: &Scene,
@@ -37,7 +37,8 @@ pub(super) async fn upload(
     uploaded
 }
 
-/// Compiles all missing pipelines at once, with those of moves if frames follow what moves.
+/// Compiles all missing pipelines at once, including those for moves if voxels are updated frame by
+/// frame.
 ///
 /// # Errors
 /// When the device refuses one.
@@ -56,12 +57,13 @@ pub(super) async fn compile(
     gpu.check("compiling pipelines")
 }
 
-/// Makes the voxels' volume and links the library's kernels.
+/// Creates the volume of the voxels and links the library's kernels.
 ///
 /// # Errors
 /// [`RenderError::OutOfMemory`] and the library's own errors, when something does not fit.
 pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, RenderError> {
-    // Commands on a texture that could not be made are refused in turn.
+    // Commands on a texture that could not be created raise further errors; this scope catches
+    // them.
     let followers = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let gi = Gi::with_pipelines(&gpu.pipelines, &gpu.queue, config.clone());
@@ -69,7 +71,7 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
     let refused = followers.pop().await;
     if is_short {
         let [x, y, z] = config.grid.dimensions.to_array();
-        // An octree takes almost no memory before there are voxels.
+        // An octree allocates almost no memory before there are voxels.
         let (kind, bytes, remedy) = match config.volume {
             VolumeKind::Dense => (
                 "a dense volume",
@@ -94,8 +96,8 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
     Ok(gi?)
 }
 
-/// Voxelizes everything for a new [`Gi`]. If the grid may be empty and is, there are no voxels and
-/// no indirect light.
+/// Voxelizes everything for a new [`Gi`]. If the grid is empty and `may_be_empty`, there are no
+/// voxels and no indirect light.
 pub(super) async fn voxelize(
     gi: &mut Gi,
     geometry: &Geometry,
@@ -120,8 +122,8 @@ pub(super) fn environment_map(
     Ok(Some(EnvironmentMap::new(&gpu.device, &gpu.queue, panorama)?))
 }
 
-/// Renders shadow maps if there is a pass for them, and binds the lights. Also makes room for shadow maps around the camera, and
-/// tells the bytes of all maps.
+/// Renders shadow maps if there is a pass for them, and binds the lights. Also allocates shadow
+/// maps around the camera, and returns the bytes of all maps.
 pub(super) fn bind_lights(
     gpu: &Gpu,
     recorder: &mut Recorder,
@@ -135,7 +137,7 @@ pub(super) fn bind_lights(
     let mut lights = lighting.to_gpu(scene.radiance_unit);
     let radiance = lighting.environment.radiance / scene.radiance_unit;
     let rotation_rad = lighting.environment.rotation_rad;
-    // Its brightest parts are lights like lamps, and have the first choice of shadow maps.
+    // The map's brightest parts become lights like lamps, and are the first to get shadow maps.
     let peaks = map.iter().flat_map(|map| map.lights(radiance, rotation_rad));
     lights.splice(0..0, peaks);
     let mut maps: Option<ShadowMaps> = None;
@@ -183,7 +185,8 @@ fn largest_texel_m(lights: &[Light], layers: &[ShadowLayer], bounds: Bounds) -> 
     lights.iter().filter_map(texel_m).fold(0.0, f32::max)
 }
 
-/// Light that starts from texels of shadow maps is as fine as they are: with few of them a voxel, it scatters.
+/// Warns if the injection starts from coarse shadow-map texels: with few texels per voxel, its
+/// light scatters.
 fn warn_of_coarse_texels(injection: &dyn Injection, texel_in_voxels: f32, resolution: u32) {
     let largest = injection.largest_texel_voxels();
     if texel_in_voxels <= largest {
@@ -199,7 +202,7 @@ fn warn_of_coarse_texels(injection: &dyn Injection, texel_in_voxels: f32, resolu
     );
 }
 
-/// Checks the settings, and that the device can do what they ask for.
+/// Checks the settings, and that the device supports them.
 pub(super) fn validate(settings: &RenderSettings, gpu: &Gpu) -> Result<(), RenderError> {
     settings.validate(&gpu.device.limits())?;
     let has_timestamps = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
@@ -213,7 +216,7 @@ pub(super) fn validate(settings: &RenderSettings, gpu: &Gpu) -> Result<(), Rende
     Ok(())
 }
 
-/// Checks that the volume has the level that is shown.
+/// Checks that the volume has the selected level.
 pub(super) fn validate_level(settings: &RenderSettings, grid: &Grid) -> Result<(), RenderError> {
     let last = settings.last_level(grid);
     if settings.voxel_level <= last {

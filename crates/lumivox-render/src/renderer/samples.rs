@@ -1,8 +1,10 @@
-//! Several samples a pixel in the first frames of a mean, so that edges and textures are smooth from the first frame on.
+//! Several samples per pixel in the first frames of a mean, so that edges and textures are smooth
+//! from the first frame.
 //!
-//! Indirect light takes most of a frame's time, and it is smooth. So it is traced for a frame's first sample alone. Further samples draw
-//! the surfaces and their direct light at other places in the pixel, and take the indirect light of the traced samples around them
-//! that show the same surface (`composite.wgsl`). All samples of a frame have the same weight.
+//! Indirect light is smooth and takes most of a frame's time, so it is traced only for a frame's
+//! first sample. Further samples draw the surfaces and their direct light at other positions in the
+//! pixel, and reuse the indirect light of nearby traced samples of the same surface
+//! (`composite.wgsl`). All samples of a frame have the same weight.
 
 use glam::Vec2;
 
@@ -15,8 +17,9 @@ use crate::{RenderError, ShadowMethod, View};
 /// Frames that have several samples.
 const SAMPLED_FRAMES: u32 = 16;
 
-/// Samples of frame number `frame`: 8, 4, 4, then 2, and from the 17th on 1. So the error of edges does not grow with a frame,
-/// though frames that are blended with those before have half of the weight or more at first.
+/// The samples of frame `frame`: 8, 4, 4, then 2, and 1 from the 17th on. This keeps the error of
+/// edges from growing with a new frame, although blended frames have a weight of half or more at
+/// first.
 fn samples_of(frame: u32) -> u32 {
     match frame {
         0 => 8,
@@ -26,15 +29,17 @@ fn samples_of(frame: u32) -> u32 {
     }
 }
 
-/// The number of the first sample of frame number `frame`, in views with several samples and without.
+/// The number of the first sample of frame `frame`, in views that take several samples in the first
+/// frames and in views that do not.
 pub(super) fn samples_before(frame: u32) -> u32 {
     let several = frame.min(SAMPLED_FRAMES);
     (0..several).map(samples_of).sum::<u32>() + (frame - several)
 }
 
 impl Renderer {
-    /// Whether first frames have several samples: pictures of light do, where direct light costs little. Other views show what the
-    /// first sample has, so that a picture of one frame has the depths and normals of surfaces, not means of them.
+    /// Whether the first frames have several samples. Only pictures of light with cheap direct
+    /// light do. Other views show the first sample, so that a picture of one frame has the depths
+    /// and normals of surfaces, not their means.
     fn is_sampled(&self) -> bool {
         let settings = &self.settings;
         settings.view.is_light()
@@ -44,23 +49,26 @@ impl Renderer {
             && settings.shadows == ShadowMethod::Map
     }
 
-    /// The samples of the next frame. A mean that goes on from a picture before has edges already.
+    /// The samples of the next frame; 1 if the mean continues from an earlier picture, whose edges
+    /// are smooth already.
     pub(super) fn samples_of_next_frame(&self) -> u32 {
         let has_several = self.is_sampled() && !self.targets.accumulate.has_past();
         if has_several { samples_of(self.frame_count()) } else { 1 }
     }
 
-    /// The number of the first sample of the next frame, number `frame`. Frames that are blended must not repeat each other.
+    /// The number of the first sample of the next frame, which has index `frame`. Blended frames
+    /// must not repeat each other.
     pub(super) fn first_sample(&self, frame: u32) -> u32 {
         if self.targets.traced.is_temporal() { self.samples_drawn } else { samples_before(frame) }
     }
 
-    /// Where the first sample of a frame is in its pixel. A single frame's depths and normals are those of the centre.
+    /// The offset of a frame's first sample in its pixel. A single frame shows depths and normals
+    /// at the pixel's centre.
     pub(super) fn first_in_pixel(&self, sample: u32) -> Vec2 {
         if self.settings.frames <= 1 { Vec2::ZERO } else { gbuffer::jitter(sample) }
     }
 
-    /// Adds the other samples of the frame that was drawn last, if it has so many.
+    /// Adds the further samples of the last frame, if `samples` is above 1.
     ///
     /// # Errors
     /// When the device fails.

@@ -1,4 +1,4 @@
-//! From the mean over frames to a screen or a file.
+//! From the mean over frames to screens and files.
 
 use lumivox::gpu::{Recorder, Texture};
 
@@ -34,8 +34,8 @@ impl Renderer {
         Ok(self.settings.exposure.meter(&self.read_mean().await?))
     }
 
-    /// The pixels for a screen of the frames so far, row by row from the top, exposed by a number
-    /// of stops. For live views, which measure now and then and otherwise read 8 bits a channel.
+    /// The screen pixels of the frames so far, row by row from the top, exposed by a number of
+    /// stops. For live views, which meter now and then and otherwise read back 8 bits a channel.
     ///
     /// # Errors
     /// When the device fails.
@@ -46,7 +46,7 @@ impl Renderer {
         Ok(ldr)
     }
 
-    /// The same without reading anything back: the result is in [`Self::screen_texture`].
+    /// Like [`Self::screen`], but without a read-back: the result is in [`Self::screen_texture`].
     ///
     /// # Errors
     /// When the device fails.
@@ -60,14 +60,14 @@ impl Renderer {
         Ok(())
     }
 
-    /// The texture that [`Self::draw_screen`] drew last: `Rgba8Unorm`, encoded for a screen, of the
-    /// picture's size.
+    /// The texture that [`Self::draw_screen`] last drew: `Rgba8Unorm`, encoded for a screen, with
+    /// the picture's size.
     pub fn screen_texture(&self) -> &Texture {
         self.targets.tone_map.screen()
     }
 
-    /// The mean over the frames so far, row by row from the top: light in cd/m², other quantities as their views have them.
-    /// [`Self::finish`] also brings it to a screen.
+    /// The mean over the frames so far, row by row from the top: light in cd/m², other quantities
+    /// in the view's unit. [`Self::finish`] also encodes it for a screen.
     ///
     /// # Errors
     /// When the device fails.
@@ -79,7 +79,7 @@ impl Renderer {
             for pixel in &mut hdr {
                 *pixel = [pixel[0] * unit, pixel[1] * unit, pixel[2] * unit, pixel[3]];
             }
-            // A look may have lobes that take light away.
+            // A look may have lobes that subtract light.
             debug_assert!(
                 self.settings.look.is_some()
                     || hdr.iter().all(|[rgb @ .., _]| rgb.iter().all(|value| *value >= 0.0)),
@@ -94,7 +94,7 @@ impl Renderer {
         if self.settings.view.is_light() { self.settings.exposure.stops(hdr) } else { 0.0 }
     }
 
-    /// The encoding of the present view for the screen. The GPU's texture is in multiples of the
+    /// The encoding of the current view for the screen. The GPU's texture is in multiples of the
     /// unit of radiance.
     fn encoding(&self, stops: f32) -> Encoding {
         match self.settings.view {

@@ -17,7 +17,7 @@ pub(crate) struct DrawRecord {
 
 impl DrawRecord {
     pub(super) fn new(world_from_local: Mat4) -> Self {
-        // With the determinant's sign: a mirror must not turn normals inwards.
+        // With the determinant's sign: mirroring must not turn normals inwards.
         let linear = glam::Mat3::from_mat4(world_from_local);
         let normal_from_local = Mat4::from_mat3(linear.inverse().transpose());
         Self { world_from_local, normal_from_local }
@@ -31,24 +31,24 @@ pub struct SceneDraw {
     pub batch: usize,
     /// Its range in the batch's buffer of indices.
     pub indices: Range<u32>,
-    /// The vertex that an index of 0 means.
+    /// The vertex that index 0 refers to.
     pub base_vertex: i32,
     /// Its material in [`GpuScene::materials`](super::GpuScene::materials).
     pub material: usize,
-    /// Its place.
+    /// Its transform.
     pub world_from_local: Mat4,
     /// Its bounds in the world.
     pub bounds: Bounds,
-    /// Whether it is in the voxels.
+    /// Whether it is voxelized.
     pub is_voxelized: bool,
     /// Whether its transform reverses the winding of triangles.
     pub is_mirrored: bool,
-    /// The index of its transform in `draw_records`, by which shaders know it.
+    /// The index of its transform in `draw_records`; shaders refer to the draw by it.
     pub record: u32,
 }
 
 impl SceneDraw {
-    /// Whether another draw has the same triangles, in whatever place.
+    /// Whether another draw has the same triangles, whatever its transform.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         let triangles = |draw: &Self| (draw.batch, draw.indices.clone(), draw.base_vertex);
         triangles(self) == triangles(other) && self.record == other.record
@@ -58,15 +58,15 @@ impl SceneDraw {
 /// The parts of an instance.
 #[derive(Clone, Debug)]
 pub(super) struct InstanceParts {
-    /// Its properties when it was uploaded, without its place.
+    /// Its properties at upload, without its transform; `None` if it is hidden.
     pub(super) kind: Option<InstanceKind>,
     /// Its range in `draws`.
     pub(super) draws: Range<usize>,
-    /// Its draws in the batches of `geometry` (batch and index), if they are in the voxels.
+    /// Its draws in the batches of `geometry` (batch and index), if they are voxelized.
     pub(super) voxelized: Vec<(usize, usize)>,
 }
 
-/// The properties of an instance that decide where its parts are.
+/// The properties of an instance that determine where its parts are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct InstanceKind {
     mesh: usize,

@@ -1,5 +1,4 @@
-// The draws of a scene: binding 1 of group 0 of the passes that rasterize; the instance index is
-// the draw's.
+// The draws of a scene: binding 1 of group 0 of the passes that rasterize, indexed by instance.
 
 struct DrawRecord {
     world_from_local: mat4x4f,

@@ -1,10 +1,10 @@
-//! Meshes packed into few vertex and index buffers, none larger than a storage binding may be.
+//! Meshes packed into few vertex and index buffers, each small enough for a storage binding.
 //!
-//! The rasterizer and the voxelizer read the same buffers: positions (12 bytes a vertex),
-//! attributes (texture coordinates, 8; with a second set and colours, 24) and indices (4) are bound
-//! as storage by the voxelizer; normals and tangents (28) are only for the rasterizer. A mesh is
-//! stored once, however many instances show it. Meshes that need all attributes are in batches of
-//! their own, so that the others stay small.
+//! The rasterizer and the voxelizer read the same buffers. The voxelizer binds positions (12 bytes
+//! a vertex), attributes (texture coordinates, 8; with a second set and colours, 24) and indices
+//! (4) as storage; normals and tangents (28) are only for the rasterizer. A mesh is stored once,
+//! however many instances show it. Meshes that need all attributes have separate batches, so that
+//! the others stay small.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -31,13 +31,13 @@ pub enum Attributes {
     All,
 }
 
-/// The attributes of a vertex that has all of them. Other vertices have only its first member.
+/// The attributes of a vertex with [`Attributes::All`]. Other vertices only have the first field.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct AllAttributes {
     pub(crate) texcoord: [f32; 2],
     pub(crate) texcoord_1: [f32; 2],
-    /// 65 535 is one: 16 bits resolve dark linear light, which 8 would not.
+    /// 65 535 is one: 8 bits would not resolve dark linear light.
     pub(crate) color: [u16; 4],
 }
 
@@ -45,8 +45,8 @@ pub(crate) struct AllAttributes {
 pub(crate) const VERTEX_BYTES: u64 =
     (size_of::<[f32; 3]>() + size_of::<[f32; 2]>() + size_of::<Shading>()) as u64;
 
-/// The kind of a batch: meshes of the same kind share one. Static meshes have batches of their own,
-/// whose buffers stay when others are replaced.
+/// The kind of a batch: meshes of the same kind share batches. Static meshes have separate batches,
+/// whose buffers are kept when others are replaced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct BatchKind {
     pub(crate) attributes: Attributes,
@@ -58,13 +58,13 @@ pub(crate) struct BatchKind {
 pub(crate) struct Batch {
     pub(crate) kind: BatchKind,
     pub(crate) positions: Vec<[f32; 3]>,
-    /// The attributes of all vertices, as `attributes` says.
+    /// The attributes of all vertices, in the layout of `kind.attributes`.
     pub(crate) attribute_bytes: Vec<u8>,
     pub(crate) shading: Vec<Shading>,
     pub(crate) indices: Vec<u32>,
 }
 
-/// The most that a batch may hold.
+/// The capacity of a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BatchLimits {
     pub(crate) vertices: usize,
@@ -80,7 +80,7 @@ pub(crate) struct Piece {
     pub(crate) base_vertex: u32,
 }
 
-/// Neighbouring triangles of a piece: they are voxelized where their box is.
+/// Neighbouring triangles of a piece; each cascade voxelizes the runs whose box it overlaps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Run {
     pub(crate) piece: Piece,
@@ -88,7 +88,8 @@ pub(crate) struct Run {
     pub(crate) bounds: [Vec3; 2],
 }
 
-/// Triangles of a run: few, so that little is looked at that is not in the box of a cascade, but far more than a draw costs.
+/// Triangles of a run: few enough that a cascade skips most triangles outside its box, but far more
+/// than the cost of a draw.
 const RUN_TRIANGLES: u32 = 2048;
 
 /// The runs of a piece.
@@ -132,7 +133,8 @@ impl Attributes {
         }
     }
 
-    /// The attributes that a mesh needs: a second set of coordinates counts if a material uses it.
+    /// The attributes that a mesh needs: a second set of coordinates is needed if a material uses
+    /// it.
     pub(crate) fn needed(mesh: &Mesh, uses_second_set: bool) -> Self {
         let is_colored = mesh.colors.iter().any(|color| *color != Vec4::ONE);
         if is_colored || (uses_second_set && !mesh.uvs1.is_empty()) {
@@ -160,7 +162,7 @@ impl Attributes {
 }
 
 impl BatchLimits {
-    /// The sizes that fit into one storage binding and one buffer of a device.
+    /// The largest batch that fits into the device's storage bindings and buffers.
     pub(crate) fn of_device(limits: &wgpu::Limits) -> Self {
         let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let by_shading = limits.max_buffer_size / size_of::<Shading>() as u64;
@@ -173,7 +175,7 @@ impl BatchLimits {
     }
 }
 
-/// Packs `meshes`, each with those of its kind; returns the batches, and the pieces of each mesh.
+/// Packs `meshes`, grouped by kind; returns the batches, and the pieces of each mesh.
 pub(crate) fn pack(
     meshes: &[Mesh],
     kinds: &[BatchKind],
@@ -202,8 +204,8 @@ pub(crate) fn pack(
     (batches, pieces)
 }
 
-/// Appends selected vertices of a mesh, and triangles among them, to the last batch of their kind
-/// or a new one.
+/// Appends the given vertices of a mesh, and triangles between them, to the last batch of their
+/// kind or to a new one.
 fn append(
     batches: &mut Vec<Batch>,
     kind: BatchKind,
@@ -240,7 +242,8 @@ fn append(
     piece
 }
 
-/// Cuts a mesh into parts that each fit: the mesh's vertices in each, and triangles among those.
+/// Splits a mesh into parts that each fit: the mesh's vertices in the part, and the triangles
+/// between them.
 fn split(mesh: &Mesh, limits: BatchLimits) -> Vec<(Vec<usize>, Vec<u32>)> {
     let mut parts = Vec::new();
     let mut vertices: Vec<usize> = Vec::new();
@@ -279,7 +282,7 @@ mod tests {
         }
     }
 
-    /// The corners of all triangles of a mesh, as read from the batches.
+    /// The corners of all triangles of a mesh, read from the batches.
     fn corners(batches: &[Batch], pieces: &[Piece]) -> Vec<[f32; 3]> {
         pieces
             .iter()

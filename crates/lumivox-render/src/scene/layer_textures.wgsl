@@ -1,4 +1,4 @@
-// The textures of a material's layers, where fragments read them.
+// The textures of a material's layers, for fragment shaders.
 
 import package::render::scene::layers::LayerSamples;
 import package::render::scene::material::{
@@ -7,7 +7,7 @@ import package::render::scene::material::{
     TEXTURE_COAT, TEXTURE_SHEEN, TEXTURE_SPECULAR, TEXTURE_TRANSMISSION,
 };
 
-// Only in uniform control flow.
+// Call it only in uniform control flow.
 fn sample_layers(texcoords: vec4f, alpha: f32, cos_view: f32) -> LayerSamples {
     let specular = textureSample(
         specular_texture, specular_sampler, texcoord(TEXTURE_SPECULAR, texcoords));

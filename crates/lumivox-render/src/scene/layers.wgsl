@@ -1,5 +1,5 @@
 // The layers on top of plain materials: a varying reflectance, clear coat, sheen, glass, and
-// coverage by alpha. Together they become a plain surface with a coat, which exists with some
+// coverage by alpha. They are combined into a plain surface with a coat, which exists with some
 // probability.
 
 import package::trace::brdf::fresnel_schlick;
@@ -12,16 +12,16 @@ struct LayerSamples {
     sheen_color: vec3f,
     sheen_roughness: f32,
     transmission: f32,
-    // The directional albedo of white sheen of that roughness, in the direction of the viewer
+    // The directional albedo of white sheen with the sheen's roughness, towards the viewer
     // (sheen.rs).
     velvet_albedo: f32,
     // The covered share.
     alpha: f32,
-    // 0: takes no light.
+    // 0: unlit.
     lit: f32,
 }
 
-// The light that a layered surface sends to the camera, in the terms of plain materials.
+// The light that a layered surface sends to the camera, in the parameters of plain materials.
 struct Layered {
     diffuse: vec3f,
     f0: vec3f,
@@ -30,7 +30,7 @@ struct Layered {
     coat_roughness: f32,
     // The probability that the surface exists.
     coverage: f32,
-    // The colour of the light that passes where the surface does not exist.
+    // The colour of the light that passes if the surface does not exist.
     tint: vec3f,
 }
 
@@ -42,8 +42,8 @@ fn largest(color: vec3f) -> f32 {
     return max(color.r, max(color.g, color.b));
 }
 
-// The share of the light that enters a thin pane and passes through it, in the colour channel with
-// the largest share.
+// The share of light that enters a thin pane and passes through it, in the colour channel with the
+// largest share.
 //
 // KHR_materials_transmission: of the light that is not reflected at the surface, the share t passes
 // through, tinted by the base colour, instead of being reflected diffusely.
@@ -58,18 +58,18 @@ fn shade_layers(
     emission: vec3f,
     cos_view: f32,
 ) -> Layered {
-    // Sheen is treated as diffuse, as bright as it is in the direction of the viewer with light
-    // from all around, over a surface that it dims (KHR_materials_sheen).
+    // Sheen is treated as a diffuse layer that is as bright as it looks to the viewer in uniform
+    // light; it dims the surface below (KHR_materials_sheen).
     let velvet = samples.sheen_color * samples.velvet_albedo;
     let below_velvet = 1.0 - largest(velvet);
     let f0 = mix(samples.dielectric_f0, base, metallic) * below_velvet;
     var diffuse = base * ((1.0 - metallic) * samples.lit * below_velvet) + velvet;
 
-    // A pane is drawn or not. The things behind it are seen with the probability (1 - F) t b and
-    // tinted by base / b, where b is the largest component of the base colour; else the pane is
-    // seen, and the light that it reflects is divided by the probability p = 1 - (1 - F) t b of
-    // that. Schlick's term has to become F / p, and the diffuse albedo base (1 - t) (1 - F) / (p (1
-    // - F / p)) = base (1 - t) / (1 - t b).
+    // A pane is drawn or not. With the probability (1 - F) t b it is not drawn, and the objects
+    // behind are seen tinted by base / b, where b is the largest component of the base colour.
+    // Otherwise the pane is seen, and the light that it reflects is divided by the probability of
+    // that, p = 1 - (1 - F) t b. So Schlick's term has to become F / p, and the diffuse albedo base
+    // (1 - t) (1 - F) / (p (1 - F / p)) = base (1 - t) / (1 - t b).
     let transmission = samples.transmission * (1.0 - metallic);
     let fresnel = fresnel_schlick(f0, cos_view);
     let pane = 1.0 - passing(base, transmission, mean(fresnel));
@@ -79,14 +79,14 @@ fn shade_layers(
     let pane_f0 = saturate((fresnel / max(pane, 1e-4) - rest_5) / max(1.0 - rest_5, 1e-4));
     let is_pane = transmission > 0.0;
 
-    // Where the surface does not exist, holes let light through unchanged, and panes tint it.
+    // If the surface does not exist, holes let light through unchanged, and panes tint it.
     let alpha = samples.alpha;
     let coverage = alpha * pane;
     let glass = base / max(largest(base), 1e-6);
     let tint = (1.0 - alpha + alpha * (1.0 - pane) * glass) / max(1.0 - coverage, 1e-6);
 
-    // The coat is brightened where its pane is drawn, too; light is lost only where that would
-    // exceed a whole coat, on coated glass.
+    // The coat is brightened where its pane is drawn as well; light is lost only if that would
+    // exceed a full coat, on coated glass.
     return Layered(
         min(diffuse, vec3f(1.0)),
         select(f0, pane_f0, is_pane),

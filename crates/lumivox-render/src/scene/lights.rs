@@ -1,9 +1,9 @@
-//! A scene's lights as the library takes them, in the renderer's unit.
+//! A scene's lights in the library's form, in the renderer's unit.
 
 use lumivox::{Light, LightSource, Shadow};
 use lumivox_scene::{Environment, LightKind, Scene};
 
-/// The light sources of a scene, apart from its surfaces.
+/// The light sources of a scene, except its emissive surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lighting {
     /// Analytic lights.

@@ -1,10 +1,10 @@
 // The material of a draw: group 1 of the passes that rasterize.
 
-// The place of a vertex on a texture.
+// The mapping of a vertex's coordinates to a texture.
 struct TexturePlace {
     // The rows of the affine transform from the vertex's coordinates to the image's.
     u_row: vec3f,
-    // Which of the vertex's coordinates: 0 or 1.
+    // The set of the vertex's coordinates: 0 or 1.
     texcoord_set: u32,
     v_row: vec3f,
     padding: u32,
@@ -16,7 +16,7 @@ struct Material {
     emission: vec3f,
     // Multiplies x and y of the normal texture.
     normal_scale: f32,
-    // Reflectance at normal incidence of the non-metallic part; for layered materials, before its
+    // Reflectance at normal incidence of the non-metallic part; for layered materials, without its
     // texture and `specular_factor`.
     dielectric_f0: vec3f,
     // Perceptual: the width of the microfacet distribution is its square.
@@ -25,11 +25,11 @@ struct Material {
     sheen_roughness: f32,
     metallic: f32,
     has_normal_texture: u32,
-    // The surface exists where alpha is at least this; 0: everywhere.
+    // The surface exists where alpha is at least this; 0 means everywhere.
     mask_threshold: f32,
     // Above 0: the surface shows its base colour times this radiance, without lighting.
     unlit_radiance: f32,
-    // From here on only for layered materials.
+    // The following members are only for layered materials.
     specular_factor: f32,
     coat_strength: f32,
     coat_roughness: f32,
@@ -40,7 +40,7 @@ struct Material {
     padding_0: u32,
     padding_1: u32,
     padding_2: u32,
-    // By TEXTURE_...
+    // Indexed by TEXTURE_...
     places: array<TexturePlace, TEXTURE_COUNT>,
 }
 
@@ -54,9 +54,10 @@ const TEXTURE_SHEEN = 6;
 const TEXTURE_TRANSMISSION = 7;
 const TEXTURE_COUNT = 8;
 
-// No branch may depend on it alone, only select(): Mesa 22.3 (lavapipe) clones a shader for the uniforms that decide its branches, at
-// each draw that binds others, and keeps the clones. (In a storage buffer, pixels beside a triangle's edge would read zeros there, and
-// spoil its derivatives.)
+// Do not branch on its members without other conditions; use select(). Mesa 22.3 (lavapipe) clones
+// a shader for the uniforms that decide its branches, at each draw that binds others, and never
+// frees the clones. (In a storage buffer, pixels beside a triangle's edge would read zeros there,
+// which spoils its derivatives.)
 @group(1) @binding(0) var<uniform> material: Material;
 @group(1) @binding(1) var base_color_texture: texture_2d<f32>;
 @group(1) @binding(2) var base_color_sampler: sampler;

@@ -1,4 +1,4 @@
-//! The numbers of a material for the passes that rasterize.
+//! The parameters of a material for the passes that rasterize.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine2, Vec3};
@@ -41,7 +41,7 @@ pub(crate) struct MaterialRecord {
     pub(crate) places: [TexturePlace; TEXTURE_COUNT],
 }
 
-/// The alpha at which a thresholded masked texture has its edge.
+/// The alpha at the edge of a thresholded mask texture.
 const TEXTURE_MASK_THRESHOLD: f32 = 0.5;
 
 impl TexturePlace {
@@ -84,7 +84,7 @@ pub(crate) fn has_sheen(record: &MaterialRecord) -> bool {
     record.sheen_color.iter().any(|component| *component > 0.0)
 }
 
-/// Whether a material needs something that the plain fragment shader lacks.
+/// Whether a material needs features that the plain fragment shader lacks.
 pub(crate) fn is_layered(material: &Material, record: &MaterialRecord) -> bool {
     record.is_blended != 0
         || record.transmission > 0.0
@@ -93,19 +93,20 @@ pub(crate) fn is_layered(material: &Material, record: &MaterialRecord) -> bool {
         || textures(material)[4].is_some()
 }
 
-/// The reflectance at normal incidence of a dielectric, before it is limited to 1 and scaled
+/// The reflectance at normal incidence of a dielectric, before it is clamped to 1 and scaled
 /// (`KHR_materials_ior`, `KHR_materials_specular`). An index of 0 means a reflectance of 1.
 fn dielectric_f0(ior: f32, color: Vec3) -> Vec3 {
     color * ((ior - 1.0) / (ior + 1.0)).powi(2)
 }
 
-/// The numbers of a material, in multiples of `radiance_unit`; `white` is the radiance of white on
-/// unlit surfaces, in cd/m².
+/// The parameters of a material, with radiance in multiples of `radiance_unit`; `white` is the
+/// radiance of white on unlit surfaces, in cd/m².
 ///
-/// Metallic-roughness (glTF 2.0, appendix B.3): the diffuse albedo is base colour times
-/// (1 - metallic), and F0 goes from the dielectric's to the base colour. Phong: the lobe's colour
-/// becomes F0, and its exponent n the width alpha of a microfacet distribution by alpha² = 2 / (n + 2)
-/// (Walter et al. 2007, "Microfacet models for refraction through rough surfaces", section 5.2).
+/// Metallic-roughness (glTF 2.0, appendix B.3): the diffuse albedo is base colour times (1 -
+/// metallic), and F0 is interpolated from the dielectric's to the base colour. Phong: the lobe's
+/// colour becomes F0, and its exponent n becomes the width alpha of a microfacet distribution by
+/// alpha² = 2 / (n + 2) (Walter et al. 2007, "Microfacet models for refraction through rough
+/// surfaces", section 5.2).
 pub(crate) fn record(
     material: &Material,
     radiance_unit: f32,
@@ -161,7 +162,7 @@ pub(crate) fn record(
     let has_texture = textures[0].is_some();
     match material.alpha {
         AlphaMode::Opaque => record.base_color = color.extend(1.0).to_array(),
-        // The texture was thresholded with the factor in mind.
+        // The factor was included when the texture was thresholded.
         AlphaMode::Mask { .. } if has_texture => {
             record.base_color = color.extend(1.0).to_array();
             record.mask_threshold = TEXTURE_MASK_THRESHOLD;
@@ -176,7 +177,7 @@ pub(crate) fn record(
         }
     }
     if !is_layered(material, &record) {
-        // The plain shader takes it as it is.
+        // The plain shader does not clamp or scale it.
         let f0 = Vec3::from(record.dielectric_f0).min(Vec3::ONE) * record.specular_factor;
         record.dielectric_f0 = f0.to_array();
     }
@@ -215,7 +216,7 @@ mod tests {
         let tinted = plain(&with(shading));
         let expected = Vec3::new(0.2, 0.5, 0.0);
         assert!((Vec3::from(tinted.dielectric_f0) - expected).abs().max_element() < 1e-6);
-        // An index of 0: the colour is the reflectance, as specular-glossiness needs it.
+        // With an index of 0 the colour is the reflectance, as specular-glossiness needs it.
         let color = Vec3::new(0.9, 0.6, 0.2);
         let gloss = plain(&with(MetallicRoughness { ior: 0.0, specular_color: color, ..shading }));
         assert!((Vec3::from(gloss.dielectric_f0) - 0.5 * color).abs().max_element() < 1e-6);
@@ -241,8 +242,8 @@ mod tests {
         assert_eq!(record(&unlit, 32.0, 80.0, false).unlit_radiance, 2.5);
     }
 
-    /// Vertices' alpha is cut at the cutoff, a texture's at its own edge. A constant alpha is not
-    /// cut: then all is drawn or nothing.
+    /// Vertex alpha is cut at the cutoff, a texture's alpha at its thresholded edge. A constant
+    /// alpha is not cut: the surface is drawn everywhere or nowhere.
     #[test]
     fn masks_are_cut_where_alpha_varies() {
         let threshold = |texture, has_vertex_alpha| {

@@ -19,9 +19,9 @@ use crate::Gpu;
 pub struct GpuMaterial {
     /// Group 1 of those passes.
     pub group: BindGroup,
-    /// The buffer of its numbers, a [`MaterialRecord`].
+    /// Buffer of its parameters, a [`MaterialRecord`].
     uniform: Buffer,
-    /// The properties that its textures were uploaded for.
+    /// The properties for which its textures were uploaded.
     textures: TextureUse,
     /// Where the surface exists.
     pub(crate) presence: Presence,
@@ -29,18 +29,18 @@ pub struct GpuMaterial {
     pub is_double_sided: bool,
     /// Whether it needs the fragment shader with all layers.
     pub(crate) is_layered: bool,
-    /// Whether it may change the colour of light that passes.
+    /// Whether it may change the colour of transmitted light.
     pub(crate) is_tinted: bool,
 }
 
-/// The properties that decide a material's textures.
+/// The properties that determine a material's textures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TextureUse {
     references: [Option<TextureRef>; TEXTURE_COUNT],
     /// The use of the first texture's alpha.
     alpha: Alpha,
     has_sheen: bool,
-    /// Whether the voxels read the texture of transmission.
+    /// Whether the voxels read the transmission texture.
     has_transmission: bool,
 }
 
@@ -49,11 +49,11 @@ struct TextureUse {
 pub(crate) enum Presence {
     /// Everywhere.
     Whole,
-    /// Where its alpha says so.
+    /// Where its alpha reaches the cutoff.
     Masked,
-    /// With a share of coverage everywhere: it is blended or transmits light.
+    /// Everywhere with a coverage: it is blended or transmits light.
     Partial,
-    /// Nowhere: its alpha has no texture and is below the cutoff, or zero.
+    /// Nowhere: its alpha has no texture and is zero or below the cutoff.
     Absent,
 }
 
@@ -103,8 +103,8 @@ impl<'a> MaterialUpload<'a> {
         self.textures.bytes
     }
 
-    /// Uploads one material, for the rasterizer and for the voxels. `colors` are those of the
-    /// vertices on which it is used.
+    /// Uploads one material, for the rasterizer and for the voxels. `colors` describes the vertices
+    /// on which it is used.
     pub(crate) fn upload(
         &mut self,
         material: &Material,
@@ -181,10 +181,11 @@ impl TextureUse {
 }
 
 impl GpuMaterial {
-    /// Takes other numbers if they leave the textures as they are; otherwise returns `false` and
-    /// changes nothing.
+    /// Updates the parameters if the textures do not change; otherwise returns `false` and changes
+    /// nothing.
     ///
-    /// `radiance_unit` and `white` are those of [`MaterialUpload::new`], `colors` as in [`MaterialUpload::upload`].
+    /// `radiance_unit` and `white` are as in [`MaterialUpload::new`], `colors` as in
+    /// [`MaterialUpload::upload`].
     pub(crate) fn set(
         &mut self,
         queue: &wgpu::Queue,
@@ -213,12 +214,12 @@ impl GpuMaterial {
     }
 }
 
-/// Sets the numbers of a material in the voxels, besides its textures.
+/// Sets a material's parameters in the voxels, except its textures.
 ///
-/// Voxels only reflect diffusely. The gloss of a metal counts as well, which makes its albedo the
-/// base colour whatever the metalness; the gloss of a dielectric has numbers of its own. Of
+/// Voxels only reflect diffusely. The gloss of a metal counts as diffuse, so its albedo is the base
+/// colour whatever the metalness; the gloss of a dielectric has separate parameters. For
 /// transmitting surfaces, the part that does not pass counts as reflected. Clear coat and sheen
-/// change little in that sum, and are left out.
+/// change little in that sum, and are ignored.
 fn set_factors(
     surface: &mut SurfaceMaterial,
     material: &Material,
@@ -234,8 +235,8 @@ fn set_factors(
     surface.open_behind = material.open_behind;
 }
 
-/// The gloss of a material's dielectric, non-transmitting part, as if it were uniform and
-/// colourless. Textures of roughness, metalness and specular reflectance count with their means.
+/// The gloss of a material's dielectric, non-transmitting part, treated as uniform and colourless.
+/// Textures of roughness, metalness and specular reflectance are averaged.
 fn gloss(material: &Material, record: &MaterialRecord, scene: &Scene) -> Gloss {
     let [_, metallic_roughness, _, _, specular, ..] = textures(material);
     let [_, roughness, metalness, _] = mean_texel(metallic_roughness, scene);
@@ -244,14 +245,15 @@ fn gloss(material: &Material, record: &MaterialRecord, scene: &Scene) -> Gloss {
     Gloss::new(mean_f0, record.roughness * roughness).of_share(share)
 }
 
-/// The reflectance of the dielectric at normal incidence, without its texture, 0 to 1; the mean of its colours.
+/// The dielectric's reflectance at normal incidence, without its texture, 0 to 1; averaged over the
+/// colour channels.
 fn mean_f0(material: &Material, record: &MaterialRecord) -> f32 {
-    // What the plain shader takes is scaled already.
+    // The plain shader's value is already scaled.
     let factor = if is_layered(material, record) { record.specular_factor } else { 1.0 };
     (Vec3::from(record.dielectric_f0).min(Vec3::ONE) * factor).element_sum() / 3.0
 }
 
-/// Means of a texture's channels, 0 to 1, over a sufficient number of texels; 1 without a texture.
+/// Means of a texture's channels, 0 to 1, over enough texels; 1 without a texture.
 fn mean_texel(reference: Option<TextureRef>, scene: &Scene) -> [f32; 4] {
     const ENOUGH_TEXELS: usize = 1 << 16;
     let Some(reference) = reference else { return [1.0; 4] };
@@ -267,9 +269,9 @@ fn mean_texel(reference: Option<TextureRef>, scene: &Scene) -> [f32; 4] {
     sums.map(|sum| (sum as f64 / count.max(1) as f64) as f32)
 }
 
-/// The share of light from all around that a material's transmission lets enter and pass: without
-/// the part reflected at the surface (the hemisphere's mean of Schlick's term is F0 + (1 - F0) /
-/// 21), and only where there is no metal. A texture of metalness counts with its mean.
+/// The share of uniform light that enters and passes a material by transmission: without the part
+/// reflected at the surface (the hemisphere's mean of Schlick's term is F0 + (1 - F0) / 21), and
+/// only for the non-metallic part. A texture of metalness is averaged.
 fn mean_transmission(material: &Material, record: &MaterialRecord, scene: &Scene) -> f32 {
     if record.transmission <= 0.0 {
         return 0.0;
@@ -280,7 +282,7 @@ fn mean_transmission(material: &Material, record: &MaterialRecord, scene: &Scene
     record.transmission * (1.0 - record.metallic * metalness) * (1.0 - reflected)
 }
 
-/// Whether a material's base colour may be anything but grey.
+/// Whether a material's base colour may be other than grey.
 fn has_color(record: &MaterialRecord, references: &[Option<TextureRef>; TEXTURE_COUNT]) -> bool {
     let [r, g, b, _] = record.base_color;
     references[0].is_some() || r.to_bits() != g.to_bits() || g.to_bits() != b.to_bits()
@@ -294,8 +296,8 @@ fn alpha_of_base(material: &Material, record: &MaterialRecord) -> Alpha {
         Shading::Unlit(u) => u.color.w,
     };
     match material.alpha {
-        // The texture's alpha is compared after multiplication by the factor. With a factor of
-        // zero, nothing reaches a cutoff above zero.
+        // The texture's alpha is compared after it is multiplied by the factor. With a factor of
+        // zero, no texel reaches a cutoff above zero.
         AlphaMode::Mask { cutoff } if cutoff <= 0.0 => Alpha::Mask(0.0),
         AlphaMode::Mask { cutoff } => Alpha::Mask(cutoff / factor),
         AlphaMode::Blend if record.is_blended != 0 => Alpha::Coverage,

@@ -1,4 +1,4 @@
-//! Mip chains, made on the CPU in linear light.
+//! Mip chains, computed on the CPU in linear light.
 //!
 //! Each texel of a level is the mean of the area that it covers on the level above (a box filter;
 //! for odd sizes, texels at the seams count with their covered share). Colours are averaged as
@@ -23,11 +23,11 @@ pub(crate) enum Encoding {
 /// The meaning of an image's alpha.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Alpha {
-    /// A number of its own.
+    /// Independent data.
     Data,
     /// Coverage: the colour of a texel counts for the covered share.
     Coverage,
-    /// A mask: alpha of at least the cutoff exists, the rest does not.
+    /// A mask: texels with an alpha of at least the cutoff exist, the others do not.
     Mask(f32),
 }
 
@@ -40,14 +40,14 @@ pub(crate) struct Level {
 }
 
 /// The weight of fully transparent texels in a texture's colour: negligible if any texel is opaque
-/// (a sixteenth of an 8-bit step), decisive if none is.
+/// (a sixteenth of an 8-bit step), decisive if all are transparent.
 const TRANSPARENT_WEIGHT: f32 = 1.0 / 4096.0;
 
 /// The levels of an image, from its full size down to one texel.
 ///
-/// With a mask, alpha becomes 1 if it is at least the cutoff and 0 otherwise, so that the coarser
-/// levels' alpha is the covered share. If alpha is coverage, their colour is the mean of the
-/// covered parts: the clear parts of a leaf's picture may have any colour.
+/// With a mask, alpha becomes 1 if it is at least the cutoff and 0 otherwise, so that alpha in the
+/// coarser levels is the covered share. If alpha is coverage, the colour of coarser levels is the
+/// mean of the covered parts: the transparent parts of a leaf's image may have any colour.
 pub(crate) fn mip_chain(texture: &Texture, encoding: Encoding, alpha_use: Alpha) -> Vec<Level> {
     let decode = decoding_table(encoding);
     let mut texels: Vec<Vec4> = texture
@@ -101,7 +101,7 @@ fn taps(length: usize) -> Vec<Vec<(usize, f32)>> {
     let halved = (length / 2).max(1);
     (0..halved)
         .map(|i| {
-            // In units of 1 / halved of a texel, where all borders are integers.
+            // In units of 1 / halved of a texel, in which all borders are integers.
             let (start, end) = (i * length, (i + 1) * length);
             (start / halved..end.div_ceil(halved))
                 .map(|texel| {
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn odd_sizes_keep_the_mean() {
-        // One white column of 5 or of 7 is a fifth or a seventh, wherever it is.
+        // One white column of 5 or 7 gives a mean of a fifth or a seventh, wherever it is.
         for width in [5, 7] {
             for white in 0..width {
                 let image = texture(width, 3, |x, _| if x == white { [255; 4] } else { [0; 4] });
@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn clear_texels_do_not_tint_what_is_there() {
-        // Half is red glass of a fifth, half is empty, stored as white.
+        // Half is red glass with a coverage of a fifth, half is empty, stored as white.
         let pane = texture(4, 4, |x, _| if x < 2 { [255, 0, 0, 51] } else { [255, 255, 255, 0] });
         let levels = mip_chain(&pane, Encoding::Color, Alpha::Coverage);
         assert_eq!(levels[0].rgba8, pane.rgba8);

@@ -52,7 +52,7 @@ use streaming::Streaming;
 pub struct VertexBuffers {
     /// The attributes of the vertices.
     pub kind: Attributes,
-    /// The fingerprint of their content ([`geometry::Batch::fingerprint`]).
+    /// The fingerprint of the content ([`geometry::Batch::fingerprint`]).
     fingerprint: [u64; 2],
     /// Three floats a vertex.
     pub positions: Buffer,
@@ -64,10 +64,10 @@ pub struct VertexBuffers {
     pub indices: Buffer,
 }
 
-/// A scene, uploaded.
+/// An uploaded scene.
 #[derive(Debug)]
 pub struct GpuScene {
-    /// The scene's triangles for the voxelizer, in the same buffers that are drawn from.
+    /// The scene's triangles for the voxelizer, in the buffers that the rasterizer draws.
     pub geometry: Geometry,
     /// The box around the whole scene.
     pub bounds: Bounds,
@@ -77,7 +77,7 @@ pub struct GpuScene {
     pub batches: Vec<VertexBuffers>,
     /// The draws, in the scene's order.
     pub draws: Vec<SceneDraw>,
-    /// Runs of records of draws that differ only in their transforms: each is one call.
+    /// Runs of records of draws that differ only in their transforms; each run is one draw call.
     pub(crate) runs: Vec<std::ops::Range<u32>>,
     /// The index in `draws` of each record's draw.
     pub(crate) order: Vec<u32>,
@@ -91,12 +91,12 @@ pub struct GpuScene {
     pub material_layout: wgpu::BindGroupLayout,
     /// The draws that have moved since the last frame.
     pub(crate) motion: Motion,
-    /// The batches that come and go, if there is a budget of geometry.
+    /// The streamed batches; `None` if there is no geometry budget.
     streaming: Option<Streaming>,
     pub(crate) memory: Vec<MemoryUse>,
 }
 
-/// The parts of a scene that change when it moves: vertices, and their places.
+/// The parts of a scene that change when it moves: vertices and transforms.
 struct Placed {
     geometry: Vec<GeometryBatch>,
     batches: Vec<VertexBuffers>,
@@ -113,9 +113,9 @@ struct Placed {
 impl GpuScene {
     /// Uploads a valid scene (see [`Scene::validate`]).
     ///
-    /// `lighting` decides the brightness of unlit surfaces. `radiance_unit` is the unit of
-    /// emission, cd/m²; [`radiance_unit`] chooses it. Mips of textures are made here, on all cores
-    /// of the CPU. With a `budget`, only the vertices nearest to the camera are uploaded.
+    /// `lighting` determines the brightness of unlit surfaces. `radiance_unit` is the unit of
+    /// emission, cd/m²; [`radiance_unit`] chooses it. Mips of textures are computed here, on all
+    /// CPU cores. With a `budget`, only the vertices nearest to the camera are uploaded.
     ///
     /// # Errors
     /// [`RenderError::Limit`] when the scene has more instances than the device can bind.
@@ -161,7 +161,7 @@ impl GpuScene {
         Ok(uploaded)
     }
 
-    /// Uploads what is nearest to the camera, as much as the budget allows.
+    /// Uploads the batches nearest to the camera, as far as the budget allows.
     fn stream_anew(&mut self, gpu: &Gpu) {
         if let Some(budget) = self.budget() {
             self.stream(gpu, budget.camera, u64::MAX);
@@ -169,7 +169,7 @@ impl GpuScene {
     }
 
     /// Uploads the vertices and transforms of the same scene in another pose. Materials, textures
-    /// and bounds stay, and so do buffers whose content does not change.
+    /// and bounds are kept, as are buffers whose content does not change.
     ///
     /// # Errors
     /// As [`GpuScene::new`], and [`RenderError::Setting`] when it is another scene, or has other
@@ -209,8 +209,8 @@ impl GpuScene {
         self.boxes.all(scene)
     }
 
-    /// Moves instances to their places in `scene`, which must be the uploaded one except for these
-    /// places; returns `false` if it is not, and has to be uploaded again.
+    /// Moves instances to their transforms in `scene`, which must otherwise equal the uploaded
+    /// scene. Returns `false` if it does not; then upload the scene again.
     pub(crate) fn move_instances(&mut self, gpu: &Gpu, scene: &Scene, moved: &[usize]) -> bool {
         let is_same = |&number: &usize| {
             let (instance, parts) = (scene.instances.get(number), self.parts.get(number));
@@ -238,9 +238,9 @@ impl GpuScene {
         true
     }
 
-    /// Takes other materials for the same instances if they name the same textures; otherwise
-    /// returns `false`, and the scene has to be uploaded again. Materials whose kind draws nothing
-    /// take effect with the next pose.
+    /// Updates the materials of the same instances if they use the same textures; otherwise returns
+    /// `false`, and the scene has to be uploaded again. If a material becomes or stops being
+    /// absent, that takes effect with the next pose.
     pub(crate) fn set_materials(&mut self, gpu: &Gpu, scene: &Scene, lighting: &Lighting) -> bool {
         let white = reference_white(scene, lighting);
         let colors = colors_of_materials(scene);
@@ -261,14 +261,14 @@ impl GpuScene {
         &self.draws[self.order[record as usize] as usize]
     }
 
-    /// Whether any surface may change the colour of light that passes.
+    /// Whether any surface may change the colour of transmitted light.
     pub(crate) fn is_tinted(&self) -> bool {
         self.materials.iter().any(|material| material.is_tinted)
     }
 }
 
 impl Placed {
-    /// Uploads geometry; of the buffers of `earlier`, those with the right content are used again.
+    /// Uploads geometry; buffers of `earlier` with the same content are reused.
     fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -282,7 +282,7 @@ impl Placed {
         let most = if budget.is_some() { GeometryBudget::limits(most) } else { most };
         let (packed, pieces) = pack(&scene.meshes, &kinds, most);
         let prints: Vec<_> = packed.iter().map(geometry::Batch::fingerprint).collect();
-        // Dropped first: two poses at a time could exceed the device's memory.
+        // Drop unused buffers first: two poses at a time could exceed the device's memory.
         earlier.retain(|buffers| prints.contains(&buffers.fingerprint));
         let reuse = |(batch, print): (&geometry::Batch, &[u64; 2])| {
             let place = earlier.iter().position(|buffers| buffers.fingerprint == *print);

@@ -1,4 +1,4 @@
-//! Where the draws of a scene were in the last frame.
+//! The transforms of a scene's draws in the last frame.
 
 use std::collections::BTreeMap;
 
@@ -10,13 +10,13 @@ use super::{SceneDraw, VertexBuffers};
 /// The draws that have moved since the last frame.
 #[derive(Debug, Default)]
 pub(crate) struct Motion {
-    /// The former transforms of draws, by their records.
+    /// The former transforms of draws, keyed by record.
     transforms: BTreeMap<u32, Mat4>,
-    /// The former positions of vertices, by their batches.
+    /// The former positions of vertices, keyed by batch.
     positions: BTreeMap<usize, Buffer>,
-    /// The former positions of the last frame, which may not be submitted yet.
+    /// The former positions used by the last frame, whose submission may be pending.
     drawn: BTreeMap<usize, Buffer>,
-    /// Whether anybody asks.
+    /// Whether motion is needed.
     is_wanted: bool,
 }
 
@@ -26,12 +26,12 @@ impl Motion {
         self.transforms.iter().map(|(record, transform)| (*record, *transform))
     }
 
-    /// The former positions of a batch; `None` if they are the present ones.
+    /// The former positions of a batch; `None` if they have not changed.
     pub(crate) fn positions(&self, batch: usize) -> Option<&Buffer> {
         self.positions.get(&batch)
     }
 
-    /// Notes where a draw was before it moves.
+    /// Records the transform of a draw before it moves.
     pub(super) fn leave(&mut self, record: u32, world_from_local: Mat4) {
         if !self.is_wanted {
             return;
@@ -39,14 +39,14 @@ impl Motion {
         self.transforms.entry(record).or_insert(world_from_local);
     }
 
-    /// The positions of vertices that are about to be uploaded again.
+    /// The position buffers to compare with after the next upload; empty unless motion is needed.
     pub(super) fn keep(&self, batches: &[VertexBuffers]) -> Vec<Buffer> {
         let wanted = batches.iter().filter(|_| self.is_wanted);
         wanted.map(|batch| batch.positions.clone()).collect()
     }
 
-    /// Notes the differences of two uploads of a scene. If there is not the same in both, nothing is
-    /// known to have moved.
+    /// Records the differences between two uploads of a scene. If their draws or batches differ,
+    /// nothing counts as moved.
     pub(super) fn compare(
         &mut self,
         before: (&[SceneDraw], &[Buffer]),
@@ -73,7 +73,8 @@ impl Motion {
         }
     }
 
-    /// A frame was drawn: nothing has moved since. `is_wanted` says whether the next one asks for motion.
+    /// Call it after a frame is drawn: nothing has moved since. `is_wanted` says whether the next
+    /// frame needs motion.
     pub(crate) fn settle(&mut self, is_wanted: bool) {
         self.is_wanted = is_wanted;
         self.drawn = std::mem::take(&mut self.positions);

@@ -33,7 +33,7 @@ struct PointFrame {
     geometric: vec3f,
 }
 
-// All samples come before the first branch: derivatives need uniform control flow.
+// All samples are taken before the first branch: derivatives need uniform control flow.
 fn sample_point(point: Point) -> PointSamples {
     let base = material.base_color * point.color * textureSample(
         base_color_texture, base_color_sampler, texcoord(TEXTURE_BASE_COLOR, point.texcoords));
@@ -46,8 +46,8 @@ fn sample_point(point: Point) -> PointSamples {
         normal_texture, normal_sampler, texcoord(TEXTURE_NORMAL, point.texcoords)).xyz;
     let emission = material.emission * textureSample(
         emission_texture, emission_sampler, texcoord(TEXTURE_EMISSION, point.texcoords)).rgb;
-    // The screen's y points down, so this order faces the camera. A triangle's plane is exact in
-    // its derivatives, even at its edges, where the rest of a quad is extrapolated.
+    // The screen's y axis points down, so this order faces the camera. The derivatives of a
+    // triangle's plane are exact even at its edges, where the rest of a quad is extrapolated.
     let plane = cross(dpdy(point.from_camera), dpdx(point.from_camera));
     return PointSamples(
         base,
@@ -74,10 +74,10 @@ fn frame_at(point: Point, samples: PointSamples) -> PointFrame {
     let to_camera = -normalize(point.from_camera);
     let smooth_normal = normalize(point.normal);
     let plane_size = length(samples.plane);
-    // If a triangle is too small for its derivatives, the vertex normal replaces them.
+    // If a triangle is too small for its derivatives, use the vertex normal.
     var geometric = select(samples.plane / plane_size, smooth_normal, plane_size < 1e-30);
     geometric = select(-geometric, geometric, dot(geometric, to_camera) >= 0.0);
-    // Seen from behind, the whole shading frame turns over.
+    // If the surface is seen from behind, the whole shading frame is flipped.
     let side = select(-1.0, 1.0, dot(smooth_normal, geometric) >= 0.0);
     let shading = facing(side * mapped_normal(point, samples.normal), geometric, to_camera);
     return PointFrame(to_camera, shading, geometric);

@@ -1,9 +1,8 @@
 //! The brightness of unlit surfaces.
 //!
-//! `KHR_materials_unlit` asks for the colour as it is, but does not say how bright the picture's
-//! white is. Here it is the radiance of a white wall in the same scene: a white diffuse surface
-//! that faces the strongest light. So scans with baked light match lit objects beside them,
-//! whatever the exposure.
+//! `KHR_materials_unlit` specifies the colour, but not how bright the picture's white is. Here it
+//! is the radiance of a white wall in the same scene: a white diffuse surface that faces the
+//! strongest light. So scans with baked light match lit objects beside them, whatever the exposure.
 
 use std::f32::consts::PI;
 
@@ -12,11 +11,11 @@ use lumivox_scene::{LightKind, Scene};
 
 use super::Lighting;
 
-/// The least distance of a lamp, as a share of the scene's radius: it counts as seen from the
-/// scene's middle, but not from nearer, since a wall of the room matters and not the lampshade.
+/// The least distance of a lamp, as a share of the scene's radius. The distance is measured from
+/// the scene's centre and clamped to this, since a wall of the room matters and not the lampshade.
 const NEAREST: f32 = 0.25;
 
-/// The radiance of white, in cd/m²: the largest of irradiance / pi by each light and of the mean
+/// The radiance of white, in cd/m²: the maximum of irradiance / pi by each light and of the mean
 /// radiance of the surroundings; without either, the strongest emission; in a scene without light 1
 /// cd/m².
 pub(crate) fn reference_white(scene: &Scene, lighting: &Lighting) -> f32 {
@@ -66,7 +65,7 @@ mod tests {
         assert!((reference_white(&scene, &dark) - 1.0).abs() < 1e-6);
     }
 
-    /// If a lamp is in the middle, white is that of a wall around it.
+    /// If a lamp is at the centre, white is that of a wall around it.
     #[test]
     fn a_lamp_in_the_middle_is_a_wall_away() {
         let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");

@@ -1,19 +1,19 @@
-//! The directional albedo of sheen: the share of white light from all around that it reflects in
-//! one direction.
+//! The directional albedo of sheen: the share of uniform white light that it reflects in one
+//! direction.
 //!
 //! The distribution is "Charlie" (Estevez and Kulla 2017, "Production friendly microfacet sheen
-//! BRDF", section 3), the shadowing their fit, as `KHR_materials_sheen` names them. Renderers add
+//! BRDF", section 3), the shadowing their fit, as `KHR_materials_sheen` specifies. Renderers add
 //! the colour times this albedo to the surface and dim the layers below by its largest component.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use rayon::prelude::*;
 
-/// Edge of the table, which is smooth: cosines by roughnesses.
+/// Edge of the table, cosines by roughnesses; the function is smooth.
 pub(crate) const EDGE: u32 = 32;
 
-/// The table as bytes, 255 for one: cosines along rows, roughness from row to row, both at the centres of
-/// `EDGE` equal steps from 0 to 1.
+/// The table as bytes, 255 for one: cosines along rows, roughness from row to row, both at the
+/// centres of `EDGE` equal steps from 0 to 1.
 pub(crate) fn table() -> Vec<u8> {
     let center = |i: u32| (i as f32 + 0.5) / EDGE as f32;
     (0..EDGE * EDGE)
@@ -32,7 +32,7 @@ fn directional_albedo(cos_view: f32, roughness: f32) -> f32 {
     for i in 0..polar_steps {
         let (sin, cos) = ((i as f32 + 0.5) / polar_steps as f32 * FRAC_PI_2).sin_cos();
         for j in 0..azimuth_steps {
-            // Half a turn: the other half is symmetric.
+            // Half a turn; the other half is symmetric.
             let azimuth = (j as f32 + 0.5) / azimuth_steps as f32 * PI;
             let light = [sin * azimuth.cos(), sin * azimuth.sin(), cos];
             let half = std::array::from_fn::<f32, 3, _>(|k| view[k] + light[k]);
@@ -44,13 +44,13 @@ fn directional_albedo(cos_view: f32, roughness: f32) -> f32 {
 }
 
 fn brdf(n_dot_v: f32, n_dot_l: f32, n_dot_h: f32, roughness: f32) -> f32 {
-    // Below, the distribution is a spike at the horizon that no table holds.
+    // Below this, the distribution is a spike at the horizon that no table can resolve.
     let alpha = (roughness * roughness).max(1e-3);
     let sine = (1.0 - n_dot_h * n_dot_h).max(0.0).sqrt();
     let distribution = (2.0 + 1.0 / alpha) * sine.powf(1.0 / alpha) / (2.0 * PI);
     let visibility =
         1.0 / ((1.0 + lambda(n_dot_v, alpha) + lambda(n_dot_l, alpha)) * 4.0 * n_dot_v * n_dot_l);
-    // KHR_materials_sheen bounds it so.
+    // KHR_materials_sheen specifies these bounds.
     distribution * visibility.clamp(0.0, 1.0)
 }
 
@@ -63,7 +63,7 @@ fn lambda(cosine: f32, alpha: f32) -> f32 {
     }
 }
 
-/// Their table 1, between the values of a smooth and a rough surface.
+/// Table 1 of the same paper, interpolated between a smooth and a rough surface.
 fn fit(x: f32, alpha: f32) -> f32 {
     let smooth = (1.0 - alpha) * (1.0 - alpha);
     let mix = |rough: f32, smoothest: f32| rough + (smoothest - rough) * smooth;
@@ -78,7 +78,8 @@ mod tests {
 
     #[test]
     fn the_distribution_is_normalized() {
-        // Projected microfacets cover their surface once: the integral of D n.h over the hemisphere is 1.
+        // Projected microfacets cover their surface once: the integral of D n.h over the hemisphere
+        // is 1.
         for roughness in [0.2_f32, 0.5, 1.0] {
             let alpha = roughness * roughness;
             let steps = 20_000;
@@ -101,7 +102,7 @@ mod tests {
             assert!(albedo[0] > 1.5 * albedo[2], "{roughness}: {albedo:?}");
             assert!(albedo.iter().all(|a| (0.0..=1.0).contains(a)), "{roughness}: {albedo:?}");
         }
-        // More steps change nothing that 8 bits show.
+        // More steps make no difference at 8 bits.
         assert_eq!(table().len(), (EDGE * EDGE) as usize);
     }
 }

@@ -1,8 +1,8 @@
-//! Vertices that come and go by distance, where the GPU is not to hold all of them.
+//! Streaming of vertices by distance, for scenes that exceed the GPU's geometry budget.
 //!
-//! The scene is packed into small batches then, whose content stays in the processor's memory. Those nearest to the camera are on
-//! the GPU, as many as the budget allows. Draws of the others are empty, so that they are neither drawn nor voxelized: what lacks
-//! casts no shadow and sends no light, and nothing else is different.
+//! The scene is packed into small batches, whose content stays in main memory. The batches nearest
+//! to the camera are on the GPU, as many as the budget allows. Draws of the others are empty, so
+//! that they are neither drawn nor voxelized: missing batches cast no shadows and send no light.
 
 use std::ops::Range;
 
@@ -13,21 +13,22 @@ use super::geometry::{Batch, BatchLimits, Shading};
 use super::{GpuScene, SceneDraw, VertexBuffers};
 use crate::Gpu;
 
-/// The vertices and indices of a batch: some hundred KiB, which are uploaded within a frame.
+/// The vertices and indices of a batch: some hundred KiB, small enough to upload within a frame.
 const PART: BatchLimits = BatchLimits { vertices: 8192, indices: 3 * 16_384 };
 
-/// The distance of a batch that is on the GPU counts as this much of it, so that none comes and goes where a camera trembles.
+/// The factor on the distance of a batch that is on the GPU, so that a trembling camera does not
+/// load and unload batches.
 const STICKING: f32 = 0.8;
 
 /// The fingerprint of a batch that is not on the GPU.
 const ABSENT: [u64; 2] = [0; 2];
 
-/// How much of a scene may be on the GPU, and where it is seen from.
+/// The GPU memory for a scene's geometry, and the camera's position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeometryBudget {
     /// The most bytes of vertices and indices.
     pub bytes: u64,
-    /// The place of the camera, m.
+    /// The position of the camera, m.
     pub camera: Vec3,
 }
 
@@ -36,17 +37,17 @@ pub struct GeometryBudget {
 pub struct StreamedGeometry {
     /// Bytes of all vertices and indices.
     pub bytes: u64,
-    /// Those on the GPU.
+    /// Bytes of the vertices and indices on the GPU.
     pub resident_bytes: u64,
     /// Triangles of all meshes, each counted once.
     pub triangles: u64,
-    /// Those on the GPU.
+    /// Triangles on the GPU.
     pub resident_triangles: u64,
-    /// Some are on their way: the budget has room for them.
+    /// Whether batches that fit into the budget are still to be uploaded.
     pub is_late: bool,
 }
 
-/// A scene's batches, of which some are on the GPU.
+/// A scene's batches, some of which are on the GPU.
 #[derive(Debug)]
 pub(super) struct Streaming {
     budget: GeometryBudget,
@@ -59,9 +60,9 @@ struct Part {
     content: Batch,
     fingerprint: [u64; 2],
     is_resident: bool,
-    /// Its draws, by their numbers in the scene, with the indices that they have while it is on the GPU.
+    /// Its draws: their indices in the scene, and their index ranges while it is on the GPU.
     draws: Vec<(usize, Range<u32>)>,
-    /// The same of its draws for voxels, in their order.
+    /// The index counts of its draws for voxels, in their order.
     voxelized: Vec<u32>,
 }
 
@@ -79,7 +80,7 @@ impl Part {
 }
 
 impl GeometryBudget {
-    /// The sizes of batches that come and go.
+    /// Limits the size of streamed batches.
     pub(super) fn limits(all: BatchLimits) -> BatchLimits {
         BatchLimits {
             vertices: all.vertices.min(PART.vertices),
@@ -94,7 +95,7 @@ impl GeometryBudget {
 }
 
 impl Streaming {
-    /// Batches with the buffers that they have so far.
+    /// Creates the streaming state for packed batches and their current buffers.
     pub(super) fn new(
         budget: GeometryBudget,
         packed: Vec<(Batch, [u64; 2])>,
@@ -128,7 +129,7 @@ impl Streaming {
         Self { budget, parts, is_late: true }
     }
 
-    /// The parts from the nearest to the farthest.
+    /// The parts, nearest first.
     fn by_distance(&self, draws: &[SceneDraw]) -> Vec<usize> {
         let camera = self.budget.camera;
         let distance = |part: &Part| {
@@ -142,12 +143,12 @@ impl Streaming {
         let distances: Vec<f32> = self.parts.iter().map(distance).collect();
         let mut order: Vec<usize> = (0..self.parts.len()).collect();
         order.sort_by(|a, b| distances[*a].total_cmp(&distances[*b]));
-        // A batch without draws stays away.
+        // A batch without draws is never loaded.
         order.retain(|part| distances[*part].is_finite());
         order
     }
 
-    /// The nearest parts that fit into the budget, in their order.
+    /// The nearest parts that fit into the budget, nearest first.
     fn wanted(&self, draws: &[SceneDraw]) -> Vec<usize> {
         let mut left = self.budget.bytes;
         let fits = |part: &usize| {
@@ -175,8 +176,8 @@ impl Streaming {
 }
 
 impl GpuScene {
-    /// Lets batches come and go with a camera, and uploads about so many bytes at most, but one batch at least. Whether any came
-    /// or went is returned.
+    /// Loads and unloads batches for a camera position. Uploads about `most_bytes` at most, but at
+    /// least one batch. Returns whether any batch was loaded or unloaded.
     pub(crate) fn stream(&mut self, gpu: &Gpu, camera: Vec3, most_bytes: u64) -> bool {
         let Some(mut streaming) = self.streaming.take() else { return false };
         if streaming.budget.camera == camera && !streaming.is_late {
@@ -216,7 +217,7 @@ impl GpuScene {
         has_changed
     }
 
-    /// Lets a batch be on the GPU, or not.
+    /// Loads a batch to the GPU, or unloads it.
     fn hold(&mut self, gpu: &Gpu, number: usize, part: &mut Part, is_resident: bool) {
         part.is_resident = is_resident;
         self.batches[number] = if is_resident {
@@ -236,12 +237,12 @@ impl GpuScene {
         self.geometry.batches[number] = batch;
     }
 
-    /// How much of it is on the GPU; `None`: all, whatever its size.
+    /// How much of the scene is on the GPU; `None` if there is no budget and all of it is.
     pub(crate) fn streamed(&self) -> Option<StreamedGeometry> {
         self.streaming.as_ref().map(Streaming::figures)
     }
 
-    /// Whether batches are on their way to the GPU.
+    /// Whether batches are still to be uploaded.
     pub(crate) fn is_streaming(&self) -> bool {
         self.streaming.as_ref().is_some_and(|streaming| streaming.is_late)
     }

@@ -1,4 +1,4 @@
-//! Textures on the GPU with all their mips, each once per use.
+//! Textures on the GPU with all their mips, uploaded once per use.
 
 use lumivox::gpu::{Texture, TextureView};
 use std::collections::HashMap;
@@ -9,10 +9,10 @@ use super::mips::{Alpha, Encoding, Level, mip_chain};
 use super::sheen;
 use crate::Gpu;
 
-/// The key of a texture's use: its number, and how its bytes are read.
+/// The key of a texture's use: its number, and the interpretation of its bytes.
 type Key = (usize, Encoding, AlphaKey);
 
-/// [`Alpha`] with the bits of the cutoff.
+/// [`Alpha`] with the cutoff as bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum AlphaKey {
     Data,
@@ -86,7 +86,7 @@ impl<'a> TextureUpload<'a> {
         view
     }
 
-    /// The sampler of a texture; any sampler for `None`.
+    /// The sampler of a texture; an arbitrary sampler for `None`.
     pub(super) fn sampler(&mut self, reference: Option<TextureRef>) -> wgpu::Sampler {
         let sampler =
             reference.map_or(Sampler::default(), |r| self.scene.textures[r.texture].sampler);
@@ -98,7 +98,8 @@ impl<'a> TextureUpload<'a> {
         self.samplers.entry(sampler).or_insert_with(|| create_sampler(device, sampler)).clone()
     }
 
-    /// The table of [`sheen`] if a material has any, otherwise any texture, and its sampler.
+    /// The table of [`sheen`] if a material has any, otherwise an arbitrary texture; and its
+    /// sampler.
     pub(super) fn sheen_albedo(&mut self, is_used: bool) -> (TextureView, wgpu::Sampler) {
         let edge =
             Sampler { wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge, ..Sampler::default() };

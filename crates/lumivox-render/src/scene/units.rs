@@ -1,9 +1,9 @@
 //! The unit of radiance on the GPU.
 //!
-//! Voxels and G-buffer hold radiance in half floats, from 6e-5 (with full precision; down to 6e-8
+//! Voxels and G-buffer store radiance in half floats, from 6e-5 (with full precision; down to 6e-8
 //! with less) to 65 504. A sunlit street has 30 000 cd/m² with highlights far above, a room at
-//! night a thousandth; so all emission is divided by a unit at upload, and the picture multiplied
-//! by it at the end. The unit is a power of two: both steps are then exact.
+//! night a thousandth. So all emission is divided by a unit at upload, and the picture is
+//! multiplied by it at the end. The unit is a power of two, so both steps are exact.
 
 use std::f32::consts::PI;
 
@@ -18,27 +18,27 @@ use super::Lighting;
 const BRIGHTEST: f32 = 1024.0;
 
 /// The least distance of a lamp, as a share of the scene's radius: its irradiance grows without
-/// bounds towards it. Nearer surfaces use the headroom, up to an eighth of that distance.
+/// bounds towards it. Nearer surfaces use the headroom, down to an eighth of that distance.
 const NEAREST: f32 = 1.0 / 16.0;
 
 /// The unit for a scene, in cd/m².
 ///
-/// It is the power of two that brings the largest of emission, of the environment's radiance (for a
-/// map, four times its mean: see below) and of irradiance / pi of the lights (on a white surface
-/// that faces them) to between 512 and 1024.
+/// It is the power of two that scales the brightest radiance to between 512 and 1024. The brightest
+/// radiance is the maximum of emission, of the environment's radiance (for a map, four times its
+/// mean: see below) and of irradiance / pi of the lights (on a white surface that faces them).
 pub fn radiance_unit(scene: &Scene, lighting: &Lighting) -> f32 {
     radiance_unit_within(scene.bounds(), scene, lighting)
 }
 
-/// The same for a scene that moves within `bounds`: all its poses share one unit.
+/// Like [`radiance_unit`], for a scene that moves within `bounds`: all its poses share one unit.
 pub(crate) fn radiance_unit_within(bounds: Bounds, scene: &Scene, lighting: &Lighting) -> f32 {
-    // Limited so that the unit and its inverse are normal floats.
+    // Clamped so that the unit and its inverse are normal floats.
     let unit = |brightest: f32| (brightest / BRIGHTEST).log2().ceil().clamp(-100.0, 100.0).exp2();
     brightest(bounds, scene, lighting).map_or(1.0, unit)
 }
 
-/// Whether a unit still does for a scene whose lights have changed: with an eighth of the headroom
-/// left, and with precision for what is a thousandth as bright. Darkness suits every unit.
+/// Whether a unit still suits a scene whose lights have changed: an eighth of the headroom is left,
+/// and a thousandth of the brightness still has precision. Darkness suits every unit.
 pub(crate) fn suits(unit: f32, bounds: Bounds, scene: &Scene, lighting: &Lighting) -> bool {
     brightest(bounds, scene, lighting).is_none_or(|brightest| {
         let stored = brightest / unit;
@@ -46,7 +46,7 @@ pub(crate) fn suits(unit: f32, bounds: Bounds, scene: &Scene, lighting: &Lightin
     })
 }
 
-/// The largest radiance that is expected, in cd/m²; `None` in darkness.
+/// The largest expected radiance, in cd/m²; `None` in darkness.
 fn brightest(bounds: Bounds, scene: &Scene, lighting: &Lighting) -> Option<f32> {
     let nearest_m = bounds.radius_m() * NEAREST;
     let lights = lighting.lights.iter().map(|light| {
@@ -68,8 +68,8 @@ fn brightest(bounds: Bounds, scene: &Scene, lighting: &Lighting) -> Option<f32> 
     (brightest > 0.0).then_some(brightest)
 }
 
-/// The most that a white surface reflects of the surroundings: irradiance / pi is at most four
-/// times the mean radiance, if all of it came from one direction.
+/// The largest radiance of a white surface that reflects the surroundings: irradiance / pi is at
+/// most four times the mean radiance, which it reaches if all light comes from one direction.
 fn surroundings(environment: &Environment) -> f32 {
     let mean = environment.map.as_ref().map_or(Vec3::ONE, |map| 4.0 * map.mean_radiance());
     (environment.radiance * mean).max_element()

@@ -1,4 +1,4 @@
-//! The settings of a rendering: [`RenderSettings`] holds them, [`parameters`] describes each, and
+//! The settings of a rendering: [`RenderSettings`] stores them, [`parameters`] describes each, and
 //! [`preset`] has starting points.
 
 pub mod parameters;
@@ -29,7 +29,7 @@ pub enum Exposure {
     /// 2002, section 3.1). Pixels without a surface and black ones do not count.
     #[default]
     Auto,
-    /// As `Auto`, but each picture of a sequence has its own exposure.
+    /// Like `Auto`, but each picture of a sequence is metered separately.
     AutoEach,
     /// The tone-mapped value is radiance in cd/m² times 2 to the power of this many stops.
     Stops(f32),
@@ -47,8 +47,8 @@ pub enum ToneMap {
     Aces,
     /// No curve: values above 1 are clipped.
     Linear,
-    /// No curve, and no screen encoding either: values are the code, from 0 to 1, and clipped. For
-    /// looks that compute with display values; anything else comes out too dark.
+    /// No curve, and no screen encoding: values are the display code from 0 to 1, clamped. For
+    /// looks that compute with display values; any other picture comes out too dark.
     Raw,
 }
 
@@ -75,15 +75,14 @@ impl ToneMap {
 /// The method for shadows of lamps and sun.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ShadowMethod {
-    /// Depth maps: sharp, and exact to a texel. Lights for which there is no room in them use
-    /// cones.
+    /// Depth maps: sharp, and exact to a texel. Lights that do not fit into the maps use cones.
     #[default]
     Map,
     /// Cones through the voxels, as wide as the source: soft, and as coarse as the voxels.
     Cone,
 }
 
-/// The name of the physical passes among looks.
+/// The name of the physical passes in lists of looks.
 pub const PHYSICAL: &str = "physical";
 
 /// Parameters of a rendering.
@@ -96,58 +95,63 @@ pub struct RenderSettings {
     /// resolves finer detail and leaks less; memory and time for voxels grow with its square.
     pub resolution: u32,
     /// Shift of the voxel grid in voxels, each at least 0 and below 1. Default: 0. Errors depend on
-    /// where walls fall in the grid, so measurements try several.
+    /// the positions of walls in the grid, so measurements try several shifts.
     pub grid_offset: Vec3,
-    /// The box that the grid, and at least the shadow maps, are fitted to. Default: `None`, that of
-    /// [`Scene::voxel_bounds`](lumivox_scene::Scene::voxel_bounds). A scene that moves needs the
-    /// union over all its poses: a grid that follows a pose would make the light flicker. Surfaces
-    /// outside have no voxels.
+    /// The box that the grid is fitted to; the shadow maps cover at least this box. Default:
+    /// `None`, that of [`Scene::voxel_bounds`](lumivox_scene::Scene::voxel_bounds). A scene that
+    /// moves needs the union over all its poses: a grid that follows a pose would make the light
+    /// flicker. Surfaces outside have no voxels.
     pub grid_bounds: Option<Bounds>,
-    /// Whether voxels keep a radiance for each direction. Default: six lobes.
+    /// Whether voxels store a radiance for each direction. Default: six lobes.
     pub directionality: Directionality,
-    /// The store of the cells. Default: dense.
+    /// The storage of the cells. Default: dense.
     pub volume: VolumeKind,
-    /// The size of a clipmap around the camera, for [`VolumeKind::Cascades`]. Default: eight cascades of 64 voxels, the finest
-    /// of 0.125 m, which reach 1 km. They follow the camera; `resolution` and `grid_bounds` mean nothing then.
+    /// The size of a clipmap around the camera, for [`VolumeKind::Cascades`]. Default: eight
+    /// cascades of 64 voxels, the finest of 0.125 m, which reach 1 km. They follow the camera;
+    /// `resolution` and `grid_bounds` are then ignored.
     pub cascades: CascadeOptions,
-    /// How an octree's nodes come into being. Default: `None`, by ranks. A dense volume has none.
+    /// The method that builds an octree's nodes. Default: `None`, by ranks. A dense volume has no
+    /// nodes.
     pub octree_builder: Option<Arc<dyn OctreeBuilding>>,
     /// The most bytes of the volume. Default: `None`, the device's limit.
     pub volume_memory: Option<u64>,
-    /// The most bytes of vertices and indices on the GPU. Default: `None`, all. Of larger scenes what is nearest to the camera is
-    /// there, and comes and goes with it; nothing is drawn or voxelized of the rest ([`Renderer::streamed`](crate::Renderer::streamed)).
+    /// The most bytes of vertices and indices on the GPU. Default: `None`, unlimited. Of larger
+    /// scenes, the part nearest to the camera is streamed in and out; the rest is neither drawn nor
+    /// voxelized ([`Renderer::streamed`](crate::Renderer::streamed)).
     pub geometry_budget: Option<u64>,
-    /// How triangles become voxels. Default: `None`, exactly.
+    /// The voxelization method. Default: `None`, exact.
     pub voxelizer: Option<Arc<dyn Voxelization>>,
-    /// How the light of lamps and sun comes into the voxels. Default: `None`, directly, face by face.
+    /// The method that injects the light of lamps and sun into the voxels. Default: `None`, direct
+    /// light, face by face.
     pub injection: Option<Arc<dyn Injection>>,
-    /// How the picture comes about. Default: by the physics.
+    /// The look of the picture. Default: physical.
     pub look: LookChoice,
     /// The cones.
     pub trace: TraceSettings,
-    /// Where the cones start and point, and what their samples show. Default: `None`, by the physics.
+    /// The origin, the direction and the samples of the cones. Default: `None`, physical.
     pub cone_model: Option<Arc<dyn ConeModel>>,
-    /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
-    /// light alone, 1 is light over one other surface. Default: 8, which leaves out a^8 of the light in a
-    /// room of albedo a: 0.4 % at one half, 2 % at 0.6. Each costs one gather in the voxels, once.
+    /// Reflections of indirect light, including the one at the visible surface, 0 to 64: 0 is only
+    /// direct light, 1 is light via one other surface. Default: 8, which leaves out a^8 of the
+    /// light in a room of albedo a: 0.4 % at one half, 2 % at 0.6. Each costs one gather in the
+    /// voxels, once.
     pub bounces: u32,
     /// Frames that are averaged, 1 to 65 536. Default: 16. More: smoother edges and less noise, at
     /// proportional cost. A single frame has no anti-aliasing.
     pub frames: u32,
-    /// What the picture shows.
+    /// The content of the picture.
     pub view: View,
-    /// Other views of surfaces that are kept of the same frames, for
-    /// [`Renderer::read_beside`](crate::Renderer::read_beside); only beside [`View::Final`] and
+    /// Other views of surfaces that are averaged over the same frames, for
+    /// [`Renderer::read_beside`](crate::Renderer::read_beside); only with [`View::Final`] and
     /// without a look. Default: none. Each takes 52 bytes a pixel.
     pub beside: Vec<View>,
-    /// The level of the cells in the views of voxels, [`View::Lod`] and [`Overlay::wire_voxels`]: 0
-    /// (the default) is the finest, and each next level has cubes of twice the edge.
+    /// The level of the cells in the views of voxels, [`View::Lod`] and [`Overlay::wire_voxels`]. 0
+    /// (the default) is the finest; each next level has cubes of twice the edge.
     pub voxel_level: u32,
     /// The overlay over the picture on the screen. Default: none.
     pub overlay: Overlay,
     /// The exposure. Default: automatic.
     pub exposure: Exposure,
-    /// The curve to the screen's range. Default: neutral.
+    /// The curve that maps radiance to the screen's range. Default: neutral.
     pub tone_map: ToneMap,
     /// The method for shadows. Default: maps.
     pub shadows: ShadowMethod,
@@ -205,7 +209,8 @@ impl RenderSettings {
         Grid::fit(bounds.min, bounds.max, self.resolution, self.grid_offset)
     }
 
-    /// The sizes of voxels and of the texels of shadow maps, for notes where they are coarse for what is seen.
+    /// The sizes of voxels and of shadow-map texels, for notes if they are coarse for the visible
+    /// scene.
     pub fn fineness(&self, scene: &Scene) -> Fineness {
         let grid = self.grid(scene.voxel_bounds(), Vec3::ZERO).ok();
         let boxes = grid.as_ref().map(shadow_maps::fine_boxes).unwrap_or_default();
@@ -220,7 +225,7 @@ impl RenderSettings {
             },
         };
         Fineness {
-            // The voxels of cascades have several sizes.
+            // Cascades have voxels of several sizes.
             voxel_m: grid.filter(|_| boxes.is_empty()).map(|grid| grid.voxel_size_m),
             shadow_maps: (self.shadows == ShadowMethod::Map).then_some(shadow_maps),
         }
@@ -250,23 +255,23 @@ impl RenderSettings {
             || self.look.is_some()
     }
 
-    /// The bounces in the voxels: the view of lit voxels needs none.
+    /// The number of bounces in the voxels; the view of lit voxels needs none.
     pub(crate) fn voxel_bounces(&self) -> u32 {
         if self.view == View::Lit { 0 } else { self.bounces }
     }
 
-    /// The name of the look; without one, [`PHYSICAL`].
+    /// The name of the look; [`PHYSICAL`] if there is none.
     pub fn look_name(&self) -> &'static str {
         self.look.as_ref().map_or(PHYSICAL, |look| look.name())
     }
 
-    /// The look that draws the view, if one does; the volume then needs no light.
+    /// The look that draws the view; `None` if no look does. With a look the volume needs no light.
     pub(crate) fn shown_look(&self) -> Option<&dyn Look> {
         self.look.as_deref().filter(|look| look.shows(self.view))
     }
 
-    /// The coarsest level of voxels that can be shown, for a grid of this many. A look may have
-    /// more levels at any resolution; if the grid has fewer, the last one is shown.
+    /// The coarsest level of voxels that can be shown with a grid. A look may have more levels at
+    /// any resolution; if the grid has fewer, its last level is shown.
     pub fn last_level(&self, grid: &Grid) -> u32 {
         let last = grid.level_count() - 1;
         self.shown_look().map_or(last, |look| last.max(look.last_level()))
@@ -343,7 +348,7 @@ impl RenderSettings {
 
 fn validate_lines(count: usize, limits: &wgpu::Limits) -> Result<(), RenderError> {
     let needed = count as u64 * size_of::<LineRecord>() as u64;
-    // The grid's box needs a few more.
+    // The grid's box needs a few more lines.
     let available = limits.max_storage_buffer_binding_size - (1 << 12);
     if needed <= available {
         return Ok(());

@@ -1,8 +1,9 @@
-//! Presets: names for starting points of all settings of a picture.
+//! Presets: named starting points for all settings of a picture.
 //!
-//! A preset is one of the library's for the cones ([`Preset`]) or one that another crate adds ([`AddedPreset`]), and what it
-//! brings along ([`Companions`]). Front ends list them by name and summary, as `lumivox-explorer` collects them, and take
-//! [`RenderSettings::with_preset`]; picture, view and resolution stay as they are.
+//! A preset is one of the library's for the cones ([`Preset`]) or one that another crate adds
+//! ([`AddedPreset`]), with companion settings ([`Companions`]). Front ends list presets by name and
+//! summary, as collected by `lumivox-explorer`, and apply them with
+//! [`RenderSettings::with_preset`]; picture, view and resolution do not change.
 
 use std::sync::Arc;
 
@@ -13,28 +14,28 @@ use lumivox_scene::Scene;
 use crate::look::LookChoice;
 use crate::{Exposure, PHYSICAL, RenderSettings, ToneMap};
 
-/// What a picture starts from. Default: the default [`Preset`].
+/// The starting point of a picture. Default: the default [`Preset`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PresetChoice {
-    /// The physical look, with cones of a preset.
+    /// The physical look, with a preset for the cones.
     Cones(Preset),
     /// A preset of another crate.
     Added(&'static AddedPreset),
 }
 
-/// A preset that another crate adds: it may take a look, a model of the cones, an injection.
+/// A preset that another crate adds: it may set a look, a cone model, an injection.
 #[derive(Clone, Copy, Debug)]
 pub struct AddedPreset {
     /// The name in lower case; presets are compared by it.
     pub name: &'static str,
-    /// What it is, in a line without a full stop.
+    /// A description in one line, without a full stop.
     pub summary: &'static str,
     /// The settings of the cones.
     pub trace: fn() -> TraceSettings,
-    /// The look, with voxels of a resolution ([`RenderSettings::resolution`]).
+    /// The look for voxels at a resolution ([`RenderSettings::resolution`]).
     pub look: fn(resolution: u32) -> LookChoice,
-    /// What goes with it, given what goes with the physics. Exposure and curve are those of the look, if there is one:
-    /// [`Look::display`](crate::look::Look::display).
+    /// The companions of the preset, computed from the physical ones. If there is a look, exposure
+    /// and curve are those of the look: [`Look::display`](crate::look::Look::display).
     pub companions: fn(Companions) -> Companions,
 }
 
@@ -53,7 +54,7 @@ impl Default for PresetChoice {
 }
 
 impl PresetChoice {
-    /// Those of this crate, from the cheapest to the dearest.
+    /// The presets of this crate, from the cheapest to the most expensive.
     pub const ALL: [Self; 4] = [
         Self::Cones(Preset::Fast),
         Self::Cones(Preset::Realtime),
@@ -72,7 +73,7 @@ impl PresetChoice {
         }
     }
 
-    /// A description in a line without a full stop.
+    /// A description in one line, without a full stop.
     pub const fn summary(self) -> &'static str {
         match self {
             Self::Cones(Preset::Fast) => "9 cones, one pixel in four",
@@ -95,7 +96,7 @@ impl PresetChoice {
         }
     }
 
-    /// The look, with voxels of a resolution ([`RenderSettings::resolution`]).
+    /// The look for voxels at a resolution ([`RenderSettings::resolution`]).
     pub fn look(self, resolution: u32) -> LookChoice {
         match self {
             Self::Cones(_) => None,
@@ -104,24 +105,25 @@ impl PresetChoice {
     }
 }
 
-/// The settings of a preset besides its cones, unless they are given.
+/// The settings of a preset besides its cones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Companions {
-    /// Light by direction, or one for all.
+    /// Radiance by direction, or one value for all directions.
     pub directionality: Directionality,
-    /// The store of the cells.
+    /// The storage of the cells.
     pub volume: VolumeKind,
-    /// How an octree's nodes come into being.
+    /// The method that builds an octree's nodes.
     pub octree_builder: Option<Arc<dyn OctreeBuilding>>,
-    /// How light comes into the voxels.
+    /// The method that injects light into the voxels.
     pub injection: Option<Arc<dyn Injection>>,
-    /// Where the cones start and point, and what their samples show.
+    /// The origin, the direction and the samples of the cones.
     pub cone_model: Option<Arc<dyn ConeModel>>,
     /// Reflections of indirect light.
     pub bounces: u32,
-    /// The exposure. A look has its own for a scene: [`Look::display`](crate::look::Look::display).
+    /// The exposure. A look has its own for each scene:
+    /// [`Look::display`](crate::look::Look::display).
     pub exposure: Exposure,
-    /// The curve to the screen's range; for a look, as with the exposure.
+    /// The curve that maps radiance to the screen's range; a look has its own, as for the exposure.
     pub tone_map: ToneMap,
 }
 
@@ -157,9 +159,9 @@ impl Companions {
 }
 
 impl RenderSettings {
-    /// The settings of a preset and its companions. Picture, view and resolution stay, except for
-    /// exposure and curve if the look changes: a look may show each scene in its own way. `scene`
-    /// is the one that will be shown, if it is known.
+    /// These settings with a preset and its companions. Picture, view and resolution do not change,
+    /// except for exposure and curve if the look changes: a look may show each scene differently.
+    /// `scene` is the scene that will be shown; `None` if it is not known yet.
     #[must_use]
     pub fn with_preset(&self, preset: PresetChoice, scene: Option<&Scene>) -> Self {
         let companions = Companions::of(preset);
@@ -185,8 +187,8 @@ impl RenderSettings {
         }
     }
 
-    /// With a look: sets the exposure and curve of another scene if they were those of the look for
-    /// the last one; other values stay.
+    /// With a look: if exposure and curve are the look's values for the last scene, changes them to
+    /// its values for `scene`; other values are kept.
     pub fn show_other(&mut self, last: Option<&Scene>, scene: &Scene) {
         let Some(look) = &self.look else { return };
         let shown = (self.exposure, self.tone_map);
@@ -201,7 +203,8 @@ impl RenderSettings {
 mod tests {
     use super::*;
 
-    /// Whatever the settings were, a preset sets its own values, and the default is the defaults.
+    /// A preset sets its own values whatever the settings were, and the default preset gives the
+    /// defaults.
     #[test]
     fn presets_do_not_depend_on_what_was_before() {
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();

@@ -1,18 +1,18 @@
-//! Views: what a picture can show.
+//! Views: the possible contents of a picture.
 
 use lumivox::settings::Choices as _;
 
 /// The content of the picture.
 ///
-/// Views of light (`Final` to `Specular`) are exposed and tone mapped, and hold cd/m² in OpenEXR.
-/// The others are data: they bypass both, and OpenEXR holds the quantity itself.
+/// Views of light (`Final` to `Specular`) are exposed and tone mapped, and stored in cd/m² in
+/// OpenEXR. The others are data: they bypass both, and OpenEXR stores the quantity itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(u32)]
 pub enum View {
     /// All light: `Direct` + `Indirect`.
     #[default]
     Final,
-    /// Emission, and light straight from lamps and sun.
+    /// Emission, and direct light from lamps and sun.
     Direct,
     /// Light from other surfaces and from the environment, reflected by this surface.
     Indirect,
@@ -20,44 +20,46 @@ pub enum View {
     Diffuse,
     /// Indirect light that the surface reflects glossily.
     Specular,
-    /// Ambient visibility: 1 where the surface sees nothing but sky, 0 where it sees none.
+    /// Ambient visibility: 1 where the surface sees only sky, 0 where it sees none.
     Occlusion,
-    /// The share of the lamps' and the sun's light that is not blocked, weighted by luminance; a
-    /// surface that faces away from a light blocks it itself. 1 without lights.
+    /// The unblocked share of the lamps' and the sun's light, weighted by luminance; a surface that
+    /// faces away from a light blocks it itself. 1 without lights.
     Shadow,
     /// Diffuse albedo. Metals have none: they are black.
     Albedo,
-    /// Shading normal in the world, with -1 to 1 of x, y and z shown as 0 to 255 in red, green, blue.
+    /// Shading normal in the world, with x, y and z from -1 to 1 shown as 0 to 255 in red, green,
+    /// blue.
     Normal,
-    /// Distance from the camera in metres; white is near, black as far as the scene's farthest corner.
+    /// Distance from the camera in metres; white is near, black is the distance of the scene's
+    /// farthest corner.
     Depth,
     /// Cone samples taken for the pixel, as colours from dark violet (0) over green to yellow
     /// ([`COST_SCALE_SAMPLES`] and above).
     Cost,
-    /// The frames that the light of a pixel is the mean of, this one included, as colours from dark
-    /// violet (none) to yellow ([`HISTORY_SCALE_FRAMES`] and above), by their logarithm. Of the last
-    /// frame alone, as `Disocclusion`; both need light of earlier frames
+    /// The number of frames in the mean of a pixel's light, this one included, as colours from dark
+    /// violet (none) to yellow ([`HISTORY_SCALE_FRAMES`] and above), on a logarithmic scale. Like
+    /// `Disocclusion`, it shows only the last frame; both need light of earlier frames
     /// ([`TraceSettings::temporal`](lumivox::TraceSettings::temporal)).
     History,
-    /// 1 where no earlier frame knew anything of the surface, as beside a thing that has moved; 0
+    /// 1 where no earlier frame has seen the surface, as beside an object that has moved; 0
     /// elsewhere.
     Disocclusion,
-    /// The voxels of one level as cubes, in the light that they hold.
+    /// The voxels of one level as cubes with their stored light.
     Voxels,
     /// The voxels of one level that lamps and sun reach, or that emit (yellow), and the others
     /// (grey).
     Lit,
-    /// The nodes of an octree around the cells of one level, as wire boxes: blue with cells of
-    /// their own, orange if they only exist for their neighbours.
+    /// The nodes of an octree around the cells of one level, as wire boxes: blue for nodes with
+    /// their own cells, orange for nodes that exist only for their neighbours.
     Nodes,
-    /// The bricks of these nodes, their 3x3x3 texels pulled apart; those of the neighbours' layer
-    /// are orange.
+    /// The bricks of these nodes, their 3x3x3 texels pulled apart; the neighbours' layer is orange.
     Bricks,
-    /// The volume's content of one level at the visible surfaces, filtered as cones see it, against
-    /// the surface's normal: radiance, whatever the opacity; black where it is empty.
+    /// The volume's content of one level at the visible surfaces, filtered as cones sample it,
+    /// looking against the surface's normal: radiance, whatever the opacity; black where the volume
+    /// is empty.
     Lod,
     /// The voxels of one level as wire cubes in the colours of their light, visible through each
-    /// other; faces between two of them are left out.
+    /// other; faces between two voxels are left out.
     WireVoxels,
 }
 
@@ -121,7 +123,7 @@ impl View {
         }
     }
 
-    /// Whether the values are radiances, to be exposed and tone mapped.
+    /// Whether the values are radiances, which are exposed and tone mapped.
     pub fn is_light(self) -> bool {
         use View::{Bricks, Diffuse, Direct, Final, Indirect, Lod, Specular, Voxels, WireVoxels};
         let is_of_surfaces = matches!(self, Final | Direct | Indirect | Diffuse | Specular);
@@ -138,7 +140,7 @@ impl View {
         matches!(self, Self::Nodes | Self::Bricks)
     }
 
-    /// Whether it shows what is known from earlier frames, and needs light that is kept of them.
+    /// Whether it shows what is known from earlier frames, and needs their stored light.
     pub fn needs_past(self) -> bool {
         matches!(self, Self::History | Self::Disocclusion)
     }

@@ -13,22 +13,22 @@ pub const DARKEST_SHARE: f64 = 0.1;
 /// stated otherwise; 0 is a perfect match.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct ErrorFigures {
-    /// The mean over pixels and channels less the reference's, in percent. Negative: too dark.
+    /// The mean over pixels and channels minus the reference's, in percent. Negative: too dark.
     pub bias_percent: f64,
-    /// The root of the mean squared error over pixels and channels, in percent. The reference's own
-    /// noise is subtracted, `sqrt(mse - mean variance)`, or the result is 0 if noise explains all.
-    /// Its square is an unbiased estimate (except for the cut at 0). If the variance is unknown,
-    /// nothing is subtracted.
+    /// The root of the mean squared error over pixels and channels, in percent, after subtracting
+    /// the reference's own noise: `sqrt(mse - mean variance)`, or 0 if the noise exceeds the error.
+    /// The square of this figure is an unbiased estimate, except for the clamp at 0. Nothing is
+    /// subtracted if the variance is unknown.
     pub rmse_percent: f64,
     /// The root of the mean squared difference from the reference, its noise included, in percent.
     pub rmse_with_noise_percent: f64,
     /// The 95th percentile of the pixels' absolute relative errors ([`relative_errors`]): the
-    /// smallest that at least 95 % do not exceed, in percent of the pixels' own luminance.
+    /// smallest value that at least 95 % of them do not exceed, in percent of each pixel's own
+    /// luminance.
     pub p95_percent: f64,
-    /// Mean FLIP error for screens, 0 to 1 (Andersson et al. 2020), of both pictures with the
-    /// automatic exposure of the reference and the curve
-    /// [`ToneMap::Neutral`](crate::ToneMap::Neutral), at 67 pixels a degree. `None` without the
-    /// feature `flip`.
+    /// Mean FLIP error for screens, 0 to 1 (Andersson et al. 2020), at 67 pixels per degree. Both
+    /// pictures are shown with the automatic exposure of the reference and the curve
+    /// [`ToneMap::Neutral`](crate::ToneMap::Neutral). `None` without the feature `flip`.
     pub flip: Option<f64>,
     /// The noise of the reference itself: the root of the mean variance of its pixels, in percent.
     /// `None` if the variance is unknown.
@@ -36,9 +36,8 @@ pub struct ErrorFigures {
 }
 
 impl ErrorFigures {
-    /// Compares `ours` with `reference`. `variance` has, for each pixel, the variance of the
-    /// reference averaged over the channels: that of the mean over all samples, not of a single
-    /// sample.
+    /// Compares `ours` with `reference`. `variance` is the variance of each reference pixel's mean
+    /// over all samples (not of a single sample), averaged over the channels.
     ///
     /// # Errors
     /// [`CompareError`] when sizes differ, a value is not finite, or the reference is black.
@@ -76,7 +75,7 @@ impl ErrorFigures {
 }
 
 impl ErrorFigures {
-    /// The mean of figures of the same reference; `None` without figures.
+    /// The mean of several figures that share a reference; `None` if `figures` is empty.
     pub fn mean(figures: &[Self]) -> Option<Self> {
         let mean =
             |of: fn(&Self) -> f64| figures.iter().map(of).sum::<f64>() / figures.len() as f64;
@@ -96,7 +95,7 @@ impl ErrorFigures {
 }
 
 /// The signed relative error of each pixel, row by row from the top: the difference of luminance
-/// over the reference's luminance, or over [`DARKEST_SHARE`] times its mean if that is more.
+/// divided by the reference's luminance, or by [`DARKEST_SHARE`] times its mean if that is larger.
 /// Negative: too dark.
 ///
 /// # Errors
@@ -133,7 +132,7 @@ fn mean_square(values: impl Iterator<Item = f64>) -> f64 {
     sum / count as f64
 }
 
-/// By the nearest rank: of n values in order, number ceil(0.95 n), counted from 1.
+/// The nearest-rank percentile: of n sorted values, number ceil(0.95 n), counted from 1.
 fn percentile_95(errors: Vec<f64>) -> f64 {
     let mut errors: Vec<f64> = errors.into_iter().map(f64::abs).collect();
     let rank = (errors.len() * 95).div_ceil(100);

@@ -49,7 +49,7 @@ pub(super) fn decode(bytes: &[u8], layer: Option<&str>) -> Result<PictureFile, F
             pixel[index] = value;
         }
     }
-    // The luminance of (1, 1, 1) in cd/m²; a value without that meaning counts as absent.
+    // The luminance of (1, 1, 1) in cd/m². A value that cannot be a luminance is ignored.
     if let Some(unit) = attributes.white_luminance.filter(|unit| unit.is_normal() && *unit > 0.0) {
         rgb.as_flattened_mut().iter_mut().for_each(|value| *value *= unit);
     }

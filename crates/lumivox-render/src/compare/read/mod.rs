@@ -1,4 +1,4 @@
-//! Reading pictures: `OpenEXR`, Radiance, PNG, JPEG. The first bytes decide the format.
+//! Reading pictures: `OpenEXR`, Radiance, PNG, JPEG. The first bytes determine the format.
 
 use std::fmt::Display;
 use std::io::Cursor;
@@ -48,12 +48,12 @@ impl PictureFile {
     /// and `COLORCORR`), PNG or JPEG (decoded from sRGB, so that white is 1). Alpha is left out.
     ///
     /// `layer` is the `OpenEXR` layer to read: the name of a part, or the text before the last dot
-    /// of its channels' names, as in `full.R`. Without `layer`, it is the layer without a name,
-    /// else the first. It is ignored for files without named layers. Layers with only luminance
-    /// (`Y`) are grey.
+    /// of its channels' names, as in `full.R`. If it is `None`, the unnamed layer is read, or the
+    /// first layer if all have names. It is ignored for files without named layers. Layers with
+    /// only luminance (`Y`) are grey.
     ///
     /// # Errors
-    /// [`CompareError::Read`] when the file cannot be read, is of another kind, is broken, or has
+    /// [`CompareError::Read`] when the file cannot be read, has another format, is broken, or has
     /// more than 2^27 pixels; [`CompareError::Layer`] when it has layers, but none of that name.
     pub fn read(file: &Path, layer: Option<&str>) -> Result<Self, CompareError> {
         let bytes = read_regular(file)
@@ -96,7 +96,7 @@ fn linear_picture(image: DynamicImage, decode: impl Fn(f32) -> f32) -> LinearPic
     LinearPicture { size, rgb: image.pixels().map(|pixel| pixel.0.map(&decode)).collect() }
 }
 
-/// Pictures for screens.
+/// PNG and JPEG pictures.
 fn decode_screen(bytes: &[u8], format: ImageFormat) -> Result<LinearPicture, Fault> {
     let reader = || ImageReader::with_format(Cursor::new(bytes), format);
     let (width, height) = reader().into_dimensions().map_err(Fault::broken)?;
@@ -110,7 +110,7 @@ fn decode_radiance(bytes: &[u8]) -> Result<LinearPicture, Fault> {
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes)).map_err(Fault::broken)?;
     let meta = decoder.metadata();
     check_size(meta.width.into(), meta.height.into())?;
-    // The factor by which the pixels, once radiances, were multiplied.
+    // The factor by which the pixels were multiplied; dividing by it restores radiances.
     let exposure = meta.exposure.unwrap_or(1.0);
     let (r, g, b) = meta.color_correction.unwrap_or((1.0, 1.0, 1.0));
     let factors = [r, g, b].map(|correction| correction * exposure);

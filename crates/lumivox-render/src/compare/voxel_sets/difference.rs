@@ -9,17 +9,17 @@ pub struct SetDifference {
     pub voxels: u32,
     /// Voxels of the exact set that are not found.
     pub missing: u32,
-    /// Of those, the ones that are only touched: in the exact set they have no surface either.
+    /// Missing voxels that the exact set only touches: they contain no surface there either.
     pub missing_touched: u32,
     /// Voxels found that are not in the exact set.
     pub extra: u32,
     /// Share of the exact set's surface (the areas along the lobes) that is in missing voxels, 0 to 1.
     pub missing_area: f64,
-    /// The surface of all voxels found over that of the exact set.
+    /// The surface of all voxels found, divided by that of the exact set.
     pub area: f64,
-    /// Root of the mean squared difference of a voxel's reflectance, over the voxels in which both
-    /// have surface and over red, green and blue, equally weighted. A voxel's reflectance is the
-    /// mean over its faces, weighted by area. 0 if there is no such voxel.
+    /// Root of the mean squared difference of a voxel's reflectance, over red, green and blue
+    /// (equally weighted) of the voxels that have surface in both sets. A voxel's reflectance is
+    /// the mean over its faces, weighted by area. 0 if there is no such voxel.
     pub color_rmse: f64,
 }
 

@@ -17,12 +17,12 @@ use crate::{Gpu, RenderError};
 /// An occupied voxel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Voxel {
-    /// Its place in the grid, the bits of the coordinates interleaved, x in the lowest.
+    /// Position in the grid: interleaved bits of the coordinates, x in the lowest.
     pub morton: u32,
     /// The sum over its faces of the area along the lobe, in units of a voxel's side. 0 if the
     /// voxel is only touched.
     pub area: f32,
-    /// The mean over its faces, weighted by that area: the share of light reflected diffusely.
+    /// The diffuse reflectance: the mean over its faces, weighted by `area`.
     pub reflectance: Vec3,
 }
 
@@ -35,7 +35,7 @@ pub struct VoxelSet {
 }
 
 impl VoxelSet {
-    /// A set of voxels; their order does not matter.
+    /// Creates a set of voxels; their order does not matter.
     pub fn new(grid: Grid, mut voxels: Vec<Voxel>) -> Self {
         voxels.sort_by_key(|voxel| voxel.morton);
         Self { grid, voxels }
@@ -82,7 +82,7 @@ impl VoxelSet {
         &self.voxels
     }
 
-    /// The voxel at a place in Morton order, if it is occupied.
+    /// The voxel with a Morton code, if it is occupied.
     fn get(&self, morton: u32) -> Option<&Voxel> {
         let place = self.voxels.binary_search_by_key(&morton, |voxel| voxel.morton).ok()?;
         self.voxels.get(place)

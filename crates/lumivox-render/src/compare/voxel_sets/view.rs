@@ -1,5 +1,5 @@
-//! A picture of a set of voxels: cubes in their reflectance, with missing and extra voxels in
-//! colours of their own.
+//! A picture of a set of voxels: cubes with their reflectance; missing and extra voxels have marker
+//! colours.
 //!
 //! Each pixel's ray walks from cell to cell (Amanatides and Woo 1987) until it meets a voxel of
 //! either set, so missing voxels are visible as well. It runs on the CPU: it only reads bits, and
@@ -16,17 +16,17 @@ use crate::picture::srgb::srgb_encode;
 pub const MISSING_COLOR: Vec3 = Vec3::new(1.0, 0.0, 0.7);
 /// Linear colour of voxels that are found, but not in the exact set.
 pub const EXTRA_COLOR: Vec3 = Vec3::new(0.0, 0.8, 1.0);
-/// Linear colour of voxels that are touched without any surface in them.
+/// Linear colour of voxels that are touched, but contain no surface.
 const BARE_COLOR: Vec3 = Vec3::new(0.1, 0.1, 0.1);
 /// Linear colour of the background.
 const BACKGROUND: Vec3 = Vec3::new(0.01, 0.01, 0.012);
 
 /// Brightness of a cube's sides along x, y and z, so that its shape is visible.
 const SIDES: Vec3 = Vec3::new(0.72, 1.0, 0.86);
-/// Width of the outline of a cube's sides, as a share of its edge, and the light that it leaves.
+/// Width of the outline of a cube's sides, as a share of its edge, and its brightness factor.
 const OUTLINE_WIDTH: f64 = 0.05;
 const OUTLINE_LIGHT: f32 = 0.6;
-/// Rays along either edge of a pixel.
+/// Rays along each edge of a pixel.
 const RAYS: u32 = 2;
 
 /// Shows `found` against `exact`, as sRGB, row by row from the top.
@@ -73,8 +73,8 @@ fn reflectance(voxel: &Voxel) -> Vec3 {
     if voxel.area > 0.0 { voxel.reflectance } else { BARE_COLOR }
 }
 
-/// The outline as in the renderer's view of voxels: darker near the edges of a side, unless a pixel
-/// is as wide.
+/// The outline as in the renderer's voxel view: darker near the edges of a side; fades out where a
+/// pixel is as wide.
 fn outline(hit: &Hit, pixel_slope: f64) -> f32 {
     let from_corner = hit.position - hit.position.floor();
     let mut to_edge = from_corner.min(1.0 - from_corner);
@@ -113,7 +113,7 @@ impl Rays {
         }
     }
 
-    /// The direction through a place in pixels from the top left.
+    /// The direction through a position in pixels from the top left.
     fn direction(&self, at: DVec2) -> DVec3 {
         let from_middle = (at - 0.5 * self.size) * self.pixel_slope;
         (self.forward + from_middle.x * self.right - from_middle.y * self.up).normalize()
@@ -162,7 +162,7 @@ impl Cells {
     /// The first cell of the set on a ray; `direction` has unit length.
     fn first(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let size = self.size.as_dvec3();
-        // A direction along a plane never crosses it; infinities compare as they should.
+        // A direction parallel to a plane never crosses it; the infinities compare correctly.
         let (to_low, to_high) = (-origin / direction, (size - origin) / direction);
         let (enter, leave) = (to_low.min(to_high), to_low.max(to_high));
         let start = enter.max_element().max(0.0);

@@ -1,5 +1,4 @@
-// The encoded picture with the overlay over it: the same as tone_map.wgsl writes, with one more
-// texture.
+// Blends the overlay over the encoded picture. Like tone_map.wgsl, with one more texture.
 
 import package::render::picture::tone_map::{encode, picture, screen};
 

@@ -19,9 +19,9 @@ struct EdgeRange {
 @group(1) @binding(0) var<storage, read> positions: array<f32>;
 @group(1) @binding(1) var<storage, read> indices: array<u32>;
 
-// A line is at most this share of a small triangle's height, and at least this wide. A line thinner
-// than a pixel covers a share of its pixels' samples, so that dense lines fade instead of filling
-// the surface.
+// A line is at most this share of a small triangle's height wide, and at least `MIN_WIDTH`. A line
+// thinner than a pixel covers a share of the pixel's samples, so dense lines fade instead of
+// filling the surface.
 const SHARE_OF_HEIGHT: f32 = 0.2;
 const MIN_WIDTH: f32 = 0.1;
 
@@ -41,7 +41,7 @@ fn edge_vertex(
     let a = corner_in_clip(draw, first + edge % 3u);
     let b = corner_in_clip(draw, first + (edge + 1u) % 3u);
     let c = corner_in_clip(draw, first + (edge + 2u) % 3u);
-    // Above 0 where the triangle is counter-clockwise on the screen.
+    // Positive if the triangle is counter-clockwise on the screen.
     let facing = dot(a.xyw, cross(b.xyw, c.xyw));
     if ranges[draw].is_single_sided != 0u && segment_view.wire_is_tested != 0u && facing < 0.0 {
         return nowhere();

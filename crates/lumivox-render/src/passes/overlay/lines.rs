@@ -1,4 +1,4 @@
-//! Lines of the caller, and the grid's box.
+//! The caller's lines, and the grid's box.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -97,7 +97,7 @@ pub(super) fn all(overlay: &Overlay, grid: &Grid) -> Vec<OverlayLine> {
     faint.chain(full).chain(overlay.lines.iter().copied()).collect()
 }
 
-/// The twelve edges of the grid's bounds, or of those of each cascade.
+/// The twelve edges of the grid's bounds, or of each cascade's bounds.
 fn box_edges(grid: &Grid) -> Vec<(Vec3, Vec3)> {
     let edges = |(min, max)| {
         let corners = corners(Bounds { min, max });

@@ -1,16 +1,16 @@
 //! Overlays over a picture: edges of triangles, wire cubes of voxels, the grid's bounds, lines.
 //!
 //! An overlay is display-referred: its colours are those of a screen, neither exposed nor tone
-//! mapped. It has a texture of its own, in which frames are averaged like the picture's, so that
-//! the same jitter smooths its lines. It is blended over the encoded picture at the very end
+//! mapped. It has its own texture, in which frames are averaged like the picture's, so that the
+//! same jitter smooths its lines. It is blended over the encoded picture at the very end
 //! (`blend.wgsl`), and never changes radiance. In each frame coverage is all or nothing, so an edge
-//! that two triangles share gets no denser by being drawn twice.
+//! that two triangles share does not get denser when it is drawn twice.
 //!
 //! | file | draws |
 //! | --- | --- |
-//! | `segment.wgsl` | a line as a quad, a width in pixels wide, hidden behind the G-buffer's surfaces |
+//! | `segment.wgsl` | a line as a quad with a width in pixels, hidden behind the G-buffer's surfaces |
 //! | `edges.rs`, `edges.wgsl` | all edges of the scene's triangles, pulled from the buffers of rasterizer and voxelizer |
-//! | `lines.rs`, `lines.wgsl` | lines of the caller, and the grid's box |
+//! | `lines.rs`, `lines.wgsl` | the caller's lines, and the grid's box |
 //! | `voxels.rs`, `voxels.wgsl` | wire cubes, by a walk through the occupancy bits |
 //!
 //! While the overlay is off, it has no resources.
@@ -48,26 +48,27 @@ pub(crate) const WIREFRAME_WIDTH: f32 = 1.25;
 /// Width of the caller's lines and of the grid's box, in pixels.
 pub(crate) const LINE_WIDTH: f32 = 2.0;
 
-/// An overlay over the picture on a screen; pictures of radiance (OpenEXR) stay as they are.
+/// An overlay over the picture on a screen; OpenEXR pictures of radiance do not contain it.
 /// Default: nothing, at no cost.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlay {
     /// Edges of the scene's triangles. Default: none.
     pub wireframe: Wireframe,
-    /// Wire cubes of the voxels of [`RenderSettings::voxel_level`](crate::RenderSettings::voxel_level): outlines of
-    /// the faces between an occupied cell and an empty one. Default: none.
+    /// Wire cubes of the voxels at
+    /// [`RenderSettings::voxel_level`](crate::RenderSettings::voxel_level): outlines of the faces
+    /// between an occupied cell and an empty one. Default: none.
     pub wire_voxels: Wires,
-    /// Whether a plain background replaces a picture of surfaces, so that only the overlay is seen.
-    /// Surfaces still hide the parts of it behind them. Views of voxels are not replaced. Default:
-    /// no.
+    /// `true` replaces a picture of surfaces by a plain background, so that only the overlay is
+    /// visible. Surfaces still hide the parts of the overlay behind them. Views of voxels are not
+    /// replaced. Default: `false`.
     pub hides_surfaces: bool,
-    /// Whether the voxel grid's bounds are drawn; they are faint behind surfaces. Default: no.
+    /// `true` draws the voxel grid's bounds; they are faint behind surfaces. Default: `false`.
     pub grid_box: bool,
     /// Markers, selection boxes, gizmos. Default: none. Later lines are drawn over earlier ones.
     pub lines: Vec<OverlayLine>,
 }
 
-/// The edges of triangles that are drawn.
+/// Selects the edges of triangles to draw.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wireframe {
     /// None.
@@ -79,7 +80,7 @@ pub enum Wireframe {
     Through,
 }
 
-/// The wire cubes that are drawn.
+/// Selects the wire cubes to draw.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wires {
     /// None.
@@ -98,9 +99,10 @@ pub struct OverlayLine {
     pub from: Vec3,
     /// The other end, m; equal ends make a dot.
     pub to: Vec3,
-    /// sRGB-encoded colour as a screen shows it, 0 to 1, not multiplied by its coverage (0 to 1, the last).
+    /// sRGB-encoded colour as a screen shows it, and coverage in the last component, all 0 to 1;
+    /// the colour is not premultiplied.
     pub color: [f32; 4],
-    /// Whether surfaces hide it; otherwise it is visible through them.
+    /// `true` if surfaces hide it; otherwise it is visible through them.
     pub is_hidden_by_surfaces: bool,
 }
 

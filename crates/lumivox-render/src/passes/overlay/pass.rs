@@ -1,4 +1,4 @@
-//! Frames of an overlay, their mean, and blending it over the picture.
+//! Frames of an overlay, their mean, and the blend over the picture.
 
 use glam::UVec2;
 use lumivox::gpu::{
@@ -34,7 +34,7 @@ pub(crate) struct OverlayView<'a> {
     pub(crate) view: &'a CameraView,
     pub(crate) scene: &'a GpuScene,
     pub(crate) gi: &'a Gi,
-    /// The G-buffer of the same frame, if surfaces hide anything.
+    /// The G-buffer of the same frame; used if surfaces hide parts of the overlay.
     pub(crate) gbuffer: &'a GBuffer,
     pub(crate) surfaces: &'a GBufferTargets,
 }
@@ -52,7 +52,7 @@ pub(crate) struct OverlayPass {
     segment_view: Buffer,
     /// The records of the scene's draws, and the ranges of their triangles.
     draws: Option<(Buffer, Buffer)>,
-    /// The pipelines that were needed so far.
+    /// The pipelines created so far.
     edges: Option<Edges>,
     lines: Option<Lines>,
     voxels: Option<WireVoxels>,
@@ -61,7 +61,7 @@ pub(crate) struct OverlayPass {
 }
 
 impl OverlayPass {
-    /// Makes the textures, for a picture of that size.
+    /// Creates the textures for a picture of the given size.
     ///
     /// # Errors
     /// When a shader does not link.
@@ -108,7 +108,7 @@ impl OverlayPass {
         if self.shown == *shown { self.accumulate.frames() } else { 0 }
     }
 
-    /// Forgets the frames so far.
+    /// Discards the frames so far.
     pub(crate) fn reset(&mut self) {
         self.accumulate.reset();
     }
@@ -148,7 +148,7 @@ impl OverlayPass {
         Ok(())
     }
 
-    /// Makes the missing pipelines.
+    /// Creates missing pipelines.
     fn prepare(&mut self, gi: &Gi, is_new: bool) -> Result<(), ShaderError> {
         let device = gi.pipelines();
         let (overlay, shaders, layout) = (&self.shown.overlay, &self.shaders, &self.segment_layout);

@@ -1,4 +1,4 @@
-//! Common parts of edges and lines: the camera, the G-buffer that hides them, and the pipeline.
+//! Shared by edges and lines: the camera, the G-buffer that hides them, and the pipeline.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4, Vec4Swizzles as _};
@@ -8,7 +8,7 @@ use lumivox::gpu::{LayoutBuilder, Pipelines, ShaderError};
 
 use super::{Overlay, WIREFRAME_COLOR, WIREFRAME_WIDTH, Wireframe};
 
-/// Format of the texture of an overlay's frame, which can be blended.
+/// Format of the texture of an overlay's frame; it is blendable.
 pub(crate) const FRAME_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// `SegmentView` of `segment.wgsl`.
@@ -29,7 +29,7 @@ pub(crate) struct SegmentView {
 
 impl SegmentView {
     pub(super) fn new(view: &CameraView, overlay: &Overlay) -> Self {
-        // Infinitely far away, clip space consists of directions; w is not quite 0 if the matrix is
+        // At infinity, clip-space points are directions; w is not exactly 0 because the matrix is
         // rounded.
         let world_from_clip = view.clip_from_world.inverse();
         let ray = |column: Vec4| (column.xyz() - column.w * view.position).to_array();

@@ -1,14 +1,14 @@
-// Lines as quads of a width in pixels, optionally hidden by the surfaces of the G-buffer.
+// Lines as quads with a width in pixels, optionally hidden by the surfaces of the G-buffer.
 //
-// A quad is a little larger than the line; its fragments measure their distance from it. All
-// numbers are in pixels of the picture. Depths are those of the G-buffer, near / distance, which
-// are linear along a line on the screen.
+// A quad is a little larger than its line; fragments compute their distance from the line. All
+// lengths are in pixels of the picture. Depths are near / distance as in the G-buffer, which is
+// linear along a line on the screen.
 
 import package::trace::surface::octahedral_decode;
 
 struct SegmentView {
     clip_from_world: mat4x4f,
-    // The ray through a place in clip space is middle + x across + y up, all of the same depth.
+    // The ray through a point in clip space is middle + x across + y up, always at the same depth.
     ray_middle: vec3f,
     wire_is_tested: u32,
     ray_across: vec3f,
@@ -30,7 +30,7 @@ struct SegmentVertex {
     // Both ends, in pixels.
     @location(0) @interpolate(flat) ends: vec4f,
     @location(1) @interpolate(flat) depths: vec2f,
-    // Half the width, and above 0 if surfaces hide it.
+    // Half the width; the second component is above 0 if surfaces hide the line.
     @location(2) @interpolate(flat) half_width_and_test: vec2f,
     @location(3) @interpolate(flat) color: vec4f,
 }
@@ -43,23 +43,22 @@ struct SegmentFragment {
     @location(3) @interpolate(flat) color: vec4f,
 }
 
-// The distance beyond the picture's edge at which a line is cut, as a share of the picture: more
-// than any width.
+// Lines are clipped at this multiple of the picture's half size; the excess is more than any width.
 const BEYOND: f32 = 1.1;
-// The rounding of depths: the rasterizer's depths of large triangles are off by some 1e-5 of
-// themselves, and half floats of the normal turn a plane by 5e-4, seen a pixel away.
+// The error of depths: the rasterizer's depths of large triangles have a relative error of about
+// 1e-5, and storing the normal in half floats turns a plane by 5e-4, seen from a pixel away.
 const DEPTH_PRECISION: f32 = 1e-4;
-// The slope, in pixels, by which a line may be behind the surface: the steps of a curved surface
-// within a pixel.
+// A line may be behind the surface by this many pixels times the surface's slope: a curved surface
+// varies by that within a pixel.
 const SLOPE_PIXELS: f32 = 0.5;
-// Beyond this steepness the slope is not trusted.
+// The least cosine for which the slope is used; at steeper angles it is unreliable.
 const MIN_COS: f32 = 0.05;
 
 fn to_pixels(clip: vec4f) -> vec2f {
     return (vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5) * segment_view.size;
 }
 
-// The six corners of two triangles: the end in x, the side in y, from -1 to 1.
+// A corner of two triangles: x selects the end, y the side, from -1 to 1.
 fn quad_corner(vertex: u32) -> vec2f {
     let corner = array<u32, 6>(0u, 1u, 2u, 2u, 1u, 3u)[vertex % 6u];
     return vec2f(f32(corner >> 1u), f32(corner & 1u)) * 2.0 - 1.0;
@@ -70,7 +69,7 @@ fn nowhere() -> SegmentVertex {
     return SegmentVertex(vec4f(2.0, 2.0, 0.5, 1.0), vec4f(0.0), vec2f(0.0), vec2f(0.0), vec4f(0.0));
 }
 
-// A corner of the quad of a line between two places in clip space.
+// A corner of the quad of a line between two points in clip space.
 fn segment_corner(
     tail: vec4f,
     head: vec4f,
@@ -79,8 +78,8 @@ fn segment_corner(
     is_tested: bool,
     color: vec4f,
 ) -> SegmentVertex {
-    // The part in front of the near plane and not far outside the picture (Liang and Barsky 1984,
-    // "A new concept and method for line clipping", in homogeneous coordinates).
+    // Clip to the part in front of the near plane and not far outside the picture (Liang and Barsky
+    // 1984, "A new concept and method for line clipping", in homogeneous coordinates).
     var start = 0.0;
     var end = 1.0;
     for (var plane = 0u; plane < 5u; plane++) {
@@ -101,7 +100,7 @@ fn segment_corner(
             end = -1.0;
         }
     }
-    // NaN fails this comparison, too.
+    // NaN also fails this comparison.
     if !(start <= end) {
         return nowhere();
     }
@@ -114,7 +113,7 @@ fn segment_corner(
     if pixels > 1e-4 {
         along = (b - a) / pixels;
     }
-    // The ends are round; a little more is left for the rasterizer's own grid.
+    // Extends the ends for round caps, plus a margin for the rasterizer's grid.
     let reach = 0.5 * width + 0.1;
     let tip = select(a, b, corner.x > 0.0) + reach * (corner.x * along + corner.y * vec2f(-along.y, along.x));
     let ndc = (tip / segment_view.size - 0.5) * vec2f(2.0, -2.0);
@@ -132,9 +131,9 @@ fn ray_through(pixel: vec2f) -> vec3f {
     return segment_view.ray_middle + ndc.x * segment_view.ray_across + ndc.y * segment_view.ray_up;
 }
 
-// Whether the surface of a pixel hides a point of that depth, seen at `place`, within a line's
-// width. The point is compared with the surface's plane at that place: the edge of a surface is in
-// that plane, however steep it is.
+// Whether the surface of a pixel hides a point of the given depth at `place`, within a line's
+// width. The point is compared with the surface's plane at that position: the edge of a surface is
+// in that plane, however steep it is.
 fn is_hidden(pixel: vec2u, place: vec2f, depth: f32) -> bool {
     let surface = textureLoad(surface_depth, pixel, 0);
     let normal = octahedral_decode(textureLoad(surface_normals, pixel, 0).zw);

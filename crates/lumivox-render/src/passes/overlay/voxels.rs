@@ -27,7 +27,7 @@ pub(super) struct WireVoxels {
     kernel: Kernel,
     layout: wgpu::BindGroupLayout,
     settings: Buffer,
-    /// Takes the place of group 2: wires need no light.
+    /// Bound as group 2: wires need no light.
     nothing: BindGroup,
 }
 
@@ -62,7 +62,7 @@ impl WireVoxels {
         background: [f32; 4],
         frame: &TextureView,
     ) {
-        // Without voxels there is nothing to show; the occupancy exists once there is a list.
+        // Nothing to show without voxels; the occupancy only exists once there is a voxel list.
         let Some(voxels) = gi.voxels() else { return };
         let settings = WireSettings {
             color: WIRE_VOXEL_COLOR,

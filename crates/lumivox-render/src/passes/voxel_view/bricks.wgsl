@@ -1,8 +1,8 @@
-// The bricks of one level of an octree, pulled apart: each node's 3x3x3 texels are small cubes in
-// the node's place.
+// The bricks of one level of an octree, pulled apart: each node's 3x3x3 texels are small cubes
+// inside the node.
 //
-// The layer of a brick that belongs to its neighbours, the third texels along each axis, is tinted
-// orange: it repeats the neighbour's first cells.
+// The third texels along each axis are tinted orange: that layer belongs to the neighbours, and
+// repeats their first cells.
 
 import package::constants::ISOTROPIC;
 import package::grid::grid;
@@ -15,7 +15,7 @@ import package::trace::view::view;
 import package::volume::cells::atlas;
 import package::volume::parts::part_of;
 
-// The share of a texel's edge that is left free on each side.
+// The gap on each side of a texel, as a share of its edge.
 const GAP: f32 = 0.12;
 const NEIGHBOR_TINT: vec3f = vec3f(1.0, 0.42, 0.08);
 
@@ -26,7 +26,8 @@ fn load_texel(node: u32, offset: vec3u, part: u32) -> vec4f {
     return textureLoad(atlas, brick_origin(brick_of(node, part)) + offset, 0);
 }
 
-// The value of a texel seen from a direction: each side counts by how much it faces the viewer.
+// The value of a texel seen from a direction: each side is weighted by how much it faces the
+// viewer.
 fn texel_towards(node: u32, offset: vec3u, direction: vec3f) -> vec4f {
     if ISOTROPIC != 0u {
         return load_texel(node, offset, 0u);
@@ -44,7 +45,7 @@ struct TexelHit {
     radiance: vec3f,
 }
 
-// Through the texels of one node; `ray` is in texels, from the node's corner.
+// Walks through the texels of one node; `ray` is in texels, from the node's corner.
 fn first_texel(node: u32, ray: Ray) -> TexelHit {
     var walk = walk_into(ray.origin, ray.direction, vec3f(3.0));
     for (var step = 0u; step < 9u && walk.is_inside; step++) {

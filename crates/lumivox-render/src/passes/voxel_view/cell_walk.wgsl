@@ -3,22 +3,22 @@
 
 struct CellWalk {
     cell: vec3f,
-    // Where the ray entered the cell, and across which axis.
+    // The distance at which the ray entered the cell, and the axis across which it did.
     distance: f32,
     axis: u32,
-    // Where the ray crosses the next plane along each axis.
+    // The distance to the next plane along each axis.
     next: vec3f,
     inverse: vec3f,
     // -1 or 1 along each axis.
     forward: vec3f,
     size: vec3f,
-    // False once it has left the box.
+    // False once the walk has left the box.
     is_inside: bool,
 }
 
 // A walk into the box from 0 to `size`; `direction` has unit length.
 fn walk_into(origin: vec3f, direction: vec3f, size: vec3f) -> CellWalk {
-    // A direction along a plane never crosses it: a large number is used for infinity.
+    // A direction parallel to a plane never crosses it: a large number replaces infinity.
     let is_along = abs(direction) < vec3f(1e-12);
     let inverse = select(1.0 / direction, vec3f(1e30), is_along);
     let to_low = -origin * inverse;
@@ -59,7 +59,7 @@ fn walked_on(from_cell: CellWalk) -> CellWalk {
     return walk;
 }
 
-// The most cells that a walk can meet.
+// The most cells that a walk can visit.
 fn longest_walk(size: vec3f) -> u32 {
     return u32(size.x + size.y + size.z);
 }

@@ -22,8 +22,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
 }
 
-// Lit cells are yellow, the others grey, shaded by the visible side: whether a cell is lit at all
-// shows best without the amount.
+// Lit cells are yellow, the others grey, shaded by the visible side. The amount of light is not
+// shown, so that weakly lit cells stand out.
 @compute @workgroup_size(8, 8)
 fn lit(@builtin(global_invocation_id) invocation: vec3u) {
     let pixel = invocation.xy;

@@ -26,7 +26,7 @@ fn first_cube(ray: Ray, level: u32) -> Hit {
         let seen = load_cell(cell, up, ray.direction);
         if seen.a > MIN_OPACITY {
             // The radiance of the face along the view, if it has any: a wall and a floor that share
-            // a cell are each on their own side of the cube.
+            // a cell each light their own side of the cube.
             var inwards = vec3f(0.0);
             inwards[walk.axis] = walk.forward[walk.axis];
             let face = load_cell(cell, up, inwards);

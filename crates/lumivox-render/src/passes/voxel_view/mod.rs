@@ -3,10 +3,10 @@
 //! *Voxels*: cells as cubes; a cube's face shows the radiance of its cell through that face,
 //! without the cell's opacity, and faint outlines separate cubes. *Lit*: the cells that light
 //! reaches. For an octree also *nodes*, the boxes around the cells of a level, and *bricks*, their
-//! texels with the layer of their neighbours.
+//! texels including the neighbours' layer.
 //!
 //! *Wire voxels*: the cubes' outlines, found in the occupancy bits of the voxel list; the overlay's
-//! wire cubes use the same walk. *Lod*: the volume's content at the visible surfaces. Each is
+//! wire cubes use the same walk. *Lod*: the volume's content at the visible surfaces. Each view is
 //! linked when it is first shown.
 
 use std::collections::HashMap;
@@ -45,7 +45,7 @@ pub struct VoxelViewPass {
 }
 
 impl VoxelViewPass {
-    /// Makes the bind group; the pass writes into `targets` in place of the composite.
+    /// Creates the bind group; the pass writes into `targets` in place of the composite.
     pub fn new(device: &Pipelines, shaders: &ShaderLibrary, targets: &CompositeTargets) -> Self {
         let base = LayoutBuilder::compute()
             .uniform()
@@ -62,9 +62,10 @@ impl VoxelViewPass {
         Self { shaders, kernels, wires_layout, layout, settings, group, picture }
     }
 
-    /// Draws a level for a camera of this vertical field of view. Both take effect at the next
-    /// submission: one frame per recorder. A view that is not of voxels, or that the volume cannot
-    /// show, is drawn as [`View::Voxels`]. [`View::Lod`] needs the G-buffer of this frame.
+    /// Draws a level for a camera with the given vertical field of view. Level and field of view
+    /// take effect at the next submission: one frame per recorder. A view that is not of voxels, or
+    /// that the volume cannot show, is drawn as [`View::Voxels`]. [`View::Lod`] needs the G-buffer
+    /// of this frame.
     ///
     /// # Errors
     /// When a shader does not link.
@@ -120,7 +121,7 @@ impl VoxelViewPass {
     }
 }
 
-/// The view that is drawn for another one that is not of voxels, or whose data does not exist.
+/// The view to draw instead if `view` is not of voxels, or its data does not exist.
 fn shown(view: View, gi: &Gi) -> View {
     let is_octree = matches!(gi.config().volume, VolumeKind::Octree(_));
     match view {

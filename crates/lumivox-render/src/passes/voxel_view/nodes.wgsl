@@ -1,6 +1,6 @@
 // The nodes of one level of an octree as wire boxes around their cells.
 //
-// Blue: nodes with cells of their own. Orange: nodes that exist only for their neighbours.
+// Blue: nodes with their own cells. Orange: nodes that exist only for their neighbours.
 
 import package::grid::grid;
 import package::volume::octree::search::{find_node, node_parts};
@@ -42,7 +42,7 @@ fn first_line(ray: Ray, level: u32, end: f32) -> vec4f {
         let node_cell = vec3u(walk.cell);
         let parts = node_parts(find_node(node_cell, level));
         if parts != 0u {
-            // The face through which the ray comes in, and the one through which it goes out.
+            // The face through which the ray enters, and the one through which it leaves.
             let leave_axis = next_axis(walk);
             let leave = walk.next[leave_axis];
             let width = LINE_WIDTH * voxel_view_settings.pixel_slope;
@@ -71,7 +71,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     if hit.is_hit {
         let side = array<f32, 3>(0.3, 0.42, 0.22)[hit.axis];
         shown = vec4f(vec3f(side) * outline(hit.position, hit.axis, hit.distance), 1.0);
-        // A line right on the surface is in front of it.
+        // The margin keeps a line that coincides with the surface in front of it.
         end = 0.5 * hit.distance + 0.01;
     }
     let line = first_line(pixel_ray(pixel, level + 1u), level + 1u, end);

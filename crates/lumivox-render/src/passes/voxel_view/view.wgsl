@@ -1,11 +1,11 @@
-// The shared parts of all views of voxels: settings, picture, a pixel's ray, outlines.
+// Shared by all views of voxels: settings, picture, a pixel's ray, outlines.
 
 import package::cascades::lowest_cell;
 import package::grid::grid_from_world;
 import package::trace::view::{position_from_depth, view};
 
 struct VoxelViewSettings {
-    // The level of cells that is shown.
+    // The level of the cells to show.
     level: u32,
     // Height of a pixel at a distance of 1.
     pixel_slope: f32,
@@ -16,16 +16,16 @@ struct VoxelViewSettings {
 @group(1) @binding(0) var<uniform> voxel_view_settings: VoxelViewSettings;
 @group(1) @binding(1) var picture: texture_storage_2d<rgba32float, write>;
 
-// A depth at which two points of a ray are far enough apart for f32 to resolve its direction: a
-// thousand times the distance of the near plane.
+// A depth at which two points of a ray are far enough apart for f32 to resolve the ray's direction:
+// a thousand times the distance of the near plane.
 const FAR_DEPTH: f32 = 0.001;
-// Cells that cover less count as empty: half floats cannot hold their radiance to 1 %.
+// Cells with less opacity count as empty: half floats cannot store their radiance to 1 %.
 const MIN_OPACITY: f32 = 0.001;
-// The width of the outline of a cube's faces, as a share of its edge, and the light that it leaves.
+// The width of the outline of a cube's faces, as a share of its edge, and its brightness factor.
 const OUTLINE_WIDTH: f32 = 0.04;
 const OUTLINE_LIGHT: f32 = 0.7;
 
-// In units of cells of a level, from the corner of their box.
+// A ray in units of cells of a level, from the corner of their box.
 struct Ray {
     origin: vec3f,
     // Unit length.

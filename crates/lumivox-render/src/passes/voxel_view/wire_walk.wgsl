@@ -1,8 +1,8 @@
 // Wire cubes along a pixel's ray: the outlines of faces between an occupied cell and an empty one.
 //
-// The walk follows the occupancy bits of the voxel list, from block to block: an empty block of a
-// coarser level is crossed in one step, and the next one tried is twice as large; a block that is
-// not empty is searched.
+// The walk uses the occupancy bits of the voxel list, block by block: an empty block of a coarser
+// level is crossed in one step, and the next block tried is twice as large; a block that is not
+// empty is searched.
 
 import package::cascades::{box_size, lowest_cell, shown_cascade, stored_from_corner};
 import package::grid::{grid, grid_from_world};
@@ -15,9 +15,9 @@ import package::voxels::morton::morton_encode;
 
 // Half the width of a line in pixels.
 const HALF_WIDTH: f32 = 0.55;
-// Where a pixel is a larger share of a cell than this, lines fade by as much as they get denser.
+// If a pixel is wider than this share of a cell, lines fade in proportion to their density.
 const DENSEST: f32 = 0.15;
-// A ray that is covered to this share hides everything behind it.
+// A ray with at least this coverage hides everything behind it.
 const COVERED: f32 = 0.99;
 
 struct Wires {
@@ -34,7 +34,7 @@ struct PixelRay {
     down: vec3f,
 }
 
-// The cascade, the level less the cascade, its first bit, and its cells along each axis.
+// The cascade, the level minus the cascade, its first bit, and its cells along each axis.
 struct LevelBits {
     cascade: u32,
     up: u32,
@@ -42,7 +42,7 @@ struct LevelBits {
     size: vec3i,
 }
 
-// The cell is given from its box's corner.
+// `cell` is relative to its box's corner.
 fn has_voxel(cell: vec3u, up: u32, cascade: u32, first_word: u32) -> bool {
     let code = morton_encode(stored_from_corner(cell, up, cascade));
     return ((occupancy[first_word + code / 32u] >> (code & 31u)) & 1u) != 0u;
@@ -70,11 +70,11 @@ fn outline_of(
             ray.across[beside] - lean * ray.across[axis],
             ray.down[beside] - lean * ray.down[axis],
         );
-        // Cells that a pixel is wide.
+        // The width of a pixel in cells.
         let pixel = max(distance * length(step), 1e-12);
         let pixels_off = abs(position[beside] - edge) / pixel;
-        // Half of a line is on this face, the other half on the next; at the outermost visible
-        // edges there is no next one.
+        // Half of a line is on this face, the other half on the adjacent one; the outermost visible
+        // edges have no adjacent face.
         let is_high = edge > f32(cell[beside]) + 0.5;
         var width = HALF_WIDTH;
         if is_entry && pixels_off < 2.0 * HALF_WIDTH && (ray.direction[beside] > 0.0) == is_high {
@@ -90,7 +90,7 @@ fn outline_of(
     return coverage;
 }
 
-// The wires of a level that a pixel shows, up to the distance `end` in cells.
+// The wires of a level in a pixel, up to the distance `end` in cells.
 fn wires_along(pixel: vec2u, level: u32, end: f32) -> Wires {
     let direction = ray_direction(pixel);
     let ray = PixelRay(
@@ -110,14 +110,14 @@ fn wires_along(pixel: vec2u, level: u32, end: f32) -> Wires {
     var cell = vec3i(entry.cell);
     var axis = entry.axis;
     var distance = entry.distance;
-    // The present block is this many levels coarser; its level's bits begin here.
+    // The current block is `up` levels coarser; its level's bits begin at `first_word`.
     var up = 0u;
     var first_word = own.first_word;
     var words = level_words(stored_level);
 
     var before = cell;
     var was_there = false;
-    // No face is crossed in the cell where the ray begins.
+    // No face is crossed in the cell that contains the ray's origin.
     var has_face = distance > 0.0;
     var wires = Wires(0.0, vec3u(0u));
     var is_done = !entry.is_inside;

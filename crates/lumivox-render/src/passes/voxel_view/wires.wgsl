@@ -6,7 +6,7 @@ import package::render::passes::voxel_view::wire_walk::wires_along;
 import package::trace::view::view;
 import package::volume::load_cell;
 
-// The light that a cell emits, over all sides; it is given from its box's corner.
+// The light that a cell emits, over all sides; `cell` is relative to its box's corner.
 fn light_of(cell: vec3u, level: u32) -> vec3f {
     let cascade = shown_cascade(level);
     let stored = stored_from_corner(cell, level - cascade, cascade);

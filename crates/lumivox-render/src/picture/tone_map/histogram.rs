@@ -3,8 +3,8 @@
 use super::MIDDLE_GREY;
 
 /// Pixels counted by luminance in steps of a quarter of a stop, from 2^-14 cd/m² (a moonless night)
-/// to 2^22 (an incandescent filament). Darker pixels, such as black, and brighter ones are in the
-/// first and the last bin.
+/// to 2^22 (an incandescent filament). Darker pixels, including black, are in the first bin,
+/// brighter ones in the last.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Histogram {
     /// The number of pixels in each bin.
@@ -30,24 +30,26 @@ impl Histogram {
         Self { bins }
     }
 
-    /// The position of a luminance, given its logarithm to base 2, in bins from the start of the
-    /// first.
+    /// The position of a luminance, given its base-2 logarithm, in bins from the start of the first
+    /// bin.
     fn place(log2_luminance: f64) -> f64 {
         (log2_luminance - f64::from(Self::FIRST_STOP)) * Self::BINS_PER_STOP as f64
     }
 
-    /// The position of middle grey at an exposure in stops, in bins from the start of the first.
+    /// The position of middle grey at an exposure in stops, in bins from the start of the first
+    /// bin.
     pub fn middle_grey(stops: f32) -> f32 {
         Self::place(MIDDLE_GREY.log2() - f64::from(stops)) as f32
     }
 
     /// The position of white, the end of the screen's range, at an exposure in stops, before a
-    /// curve is applied.
+    /// curve is applied; in bins from the start of the first bin.
     pub fn white(stops: f32) -> f32 {
         Self::place(-f64::from(stops)) as f32
     }
 
-    /// The share of the pixels that are brighter than white at an exposure in stops, to a bin.
+    /// The share of the pixels that are brighter than white at an exposure in stops, accurate to a
+    /// bin.
     pub fn share_above_white(&self, stops: f32) -> f32 {
         let first = (Self::white(stops).max(0.0) as usize).min(Self::BINS);
         let sum = |bins: &[u32]| bins.iter().map(|count| u64::from(*count)).sum::<u64>();

@@ -29,11 +29,11 @@ const SCREEN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// The middle grey that automatic exposure aims at (Reinhard et al. 2002, section 3.1).
 const MIDDLE_GREY: f64 = 0.18;
-/// The target for the luminance that a fifth of the surface exceeds, such as the ground of a
-/// studio: white things beside it are then nearly white, and no large surface is clipped; a patch
-/// of sun may be.
+/// Automatic exposure maps the luminance that a fifth of the surface exceeds, such as the ground of
+/// a studio, to this value: white objects beside it are then nearly white, and no large surface is
+/// clipped. A patch of sun may be.
 const LIGHT_GREY: f64 = 0.6;
-/// The most stops by which that may darken or brighten the mean.
+/// The most stops by which that may darken and brighten the result, relative to a middle-grey mean.
 const UNDER_AND_OVER: [f32; 2] = [2.0, 1.5];
 /// The range that cameras expose for, in EV at ISO 100: from a landscape under stars to snow in
 /// full sun (ANSI PH2.7-1986, "Photographic exposure guide", table 1).
@@ -44,8 +44,8 @@ const METER_CD_M2: f64 = 0.125;
 const SHOWN: f64 = 1e-3;
 /// The linear value of that code: IEC 61966-2-1.
 const FIRST_CODE: f64 = 1.0 / (255.0 * 12.92);
-/// Pixels darker than this share of the picture's mean luminance do not count: black has no
-/// logarithm, and in a view of direct light half of a picture may be black.
+/// Pixels darker than this share of the picture's mean luminance are ignored: black has no
+/// logarithm, and half of a direct-light view may be black.
 const DARKEST: f64 = 1e-3;
 
 /// The encoding of a picture for a screen.
@@ -58,12 +58,12 @@ pub enum Encoding {
         /// The curve.
         curve: ToneMap,
     },
-    /// Data: the code from 0 to 1 is `scale` times the number, plus `offset` where there is a
-    /// surface.
+    /// Data: the value, times `scale`, plus `offset` where there is a surface, is the code from 0
+    /// to 1.
     Data {
         /// The factor.
         scale: f32,
-        /// The number that is added.
+        /// The added value.
         offset: f32,
     },
     /// The first channel times `scale`, from 0 to 1, as colours from dark violet to yellow.
@@ -71,7 +71,7 @@ pub enum Encoding {
         /// The factor.
         scale: f32,
     },
-    /// The logarithm to base 2 of 1 plus the first channel, times `scale`, in the same colours.
+    /// The base-2 logarithm of 1 plus the first channel, times `scale`, in the same colours.
     LogHeat {
         /// The factor.
         scale: f32,
@@ -99,7 +99,7 @@ pub struct ToneMapPass {
 }
 
 impl ToneMapPass {
-    /// Makes the pipeline and the texture that it writes.
+    /// Creates the pipeline and the texture that it writes.
     ///
     /// # Errors
     /// When the shader does not link.
@@ -124,7 +124,7 @@ impl ToneMapPass {
         self.kernel.run(recorder, &[&group], [self.size.x, self.size.y, 1]);
     }
 
-    /// The same with a kernel that blends one more texture over the result.
+    /// Like [`Self::record`], with a kernel that blends one more texture over the result.
     pub(crate) fn record_below(
         &self,
         recorder: &mut Recorder,
@@ -140,7 +140,7 @@ impl ToneMapPass {
         kernel.run(recorder, &[&group], [self.size.x, self.size.y, 1]);
     }
 
-    /// The bindings of `tone_map.wgsl`, to which others may add theirs.
+    /// The bindings of `tone_map.wgsl`, to which other shaders can add theirs.
     pub(crate) fn layout() -> LayoutBuilder {
         LayoutBuilder::compute()
             .uniform()
@@ -188,7 +188,7 @@ impl From<Encoding> for ToneMapSettings {
 }
 
 impl Exposure {
-    /// The stops, if they do not depend on a picture.
+    /// The stops; `None` if they depend on the picture.
     pub fn fixed_stops(self) -> Option<f32> {
         match self {
             Self::Auto | Self::AutoEach => None,
@@ -196,8 +196,8 @@ impl Exposure {
         }
     }
 
-    /// The stops for a picture of radiances (rgb, and in a whether there is a surface) in cd/m²:
-    /// see [`Exposure::meter`].
+    /// The stops for a picture of radiances in cd/m² (rgb; a is 1 where there is a surface): see
+    /// [`Exposure::meter`].
     pub fn stops(self, picture: &[[f32; 4]]) -> f32 {
         match self {
             Self::Stops(stops) => stops,
@@ -209,9 +209,9 @@ impl Exposure {
     ///
     /// Automatic exposure maps the geometric mean of the surfaces' luminance to 0.18 (Reinhard et
     /// al. 2002, "Photographic tone reproduction for digital images", equation 1). From there it
-    /// changes by 1.5 stops up or two down, so that the luminance that only a fifth of the surfaces
-    /// exceeds becomes a light grey. It stays within [`EV100_RANGE`]; a picture without light or
-    /// surfaces is left as it is.
+    /// moves by up to 1.5 stops up or two down, so that the luminance that only a fifth of the
+    /// surfaces exceeds becomes a light grey. It stays within [`EV100_RANGE`]; the stops of a
+    /// picture without light or surfaces are 0.
     pub fn meter(self, picture: &[[f32; 4]]) -> Metering {
         let (automatic, wanted) = automatic(picture);
         let stops = self.fixed_stops().unwrap_or(automatic);
@@ -236,7 +236,7 @@ impl Exposure {
     }
 }
 
-/// The measurements of a picture's light.
+/// The light measurements of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metering {
     /// The exposure of the picture, in stops.
@@ -247,7 +247,7 @@ pub struct Metering {
     pub histogram: Option<Histogram>,
 }
 
-/// Why a camera would not take such a picture.
+/// Why a camera would not expose such a picture well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ExposureWarning {
     /// All but a thousandth of the picture is black.
@@ -285,7 +285,7 @@ impl std::fmt::Display for ExposureWarning {
     }
 }
 
-/// The exposure at which a meter's mean luminance becomes middle grey.
+/// The exposure in stops at which the mean luminance of a meter becomes middle grey.
 fn stops_of(ev100: f32) -> f32 {
     (MIDDLE_GREY / METER_CD_M2).log2() as f32 - ev100
 }
@@ -294,7 +294,7 @@ fn ev100(stops: f32) -> f32 {
     stops_of(stops)
 }
 
-/// The stops of automatic exposure, with and without limits.
+/// The stops of automatic exposure, with and without the limits of [`EV100_RANGE`].
 fn automatic(picture: &[[f32; 4]]) -> (f32, f32) {
     let Some(grey) = middle_grey_stops(picture) else { return (0.0, 0.0) };
     let mut lit: Vec<f64> = surfaces(picture).collect();
@@ -306,8 +306,8 @@ fn automatic(picture: &[[f32; 4]]) -> (f32, f32) {
     (wanted.clamp(stops_of(*EV100_RANGE.end()), stops_of(*EV100_RANGE.start())), wanted)
 }
 
-/// The stops that make the geometric mean of the surfaces' luminance a middle grey; `None` without
-/// light.
+/// The stops at which the geometric mean of the surfaces' luminance becomes middle grey; `None`
+/// without light.
 pub(crate) fn middle_grey_stops(picture: &[[f32; 4]]) -> Option<f32> {
     geometric_mean(picture).map(|mean| (MIDDLE_GREY / mean).log2() as f32)
 }
@@ -348,7 +348,7 @@ mod tests {
 
     #[test]
     fn middle_grey_is_the_geometric_mean_of_surfaces() {
-        // The last but black is below a thousandth of the mean, and does not count.
+        // The pixel before black is below a thousandth of the mean, so it is ignored.
         let stops = middle_grey_stops(&[grey(4.0), grey(1.0), SKY, grey(1e-3), BLACK]).unwrap();
         assert!((stops - (0.18_f32 / 2.0).log2()).abs() < 1e-5, "{stops}");
         for dark in [&[SKY][..], &[[0.0; 4]], &[BLACK], &[]] {
@@ -358,7 +358,8 @@ mod tests {
         assert_eq!(Exposure::Stops(-3.0).stops(&[grey(4.0)]), -3.0);
     }
 
-    /// A white thing before a grey ground is nearly white, a black one is black, and the ground stays grey.
+    /// A white object before a grey ground is nearly white, a black one is black, and the ground
+    /// stays grey.
     #[test]
     fn white_is_nearly_white() {
         let shown = |thing: f32, covered: usize| {
@@ -376,7 +377,7 @@ mod tests {
             let (black, ground) = shown(0.02, covered);
             assert!(black < 0.06 && ground <= 0.65, "{covered} %: {black} {ground}");
         }
-        // A lit window in a dark room may burn out.
+        // A lit window in a dark room may be clipped.
         let mut room = vec![grey(10.0); 90];
         room.extend([grey(3000.0); 10]);
         assert!(Exposure::Auto.stops(&room).exp2() * 10.0 > 0.08);
@@ -385,7 +386,7 @@ mod tests {
     #[test]
     fn what_no_camera_would_do_is_told() {
         let meter = |luminance: f32| Exposure::Auto.meter(&[grey(luminance); 50]);
-        // Its brightest is its mean here: 1.5 stops over grey.
+        // Its brightest fifth equals its mean here: 1.5 stops above grey.
         let lit = meter(100.0);
         assert!((lit.stops - (0.18_f32 / 100.0).log2() - 1.5).abs() < 1e-5, "{lit:?}");
         assert_eq!(lit.warning, None);
@@ -403,7 +404,7 @@ mod tests {
         assert!((bright.stops + 16.47).abs() < 0.01, "{bright:?}");
         assert!(matches!(bright.warning, Some(ExposureWarning::TooBright { .. })));
         assert_eq!(Exposure::Auto.meter(&[BLACK; 9]).warning, Some(ExposureWarning::Black));
-        // A fixed exposure gives no warning, unless nothing is seen.
+        // A fixed exposure gives no warning, unless the picture is black.
         assert_eq!(Exposure::Stops(3.0).meter(&[grey(1e-3); 9]).warning, None);
         assert_eq!(
             Exposure::Stops(-30.0).meter(&[grey(1.0); 9]).warning,

@@ -1,4 +1,4 @@
-// From radiance or data to the 8 bits a channel of a screen. It does not use the grid: its own
+// From radiance or data to the screen's 8 bits a channel. It does not use the grid: its own
 // bindings are in group 0.
 
 import package::constants::{

@@ -1,11 +1,13 @@
 //! The table of all settings of a rendering.
 //!
-//! Each row says of a setting its names, group, unit, range, meaning, what is made again when it changes, and how it is
-//! read and written. Validation, options of command lines, consoles, panels, scripts, reports and declarations for
-//! JavaScript are all made from it; [`Parameter::default`] computes what a preset gives. Rows live where the settings do:
-//! those of the cones in [`TraceSettings::SETTINGS`], all others of this crate in `table.rs`. A [look](crate::look) and
-//! the library's [hooks](lumivox::hooks) bring rows of their own, made by [`Parameter::own`] and [`Parameter::of_part`];
-//! whoever offers them adds their rows, as `lumivox-explorer` does.
+//! Each row describes a setting: its names, group, unit, range, meaning, the work that a change
+//! redoes, and how it is read and written. Validation, command-line options, consoles, panels,
+//! scripts, reports and declarations for JavaScript are all generated from it;
+//! [`Parameter::default`] computes the value in a preset. Rows are defined next to the settings:
+//! those of the cones in [`TraceSettings::SETTINGS`], all others of this crate in `table.rs`. A
+//! [look](crate::look) and the library's [hooks](lumivox::hooks) have rows of their own, made by
+//! [`Parameter::own`] and [`Parameter::of_part`]; the program that offers them adds their rows,
+//! like `lumivox-explorer`.
 
 mod choices;
 mod table;
@@ -27,20 +29,20 @@ pub struct Parameter {
     pub name: &'static str,
     /// Other names.
     pub aliases: &'static [&'static str],
-    /// The group in which it is shown.
+    /// The group that shows it.
     pub group: Group,
-    /// The unit of its numbers; empty without one.
+    /// The unit of its numbers; empty if it has none.
     pub unit: &'static str,
     /// Its meaning, in one sentence without a full stop.
     pub summary: &'static str,
-    /// More about it, in sentences; may be empty.
+    /// Further explanation in sentences; may be empty.
     pub help: &'static str,
     /// The kind and range of its values.
     pub kind: Kind,
-    /// Words that each set one of its values.
+    /// Words that set particular values.
     pub shorthands: &'static [(&'static str, Value)],
-    /// The setting, and its value, without which this one has no effect. Setting this one sets that
-    /// one, too.
+    /// Another setting and the value it needs, or this one has no effect. Setting this one also
+    /// sets the other.
     pub needs: Option<(&'static str, &'static str)>,
     /// The work that a change redoes.
     pub redoes: Redoes,
@@ -154,7 +156,7 @@ impl Parameter {
         PARAMETERS.iter().find(|parameter| parameter.names().any(|known| known == name))
     }
 
-    /// The name and the aliases.
+    /// The name and its aliases.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         [self.name].into_iter().chain(self.aliases.iter().copied())
     }
@@ -186,18 +188,17 @@ impl Parameter {
         (self.set)(settings, value);
     }
 
-    /// Parses a value: a number, a choice's name, `on` or `off`, the word for a value without a
-    /// number.
+    /// Parses a value: a number, a choice's name, `on` or `off`, or the word for no number.
     ///
     /// # Errors
-    /// [`SettingError`], which names the allowed values.
+    /// [`SettingError`], which lists the allowed values.
     pub fn parse(&self, text: &str) -> Result<Value, SettingError> {
         let value = self.kind.parse(text, self.unit).ok_or_else(|| self.error(text))?;
         if self.kind.allows(value) { Ok(value) } else { Err(self.error(text)) }
     }
 
-    /// Whether it has an effect in these settings: an option of the octree only has one with an
-    /// octree.
+    /// Whether the setting has an effect in these settings: an option of the octree only has one
+    /// with an octree.
     pub fn means_something(&self, settings: &RenderSettings) -> bool {
         self.needs.is_none_or(|(name, value)| match name {
             "look" => settings.look_name() == value,
