@@ -1,22 +1,23 @@
-//! Writing a file as a whole or not at all.
+//! Atomic file writes: the whole file or nothing.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-/// Writes a file under a temporary name in the folder of `path`, and renames it when all of it is
-/// on the disk: a reader finds the old file or the whole new one.
+/// Writes a temporary file in the folder of `path` and renames it once all of it is on the disk: a
+/// reader finds either the old file or the complete new one.
 ///
 /// # Errors
-/// The error of `write` or of the system; then the old file is still there, and nothing else.
+/// The error of `write` or of the system; the old file is then unchanged, and no temporary file is
+/// left.
 pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> std::io::Result<()>,
 ) -> std::io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut builder = tempfile::Builder::new();
-    // Made here, it has the permissions of every new file; `tempfile`'s own are private to the
-    // user.
+    // Created here, so that it has the permissions of any new file; `tempfile` makes its own
+    // private to the user.
     let file =
         builder.prefix(".").suffix(".part").make_in(folder, |name| File::create_new(name))?;
     let mut out = BufWriter::with_capacity(1 << 20, file.as_file());

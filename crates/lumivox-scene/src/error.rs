@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// The file's extension is not that of a known format.
+    /// The file's extension does not belong to a known format.
     #[error(
         "{}: cannot tell the format from the extension \"{extension}\"; {}",
         file.display(), readable()
@@ -19,7 +19,7 @@ pub enum SceneError {
         extension: String,
     },
 
-    /// A format that is left out of this build.
+    /// The format's feature is disabled in this build.
     #[error(
         "{}: this build does not read {format}; build it with the feature {feature} of lumivox-scene, \
          or convert the file with a program that reads it (lumivox convert)",
@@ -86,7 +86,7 @@ pub enum SceneError {
         reason: String,
     },
 
-    /// The file is something else than its name says: an archive, a web page, a pointer.
+    /// The file is not what its name says: an archive, a web page, a pointer.
     #[error("{}: {kind}", file.display())]
     OtherKind {
         /// The file.
@@ -132,7 +132,7 @@ pub enum SceneError {
         remedy: &'static str,
     },
 
-    /// The file says that it cannot be shown without an extension that is not supported.
+    /// The file requires an extension that is not supported.
     #[error(
         "{}: requires the glTF extension {}, which is not supported; re-export without it, or see \
          what is left without it (--ignore-required); supported: {}",
@@ -302,7 +302,7 @@ pub enum SceneError {
         known: Vec<String>,
     },
 
-    /// An animation hides everything at a time.
+    /// An animation hides everything at this time.
     #[error(
         "{}: nothing is visible at {time_s} s, all meshes are scaled to nothing; choose another \
          time or animation",
@@ -316,7 +316,7 @@ pub enum SceneError {
     },
 }
 
-/// The files to give instead of one of an unknown format.
+/// The readable formats, for the error about an unknown one.
 fn readable() -> String {
     if crate::EXTENSIONS.is_empty() {
         return "this build reads no files, turn on a feature of lumivox-scene such as gltf"
@@ -325,7 +325,7 @@ fn readable() -> String {
     format!("give a {} file", crate::extensions_in_words())
 }
 
-/// Lists names in a message; a file may have thousands.
+/// Lists names in a message, shortened: a file may have thousands.
 fn list(names: &[String]) -> String {
     const MOST: usize = 20;
     if names.is_empty() {

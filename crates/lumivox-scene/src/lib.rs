@@ -2,7 +2,7 @@
 //!
 //! The world is right-handed with y up and lengths in metres (the convention of glTF 2.0, section
 //! 3.4). Light is in photometric units: luminance in cd/m², illuminance in lux, intensity in
-//! candela. This crate does not know GPUs; renderers upload its scenes.
+//! candela. This crate has no GPU code; renderers upload its scenes.
 //!
 //! A [`Scene`] comes from [`Scene::load`] (a glTF, OBJ, PLY, STL or VXCT file), from
 //! [`builtin::scene`] (made in code, see [`builtin::names`]), from [`rooms::room`] (made at random), or
@@ -22,10 +22,10 @@
 //!
 //! # Features
 //!
-//! A feature for each family of formats, all of them on by default. A file of a format that is left
-//! out is refused with the feature's name ([`SceneError::LeftOut`]).
+//! One feature for each family of formats, all on by default. If a format's feature is off, loading
+//! its files returns an error that names the feature ([`SceneError::LeftOut`]).
 //!
-//! | feature | brings |
+//! | feature | adds |
 //! | --- | --- |
 //! | `gltf` | [`Scene::load`] of `.gltf` and `.glb`, with Draco, meshopt and KTX2; animations |
 //! | `obj` | `.obj` with `.mtl` and textures |
@@ -34,8 +34,8 @@
 //! | `panoramas` | `EnvironmentMap::load` and `from_memory`: Radiance, OpenEXR, PNG, JPEG |
 //! | `save` | `Scene::save_glb` and `to_glb` |
 //!
-//! Without any there are scenes made in code, the computed sky, cameras and light for scenes that
-//! have none.
+//! Without any features there are scenes made in code, the computed sky, and cameras and light for
+//! scenes that have none.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(

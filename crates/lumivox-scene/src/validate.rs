@@ -48,7 +48,7 @@ pub(crate) fn validate(scene: &mut Scene, file: &Path) -> Result<(), SceneError>
             ),
         });
     }
-    // The rest may be smaller.
+    // The remaining scene may be smaller.
     Check { file }.extent(scene)
 }
 
@@ -117,8 +117,9 @@ fn retain_instances(scene: &mut Scene, mut keep: impl FnMut(&mut Instance) -> bo
 }
 
 /// The transform itself if normals can be transformed: its inverse exists, in f32, too. One that
-/// flattens, up to rounding, gets a thickness of about a millionth; it mirrors if `mirrors` is true.
-/// `None` if a line or a point is left. What comes out comes out again.
+/// flattens, up to rounding, gets a thickness of about a millionth; it mirrors if `mirrors` is
+/// true. `None` if a line or a point is left. A returned transform is returned unchanged the next
+/// time.
 pub(crate) fn invertible(world_from_local: Mat4, mirrors: bool) -> Option<Mat4> {
     let mut made = world_from_local;
     // Rounding may take some of the thickness away again, where columns are of very different lengths.
@@ -199,7 +200,7 @@ pub(crate) fn has_area(corners: [Vec3; 3]) -> bool {
     (b - a).cross(c - a).length_squared() > 0.0
 }
 
-/// The length of a list that may be left out.
+/// The length of an optional list, if an empty list counts as complete.
 fn or_all(length: usize, all: usize) -> usize {
     if length == 0 { all } else { length }
 }
@@ -295,7 +296,7 @@ impl Check<'_> {
             if let Some(uv) = mesh.uvs1.get(i) {
                 self.finite(|| part("second texture coordinate"), &uv.to_array())?;
             }
-            // Most are valid: the message is only made for the others.
+            // Most are valid: the message is only made for invalid ones.
             if let Some(color) = mesh.colors.get(i)
                 && color.to_array().iter().any(|c| !(0.0..=1.0).contains(c))
             {

@@ -1,8 +1,9 @@
-//! A hall of 12 x 8 m and 6 m high with a gallery all around, under a roof with a rectangular
-//! opening. Sun falls through it on cloths that hang between the columns; the rest is indirect.
+//! A hall of 12 x 8 m, 6 m high, with a gallery all around, under a roof with a rectangular
+//! opening. The sun shines through it onto cloths between the columns; everything else is lit
+//! indirectly.
 //!
-//! All is solid: walls, slab and roof are 25 to 30 cm thick, and hidden faces are left out, so that
-//! light enters only through the opening.
+//! Everything is solid: walls, slab and roof are 25 to 30 cm thick, and hidden faces are omitted,
+//! so that light enters only through the opening.
 
 use glam::{Vec2, Vec3};
 
@@ -24,7 +25,7 @@ const COLUMN_RADIUS_M: f32 = 0.16;
 /// Columns on each long side, and their distance along x.
 const COLUMNS: usize = 6;
 const COLUMN_STEP_M: f32 = 1.68;
-/// The distance of the columns' axes from the gallery's edge, outwards.
+/// Distance of the columns' axes from the gallery's edge, outwards.
 const COLUMN_INSET_M: f32 = 0.25;
 
 pub(super) fn scene() -> Scene {
@@ -61,7 +62,7 @@ pub(super) fn scene() -> Scene {
 fn shell(scene: &mut Scene, plaster: usize, tiles: usize) {
     let outer = HALL_M + WALL_M;
     let (x, z) = (Vec3::X * outer.x, Vec3::Z * outer.y);
-    // Tiles of half a metre: one repetition of the image is two by two of them.
+    // Half-metre tiles: one repetition of the image is two by two tiles.
     place(scene, "floor", tile(quad(Vec3::ZERO, x, -z), 2.0 * outer.x, 2.0 * outer.y), tiles);
     let ground = Faces { y: [true, false], ..Faces::ALL };
     let ground =

@@ -89,8 +89,8 @@ pub(super) fn place_at(
     });
 }
 
-/// A lamp flush under a ceiling: a flat box whose face glows a little, and under it the point light
-/// that lights the room.
+/// A ceiling lamp: a flat box flush with the ceiling whose face glows a little, and the point light
+/// below it that lights the room.
 pub(super) struct Lamp {
     /// The middle of the box's top, on the ceiling.
     pub(super) top: Vec3,
@@ -114,8 +114,8 @@ impl Lamp {
         let body = cuboid(min, max, Faces::SIDES);
         place(scene, "lamp sides", body, sides);
 
-        // The face is black apart from its glow: the light is so near that it would light a white
-        // one to a spot that no voxel resolves.
+        // The face is black apart from its emission: on a white face, the close light would make a
+        // spot that no voxel resolves.
         let mut face = Material::diffuse("lamp face", Vec3::ZERO);
         face.emissive = Vec3::splat(self.face_radiance);
         let face = material(scene, face);
@@ -133,8 +133,8 @@ impl Lamp {
     }
 }
 
-/// A diffuse checkerboard: a repeating image of two by two texels of sRGB-encoded colours, so one
-/// unit of u is two fields.
+/// A diffuse checkerboard: a repeating image of 2 x 2 texels of sRGB-encoded colours, so one unit
+/// of u covers two squares.
 pub(crate) fn checker(scene: &mut Scene, name: &str, colors: [[u8; 3]; 2]) -> usize {
     let [a, b] = colors.map(|[r, g, b]| [r, g, b, 255]);
     scene.textures.push(Texture {
@@ -157,7 +157,7 @@ pub(crate) fn checker(scene: &mut Scene, name: &str, colors: [[u8; 3]; 2]) -> us
     material(scene, checkered)
 }
 
-/// Repeats the image of a mesh.
+/// Repeats the image on a mesh, this many times along u and v.
 pub(super) fn tile(mut mesh: Mesh, times_u: f32, times_v: f32) -> Mesh {
     for uv in &mut mesh.uvs {
         uv.x *= times_u;
@@ -166,8 +166,8 @@ pub(super) fn tile(mut mesh: Mesh, times_u: f32, times_v: f32) -> Mesh {
     mesh
 }
 
-/// A number from 0 to below 1 that belongs to these three (Jarzynski and Olano 2020, "Hash functions for GPU rendering",
-/// PCG3D).
+/// Hashes three numbers to a number from 0 to below 1 (Jarzynski and Olano 2020, "Hash functions
+/// for GPU rendering", PCG3D).
 pub(crate) fn chance(x: u32, y: u32, z: u32) -> f32 {
     let step = |v: u32| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
     let (mut x, mut y, mut z) = (step(x), step(y), step(z));
@@ -182,7 +182,7 @@ pub(crate) fn chance(x: u32, y: u32, z: u32) -> f32 {
     (x >> 8) as f32 / (1 << 24) as f32
 }
 
-/// One of several things, by a number from 0 to below 1.
+/// Picks one of several things by a number from 0 to below 1.
 pub(crate) fn pick<T: Copy>(things: &[T], chance: f32) -> T {
     things[((chance * things.len() as f32) as usize).min(things.len() - 1)]
 }

@@ -45,9 +45,9 @@ pub(super) fn scene() -> Scene {
     scene
 }
 
-/// The place and rotation of a thing: 6 to 18 cm large, spread by the golden ratio and its
-/// analogues in two and three dimensions (Roberts 2018, "The unreasonable effectiveness of
-/// quasirandom sequences"), piled up to 60 cm.
+/// Position and rotation of a thing of 6 to 18 cm. The things are spread by the golden ratio and
+/// its analogues in two and three dimensions (Roberts 2018, "The unreasonable effectiveness of
+/// quasirandom sequences") and piled up to 60 cm.
 fn thing(number: u32) -> Mat4 {
     let spread = |step: f32| (0.5 + number as f32 * step).fract();
     let size_m = 0.06 + 0.12 * spread(0.618_034) * spread(0.618_034);

@@ -8,8 +8,8 @@ use super::build::{GREEN, Lamp, RED, WHITE, diffuse, place, place_at};
 use super::shapes::{Faces, cuboid, merge, quad};
 use crate::{Camera, Scene};
 
-/// Both blocks are rotated by this about y, in opposite directions (the data's edges (160, 49) and
-/// (158, 49)).
+/// Rotation of both blocks about y, in opposite directions (the data's edges (160, 49) and (158,
+/// 49)).
 const BLOCK_TURN_RAD: f32 = 0.297;
 
 pub(super) fn scene() -> Scene {

@@ -67,7 +67,7 @@ pub(super) fn scene() -> Scene {
     scene
 }
 
-/// A board on four legs, in the middle of the floor: its edges, and the carpet's height.
+/// A board on four legs in the middle of the floor, by its edges and the carpet's height.
 fn table(size_m: Vec3, floor_m: f32) -> Mesh {
     let half = size_m * 0.5;
     let top = floor_m + size_m.y;
@@ -84,7 +84,7 @@ fn table(size_m: Vec3, floor_m: f32) -> Mesh {
     merge([board, leg(-1.0, -1.0), leg(1.0, -1.0), leg(-1.0, 1.0), leg(1.0, 1.0)])
 }
 
-/// A chair that looks along -z.
+/// A chair that faces -z.
 fn chair() -> Mesh {
     let leg = |x: f32, z: f32, top_m: f32| {
         cuboid(Vec3::new(x, 0.0, z), Vec3::new(x + 0.035, top_m, z + 0.035), Faces::NO_BOTTOM)

@@ -1,6 +1,6 @@
 //! Scenes made in code: always available, exact, and small enough to reason about.
 //!
-//! | Name | What it is for |
+//! | Name | Purpose |
 //! | --- | --- |
 //! | `cornell` | the Cornell box: colour bleeding, soft indirect shadows |
 //! | `two-rooms` | a wall thinner than a voxel with a doorway: leaking against bleeding |
@@ -76,7 +76,7 @@ const NAMES: [&str; 28] = [
     "interior-night",
 ];
 
-/// The scenes of a kilometre.
+/// The scenes that are a kilometre large.
 const LARGE: [&str; 4] = ["city", "city-night", "interior", "interior-night"];
 
 /// The names that [`scene`] knows.
@@ -84,8 +84,9 @@ pub fn names() -> &'static [&'static str] {
     &NAMES
 }
 
-/// Whether a scene has millions of triangles over a kilometre: opened in seconds as the others are, but rendered in minutes on a
-/// processor. Whatever goes through all scenes leaves these out, or takes more time than for all others together.
+/// `true` for scenes with millions of triangles over a kilometre. They open in seconds like the
+/// others, but take minutes to render on a CPU. Code that loops over all scenes should skip them,
+/// or it takes longer than for all the others together.
 pub fn is_large(name: &str) -> bool {
     LARGE.contains(&name)
 }
@@ -93,7 +94,7 @@ pub fn is_large(name: &str) -> bool {
 /// Makes the built-in scene of that name.
 ///
 /// # Errors
-/// [`SceneError::UnknownBuiltin`], which lists the names, when there is none.
+/// [`SceneError::UnknownBuiltin`], which lists the names, if the name is unknown.
 pub fn scene(name: &str) -> Result<Scene, SceneError> {
     let plain = name.strip_suffix(ROTATED).filter(|plain| !is_large(plain)).unwrap_or(name);
     let mut scene = match plain {

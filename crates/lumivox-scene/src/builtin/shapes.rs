@@ -18,7 +18,7 @@ pub(crate) struct Faces {
 
 impl Faces {
     pub(crate) const ALL: Self = Self { x: [true; 2], y: [true; 2], z: [true; 2] };
-    /// For boxes on a floor: a hidden face would only be voxelized into it.
+    /// For boxes on a floor: the hidden face would only be voxelized into the floor.
     pub(crate) const NO_BOTTOM: Self = Self { y: [false, true], ..Self::ALL };
     /// For boxes that hang flush from a ceiling.
     pub(crate) const NO_TOP: Self = Self { y: [true, false], ..Self::ALL };
@@ -63,15 +63,15 @@ pub(crate) fn cuboid(min: Vec3, max: Vec3, faces: Faces) -> Mesh {
     mesh
 }
 
-/// The inside of an axis-aligned box, which is a cuboid seen from within.
+/// The inside of an axis-aligned box: a cuboid seen from within.
 pub(crate) fn interior(min: Vec3, max: Vec3) -> Mesh {
     let mut mesh = cuboid(min, max, Faces::ALL);
     mesh.flip_winding();
     for normal in &mut mesh.normals {
         *normal = -*normal;
     }
-    // Normal and winding are both turned. The bitangent n x t * w must still point to the image's
-    // top, and flip_winding's change of w ensures that.
+    // Normals and winding are both reversed. The bitangent n x t * w must still point to the
+    // image's top; flip_winding ensures that by its change of w.
     mesh
 }
 
@@ -133,7 +133,7 @@ pub(crate) fn sphere(radius_m: f32, segments: u32) -> Mesh {
         let polar = PI * ring as f32 / rings as f32;
         for segment in 0..=segments {
             let azimuth = TAU * segment as f32 / segments as f32;
-            // The poles exactly, else f32's sin(pi) leaves slivers of triangles there.
+            // Exact at the poles: f32's sin(pi) would leave sliver triangles there.
             let sin = if ring == 0 || ring == rings { 0.0 } else { polar.sin() };
             let normal = Vec3::new(sin * azimuth.cos(), polar.cos(), -sin * azimuth.sin());
             let normal = normal.normalize();
@@ -161,8 +161,8 @@ pub(crate) fn sphere(radius_m: f32, segments: u32) -> Mesh {
     mesh
 }
 
-/// The curved side of an upright cylinder with smooth normals, standing on `base`; without caps,
-/// for it reaches from one floor to the next.
+/// The curved side of an upright cylinder with smooth normals, standing on `base`; it has no caps,
+/// since it reaches from one floor to the next.
 pub(crate) fn cylinder(base: Vec3, radius_m: f32, height_m: f32, segments: u32) -> Mesh {
     let mut mesh = Mesh::default();
     for segment in 0..=segments {
@@ -194,7 +194,7 @@ pub(crate) fn append(mesh: &mut Mesh, other: Mesh) {
     mesh.indices.extend(other.indices.iter().map(|i| i + first));
 }
 
-/// Several meshes as one.
+/// Merges several meshes into one.
 pub(crate) fn merge(parts: impl IntoIterator<Item = Mesh>) -> Mesh {
     let mut mesh = Mesh::default();
     for part in parts {

@@ -22,7 +22,7 @@ pub(super) fn scene() -> Scene {
     // The room: [-2.5, 2.5] x [0, 2.5] x [-1.5, 3.5].
     let center = Vec3::new(0.0, 1.25, 1.0);
     let (x, y, z) = (Vec3::X * 2.5, Vec3::Y * 1.25, Vec3::Z * 2.5);
-    // Fields of a quarter of a metre: 20 along each edge, two per repetition.
+    // Squares of a quarter of a metre: 20 along each edge, two per repetition.
     place(&mut scene, "floor", tile(quad(center - y, x, -z), 10.0, 10.0), floor);
     let white_walls = [quad(center + y, x, z), quad(center - z, x, y), quad(center + z, -x, y)];
     place(&mut scene, "ceiling, back and front wall", merge(white_walls), white);

@@ -1,6 +1,6 @@
 //! Two rooms, [-2, 2] x [0, 2] x [-1, 1] m, divided at x = 0 by a wall of 5 mm: thinner than a
-//! voxel at any usual resolution. Only the room at x < 0 has a light. Light in the other room came
-//! through the doorway, or leaked.
+//! voxel at any usual resolution. Only the room at x < 0 has a light. Any light in the other room
+//! came through the doorway or leaked.
 
 use glam::Vec3;
 

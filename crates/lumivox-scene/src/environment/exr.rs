@@ -11,8 +11,7 @@ use super::load::{Fault, check_size};
 use crate::EnvironmentMap as Map;
 use crate::load::color::rgb_from_xyz;
 
-/// The chromaticities of BT.709, which OpenEXR assumes where a file says nothing: red, green, blue,
-/// white.
+/// The chromaticities of BT.709, which OpenEXR assumes if a file has none: red, green, blue, white.
 const BT_709: [f32; 8] = [0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329];
 
 /// The most layers that a warning lists.
@@ -55,7 +54,7 @@ pub(super) fn decode(bytes: &[u8]) -> std::result::Result<Map, Fault> {
         Channels::Luminance(_) => {}
     }
     let is_xyz = matches!(channels, Channels::Xyz(_));
-    // The luminance of (1, 1, 1) in cd/m²; a value without that meaning counts as absent.
+    // The luminance of (1, 1, 1) in cd/m²; values that are not positive or not normal are ignored.
     let unit = header.own_attributes.white_luminance.filter(|l| l.is_normal() && *l > 0.0);
 
     let mut rgb = channels.read(bytes, place).map_err(Fault::broken)?;
@@ -71,7 +70,7 @@ pub(super) fn decode(bytes: &[u8]) -> std::result::Result<Map, Fault> {
     Ok(Map { width, height, rgb, warnings, ..Map::default() })
 }
 
-/// The place of a layer in the picture.
+/// The position of a layer in the picture.
 #[derive(Clone, Copy)]
 struct Placement {
     width: usize,
@@ -168,7 +167,7 @@ fn prefixes(header: &Header) -> Vec<String> {
     prefixes
 }
 
-/// Tells which of several layers with colours is shown.
+/// A message that says which of several colour layers is shown.
 fn tell_layers(meta: &MetaData) -> Option<String> {
     let layers = meta.headers.iter().filter(|header| !header.deep).flat_map(|header| {
         let part = header.own_attributes.layer_name.as_ref().map(Text::to_string);

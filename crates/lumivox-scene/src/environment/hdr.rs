@@ -44,7 +44,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
         }
     }
     if is_upside_down {
-        // Both ways round at once, then the rows back.
+        // Reverses rows and columns at once; the rows are restored below unless they are mirrored,
+        // too.
         rgb.reverse();
     }
     if is_upside_down != is_mirrored {
@@ -52,7 +53,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
     }
     let mut map = EnvironmentMap { width, height, rgb, ..EnvironmentMap::default() };
 
-    // Divides by the factors with which programs multiplied the file: the product of all EXPOSURE
+    // Divides by the factors that programs have applied to the file: the product of all EXPOSURE
     // lines.
     let exposure = meta.exposure.unwrap_or(1.0);
     let (r, g, b) = meta.color_correction.unwrap_or((1.0, 1.0, 1.0));
@@ -73,10 +74,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
     Ok(map)
 }
 
-/// The picture with a header whose lines end in line feeds alone.
+/// The picture with LF line endings in its header.
 fn with_line_feeds(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Fault> {
     let (mut head, mut rest, mut is_header, mut is_changed) = (Vec::new(), bytes, true, false);
-    // The line behind the empty one has the size.
+    // The line after the empty one gives the size.
     loop {
         let end = rest.iter().position(|&byte| byte == b'\n').ok_or_else(|| {
             Fault::broken("it was cut off: it ends before the texels, within its header")
@@ -102,13 +103,13 @@ fn with_line_feeds(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Fault> {
     Ok(Cow::Owned(head))
 }
 
-/// The picture with the header of the one kind that the decoder knows: rows that run down and to the
-/// right, of red, green and blue. Also whether its rows run up, or to the left, or are columns; and
-/// whether its colours are CIE XYZ.
+/// The picture with its header in the only form that the decoder reads: rows that run down and to
+/// the right, of red, green and blue. Also whether its rows run up, run to the left, or are
+/// columns; and whether its colours are CIE XYZ.
 fn plain(bytes: &[u8]) -> (Cow<'_, [u8]>, [bool; 3], bool) {
     let begin = bytes.windows(2).position(|pair| pair == b"\n\n").map_or(0, |at| at + 2);
     let line = bytes[begin..].split(|&byte| byte == b'\n').next().unwrap_or_default();
-    // The line behind the header has a sign before each axis.
+    // The line after the header has a sign before each axis.
     let axis = |letter| line.iter().position(|&byte| byte == letter)?.checked_sub(1);
     let xyze = bytes[..begin].windows(22).position(|text| text == b"FORMAT=32-bit_rle_xyze");
     let mut layout = [false; 3];

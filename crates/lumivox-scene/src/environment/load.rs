@@ -63,8 +63,8 @@ impl EnvironmentMap {
         from_bytes(path, &bytes)
     }
 
-    /// Reads a file in memory in the same way. `name` takes the place of its path, in messages and
-    /// as the map's name.
+    /// Reads a file in memory in the same way. `name` replaces its path in messages and becomes the
+    /// map's name.
     ///
     /// # Errors
     /// As [`EnvironmentMap::load`], except for the disk.
@@ -139,7 +139,7 @@ pub(super) fn check_size(width: u64, height: u64, file_bytes: usize) -> Result<(
     Ok(())
 }
 
-/// A picture for screens.
+/// Decodes a PNG or a JPEG.
 fn decode_picture(bytes: &[u8], format: ImageFormat) -> Result<EnvironmentMap, Fault> {
     let reader = || ImageReader::with_format(std::io::Cursor::new(bytes), format);
     let (width, height) = reader().into_dimensions().map_err(Fault::broken)?;
@@ -149,7 +149,7 @@ fn decode_picture(bytes: &[u8], format: ImageFormat) -> Result<EnvironmentMap, F
     limits.max_alloc = Some(MOST_DECODER_BYTES);
     reader.limits(limits);
     let picture = reader.decode().map_err(Fault::broken)?;
-    // One level of grey at a time: most pictures have 256, the others 65 536.
+    // The table of linear values has one entry per level: 256 for most pictures, 65 536 for others.
     let rgb = if has_16_bits(&picture) {
         linear(picture.into_rgb16().pixels().map(|p| p.0), 65_535)
     } else {

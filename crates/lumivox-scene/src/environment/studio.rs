@@ -1,10 +1,10 @@
-//! A photographer's studio: the surroundings of things that have no light of their own.
+//! A photographer's studio: the surroundings of things without light of their own.
 //!
-//! Large soft boxes give soft light and calm reflections; a wall runs without an edge into a ground
-//! that catches shadows. All is neutral grey and in cd/m², as in a bright studio: the boxes have
-//! 400 to 2000 cd/m², the wall 300 at its foot. Nothing is symmetric: the largest box is to the
-//! left of and above the camera, a lower one to the right fills the shadows, a strip behind draws
-//! the outline, and one overhead lights the ground.
+//! Large soft boxes give soft light and calm reflections; a wall merges without an edge into a
+//! ground that catches shadows. Everything is neutral grey and in cd/m², as in a bright studio: the
+//! boxes have 400 to 2000 cd/m², the wall 300 at its foot. Nothing is symmetric: the largest box is
+//! to the left of and above the camera, a lower one to the right fills the shadows, a strip behind
+//! draws the outline, and one overhead lights the ground.
 
 use std::f32::consts::PI;
 
@@ -17,7 +17,7 @@ const WIDTH: u32 = 256;
 /// Luminance of the wall where it meets the ground, and overhead, cd/m².
 const WALL_CD_M2: [f32; 2] = [300.0, 120.0];
 
-/// A soft box, with the direction of its middle from the thing in the studio.
+/// A soft box, by the direction of its centre from the thing in the studio.
 struct SoftBox {
     /// The azimuth from the camera, growing to the right, degrees.
     azimuth_deg: f32,
@@ -104,7 +104,7 @@ fn luminance(way: Vec3) -> f32 {
     if way.y <= 0.0 {
         return foot;
     }
-    // As bright as its foot up to eye height, and darker above.
+    // The wall is as bright as its foot up to eye height, and darker above.
     let rise = way.y * way.y * (3.0 - 2.0 * way.y);
     let wall = foot + (top - foot) * rise;
     BOXES.iter().fold(wall, |below, lamp| {

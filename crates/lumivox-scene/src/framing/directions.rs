@@ -5,8 +5,8 @@ use glam::Vec3;
 /// The golden angle, `pi * (3 - sqrt 5)`.
 const GOLDEN_ANGLE_RAD: f32 = 2.399_963_2;
 
-/// `count` unit vectors over the whole sphere, each standing for `4 pi / count` of solid angle: a
-/// Fibonacci spiral (González 2010, "Measurement of areas on a sphere using Fibonacci and
+/// `count` unit vectors over the whole sphere, each of which represents `4 pi / count` of solid
+/// angle: a Fibonacci spiral (González 2010, "Measurement of areas on a sphere using Fibonacci and
 /// latitude-longitude lattices", section 2).
 pub(super) fn sphere(count: usize) -> impl ExactSizeIterator<Item = Vec3> + Clone {
     (0..count).map(move |i| {
@@ -26,9 +26,9 @@ pub(super) fn cube(count: usize) -> impl ExactSizeIterator<Item = Vec3> + Clone 
     (0..count).map(move |i| (steps * i as f64 + 0.5).fract().as_vec3())
 }
 
-/// `count` points spread evenly over triangles, of which `up_to` has the area of each and of all before
-/// it: the triangle's number, and the weights of its corners (Turk 1990, "Generating random points in
-/// triangles").
+/// `count` points spread evenly over triangles. `up_to` is the cumulative area of the triangles.
+/// Each point is the triangle's number and the weights of its corners (Turk 1990, "Generating
+/// random points in triangles").
 pub(super) fn triangles(up_to: &[f64], count: usize) -> impl Iterator<Item = (usize, [f32; 3])> {
     let total = up_to.last().copied().unwrap_or_default();
     cube(count).enumerate().filter_map(move |(number, place)| {
@@ -40,8 +40,8 @@ pub(super) fn triangles(up_to: &[f64], count: usize) -> impl Iterator<Item = (us
     })
 }
 
-/// `count` points of the unit disc, each standing for the same area: Vogel's spiral (Vogel 1979, "A
-/// better way to construct the sunflower head").
+/// `count` points of the unit disc, each of which represents the same area: Vogel's spiral (Vogel
+/// 1979, "A better way to construct the sunflower head").
 pub(super) fn disc(count: usize) -> impl ExactSizeIterator<Item = glam::Vec2> + Clone {
     (0..count).map(move |i| {
         let radius = ((i as f32 + 0.5) / count as f32).sqrt();

@@ -1,8 +1,8 @@
 //! The emission of a scene's surfaces: its flux, and sample points.
 //!
-//! A factor alone is not enough: exporters switch emission on and leave the dark parts to a
-//! texture. So emission is read at points spread evenly over the area of all surfaces whose
-//! material emits. A diffuse emitter of luminance L and area A sends out the flux `pi L A`.
+//! The emissive factor is not enough: exporters switch emission on and keep the dark parts black by
+//! a texture. So emission is sampled at points spread evenly over the area of all surfaces whose
+//! material emits. A diffuse emitter of luminance L and area A has the flux `pi L A`.
 
 use std::f32::consts::PI;
 
@@ -12,7 +12,8 @@ use super::directions;
 use super::soup::Unit;
 use crate::{Instance, Material, Mesh, Scene, Texture, TextureRef, Wrap};
 
-/// Points at which emission is read: a lit window of a thousandth of the emitting area has four.
+/// Points at which emission is sampled: a lit window of a thousandth of the emitting area gets
+/// four.
 const SAMPLES: usize = 4096;
 /// Texels up to this code (of 255) count as black: compression makes black images a little grey.
 const BLACK: u8 = 8;
@@ -35,9 +36,9 @@ pub(super) struct Emission {
     pub(super) emitters: Vec<Emitter>,
     /// The flux of all pieces, lm.
     pub(super) flux_lm: f32,
-    /// The emitting area, each side, m².
+    /// The emitting area, counting each side, m².
     emitting_m2: f32,
-    /// The area of all surfaces, each visible side, m².
+    /// The area of all surfaces, counting each visible side, m².
     pub(super) area_m2: f32,
 }
 
@@ -95,7 +96,7 @@ impl Emission {
 }
 
 impl Candidate<'_> {
-    /// The piece around a point between the corners; `None` if it is black.
+    /// The piece at a point between the corners; `None` if it is black.
     fn emitter(
         &self,
         weights: [f32; 3],

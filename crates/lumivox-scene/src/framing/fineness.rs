@@ -1,8 +1,9 @@
-//! Whether voxels and shadow maps are fine enough for what a camera sees.
+//! Checks whether voxels and shadow maps are fine enough for what a camera sees.
 //!
-//! Light between surfaces that are nearer to each other than a few voxels is that of faces which are as large as the way. So rays go
-//! from what is seen to all sides, and tell how far light comes from. A shadow map loses what stands less than two texels above a
-//! surface. So rays go to the lights as well, and tell how near the things are that block them.
+//! Light between surfaces that are only a few voxels apart is inaccurate, since the voxels' faces
+//! are as large as the distance. So rays go from the visible points in all directions and measure
+//! how far light comes from. A shadow map loses the shadows of occluders less than two texels above
+//! a surface. So rays also go to the lights and measure how close the occluders are.
 
 use glam::Vec3;
 
@@ -13,48 +14,52 @@ use super::soup::Unit;
 use super::survey::Patch;
 use crate::{Bounds, Light, LightKind};
 
-/// Rays from each point that is seen.
+/// Rays from each visible point.
 const DIRECTIONS: usize = 16;
-/// The voxels that light should come from afar.
+/// The fewest voxels over which light should travel.
 const NEAR_VOXELS: f32 = 2.0;
-/// The most of the rays that may end nearer.
+/// The largest acceptable share of rays that end closer.
 const MOST_NEAR: f32 = 1.0 / 3.0;
-/// The least share of the rays that must end anywhere: under the open sky little light goes from surface to surface.
+/// The least share of rays that must hit anything: under the open sky little light goes from
+/// surface to surface.
 const LEAST_MET: f32 = 0.02;
-/// The texels above a surface below which a map has no shadows on it: by so many receivers are moved off their surface.
+/// A map loses shadows below this many texels above a surface, since receivers are offset from
+/// their surface by that much.
 const LOST_TEXELS: f32 = 2.0;
-/// The most of the points in shadow that may lose it.
+/// The largest acceptable share of points in shadow whose shadow is lost.
 const MOST_LOST: f32 = 1.0 / 3.0;
-/// The most lights that are looked at, in their order.
+/// The most lights that are tested, in their order.
 const MOST_LIGHTS: usize = 64;
 /// The fewest points that must be in shadow.
 const LEAST_SHADED: usize = 3;
 
-/// The sizes of what resolves a scene. Default: none are known.
+/// The resolution of the voxels and shadow maps. Default: unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fineness {
-    /// The edge of a voxel, m, where all have one size.
+    /// The edge of a voxel, m, if all voxels have the same size.
     pub voxel_m: Option<f32>,
     /// The shadow maps.
     pub shadow_maps: Option<ShadowMapFineness>,
 }
 
-/// The texels of shadow maps.
+/// The resolution of shadow maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowMapFineness {
     /// Texels along the edge of a map.
     pub resolution: u32,
-    /// Maps of a parallel light around the camera, beside the one of the whole scene.
+    /// Maps of a directional light around the camera, in addition to the one of the whole scene.
     pub squares: u32,
-    /// The edge of such a map over that of the next smaller one.
+    /// Ratio of a map's edge to that of the next smaller one.
     pub step: f32,
-    /// Half the edge of the largest of them, m. `None`: a step below that of the whole scene.
+    /// Half the edge of the largest of these maps, m. `None`: one step smaller than the map of the
+    /// whole scene.
     pub reach_m: Option<f32>,
 }
 
 impl ShadowMapFineness {
-    /// The shade of a light at a surface that faces it; `None` without any. `bounds` are the scene's. `distance` gives the way, m, to
-    /// the first surface in a direction, from a place so many m above the surface.
+    /// The shadow of a light at a surface that faces it; `None` if there is no shadow. `bounds` is
+    /// the scene's box. `distance` gives the distance, m, to the first surface in a direction, from
+    /// a point this many metres above the surface.
     pub fn shade(
         &self,
         light: &Light,
@@ -98,16 +103,17 @@ impl ShadowMapFineness {
     }
 }
 
-/// Shade of a light on a surface.
+/// A light's shadow on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shade {
     /// Edge of a texel of the light's shadow map at the surface, m.
     pub texel_m: f32,
-    /// Whether the map has no such shade: it ends below the place above the surface that is looked up.
+    /// `true` if the map loses this shadow: it does not reach up to the offset point at which the
+    /// map is sampled.
     pub is_lost: bool,
 }
 
-/// Points that a camera sees, and the triangles for rays from them.
+/// Points that a camera sees, and the triangles that rays from them can hit.
 pub(super) struct Seen<'a> {
     pub(super) patches: &'a [Patch],
     pub(super) rays: &'a Rays,
@@ -115,7 +121,8 @@ pub(super) struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    /// A note for voxels that are coarse against the distances between what is seen and what lights it.
+    /// A note if voxels are coarse compared with the distances between the visible surfaces and
+    /// what lights them.
     pub(super) fn coarse_voxels(&self, voxel_m: f32) -> Option<Note> {
         let (mut cast, mut met, mut near) = (0, 0, 0);
         for patch in self.patches {
@@ -141,8 +148,8 @@ impl Seen<'_> {
         Some(Note { about: "grid", text, option })
     }
 
-    /// A note for shadow maps that lose shadows of what stands near the surfaces that are seen. `place` is the scene's box and the
-    /// camera.
+    /// A note if shadow maps lose the shadows of occluders near the visible surfaces. `place` is
+    /// the scene's box and the camera's position.
     pub(super) fn coarse_shadows<'l>(
         &self,
         lights: impl Iterator<Item = &'l Light>,

@@ -1,4 +1,4 @@
-//! The view of a place: from a free spot, at eye height, showing as much of it as possible.
+//! The view of a place: from a free spot at eye height that shows as much of the place as possible.
 //!
 //! Spots are points of the survey, moved to eye height above the floor that they see. The value of
 //! a view is the share of the place's [patches](super::survey::Patch) that it shows, which is
@@ -26,18 +26,18 @@ const EYE_OF_WIDTH: f32 = 0.4;
 /// The steepest tilt up or down.
 const STEEPEST_RAD: f32 = 0.12;
 
-/// The most spots that are tried, and the azimuths of each.
+/// The most spots that are tried, and the azimuths for each.
 const SPOTS: usize = 250;
 const AZIMUTHS: usize = 32;
-/// The number of views that are judged by their picture.
+/// The number of views that are rated by their picture.
 const FINALISTS: usize = 200;
-/// The places in the picture at which it is judged, across and up.
+/// The positions in the picture at which it is rated, across and up.
 const PICTURE: [f32; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
 /// The distance, in unit space, at which a surface counts half.
 const CLOSE: f32 = 0.15;
-/// The value of a place in the picture that shows the sky.
+/// The value of a picture position that shows the sky.
 const SKY: f32 = 0.5;
-/// The reduction for the highest floor: places are entered at the ground.
+/// The penalty of the highest floor: places are entered at the ground.
 const UPSTAIRS: f32 = 0.3;
 /// Patches are counted within this share of the picture's half width and height.
 const FILL: f32 = 0.9;
@@ -80,7 +80,7 @@ pub(super) fn view(rays: &Rays, survey: &Survey, aspect: f32) -> Option<Inside> 
             let forward = direction(azimuth);
             let framed = spot.sights.iter().filter(|(way, _)| is_framed(*way, forward, half));
             let share: f32 = framed.map(|(_, weight)| weight).sum();
-            // Rays may pass beside thin things that are nearer.
+            // Rays may miss thin things that are closer.
             let near = 0.05 * spot.clearance;
             let view = Viewpoint { position: spot.eye, forward, vertical_fov_rad, near };
             views.push((share * room, Inside { view, share }));
@@ -180,7 +180,7 @@ fn eye(rays: &Rays, point: Vec3) -> Option<Vec3> {
     let eye = Vec3::new(point.x, floor + over_floor, point.z);
     let way = eye - point;
     let is_reached = way == Vec3::ZERO || rays.is_free(point, way, 1.0);
-    // Not just above a table, nor just below a ceiling.
+    // Neither just above a table nor just below a ceiling.
     let is_free = eye.y - below > 0.4 * over_floor && top - eye.y > 0.1 * over_floor;
     (is_reached && is_free).then_some(eye)
 }

@@ -1,11 +1,11 @@
 //! Lamps for closed rooms.
 //!
-//! A lamp is placed where it sees the most of the points that no lamp sees yet, below the ceiling
-//! and away from the walls; further lamps follow until nearly all points are lit. In a closed room
-//! all flux of a lamp reaches the surfaces that it sees, 4 pi I on the area A, so an intensity of
-//! `I = E A / (4 pi)` gives them the mean illuminance E. The area comes from rays: each of n stands
-//! for `4 pi / n` of solid angle, and so for `4 pi / n * d^2 / cos` of surface, hence I is E times
-//! the mean of `d^2 / cos`.
+//! A lamp is placed where it sees the most points that no lamp sees yet, below the ceiling and away
+//! from the walls; lamps are added until nearly all points are lit. In a closed room all flux of a
+//! lamp reaches the surfaces that it sees, 4 pi I on the area A, so an intensity of `I = E A / (4
+//! pi)` gives them the mean illuminance E. The area comes from rays: each of n rays represents `4
+//! pi / n` of solid angle, and so `4 pi / n * d^2 / cos` of surface, hence I is E times the mean of
+//! `d^2 / cos`.
 
 use std::f32::consts::TAU;
 
@@ -17,17 +17,17 @@ use super::soup::Unit;
 use super::survey::Probe;
 use crate::{Light, LightKind};
 
-/// The mean illuminance: that of a living room or an office.
+/// The target mean illuminance: that of a living room or an office.
 const MEAN_LUX: f32 = 300.0;
 const MOST_LAMPS: usize = 8;
 /// The height of a lamp, as a share of the free height.
 const HEIGHT: f32 = 0.8;
-/// Places that are tried, and points that are to be lit.
+/// Candidate positions of lamps, and points to be lit.
 const PLACES: usize = 100;
 const POINTS: usize = 400;
-/// The share of dark points at which no more lamps are added.
+/// No more lamps are added below this share of dark points.
 const DARK: f32 = 0.05;
-/// Rays that measure a room.
+/// Rays that measure a room from a lamp.
 const LOOKS: usize = 2048;
 /// The least cosine of a ray: the few at grazing angles would dominate the area's error. The bias
 /// is less than a hundredth for a cube.
@@ -89,7 +89,8 @@ fn sees(rays: &Rays, from: Vec3, to: Vec3) -> bool {
     from == to || rays.is_free(from, to - from, 1.0)
 }
 
-/// A point on the vertical through another, below the ceiling, and the distance to the nearest wall.
+/// A point below the ceiling, vertically above or below `point`, and the distance to the nearest
+/// wall.
 fn below_ceiling(rays: &Rays, point: Vec3) -> Option<(Vec3, f32)> {
     let ceiling = rays.cast(point, Vec3::Y)?.position.y;
     let floor = rays.cast(point, Vec3::NEG_Y)?.position.y;
@@ -109,7 +110,7 @@ pub(super) fn lamp(rays: &Rays, position: Vec3) -> Option<Lamp> {
         nearest = nearest.min(hit.distance);
         area += hit.distance * hit.distance / hit.normal.dot(-way).max(GRAZING);
     }
-    // Flux is lost through gaps: of n rays, those that hit stay inside.
+    // Flux is lost through gaps: only the rays that hit stay inside.
     let intensity = MEAN_LUX * area / hits.max(1) as f32;
     (hits > 0).then_some(Lamp { position, radius: RADIUS * nearest, intensity })
 }

@@ -1,13 +1,13 @@
 //! The first view of a scene: a camera and light for files that have none, or not enough.
 //!
-//! All follows from one [survey](survey) of the scene by rays: a place (a room, a hall) is viewed
-//! from inside, or through its opening if it lacks a wall; a thing (a helmet, a terrain) from
-//! outside, from the side that shows most of it. The scene's own light is measured where the view's
-//! rays land; if it is not enough, lamps light a closed place, sun and sky an open one, and a
+//! Everything is derived from one [survey](survey) of the scene by rays: a place (a room, a hall)
+//! is viewed from inside, or through its opening if it lacks a wall; a thing (a helmet, a terrain)
+//! from outside, from the side that shows most of it. The scene's own light is measured where the
+//! view's rays hit; if it is not enough, lamps light a closed place, sun and sky an open one, and a
 //! studio everything else. All computation is in a [unit space](soup), so a scene in millimetres
 //! gives the same result as one in kilometres.
 //!
-//! It takes about 300 000 rays, and the same scene always gives the same answer.
+//! It takes about 300 000 rays and is deterministic.
 //!
 //! | file | has |
 //! | --- | --- |
@@ -49,22 +49,23 @@ pub use fineness::{Fineness, Shade, ShadowMapFineness};
 pub use sight::{Note, Sight, SightOptions, Staging};
 pub use stage::{DefaultLight, Ground};
 
-/// Below this mean share of gaps around its points a place counts as closed: a window of a tenth of
-/// one wall lets in more.
+/// A place with a smaller mean share of gaps around its points counts as closed: a window of a
+/// tenth of one wall lets in more.
 const CLOSED: f32 = 0.01;
-/// If this share of a place is visible from outside, it lacks a wall, and is viewed from there.
+/// If this share of a place is visible from outside, the place lacks a wall and is viewed from
+/// outside.
 const OPEN_FRONT: f32 = 0.6;
-/// If this share of a place is visible through an opening, a requested camera outside looks through
-/// it.
+/// If this share of a place is visible through an opening, a camera that must be outside looks
+/// through it.
 const OPENING: f32 = 0.3;
-/// A camera with surfaces in this share of all directions is inside: in front of something flat it
-/// is less than half.
+/// A camera with surfaces in this share of all directions is inside. In front of something flat the
+/// share is less than half.
 const AROUND: f32 = 0.55;
-/// The number of directions for that.
+/// The number of directions that are tested for that.
 const LOOKS: usize = 96;
 
 /// The result of the survey of a scene, for a default camera and default lights. It borrows
-/// nothing: make it once if both are needed.
+/// nothing: make it once and use it for both.
 ///
 /// For a million triangles it takes 1.3 s, 260 MB, and 130 MB afterwards; for ten million, which are
 /// simplified first, 1.9 s and 100 MB (debug build, one core of a busy machine).
@@ -86,7 +87,7 @@ impl std::fmt::Debug for Framing {
 }
 
 impl Framing {
-    /// Surveys a scene. A scene without triangles, which is not a valid one, counts as a thing.
+    /// Surveys a scene. A scene without triangles, which is invalid, counts as a thing.
     pub fn of(scene: &Scene) -> Self {
         let unit = Unit::of(scene.bounds());
         let (soup, rays) = Rays::of(scene, unit);
@@ -100,18 +101,19 @@ impl Framing {
         self.survey.is_place
     }
 
-    /// Whether it is a place with hardly a gap to the outside: at most a small window.
+    /// Whether it is a place with hardly any gap to the outside: at most a small window.
     pub fn is_enclosed(&self) -> bool {
         self.is_place() && self.survey.sky() < CLOSED
     }
 
-    /// The view that shows the scene best in a picture of that aspect, its width over its height: a
-    /// place from inside, a thing from outside. A place that lacks a wall is viewed from there.
+    /// The view that shows the scene best in a picture of that aspect (width over height): a place
+    /// from inside, a thing from outside. A place that lacks a wall is viewed through the open
+    /// side.
     pub fn camera(&self, aspect: f32) -> Camera {
         self.chosen(aspect).0
     }
 
-    /// The same, with the reason.
+    /// The same camera, with the reason for its choice.
     fn chosen(&self, aspect: f32) -> (Camera, Chosen) {
         let aspect = sane(aspect);
         if !self.is_place() {
@@ -147,7 +149,7 @@ impl Framing {
     }
 
     /// A view along a place, from the free spot that shows the most of it; for a hollow thing, the
-    /// same of its inside. `None` if there is no room for a camera.
+    /// same of its inside. `None` if there is no space for a camera.
     ///
     /// The height of the eye over the floor follows from the free height and width: 1.6 m in a living
     /// room of 3 m, about a third of a hall.
@@ -170,7 +172,8 @@ impl Framing {
             return Standpoint::Outside;
         }
         let is_inside = self.surrounds(camera);
-        // Through walls that are modelled only for the inside, the room is visible.
+        // Walls that are modelled only for the inside are transparent from outside: the room is
+        // visible.
         if self.is_enclosed() && (is_inside || self.survey.is_made_for_inside) {
             Standpoint::ClosedRoom
         } else {
@@ -203,7 +206,7 @@ fn sane(aspect: f32) -> f32 {
     if aspect.is_finite() { aspect.clamp(0.05, 20.0) } else { 1.0 }
 }
 
-/// The reason for a camera's place.
+/// The reason for a camera's position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Chosen {
     /// A place from inside.

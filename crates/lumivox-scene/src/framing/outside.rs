@@ -21,7 +21,7 @@ const FILL: f32 = 0.92;
 /// The usual side: the front (+z, as in glTF), a little from the right (+x) and from above.
 const AZIMUTH_RAD: f32 = 0.645;
 const ELEVATION_RAD: f32 = 0.412;
-/// Other heights, and their penalties, as a share of the greatest visibility.
+/// Other elevations, and their penalties as a share of the greatest visibility.
 const ELEVATIONS_RAD: [(f32, f32); 5] =
     [(ELEVATION_RAD, 0.0), (0.17, 0.05), (0.87, 0.1), (0.0, 0.05), (-ELEVATION_RAD, 0.2)];
 /// The same for a view into an opening, which is level.
@@ -77,7 +77,7 @@ fn best(
     aspect: f32,
     seen: impl Fn(&Viewpoint) -> f32,
 ) -> Viewpoint {
-    // Fitted to the box first, which is quick; all corners are only used for the final one.
+    // Fitted to the box first, which is fast; only the final view is fitted to all corners.
     let corners = subject.bounds.corners();
     let near_corners = if subject.bounds.is_empty() { &corners[..0] } else { &corners[..] };
     let judged: Vec<(Candidate, f32)> = candidates(elevations_rad, subject.bounds.size())
@@ -90,7 +90,7 @@ fn best(
     let mut best = (usual(), f32::NEG_INFINITY);
     for (candidate, share) in &judged {
         let worth = share / most - candidate.less;
-        // Strictly better: of equals, the first.
+        // Strictly better: the first of equals wins.
         if worth > best.1 {
             best = (candidate.towards_eye, worth);
         }
@@ -102,7 +102,7 @@ fn candidates(elevations_rad: &[(f32, f32); 5], size: Vec3) -> impl Iterator<Ite
     let turns = (0..AZIMUTHS).map(|step| step as f32 / AZIMUTHS as f32 * 2.0);
     let axes = [0.0, 0.5, 1.0, 1.5].map(|azimuth| azimuth - AZIMUTH_RAD / PI);
     let level = turns.chain(axes).flat_map(move |turn| {
-        // From -1 to 1, half turns away from the usual side.
+        // From -1 to 1, in half turns from the usual side.
         let turn = (turn + 1.0).rem_euclid(2.0) - 1.0;
         elevations_rad.map(|(elevation, less)| {
             (polar(AZIMUTH_RAD + turn * PI, elevation), less, BEHIND * turn.abs())

@@ -1,9 +1,9 @@
 //! The scene's own light, measured where the camera sees it.
 //!
-//! A picture needs light on what it shows. So rays go out from the eye, and where they land the
-//! light from the scene's lamps, its surroundings and its emission is measured. A helmet with a
-//! glowing visor gets almost none of its own light, and is dark; a room with a small lamp gets
-//! little, but everywhere.
+//! A picture needs light on what it shows. So rays go out from the eye, and the light from the
+//! scene's lamps, surroundings and emission is measured where they hit. A helmet with a glowing
+//! visor gets almost none of its own light, and is dark; a room with a small lamp gets little, but
+//! everywhere.
 
 use std::f32::consts::PI;
 
@@ -32,13 +32,13 @@ const MOONLIGHT_LUX: f32 = 0.25;
 /// The least illuminance in a place whose own lamps shine: a grey surface then has the 0.002 cd/m²
 /// of EV100 -6, which a camera still shows.
 const STARLIGHT_LUX: f32 = 0.01;
-/// A point counts as lit from this share of the mean on.
+/// A point counts as lit if it has at least this share of the mean.
 const LIT: f32 = 0.125;
 /// The share of the visible points that lamps and surroundings must light; the rest is their
 /// shadow.
 const LAMPS_REACH: f32 = 0.3;
-/// The same where emission helps, which lights its vicinity: most of a place, nearly all of a
-/// thing.
+/// The same if emission contributes, which lights only its vicinity: most of a place, nearly all of
+/// a thing.
 const EMISSION_REACHES_PLACE: f32 = 0.6;
 const EMISSION_REACHES_THING: f32 = 0.9;
 
@@ -79,7 +79,7 @@ impl OwnLight {
             let by_lamps: f32 = lights.iter().map(|light| lux(rays, unit, light, point)).sum();
             let by_sky = if sky_lux > 0.0 { sky_lux * openness(rays, point) } else { 0.0 };
             own.lamps.push(by_lamps + by_sky);
-            // Each point samples other pieces and directions than its neighbours.
+            // Each point samples different pieces and directions from its neighbours.
             let looked_at = emission.emitters.iter().skip(number % step).step_by(step);
             let (mut sum, mut count) = (0.0, 0);
             for emitter in looked_at {
@@ -108,7 +108,7 @@ impl OwnLight {
     }
 
     /// Mean illuminance of the visible points, lx; in a closed room all emission counts, wherever
-    /// it goes.
+    /// it arrives.
     pub(super) fn lux(&self, from: Standpoint) -> f32 {
         match from {
             Standpoint::ClosedRoom => mean(&self.lamps) + self.emission_mean_lux,
@@ -131,7 +131,7 @@ fn share(lux: &[f32]) -> f32 {
     lux.iter().filter(|&&lux| lux >= least).count() as f32 / lux.len().max(1) as f32
 }
 
-/// The visible points of a picture, except those of emitting surfaces: these are bright themselves.
+/// The points visible in a picture, except those on emissive surfaces, which are bright themselves.
 pub(super) fn seen(
     scene: &Scene,
     rays: &Rays,
@@ -157,7 +157,7 @@ pub(super) fn seen(
         hits.extend(rays.cast_visible(eye, way));
     }
     let dark: Vec<Patch> = hits.iter().filter(is_dark).map(Patch::of).collect();
-    // Where all surfaces may emit, a texture decides.
+    // If all visible surfaces may emit, all points count: a texture decides which surfaces do.
     if dark.is_empty() { hits.iter().map(Patch::of).collect() } else { dark }
 }
 
@@ -195,14 +195,14 @@ fn lux_of(rays: &Rays, unit: Unit, emitter: &Emitter, point: &Patch) -> f32 {
     let cosine = way.dot(point.normal);
     let sent = -way.dot(emitter.normal);
     let sent = if emitter.is_double_sided { sent.abs() } else { sent };
-    // Up to just before the emitter, which would block itself.
+    // Stops just before the emitter, which would block itself.
     if cosine <= 0.0 || sent <= 0.0 || !rays.is_free(from, way, 0.999) {
         return 0.0;
     }
     emitter.intensity_cd * cosine * sent / (squared * squared * unit.scale_m * unit.scale_m)
 }
 
-/// The cosine-weighted share of the hemisphere over a point that is free.
+/// The cosine-weighted share of the hemisphere over a point that is unblocked.
 fn openness(rays: &Rays, point: &Patch) -> f32 {
     // Points of the sphere around the tip of the normal have the cosine's density.
     let ways = directions::sphere(OPENINGS).map(|way| point.normal * 1.0001 + way);

@@ -1,5 +1,5 @@
-//! Rays against a scene's triangles: what is in a direction, how far, and whether its front or its
-//! back is seen.
+//! Rays against a scene's triangles: the first surface in a direction, its distance, and whether
+//! its front or its back is seen.
 //!
 //! Triangles and rays are in *unit space*: the middle of the scene's bounds is the origin, and the
 //! longest edge is 1. So a scene in millimetres has the same numbers as one in kilometres, and no
@@ -17,7 +17,7 @@ use obvhs::rt_triangle::RtTriangle;
 use super::soup::{Sides, Soup, Unit};
 use crate::Scene;
 
-/// Surfaces nearer to each other than this count as one with both their sides: walls without
+/// Surfaces that are closer together than this count as one double-sided surface: a wall without
 /// thickness. Fifty times the rounding error of a coordinate in unit space.
 const COINCIDENT: f32 = 3e-6;
 
@@ -31,7 +31,7 @@ pub(super) struct Hit {
     pub(super) distance: f32,
     /// Whether the ray comes from the front of the surface.
     pub(super) is_front: bool,
-    /// Whether the surface's back is a surface, too.
+    /// Whether the surface's back is visible, too.
     pub(super) is_double_sided: bool,
     /// Unit normal, towards the ray's origin.
     pub(super) normal: Vec3,
@@ -60,9 +60,10 @@ pub(super) struct Rays {
     tests: Cell<u64>,
 }
 
-/// The most boxes of triangles on the way of a ray: well-shaped triangles leave about ten.
+/// The most boxes of triangles that a ray may cross on average: well-shaped triangles give about
+/// ten.
 const MOST_BOXES: f32 = 96.0;
-/// The fewest cells along the longest edge for this simplification.
+/// The fewest cells along the longest edge when clustering reduces the boxes.
 const COARSEST: u32 = 32;
 
 impl Rays {
@@ -120,13 +121,14 @@ impl Rays {
         if first.is_front {
             return Some(first);
         }
-        // If a front is in the same place, pictures show that.
+        // If a front is at the same position, pictures show the front.
         let limit = first.distance + COINCIDENT;
         let front = self.nearest(origin, direction, limit, |index| self.faces(index, direction));
         Some(front.filter(|hit| hit.distance >= first.distance - COINCIDENT).unwrap_or(first))
     }
 
-    /// The first surface along a ray that a picture shows: backs of single-sided ones let it pass.
+    /// The first surface along a ray that a picture shows: rays pass the backs of single-sided
+    /// surfaces.
     pub(super) fn cast_visible(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         self.nearest(origin, direction, f32::INFINITY, |index| {
             self.is_double_sided(index) || self.faces(index, direction)
@@ -184,8 +186,9 @@ impl Rays {
     }
 }
 
-/// How many boxes of triangles a ray through the scene's own box passes in the mean: the ratio of their
-/// areas (`MacDonald` and Booth 1990, "Heuristics for ray tracing using space subdivision", section 3).
+/// The mean number of triangle boxes that a ray through the scene's own box crosses: the ratio of
+/// their areas (`MacDonald` and Booth 1990, "Heuristics for ray tracing using space subdivision",
+/// section 3).
 fn boxes_on_the_way(soup: &Soup, half: Vec3) -> f32 {
     let area = |size: Vec3| 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
     let boxes = (0..soup.triangles.len()).map(|triangle| {

@@ -13,8 +13,8 @@ use crate::{Camera, Scene};
 /// The surroundings of a scene: a studio, sun and sky, or nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Staging {
-    /// What suits the scene, if its own light is not enough: lamps in a closed room, sun and sky in
-    /// other places and over landscapes, otherwise a studio.
+    /// The light that suits the scene, if its own is not enough: lamps in a closed room, sun and
+    /// sky in other places and over landscapes, otherwise a studio.
     #[default]
     Auto,
     /// A [studio](crate::studio), whatever the scene's own light.
@@ -43,13 +43,14 @@ impl Staging {
 /// Options for the first view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SightOptions {
-    /// The camera. Default: the scene's first, or else the view that shows it best.
+    /// The camera. Default: the scene's first camera, or else the view that shows it best.
     pub camera: Option<Camera>,
-    /// Width over height of the picture for which that view is found. Default: 16/9.
+    /// Width over height of the picture for which the best view is found. Default: 16/9.
     pub aspect: f32,
     /// The surroundings. Default: what suits the scene.
     pub staging: Staging,
-    /// The fineness of what will show it, if notes should tell where that is coarse for what is seen. Default: none.
+    /// The resolution of the voxels and shadow maps; notes then say if it is too coarse for what is
+    /// visible. Default: unknown, no such notes.
     pub fineness: Fineness,
 }
 
@@ -64,12 +65,12 @@ impl Default for SightOptions {
     }
 }
 
-/// The voxels across the thinnest side of a scene from which on it is not thin.
+/// A scene is thin if its thinnest side has fewer voxels than this.
 const THIN: f32 = 24.0;
-/// The triangles of a large scene.
+/// A scene with at least this many triangles is large.
 const LARGE: usize = 50_000;
 
-/// A choice that was made for the user, who should be told about it.
+/// A choice that was made for the user; show it to the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
     /// The subject: `camera`, `light`, `grid` or `shadows`.
@@ -98,8 +99,8 @@ pub struct Sight {
 }
 
 impl Sight {
-    /// Decides, and leaves the scene as it is. `framing` is made if it is needed, and can be used
-    /// again as long as the scene's triangles stay.
+    /// Decides without changing the scene. `framing` is computed only if it is needed, and can be
+    /// reused as long as the scene's triangles stay the same.
     pub fn of(scene: &Scene, options: &SightOptions, framing: &OnceCell<Framing>) -> Self {
         let survey = || framing.get_or_init(|| Framing::of(scene));
         let mut notes = Vec::new();
@@ -120,7 +121,8 @@ impl Sight {
                 light
             }
         };
-        // The survey of a large scene takes seconds, and is not made for this alone unless the scene is thin.
+        // Surveying a large scene takes seconds, so it is not done only for these notes unless the
+        // scene is thin.
         let is_thin = options
             .fineness
             .voxel_m
@@ -171,8 +173,8 @@ impl Framing {
         let standpoint = self.standpoint(camera);
         let at = |points: &[Patch]| OwnLight::at(points, scene, &self.rays, self.unit);
         let mut own = at(&own_light::seen(scene, &self.rays, self.unit, camera, aspect));
-        // A place is more than what is visible of it, and so is a scene composed with a camera of
-        // its own: a dark room may be intended.
+        // A place is more than what is visible of it, and a scene with its own camera is composed:
+        // a dark room may be intended.
         let whole = if self.is_place() {
             self.survey.patches.clone()
         } else if scene.cameras.contains(camera) {
@@ -208,14 +210,14 @@ impl Framing {
     }
 }
 
-/// Three digits of a number.
+/// Formats a number with three digits.
 pub(super) fn three_digits(value: f32) -> String {
     let digits = (2.0 - value.abs().max(1e-6).log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{value:.digits$}")
 }
 
 impl Scene {
-    /// Decides how a scene is seen, and adds the light that it lacks: see [`Sight`].
+    /// Decides how a scene is seen, and adds light if its own is not enough: see [`Sight`].
     pub fn stage(&mut self, options: &SightOptions) -> Sight {
         let sight = Sight::of(self, options, &OnceCell::new());
         self.light_up(&sight);
@@ -231,7 +233,7 @@ impl Scene {
     }
 
     /// Whether the author has lit the scene: it has surroundings, all its surfaces are unlit, or
-    /// its lamps fall off as in a look that is not physical.
+    /// its lamps have a fall-off that is not physical.
     fn is_lit_by_design(&self) -> bool {
         let is_styled = self.lights.iter().any(|light| light.attenuation.is_some());
         is_styled || super::shines::surroundings_shine(self) || super::shines::is_unlit(self)

@@ -1,9 +1,9 @@
 //! All triangles of a scene in unit space, few enough for quick rays.
 //!
 //! Scenes of more than [`Soup::MOST`] triangles are simplified by vertex clustering (Rossignac and
-//! Borrel 1993, "Multi-resolution 3D approximations for rendering complex scenes"): the vertices of
-//! a grid's cell become one, and triangles that fall together vanish. Leaving triangles out would be
-//! simpler, but rays would find the holes, and a closed room must stay closed.
+//! Borrel 1993, "Multi-resolution 3D approximations for rendering complex scenes"): the vertices in
+//! a grid cell become one, and triangles that collapse are dropped. Dropping random triangles would
+//! be simpler, but rays would find the holes, and a closed room must stay closed.
 
 use std::collections::hash_map::Entry;
 
@@ -47,7 +47,7 @@ pub(super) struct Unit {
 
 impl Unit {
     pub(super) fn of(bounds: Bounds) -> Self {
-        // A scene without size is not a valid one; it must not do harm.
+        // A scene without size is invalid, but must not break anything.
         let scale_m = bounds.size().max_element().max(f32::MIN_POSITIVE);
         Self { center: bounds.center(), scale_m, half: bounds.size() * 0.5 / scale_m }
     }
@@ -87,7 +87,7 @@ struct Part<'a> {
 impl Part<'_> {
     fn place(&self, local: Vec3) -> Vec3 {
         let position = self.unit_from_local.transform_point3(local);
-        // Matrices near the largest float may overflow; one lost corner does no harm.
+        // Matrices near the largest float may overflow; losing one corner is harmless.
         if position.is_finite() { position } else { Vec3::ZERO }
     }
 }
@@ -169,8 +169,8 @@ impl Soup {
         soup
     }
 
-    /// The clustered triangles, or `None` if there are more than `most`. The vertex of a cell is
-    /// the first that fell into it, so that flat surfaces stay flat.
+    /// The clustered triangles, or `None` if there are more than `most`. A cell's vertex is the
+    /// first vertex in it, so that flat surfaces stay flat.
     fn clustered(parts: &[Part<'_>], unit: Unit, cells: u32, most: usize) -> Option<Self> {
         let mut soup = Self::of_parts(parts);
         let mut vertex_of_cell: FxHashMap<UVec3, u32> = FxHashMap::default();

@@ -11,22 +11,23 @@ use super::{Framing, OPENING, outside, sun};
 use crate::studio::Studio;
 use crate::{Camera, Environment, EnvironmentMap, Instance, Light, Material, Mesh, Scene};
 
-/// The radius of a ground, in sizes of the scene: from a camera that shows all of it, its edge is
-/// within two degrees of the horizon.
+/// The radius of a ground, in sizes of the scene: its edge is within two degrees of the horizon for
+/// a camera that shows all of the scene.
 const REACH: f32 = 30.0;
-/// The dimmest studio has a tenth of a lux.
+/// The smallest factor of a studio's light, which then gives a tenth of a lux.
 const DIMMEST: f32 = 1e-4;
 /// The depth of a ground below the scene, as a share of its size: flat parts of the scene must not
 /// share its plane.
 const BELOW: f32 = 1e-3;
-/// The margin around the scene, as a share of its size, within which the ground is in the voxels,
-/// if the grid reaches so far.
+/// The margin around the scene, as a share of its size, within which the ground is voxelized, if
+/// the grid reaches that far.
 const AROUND: f32 = 0.1;
 /// Corners of the ground's edge.
 const EDGE: usize = 48;
 /// Rays that search for a ground, along each side of the scene.
 const PLUMBS: usize = 16;
-/// The least share of its bounds that a landscape covers, seen from above; it shows its back below.
+/// The least share of its bounds that a landscape covers, seen from above; from below its back is
+/// visible.
 const COVERED: f32 = 0.8;
 /// The height of a landscape, as a share of its width.
 const RELIEF: std::ops::RangeInclusive<f32> = 0.01..=0.6;
@@ -48,7 +49,7 @@ pub enum DefaultLight {
     Studio {
         /// The surroundings, in cd/m².
         studio: Arc<Studio>,
-        /// The factor of its luminances: 1, or less if the scene emits little, so that its glow is
+        /// Factor on its luminances: 1, or less if the scene emits little, so that its glow is
         /// visible.
         dimmed: f32,
         /// Its rotation about the vertical, rad: the main light is to the left of the camera.
@@ -110,7 +111,8 @@ impl DefaultLight {
         }
     }
 
-    /// Lamps and sun. They come after the scene's own lights, which are dark: a rig knows its own by their indices.
+    /// The added lamps or sun. They are appended after the scene's own lights, even if those are
+    /// dark: a rig refers to its lights by index.
     pub(super) fn lights(&self) -> &[Light] {
         match self {
             Self::SunAndSky { sun, .. } => std::slice::from_ref(sun),
@@ -128,7 +130,7 @@ impl Ground {
         Self { center, radius_m: REACH * unit.scale_m, half_m, material }
     }
 
-    /// Two pieces, the outer one a little lower: the part far outside the grid need not be
+    /// Adds two pieces, the outer one slightly lower: the part far outside the grid need not be
     /// voxelized.
     fn put_into(&self, scene: &mut Scene) {
         let name = &self.material.name;
@@ -213,7 +215,7 @@ impl Framing {
         DefaultLight::SunAndSky { sun, sky: Arc::new(sky), ground }
     }
 
-    /// A studio. If something emits, white on its ground is at most as bright as that: files mostly
+    /// A studio. If something emits, white on the studio's ground is at most as bright: most files
     /// give lamps 1 cd/m², which would not visibly glow beside bright walls.
     pub fn studio(&self, camera: &Camera, emission: f32) -> DefaultLight {
         let studio = Studio::new();

@@ -14,7 +14,7 @@ use super::soup::{Sides, Soup};
 use super::survey::Patch;
 use crate::Bounds;
 
-/// The rest must be smaller than this share of the scene for the ground to be left out.
+/// A ground is left out only if the rest is smaller than this share of the scene.
 const SMALL: f32 = 0.5;
 /// The greatest thickness of a ground, as a share of its width.
 const FLAT: f32 = 0.05;
@@ -74,7 +74,7 @@ struct Pieces {
 
 impl Pieces {
     fn of(soup: &Soup) -> Self {
-        // Union of sets by halving paths (Tarjan and van Leeuwen 1984).
+        // Union-find with path halving (Tarjan and van Leeuwen 1984).
         let mut parent: Vec<u32> = (0..soup.positions.len() as u32).collect();
         let find = |parent: &mut Vec<u32>, mut at: u32| {
             while parent[at as usize] != at {
@@ -85,7 +85,7 @@ impl Pieces {
         };
         let mut first_at: FxHashMap<[u32; 3], u32> = FxHashMap::default();
         for (index, position) in (0..).zip(&soup.positions) {
-            // Zero has two signs.
+            // Makes -0 equal to 0.
             let place = (*position + 0.0).to_array().map(f32::to_bits);
             let first = *first_at.entry(place).or_insert(index);
             parent[index as usize] = first;
@@ -144,7 +144,8 @@ impl Pieces {
         let kept = self.bounds.iter().zip(&left_out).filter(|(_, is_out)| !**is_out);
         let rest = kept.fold(Bounds::EMPTY, |rest, (bounds, _)| rest.union(*bounds));
         let is_small = rest.size().max_element() <= SMALL * size.max_element();
-        // The parts of a circuit board are on the thing itself.
+        // A flat rest, such as the parts of a circuit board, does not stand on a ground: the board
+        // belongs to the thing.
         let stands = rest.size().y >= STANDS * rest.size().x.max(rest.size().z);
         if rest.size().max_element() > 0.0 && is_small && stands {
             return left_out;

@@ -12,7 +12,7 @@ use crate::{EnvironmentMap, Light};
 const KEY_AZIMUTH_RAD: f32 = 0.87;
 const KEY_ELEVATION_RAD: f32 = 0.87;
 
-/// Suns that are tried for places.
+/// Candidate sun directions for places.
 const AZIMUTHS: usize = 16;
 const ELEVATIONS_RAD: [f32; 5] = [0.35, 0.6, 0.85, 1.1, 1.3];
 /// Directions in which the eye looks.
@@ -33,7 +33,7 @@ pub(super) fn day(towards_sun: Vec3) -> (Light, EnvironmentMap) {
     (Light { name: "default sun".to_owned(), ..sun }, map)
 }
 
-/// The direction of the sun: where it lights most of a place, or to the left of and above the
+/// The direction of the sun: where it lights most of a place, or else above and to the left of the
 /// camera.
 pub(super) fn direction(rays: &Rays, patches: &[Patch], eye: Vec3, forward: Vec3) -> Vec3 {
     entering(rays, patches, eye).unwrap_or_else(|| key(forward))
@@ -50,8 +50,8 @@ fn key(forward: Vec3) -> Vec3 {
 
 /// The sun that reaches the most surfaces of a place; `None` if none reaches any.
 ///
-/// Half of the surfaces are those visible from all over the place, half those visible from the eye,
-/// if that is inside: there a patch of sun makes the picture.
+/// Half of the surfaces are those visible from all over the place. The other half are those visible
+/// from the eye, if it is inside: a patch of sunlight there makes the picture.
 fn entering(rays: &Rays, patches: &[Patch], eye: Vec3) -> Option<Vec3> {
     let mut surfaces: Vec<(Vec3, Vec3)> =
         patches.iter().map(|patch| (patch.position, patch.normal)).collect();

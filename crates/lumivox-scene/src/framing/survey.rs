@@ -31,7 +31,7 @@ const PATCHES: usize = 600;
 /// Directions from which the outside is seen, and rays in each.
 const OUTSIDE: [usize; 2] = [64, 64];
 
-/// The share of fronts among visible surfaces above which a point is in the air.
+/// A point is in the air if more than this share of the surfaces it sees are fronts.
 const IN_AIR: f32 = 0.75;
 /// The same for files that wind half of their walls the wrong way round. Fronts must then only be
 /// more than a solid would show, but the air must be free up to this distance, in unit space: a
@@ -54,17 +54,17 @@ const DEEP: f32 = 0.1;
 const FURNITURE: std::ops::Range<f32> = 0.02..0.2;
 /// The steepest floor: the cosine of 37 degrees.
 const LEVEL: f32 = 0.8;
-/// Share of the points of a place that must have a floor below them: if its walls were made to be
-/// seen from inside, and if not. Below points inside a ball it is 0.49.
+/// Share of the points of a place that must have a floor below them: first if its walls were made
+/// to be seen from inside, then if not. For points inside a ball it is 0.49.
 const FLOORED: [f32; 2] = [0.65, 0.75];
-/// Floors, ceilings and walls are turned by less than 20 degrees: sine and cosine.
+/// Floors, ceilings and walls are tilted by less than 20 degrees: sine and cosine.
 const UPRIGHT: [f32; 2] = [0.34, 0.94];
-/// The share of visible surfaces that these must have, if the outside is modelled as well: inside a
-/// ball it is 0.4.
+/// The share of the visible surfaces that must be floors, ceilings or walls if the outside is
+/// modelled as well: inside a ball it is 0.4.
 const BUILT: f32 = 0.65;
 /// A furnished shell shows less than this share of its triangles outside.
 const DETAIL: f32 = 0.4;
-/// The number of triangles for that.
+/// The number of triangles that are tested for that.
 const DETAILS: usize = 300;
 /// Points from which floors and walls are searched.
 const STANDS: usize = 200;
@@ -101,13 +101,13 @@ impl Patch {
 pub(super) struct Survey {
     /// Whether the scene is a place to stand in.
     pub(super) is_place: bool,
-    /// The points of the place at which one can stand; none for a thing.
+    /// The points of the place at which one can stand; empty for a thing.
     pub(super) interior: Vec<Probe>,
     /// The patches visible from there.
     pub(super) patches: Vec<Patch>,
     /// Whether walls show their backs outside: they were made to be seen from inside.
     pub(super) is_made_for_inside: bool,
-    /// The points of air and of shells, for a view inside a thing.
+    /// The points in the air and in shells, for a view inside a thing.
     hollow: Vec<Probe>,
 }
 
@@ -116,7 +116,7 @@ pub(super) struct Survey {
 struct Shares {
     /// Points with surfaces all around.
     body: usize,
-    /// Of these, points in the air with few gaps, and with fewer still.
+    /// Of these, points in the air with few gaps, then with fewer.
     walled: usize,
     roofed: usize,
     /// Of the roofed ones, those without any gap.
@@ -153,7 +153,7 @@ impl Survey {
         Self { is_place: !patches.is_empty(), interior, patches, is_made_for_inside, hollow }
     }
 
-    /// The same as if it were a place, if there is any room inside.
+    /// Treats the scene as a place, if it has any free space inside.
     pub(super) fn seen_from_within(&self, rays: &Rays) -> Self {
         if self.is_place {
             return self.clone();
@@ -272,7 +272,7 @@ fn look_around(rays: &Rays, half: Vec3) -> (Shares, Vec<Probe>, Vec<Probe>) {
             }
         } else {
             shares.body += 1;
-            // A shell without thickness whose front is outside, as sketching programs make it.
+            // A shell without thickness whose front faces outwards, as sketching programs make it.
             if seen.double_sided >= 0.9 && hits >= ROOFED && seen.fronts < MUDDLED {
                 shares.furnished += usize::from(FURNITURE.contains(&seen.fronts));
                 shell.push(Probe { position, sky });
@@ -288,7 +288,8 @@ fn look_around(rays: &Rays, half: Vec3) -> (Shares, Vec<Probe>, Vec<Probe>) {
 fn patches(rays: &Rays, interior: &[Probe]) -> Vec<Patch> {
     let points = interior.iter().step_by(interior.len().div_ceil(PATCHES).max(1));
     let looks = PATCHES.div_ceil(points.len().max(1));
-    // Each point looks in directions of one common set, and the next point continues in that set.
+    // All points share one set of directions; each point continues in it where the previous one
+    // stopped.
     let hits: Vec<Hit> = points
         .flat_map(|probe| std::iter::repeat_n(probe.position, looks))
         .zip(directions::sphere(PATCHES).cycle())
@@ -307,7 +308,7 @@ fn patches(rays: &Rays, interior: &[Probe]) -> Vec<Patch> {
     hits.iter().map(patch).collect()
 }
 
-/// The share of the triangles of which a side is visible from outside.
+/// The share of the triangles that are visible from outside, from either side.
 fn detail_outside(rays: &Rays, soup: &Soup) -> f32 {
     let count = soup.triangles.len();
     let (mut seen, mut all) = (0, 0);
@@ -336,7 +337,7 @@ fn span(points: &[Vec3]) -> f32 {
     (0..3).map(along).fold(0.0, f32::max)
 }
 
-/// The share of backs among what parallel rays from all sides meet first.
+/// The share of backs among the first hits of parallel rays from all sides.
 fn outside_backs(rays: &Rays, half: Vec3) -> f32 {
     let radius = half.length();
     let (mut hits, mut backs) = (0, 0);

@@ -1,4 +1,4 @@
-//! Meshes from arrays of a program, instead of a file.
+//! Meshes from arrays of a program instead of a file.
 
 use glam::{Vec2, Vec3};
 
@@ -6,14 +6,16 @@ use super::normals;
 use crate::Mesh;
 
 impl Mesh {
-    /// A mesh of positions in metres and of vertex numbers, three for each triangle, counter-clockwise seen from its
-    /// front. [`Scene::validate`](crate::Scene::validate) checks the mesh as part of a scene.
+    /// A mesh from positions in metres and vertex indices, three per triangle, counter-clockwise
+    /// seen from its front. [`Scene::validate`](crate::Scene::validate) checks the mesh as part of
+    /// a scene.
     ///
-    /// Without `normals`, edges below `crease_rad` (0 to pi) become smooth and sharper ones stay; vertices are doubled at
-    /// those. With them, normals of no direction are replaced by those of their triangles. Without `uvs` all are zero.
+    /// Without `normals`, edges below `crease_rad` (0 to pi) become smooth and sharper edges stay
+    /// sharp; vertices are duplicated at those. If `normals` are given, those without a direction
+    /// are replaced by their triangles' normals. Without `uvs` all texture coordinates are zero.
     ///
-    /// Vertex numbers beyond the last position, and a last triangle without three of them, leave the mesh without normals
-    /// of its own; `validate` then refuses it.
+    /// If a vertex index is beyond the last position, or the last triangle is incomplete, no
+    /// normals are computed; `validate` then refuses the mesh.
     pub fn from_arrays(
         name: &str,
         positions: Vec<Vec3>,

@@ -26,7 +26,7 @@ pub(super) enum Decoder {
     Float,
     /// Bytes are sRGB-encoded if they are colours; the table has the value of each.
     Bytes(Box<[f32; 256]>),
-    /// Larger integers likewise, as shares of their largest value.
+    /// Larger integers, as shares of their largest value; also sRGB-encoded if they are colours.
     Integers(u32),
 }
 

@@ -1,7 +1,7 @@
 //! The extensions of readable files.
 
 /// The extensions of the files that [`Scene::load`](crate::Scene::load) reads, in lower case.
-/// Those whose feature is off are not among them.
+/// Formats whose feature is off are not included.
 pub const EXTENSIONS: &[&str] = &[
     #[cfg(feature = "gltf")]
     "gltf",

@@ -1,9 +1,9 @@
 //! The files that a scene names: data URIs, and files in its own folder.
 //!
-//! A scene comes from anywhere, so it must not make this program read other parts of the disk:
-//! unless the user allows more, only relative paths that go down are followed, and only to files
-//! whose real place, with all links followed, is in the scene's folder as well. Links that stay
-//! inside are followed, and so is a link to the folder itself.
+//! A scene can come from anywhere, so it must not make this program read other parts of the disk.
+//! Unless the user allows more, only relative paths that go down are accepted, and only to files
+//! whose real path, with all links resolved, is in the scene's folder as well. Links that stay
+//! inside are accepted, and so is a link to the folder itself.
 
 use std::borrow::Cow;
 use std::io;
@@ -13,14 +13,14 @@ use super::find::find;
 use super::source::{self, FileSource};
 use crate::{SceneError, check_regular, read_regular};
 
-/// The files that a scene may name, and their source.
+/// The files that a scene may name, and where they are read from.
 #[derive(Clone, Copy)]
 pub(super) struct Reach<'a> {
     /// Whether any file may be read, or only those in `folders` and below.
     pub(super) anywhere: bool,
     /// The scene's own folder, and for some formats another one.
     pub(super) folders: &'a [PathBuf],
-    /// The source in place of the disk.
+    /// The source that replaces the disk, if any.
     pub(super) source: Option<&'a dyn FileSource>,
 }
 
@@ -40,7 +40,8 @@ impl<'a> Reach<'a> {
         }
     }
 
-    /// Why the thing at a path of the disk is not a file; `None` if there is nothing.
+    /// Why the thing at a path of the disk is not a regular file; `None` if it is one, or if
+    /// nothing exists there.
     pub(super) fn obstacle(self, path: &Path) -> Option<io::Error> {
         let fault = if self.source.is_some() { None } else { check_regular(path).err() };
         fault.filter(|error| error.kind() != io::ErrorKind::NotFound)
@@ -81,9 +82,9 @@ pub(super) enum Located {
     File(PathBuf),
 }
 
-/// The target of `uri`, named by `part` of the scene in `file`, without reading a file (RFC 3986:
-/// percent signs escape). What exists decides: files called `a%20b.png` are there, too, and paths
-/// of other systems.
+/// Resolves `uri`, named by `part` of the scene in `file`, without reading a file (RFC 3986:
+/// percent signs escape). The candidate that exists is used, because some files are really called
+/// `a%20b.png`, and some URIs are paths of other systems.
 pub(super) fn locate_uri(
     file: &Path,
     part: &str,
@@ -103,7 +104,7 @@ pub(super) fn locate_uri(
     let exact =
         resolve(file, &decoded, reach.anywhere).and_then(|path| reach.admit(&path).map(|()| path));
     if !exact.as_ref().is_ok_and(|path| reach.is_file(path)) {
-        // The last one without a query or a fragment.
+        // The last candidate is the path without a query or a fragment.
         let path = decoded.split(['?', '#']).next().unwrap_or_default();
         let mut names = [decoded.as_str(), uri, path].into_iter();
         if let Some(found) = names.find_map(|name| find(&[file], name.as_bytes(), reach).ok()) {
@@ -138,7 +139,7 @@ pub(super) fn read_uri(
     }
 }
 
-/// The path that `path`, named by `file`, refers to; or why it may not be followed.
+/// The path that `path`, named by `file`, refers to; the error says why it must not be read.
 pub(super) fn resolve(file: &Path, path: &str, anywhere: bool) -> Result<PathBuf, String> {
     let checked = check_path(path, anywhere)?;
     Ok(file.parent().unwrap_or(Path::new("")).join(checked))
@@ -161,11 +162,11 @@ fn check_path(path: &str, anywhere: bool) -> Result<PathBuf, String> {
         return Err("the path contains a zero byte".to_owned());
     }
     if !anywhere {
-        // Schemes and Windows' drives alike.
+        // This also catches Windows' drives.
         if let Some((scheme, _)) = path.split_once(':') {
             return Err(format!("the scheme \"{}:\" is not followed", shorten(scheme)));
         }
-        // Both separators on every system: a scene's permissions must not depend on the system.
+        // Both separators on every system: what a scene may read must not depend on the system.
         if path.starts_with(['/', '\\']) {
             return Err("the path is absolute".to_owned());
         }
@@ -187,7 +188,7 @@ fn check_path(path: &str, anywhere: bool) -> Result<PathBuf, String> {
 }
 
 /// Replaces `%41` by `A` and so on (RFC 3986, section 2.1). A percent sign without two hexadecimal
-/// digits is itself.
+/// digits stays as it is.
 pub(super) fn decode_percent(text: &str) -> Vec<u8> {
     let text = text.as_bytes();
     let digit = |at: usize| text.get(at).and_then(|&byte| char::from(byte).to_digit(16));

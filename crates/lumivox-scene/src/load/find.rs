@@ -1,11 +1,11 @@
 //! Finding the files that a scene or a material library names.
 //!
 //! Names are often written on another machine: with backslashes, in another case or encoding, or
-//! with the whole path of a folder that is not here. The search goes in this order: the path as it
-//! is; the same path in any case; and the path without its first folders, down to the bare name,
-//! below each of some folders, such as those of the file that names it and of the scene. All of it
-//! is then tried without quotation marks and without a comment behind the name, and with the
-//! escapes of URIs (`%20`) decoded.
+//! with the full path of a folder that does not exist here. The search tries, in this order: the
+//! path as it is; the same path in any case; and the path without its leading folders, down to the
+//! bare name, below each of some folders, such as those of the file that names it and of the scene.
+//! All of this is then repeated without quotation marks and without a comment after the name, and
+//! with URI escapes (`%20`) decoded.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -15,11 +15,11 @@ use super::text::readable;
 
 /// Bytes of a path: the limit of Linux.
 const LONGEST_PATH: usize = 4096;
-/// The most folders of a path that is searched without its first ones.
+/// The most folders of a path whose leading folders are dropped in the search.
 const MOST_FOLDERS: usize = 32;
 
-/// The file called `name` by a file in the first of `beside`'s places that has it; or why there is
-/// none, with a remedy.
+/// Finds the file called `name` in the folder of the first of `beside` that has it; the error says
+/// why there is none, with a remedy.
 pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<PathBuf, String> {
     if name.len() > LONGEST_PATH {
         return Err(format!("\"{}\" is too long for a path", readable(name)));
@@ -64,7 +64,7 @@ fn find_spelling(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Path
             Err(why) => reason = Some(why),
         }
     }
-    // Also for paths that lead elsewhere: the rest of them stays below the folder.
+    // Also for paths that lead elsewhere: what remains of them stays below the folder.
     let words: Vec<&str> = text.split(['/', '\\']).filter(|word| !word.is_empty()).collect();
     for first in words.len().saturating_sub(MOST_FOLDERS)..words.len() {
         let rest = words[first..].join("/");
@@ -88,7 +88,7 @@ fn find_spelling(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Path
     })
 }
 
-/// The found file, if it may be read; otherwise `refused` gets the reason.
+/// The found file, if it may be read; otherwise `refused` is set to the reason.
 fn admitted(
     found: Option<PathBuf>,
     reach: Reach<'_>,
@@ -103,7 +103,7 @@ fn admitted(
     None
 }
 
-/// Text of UTF-8, or else of Latin-1, as older programs wrote it.
+/// Decodes UTF-8, or else Latin-1, as older programs wrote it.
 fn decode(name: &[u8]) -> String {
     match std::str::from_utf8(name) {
         Ok(text) => text.to_owned(),
@@ -131,7 +131,7 @@ fn same_bytes(base: &Path, name: &[u8], reach: Reach<'_>) -> Option<PathBuf> {
     })
 }
 
-/// The file at `path`, whose words below the folder of `base` may be in upper or lower case.
+/// Finds the file at `path`, whose components below the folder of `base` may differ in case.
 fn ignoring_case(base: &Path, path: &Path, reach: Reach<'_>) -> Option<PathBuf> {
     let folder = base.parent().unwrap_or(Path::new(""));
     let below = path.strip_prefix(folder).unwrap_or(path);
@@ -156,7 +156,7 @@ fn ignoring_case(base: &Path, path: &Path, reach: Reach<'_>) -> Option<PathBuf> 
             .filter_map(|entry| Some(entry.ok()?.file_name()))
             .filter(|name| name.to_string_lossy().to_lowercase() == wanted)
             .collect();
-        // Of several that differ only by case: the same one in every run.
+        // Sorted, so that every run picks the same of several that differ only by case.
         names.sort_unstable();
         at.push(names.first()?);
     }

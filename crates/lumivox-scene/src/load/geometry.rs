@@ -9,7 +9,7 @@ use crate::{Mesh, SceneError};
 /// The most vertices that 32-bit indices can number; the last number means "none".
 const MOST_VERTICES: usize = u32::MAX as usize;
 
-/// The rest of [`MemoryBudget::geometry_bytes`](super::MemoryBudget::geometry_bytes).
+/// What remains of [`MemoryBudget::geometry_bytes`](super::MemoryBudget::geometry_bytes).
 pub(super) struct GeometryBudget<'f> {
     file: &'f Path,
     all: u64,
@@ -21,7 +21,7 @@ impl<'f> GeometryBudget<'f> {
         Self { file, all: bytes, spent: 0 }
     }
 
-    /// Takes the memory of vertices and indices from the budget; `part` names them in the error.
+    /// Charges vertices and indices to the budget; `part` names them in the error.
     pub(super) fn spend(
         &mut self,
         part: impl FnOnce() -> String,
@@ -35,7 +35,7 @@ impl<'f> GeometryBudget<'f> {
         self.take(part, more)
     }
 
-    /// Takes bytes from the budget.
+    /// Charges bytes to the budget.
     pub(super) fn take(
         &mut self,
         part: impl FnOnce() -> String,
@@ -45,12 +45,12 @@ impl<'f> GeometryBudget<'f> {
         self.check(part, 0)
     }
 
-    /// Bytes that are left.
+    /// The remaining bytes.
     pub(super) fn left(&self) -> u64 {
         self.all.saturating_sub(self.spent)
     }
 
-    /// Checks that more bytes, as a reader needs them while it reads, would fit.
+    /// Checks that `more` bytes would fit, such as those that a reader needs temporarily.
     pub(super) fn check(&self, part: impl FnOnce() -> String, more: u64) -> Result<(), SceneError> {
         let needed = self.spent.saturating_add(more);
         if needed <= self.all {
@@ -66,8 +66,8 @@ impl<'f> GeometryBudget<'f> {
 }
 
 impl GeometryBudget<'_> {
-    /// Takes the copies of vertices that different normals at their corners may need: at most one
-    /// for each corner.
+    /// Charges the copies of vertices that different normals at their corners may need: at most one
+    /// per corner.
     pub(super) fn spend_split(&mut self, mesh: &Mesh) -> Result<(), SceneError> {
         let more = mesh.indices.len().saturating_sub(mesh.positions.len());
         let part = || format!("mesh \"{}\", its vertices split at edges,", mesh.name);

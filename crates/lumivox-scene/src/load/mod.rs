@@ -79,7 +79,7 @@ pub struct LoadOptions<'a> {
     pub budget: MemoryBudget,
     /// The source of all files, including the scene's own. Default: the disk.
     pub files: Option<&'a dyn FileSource>,
-    /// A function that is called with the progress from time to time.
+    /// A function that is called from time to time with the progress.
     pub progress: Option<&'a mut dyn FnMut(LoadProgress)>,
 }
 
@@ -99,7 +99,7 @@ impl Default for LoadOptions<'_> {
     }
 }
 
-/// The most memory of a scene.
+/// The memory limits of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryBudget {
     /// Bytes of all textures at their finest levels. Larger textures are halved until all fit, with
@@ -119,7 +119,7 @@ impl Default for MemoryBudget {
 /// The progress of loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoadProgress {
-    /// The present stage: `reading` or `textures`.
+    /// The current stage: `reading` or `textures`.
     pub stage: &'static str,
     /// The amount done, from 0 to `total`: bytes of the file, or textures.
     pub done: u64,
@@ -167,8 +167,9 @@ impl Scene {
     ///
     /// # Errors
     /// [`SceneError`] when the file's extension is unknown, its format is left out of this build
-    /// ([`SceneError::LeftOut`]), the file or one that it names cannot be read, its content violates the format, it requires an unsupported extension, or
-    /// [`Scene::validate`] fails. Never panics, whatever the bytes.
+    /// ([`SceneError::LeftOut`]), the file or one that it names cannot be read, its content
+    /// violates the format, it requires an unsupported extension, or [`Scene::validate`] fails.
+    /// Never panics, whatever the bytes.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         Self::load_with(path, &mut LoadOptions::default())
     }
@@ -184,9 +185,9 @@ impl Scene {
         load(path.as_ref(), options)
     }
 
-    /// Loads a scene whose file is in memory. `name` takes the place of its path: its extension
-    /// decides the format, and messages begin with it. Files that it names are read through
-    /// [`LoadOptions::files`]; without that, there are none, and the disk is not used.
+    /// Loads a scene whose file is in memory. `name` replaces its path: its extension decides the
+    /// format, and messages begin with it. Files that it names are read through
+    /// [`LoadOptions::files`]; without that they do not exist, and the disk is not used.
     ///
     /// # Errors
     /// As [`Scene::load_with`].
@@ -212,7 +213,7 @@ impl Scene {
 }
 
 /// Whether the scene `file` may name the existing file at `path` without
-/// [`LoadOptions::allow_outside`]: its real place, with all links followed, must be in the scene's
+/// [`LoadOptions::allow_outside`]: its real path, with all links resolved, must be in the scene's
 /// folder or below; for VXCT's scenes in a folder `scenes` also in the folder above.
 pub fn may_name(file: &Path, path: &Path) -> bool {
     let options = LoadOptions::default();
@@ -284,7 +285,7 @@ struct Notes {
 }
 
 impl Notes {
-    /// The most that is kept: a hostile file could ask for millions.
+    /// The most warnings that are stored: a hostile file could cause millions.
     const MOST: usize = 100;
 
     fn warn(&mut self, warning: String) {

@@ -52,7 +52,7 @@ pub(super) fn smooth(positions: &[Vec3], indices: &[u32]) -> Vec<Vec3> {
             normals[i] += normal;
         }
     }
-    // Vertices of no triangle, and those whose normals cancel, may face anywhere.
+    // Vertices that no triangle uses, and those whose normals cancel, may face anywhere.
     for normal in &mut normals {
         *normal = normal.normalize_or(Vec3::Y);
     }
@@ -156,7 +156,7 @@ impl Fan {
     }
 }
 
-/// The most vertices made from one that are compared before another is made: a vertex in thousands
+/// The most copies of a vertex that are compared before another one is made: a vertex in thousands
 /// of triangles must not take quadratic time.
 const LONGEST_CHAIN: usize = 32;
 
@@ -204,8 +204,8 @@ fn copy_vertex(mesh: &mut Mesh, i: usize) -> usize {
     mesh.positions.len() - 1
 }
 
-/// Normalises normals, and gives those without a direction, or that are not finite, that of their
-/// triangles. Returns their number.
+/// Normalises normals. Those without a direction, or that are not finite, are replaced by their
+/// triangles'. Returns how many were replaced.
 pub(super) fn repair(normals: &mut [Vec3], positions: &[Vec3], indices: &[u32]) -> usize {
     let mut broken = 0;
     for normal in &mut *normals {

@@ -1,24 +1,27 @@
-//! Places on a map: coordinates of millions of metres, of which 32-bit floats keep half a metre.
+//! Map coordinates of millions of metres, which 32-bit floats resolve to only half a metre.
 //!
-//! Readers keep what f32 loses of such places ([`Rest`]). Once all are known, the scene is moved by a round number near its middle,
-//! its *origin*, in f64.
+//! Readers store what f32 loses of such coordinates ([`Rest`]). Once all are known, the scene is
+//! moved in f64 by a round number near its middle, its *origin*.
 
 use glam::{DVec3, Vec3};
 
 use super::Notes;
 
-/// The least coordinate that is far, in the file's unit: up to it f32 is exact to a quarter of a thousandth.
+/// The least coordinate that counts as far, in the file's unit: up to it f32 is exact to a quarter
+/// of a thousandth.
 pub(super) const FAR: f64 = 4096.0;
-/// Origins are multiples of this, a power of two: to take them from a place that is f32 already loses nothing.
+/// Origins are multiples of this power of two, so that subtracting one from an f32 coordinate loses
+/// nothing.
 const ROUND: f64 = 1024.0;
-/// From here on f32 is exact to a thousandth only, which is a millimetre in metres: always worth an origin.
+/// From this coordinate on an origin is always worth it: f32 is exact to a thousandth only, a
+/// millimetre if the unit is a metre.
 const ALWAYS: f64 = 16384.0;
-/// Nearer, an origin is worth it where the distance from zero is this many times the size.
+/// Nearer, an origin is worth it if the distance from zero is more than this many times the size.
 const TIMES: f64 = 8.0;
-/// The places that the middle is found from, at most: every so many.
+/// The most positions that are sampled to find the middle.
 const MOST_SAMPLES: usize = 4096;
 
-/// The rounding errors of places that became f32, in their order; empty while no place is far.
+/// The rounding errors of positions that became f32, in their order; empty until a position is far.
 #[derive(Debug, Default)]
 pub(super) struct Rest {
     count: usize,
@@ -26,7 +29,7 @@ pub(super) struct Rest {
 }
 
 impl Rest {
-    /// The next place as f32.
+    /// Converts the next position to f32.
     pub(super) fn place(&mut self, place: DVec3) -> Vec3 {
         let rounded = place.as_vec3();
         if !self.lost.is_empty() || is_far(place) {
@@ -38,7 +41,8 @@ impl Rest {
         rounded
     }
 
-    /// The places as seen from one of them, by their numbers, so that shapes don't lose what f32 loses far from zero.
+    /// The positions relative to the `first` one, by index, so that shapes do not lose what f32
+    /// loses far from zero.
     pub(super) fn relative_to<'a>(
         &'a self,
         first: usize,
@@ -52,7 +56,8 @@ impl Rest {
         move |index| (exact(index) - middle).as_vec3()
     }
 
-    /// Moves the places, in one list or several, to their origin, and returns it: zero where they stay.
+    /// Moves the positions, in one list or several, to their origin, and returns it: zero if they
+    /// stay.
     pub(super) fn take_origin<'a>(&self, lists: impl IntoIterator<Item = &'a mut [Vec3]>) -> DVec3 {
         let mut lists: Vec<&mut [Vec3]> = lists.into_iter().collect();
         let origin =
@@ -71,14 +76,14 @@ fn is_far(place: DVec3) -> bool {
     place.abs().max_element() >= FAR
 }
 
-/// The origin of places: zero, if none helps.
+/// The origin of positions; zero if none helps.
 pub(super) fn origin_of<I: Iterator<Item = DVec3>>(places: impl Fn() -> I) -> DVec3 {
     let finite = || places().filter(|place| place.as_vec3().is_finite());
     if !finite().any(is_far) {
         return DVec3::ZERO;
     }
     let step = finite().count().div_ceil(MOST_SAMPLES);
-    // Stray places, such as vertices at zero that nothing uses, don't move the median.
+    // Stray positions, such as unused vertices at zero, do not move the median.
     let median = |axis: usize| {
         let mut values: Vec<f64> = finite().step_by(step).map(|place| place[axis]).collect();
         let middle = values.len() / 2;
@@ -95,7 +100,7 @@ pub(super) fn origin_of<I: Iterator<Item = DVec3>>(places: impl Fn() -> I) -> DV
     if far > 0.0 && 2 * near > finite().count() && helps { origin } else { DVec3::ZERO }
 }
 
-/// Tells from where a scene counts, in metres with y up.
+/// Warns that the scene has an origin, in metres with y up.
 pub(super) fn tell(warnings: &mut Vec<String>, origin: DVec3) {
     if origin == DVec3::ZERO {
         return;
@@ -107,13 +112,13 @@ pub(super) fn tell(warnings: &mut Vec<String>, origin: DVec3) {
     ));
 }
 
-/// Tells what a file has lost that stores places around an origin as f32 itself.
+/// Warns about the precision lost by a file that itself stores positions around an origin as f32.
 pub(super) fn tell_lost(notes: &mut Notes, origin: DVec3) {
     if origin == DVec3::ZERO {
         return;
     }
     let far = origin.abs().max_element();
-    // Half a step is the most that a place is off.
+    // A position is off by at most half a step.
     let step = f64::from((far as f32).next_up()) - far;
     notes.warn(format!(
         "it stores places as 32-bit floats itself, which are off by up to {} thousandths of its unit there; export it near zero, \

@@ -9,11 +9,11 @@
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec3};
 
-/// The number of corners from which a polygon is a fan whatever its shape: clipping one that
-/// crosses itself everywhere takes quadratic time.
+/// Polygons with more corners than this become fans whatever their shape: clipping one that crosses
+/// itself everywhere takes quadratic time.
 const MOST_CLIPPED: usize = 20_000;
 
-/// Divides polygons; keeps its memory from one to the next.
+/// Divides polygons, reusing its memory.
 #[derive(Default)]
 pub(super) struct Cutter {
     earcut: Earcut<f64>,
@@ -32,7 +32,7 @@ impl Cutter {
                 self.clip();
             }
         }
-        // Also if the polygon has no plane, or no ears.
+        // Also used if the polygon has no plane, or no ears.
         if self.triangles.is_empty() {
             let last = corners.len().saturating_sub(1) as u32;
             self.triangles.extend((1..last).flat_map(|i| [0, i, i + 1]));
@@ -40,8 +40,8 @@ impl Cutter {
         &self.triangles
     }
 
-    /// The corners in the polygon's plane, in which it runs counter-clockwise; none without a
-    /// plane.
+    /// The corners projected to the polygon's plane, in which it runs counter-clockwise; empty if
+    /// it has no plane.
     fn project(&mut self, corners: &[Vec3]) {
         self.points.clear();
         // Relative to the first corner: far from the origin, products lose the digits in which

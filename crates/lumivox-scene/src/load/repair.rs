@@ -1,4 +1,4 @@
-//! Numbers of meshes that are not numbers: one of them costs no more than the place where it is.
+//! Repairs NaN and infinite numbers of meshes: each costs no more than its own vertex.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -6,8 +6,8 @@ use super::{Notes, normals};
 use crate::Mesh;
 
 /// Replaces numbers that are not finite, before normals and tangents are computed. Triangles with
-/// such a corner lose their area, and so are removed when the scene is validated; places that no
-/// triangle uses matter to nobody. Colours are limited to 0 to 1.
+/// such a corner lose their area and are removed when the scene is validated; vertices that no
+/// triangle uses do not matter. Colours are clamped to 0 to 1.
 pub(super) fn attributes(mesh: &mut Mesh, notes: &mut Notes) {
     let mut lost = 0;
     if mesh.positions.iter().any(|position| !position.is_finite()) {
@@ -39,7 +39,7 @@ pub(super) fn attributes(mesh: &mut Mesh, notes: &mut Notes) {
     }
 }
 
-/// Normalises normals, and gives those without a direction that of their triangles.
+/// Normalises normals; those without a direction are replaced by their triangles'.
 pub(super) fn directions(mesh: &mut Mesh, notes: &mut Notes) {
     let broken = normals::repair(&mut mesh.normals, &mesh.positions, &mesh.indices);
     if broken > 0 {

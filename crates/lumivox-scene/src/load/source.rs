@@ -51,7 +51,7 @@ impl<S: BuildHasher> FileSource for HashMap<String, Vec<u8>, S> {
 
     fn find_ignoring_case(&self, path: &str) -> Option<String> {
         let wanted = path.to_lowercase();
-        // The first of several, so that every run takes the same.
+        // The first of several, so that every run picks the same.
         self.keys().filter(|key| key.to_lowercase() == wanted).min().cloned()
     }
 }
@@ -91,7 +91,7 @@ pub(super) fn key(path: &Path) -> String {
             Component::ParentDir if words.last().is_some_and(|word| word != "..") => {
                 words.pop();
             }
-            // With the root as an empty word, an absolute path begins with its slash.
+            // The root is an empty word, so that an absolute path begins with its slash.
             Component::RootDir => words.push(Cow::Borrowed("")),
             other => words.push(other.as_os_str().to_string_lossy()),
         }

@@ -9,9 +9,9 @@ use crate::Material;
 const NO_MATERIAL_ALBEDO: f32 = 0.5;
 
 /// The material of surfaces without one: matte grey, visible from both sides, because such files
-/// are mostly bare geometry with arbitrary winding. By its specification glTF's default is a white
-/// rough metal of reflectance 1 (glTF 2.0, section 3.9.6), in which indirect light would never end;
-/// files without materials do not intend that.
+/// are mostly bare geometry with arbitrary winding. The default of the glTF specification is a
+/// white rough metal of reflectance 1 (glTF 2.0, section 3.9.6), in which indirect light would
+/// never end; files without materials do not intend that.
 pub(super) fn no_material(notes: &mut Notes) -> Material {
     notes.warn(format!(
         "meshes without a material are shown matte grey with an albedo of {NO_MATERIAL_ALBEDO}"
@@ -19,7 +19,7 @@ pub(super) fn no_material(notes: &mut Notes) -> Material {
     grey("no material")
 }
 
-/// The same for a surface whose vertices have colours: these are its albedo.
+/// The material of surfaces whose vertices have colours: these are its albedo.
 pub(super) fn only_colors(notes: &mut Notes) -> Material {
     notes.warn("meshes without a material are shown matte in their vertices' colours".to_owned());
     white("vertex colours")

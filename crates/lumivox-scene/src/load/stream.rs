@@ -45,7 +45,7 @@ pub(super) fn open<'s, 'o>(
         opened().map_err(|source| SceneError::Read { file: file.to_owned(), source })?;
     let counting = CountingReader { inner, done: 0, total, options };
     let mut reader = BufReader::with_capacity(PIECE, counting);
-    // A file that cannot be read says so where it is.
+    // A read error is ignored here: the actual read reports it.
     if let Some(kind) = reader.fill_buf().ok().and_then(foreign::what) {
         return Err(SceneError::OtherKind { file: file.to_owned(), kind });
     }

@@ -29,7 +29,7 @@ pub(super) fn generate_for(mesh: &mut Mesh, normals: TextureRef) {
     weld(mesh, &tangents);
 }
 
-/// Sets the tangent of every corner, with one vertex for all corners of a vertex that agree.
+/// Sets the tangent of every corner; corners of a vertex that agree share one vertex.
 fn weld(mesh: &mut Mesh, tangents: &[Option<Vec4>]) {
     let mut known: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
     let mut taken = vec![false; mesh.positions.len()];

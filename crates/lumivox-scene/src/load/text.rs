@@ -18,11 +18,11 @@ pub(super) struct Lines<'f, R> {
     line: Vec<u8>,
     number: u64,
     after_return: bool,
-    /// Whether the text is UTF-16, whose ASCII characters are bytes beside zeros.
+    /// Whether the text is UTF-16, whose ASCII characters are a byte and a zero.
     is_wide: bool,
 }
 
-/// The marks at the start of a text in UTF-8, and in UTF-16 of both byte orders.
+/// The byte order marks of UTF-8, and of UTF-16 in both byte orders.
 pub(super) const MARKS: [&[u8]; 3] = [b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff"];
 
 /// A text without the mark at its start, and whether it is UTF-16.
@@ -57,14 +57,14 @@ impl<'f, R: BufRead> Lines<'f, R> {
         }
     }
 
-    /// The same, joined with the next line if it ends in a backslash.
+    /// Reads the next line, joined with the one after it if it ends in a backslash.
     pub(super) fn advance_joined(&mut self) -> Result<bool, SceneError> {
         let more = self.advance()?;
         // A comment may end in anything.
         if self.line.trim_ascii_start().starts_with(b"#") {
             return Ok(more);
         }
-        // Blanks behind it cannot be seen.
+        // Blanks after the backslash are invisible, so they are ignored.
         while let Some(before) = self.line.trim_ascii_end().strip_suffix(b"\\") {
             self.line.truncate(before.len());
             self.line.push(b' ');
@@ -143,7 +143,7 @@ impl<'f, R: BufRead> Lines<'f, R> {
     }
 }
 
-/// The words of a line up to a comment. The `#` in `1.#QNAN` begins none.
+/// The words of a line up to a comment. The `#` in `1.#QNAN` does not begin one.
 pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     let begins = |(at, &byte): (usize, &u8)| byte == b'#' && (at == 0 || line[at - 1] != b'.');
     let end = line.iter().enumerate().position(begins).unwrap_or(line.len());

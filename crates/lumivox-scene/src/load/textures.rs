@@ -19,7 +19,7 @@ use crate::{Sampler, SceneError, Texture};
 
 pub(super) use mix::Mix;
 
-/// The most bytes of textures being made; a single one may take more.
+/// The most bytes of textures that are made at once; a single one may take more.
 const BYTES_UNDER_WAY: u64 = 512 << 20;
 /// The most texels of all textures before they are shrunk: it would take minutes to decode more.
 const MOST_TEXELS: u64 = 1 << 35;
@@ -124,8 +124,8 @@ impl<'a> Textures<'a> {
         Ok(ImageId(self.images.len() - 1))
     }
 
-    /// The index that a texture will have in the scene. The same recipe with the same sampler is
-    /// the same texture.
+    /// The index that a texture will have in the scene. Equal recipes with equal samplers share one
+    /// texture.
     pub(super) fn texture(
         &mut self,
         recipe: Recipe,
@@ -218,7 +218,7 @@ impl<'a> Textures<'a> {
         Ok(())
     }
 
-    /// Halves the largest texture repeatedly, until all together take no more than `budget` bytes.
+    /// Halves the largest texture repeatedly, until all of them together fit into `budget` bytes.
     fn fit(&mut self, budget: u64, notes: &mut Notes) {
         let all: u64 = self.products.iter().map(Product::bytes).sum();
         let mut bytes = all;
@@ -231,7 +231,7 @@ impl<'a> Textures<'a> {
             let before = product.bytes();
             product.halvings += 1;
             bytes -= before - product.bytes();
-            // A single texel stays.
+            // A single texel cannot shrink.
             if product.texels() < texels {
                 queue.push((product.texels(), key));
             }
@@ -250,7 +250,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// The end of the products that are made together with the one at `begin`.
+    /// The end of the batch of products that begins at `begin`.
     fn batch(&self, begin: usize) -> usize {
         let most = rayon::current_num_threads() * 2;
         let mut bytes = 0;
@@ -259,7 +259,7 @@ impl<'a> Textures<'a> {
             let product = &self.products[end];
             let images = product.recipe.images().iter().map(|image| self.images[image.0].header);
             let decoded: u64 = images.map(|h| u64::from(h.width) * u64::from(h.height) * 4).sum();
-            // Decoders hold the file's own form beside the result.
+            // Decoders hold the file's own format beside the result.
             bytes += decoded * 2 + product.texels() * 4;
             if end > begin && bytes > BYTES_UNDER_WAY {
                 break;

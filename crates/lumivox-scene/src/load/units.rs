@@ -1,4 +1,4 @@
-//! Files that are not in metres with y up, as most CAD files.
+//! Files that are not in metres with y up, such as most CAD files.
 
 use std::path::Path;
 
@@ -55,7 +55,7 @@ pub(super) fn apply(
         return Ok(());
     }
     scene.transform(rotation);
-    // The decimals that were meant, of which f32 is off by centimetres on a map.
+    // The intended decimals: f32 is off by centimetres on a map.
     let exact_m: f64 = unit_m.to_string().parse().unwrap_or(f64::from(unit_m));
     scene.origin = exact_m * (up.rotation().as_dmat3() * scene.origin);
     // Animations keep their unit at all times.

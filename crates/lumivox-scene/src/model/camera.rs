@@ -53,7 +53,7 @@ impl Camera {
     pub fn world_from_camera(&self) -> Mat4 {
         let backward = -self.forward.normalize_or(Vec3::NEG_Z);
         let right = self.up.cross(backward).try_normalize();
-        // An up along the line of sight fixes no roll: any right angle does.
+        // An up along the line of sight leaves the roll open: any right angle will do.
         let right = right.unwrap_or_else(|| backward.any_orthonormal_vector());
         let up = backward.cross(right);
         Mat4::from_cols(

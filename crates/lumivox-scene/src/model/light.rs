@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-/// A light that direct lighting evaluates analytically. It is invisible: a lamp that should be seen
-/// needs an emissive surface, too.
+/// A light for analytic direct lighting. It is invisible: a lamp that should be seen needs an
+/// emissive surface, too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// A name for lists and messages.
     pub name: String,
-    /// The kind and the strength.
+    /// The kind and strength of the light.
     pub kind: LightKind,
     /// Linear RGB factor of the intensity or illuminance. Default: white (1, 1, 1).
     pub color: Vec3,
@@ -18,11 +18,11 @@ pub struct Light {
     pub position: Vec3,
     /// Unit vector along which the light travels; ignored for a point light. Default: -y.
     pub direction: Vec3,
-    /// Radius of the shining sphere in metres, for soft shadows only; the intensity stays the
-    /// same. Default: 0, a point with hard shadows. A directional light has an angular radius in
-    /// its kind instead.
+    /// Radius of the luminous sphere in metres, only for soft shadows; the intensity stays the
+    /// same. Default: 0, a point with hard shadows. The kind of a directional light has an angular
+    /// radius instead.
     pub radius_m: f32,
-    /// The fall-off in looks without physical units. Default: none, for the inverse square.
+    /// The fall-off in looks without physical units. Default: none, which means the inverse square.
     /// Physical renderers ignore it.
     pub attenuation: Option<Attenuation>,
 }
@@ -120,7 +120,7 @@ pub struct Environment {
     pub rotation_rad: f32,
 }
 
-/// A map as it is.
+/// An environment of the unscaled, unrotated map.
 impl From<Arc<EnvironmentMap>> for Environment {
     fn from(map: Arc<EnvironmentMap>) -> Self {
         Self { radiance: Vec3::ONE, map: Some(map), rotation_rad: 0.0 }

@@ -25,8 +25,9 @@ pub struct Material {
     pub alpha: AlphaMode,
     /// Whether the back side is visible, too, with the normal reversed. Default: no.
     pub double_sided: bool,
-    /// Whether light passes a single-sided surface from behind, where it blocks otherwise: for stages that are open to a side.
-    /// Default: no. Files do not say so; `--open-backs` does for all of a scene.
+    /// For single-sided surfaces: `true` if light passes them from behind instead of being blocked,
+    /// for stages that are open to one side. Default: no. Files do not store this; `--open-backs`
+    /// sets it for a whole scene.
     pub open_behind: bool,
     /// A clear coat. Default: none.
     pub clearcoat: Clearcoat,
@@ -188,7 +189,7 @@ impl Default for Phong {
 }
 
 /// A surface as in Phong shaders without physical units: for each light, `color` times (ambient +
-/// diffuse cos + specular cos^shininess) is added, and shown as it is.
+/// diffuse cos + specular cos^shininess) is added, and the sum is shown without conversion.
 ///
 /// It may reflect more light than it receives, and its numbers have no limits.
 /// [`Strengths::to_phong`] gives the closest possible surface.

@@ -40,8 +40,8 @@ impl Mesh {
         self.indices.chunks_exact(3).map(|t| [t[0] as usize, t[1] as usize, t[2] as usize])
     }
 
-    /// Reverses every triangle's winding and every bitangent. A copy that a mirroring transform
-    /// will place needs it, so that its front stays its front.
+    /// Reverses every triangle's winding and every bitangent, for a copy that a mirroring transform
+    /// places, so that its front stays its front.
     pub(crate) fn flip_winding(&mut self) {
         for triangle in self.indices.chunks_exact_mut(3) {
             triangle.swap(1, 2);
@@ -64,7 +64,7 @@ pub(crate) fn any_tangent(normal: Vec3) -> Vec4 {
 /// Normals need the inverse transpose of the matrix, sign included: the adjugate without it would
 /// turn them inwards under a mirror.
 ///
-/// The default is the first mesh with the first material at its own place, static, voxelized and
+/// The default is the first mesh with the first material and no transform, static, voxelized and
 /// shown.
 #[expect(clippy::struct_excessive_bools, reason = "each says a thing of its own")]
 #[derive(Clone, Debug, PartialEq)]
@@ -77,7 +77,7 @@ pub struct Instance {
     pub material: usize,
     /// Affine transform from the mesh's local space to the world. Invertible.
     pub world_from_local: Mat4,
-    /// Whether it stays unchanged while others move, so that renderers may keep data made from it.
+    /// Whether it stays unchanged while others move, so that renderers may cache data made from it.
     /// By default everything is static except for things that an animation can reach, by a node, a
     /// bone or a morph target.
     pub is_static: bool,
@@ -86,8 +86,8 @@ pub struct Instance {
     /// Default: yes.
     pub is_voxelized: bool,
     /// Whether it is treated as absent: neither drawn nor voxelized, without shadow, outside
-    /// [`Scene::bounds`](super::Scene::bounds); it is only kept and saved (`KHR_node_visibility`).
-    /// Default: no.
+    /// [`Scene::bounds`](super::Scene::bounds); it is only stored and saved
+    /// (`KHR_node_visibility`). Default: no.
     pub is_hidden: bool,
     /// Whether it belongs to the surroundings, such as the ground of a studio: drawn, lit and
     /// voxelized within the grid, but outside [`Scene::bounds`](super::Scene::bounds), so that

@@ -26,11 +26,12 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// The surroundings.
     pub environment: Environment,
-    /// The place in the file's coordinates, in metres with y up, of the scene's zero. Default: zero. Places on a map, such as
-    /// UTM's, are far from zero, where 32-bit floats are off by half a metre: the readers take the origin from them in f64.
+    /// Position of the scene's zero in the file's coordinates, in metres with y up. Default: zero.
+    /// Map coordinates, such as UTM's, are far from zero, where 32-bit floats are off by half a
+    /// metre, so readers subtract the origin in f64.
     pub origin: DVec3,
     /// The data of [`Scene::pose`]; `None` without animations. Setting it to `None` keeps the
-    /// present pose, and frees the memory.
+    /// current pose and frees the memory.
     pub rig: Option<Rig>,
     /// The box that a voxel grid is fitted to. Default: `None`, which means [`Scene::bounds`]. A
     /// scene with this box may be empty.
@@ -60,8 +61,8 @@ pub struct LoadNotes {
     pub nodes: BTreeMap<String, String>,
 }
 
-/// The boxes around a scene's instances. A caller that keeps them pays only for instances that
-/// move, and not for the whole scene.
+/// Bounding boxes of a scene's instances. A caller that stores them only pays for instances that
+/// move, not for the whole scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InstanceBounds {
     boxes: Vec<Bounds>,
@@ -74,7 +75,7 @@ impl InstanceBounds {
         Self { boxes: boxes.collect() }
     }
 
-    /// Updates the box of an instance that has moved, or whose mesh has changed.
+    /// Updates the box of an instance after it has moved or its mesh has changed.
     pub fn follow(&mut self, scene: &Scene, instance: usize) {
         if let (Some(place), Some(instance)) =
             (self.boxes.get_mut(instance), scene.instances.get(instance))
@@ -105,22 +106,23 @@ impl InstanceBounds {
 }
 
 impl Scene {
-    /// The name of the light or camera on the file's node of that name; otherwise the name itself.
+    /// The name of the light or camera on the file's node of that name; otherwise `node` itself.
     pub fn name_on<'a>(&'a self, node: &'a str) -> &'a str {
         self.notes.nodes.get(node).map_or(node, String::as_str)
     }
 
-    /// A place of the scene in the file's coordinates, m: its decimals, and to a micrometre with an [`Scene::origin`].
+    /// Converts a position to the file's coordinates, m: the shortest decimals of each number, or
+    /// to a micrometre if there is an [`Scene::origin`].
     pub fn to_file(&self, place: Vec3) -> DVec3 {
         if self.origin == DVec3::ZERO {
-            // The shortest decimals that are this f32.
+            // The shortest decimals that read as this f32.
             let decimal = |number: f32| number.to_string().parse().unwrap_or(f64::from(number));
             return DVec3::from_array(place.to_array().map(decimal));
         }
         ((place.as_dvec3() + self.origin) * 1e6).round() / 1e6
     }
 
-    /// A place in the file's coordinates, m, as the scene has it.
+    /// Converts a position in the file's coordinates, m, to the scene's.
     pub fn from_file(&self, place: DVec3) -> Vec3 {
         (place - self.origin).as_vec3()
     }
@@ -153,9 +155,8 @@ impl Scene {
         bounds
     }
 
-    /// Whether the colours of the scene are those of a screen, as in scenes for VXCT: some light
-    /// has an [`Attenuation`](crate::Attenuation), or the scene has a grid of its own and no
-    /// lights.
+    /// Whether the scene's colours are display values, as in scenes for VXCT: some light has an
+    /// [`Attenuation`](crate::Attenuation), or the scene has its own grid and no lights.
     pub fn has_display_values(&self) -> bool {
         let has_no_lights = self.lights.is_empty() && self.grid_bounds.is_some();
         has_no_lights || self.lights.iter().any(|light| light.attenuation.is_some())
@@ -166,7 +167,7 @@ impl Scene {
         self.grid_bounds.unwrap_or_else(|| self.bounds())
     }
 
-    /// The number of triangles that are drawn: each instance that is not hidden counts its mesh's.
+    /// The number of triangles that are drawn: the sum over the instances that are not hidden.
     pub fn triangle_count(&self) -> usize {
         self.shown()
             .filter_map(|instance| self.meshes.get(instance.mesh))

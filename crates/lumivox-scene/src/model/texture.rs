@@ -2,7 +2,8 @@
 
 use glam::Affine2;
 
-/// Refers to one of [`Scene::textures`](super::Scene::textures), with the place of a vertex on it.
+/// Refers to one of [`Scene::textures`](super::Scene::textures), with the mapping of vertices to
+/// it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureRef {
     /// Index into [`Scene::textures`](super::Scene::textures).

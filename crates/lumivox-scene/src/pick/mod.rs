@@ -1,11 +1,11 @@
-//! Finding what a ray from the camera meets: which instance, which triangle, where.
+//! Picking by rays: which instance and triangle a ray hits, and where.
 //!
-//! Each mesh is kept once, in its local space, as runs of 32 triangles in the order of the file,
-//! which mostly follow one another on the surface; a hierarchy of boxes (`obvhs`) is built over the
-//! runs. A ray is transformed to the space of each instance. So the memory is 24 bytes a triangle
-//! if triangles share vertices (85 if none does), 10 million triangles are ready in a second, and a
-//! scene that moves only pays for its instances. Triangles are tested in 64 bits (Möller and
-//! Trumbore 1997, "Fast, minimum storage ray/triangle intersection").
+//! Each mesh is stored once, in its local space, as runs of 32 triangles in the file's order, in
+//! which most are neighbours on the surface; a hierarchy of boxes (`obvhs`) is built over the runs.
+//! A ray is transformed to the space of each instance. This takes 24 bytes a triangle if triangles
+//! share vertices (85 if none does), 10 million triangles are ready in a second, and a scene in
+//! motion only pays for its instances. Triangles are tested in 64 bits (Möller and Trumbore 1997,
+//! "Fast, minimum storage ray/triangle intersection").
 
 mod shape;
 #[cfg(test)]
@@ -16,7 +16,7 @@ use glam::{DMat4, DVec3, IVec3, Mat3, Mat4, Vec3};
 use crate::Scene;
 use shape::{Hit, Shape, Sides};
 
-/// The triangles of a scene, ready for rays: made once for each state of the scene, on the CPU.
+/// The triangles of a scene, prepared for rays on the CPU; made once for each state of the scene.
 pub struct Picker {
     /// A shape for each mesh; `None` if no instance shows it.
     shapes: Vec<Option<Shape>>,
@@ -33,7 +33,7 @@ struct PlacedShape {
     sides: Sides,
 }
 
-/// The first surface that a ray meets.
+/// The first surface that a ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pick {
     /// Index into [`Scene::instances`].
@@ -59,7 +59,7 @@ impl std::fmt::Debug for Picker {
 }
 
 impl Picker {
-    /// Makes a picker for a valid scene (see [`Scene::validate`]); it keeps copies of the
+    /// Makes a picker for a valid scene (see [`Scene::validate`]); it stores copies of the
     /// triangles.
     ///
     /// Takes 24 bytes a triangle, and about a tenth of a second per million (debug build, one slow
@@ -95,10 +95,10 @@ impl Picker {
     }
 
     /// The first surface on a ray that a picture shows: rays pass the backs of single-sided
-    /// surfaces, as in pictures. They do not pass the holes of masks and glass: a pane or a leaf is
-    /// met everywhere. `direction` need not have unit length; with a zero direction nothing is met.
+    /// surfaces, as in pictures. They do not pass the holes of masks, nor glass: a pane or a leaf
+    /// is hit everywhere. `direction` need not have unit length; a zero direction hits nothing.
     ///
-    /// Of surfaces in the same place, the one of the first instance counts.
+    /// Of surfaces at the same position, that of the first instance is returned.
     pub fn pick(&self, origin: Vec3, direction: Vec3) -> Option<Pick> {
         let origin = origin.as_dvec3();
         let direction = direction.as_dvec3().try_normalize()?;
@@ -107,22 +107,24 @@ impl Picker {
         Some(placed.tell(shape, hit, (origin, direction)))
     }
 
-    /// The way, m, to the first surface on a ray that blocks light, from either side.
+    /// The distance, m, to the first surface on a ray that blocks light, from either side.
     pub fn obstacle_m(&self, origin: Vec3, direction: Vec3) -> Option<f32> {
         let direction = direction.as_dvec3().try_normalize()?;
         let (_, hit) = self.nearest((origin.as_dvec3(), direction), |_| Sides::Both)?;
         Some(hit.distance as f32)
     }
 
-    /// Whether a point lies inside of something solid: of 14 rays around, 11 or more first meet the back of a single-sided surface, or
+    /// Whether a point is inside something solid: of 14 rays in all directions, at least 11 first
+    /// hit the back of a single-sided surface, or at least 8 if all rays hit something: below a
+    /// thing on a ground, rays hit the front of the ground.
     /// 8 where all meet something: below what stands on a ground is the front of the ground.
     pub fn is_inside(&self, at: Vec3) -> bool {
         let steps = [-1, 0, 1];
         let all = steps.iter().flat_map(|x| steps.iter().map(move |y| (x, y)));
         let all = all.flat_map(|(x, y)| steps.iter().map(move |z| IVec3::new(*x, *y, *z)));
-        // To the sides and the corners of a cube.
+        // The directions to the faces and the corners of a cube.
         let around = all.filter(|way| matches!(way.length_squared(), 1 | 3)).map(IVec3::as_dvec3);
-        // A little askew, so that none runs along a wall.
+        // Slightly skewed, so that no ray runs along a wall.
         let skew = DVec3::new(0.0131, 0.0271, 0.0193);
         let meets_back = |way: DVec3| {
             let (origin, direction) = (at.as_dvec3(), (way + skew).normalize());
@@ -136,7 +138,7 @@ impl Picker {
         backs >= 11 || (met.len() == 14 && backs >= 8)
     }
 
-    /// The first surface on a ray, among the sides of each instance that count.
+    /// The first surface on a ray; `sides` gives the sides of an instance that rays hit.
     fn nearest(
         &self,
         (origin, direction): (DVec3, DVec3),
@@ -145,7 +147,8 @@ impl Picker {
         let mut nearest: Option<(&PlacedShape, Hit)> = None;
         for placed in &self.placed {
             let Some(shape) = &self.shapes[placed.mesh] else { continue };
-            // The local direction is not of unit length, so that distances stay those of the world.
+            // The local direction does not have unit length, so that distances are those of the
+            // world.
             let local = (
                 placed.local_from_world.transform_point3(origin),
                 placed.local_from_world.transform_vector3(direction),
@@ -160,7 +163,7 @@ impl Picker {
 }
 
 impl PlacedShape {
-    /// The way that the front of the triangle looks that was hit, in the world.
+    /// The direction, in the world, that the front of the hit triangle faces.
     fn front_of(&self, shape: &Shape, hit: Hit) -> DVec3 {
         let corners = shape
             .corners(hit.triangle)

@@ -11,15 +11,16 @@ use crate::Mesh;
 /// Triangles of one leaf: boxes then take 1 byte a triangle, and a ray tests a few hundred
 /// triangles.
 const RUN: usize = 32;
-/// Half the edge of the space of the boxes is 1; corners and rays are rounded to 1e-7 of that.
+/// Padding of the boxes, in a space whose half edge is 1; corners and rays are rounded to 1e-7 of
+/// that.
 const PADDING: f32 = 1e-5;
-/// The farthest start of a ray from the middle of that space, whose corners are sqrt(3) away.
+/// The farthest start of a ray from the centre of that space, whose corners are at sqrt(3).
 const REACH: f64 = 2.0;
 
 /// The triangles of a mesh.
 pub(super) struct Shape {
     positions: Vec<Vec3>,
-    /// As many as positions, or none.
+    /// One per position, or empty.
     normals: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     bvh: Bvh2,
@@ -27,7 +28,7 @@ pub(super) struct Shape {
     half: f64,
 }
 
-/// The sides of triangles that a ray meets, by their winding as seen from its origin.
+/// The sides of triangles that a ray hits, by their winding as seen from its origin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sides {
     Both,
@@ -35,7 +36,7 @@ pub(super) enum Sides {
     Clockwise,
 }
 
-/// The point at which a ray meets a triangle.
+/// The point at which a ray hits a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Hit {
     pub(super) triangle: usize,
@@ -51,7 +52,7 @@ impl Shape {
         let is_there = |corner: &usize| *corner < mesh.positions.len();
         let triangles: Vec<[u32; 3]> = mesh
             .triangles()
-            // An invalid scene must not do harm.
+            // An invalid scene must not break anything.
             .map(|triangle| if triangle.iter().all(is_there) { triangle } else { [0; 3] })
             .map(|triangle| triangle.map(|corner| corner as u32))
             .collect();
@@ -91,8 +92,8 @@ impl Shape {
         Some(Self { positions: mesh.positions.clone(), normals, triangles, bvh, center, half })
     }
 
-    /// The nearest triangle on a ray that is nearer than `limit`; of several in one place, that of
-    /// the lowest number.
+    /// The nearest triangle on a ray that is nearer than `limit`; of several at the same distance,
+    /// the one with the lowest index.
     pub(super) fn nearest(
         &self,
         (origin, direction): (DVec3, DVec3),
@@ -110,7 +111,7 @@ impl Shape {
         if reach < 0.0 || !start.is_finite() {
             return None;
         }
-        // A little more than the distance: rounding must not separate equals.
+        // Slightly more than the distance: rounding must not separate equal hits.
         let bounded = |reach: f64| (reach * (1.0 + 1e-6) + f64::from(PADDING)) as f32;
         let ray = Ray::new(start, towards.as_vec3a(), 0.0, bounded(reach));
         let mut nearest: Option<Hit> = None;

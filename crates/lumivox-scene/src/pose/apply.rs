@@ -53,8 +53,8 @@ pub(super) fn pose(
 }
 
 impl Rig {
-    /// Brings a freshly loaded scene into the file's rest pose, with instances, lights and cameras
-    /// of `parts`. The rig stays with the scene if there are animations.
+    /// Puts a freshly loaded scene into the file's rest pose, with instances, lights and cameras of
+    /// `parts`. The rig stays with the scene if there are animations.
     pub(crate) fn install(scene: &mut Scene, parts: Parts) -> Result<(), SceneError> {
         let pose = Pose::rest(&parts.nodes);
         let mut rig = Self {
@@ -72,9 +72,10 @@ impl Rig {
         Ok(())
     }
 
-    /// Meshes that no animation deforms have their final shape now.
+    /// Drops the deformation data of meshes that no animation deforms: they have their final shape
+    /// now.
     fn drop_what_never_moves(&mut self) {
-        // The rig is new: its parts have no other owner.
+        // The rig is new: nothing else owns its parts.
         let Some(parts) = Arc::get_mut(&mut self.parts) else { return };
         let moves = moving(&parts.nodes, &parts.animations);
         let weighs = weighing(parts.nodes.len(), &parts.animations);
@@ -86,12 +87,12 @@ impl Rig {
         });
     }
 
-    /// Adds a transform to everything from now on.
+    /// Applies a transform to everything from now on.
     pub(crate) fn transform(&mut self, world_from_world: Mat4) {
         self.world_from_file = world_from_world * self.world_from_file;
     }
 
-    /// Follows the removal of one of the scene's instances.
+    /// Updates the indices after one of the scene's instances was removed.
     pub(crate) fn forget_instance(&mut self, index: usize) {
         if index < self.shown.len() {
             self.shown.remove(index);
@@ -153,7 +154,7 @@ fn deform(
     Ok(())
 }
 
-/// Updates the scene's first instances. As long as the same ones are visible they stay in place.
+/// Updates the scene's first instances. While the same ones are visible, their indices stay.
 fn place_instances(
     rig: &mut Rig,
     parts: &Parts,
@@ -172,7 +173,8 @@ fn place_instances(
             continue;
         };
         let mirrors = world_from_local.as_dmat4().determinant() < 0.0;
-        // Rounding may turn the sign of transforms that are almost flat: never hide those.
+        // Rounding may flip the determinant's sign of transforms that are almost flat: never hide
+        // those.
         let mesh = if mirrors { mirrored.or(upright) } else { upright.or(mirrored) };
         let Some(mesh) = mesh else { continue };
         if scene.meshes.get(mesh).is_some_and(|mesh| !mesh.indices.is_empty()) {
@@ -181,7 +183,7 @@ fn place_instances(
     }
     if !visible.iter().map(|v| v.0).eq(rig.shown.iter().copied()) {
         let others = scene.instances.split_off(rig.shown.len().min(scene.instances.len()));
-        // Instances that stay visible keep their marks.
+        // Instances that stay visible keep their flags.
         let mut marked = rig.shown.iter().zip(&scene.instances).peekable();
         let again = visible.iter().map(|&(i, mesh, world_from_local)| {
             while marked.next_if(|(shown, _)| **shown < i).is_some() {}

@@ -1,4 +1,4 @@
-//! Vertices that follow morph targets, then bones (glTF 2.0, sections 3.7.2.2 and 3.7.3.3).
+//! Deforms vertices by morph targets, then by bones (glTF 2.0, sections 3.7.2.2 and 3.7.3.3).
 //!
 //! Each target adds its displacements times its weight. Then each vertex is moved by the weighted
 //! mean of its joints' matrices M: positions by M, tangents by M's linear part, normals by the
@@ -6,8 +6,8 @@
 //! only the sign matters for a direction: cofactors exist for flattening matrices, too. Tangents
 //! are made orthogonal to their normals again.
 //!
-//! Meshes whose file has no normals are flat: each triangle has its own three vertices, one after
-//! the other, and gets the normal of its deformed plane.
+//! Meshes whose file has no normals are flat: each triangle has its own three consecutive vertices,
+//! and gets the normal of its deformed plane.
 //!
 //! If M mirrors, the triangles' winding is reversed, so that their fronts stay their fronts, and
 //! the signs of their bitangents with it.
@@ -21,8 +21,8 @@ use crate::Mesh;
 use crate::model::any_tangent;
 use crate::validate::has_area;
 
-/// Vertices that one thread takes at a time; a multiple of three, so that flat triangles stay
-/// together. About 200 kB of data, which fits the caches.
+/// Vertices in one thread's chunk; a multiple of three, so that flat triangles stay together. About
+/// 200 kB of data, which fits the caches.
 const CHUNK: usize = 3 << 10;
 
 /// One of the scene's meshes, and the joints and targets that move its vertices.
@@ -35,9 +35,9 @@ pub(crate) struct Deformed {
     /// Index into the rig's skins.
     pub(crate) skin: Option<usize>,
     pub(crate) base: Base,
-    /// As many as the node has weights; those that never act may be empty.
+    /// One per weight of the node; those that never act may be empty.
     pub(crate) targets: Vec<Target>,
-    /// The influences of joints; without joints where there is no skin.
+    /// The influences of joints; empty without a skin.
     pub(crate) influences: Influences,
 }
 
@@ -59,16 +59,16 @@ pub(crate) struct Target {
     pub(crate) vertices: Vec<u32>,
     /// One displacement for each of those vertices.
     pub(crate) positions: Vec<Vec3>,
-    /// As many or none.
+    /// One per vertex, or empty.
     pub(crate) normals: Vec<Vec3>,
-    /// As many or none.
+    /// One per vertex, or empty.
     pub(crate) tangents: Vec<Vec3>,
 }
 
-/// The joints that each vertex follows, with weights.
+/// The joints that move each vertex, with weights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Influences {
-    /// The number for each vertex; unused ones have no weight.
+    /// The number of joints per vertex; unused ones have no weight.
     pub(crate) per_vertex: usize,
     /// Indices into the skin's joints.
     pub(crate) joints: Vec<u16>,
@@ -183,7 +183,7 @@ impl Deformed {
             let sign = if determinant < 0.0 { -1.0 } else { 1.0 };
             let normal = Vec3A::from(chunk.normals[vertex]);
             let turned = Vec3::from(cofactors * normal * sign);
-            // A bone without size leaves no direction; its triangles have no area either.
+            // A bone without size leaves no direction; its triangles then have no area either.
             let normal = unit_or(turned, chunk.normals[vertex]);
             let tangent = chunk.tangents[vertex];
             let along = Vec3::from(linear * Vec3A::from(tangent.truncate()));
@@ -291,7 +291,7 @@ fn orthogonal(tangent: Vec4, normal: Vec3) -> Vec4 {
 fn drop_flat(mesh: &mut Mesh) {
     let positions = &mesh.positions;
     let is_seen = |t: &[u32]| has_area_fast([t[0], t[1], t[2]].map(|i| positions[i as usize]));
-    // Most meshes have none: looking on all cores costs less than moving all.
+    // Most meshes have none: checking on all cores costs less than moving all.
     let blocks = mesh.indices.par_chunks(3 * CHUNK);
     if blocks.all(|block| block.chunks_exact(3).all(is_seen)) {
         return;

@@ -62,7 +62,8 @@ pub struct Rig {
     world_from_file: Mat4,
     /// The parts' instances that are the scene's first instances; the others are hidden.
     shown: Vec<usize>,
-    /// Whether the lights, or the cameras, are others than the file's, which stay where they are.
+    /// Whether the lights, or the cameras, are no longer the file's; poses then leave them where
+    /// they are.
     has_own_lights: bool,
     has_own_cameras: bool,
 }
@@ -91,8 +92,8 @@ impl Scene {
             .collect()
     }
 
-    /// Takes other lights. As long as the file's come first, by their names, poses go on to move these; otherwise they leave
-    /// all lights where they are from now on.
+    /// Replaces the lights. If the file's lights still come first, matched by name, poses continue
+    /// to move them; otherwise poses leave all lights where they are from now on.
     pub fn replace_lights(&mut self, lights: Vec<Light>) {
         if let Some(rig) = &mut self.rig {
             let moved = self.lights.iter().take(rig.parts.lights.len()).map(|light| &light.name);
@@ -101,7 +102,7 @@ impl Scene {
         self.lights = lights;
     }
 
-    /// Takes other cameras, as [`Self::replace_lights`] does with lights.
+    /// Replaces the cameras, as [`Self::replace_lights`] does the lights.
     pub fn replace_cameras(&mut self, cameras: Vec<Camera>) {
         if let Some(rig) = &mut self.rig {
             let moved =
@@ -116,9 +117,10 @@ impl Scene {
     ///
     /// Changes transforms and meshes of instances, places of lights and cameras, and positions,
     /// normals, tangents and triangles of meshes that bones or morph targets deform. Everything
-    /// that the animation does not move is as in the file. An instance whose transform scales two axes
-    /// to zero, or whose triangles have no area, is left out of [`Scene::instances`] for as long. Meshes keep
-    /// their numbers; one without a visible triangle stays in the list, empty.
+    /// that the animation does not move is as in the file. While an instance's transform scales two
+    /// axes to zero, or its triangles have no area, the instance is left out of
+    /// [`Scene::instances`]. Meshes keep their indices; one without a visible triangle stays in the
+    /// list, empty.
     ///
     /// The rig's instances, lights and cameras are the first of their lists: append others behind
     /// them, and posing does not change those. Without a rig nothing moves:

@@ -4,7 +4,7 @@ use glam::Mat4;
 
 use crate::{Instance, Light, Scene};
 
-/// The places of a scene's parts, to be compared with later ones.
+/// The transforms of a scene's parts, to be compared with later ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Places {
     /// The transform of each instance, whether it is hidden, and its mesh.
@@ -15,7 +15,8 @@ pub struct Places {
 /// The parts of a scene that have moved from one pose to another.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Moved {
-    /// Whether meshes or the list of instances may differ, so that everything has to be looked at again.
+    /// Whether meshes or the list of instances may differ, so that everything must be checked
+    /// again.
     pub shapes: bool,
     /// The numbers of the instances that differ, in order; empty if `shapes` is true.
     pub instances: Vec<usize>,
@@ -24,7 +25,7 @@ pub struct Moved {
 }
 
 impl Places {
-    /// The present places of a scene's parts.
+    /// The current transforms of a scene's parts.
     pub fn of(scene: &Scene) -> Self {
         Self {
             instances: scene.instances.iter().map(place).collect(),
@@ -32,7 +33,8 @@ impl Places {
         }
     }
 
-    /// The parts of the same scene that are elsewhere now. Meshes that an animation deforms always count as moved.
+    /// The parts of the same scene that have moved since. Meshes that an animation deforms always
+    /// count as moved.
     pub fn moved(&self, now: &Scene) -> Moved {
         let lights = self.lights != now.lights;
         if now.is_deformed() || self.instances.len() != now.instances.len() {

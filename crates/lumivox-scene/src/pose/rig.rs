@@ -85,7 +85,7 @@ pub(crate) enum Property {
     Weights,
 }
 
-/// Bones: nodes that vertices follow.
+/// Bones: nodes that move vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Skin {
     pub(crate) joints: Vec<usize>,

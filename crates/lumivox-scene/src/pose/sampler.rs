@@ -11,7 +11,7 @@
 //!   each key stores its in-tangent a, value v and out-tangent b; rotations are brought to unit
 //!   length afterwards.
 //!
-//! Before the first key and after the last, their values hold.
+//! Before the first key and after the last, the value is constant.
 
 use std::sync::Arc;
 
@@ -44,10 +44,10 @@ pub(crate) struct Track {
     pub(crate) interpolation: Interpolation,
 }
 
-/// The place of a time among the keys.
+/// The position of a time among the keys.
 enum Place {
     At(usize),
-    /// Behind a key, by a share of the way to the next, which takes some seconds.
+    /// After a key: its index, the share of the way to the next key, and the seconds between both.
     Behind(usize, f32, f32),
 }
 

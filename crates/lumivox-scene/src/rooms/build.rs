@@ -1,8 +1,8 @@
 //! The solids of a room under construction, its surfaces, and what is free between them.
 //!
-//! A room is made of convex prisms: slabs, posts, steps, boards. Their planes say what is inside a
-//! solid, so that sensors, lamps and cameras are put where there is air. Everything of one material
-//! is one mesh.
+//! A room is made of convex prisms: slabs, posts, steps, boards. Their planes tell whether a point
+//! is inside a solid, so that sensors, lamps and cameras are placed in the air. Everything of one
+//! material is one mesh.
 
 use glam::{Vec2, Vec3};
 
@@ -12,18 +12,18 @@ use crate::builtin::build::{checker, glaze, glowing, lacquer, place};
 use crate::builtin::shapes::append;
 use crate::{Mesh, Scene, Shading};
 
-/// The distance of sensors from solids, m; rooms that are not plain have random sensors, too.
+/// The distance of sensors from solids, m; rooms that are not plain also have random sensors.
 const SENSOR_GAP_M: f32 = 0.005;
 const RANDOM_SENSOR_GAP_M: f32 = 0.05;
-/// The distance of point lights and of eyes.
+/// The distance of point lights and of eyes from solids.
 const LAMP_GAP_M: f32 = 0.15;
 const EYE_GAP_M: f32 = 0.25;
-/// The most places that are tried.
+/// The most positions that are tried.
 const TRIES: usize = 2000;
-/// The area of a panel that glows with 1000 cd/m², in m²; thin lamps have about its light.
+/// The area of a panel that glows with 1000 cd/m², in m²; thin lamps give about the same light.
 const PANEL_M2: f32 = 0.36;
 
-/// Where nothing can be put: a solid, or the outside.
+/// A region in which nothing can be placed: a solid, or the outside.
 enum Blocked {
     /// The points with `normal.dot(p) < offset` for all planes.
     Convex(Vec<(Vec3, f32)>),
@@ -51,7 +51,7 @@ pub(super) struct Build {
     pub(super) half: Vec3,
     pub(super) wall_m: f32,
     pub(super) is_open: bool,
-    /// The height that a panel hangs from, m.
+    /// The height from which a panel hangs, m.
     pub(super) hang_m: f32,
     blocked: Vec<Blocked>,
     scene: Scene,
@@ -192,7 +192,7 @@ impl Build {
         }
     }
 
-    /// Blocks what is beyond planes: the points with `normal.dot(p) > offset` for all of them.
+    /// Blocks the region beyond planes: the points with `normal.dot(p) > offset` for all of them.
     pub(super) fn beyond<const N: usize>(&mut self, planes: [(Vec3, f32); N]) {
         let planes = planes.map(|(normal, offset)| (-normal, -offset));
         self.blocked.push(Blocked::Convex(planes.to_vec()));
@@ -202,7 +202,7 @@ impl Build {
         !self.blocked.iter().any(|blocked| blocked.holds(point, gap_m))
     }
 
-    /// The first free one of many points that a function draws.
+    /// The first free one of many points that `draw` returns.
     fn free_point(&mut self, gap_m: f32, mut draw: impl FnMut(&mut Dice) -> Vec3) -> Option<Vec3> {
         (0..TRIES).find_map(|_| {
             let point = draw(&mut self.dice);
@@ -218,7 +218,8 @@ impl Build {
         point.unwrap_or(Vec3::Y * 0.5 * height_m)
     }
 
-    /// Hangs a panel that glows from the middle of the ceiling, or where it does not meet anything.
+    /// Hangs a glowing panel from the middle of the ceiling, or elsewhere if it would hit something
+    /// there.
     pub(super) fn panel(&mut self) {
         let dice = &mut self.dice;
         let is_thin = self.kind == Kind::ThinLamp;

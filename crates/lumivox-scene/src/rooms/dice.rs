@@ -1,4 +1,4 @@
-//! Random numbers of a seed.
+//! Random numbers from a seed.
 
 use glam::{DQuat, DVec4, Quat, Vec3};
 

@@ -53,7 +53,7 @@ impl Build {
         self.outside();
     }
 
-    /// Blocks what is below the floor and beyond the walls.
+    /// Blocks the region below the floor and beyond the walls.
     fn outside(&mut self) {
         let Vec3 { x, z, .. } = self.half;
         for plane in

@@ -1,4 +1,4 @@
-//! Rooms at random, so that light is measured where nobody tuned it.
+//! Random rooms, to measure light in scenes that nothing was tuned for.
 //!
 //! A room is 3 to 8 m wide, with walls of 1 to 60 cm, single- or double-sided, along the axes or
 //! turned by any rotation, lit by a lamp, a glowing panel, a sky through a window, or a lamp by day;
@@ -11,7 +11,7 @@
 //! | `build.rs` | the solids of a room, its surfaces, and what is free between them |
 //! | `dice.rs` | the random numbers |
 //!
-//! A seed gives the same room on any machine, since the random numbers are those of an integer hash.
+//! A seed gives the same room on any machine, since the random numbers come from an integer hash.
 //! Sines and cosines, which systems round differently, only place the corners of round and oblique
 //! things.
 
@@ -213,7 +213,7 @@ pub fn room(seed: u32, kind: Kind) -> Result<Room, SceneError> {
     }
     scene.validate()?;
 
-    // The camera that sees farthest.
+    // Choose the camera that sees farthest.
     let picker = Picker::new(&scene);
     let look = |eye: Vec3| Camera::look_at(eye, target, 1.1);
     let view_m = |camera: &Camera| {

@@ -1,9 +1,9 @@
-//! The file's only buffer: lists that stay in place until they are written.
+//! The file's only buffer: lists that are not copied until they are written.
 //!
-//! A scene may hold gigabytes, so the buffer is never put together in memory: a view borrows its
-//! list and converts it to bytes block by block, first to be hashed, at last to be written. Lists
-//! with the same bytes share one view: the mirrored copies that the loader makes of meshes, and
-//! meshes that have several materials, take no space in the file.
+//! A scene may hold gigabytes, so the buffer is never assembled in memory: a view borrows its list
+//! and converts it to bytes block by block, first to hash it, then to write it. Lists with the same
+//! bytes share one view: the mirrored copies that the loader makes of meshes, and meshes that have
+//! several materials, take no space in the file.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hasher};
@@ -20,13 +20,13 @@ pub(super) enum Source<'a> {
     Bytes(Vec<u8>),
     /// Pairs of floats.
     Vec2(&'a [Vec2]),
-    /// Threes of floats.
+    /// Triples of floats.
     Vec3(&'a [Vec3]),
-    /// Fours of floats.
+    /// Quadruples of floats.
     Vec4(&'a [Vec4]),
-    /// Tangents of unit length with a sign, of the mesh as it is or with its winding turned.
+    /// Tangents of unit length with a sign, of the mesh as it is or with its winding reversed.
     Tangents { tangents: &'a [Vec4], normals: &'a [Vec3], turned: bool },
-    /// Vertex numbers, as they are or with each triangle's winding turned.
+    /// Vertex numbers, as they are or with each triangle's winding reversed.
     Indices { indices: &'a [u32], short: bool, turned: bool },
     /// Linear RGB.
     Texels(&'a [[f32; 3]]),
@@ -129,8 +129,8 @@ impl Source<'_> {
     }
 }
 
-/// A tangent as glTF requires it: of some length, its sign one. A tangent without direction becomes
-/// the one that the loader would set.
+/// A tangent as glTF requires it: with a length, and a sign of 1 or -1. A tangent without direction
+/// becomes the one that the loader would set.
 pub(super) fn tangent(tangent: Vec4, normal: Vec3, turned: bool) -> Vec4 {
     let sign = if (tangent.w < 0.0) == turned { 1.0 } else { -1.0 };
     let direction = tangent.truncate();
@@ -171,7 +171,7 @@ pub(super) struct Binary<'a> {
 }
 
 impl<'a> Binary<'a> {
-    /// The view of these bytes; a new one if none holds the same.
+    /// The view of these bytes; a new one if no view has the same bytes.
     pub(super) fn view(&mut self, source: Source<'a>, target: Target) -> usize {
         let twins = self.known.entry((source.hash(), target)).or_default();
         if let Some(&twin) = twins.iter().find(|&&i| self.views[i].source.same_bytes(&source)) {

@@ -17,7 +17,7 @@ pub(super) struct Document<'a> {
     lists: BTreeMap<&'static str, List>,
     extensions: BTreeSet<&'static str>,
     pub(super) binary: Binary<'a>,
-    /// The place of the scene's zero.
+    /// The position of the scene's zero in the file's coordinates.
     pub(super) origin: DVec3,
     /// The scene's entry; the numbers of its root nodes are added at the end.
     pub(super) scene: Map<String, Value>,
@@ -31,7 +31,7 @@ struct List {
 }
 
 impl<'a> Document<'a> {
-    /// An empty document, whose nodes will be at a place.
+    /// An empty document for a scene with this origin.
     pub(super) fn at(origin: DVec3) -> Self {
         Self { origin, ..Self::default() }
     }
@@ -41,7 +41,7 @@ impl<'a> Document<'a> {
         self.lists.entry(list).or_default().push(&entry.to_string())
     }
 
-    /// The same, unless the list already has an equal entry.
+    /// Appends an entry unless the list has an equal one, and returns its index.
     pub(super) fn push_once(&mut self, list: &'static str, entry: &Value) -> usize {
         let list = self.lists.entry(list).or_default();
         let text = entry.to_string();
@@ -53,7 +53,7 @@ impl<'a> Document<'a> {
         index
     }
 
-    /// Notes that an extension is in use.
+    /// Records that an extension is in use.
     pub(super) fn uses(&mut self, extension: &'static str) {
         self.extensions.insert(extension);
     }
@@ -96,7 +96,7 @@ impl<'a> Document<'a> {
         }
         let nodes = self.lists.get("nodes").map_or(0, |nodes| nodes.count);
         if nodes == 0 {
-            // A list may not be empty, and many readers insist on there being one.
+            // A list must not be empty, and many readers require this one.
             self.push("nodes", &json!({ "name": "empty" }));
         }
         let mut roots: Value = (0..nodes.max(1)).collect();

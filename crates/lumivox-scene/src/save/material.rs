@@ -197,7 +197,8 @@ pub(super) fn textures(material: &Material) -> Vec<TextureRef> {
     }
 }
 
-/// The least power of two that is not below `value`, and at least 1; the largest there is beyond it.
+/// The least power of two that is at least `value` and at least 1; the largest power of f32 if
+/// `value` is beyond it.
 pub(super) fn power_of_two_above(value: f32) -> f32 {
     let mut power = 1.0_f32;
     while power < value && power < 2.0_f32.powi(127) {

@@ -73,7 +73,7 @@ impl<'a> Writer<'a> {
             add("TEXCOORD_0", "VEC2", Source::Vec2(&mesh.uvs), Value::Null);
         }
         if textures.iter().any(|reference| reference.uv_set == 1) {
-            // The first set is what the second means if it is missing.
+            // If the second set is missing, the first is used in its place.
             let uvs = if mesh.uvs1.is_empty() { &mesh.uvs } else { &mesh.uvs1 };
             add("TEXCOORD_1", "VEC2", Source::Vec2(uvs), Value::Null);
         }

@@ -1,10 +1,10 @@
 //! Writes a scene as one glTF 2.0 binary (Khronos, "glTF 2.0 specification", 2021, section 4.4).
 //!
 //! **Nothing is lost on the way back.** Loaded again, the scene is the same, bit by bit: floats are
-//! written so that they read back exactly, images as losslessly compressed PNG. Whatever glTF
-//! cannot express (Phong's exponent, lights' radii and fall-off, the environment, the box of the
-//! voxels, texture transforms with shear) is written twice: the closest form that other programs
-//! can show, and the exact value under `extras.lumivox`, which the loader prefers.
+//! written so that they read back exactly, images as losslessly compressed PNG. Properties that
+//! glTF cannot express (Phong's exponent, lights' radii and fall-off, the environment, the box of
+//! the voxels, texture transforms with shear) are written twice: in the closest form that other
+//! programs can show, and as the exact value under `extras.lumivox`, which the loader prefers.
 //!
 //! **One scene has one file.** Only what instances use is written, in the order of its first use,
 //! and equal things once; so saving what was loaded gives the same bytes, and the order of unused
@@ -21,8 +21,8 @@
 //! - [`Scene::rig`]: the present pose is written, and no animations;
 //! - [`Scene::name`], which is the file's, and notes and warnings.
 //!
-//! A transform with shear is written as it is, although glTF wants matrices to be products of
-//! translation, rotation and scale; programs that take them apart will miss the shear.
+//! A transform with shear is written unchanged, although glTF requires matrices to be products of
+//! translation, rotation and scale; programs that decompose them lose the shear.
 
 mod binary;
 mod container;

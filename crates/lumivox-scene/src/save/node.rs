@@ -98,8 +98,8 @@ fn convert_light(light: &Light) -> Value {
         }
         LightKind::Point { intensity_cd, range_m } => ("point", intensity_cd, range_m),
         LightKind::Spot { intensity_cd, range_m, inner_angle_rad, outer_angle_rad } => {
-            // glTF wants at most pi/2, above which f32's own pi/2 lies, and an inner angle below
-            // the outer one. In f64 there is room for both; read as f32 they are unchanged.
+            // glTF requires at most pi/2, which f32's own pi/2 exceeds, and an inner angle below
+            // the outer one. f64 has the digits for both; read as f32 they are unchanged.
             let outer = f64::from(outer_angle_rad).min(std::f64::consts::FRAC_PI_2);
             let inner = f64::from(inner_angle_rad).min(outer * (1.0 - 1e-12));
             json.set("spot", json!({ "innerConeAngle": inner, "outerConeAngle": outer }));
@@ -132,7 +132,7 @@ fn convert_camera(camera: &Camera) -> Value {
     json!({ "name": shorten(&camera.name), "perspective": perspective, "type": "perspective" })
 }
 
-/// Forward and an up at a right angle to it.
+/// The forward direction, and an up at a right angle to it.
 fn axes(camera: &Camera) -> (Vec3, Vec3) {
     let forward = to_unit(camera.forward).unwrap_or(Vec3::NEG_Z);
     let (f, u) = (forward.as_dvec3(), camera.up.as_dvec3());
@@ -142,8 +142,8 @@ fn axes(camera: &Camera) -> (Vec3, Vec3) {
     {
         return (forward, up);
     }
-    // Divided by the length squared, which rounding leaves near 1: an up almost along the line of
-    // sight would show the difference.
+    // Divided by the squared length, which is only near 1 because of rounding: with an up almost
+    // along the line of sight the difference is visible.
     let up = (u - f * (f.dot(u) / f.length_squared())).try_normalize().map(DVec3::as_vec3);
     (forward, up.unwrap_or_else(|| forward.any_orthonormal_vector()))
 }

@@ -32,7 +32,7 @@ impl Writer<'_> {
                 }
             }
         }
-        // Most of saving is spent here.
+        // Most of the time of saving is spent here.
         let images: Vec<_> =
             used.par_iter().map(|&i| encode_png(&self.scene.textures[i])).collect();
         for (i, png) in used.into_iter().zip(images) {
@@ -95,7 +95,7 @@ fn texture_transform(transform: Affine2) -> Map<String, Value> {
     let (rotation, scale) = if x.y == 0.0 && y.x == 0.0 {
         (0.0, Vec2::new(x.x, y.y))
     } else {
-        // The first axis turned, or the second where the first vanishes.
+        // The direction of the first axis, or of the second if the first vanishes.
         let angle = if x == Vec2::ZERO { (-y.x).atan2(y.y) } else { x.y.atan2(x.x) };
         let second = Vec2::new(-angle.sin(), angle.cos());
         (angle, Vec2::new(x.length(), y.dot(second)))

@@ -1,5 +1,5 @@
-//! A vertex far from all others, which makes the rest of the scene a speck: everything is fitted to
-//! the bounds.
+//! Finds a vertex far from all others, which makes the rest of the scene a speck: everything is
+//! fitted to the bounds.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ const FAR: f64 = 1024.0;
 /// Corners that are sampled to find nearly all of the scene.
 const SAMPLES: usize = 4096;
 
-/// A vertex beside which the rest of the scene is too small to be seen.
+/// A vertex so far away that the rest of the scene is too small to be seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outlier {
     /// The name of its mesh.
@@ -56,7 +56,7 @@ impl Scene {
             sample.iter().map(|position| distance(*position, center)).collect();
         distances.sort_unstable_by(f64::total_cmp);
         let usual = distances[distances.len() * 9 / 10];
-        // Most scenes end here.
+        // Most scenes return here.
         let bounds = self.bounds();
         let extent = (bounds.max.as_dvec3() - bounds.min.as_dvec3()).max_element();
         if extent <= FAR * usual {

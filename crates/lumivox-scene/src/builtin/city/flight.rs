@@ -1,4 +1,4 @@
-//! The fly-through: a camera on a smooth way through the city, as an animation of the scene.
+//! The fly-through: an animated camera on a smooth path through the city.
 
 use std::sync::Arc;
 
@@ -9,10 +9,10 @@ use crate::{Camera, Scene, SceneError};
 
 /// The name of the camera that flies.
 pub(super) const NAME: &str = "flight";
-/// Keys in a second; between them the camera goes straight on.
+/// Keys per second; between them the camera moves in a straight line.
 const KEYS_PER_SECOND: u32 = 4;
 
-/// Where the camera is at a time, s, and the place that it looks at.
+/// A time, s, with the camera's position and target at that time.
 #[derive(Clone, Copy)]
 pub(super) struct Stop {
     pub(super) time_s: f32,
@@ -20,7 +20,7 @@ pub(super) struct Stop {
     pub(super) target: [f32; 3],
 }
 
-/// Gives the scene an animation that moves its last camera; the others stay.
+/// Adds an animation that moves the scene's last camera; the other cameras stay.
 pub(super) fn install(scene: &mut Scene, stops: &[Stop]) -> Result<(), SceneError> {
     let place = |camera: &Camera| {
         let world = camera.world_from_camera();
@@ -65,8 +65,9 @@ pub(super) fn install(scene: &mut Scene, stops: &[Stop]) -> Result<(), SceneErro
     Rig::install(scene, parts)
 }
 
-/// The camera at a time: eye and target are on a spline through their stops (Catmull and Rom 1974, "A class of local
-/// interpolating splines"), with the slope at a stop between its neighbours in time.
+/// The camera at a time. Eye and target follow a spline through the stops (Catmull and Rom 1974, "A
+/// class of local interpolating splines"); the slope at a stop is that between its neighbours in
+/// time.
 pub(super) fn at(stops: &[Stop], time_s: f32) -> Camera {
     let last = stops.len() - 1;
     let next = stops.partition_point(|stop| stop.time_s <= time_s).clamp(1, last);
@@ -85,7 +86,7 @@ pub(super) fn at(stops: &[Stop], time_s: f32) -> Camera {
     Camera { name: NAME.to_owned(), ..Camera::look_at(eye, target, 1.05) }
 }
 
-/// Hermite's polynomial between two places, with the slopes there.
+/// Cubic Hermite interpolation between two points, with the slopes there.
 fn hermite(from: Vec3, leaving: Vec3, to: Vec3, arriving: Vec3, t: f32) -> Vec3 {
     let (t2, t3) = (t * t, t * t * t);
     from * (2.0 * t3 - 3.0 * t2 + 1.0)

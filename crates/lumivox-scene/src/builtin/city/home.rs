@@ -13,7 +13,7 @@ use crate::Mesh;
 /// The storey of the room.
 const STOREY: u32 = 1;
 
-/// The house of the room: its first room at the front is the one.
+/// The house that contains the room: its first room at the front.
 pub(super) const KIND: Kind = Kind {
     width_m: 16.0,
     depth_m: 12.0,
@@ -33,7 +33,8 @@ pub(super) fn middle() -> Vec3 {
     Vec3::new(-0.5 * width_m, FOOT_M + STOREY as f32 * STOREY_M, -3.1)
 }
 
-/// What stands in the room, around [`middle`]: the window is towards +z, the door towards -z. The ball of the lamp is apart.
+/// The furniture around [`middle`]: the window is towards +z, the door towards -z. The lamp's ball
+/// is the second mesh.
 pub(super) fn furniture() -> (Paint, Mesh) {
     let mut paint = Paint::default();
     let oak = Vec3::new(0.45, 0.30, 0.17);

@@ -1,7 +1,9 @@
-//! Houses with rooms: walls of 30 cm with open windows, walls of 15 cm between rooms, doors, and simple furniture.
+//! Houses with rooms: outer walls of 30 cm with open windows, walls of 15 cm between rooms, doors,
+//! and simple furniture.
 //!
-//! A house stands on y = 0 with its front at z = 0 and its back towards -z. A storey has rooms along the front and along the
-//! back, a wall between both rows, and in about a third of the rooms a lamp under the ceiling.
+//! A house stands on y = 0 with its front at z = 0 and its back towards -z. A storey has a row of
+//! rooms along the front and one along the back, with a wall between the rows; about a third of the
+//! rooms have a lamp under the ceiling.
 
 use glam::{Vec2, Vec3};
 
@@ -10,7 +12,7 @@ use super::super::shapes::{Faces, FrameFaces, append, cuboid, frame, quad};
 use super::paint::{Opening, Paint, Wall, chance, pick};
 use crate::Mesh;
 
-/// The height of a storey and of its rooms, m: 30 cm of slab are above a room.
+/// The height of a storey and of its rooms, m: above a room is a slab of 30 cm.
 pub(super) const STOREY_M: f32 = 3.0;
 const ROOM_M: f32 = 2.7;
 /// The height of the lowest floor above the ground.
@@ -52,18 +54,18 @@ pub(super) struct Kind {
     pub(super) storeys: u32,
     /// Rooms along the front, and as many along the back.
     pub(super) rooms: u32,
-    /// The share of a room's width that its window takes.
+    /// Share of a room's width that its window covers.
     pub(super) glazing: f32,
     pub(super) roof: Roof,
     pub(super) facade: Vec3,
     pub(super) has_balconies: bool,
-    /// The number by which its rooms differ from those of others.
+    /// Seed of the differences between houses.
     pub(super) seed: u32,
-    /// A storey whose first room at the front is empty and has one wide window.
+    /// The storey whose first room at the front is empty and has one wide window.
     pub(super) empty_room: Option<u32>,
 }
 
-/// A house, and the faces of the lamps in its rooms.
+/// Builds a house; the second mesh holds the faces of the lamps in its rooms.
 pub(super) fn house(kind: &Kind) -> (Paint, Mesh) {
     let mut house = House { kind, paint: Paint::default(), lamps: Mesh::default() };
     for storey in 0..kind.storeys {
@@ -288,7 +290,7 @@ impl House<'_> {
         }
     }
 
-    /// The face of a lamp right under the ceiling.
+    /// Adds the face of a lamp directly under the ceiling.
     fn lamp(&mut self, room: &Room) {
         if room.chance(6) > LIT_ROOMS {
             return;
@@ -326,7 +328,7 @@ impl House<'_> {
             &[Vec3::new(0.42, 0.14, 0.09), Vec3::new(0.30, 0.12, 0.08), Vec3::splat(0.14)],
             chance(seed, 92, 0),
         );
-        // Slopes of 36 degrees that stand over the front and the back by 30 cm.
+        // Slopes of 36 degrees that overhang the front and the back by 30 cm.
         let rise = 0.72 * half.y;
         let over = 0.3;
         let slope = 0.5 * Vec3::new(0.0, 0.72 * (half.y + over), half.y + over);
@@ -335,7 +337,7 @@ impl House<'_> {
             let down = Vec3::new(0.0, -slope.y, side * slope.z);
             let along = Vec3::X * (side * half.x);
             self.paint.add(quad(center(side), along, -down), tiles);
-            // The underside is seen where it stands over.
+            // The underside of the overhang is visible.
             let thin = Vec3::Y * 0.02;
             self.paint.add(quad(center(side) - thin, along, down), tiles);
         }

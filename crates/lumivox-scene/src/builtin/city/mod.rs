@@ -1,12 +1,15 @@
-//! A city of a kilometre, and a room in it, by day and by night: for light near and far at once.
+//! A city of a kilometre, and a room in it, by day and by night: near and far light in one scene.
 //!
-//! Ten by ten blocks of 100 m, each with streets around it, houses along its four sides and a court within them. Houses are of
-//! about thirty kinds ([`house`]) with rooms behind open windows, higher towards the middle, where towers stand in the courts. A
-//! stadium takes four blocks, a park one. All comes from hashes of a block's number: the city is the same wherever it is made.
+//! Ten by ten blocks of 100 m, each surrounded by streets, with houses along its four sides and a
+//! court inside. There are about thirty kinds of houses ([`house`]) with rooms behind open windows.
+//! They get higher towards the centre, where towers stand in the courts. A stadium takes four
+//! blocks, a park one. Everything is computed from hashes of a block's number, so the city is the
+//! same on every machine.
 //!
-//! Its 3.7 million triangles are instances of 88 meshes. A mesh has the colours of its parts at its vertices, so that a
-//! house is one instance, and a second one for the lamps in its rooms. By night these, the street's lamps and the stadium's shine,
-//! all as surfaces; by day there are the sun and a computed sky.
+//! The 3.7 million triangles are instances of 88 meshes. The colours of a mesh's parts are vertex
+//! colours, so that a house is one instance, plus one for the lamps in its rooms. By night the
+//! lamps of rooms, streets and the stadium shine, all as emissive surfaces; by day there are the
+//! sun and a computed sky.
 
 mod flight;
 mod home;
@@ -39,18 +42,18 @@ const STADIUM: [u32; 2] = [6, 2];
 /// The lot of the home along the side of its block that faces +z.
 const HOME_LOT: u32 = 2;
 
-/// Radiance of what shines by night, cd/m²: a street's lamp of 5000 lm, rooms' lamps of 1500 lm, the stadium's of 1 Mlm each, the
-/// home's of 900 lm.
+/// Radiance of the lamps at night, cd/m²: a street lamp of 5000 lm, room lamps of 1500 lm, stadium
+/// lights of 1 Mlm each, the home's lamp of 900 lm.
 const STREET_LAMP: Vec3 = Vec3::new(6500.0, 5400.0, 3900.0);
 const ROOM_LAMP: Vec3 = Vec3::new(1600.0, 1300.0, 900.0);
 const FLOODLIGHT: Vec3 = Vec3::new(9600.0, 10000.0, 10400.0);
 const HOME_LAMP: Vec3 = Vec3::new(1100.0, 880.0, 560.0);
-/// The sky above a city by night, cd/m².
+/// Radiance of the sky above a city at night, cd/m².
 const NIGHT_SKY: Vec3 = Vec3::new(0.020, 0.022, 0.030);
 /// The direction to the sun: 44 degrees high.
 const TO_SUN: Vec3 = Vec3::new(0.55, 0.72, 0.48);
 
-/// The city; from within the home if so asked.
+/// The city; viewed from within the home if `is_inside`.
 pub(super) fn scene(is_night: bool, is_inside: bool) -> Result<Scene, SceneError> {
     let mut city = City::new(is_night);
     for (x, z) in (0..BLOCKS).flat_map(|x| (0..BLOCKS).map(move |z| (x, z))) {
@@ -76,7 +79,7 @@ pub(super) fn scene(is_night: bool, is_inside: bool) -> Result<Scene, SceneError
     Ok(scene)
 }
 
-/// A mesh and the mesh of what shines on it, by their numbers.
+/// Indices of a mesh and of the mesh of its emissive faces.
 #[derive(Clone, Copy)]
 struct Lit {
     body: usize,
@@ -85,7 +88,7 @@ struct Lit {
 
 struct City {
     scene: Scene,
-    /// White, with the colours of the mesh, and the same in other tints.
+    /// Materials for meshes with vertex colours: white, then other tints.
     paints: Vec<usize>,
     street_lamps: usize,
     room_lamps: usize,
@@ -354,7 +357,7 @@ impl City {
     }
 }
 
-/// The middle of a block.
+/// The centre of a block.
 fn center([x, z]: [u32; 2]) -> Vec3 {
     let at = |number: u32| (number as f32 - 0.5 * (BLOCKS - 1) as f32) * BLOCK_M;
     Vec3::new(at(x), 0.0, at(z))
@@ -366,7 +369,7 @@ fn home_foot() -> Vec3 {
     center(HOME) + Vec3::new(along, PAVEMENT_M, street::FRONT_M)
 }
 
-/// The nearness of a block to the middle of the city, from 0 to 1.
+/// How close a block is to the centre of the city, from 0 to 1.
 fn downtown(block: [u32; 2]) -> f32 {
     let away = (center(block) - Vec3::new(-50.0, 0.0, -50.0)).length();
     (1.0 - away / 420.0).clamp(0.0, 1.0)
@@ -402,7 +405,8 @@ fn cameras(scene: &mut Scene, is_inside: bool) {
     scene.cameras.push(Camera { near_m: 0.05, ..flight::at(&FLIGHT, 0.0) });
 }
 
-/// Along the street of the home, up over the roofs, around the towers, and down into the stadium.
+/// The path: along the street of the home, up over the roofs, around the towers, and down into the
+/// stadium.
 const FLIGHT: [Stop; 9] = [
     Stop { time_s: 0.0, eye: [-60.0, 2.5, 100.0], target: [-20.0, 4.0, 100.0] },
     Stop { time_s: 6.0, eye: [10.0, 3.0, 100.0], target: [60.0, 6.0, 99.0] },

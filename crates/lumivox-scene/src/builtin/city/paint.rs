@@ -1,4 +1,4 @@
-//! Meshes with a colour for each of their parts, so that a house is a mesh of one material.
+//! Meshes with one colour per part, so that a house is one mesh with one material.
 
 use glam::Vec3;
 
@@ -6,7 +6,7 @@ pub(super) use super::super::build::{chance, pick};
 use super::super::shapes::{Faces, append, cuboid, quad};
 use crate::Mesh;
 
-/// A mesh that grows part by part.
+/// A mesh that is built part by part.
 #[derive(Default)]
 pub(super) struct Paint {
     pub(super) mesh: Mesh,
@@ -19,7 +19,7 @@ pub(super) struct Opening {
     pub(super) height: [f32; 2],
 }
 
-/// An upright wall with two faces: the front looks along `along` cross +y.
+/// An upright wall with two faces; the front faces `along` cross +y.
 #[derive(Clone, Copy)]
 pub(super) struct Wall {
     /// Its foot at one end, in the middle of its thickness.
@@ -44,14 +44,14 @@ impl Paint {
         self.add(cuboid(min, max, faces), color);
     }
 
-    /// A block that stands on something: its foot's middle, and its edges.
+    /// Adds a block by the centre of its base and its edge lengths.
     pub(super) fn stand(&mut self, foot: Vec3, size_m: Vec3, color: Vec3) {
         let half = Vec3::new(0.5 * size_m.x, 0.0, 0.5 * size_m.z);
         let max = foot + half + Vec3::Y * size_m.y;
         self.block(foot - half, max, Faces::NO_BOTTOM, color);
     }
 
-    /// A horizontal rectangle that faces upwards, or downwards: its middle, and half its edges.
+    /// Adds a horizontal rectangle that faces up or down, by its centre and half its edges.
     pub(super) fn level(
         &mut self,
         center: Vec3,
@@ -64,7 +64,7 @@ impl Paint {
         self.add(quad(center, Vec3::X * half_x_m, z * half_z_m), color);
     }
 
-    /// A wall with holes, which are in order along it and do not touch.
+    /// Adds a wall with holes, which must be sorted along it and must not touch.
     pub(super) fn wall(&mut self, wall: &Wall, openings: &[Opening]) {
         let mut from = 0.0;
         for opening in openings {
@@ -101,7 +101,7 @@ impl Paint {
         self.add(quad(wall.at(from, level), half_up, side), wall.front);
         self.add(quad(wall.at(to, level), side, half_up), wall.front);
         self.add(quad(wall.at(middle, high), half_along, side), wall.front);
-        // Doors within a house have its floor.
+        // A door needs no bottom face: the house's floor is there.
         if low > 0.0 {
             self.add(quad(wall.at(middle, low), side, half_along), wall.front);
         }

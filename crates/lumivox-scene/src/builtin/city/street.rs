@@ -8,7 +8,8 @@ use super::paint::{Paint, chance, pick};
 use super::{BLOCK_M, PAVEMENT_M};
 use crate::Mesh;
 
-/// Half the edge of a block's houses, of its pavement, and of the block with half of the streets around it, m.
+/// Half the edge of a block's houses, of its pavement, and of the block including half of the
+/// streets around it, m.
 const HOUSES_M: f32 = 40.0;
 const KERB_M: f32 = 44.0;
 
@@ -50,7 +51,7 @@ pub(super) fn ground(seed: u32, is_square: bool) -> Paint {
     paint
 }
 
-/// A lamp of 6 m whose arm points towards +z: its body, and the face that shines, 40 x 70 cm.
+/// A lamp of 6 m whose arm points towards +z: its body, and its emissive face, 40 x 70 cm.
 pub(super) fn lamp() -> (Paint, Mesh) {
     let mut paint = Paint::default();
     let steel = Vec3::splat(0.18);
@@ -62,7 +63,7 @@ pub(super) fn lamp() -> (Paint, Mesh) {
     (paint, face)
 }
 
-/// A mast with a field of lamps that look down and towards +z: its body and its face, 8 x 4 m.
+/// A mast with lamps that point down and towards +z: its body, and its emissive face, 8 x 4 m.
 pub(super) fn mast() -> (Paint, Mesh) {
     let mut paint = Paint::default();
     let steel = Vec3::splat(0.3);
@@ -91,7 +92,7 @@ pub(super) fn tree(seed: u32) -> Paint {
     paint
 }
 
-/// A car of 4.3 m that looks along +x.
+/// A car of 4.3 m that faces +x.
 pub(super) fn car(seed: u32) -> Paint {
     let colors = [
         Vec3::new(0.50, 0.05, 0.04),
@@ -115,8 +116,8 @@ pub(super) fn car(seed: u32) -> Paint {
     paint
 }
 
-/// A stadium for an ellipse of 1 to 0.72: one of [`SECTIONS`] sections of its stands on a circle of 100 m, with a roof, and
-/// its lawn.
+/// One of the [`SECTIONS`] sections of a stadium's stands, with its roof, on a circle of 100 m. The
+/// stadium is an ellipse of 1 to 0.72.
 pub(super) fn stands() -> Paint {
     let mut paint = Paint::default();
     let half = (std::f32::consts::PI / SECTIONS as f32).tan();
@@ -182,5 +183,5 @@ pub(super) fn lawn() -> Paint {
     paint
 }
 
-/// The end of houses, from the middle of a block.
+/// Distance of the house fronts from the centre of a block.
 pub(super) const FRONT_M: f32 = HOUSES_M;

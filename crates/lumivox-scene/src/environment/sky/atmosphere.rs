@@ -1,4 +1,4 @@
-//! The air: its effect on light that passes, and the light that it scatters many times.
+//! The atmosphere: its transmittance, and the light that it scatters once and many times.
 //!
 //! A ball of 6360 km carries 100 km of air with three constituents: molecules (Rayleigh
 //! scattering), aerosol (Mie scattering and absorption), and ozone (absorption). Single scattering
@@ -16,9 +16,9 @@ const TOP_KM: f64 = 6460.0;
 const MOLECULES_KM: f64 = 8.4;
 /// Hillaire 2020, section 4, table 1.
 const AEROSOL_KM: f64 = 1.2;
-/// Share of the light met by aerosol that is scattered on: Hillaire 2020, table 1.
+/// Single-scattering albedo of aerosol: Hillaire 2020, table 1.
 const AEROSOL_ALBEDO: f64 = 0.9;
-/// Mean cosine of its scattering angle: the same table.
+/// Mean cosine of the scattering angle of aerosol: the same table.
 const AEROSOL_ASYMMETRY: f64 = 0.8;
 /// Ozone forms a tent around 25 km (the same table) with a column of 300 Dobson units, 2.687e20
 /// molecules per m² each.
@@ -33,7 +33,7 @@ pub(super) const SUN_RADIUS_RAD: f64 = 0.004_65;
 /// relative to its maximum.
 type Amounts = [f64; 3];
 
-/// The air of one day.
+/// The atmosphere of one day.
 pub(super) struct Atmosphere {
     /// Scattering by molecules where they are densest, 1/km.
     molecules: Spectrum,
@@ -43,7 +43,8 @@ pub(super) struct Atmosphere {
     ozone: Spectrum,
     ground_albedo: f64,
     columns: Vec<Amounts>,
-    /// The light of all orders above the first, in any direction, for a sun of irradiance 1.
+    /// Multiply scattered light (second order and above), in any direction, for a sun of irradiance
+    /// 1.
     many: Vec<Spectrum>,
 }
 
@@ -88,7 +89,7 @@ impl Ray {
         }
     }
 
-    /// The distance from the earth's centre after a length of the ray.
+    /// The distance from the earth's centre after following the ray for a length.
     fn radius_after(self, t: f64) -> f64 {
         (t * t + 2.0 * self.r * self.mu * t + self.r * self.r).sqrt()
     }
@@ -138,7 +139,7 @@ impl Atmosphere {
         air
     }
 
-    /// The transmitted share of light.
+    /// The share of light that a column transmits.
     fn transmitted(&self, column: &Amounts) -> Spectrum {
         std::array::from_fn(|band| (-self.optical_depth(band, column)).exp())
     }
@@ -167,8 +168,8 @@ impl Atmosphere {
                 };
                 let ray = Ray { r, mu };
                 let mut column = [0.0; 3];
-                // The middle of a step represents it; the path ends at the end of the air, never
-                // below.
+                // Each step is sampled at its middle; the path ends at the top of the atmosphere,
+                // never below.
                 for (middle, length) in steps(d, COLUMN_STEPS) {
                     let here = densities(ray.radius_after(middle));
                     (0..3).for_each(|i| column[i] += here[i] * length);
@@ -210,7 +211,7 @@ impl Atmosphere {
         self.transmitted(&column).map(|share| share * visible * visible * (3.0 - 2.0 * visible))
     }
 
-    /// The light of all orders above the first, scattered at a point in any direction.
+    /// The multiply scattered light (second order and above) at a point, in any direction.
     fn many_at(&self, r: f64, mu: f64) -> Spectrum {
         let height = ((r - GROUND_KM) / (TOP_KM - GROUND_KM)).clamp(0.0, 1.0).sqrt();
         let share = ((mu - LEAST_COSINE) / (1.0 - LEAST_COSINE)).clamp(0.0, 1.0);
@@ -272,9 +273,9 @@ impl Atmosphere {
         self.march(ray, sun, to_sun, VIEW_STEPS, Some(phases)).radiance
     }
 
-    /// Follows a ray. With `phases`, the shares of the sun's light that molecules and aerosol
-    /// scatter towards the eye, higher orders are added. Without them, scattering is the same in
-    /// all directions, and the ground is visible.
+    /// Integrates along a ray. With `phases`, the shares of the sun's light that molecules and
+    /// aerosol scatter towards the eye, higher orders are added. Without them, scattering is the
+    /// same in all directions, and the ground is visible.
     fn march(
         &self,
         ray: Ray,
@@ -339,7 +340,7 @@ fn cornette_shanks(cosine: f64) -> f64 {
     3.0 / (8.0 * PI) * (1.0 - g * g) * (1.0 + cosine * cosine) / ((2.0 + g * g) * base.powf(1.5))
 }
 
-/// Looks a table of rows up at shares from 0 to 1 of its height and of a row.
+/// Bilinear lookup in a table of rows, at coordinates from 0 to 1 along its height and along a row.
 fn bilinear<const N: usize>(
     table: &[[f64; N]],
     row_length: usize,

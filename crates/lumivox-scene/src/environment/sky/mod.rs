@@ -1,12 +1,12 @@
-//! A clear sky in real units from first principles: sunlight after its way through the air.
+//! A clear sky in real units from first principles, and the sunlight that the air transmits.
 //!
 //! The input is spectra of the sun outside the air, of molecules, aerosol and ozone (`spectrum`,
-//! `atmosphere`). The output is luminance in cd/m² and illuminance in lux. The colours follow: the
-//! blue zenith, the white horizon, the red sunset, dusk.
+//! `atmosphere`). The output is luminance in cd/m² and illuminance in lux. The colours result from
+//! that: the blue zenith, the white horizon, the red sunset, dusk.
 //!
-//! The published fits (Preetham et al. 1999; Hosek and Wilkie 2012) end where the sun meets the
-//! horizon. A computed sky continues through dusk, and its sun has exactly the colour that its
-//! light has lost to the sky. It takes about half a second of one core.
+//! The published fits (Preetham et al. 1999; Hosek and Wilkie 2012) end when the sun reaches the
+//! horizon. A computed sky continues through dusk, and the colour of its sun is consistent with the
+//! light scattered into the sky. It takes about half a second on one core.
 
 mod atmosphere;
 mod spectrum;
@@ -24,9 +24,9 @@ use crate::{Environment, EnvironmentMap, Light, LightKind, SceneError};
 /// The settings of a sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkySettings {
-    /// Direction towards the sun, in the world; any length above 0. A sun below the horizon means
-    /// dusk; from some 18 degrees on the sky is black (to a millionth of a lux), since there are
-    /// neither stars nor moon. Default: 45 degrees high, halfway between -z and +x.
+    /// Direction towards the sun, in the world; any length above 0. A sun below the horizon gives
+    /// dusk. Below about 18 degrees the sky is black (to a millionth of a lux), since there are no
+    /// stars and no moon. Default: 45 degrees high, halfway between -z and +x.
     pub sun_direction: Vec3,
     /// The haze of the air: its optical depth over that of its molecules. 1 (the clearest possible)
     /// to 10 (thick haze); default 2, a clear day. Higher: a paler sky, brighter around the sun,
@@ -51,7 +51,7 @@ impl Default for SkySettings {
     }
 }
 
-/// A sky and its sun. Daylight is both together; neither includes the other.
+/// A sky and its sun. Daylight is the sum of both; neither includes the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sky {
     /// The sky without the sun's disc, and the lit ground below the horizon, cd/m²; use it with a
@@ -63,11 +63,11 @@ pub struct Sky {
 }
 
 impl Sky {
-    /// The name of its sun among the lights of a scene.
+    /// Name of the sun in a scene's lights.
     pub const SUN: &str = "sun of the sky";
 
-    /// Puts sky and sun around a scene. They take the place of its surroundings and of its directional lights, which
-    /// are suns as well; the names of these are returned, but for the sun of an earlier sky.
+    /// Replaces a scene's environment by the sky, and its directional lights by the sun. Returns
+    /// the names of the replaced lights, except for the sun of an earlier sky.
     pub fn surround(self, environment: &mut Environment, lights: &mut Vec<Light>) -> Vec<String> {
         *environment = Arc::new(self.map).into();
         let is_sun = |light: &mut Light| matches!(light.kind, LightKind::Directional { .. });
@@ -81,7 +81,8 @@ impl Sky {
 /// The weights of linear sRGB in luminance: ITU-R BT.709-6, section 3.2.
 const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
-/// The air of the default settings, which most skies use: it takes as long to compute as a sky.
+/// The atmosphere of the default settings, which most skies use: computing it takes as long as a
+/// sky.
 static CLEAR: LazyLock<Atmosphere> = LazyLock::new(|| air(&SkySettings::default()));
 
 /// Computes a sky.
@@ -99,7 +100,7 @@ fn air(settings: &SkySettings) -> Atmosphere {
     Atmosphere::new(settings.turbidity.into(), settings.ground_albedo.into())
 }
 
-/// The sky of valid settings, through their air.
+/// Computes the sky of valid settings from their atmosphere.
 fn sky_through(air: &Atmosphere, settings: &SkySettings) -> Sky {
     let to_sun = settings.sun_direction.as_dvec3().normalize();
     let observer = Observer::new();
@@ -114,8 +115,8 @@ fn sky_through(air: &Atmosphere, settings: &SkySettings) -> Sky {
     let name = "sky".to_owned();
     let mut map = EnvironmentMap { name, width, height, rgb, warnings: Vec::new() };
 
-    // Both sides of the sun are alike: each row is computed over half a turn from it, in steps that
-    // are finest beside it, and read from there.
+    // The sky is symmetric about the sun: each row is computed over half a turn from it, in steps
+    // that are finest near the sun, and texels are looked up there.
     let azimuths = (width / 4).max(16) as usize;
     let sun_azimuth = to_sun.x.atan2(-to_sun.z);
     let sun_sine = (1.0 - to_sun.y * to_sun.y).max(0.0).sqrt();
@@ -150,7 +151,7 @@ fn sky_through(air: &Atmosphere, settings: &SkySettings) -> Sky {
 
 fn sun(to_sun: DVec3, rgb: DVec3) -> Option<Light> {
     let illuminance = rgb.dot(LUMINANCE);
-    // A sun below this is invisible by day and night.
+    // A sun dimmer than this is invisible by day and night.
     if illuminance < 1e-6 {
         return None;
     }

@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 
 /// The number of bands.
 pub(super) const BANDS: usize = 16;
-/// One value a band.
+/// One value per band.
 pub(super) type Spectrum = [f64; BANDS];
 
 const FIRST_NM: f64 = 400.0;
@@ -41,7 +41,7 @@ fn banded(table: &[f64; 2 * BANDS + 1]) -> Spectrum {
     })
 }
 
-/// The sun's irradiance outside of the atmosphere, W/(m² nm).
+/// The sun's irradiance outside the atmosphere, W/(m² nm).
 pub(super) fn solar() -> Spectrum {
     banded(&SOLAR)
 }
@@ -51,7 +51,7 @@ pub(super) fn ozone_cross_section() -> Spectrum {
     banded(&OZONE).map(|section| section * 1e-25)
 }
 
-/// A function of the wavelength in µm, taken at the middle of each band.
+/// A function of the wavelength in µm, evaluated at the middle of each band.
 pub(super) fn by_wavelength(value: impl Fn(f64) -> f64) -> Spectrum {
     std::array::from_fn(|band| value(1e-3 * (FIRST_NM + WIDTH_NM * band as f64)))
 }

@@ -99,7 +99,8 @@ impl<'a> Loader<'a> {
             Dimensions::Vec2 => 2,
             Dimensions::Vec3 => 3,
             Dimensions::Vec4 => 4,
-            // Without gaps between columns whatever the component type, unlike smaller ones.
+            // A 4 x 4 matrix has no padding between columns, whatever the component type; smaller
+            // ones may.
             Dimensions::Mat4 => 16,
             _ => return Err(self.bad_accessor(accessor, what, "it holds small matrices")),
         };
@@ -109,7 +110,7 @@ impl<'a> Loader<'a> {
             .buffer_view
             .and_then(|view| self.root().buffer_views.get(view.value()))
             .and_then(|view| view.byte_stride)
-            // Zero counts as not given.
+            // A stride of zero counts as not given.
             .filter(|stride| stride.0 > 0)
             .map_or(element, |stride| stride.0);
         if stride < element {
@@ -139,7 +140,7 @@ impl<'a> Loader<'a> {
     ) -> Result<Option<&'a [u8]>, SceneError> {
         let json = &self.root().accessors[accessor];
         let Some(view) = json.buffer_view else {
-            // Zeros take no space in the file: it may claim no more of them than it has bytes.
+            // Zeros take no space in the file, so it may claim no more of them than it has bytes.
             let available: usize = self.buffers.iter().map(|buffer| buffer.len()).sum();
             if layout.count > available {
                 let reason = format!("it claims {} elements without data", layout.count);

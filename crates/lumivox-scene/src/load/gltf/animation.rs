@@ -11,13 +11,13 @@ use super::{Loader, name_or_index};
 use crate::SceneError;
 use crate::pose::{Animation, Channel, Interpolation, Local, Property, Track};
 
-/// Numbers that were read already, by accessor and numbers per element: many channels share their
+/// Numbers that were already read, by accessor and numbers per element: many channels share their
 /// times.
 type Known = HashMap<(usize, usize), Arc<[f32]>>;
 
 impl Loader<'_> {
-    /// Reads all animations into the rig. Channels of nodes outside it are left out; so are broken
-    /// ones, with a warning: a mesh should not be lost because of its motion.
+    /// Reads all animations into the rig. Channels of nodes outside the rig are dropped. Broken
+    /// channels are dropped with a warning: a mesh should not be lost because of its motion.
     pub(super) fn load_animations(&mut self, tree: &Tree) {
         let mut known = Known::new();
         for (i, animation) in self.root().animations.iter().enumerate() {
@@ -47,7 +47,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Reads a channel; `None` if it moves nothing here.
+    /// Reads a channel; `None` if it does not move anything in the rig.
     fn channel(
         &mut self,
         part: &str,
@@ -57,7 +57,7 @@ impl Loader<'_> {
         known: &mut Known,
     ) -> Result<Option<Channel>, SceneError> {
         let number = channel.target.node.value();
-        // The JSON library's validation leaves this out.
+        // The JSON library does not validate this.
         if number >= self.root().nodes.len() {
             return Err(SceneError::IndexOutOfRange {
                 file: self.file.to_owned(),
@@ -202,8 +202,8 @@ impl Loader<'_> {
         Ok(numbers)
     }
 
-    /// A moving node should have no matrix, but some exporters write one: it is split into its
-    /// parts.
+    /// A moving node should have no matrix, but some exporters write one. It is split into
+    /// translation, rotation and scale.
     fn split_matrix(&mut self, node: usize) -> Result<(), SceneError> {
         let node = &mut self.rig.nodes[node];
         let Local::Matrix(matrix) = node.rest else { return Ok(()) };

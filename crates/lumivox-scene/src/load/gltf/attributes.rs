@@ -13,13 +13,13 @@ use crate::SceneError;
 const PLAIN_VERTEX_BYTES: u64 = 12 + 12 + 8 + 16;
 
 impl Loader<'_> {
-    /// Takes a primitive from the budget, before anything of it is read.
+    /// Charges a primitive to the budget before any of it is read.
     pub(super) fn spend_geometry(
         &mut self,
         part: &str,
         primitive: &gltf::Primitive<'_>,
     ) -> Result<(), SceneError> {
-        // A wrong count is not a question of the budget.
+        // A wrong count is not a matter of the budget.
         let positions = primitive.get(&Semantic::Positions).map(|a| (a.index(), "positions"));
         let indices = primitive.indices().map(|a| (a.index(), "indices"));
         for (accessor, what) in positions.into_iter().chain(indices) {
@@ -48,7 +48,7 @@ impl Loader<'_> {
         self.spend_bytes(part, bytes)
     }
 
-    /// Takes memory for geometry from the budget, before it is allocated.
+    /// Charges memory for geometry to the budget before it is allocated.
     pub(super) fn spend_bytes(&mut self, part: &str, bytes: u64) -> Result<(), SceneError> {
         self.budget.geometry.take(|| part.to_owned(), bytes)
     }
@@ -58,7 +58,7 @@ impl Loader<'_> {
         Ok(uvs.into_iter().map(Vec2::from_array).collect())
     }
 
-    /// The second set, if the material uses it.
+    /// Reads the second texture coordinates, if the material uses them.
     pub(super) fn read_second_uvs(
         &mut self,
         primitive: &gltf::Primitive<'_>,

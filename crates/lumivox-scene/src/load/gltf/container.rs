@@ -94,7 +94,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         let size = word(at)? as usize;
         let kind = word(at + 4)?;
         let begin = at + 8;
-        // Compared this way round, nothing overflows where usize has 32 bits.
+        // In this order nothing overflows if usize has 32 bits.
         if begin > length || size > length - begin {
             return Err(format!(
                 "a chunk of {size} bytes at byte {at} does not fit in its {length} bytes, so it was \
@@ -102,7 +102,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
             ));
         }
         at = begin + size.next_multiple_of(4).min(length - begin);
-        // Some programs leave out the padding. Behind it the name of the chunk would lie elsewhere.
+        // Some programs omit the padding; the next chunk's name is then at another offset.
         let behind = begin + size;
         if at != behind && word(behind + 4) == Ok(BINARY_CHUNK) {
             at = behind;
@@ -158,8 +158,8 @@ pub(super) fn check_position_indices(root: &Root) -> Result<(), (String, String)
     Ok(())
 }
 
-/// Checks all references; the rest of the loader relies on it. A broken animation is emptied, so
-/// that the others keep their numbers.
+/// Checks all references; the rest of the loader relies on it. Broken animations are emptied, so
+/// that the others keep their indices.
 fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, String)> {
     let mut first = None;
     let mut animations: BTreeMap<usize, String> = BTreeMap::new();
@@ -167,17 +167,17 @@ fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, Stri
     checked.validate(checked, JsonPath::new, &mut |path, fault| {
         let path = path();
         let text = path.as_str();
-        // Bounds of positions are required by the letter, but nothing here needs them.
+        // The specification requires bounds of positions, but nothing here needs them.
         let only_bounds =
             text.contains("POSITION") && (text.ends_with("min") || text.ends_with("max"));
-        // Accessors without a buffer view are all zeros, which the library does not know.
+        // Accessors without a buffer view are all zeros, which the library does not support.
         let only_zeros = fault == Fault::Missing
             && text.starts_with("accessors[")
             && text.ends_with(".bufferView");
         // The target is a hint for old drivers, and the stride is checked where it is used.
         let only_hint = text.starts_with("bufferViews[")
             && (text.ends_with(".target") || text.ends_with(".byteStride"));
-        // An image without bytes counts as missing, where it is read.
+        // An image without bytes counts as missing when it is read.
         let only_image = text.starts_with("images[") && text.ends_with(".bufferView");
         if !only_bounds && !only_zeros && !only_hint && !only_image {
             let reason = match fault {
@@ -204,7 +204,7 @@ fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, Stri
         animation.channels.clear();
         animation.samplers.clear();
     }
-    // Checks that the library's validation leaves out.
+    // Checks that the library does not make.
     for (i, camera) in root.cameras.iter().enumerate() {
         use gltf::json::camera::Type;
         let missing = match camera.type_ {
@@ -220,8 +220,8 @@ fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, Stri
     first.map_or(Ok(()), Err)
 }
 
-/// The number of the animation that a place in the document, such as `animations[3].channels[0]`,
-/// belongs to.
+/// The index of the animation that a path in the document belongs to, such as
+/// `animations[3].channels[0]`.
 fn animation(place: &str) -> Option<usize> {
     place.strip_prefix("animations[")?.split(']').next()?.parse().ok()
 }
@@ -246,12 +246,12 @@ fn read_buffers<'a>(
         }
         let data = match (&buffer.uri, binary) {
             (Some(uri), _) => Cow::Owned(files::read_uri(file, &part, uri, reach)?),
-            // Only the first buffer may be the GLB's own.
+            // Only the first buffer can be the GLB's own.
             (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
             (None, _) => return Err(malformed("it has neither a URI nor a GLB chunk".to_owned())),
         };
-        // The declared length counts the padding of some programs, which need not be there: what
-        // counts is that views fit.
+        // The declared length may include padding that is missing in the file: it is enough that
+        // views fit.
         buffers.push(data);
     }
     Ok(buffers)

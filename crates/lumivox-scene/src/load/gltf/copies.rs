@@ -10,7 +10,7 @@ use crate::validate::invertible;
 const EXTENSION: &str = "EXT_mesh_gpu_instancing";
 
 impl Loader<'_> {
-    /// The transforms of the copies on the node; `None` if its mesh is there only once.
+    /// The transforms of the copies on the node; `None` if the mesh is not instanced.
     pub(super) fn read_copies(
         &mut self,
         node: &gltf::Node<'_>,
@@ -38,8 +38,8 @@ impl Loader<'_> {
                 )),
             }
         }
-        // Before anything is read: no more copies than there is data for, and than the scene may
-        // have.
+        // Checked before anything is read: no more copies than there is data for, and no more than
+        // the scene may have.
         let given = || [translations, rotations, scales].into_iter().flatten();
         for accessor in given() {
             self.check_room(accessor, "copies")?;

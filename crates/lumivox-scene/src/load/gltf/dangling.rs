@@ -8,10 +8,10 @@ use serde_json::{Value, json};
 use super::repair::list_mut;
 use super::{Notes, container, name_or_index};
 
-/// The name of the texture without an image that takes the place of textures that do not exist.
+/// The name of the image-less texture that replaces textures that do not exist.
 pub(super) const NO_TEXTURE: &str = "(a texture that does not exist)";
 
-/// The document without such references; `None` if it has none.
+/// The document with such references removed; `None` if there are none.
 pub(super) fn mended(root: &Root, json: &[u8], notes: &mut Notes) -> Option<Vec<u8>> {
     // Validation relies on these, and the file is refused for them later.
     container::check_position_indices(root).ok()?;
@@ -89,8 +89,8 @@ fn take(value: &mut Value, key: &str, count: usize) -> Option<String> {
     Some(format!("{kind} {index}, but there are only {count}"))
 }
 
-/// Points the references to textures that do not exist, of a material and its extensions, behind
-/// the last texture.
+/// Redirects a material's references to textures that do not exist, those of its extensions
+/// included, to the index after the last texture.
 fn redirect(value: &mut Value, count: usize, tell: &mut dyn FnMut(&str, String)) {
     for (key, value) in value.as_object_mut().into_iter().flatten() {
         let index = value["index"].as_u64().filter(|_| key.ends_with("Texture"));

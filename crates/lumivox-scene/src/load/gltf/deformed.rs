@@ -11,7 +11,7 @@ use crate::pose::{Base, Deformed, Influences, Target};
 use crate::{Mesh, SceneError};
 
 impl Loader<'_> {
-    /// Loads a primitive as the site's node deforms it. `None` if it has no triangles.
+    /// Loads a primitive that the site's node deforms. `None` if it has no triangles.
     pub(super) fn deformed(
         &mut self,
         mesh: &gltf::Mesh<'_>,
@@ -24,7 +24,7 @@ impl Loader<'_> {
         let name = mesh_name(mesh, primitive);
         let part = format!("mesh \"{name}\"");
         let Some(mut read) = self.read(primitive, name, material)? else { return Ok(None) };
-        // It is kept twice: as it is in the file, and deformed.
+        // It is stored twice: as it is in the file, and deformed.
         let base_bytes = read.positions.len() * (12 + 12 + 16) + read.indices.len() * 4;
         self.spend_bytes(&part, base_bytes as u64)?;
         let sources = self.sources(&part, primitive, &read)?;
@@ -58,8 +58,8 @@ impl Loader<'_> {
         Ok(Some(index))
     }
 
-    /// The file's vertex for each of the mesh's. Flat shading and tangents split vertices, but keep
-    /// the order of the triangles' corners.
+    /// For each of the mesh's vertices, its vertex in the file. Flat shading and tangents split
+    /// vertices, but keep the order of the triangles' corners.
     fn sources(
         &self,
         part: &str,
@@ -77,11 +77,11 @@ impl Loader<'_> {
         if corners.len() != mesh.indices.len() || corners.iter().any(|&c| c as usize >= count) {
             return Err(self.malformed(part, "its triangles cannot be deformed"));
         }
-        // Vertices of no triangle may be anything that exists.
+        // Vertices that no triangle uses may map to any vertex that exists.
         let last = (count.max(1) - 1) as u32;
         let mut of: Vec<u32> = (0..mesh.positions.len() as u32).map(|i| i.min(last)).collect();
-        // Backwards, so that the first use counts: all corners of a triangle that was left out are
-        // its first.
+        // Backwards, so that the first use counts: all corners of a dropped triangle are its first
+        // corner.
         for (&vertex, &corner) in mesh.indices.iter().zip(&corners).rev() {
             of[vertex as usize] = corner;
         }
@@ -112,7 +112,8 @@ impl Loader<'_> {
                 None => Ok(Vec::new()),
             };
             let positions = read(given.positions(), "positions")?;
-            // Flat meshes take their normals from the triangles; generated tangents follow.
+            // Flat meshes get their normals from the triangles, and their tangents are generated
+            // from these.
             let normals = read(given.normals().filter(|_| !is_flat), "normals")?;
             let tangents =
                 read(given.tangents().filter(|_| keeps_tangents && !is_flat), "tangents")?;
@@ -129,7 +130,7 @@ impl Loader<'_> {
         sources: &Sources,
     ) -> Result<Vec<Vec3>, SceneError> {
         let count = sources.count;
-        // A vector and a number for each vertex that moves, which may be all.
+        // A vector and an index for each vertex that moves, which may be all of them.
         self.spend_bytes(part, sources.of.len() as u64 * 16)?;
         let values = self.read_floats::<3>(accessor, &format!("morphed {what}"))?;
         if values.len() != count {
@@ -180,7 +181,7 @@ impl Loader<'_> {
             let pairs = chosen.as_flattened().iter().zip(weights.as_flattened());
             for (i, (&joint, &weight)) in pairs.enumerate() {
                 let vertex = i / 4;
-                // Joints without weight may be anything.
+                // Joints without weight may have any index.
                 if weight == 0.0 {
                     continue;
                 }
@@ -235,8 +236,8 @@ impl Bones {
         self.counts[vertex] += 1;
     }
 
-    /// Scales a vertex's weights to a sum of one. Returns whether more was wrong than rounding to
-    /// eight bits.
+    /// Scales a vertex's weights to a sum of one. Returns whether the sum was off by more than
+    /// rounding to eight bits explains.
     fn repair(&mut self, vertex: usize) -> bool {
         let begin = vertex * self.most;
         let count = usize::from(self.counts[vertex]);

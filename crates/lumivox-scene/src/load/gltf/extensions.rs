@@ -53,7 +53,7 @@ const SILENT: &[&str] = &[
     "VRMC_vrm",
 ];
 
-/// Extensions without which the picture is nearly right, and what is missing then.
+/// Extensions without which the picture is nearly right, and what is then missing.
 const REPLACED: &[(&str, &str)] = &[
     ("CESIUM_primitive_outline", "its outlines are not drawn"),
     ("EXT_lights_ies", "its lamps shine as if they had no profile"),
@@ -103,9 +103,9 @@ pub(super) fn check(
             missing.join(", ")
         ));
     }
-    // The JSON library would refuse some that are read here.
+    // The JSON library would refuse some extensions that are read here.
     let required = std::mem::take(&mut root.extensions_required);
-    // A required extension should be listed among the used ones, and is not always.
+    // A required extension should also be listed as used, but some files omit it.
     for name in root.extensions_used.iter().chain(&required).filter(|name| !is_known(name)) {
         let effect = effect(name).map(|(_, effect)| format!(": {effect}"));
         if effect.is_none() && required.contains(name) {

@@ -1,7 +1,7 @@
 //! Lumivox's own additions to glTF, under `extras.lumivox`; `save` writes them.
 //!
-//! Extras have no standard, and other programs keep them through their own changes. So values that
-//! do not fit are ignored with a warning, and never refused.
+//! Extras have no standard, and other programs keep them while they change the rest of a file. So
+//! values that do not fit are ignored with a warning, never refused.
 
 use std::sync::Arc;
 
@@ -95,7 +95,8 @@ fn attenuation(value: &Value) -> Option<Attenuation> {
     fits.then_some(Attenuation { constant, linear, quadratic })
 }
 
-/// Restores a Phong surface from its metallic-roughness substitute, which lacks only the exponent.
+/// Restores a Phong surface from its metallic-roughness substitute; only the exponent is missing
+/// there.
 pub(super) fn restore_phong(shading: Shading, extras: &Extras) -> Shading {
     let Shading::MetallicRoughness(m) = shading else { return shading };
     let Some(own) = own(extras) else { return shading };
@@ -124,7 +125,7 @@ pub(super) fn strengths(extras: &Extras) -> Option<Strengths> {
     })
 }
 
-/// A box of some size.
+/// A box whose size is above zero.
 fn grid_bounds(json: &Value) -> Option<Bounds> {
     let corner = |key: &str| numbers(&json[key]).map(Vec3::from_array);
     let bounds = Bounds { min: corner("min")?, max: corner("max")? };

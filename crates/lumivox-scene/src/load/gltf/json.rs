@@ -1,4 +1,4 @@
-//! The text of a document: its encoding, and what it is if it is no glTF.
+//! The text of a document: its encoding, and the kind of a text that is not glTF.
 
 use std::borrow::Cow;
 
@@ -18,7 +18,7 @@ pub(super) fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// Kind of a text that is not glTF, with the remedy; `None` where it cannot be told.
+/// The kind of a text that is not glTF, with the remedy; `None` if it is unknown.
 pub(super) fn what(json: &[u8]) -> Option<String> {
     if let Some(line) = line_of_comment(json) {
         return Some(format!("line {line} has a comment, which JSON forbids: remove all comments"));
@@ -50,7 +50,7 @@ fn line_of_comment(json: &[u8]) -> Option<usize> {
             return Some(json[..at].split(|&byte| byte == b'\n').count());
         }
         in_text ^= byte == b'"';
-        // An escaped character ends no text.
+        // An escaped character does not end a string.
         at += if in_text && byte == b'\\' { 2 } else { 1 };
     }
     None

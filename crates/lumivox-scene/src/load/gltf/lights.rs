@@ -26,7 +26,7 @@ impl Loader<'_> {
             warn(format!("its intensity of {} is negative and counts as 0", light.intensity()));
         }
         let intensity = light.intensity().max(0.0);
-        // The extension wants a range above zero; zero is a common "unlimited".
+        // The extension requires a range above zero; zero commonly means unlimited.
         let range_m = light.range().filter(|&range| range != 0.0);
         let kind = match light.kind() {
             Kind::Directional => {
@@ -49,7 +49,7 @@ impl Loader<'_> {
                 }
             }
         };
-        // The rig puts it in its place.
+        // The rig sets its position and direction.
         let mut converted = Light {
             name: self.name_on(node, light.name(), "light", light.index()),
             kind,
@@ -89,8 +89,8 @@ impl Loader<'_> {
         }
     }
 
-    /// The name of a light or a camera: its own unless another has it, else its node's, which is
-    /// noted if it is another.
+    /// The name of a light or a camera: its own name unless another has it, else its node's. If the
+    /// name differs from the node's, the notes record both.
     fn name_on(
         &mut self,
         node: Option<&str>,
@@ -108,7 +108,7 @@ impl Loader<'_> {
     }
 }
 
-/// The inner and outer angle of a spot light in radians, and the repair that they needed.
+/// The inner and outer angle of a spot light in radians, and the repair that was needed.
 fn cone(given: [f32; 2]) -> ([f32; 2], Option<&'static str>) {
     if given.iter().all(|angle| (0.0..=FRAC_PI_2).contains(angle)) && given[1] > 0.0 {
         return (given, None);
@@ -123,7 +123,7 @@ fn cone(given: [f32; 2]) -> ([f32; 2], Option<&'static str>) {
     (given.map(|angle| angle.clamp(0.0, FRAC_PI_2)), Some("were limited to 0 to pi/2"))
 }
 
-/// The camera, and its angle if that is in degrees.
+/// The camera, and its angle if the file gives it in degrees.
 fn convert_camera(camera: &gltf::Camera<'_>, site: &Site) -> Option<(Camera, Option<f32>)> {
     let Projection::Perspective(perspective) = camera.projection() else { return None };
     let (given, near_m) = (perspective.yfov(), perspective.znear());

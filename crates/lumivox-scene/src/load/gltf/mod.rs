@@ -82,7 +82,7 @@ struct Loader<'a> {
     meshes: HashMap<sharing::MeshKey, Option<usize>>,
     /// The scene's material for each material of a primitive.
     materials: HashMap<material::Key, usize>,
-    /// The scene's textures, to be made in the end.
+    /// The scene's textures, which are made at the end.
     textures: Textures<'a>,
     /// Listed images by glTF image, or why one is missing.
     images: HashMap<usize, texture::Listed>,
@@ -104,8 +104,8 @@ fn load_bytes(
     let reach = options.reach(&folders);
     let parsed = container::parse(file, bytes, reach, options, &mut notes)?;
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    // Images that cannot be decoded are only known at the end. Then everything is put together
-    // again without them, as if they had been missing from the start.
+    // Images that cannot be decoded are only known at the end. Everything is then assembled again
+    // without them, as if they had been missing from the start.
     let mut bad: HashMap<usize, texture::Listed> = HashMap::new();
     loop {
         let name = name.clone().unwrap_or_default();
@@ -162,7 +162,7 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// The text of an error for a warning, without the file, which warnings already name.
+    /// The text of an error for a warning, without the file's name, which warnings already have.
     fn without_file(&self, error: &SceneError) -> String {
         let text = error.to_string();
         let file = format!("{}: ", self.file.display());

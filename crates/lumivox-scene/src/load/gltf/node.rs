@@ -10,23 +10,23 @@ use super::{Loader, name_or_index};
 use crate::SceneError;
 use crate::pose::{Local, Node, Pose, handedness, moving, weighing};
 
-/// The file's nodes in the rig, and their places.
+/// The file's nodes in the rig, and the mapping between their indices.
 pub(super) struct Tree {
-    /// The file's number of each of the rig's nodes.
+    /// The file's index of each of the rig's nodes.
     numbers: Vec<usize>,
-    /// The rig's number by the file's.
+    /// The rig's index of each of the file's nodes.
     places: Vec<Option<usize>>,
     /// The number of morph targets of each of the file's meshes.
     targets: Vec<usize>,
 }
 
 impl Tree {
-    /// The file's number of one of the rig's nodes.
+    /// The file's index of one of the rig's nodes.
     pub(super) fn number(&self, place: usize) -> usize {
         self.numbers[place]
     }
 
-    /// The place in the rig of a node of the file.
+    /// The rig's index of one of the file's nodes.
     pub(super) fn place(&self, number: usize) -> Option<usize> {
         self.places.get(number).copied().flatten()
     }
@@ -42,7 +42,7 @@ impl Tree {
 #[expect(clippy::struct_excessive_bools, reason = "what can be true of a node has no order")]
 pub(super) struct Site {
     pub(super) name: Arc<str>,
-    /// Its place in the rig.
+    /// Its index in the rig.
     pub(super) node: usize,
     /// Its transform at rest.
     pub(super) world_from_node: Mat4,
@@ -165,14 +165,14 @@ impl Loader<'_> {
             self.rig.nodes.push(read);
             let first_child = open.len();
             open.extend(node.children().map(|child| (child.index(), Some(place))));
-            // The last one is taken first: keep the file's order.
+            // The last one is visited first: reversed to keep the file's order.
             open[first_child..].reverse();
         }
         Ok(())
     }
 
-    /// Joints should belong to the scene whose meshes they move. Otherwise they still have a place:
-    /// that in their own tree.
+    /// Joints should belong to the scene whose meshes they move. Otherwise their transforms come
+    /// from their own tree.
     fn walk_to_joints(
         &mut self,
         nodes: &[gltf::Node<'_>],
@@ -196,14 +196,14 @@ impl Loader<'_> {
             if tree.places[joint].is_some() {
                 continue;
             }
-            // Nodes in a ring have no top: then any of them will do.
+            // Nodes in a ring have no root: then any of them will do.
             let mut top = joint;
             for _ in 0..nodes.len() {
                 let Some(parent) = parents[top] else { break };
                 top = parent;
             }
             self.walk(nodes, top, tree, false)?;
-            // A tree of which the scene uses only a part.
+            // The scene uses only a part of this tree.
             if tree.places[joint].is_none() {
                 self.walk(nodes, joint, tree, false)?;
             }
@@ -264,7 +264,7 @@ impl Loader<'_> {
         let weights = given[..count].to_vec();
         Ok(Node { name: name.into(), parent, rest, weights })
     }
-    /// Takes weights from the limit: nodes share meshes and their weights, so a small file can ask
+    /// Charges weights to the limit: nodes share meshes and their weights, so a small file can ask
     /// for many.
     pub(super) fn spend_weights(&mut self, part: &str, count: usize) -> Result<(), SceneError> {
         let left = self.budget.weights.checked_sub(count);

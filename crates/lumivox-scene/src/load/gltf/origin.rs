@@ -1,4 +1,4 @@
-//! Places on a map (see `load::origin`): nodes are moved in f64 before their transforms become f32.
+//! Map coordinates (see `load::origin`): nodes are moved in f64 before their transforms become f32.
 
 use glam::{DMat4, DQuat, DVec3, Vec3};
 use serde_json::Value;
@@ -9,7 +9,8 @@ use crate::load::origin::{FAR, origin_of, tell_lost};
 use crate::pose::{Interpolation, Local, Pose, Property, moving};
 
 impl Loader<'_> {
-    /// Takes the scene's origin from the nodes, if their places are far from zero. `in_scene` nodes are the scene's own.
+    /// Subtracts an origin from the nodes, if they are far from zero. The first `in_scene` nodes
+    /// are the scene's own.
     pub(super) fn take_origin(&mut self, tree: &Tree, in_scene: usize) {
         let Ok(rough) = Pose::rest(&self.rig.nodes).file_from_node(&self.rig.nodes) else { return };
         let far = |place: Vec3| f64::from(place.abs().max_element()) >= FAR;
@@ -26,7 +27,7 @@ impl Loader<'_> {
             let from_parent = node.parent.map_or(DMat4::IDENTITY, |parent| from_node[parent]);
             from_node.push(from_parent * local);
         }
-        // Joints place a skinned mesh, and its node does not.
+        // A skinned mesh is placed by its joints, not by its node.
         let places =
             boxes.iter().zip(&from_node).zip(&joints).flat_map(|((boxes, matrix), joints)| {
                 let corners = boxes.iter().flatten().filter(|_| joints.is_empty());
@@ -48,7 +49,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The places in the rig of the joints of a node's skin.
+    /// The rig's indices of the joints of a node's skin.
     fn joints(&self, tree: &Tree, node: usize) -> Vec<usize> {
         let root = self.root();
         let json = &root.nodes[tree.number(node)];
@@ -73,7 +74,7 @@ impl Loader<'_> {
         boxes.map(|corners| [corners[0] + low, corners[1] + high]).collect()
     }
 
-    /// The box of the vectors of an accessor, by what it says of itself or else by its numbers.
+    /// The box of an accessor's vectors, from its bounds or else from its values.
     fn box_of(&self, index: usize) -> Option<[DVec3; 2]> {
         let accessor = self.root().accessors.get(index)?;
         let corner = |value: &Option<Value>| {
@@ -96,7 +97,7 @@ impl Loader<'_> {
         })
     }
 
-    /// The rig's nodes as the JSON has them, in f64.
+    /// The transforms of the rig's nodes to their parents, read from the JSON in f64.
     fn exact_locals(&self, tree: &Tree) -> Vec<DMat4> {
         let document: Value = serde_json::from_slice(self.json).unwrap_or_default();
         let numbers = |value: &Value| -> Vec<f64> {
@@ -114,7 +115,8 @@ impl Loader<'_> {
                         let exact = <[f64; 3]>::try_from(numbers(&json[key]));
                         exact.map_or(rough.as_dvec3(), DVec3::from_array)
                     };
-                    // A turn that is rounded to f32 misses a place on the map by half a metre, too.
+                    // A rotation that is rounded to f32 also shifts a map coordinate by half a
+                    // metre.
                     let turn = <[f64; 4]>::try_from(numbers(&json["rotation"])).ok();
                     let turn = turn.map(DQuat::from_array).filter(|turn| turn.length() > 0.0);
                     DMat4::from_scale_rotation_translation(
@@ -128,8 +130,8 @@ impl Loader<'_> {
         self.rig.nodes.iter().enumerate().map(local).collect()
     }
 
-    /// Moves the nodes that are far, and what hangs below them along; and others with anything on them. Tells whether keys of
-    /// animations were far.
+    /// Subtracts the origin from nodes that are far, along with their descendants, and from other
+    /// nodes with anything on them. Returns whether keys of animations were far.
     fn move_nodes(
         &mut self,
         tree: &Tree,
@@ -171,7 +173,7 @@ impl Loader<'_> {
         have_far_keys
     }
 
-    /// Moves the keys of a node's place; tells whether they were far.
+    /// Moves the translation keys of a node; returns whether they were far.
     fn move_tracks(&mut self, node: usize, by: DVec3) -> bool {
         let mut were_far = false;
         for channel in self.rig.animations.iter_mut().flat_map(|animation| &mut animation.channels)
@@ -184,7 +186,7 @@ impl Loader<'_> {
             let mut values = track.values.to_vec();
             were_far |= values.iter().any(|value| f64::from(value.abs()) >= FAR);
             for (index, value) in values.iter_mut().enumerate() {
-                // Tangents stay.
+                // Tangents do not move.
                 if !is_cubic || (index / 3) % 3 == 1 {
                     *value = (f64::from(*value) + by[index % 3]) as f32;
                 }

@@ -1,14 +1,14 @@
 //! Primitives that share one long list of vertices, as some exporters write them: one primitive for
-//! each material, all with the vertices of the whole model. Each becomes a mesh with only its own
+//! each material, each with the vertices of the whole model. Each becomes a mesh with only its own
 //! vertices.
 
 use crate::Mesh;
 
-/// The number of surplus vertices, over the corners, from which a list counts as shared by several
-/// primitives. Fewer are not worth the work.
+/// A list counts as shared by several primitives if it has this many more vertices than the
+/// primitive has corners. Fewer are not worth the work.
 const SPARE: u64 = 1024;
 
-/// The most of `given` vertices that a primitive with so many corners keeps.
+/// The most of `given` vertices that a primitive with this number of corners keeps.
 pub(super) fn kept(given: u64, corners: u64) -> u64 {
     if is_shared(given, corners) { corners } else { given }
 }

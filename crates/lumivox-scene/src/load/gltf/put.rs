@@ -23,7 +23,7 @@ impl Loader<'_> {
         let is_skinned = |primitive: &gltf::Primitive<'_>| {
             node.skin().is_some() && primitive.get(&Semantic::Joints(0)).is_some()
         };
-        // Whatever the node's own scale is, joints place the vertices that they move.
+        // Joints place the vertices that they move, whatever the node's own scale.
         let is_nothing = !site.moves && invertible(site.world_from_node, false).is_none();
         if is_nothing && !mesh.primitives().any(|primitive| is_skinned(&primitive)) {
             self.notes
@@ -31,7 +31,7 @@ impl Loader<'_> {
             return Ok(());
         }
         let marks = Marks::of(node.extras());
-        // A skinned mesh does not follow its node.
+        // A skinned mesh does not move with its node.
         let follows = site.moves && node.skin().is_none();
         if marks.is_static == Some(true) && (follows || site.weighs || site.bends) {
             self.notes.warn(format!(
@@ -40,8 +40,7 @@ impl Loader<'_> {
             ));
         }
         for primitive in mesh.primitives() {
-            // It is counted before the test for visibility, because hidden primitives take time,
-            // too.
+            // Counted before the test for visibility, because hidden primitives take time, too.
             self.spend_instances(&site.name, 1)?;
             match node.skin() {
                 Some(skin) if is_skinned(&primitive) => {

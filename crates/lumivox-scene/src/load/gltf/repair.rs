@@ -121,7 +121,7 @@ fn repaired(json: &[u8], notes: &mut Notes) -> Option<Vec<u8>> {
     are_repaired.contains(&true).then(|| serde_json::to_vec(&document).ok())?
 }
 
-/// The JSON with zero for `NaN` and `Infinity`, as Python writes them.
+/// The JSON with zeros instead of `NaN` and `Infinity`, which Python writes.
 fn replace_numbers(json: &[u8]) -> Vec<u8> {
     let mut finite = Vec::with_capacity(json.len());
     let (mut in_text, mut at) = (false, 0);
@@ -130,7 +130,7 @@ fn replace_numbers(json: &[u8]) -> Vec<u8> {
         let number = [&b"NaN"[..], b"Infinity", b"-Infinity"]
             .into_iter()
             .find(|number| !in_text && rest.starts_with(number));
-        // An escaped character ends no text.
+        // An escaped character does not end a string.
         let taken = number.map_or(if in_text && byte == b'\\' { 2 } else { 1 }, <[u8]>::len);
         in_text ^= byte == b'"';
         finite.extend(if number.is_some() { b"0" } else { &rest[..taken.min(rest.len())] });
@@ -141,7 +141,7 @@ fn replace_numbers(json: &[u8]) -> Vec<u8> {
 
 /// Writes whole numbers as integers: some programs write them all as floats, indices included.
 fn make_whole(value: &mut Value) -> bool {
-    // Floats above are not exact.
+    // Larger floats are not exact.
     const MOST: f64 = (1_u64 << 53) as f64;
     match value {
         Value::Array(list) => list.iter_mut().fold(false, |any, value| make_whole(value) | any),
@@ -193,7 +193,7 @@ fn empty_animations(document: &mut Value, notes: &mut Notes) -> bool {
         let Err(error) = read else { continue };
         let name = animation.get("name").and_then(Value::as_str).map(str::to_owned);
         let shown = name_or_index(name.as_deref(), "animation", index);
-        // The reason's position refers to another text.
+        // The position in the error refers to another text.
         let reason = error.to_string();
         let reason = reason.split(" at line ").next().unwrap_or_default();
         notes.warn(format!("the animation \"{shown}\" is malformed and was left out: {reason}"));

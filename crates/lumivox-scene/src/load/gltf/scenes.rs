@@ -8,8 +8,8 @@ use crate::load::files::shorten;
 const MOST_LISTED: usize = 20;
 
 impl<'a> Loader<'a> {
-    /// The root nodes of the scene of this name or number. Without one, those of the scene that the
-    /// file marks, or else of the first. A file without scenes shows all root nodes.
+    /// The root nodes of the scene of this name or number. Without one: those of the file's default
+    /// scene, or else of the first. A file without scenes shows all root nodes.
     pub(super) fn roots(&mut self, wanted: Option<&str>) -> Result<Vec<usize>, SceneError> {
         let document = self.document;
         let scene = match wanted {
@@ -36,7 +36,7 @@ impl<'a> Loader<'a> {
             let mut open = if is_below[root] { vec![] } else { vec![root] };
             while let Some(node) = open.pop() {
                 for child in nodes[node].children.iter().flatten().map(gltf::json::Index::value) {
-                    // A root below itself is a fault, which the walk over the nodes reports.
+                    // A root below itself is a fault, which the traversal of the nodes reports.
                     if child != root && !std::mem::replace(&mut is_below[child], true) {
                         open.push(child);
                     }
@@ -55,7 +55,7 @@ impl<'a> Loader<'a> {
         roots
     }
 
-    /// Finds a scene. Names go first: a scene may be called "2".
+    /// Finds a scene. Names are tried first: a scene may be called "2".
     fn find_scene(&self, wanted: &str) -> Result<gltf::Scene<'a>, SceneError> {
         let mut scenes = self.document.scenes();
         if let Some(scene) = scenes.clone().find(|scene| scene.name() == Some(wanted)) {

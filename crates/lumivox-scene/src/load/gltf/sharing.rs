@@ -19,8 +19,8 @@ pub(super) struct MeshKey {
     mirrored: bool,
     /// Whether the material uses the second texture coordinates.
     needs_second_uvs: bool,
-    /// The input for computed tangents, if they are computed: the normal texture's coordinates
-    /// (floats by their bits).
+    /// The input of computed tangents, if they are computed: the normal texture's coordinate set
+    /// and transform (floats by their bits).
     tangents: Option<(u32, [u32; 6])>,
 }
 

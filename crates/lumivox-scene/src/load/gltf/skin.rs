@@ -9,7 +9,7 @@ use crate::load::repair;
 use crate::pose::Skin;
 
 impl Loader<'_> {
-    /// Loads a skin once, and returns its place in the rig.
+    /// Loads a skin once, and returns its index in the rig.
     pub(super) fn skin(&mut self, skin: &gltf::Skin<'_>, tree: &Tree) -> Result<usize, SceneError> {
         if let Some(&known) = self.skins.get(&skin.index()) {
             return Ok(known);

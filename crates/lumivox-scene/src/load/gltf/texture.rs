@@ -1,9 +1,9 @@
 //! Textures: the image, its place on the surface, and its sampling.
 //!
-//! If a texture names images both by an extension and by the core format, the extension's comes
+//! If a texture names images both by an extension and by the core format, the extension's is tried
 //! first, and the other is used if the first cannot be read. A missing or broken image does not
 //! stop the scene: a colour is replaced by a board of magenta and black, anything else by no
-//! texture, both with a warning. Occlusion textures are not read: light is computed here, and
+//! texture, both with a warning. Occlusion textures are not read: occlusion is computed here, and
 //! theirs would count twice.
 
 use std::borrow::Cow;
@@ -19,7 +19,7 @@ use crate::load::image::{Encoding, Fault, Source};
 use crate::load::textures::{ImageId, Mix, Recipe};
 use crate::{Filter, Sampler, SceneError, TextureRef, Wrap};
 
-/// Extensions that name another image than the core format can, the preferred ones first.
+/// Extensions that name an image in a format beyond the core's, the preferred ones first.
 const IMAGE_EXTENSIONS: [&str; 2] = ["KHR_texture_basisu", "EXT_texture_webp"];
 
 /// A material's reference to one of its textures.
@@ -65,7 +65,7 @@ fn uv_transform(offset: [f32; 2], rotation_rad: f32, scale: [f32; 2]) -> Affine2
     )
 }
 
-/// The same from JSON, where the glTF library does not read it; and the coordinate set.
+/// The same from JSON, if the glTF library does not read it; and the coordinate set.
 fn json_transform(value: Option<&Value>, set: u32) -> (u32, Affine2) {
     let Some(value) = value else { return (set, Affine2::IDENTITY) };
     let pair = |key: &str, default: [f32; 2]| match value[key].as_array().map(Vec::as_slice) {
@@ -90,8 +90,8 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// Whether both have the same place on the mesh and the same sampling, so that one image can
-    /// hold both.
+    /// Whether both have the same coordinates on the mesh and the same sampling, so that one image
+    /// can hold both.
     pub(super) fn matches(&self, other: &Self) -> bool {
         Self { image: other.image, ..*self } == *other
     }
@@ -201,8 +201,8 @@ impl<'a> Loader<'a> {
         TextureRef::new(self.textures.texture(Recipe::Missing, Encoding::Color, sampler))
     }
 
-    /// One texture in place of two of a material; each names its channels of the result. Channels
-    /// of neither are 1.
+    /// One texture that replaces two of a material; each names its channels of the result. Channels
+    /// that neither uses are 1.
     pub(super) fn pair(
         &mut self,
         material: &str,
@@ -272,7 +272,7 @@ impl<'a> Loader<'a> {
         }
         self.notes.warn(match reasons.pop() {
             Some(reason) => format!("{reason}; a stand-in is shown"),
-            // The material has told it.
+            // The material has already warned about it.
             None if json.name() == Some(dangling::NO_TEXTURE) => return Ok(None),
             None => {
                 format!("texture {texture} names no image of a supported format and was ignored")
@@ -329,7 +329,7 @@ fn image_name(json: &gltf::json::Image, index: usize) -> String {
     name_or_index(json.name.as_deref().or(file_name), "image", index)
 }
 
-/// Describes why an image cannot be read.
+/// The message about an image that cannot be read.
 fn told(name: &str, fault: &Fault) -> String {
     match fault {
         Fault::Unreadable(error) => {

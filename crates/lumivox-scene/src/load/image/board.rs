@@ -16,7 +16,7 @@ pub(in crate::load) fn board() -> Pixels {
     Pixels { width: BOARD_EDGE, height: BOARD_EDGE, rgba8 }
 }
 
-/// A texture of them.
+/// A texture with these texels.
 pub(in crate::load) fn checker(name: &str) -> Texture {
     let Pixels { width, height, rgba8 } = board();
     let sampler =

@@ -2,8 +2,8 @@
 //!
 //! Only the finest level of one face and layer is read. Basis Universal (ETC1S, UASTC) and ASTC are
 //! decoded by `basisu`, the older block formats by `texture2ddecoder`; both were chosen for their
-//! behaviour with broken files. Where a decoder reads the container carelessly, it gets one made
-//! here from checked data.
+//! behaviour with broken files. If a decoder does not check the container carefully, it gets one
+//! made here from checked data.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -15,7 +15,7 @@ use super::Pixels;
 
 /// Bytes of the header.
 const HEADER_BYTES: usize = Header::LENGTH;
-/// The largest decoding window: `zstd`'s decoder keeps as much decoded data as the file asks for,
+/// The largest decoding window: `zstd`'s decoder buffers as much decoded data as the file asks for,
 /// up to this.
 const LARGEST_WINDOW_BYTES: u64 = 128 << 20;
 
@@ -171,7 +171,7 @@ fn inflate<'a>(
                 |error: &dyn std::fmt::Display| format!("its zstd data is broken: {error}");
             let decoder = StreamingDecoder::new_with_max_window_size(stored, LARGEST_WINDOW_BYTES);
             let mut data = Vec::new();
-            // Data that is longer than it should be is not read to its end.
+            // Surplus data is not read.
             decoder
                 .map_err(|error| broken(&error))?
                 .take(wanted as u64)
@@ -207,7 +207,7 @@ fn decode_basis(bytes: &[u8], header: &Header, level: &LevelIndex) -> Result<Vec
     transcoder.transcode(0, basisu::TargetFormat::Rgba32, basisu::DecodeFlags::NONE).map_err(broken)
 }
 
-/// The file without its keys and values, where `basisu` 0.1.0 reads beyond the end.
+/// The file without its key/value data, in which `basisu` 0.1.0 reads out of bounds.
 fn without_metadata(bytes: &[u8]) -> Vec<u8> {
     let mut container = bytes.to_vec();
     // Offset and length of the keys and values.
@@ -215,12 +215,12 @@ fn without_metadata(bytes: &[u8]) -> Vec<u8> {
     container
 }
 
-/// A container of only the finest level, not compressed: for a compressed level `basisu` allocates
+/// A container with only the finest level, uncompressed: for a compressed level `basisu` allocates
 /// as much memory as the file asks for.
 fn one_level(bytes: &[u8], header: &Header, level: &LevelIndex) -> Result<Vec<u8>, String> {
     let index = header.index;
     let description = slice(bytes, index.dfd_byte_offset.into(), index.dfd_byte_length.into())?;
-    // No format of those that end here takes more than a byte a texel, up to whole blocks.
+    // No format handled here needs more than a byte per texel, up to whole blocks.
     let blocks =
         u64::from(header.pixel_width.div_ceil(4)) * u64::from(header.pixel_height.div_ceil(4));
     if level.uncompressed_byte_length > blocks * 16 {

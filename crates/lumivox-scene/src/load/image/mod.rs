@@ -37,15 +37,15 @@ const MOST_TEXELS_A_BYTE: u64 = 16_384;
 /// The last chunk of a PNG file.
 const PNG_END: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
 
-/// The bytes that tell a format and a size of KTX2; its header is the longest.
+/// The first bytes, enough to detect a format and its size; KTX2's header is the longest.
 const START_BYTES: usize = 80;
 
-/// The place of an image's bytes.
+/// Where an image's bytes are.
 #[derive(Clone, Debug)]
 pub(super) enum Source<'a> {
     /// In memory.
     Memory(Cow<'a, [u8]>),
-    /// In a file of their own, read only while they are decoded.
+    /// In a separate file, read only while they are decoded.
     File(PathBuf),
 }
 
@@ -129,7 +129,7 @@ impl From<image::ImageError> for Fault {
     }
 }
 
-/// Reads the size of an image; of a file it only reads the beginning.
+/// Reads the size of an image; only the beginning of a file is read.
 pub(super) fn header(source: &Source<'_>) -> Result<Header, Fault> {
     match source {
         Source::Memory(bytes) => header_of(Cursor::new(bytes.as_ref()), bytes.len() as u64, None),
@@ -150,7 +150,7 @@ pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Faul
         Format::Plain(format) => {
             let mut image = reader(Cursor::new(bytes.as_ref()), format).decode();
             if image.is_err() && format == ImageFormat::Png {
-                // All texels may be there, and only the end missing.
+                // All texels may be present, and only the end missing.
                 let bytes = [bytes.as_ref(), PNG_END].concat();
                 image = reader(Cursor::new(bytes), format).decode().or(image);
             }
@@ -158,7 +158,7 @@ pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Faul
             Pixels { width: image.width(), height: image.height(), rgba8: image.into_raw() }
         }
     };
-    // The budget was made for the size in the header; a file may have changed since.
+    // The budget was computed for the size in the header; a file may have changed since.
     if (pixels.width, pixels.height) != (header.width, header.height) {
         let reason = "its size changed while it was read".to_owned();
         return Err(Fault::Bad(reason, "open the scene again"));

@@ -1,8 +1,9 @@
 //! Halving the size of images.
 //!
-//! A texel of the result is the mean of the rectangle that it covers, in which texels at the border
-//! count with the share inside (for edges of odd length). Colours are averaged as light, and by
-//! their alpha, so that invisible texels do not bleed into visible ones; data is averaged as it is.
+//! A texel of the result is the mean of the rectangle that it covers; texels at the border count
+//! with the share that is inside (for edges of odd length). Colours are averaged as linear light,
+//! weighted by their alpha, so that invisible texels do not bleed into visible ones; data is
+//! averaged as it is.
 
 use super::Pixels;
 use crate::load::color::{linear_from_srgb, srgb_from_linear};
@@ -16,12 +17,12 @@ pub(in crate::load) enum Encoding {
     Data,
 }
 
-/// A length after so many halvings.
+/// A length after this many halvings.
 pub(in crate::load) fn halved(length: u32, times: u32) -> u32 {
     length.checked_shr(times).unwrap_or(0).max(1)
 }
 
-/// The image with both edges halved so many times.
+/// The image with both edges halved this many times.
 pub(in crate::load) fn shrink(pixels: Pixels, times: u32, encoding: Encoding) -> Pixels {
     if times == 0 {
         return pixels;
@@ -32,7 +33,7 @@ pub(in crate::load) fn shrink(pixels: Pixels, times: u32, encoding: Encoding) ->
     let mut rgba8 = Vec::with_capacity(width as usize * height as usize * 4);
     for row in &rows {
         for column in &columns {
-            // Colour by alpha, only colour, alpha, weight.
+            // Colour weighted by alpha, plain colour, alpha, weight.
             let (mut seen, mut all, mut alpha, mut weight) = ([0.0; 3], [0.0; 3], 0.0, 0.0);
             for (y, wy) in row.iter() {
                 let begin = (y * pixels.width as usize + column.first) * 4;

@@ -1,9 +1,9 @@
 //! The distinct corners of a file's polygons: position, texture coordinates, normal.
 //!
-//! Chains from each position to its corners need less memory than a hash map, and follow the file's
-//! order in memory: five million corners take their 16 bytes each and a second.
+//! Chains from each position to its corners need less memory than a hash map, and keep the file's
+//! order in memory: five million corners take 16 bytes each and a second.
 
-/// A corner of polygons, as numbers of the vectors that were listed before.
+/// A corner of polygons, as indices of the vectors that were listed before.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Corner {
     pub(super) position: u32,
@@ -25,12 +25,12 @@ impl Normal {
     pub(super) const FLAT: Self = Self(u32::MAX);
     const GROUP: u32 = 1 << 31;
 
-    /// A normal of the file. Numbers that do not fit into 31 bits mean the normal of the face.
+    /// A normal of the file. Indices that do not fit into 31 bits mean the normal of the face.
     pub(super) fn given(number: u32) -> Self {
         if number < Self::GROUP { Self(number) } else { Self::FLAT }
     }
 
-    /// The mean over the smoothing group of that number.
+    /// The mean over the smoothing group with this number.
     pub(super) fn group(number: u32) -> Self {
         Self(number | Self::GROUP)
     }
@@ -48,18 +48,18 @@ impl Normal {
 #[derive(Default)]
 pub(super) struct Corners {
     list: Vec<Corner>,
-    /// The next corner at the same place.
+    /// The next corner at the same position.
     next: Vec<u32>,
-    /// The last corner at each place.
+    /// The last corner at each position.
     heads: Vec<u32>,
 }
 
 impl Corners {
-    /// Corners compared at one position before another is made: more than real meshes have, and a
-    /// bound on the cost of a hostile one.
+    /// Corners at one position that are compared before another one is made: more than real meshes
+    /// have, and a bound on the cost of a hostile one.
     const LONGEST_CHAIN: usize = 32;
 
-    /// The number of a corner; a new one if it was not met before.
+    /// The index of a corner; it is added if it is new.
     pub(super) fn number(&mut self, corner: Corner) -> u32 {
         let place = corner.position as usize;
         if self.heads.len() <= place {
@@ -75,7 +75,7 @@ impl Corners {
         number
     }
 
-    /// The first corner of a place's chain that fits.
+    /// The first corner in a position's chain that fits.
     pub(super) fn find(&self, position: u32, fits: impl Fn(&Corner) -> bool) -> Option<u32> {
         let mut number = self.heads[position as usize];
         for _ in 0..Self::LONGEST_CHAIN {
@@ -96,7 +96,7 @@ impl Corners {
         self.list.len()
     }
 
-    /// Frees the memory that only new corners need.
+    /// Frees the memory that is only needed to add corners.
     pub(super) fn close(&mut self) {
         self.next = Vec::new();
         self.heads = Vec::new();

@@ -1,4 +1,4 @@
-//! What can be wrong with a statement of OBJ.
+//! Faults of OBJ statements.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ pub(super) enum Fault {
         index: usize,
         count: usize,
     },
-    /// A face names something that may come later in the file.
+    /// A face refers to something that may come later in the file.
     Later,
 }
 

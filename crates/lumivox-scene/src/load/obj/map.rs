@@ -13,7 +13,7 @@ pub(super) struct Map {
     pub(super) file: Vec<u8>,
     /// `-s`: factor of texture coordinates. Default: one.
     pub(super) scale: Vec2,
-    /// `-o`: added to them after that. Default: zero.
+    /// `-o`: offset, added after the scale. Default: zero.
     pub(super) offset: Vec2,
     /// `-bm`: the strength of bumps. Default: 1.
     pub(super) bump: f32,
@@ -23,10 +23,10 @@ pub(super) struct Map {
     pub(super) channel: Channel,
 }
 
-/// The channel that holds one number.
+/// The channel from which a single number is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) enum Channel {
-    /// Luminance; for opacities alpha, if the image has any.
+    /// Not given: luminance; for opacities alpha, if the image has any.
     #[default]
     Unsaid,
     Red,
@@ -55,7 +55,7 @@ impl Map {
         let rest = map.options(rest, &mut ignored);
         let (before, name, behind) = name_in(rest, exists);
         map.file = name.to_vec();
-        // A name of its own ends each part, as numbers could be one.
+        // Each part gets a dummy name at its end, since a last number could otherwise be the name.
         for others in [before, behind] {
             let line = [others, b" ."].concat();
             let mut left = map.options(&line, &mut ignored);
@@ -97,7 +97,7 @@ impl Map {
                 b"-t" | b"-mm" | b"-boost" | b"-texres" => {
                     let most = if option == b"-t" { 3 } else { 2 };
                     let changes = values(&mut after, most);
-                    // Exporters write the defaults, too.
+                    // Exporters also write the defaults.
                     let neutral = match option {
                         b"-t" => changes.iter().all(|&value| value == 0.0),
                         b"-mm" => changes == [0.0, 1.0],
@@ -126,7 +126,7 @@ impl Map {
         rest
     }
 
-    /// The texture as this statement uses it.
+    /// The texture with this statement's options.
     pub(super) fn reference(&self, texture: usize) -> TextureRef {
         // OBJ's v grows upwards: v' = 1 - (s (1 - v) + o).
         let (s, o) = (self.scale, self.offset);
@@ -138,7 +138,7 @@ impl Map {
         TextureRef { transform, ..TextureRef::new(texture) }
     }
 
-    /// Whether both have the same place on a surface, so that one image can hold both.
+    /// Whether both have the same coordinates on a surface, so that one image can hold both.
     pub(super) fn lies_like(&self, other: &Self) -> bool {
         (self.scale, self.offset, self.clamp) == (other.scale, other.offset, other.clamp)
     }
@@ -151,7 +151,7 @@ impl Map {
     }
 }
 
-/// The most places where a name may begin, and where it may end, that are tried.
+/// The most positions that are tried as the start of a name, and as its end.
 const MOST_TRIED: usize = 8;
 
 /// Splits the rest of a line at the name of the file: the longest that exists, else all up to the
@@ -160,7 +160,7 @@ fn name_in<'t>(rest: &'t [u8], exists: &dyn Fn(&[u8]) -> bool) -> (&'t [u8], &'t
     let begins = |at: usize| at == 0 || rest[at - 1].is_ascii_whitespace();
     let words: Vec<usize> =
         (0..rest.len()).filter(|&at| begins(at) && !rest[at].is_ascii_whitespace()).collect();
-    // Values of an option that is not known come before the name.
+    // Values of an unknown option come before the name.
     let starts = if rest.starts_with(b"-") { MOST_TRIED } else { 1 };
     let begins_option = |at: usize| {
         at > 0 && rest[at] == b'-' && rest.get(at + 1).is_some_and(u8::is_ascii_alphabetic)
@@ -193,7 +193,7 @@ fn values(rest: &mut &[u8], most: usize) -> Vec<f32> {
     let mut values = Vec::new();
     while values.len() < most {
         let (word, after) = keyword(rest);
-        // A file's name can be a number; something must be left.
+        // A file's name can be a number; something must be left for it.
         let Some(value) = number(word).filter(|_| !after.is_empty()) else { break };
         values.push(value);
         *rest = after;

@@ -2,10 +2,9 @@
 //!
 //! With `Pr`, `Pm` or another key of physically-based materials the surface has metalness and
 //! roughness; otherwise it is Phong's, with `Ks` limited to the share that `Kd` leaves, so that no
-//! surface reflects more than it receives. `Ka` only counts in place of a missing `Kd`, since ambient
-//! light is computed.
-//! Colours are linear, as reflectivities ("the diffuse reflectivity using RGB values"). MTL has no
-//! unit of light: `Ke` 1 is 1 cd/m², like glTF's emissive factor.
+//! surface reflects more than it receives. `Ka` is only used if `Kd` is missing, since ambient
+//! light is computed. Colours are linear, as reflectivities ("the diffuse reflectivity using RGB
+//! values"). MTL has no unit of light: `Ke` 1 is 1 cd/m², like glTF's emissive factor.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -36,7 +35,7 @@ pub(super) struct Materials<'s, 'o> {
     definitions: Library,
     textures: Textures<'s>,
     options: &'s mut LoadOptions<'o>,
-    /// Materials by name; without a name, by whether vertices have colours.
+    /// Materials by name; unnamed ones by whether the vertices have colours.
     known: HashMap<(Option<Vec<u8>>, bool), usize>,
     /// The number of images so far, and of materials with a limited `Ks`.
     images: u64,
@@ -58,8 +57,8 @@ impl<'s, 'o> Materials<'s, 'o> {
         Self { file, reach, definitions, textures, options, known, images, limited, opaque_glass }
     }
 
-    /// The scene's number of a material; `colored` says whether the vertices have colours, which
-    /// then are the only colours of a missing material.
+    /// The scene's index of a material; `colored` says whether the vertices have colours, which are
+    /// then the only colours of a missing material.
     pub(super) fn get(
         &mut self,
         name: Option<&[u8]>,
@@ -225,7 +224,7 @@ impl Conversion<'_, '_, '_> {
             match (self.mtl.scalar(Scalar::Opacity), self.mtl.scalar(Scalar::Transparency)) {
                 (Some(opacity), _) => opacity,
                 (None, Some(1.0)) => {
-                    // Exporters do not write invisible surfaces; many took Tr for an opacity.
+                    // Exporters do not write invisible surfaces; many mistook Tr for an opacity.
                     self.warn("Tr 1 without d counts as opaque");
                     1.0
                 }
@@ -322,7 +321,7 @@ impl Conversion<'_, '_, '_> {
         // Exporters write Ke 0 beside an image.
         let said = self.mtl.emission.unwrap_or(Vec3::ZERO).max(Vec3::ZERO);
         let map = self.mtl.map(Slot::Emission).cloned();
-        // A checker that shines would be no help.
+        // An emissive checkerboard would not help.
         let texture = map.and_then(|map| {
             let made = self
                 .find(&map)
@@ -363,7 +362,7 @@ impl Conversion<'_, '_, '_> {
         }
     }
 
-    /// `Ks`, as far as the diffuse reflection leaves room.
+    /// `Ks`, limited to what the diffuse reflection leaves.
     fn specular(&mut self, reflected: Vec3) -> (Vec3, Option<TextureRef>) {
         let texture = self.color_texture(Slot::Specular);
         let default = if texture.is_some() { Vec3::ONE } else { Vec3::ZERO };
@@ -378,7 +377,7 @@ impl Conversion<'_, '_, '_> {
         base.metallic_roughness_texture = self.rough_metal();
         let has = |slot| base.metallic_roughness_texture.is_some() && self.mtl.map(slot).is_some();
         let (has_rough, has_metal) = (has(Slot::Roughness), has(Slot::Metallic));
-        // Images multiply numbers, which exporters leave at zero beside them.
+        // Images multiply the numbers, which exporters leave at zero beside an image.
         let factor = |said: Option<f32>, image: bool, otherwise: f32| match said {
             Some(0.0) | None if image => 1.0,
             said => said.unwrap_or(otherwise),

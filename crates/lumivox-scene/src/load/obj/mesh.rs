@@ -35,7 +35,7 @@ impl<'m> Builder<'m> {
         group_normals: &'m [Vec3],
         crease_rad: Option<f32>,
     ) -> Self {
-        // Most programs write shares of one, up to rounding, some bytes.
+        // Most programs write colours from 0 to 1, up to rounding; some write bytes.
         let largest =
             model.colors.iter().fold(0.0, |most: f32, color| most.max(color.max_element()));
         let full_color = if largest > 2.0 { 255.0 } else { 1.0 };
@@ -75,7 +75,7 @@ impl<'m> Builder<'m> {
             mesh.colors = places.clone().map(|c| self.color(c).extend(1.0)).collect();
         }
         repair::attributes(&mut mesh, notes);
-        // Zero where the face decides.
+        // Zero if the face decides.
         mesh.normals = order
             .iter()
             .map(|&number| {
@@ -105,7 +105,7 @@ impl<'m> Builder<'m> {
         Ok(Some(Built { name, material, mesh }))
     }
 
-    /// Converts numbers of corners to numbers of vertices, and returns the corner of each vertex.
+    /// Converts indices of corners to indices of vertices, and returns the corner of each vertex.
     /// Corners with the normal of their face get a vertex each, unless edges will decide.
     fn number_vertices(&mut self, indices: &mut [u32], share_flat: bool) -> Vec<u32> {
         let mut order = Vec::new();
@@ -129,7 +129,7 @@ impl<'m> Builder<'m> {
         order
     }
 
-    /// The normals of a mesh's corners: smooth up to the angle where the file gives none.
+    /// The normals of a mesh's corners: smooth up to the angle if the file gives none.
     fn crease(&self, mesh: &Mesh, order: &[u32], crease_rad: f32) -> Vec<Vec3> {
         let corners = &self.model.corners;
         // Vertices at seams of the texture are separate, but their surface is one.

@@ -2,7 +2,7 @@
 //! `Pm` and the like by Exocortex, "Extension to Wavefront MTL to support physically-based
 //! rendering", 2014).
 //!
-//! Read are vertices (with colours), polygons, objects, groups, smoothing groups and materials;
+//! Vertices (with colours), polygons, objects, groups, smoothing groups and materials are read;
 //! free-form surfaces, lines and points are skipped with a warning. The faces of one object and
 //! group with one material become a mesh and an instance of that name.
 //!
@@ -38,8 +38,8 @@ use super::geometry::GeometryBudget;
 use super::{LoadOptions, Notes, stream, tangents};
 use crate::{Instance, Scene, SceneError};
 
-/// The first mesh of a file, without its materials, and how many others there are; `None` where
-/// there are no triangles. Warnings go to `notes`.
+/// The first mesh of a file, without its materials, and how many others there are; `None` if there
+/// are no triangles. Warnings go to `notes`.
 #[cfg(feature = "vxct")]
 pub(super) fn first_mesh(
     file: &Path,
@@ -50,7 +50,7 @@ pub(super) fn first_mesh(
     let crease_rad = options.crease_rad;
     let (reader, _) = stream::open(file, options)?;
     let mut model = read::read(file, reader, notes, budget)?;
-    // VXCT knows no colours of vertices.
+    // VXCT has no vertex colours.
     model.colors = Vec::new();
     let normals = model.group_normals();
     let mut submeshes = std::mem::take(&mut model.submeshes);

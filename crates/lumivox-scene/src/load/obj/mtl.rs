@@ -13,7 +13,7 @@ use crate::load::find::{bare, find};
 use crate::load::text::{Lines, keyword, number, numbers, readable, words};
 use crate::load::{LoadOptions, Notes, stream};
 
-/// The most words of a line that may be several names.
+/// The most words of a line that are tried as several names.
 const MOST_WORDS: usize = 32;
 
 /// The materials of all libraries of a scene.
@@ -67,7 +67,7 @@ pub(super) enum Slot {
 }
 
 impl Library {
-    /// Reads the libraries that `mtllib` names in the scene `file`. A missing one is a warning.
+    /// Reads the libraries that `mtllib` names in the scene `file`. A missing one causes a warning.
     pub(super) fn load(
         file: &Path,
         reach: Reach<'_>,
@@ -97,7 +97,7 @@ impl Library {
         library
     }
 
-    /// Reads a library; the scene is shown without one that cannot be read.
+    /// Reads a library; if it cannot be read, warns and continues without it.
     fn read_or_tell(&mut self, file: &Path, scene: &Path, reach: Reach<'_>, notes: &mut Notes) {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         match self.read(file, scene, reach, notes) {
@@ -187,8 +187,8 @@ impl Mtl {
         self.maps.get(&slot)
     }
 
-    /// Reads a statement, and returns what part of it has no effect. The error is a sentence on why
-    /// none of it has.
+    /// Reads a statement, and returns the part of it that has no effect. The error is a sentence
+    /// that says why the whole statement has none.
     fn statement(
         &mut self,
         first: &[u8],
@@ -278,7 +278,7 @@ fn split<T>(names: &[u8], find: &dyn Fn(&[u8]) -> Result<T, String>) -> Vec<Resu
         .filter(|&at| !names[at - 1].is_ascii_whitespace())
         .filter(|&at| names.get(at).is_none_or(u8::is_ascii_whitespace))
         .collect();
-    // A line of that many words is no list of names.
+    // A line with that many words is not a list of names.
     if ends.len() > MOST_WORDS {
         return vec![find(names)];
     }
@@ -302,7 +302,7 @@ fn split<T>(names: &[u8], find: &dyn Fn(&[u8]) -> Result<T, String>) -> Vec<Resu
     found
 }
 
-/// A name as far as people take care of it.
+/// A name for comparisons: case, spacing, quotation marks and comments do not count.
 fn plain(name: &[u8]) -> Vec<u8> {
     let words: Vec<_> = words(bare(name)).collect();
     words.join(&b' ').to_ascii_lowercase()

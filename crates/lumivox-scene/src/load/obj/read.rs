@@ -15,7 +15,7 @@ use crate::load::polygon::Cutter;
 use crate::load::text::{Lines, keyword, number, numbers, readable, words};
 use crate::load::{Notes, normals};
 
-/// The number of submeshes from which groups of one material share one: a file could name millions.
+/// Beyond this number of submeshes, groups of one material share one: a file could name millions.
 const MOST_SUBMESHES: usize = 1 << 16;
 /// The most material libraries that are searched.
 const MOST_LIBRARIES: usize = 64;
@@ -87,7 +87,7 @@ pub(super) fn read(
     Ok(state.model)
 }
 
-/// A face that names something behind it in the file, with the state at its line.
+/// A face that refers to something later in the file, with the state at its line.
 struct Late {
     line: u64,
     rest: Vec<u8>,
@@ -123,7 +123,7 @@ struct State {
     /// Faces that are read at the end, and the bytes of their text.
     late: Vec<Late>,
     late_bytes: usize,
-    /// The counts of a face of `late` that is being read.
+    /// The counts of the face in `late` that is being read.
     counts_before: Option<[usize; 3]>,
     /// The number of colours in `ZBrush`'s comments so far.
     painted: usize,
@@ -239,7 +239,8 @@ impl State {
 
     fn smoothing_group(&mut self, rest: &[u8]) {
         let word = words(rest).next().unwrap_or(b"off").to_ascii_lowercase();
-        // Numbers by the format, names in some programs. "on" is Blender's older exporters' word for the first group.
+        // The format requires numbers; some programs write names. Blender's older exporters write
+        // "on" for the first group.
         let group = match std::str::from_utf8(&word).ok().and_then(|text| text.parse::<f64>().ok())
         {
             Some(number) => number.to_string().into_bytes(),
@@ -368,7 +369,7 @@ impl State {
     /// The submesh for the current names.
     fn start_submesh(&mut self) -> usize {
         let submeshes = &mut self.model.submeshes;
-        // Beyond the limit only the material counts.
+        // Beyond the limit, faces are grouped only by their material.
         let crowded = submeshes.len() >= MOST_SUBMESHES;
         self.skipped.joined_submeshes += u64::from(crowded);
         let key = if crowded {
@@ -486,8 +487,8 @@ fn integer(word: &[u8]) -> Option<i64> {
     Some(if negative { -value } else { value })
 }
 
-/// The place in a list of an index that counts from 1, or backwards from -1 at the end of the first
-/// `before`.
+/// The list index for an index that counts from 1, or backwards from -1 at the end of the first
+/// `before` entries.
 fn resolve(index: i64, count: usize, before: usize) -> Option<u32> {
     let count = count as i64;
     let from_zero = if index < 0 { before as i64 + index } else { index - 1 };

@@ -15,7 +15,8 @@ use crate::{Scene, Texture};
 /// The height of white above black in a bump map with `-bm` 1, as a share of the image's width. MTL
 /// gives heights no length; a hundredth is a joint of one centimetre between tiles of a metre.
 const BUMP_DEPTH: f32 = 0.01;
-/// The most texels that are neither clear nor solid in an image that cuts out: its edges.
+/// The largest share of texels that are neither clear nor solid, its edges, in an image that cuts
+/// out.
 const MOST_EDGE_TEXELS: f32 = 0.1;
 
 /// The sources of a texture.
@@ -114,7 +115,7 @@ impl<'a> Textures<'a> {
         self.used_bytes += texture.rgba8.len() as u64;
         scene.textures.push(texture);
         self.encodings.push(encoding);
-        // Textures of one texel shrink no more.
+        // Textures of one texel cannot shrink.
         while self.used_bytes > self.budget_bytes
             && scene.textures.iter().any(|texture| texture.width > 1 || texture.height > 1)
         {
@@ -210,7 +211,7 @@ fn make(source: &Source, reach: Reach<'_>) -> Result<(String, RgbaImage, Made), 
             };
             let size = rough_image.as_ref().or(metal_image.as_ref());
             let (width, height) = size.map_or((1, 1), RgbaImage::dimensions);
-            // Without an image the number of the material counts.
+            // Without an image, the material's number is used.
             let value = |image: &Option<RgbaImage>, x, y, channel| {
                 image.as_ref().map_or(255, |image| pick(*image.get_pixel(x, y), channel))
             };
@@ -289,7 +290,7 @@ fn holds_normals(image: &RgbaImage) -> bool {
 /// across, a sum of eight texels), the image repeating at its edges.
 fn normals_from_heights(heights: &RgbaImage, bump: f32) -> RgbaImage {
     let (width, height) = heights.dimensions();
-    // Rows of heights, so that each texel is weighed once.
+    // Rows of heights, so that each texel is weighted only once.
     let values: Vec<f32> =
         heights.pixels().map(|texel| f32::from(luminance(*texel)) / 255.0).collect();
     let at = |x: u32, y: u32| values[y as usize * width as usize + x as usize];

@@ -19,12 +19,12 @@ enum Use {
     Normal(usize),
     Uv(usize),
     Color(usize),
-    /// All channels in the bits of one number, and whether alpha is one of them.
+    /// All channels packed into one number, and whether alpha is one of them.
     Packed(bool),
     Nothing,
 }
 
-/// Makes triangles of the corners of an entry, whose number is given.
+/// Makes triangles of the corners of the entry with this index.
 type Add<'f> = fn(&mut Body<'f>, usize) -> Result<(), SceneError>;
 
 /// The state of reading the body.
@@ -32,7 +32,7 @@ pub(super) struct Body<'f> {
     file: &'f Path,
     header: &'f Header,
     budget: GeometryBudget<'f>,
-    /// Bytes that are left of the file, at most.
+    /// Upper bound of the bytes left in the file.
     length: u64,
     notes: Notes,
     mesh: Mesh,
@@ -42,7 +42,7 @@ pub(super) struct Body<'f> {
     corners: Vec<u32>,
     points: Vec<Vec3>,
     short_polygons: u64,
-    /// Corners of faces that come before the vertices: lists, each behind its length.
+    /// Corners of faces that come before the vertices: lists, each preceded by its length.
     early: Vec<(Add<'f>, Vec<u32>)>,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Body<'f> {
 pub(super) struct Done<'f> {
     /// Without derived data.
     pub(super) mesh: Mesh,
-    /// What its positions were moved by.
+    /// The origin that was subtracted from its positions.
     pub(super) origin: DVec3,
     pub(super) budget: GeometryBudget<'f>,
     pub(super) notes: Notes,
@@ -157,10 +157,10 @@ impl<'f> Body<'f> {
         Ok(Done { mesh: self.mesh, origin, budget: self.budget, notes: self.notes })
     }
 
-    /// The elements that the header declares must fit into the file.
+    /// Checks that the elements declared in the header fit into the file.
     fn check_room(&self, element: &Element) -> Result<(), SceneError> {
         let least = element.least_bytes(self.header.encoding);
-        // The last line may lack its end.
+        // The last line may have no line break.
         if element.count.saturating_mul(least) <= self.length.saturating_add(1) {
             return Ok(());
         }
@@ -189,7 +189,7 @@ impl<'f> Body<'f> {
         let count = usize::try_from(element.count).unwrap_or(usize::MAX);
         self.budget.spend(|| format!("its {count} vertices"), count, 0, colors)?;
 
-        // The file's length has room for them, see `check_room`.
+        // They fit into the file, see `check_room`.
         let mesh = &mut self.mesh;
         mesh.positions.reserve_exact(count);
         if normals {
@@ -219,7 +219,7 @@ impl<'f> Body<'f> {
                     skip_items(count, property, source)?;
                     continue;
                 }
-                // The bits of a packed colour, whatever type they have, may be no number.
+                // The bits of a packed colour, whatever their type, may be NaN.
                 let is_packed = matches!(used, Use::Packed(_)) && !is_text;
                 let scalar = if is_packed { Scalar::U32 } else { property.scalar };
                 let value = source.value(scalar)?;
@@ -230,7 +230,7 @@ impl<'f> Body<'f> {
                     Use::Color(3) => color[3] = decoder.linear(value),
                     Use::Color(i) => color[i] = decoder.color(value),
                     Use::Packed(has_alpha) => {
-                        // Some write floats of text as the integers that their bits are.
+                        // Some programs write floats in text as the integers of their bits.
                         let is_float = is_text
                             && property.scalar == Scalar::F32
                             && !(1.0..=f64::from(u32::MAX)).contains(&value);
@@ -286,7 +286,7 @@ impl<'f> Body<'f> {
         }
         self.warn_of_face_properties(element);
         let count = usize::try_from(element.count).unwrap_or(usize::MAX);
-        // Three corners each, as far as the file could hold them.
+        // Three corners per face, up to what the file could hold.
         let property = &element.properties[corners];
         let item =
             if self.header.encoding == Encoding::Ascii { 2 } else { property.scalar.bytes() };
@@ -413,7 +413,7 @@ impl<'f> Body<'f> {
 }
 
 fn skip(element: &Element, source: &mut impl Source) -> Result<(), SceneError> {
-    // Entries without properties take no bytes, however many they are.
+    // Entries without properties take no bytes, whatever their number.
     if element.properties.is_empty() {
         return Ok(());
     }

@@ -55,7 +55,7 @@ pub(super) enum Scalar {
 }
 
 impl Scalar {
-    /// Both spellings of the format, and those that libraries add.
+    /// Accepts both spellings of the format, and those that libraries add.
     fn parse(word: &[u8]) -> Option<Self> {
         Some(match word {
             b"char" | b"int8" => Self::I8,
@@ -190,8 +190,8 @@ struct HeadLines<'a, R> {
     line: Vec<u8>,
     bytes: usize,
     number: u64,
-    /// Whether lines end in CR only; the first line decides. In a CR LF file LF is part of the
-    /// ending, otherwise it may be the first byte of the body.
+    /// Whether lines end in CR only; the first line decides. In a CR LF file, LF is part of the
+    /// line ending; otherwise it may be the first byte of the body.
     cr: Option<bool>,
 }
 

@@ -1,11 +1,11 @@
 //! Reads PLY (Turk 1994, "The PLY Polygon File Format"), as text or binary of both byte orders.
 //!
-//! A file is a header that declares elements and their properties, then the elements. Used are
+//! A file is a header that declares elements and their properties, followed by the elements.
 //! `vertex` (position, normal, colour, texture coordinates), `face` (polygons by vertex number) and
-//! `tristrips`; every other element and property is skipped by its declared size. The result is one
-//! mesh.
+//! `tristrips` are read; every other element and property is skipped by its declared size. The
+//! result is one mesh.
 //!
-//! Without normals in the file surfaces are smooth: triangles share the vertices of PLY, and scans
+//! If the file has no normals, surfaces are smooth: triangles share the vertices of PLY, and scans
 //! sample mostly smooth surfaces. [`LoadOptions::crease_rad`] overrides this. Integer colours count
 //! as sRGB, as scanners and their programs write them, floats as linear.
 //!
@@ -37,7 +37,7 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
         Encoding::Ascii => {
             let lines = body.read(&mut source::Text::new(file, reader, header.lines, true));
             if let Err(error) = lines {
-                // Entries may share lines: read again, with line breaks as blanks.
+                // Entries may share lines: read again, treating line breaks as spaces.
                 body = new_body();
                 let (mut reader, _) = stream::open(file, options)?;
                 Header::read(file, &mut reader)?;

@@ -15,7 +15,7 @@ pub(super) trait Source {
     /// The next value of the element.
     fn value(&mut self, scalar: Scalar) -> Result<f64, SceneError>;
 
-    /// Count of lines or bytes behind the last element, in words; `None` if there are none.
+    /// The number of lines or bytes after the last element, in words; `None` if there are none.
     fn rest(&mut self) -> Result<Option<String>, SceneError>;
 }
 
@@ -63,7 +63,7 @@ impl<R: BufRead> Source for Text<'_, R> {
         Ok(())
     }
 
-    /// Continues in the next line if one has too little: some programs wrap.
+    /// Continues on the next line if one is too short: some programs wrap lines.
     fn value(&mut self, _scalar: Scalar) -> Result<f64, SceneError> {
         let mut range = self.word();
         while range.is_empty() {

@@ -16,15 +16,15 @@ impl Reading<'_> {
         let mut solids: Vec<Solid> = Vec::new();
         let mut cutter = Cutter::default();
         let (mut facet, mut exact): (Vec<Vec3>, Vec<DVec3>) = Default::default();
-        // Whether a facet, and a solid, have begun and not ended.
+        // Whether a facet, and a solid, are open.
         let (mut in_facet, mut in_solid) = (false, false);
-        // A vertex, and how many numbers of it and of a normal are still to come.
+        // A vertex, and how many numbers of it and of a normal are still missing.
         let (mut place, mut missing, mut in_normal) = ([0.0; 3], 0, 0);
         while lines.advance()? {
             let (first, rest) = keyword(lines.line());
             let mut text = lines.line();
             if first.eq_ignore_ascii_case(b"solid") {
-                // All of a file may be one line.
+                // The whole file may be one line.
                 let (name, facets) = rest.split_at(first_facet(rest).unwrap_or(rest.len()));
                 text = facets;
                 in_solid = true;
@@ -47,7 +47,7 @@ impl Reading<'_> {
                     }
                     continue;
                 }
-                // The winding gives the normal, too.
+                // The winding already gives the normal.
                 if in_normal > 0 && !word.eq_ignore_ascii_case(b"outer") {
                     in_normal -= 1;
                     continue;
@@ -97,7 +97,7 @@ impl Reading<'_> {
                 } else if is("normal") && !ends {
                     in_normal = 3;
                 } else if !in_solid && !in_facet {
-                    // Remarks around the solids.
+                    // Comments around the solids.
                     break;
                 } else if !(is("loop") || (is("outer") && !ends)) {
                     let reason = format!("\"{}\" is not a word of STL", readable(word));
@@ -115,7 +115,8 @@ impl Reading<'_> {
     }
 }
 
-/// The first facet of a line, whose normal's numbers follow: a solid's name may have the words, too.
+/// The first facet of a line, recognised by the numbers of its normal: a solid's name may contain
+/// the words, too.
 fn first_facet(line: &[u8]) -> Option<usize> {
     const BEGIN: &[u8] = b"facet normal";
     let begins = line.windows(BEGIN.len()).enumerate();

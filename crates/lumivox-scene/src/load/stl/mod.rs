@@ -30,7 +30,7 @@ use crate::{Instance, Mesh, Scene, SceneError};
 const BINARY_HEAD: usize = 84;
 /// Bytes of a binary file's triangle: a normal, three corners, and 16 bits of no fixed meaning.
 const BINARY_TRIANGLE: usize = 50;
-/// The number of solids from which the rest go into one: a file could name millions.
+/// Beyond this number of solids, the rest go into one: a file could name millions.
 const MOST_SOLIDS: usize = 1 << 16;
 
 /// One solid: three positions for each triangle.
@@ -144,7 +144,7 @@ fn weld(corners: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
     let mut positions = Vec::new();
     let mut known = HashMap::new();
     let indices = corners.iter().map(|&corner| {
-        // Adding zero makes one of the two zeros of floats.
+        // Adding zero turns -0 into 0.
         let key = (corner + Vec3::ZERO).to_array().map(f32::to_bits);
         *known.entry(key).or_insert_with(|| {
             positions.push(corner);
@@ -155,7 +155,7 @@ fn weld(corners: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
     (positions, indices)
 }
 
-/// The bytes of a binary file of so many triangles.
+/// The length of a binary file with this number of triangles.
 fn length_of(count: u32) -> u64 {
     BINARY_HEAD as u64 + u64::from(count) * BINARY_TRIANGLE as u64
 }

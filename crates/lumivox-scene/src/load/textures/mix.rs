@@ -42,7 +42,7 @@ impl From<Bits> for f32 {
 }
 
 impl Mix {
-    /// Mixes images, smaller ones enlarged, to one of the given size.
+    /// Mixes images to one of the given size; smaller images are enlarged.
     pub(super) fn mix(&self, images: &[Pixels], width: u32, height: u32) -> Pixels {
         let mut rgba8 = Vec::with_capacity(width as usize * height as usize * 4);
         let mut texels = Vec::with_capacity(images.len());

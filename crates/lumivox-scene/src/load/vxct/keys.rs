@@ -13,7 +13,7 @@ use crate::load::Notes;
 pub(super) struct Keys {
     /// The kind, with its article.
     pub(super) what: &'static str,
-    /// Keys of which the first counts.
+    /// Keys that count once: of repeated ones the first.
     pub(super) once: &'static [&'static str],
     /// Keys that may come any number of times.
     pub(super) many: &'static [&'static str],

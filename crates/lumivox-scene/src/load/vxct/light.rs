@@ -10,9 +10,10 @@ use crate::{Attenuation, Camera, Light, LightKind, SceneError};
 
 /// The light of a block, the `number`th of its scene.
 ///
-/// VXCT lights a surface by `colour * cos / (c + l d + q d²)` times its own colour, and shows that
-/// as it is. Here a surface of albedo a that faces a lamp of I candela at a metre has a radiance of
-/// a I / pi, so with I = pi / (c + l + q) both agree there, if one unit is a cd/m².
+/// VXCT lights a surface by `colour * cos / (c + l d + q d²)` times its own colour, and shows the
+/// result without conversion. Here a surface of albedo a that faces a lamp of I candela at a metre
+/// has a radiance of a I / pi, so with I = pi / (c + l + q) both agree there, if one unit is a
+/// cd/m².
 pub(super) fn light(
     block: &Block<'_>,
     number: usize,

@@ -64,7 +64,7 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
     scene.notes.scenes = scene_names(&root, &values)?;
     match choose(&root, &mut values, &scene.notes.scenes, options.scene.as_deref())? {
         Some(block) => fill(&mut scene, block, &mut values, options)?,
-        // An empty file is an empty scene; a file of other words is not a scene.
+        // An empty file is an empty scene; a file with other content is not a scene.
         None if strays > 0 || !root.entries.is_empty() => {
             let first = token::Tokens::new(&text).next();
             let found = first.as_ref().map_or_else(String::new, quote);
@@ -142,7 +142,7 @@ fn fill(
     options: &mut LoadOptions<'_>,
 ) -> Result<(), SceneError> {
     values.check(block, &SCENE);
-    // It names nothing here, but must be a value.
+    // The name is not used here, but must be a value.
     values.word(block, "name", "room")?;
     let budget = GeometryBudget::new(values.file, options.budget.geometry_bytes);
     let folders = folders(values.file, options);

@@ -4,7 +4,7 @@
 //! block := { NAME '=' VALUE | NAME ['='] '{' block '}' | STRAY }
 //! ```
 //!
-//! A name and a value are any token but the three signs. Other tokens are stray and ignored.
+//! A name and a value are any token except the three signs. Other tokens are stray and ignored.
 
 use std::iter::Peekable;
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! `KHR_draco_mesh_compression` (Google, Khronos): a primitive's indices and attributes as one
 //! stream of the Draco library, decoded by `draco-core`.
 //!
-//! The accessors of the compressed attributes describe them, but have no data; they get the decoded
-//! data. Draco may split vertices, so it returns their number.
+//! The accessors of the compressed attributes have no data of their own; they get the decoded data.
+//! Draco may split vertices, so the decoder returns their number.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -28,7 +28,7 @@ pub(super) fn decompress(
     buffers: &mut Buffers<'_>,
     sink: &mut Sink<'_>,
 ) -> Result<(), SceneError> {
-    // The data that accessors got: primitives may share them.
+    // The decoded data of accessors: primitives may share them.
     let mut filled: HashMap<usize, usize> = HashMap::new();
     for mesh in 0..root.meshes.len() {
         for index in 0..root.meshes[mesh].primitives.len() {
@@ -59,14 +59,14 @@ pub(super) fn decompress(
                 fill(root, buffers, &decoded, accessor, id, &part, sink)?;
                 filled.insert(accessor, view);
             }
-            // Draco knows triangles only, whatever they were before.
+            // Draco only has triangles, whatever the primitive was before.
             root.meshes[mesh].primitives[index].mode = Checked::Valid(Mode::Triangles);
         }
     }
     Ok(())
 }
 
-/// The primitive's compressed accessors, with their numbers in Draco; the indices have none.
+/// The primitive's compressed accessors, with their IDs in Draco; indices have no ID.
 fn wanted(root: &Root, mesh: usize, index: usize, stream: &Value) -> Vec<(usize, Option<u64>)> {
     let primitive = &root.meshes[mesh].primitives[index];
     let mut wanted: Vec<(usize, Option<u64>)> =
@@ -75,7 +75,7 @@ fn wanted(root: &Root, mesh: usize, index: usize, stream: &Value) -> Vec<(usize,
         let Checked::Valid(semantic) = semantic else { continue };
         let id = &stream["attributes"][semantic.to_string()];
         if !id.is_null() {
-            // A value that is not a number cannot be an attribute's, either.
+            // An ID that is not a number cannot match any attribute.
             wanted.push((accessor.value(), Some(id.as_u64().unwrap_or(u64::MAX))));
         }
     }
@@ -99,7 +99,7 @@ fn decode(
     let Some(encoded) = encoded else {
         return Err(sink.malformed(part, format!("buffer view {view} does not fit in its buffer")));
     };
-    // A face is three indices of four bytes, and a point no less than a position.
+    // A face has three indices of four bytes, and a point has at least a position.
     let limits = DecodeLimits::default()
         .with_max_decoded_bytes(sink.budget.left())
         .with_max_faces(sink.budget.left() / 12)

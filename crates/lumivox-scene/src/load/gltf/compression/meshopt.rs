@@ -11,10 +11,10 @@ use serde_json::Value;
 use super::{Buffers, MESHOPT, Sink, push_buffer};
 use crate::SceneError;
 
-/// Bytes that a byte of a stream can become: 256 vertices' byte of the same number need two bits
-/// (meshoptimizer, vertex codec version 1), and indices less.
+/// Bytes that one byte of a stream can decode to: two bits can hold the same byte of 256 vertices
+/// (meshoptimizer, vertex codec version 1), and indices compress less.
 const MOST_BYTES_A_BYTE: u64 = 1024;
-/// The size to which even the shortest stream may grow.
+/// The size that even the shortest stream may decode to.
 const FREE_BYTES: u64 = 1 << 20;
 
 /// Decompresses all views that are compressed.
@@ -80,7 +80,7 @@ fn decode(
         .map_err(|reason| sink.malformed(part, reason))
 }
 
-/// A stream of so many elements of so many bytes.
+/// Decodes a stream, given the number of its elements and their size.
 fn decode_stream(
     encoded: &[u8],
     mode: Option<&str>,

@@ -1,7 +1,7 @@
 //! Compressed geometry, put back into plain buffers before anything reads it.
 //!
-//! Each decoder appends a buffer of its own to the document and points views or accessors to it, so
-//! the rest of the loader does not know compression. The sizes that a stream claims are checked
+//! Each decoder appends its own buffer to the document and points views or accessors to it, so the
+//! rest of the loader does not handle compression. The sizes that a stream claims are checked
 //! against its length and against the budget before memory is allocated.
 
 mod draco;
@@ -16,8 +16,8 @@ use gltf::json::{Index, Root};
 use crate::SceneError;
 use crate::load::geometry::{GeometryBudget, size_text};
 
-/// The extensions for compressed buffer views: the same under two names, of which the second may
-/// use more (Khronos, `KHR_meshopt_compression`).
+/// The two names of the extension for compressed buffer views; `KHR_meshopt_compression`, the newer
+/// one, may use more (Khronos).
 const MESHOPT: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 
 /// The bytes of a document's buffers; a GLB's own are part of the file's.
@@ -36,8 +36,8 @@ pub(super) fn decompress(
     draco::decompress(root, buffers, &mut sink)
 }
 
-/// Whether no byte of a buffer is read, because all views of it are compressed elsewhere. The
-/// extension has a mark for such a stand-in, which not all programs write.
+/// Whether no byte of a buffer is read because all of its views are compressed and stored
+/// elsewhere. The extension has a flag for such a fallback buffer, which not all programs write.
 pub(super) fn is_stand_in(root: &Root, buffer: usize) -> bool {
     root.buffer_views.iter().all(|view| match meshopt::extension(view) {
         Some(stream) => stream["buffer"].as_u64() != Some(buffer as u64),
@@ -60,12 +60,12 @@ impl Sink<'_> {
         }
     }
 
-    /// Takes bytes from the budget.
+    /// Charges bytes to the budget.
     fn spend(&mut self, part: &str, bytes: u64) -> Result<(), SceneError> {
         self.budget.take(|| part.trim_end_matches(',').to_owned(), bytes)
     }
 
-    /// The message of a decoder that stopped at the limit it was given.
+    /// The error of a decoder that stopped at its limit.
     fn too_large(&self, part: &str) -> SceneError {
         SceneError::TooLarge {
             file: self.file.to_owned(),

@@ -1,6 +1,6 @@
-//! The layers on the core's surface and the changes of its reflection: specular colour, clearcoat,
-//! sheen, transmission. If an extension has two textures, they are combined into the one that the
-//! scene's material has.
+//! Layers on the core's surface and changes of its reflection: specular colour, clearcoat, sheen,
+//! transmission. If an extension has two textures, they are combined into the single texture of the
+//! scene's material.
 
 use glam::Vec3;
 use serde_json::Value;

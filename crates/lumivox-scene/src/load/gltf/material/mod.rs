@@ -66,7 +66,7 @@ impl Loader<'_> {
             strengths: extras::strengths(material.extras()),
             ..Material::default()
         };
-        // An unlit material has no data on light; the rest of it is for programs without the
+        // An unlit material has no lighting data; its other values are for programs without the
         // extension (`KHR_materials_unlit`).
         if material.unlit() {
             return Ok(Material { shading: self.unlit(material, &name)?, name, ..plain });
@@ -146,7 +146,7 @@ impl Loader<'_> {
         let wanted = material.emissive_texture().as_ref().map(TextureUse::new);
         let is_textured = wanted.is_some();
         let texture = self.plain_texture(wanted, name, Encoding::Color)?;
-        // Without the emissive texture all of the surface would glow.
+        // Without the emissive texture the whole surface would glow.
         if is_textured && texture.is_none() {
             return Ok((Vec3::ZERO, None));
         }
@@ -169,7 +169,7 @@ impl Loader<'_> {
                 "material \"{material}\": its {what} of {value} was limited to {clamped}"
             ));
         }
-        // Values that are not finite stay, for validation to refuse by name.
+        // Values that are not finite are kept, so that validation reports them by name.
         if value.is_finite() { clamped } else { value }
     }
 }

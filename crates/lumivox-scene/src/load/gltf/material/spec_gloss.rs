@@ -1,10 +1,10 @@
 //! `KHR_materials_pbrSpecularGlossiness`, the older model, in the terms of the newer one.
 //!
-//! Its surface is a dielectric without a law between its parts: a diffuse colour, a reflectance at
+//! Its surface is a dielectric whose parts are independent: a diffuse colour, a reflectance at
 //! normal incidence for each of red, green and blue, and a glossiness. That is the core with no
 //! metal, an index of refraction of 0 (which leaves the reflectance to the specular colour), the
 //! specular colour as it is, a roughness of 1 - glossiness, and a base colour from which the
-//! extension subtracts the reflected share: diffuse * (1 - max(specular)). Where textures hold the
+//! extension subtracts the reflected share: diffuse * (1 - max(specular)). If textures hold the
 //! numbers, new ones are made by the same formulas.
 
 use glam::Vec3;
