@@ -1,5 +1,6 @@
-//! Renderers of the literature, standing on Lumivox's public hooks ([`lumivox::hooks`]): here to be compared with it,
-//! and as examples of what the hooks can do. Lumivox knows nothing of this crate.
+//! Renderers from the literature, built on Lumivox's public hooks ([`lumivox::hooks`]): to be
+//! compared with it, and as examples of what the hooks can do. Lumivox does not depend on this
+//! crate.
 
 pub mod locks;
 pub mod photons;

@@ -63,7 +63,8 @@ impl Explorer {
         self.seek(0.0)
     }
 
-    /// Shows a time, s; beyond the end the animation starts again. A picture from a camera of the scene is from where that camera goes.
+    /// Shows a time, s; beyond the end the animation starts again. If the camera is one of the
+    /// scene's, it moves with that one.
     ///
     /// # Errors
     /// When the scene has no triangles left at that time.
@@ -97,7 +98,7 @@ impl Explorer {
         Ok(())
     }
 
-    /// Whether the camera is one of the scene's, so that it goes where the animation moves that.
+    /// Whether the camera is one of the scene's, and so moves with the animation.
     pub fn follows_camera(&self) -> bool {
         self.scene().is_some_and(|scene| followed(&self.camera, &scene.cameras).is_some())
     }
@@ -111,8 +112,8 @@ impl Explorer {
     }
 }
 
-/// The number of the scene's camera that a camera is: of its name and in its place, whatever the angle of view, which a narrow
-/// window widens.
+/// The number of the scene's camera that has a camera's name, position and direction. The angle of
+/// view may differ, since a narrow window widens it.
 fn followed(camera: &Camera, cameras: &[Camera]) -> Option<usize> {
     /// Rounding in the numbers that a page sends, m and of a direction.
     const ROUNDING: f32 = 1e-4;

@@ -98,7 +98,7 @@ mod tests {
         let taken: Vec<_> = tickets.into_iter().map(|ticket| queue.take(ticket)).collect();
         assert_eq!(taken, [None, Some(2), Some(3)]);
         assert!(queue.is_empty());
-        // A change that was taken out is not superseded any more.
+        // A change that was taken out is no longer superseded.
         let first = queue.push(Some("size".to_owned()), 1);
         assert_eq!(queue.take(first), Some(1));
         let second = queue.push(Some("size".to_owned()), 2);

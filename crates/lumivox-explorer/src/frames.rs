@@ -165,7 +165,7 @@ impl Explorer {
         Ok(renderer.photometry(pixel).await?)
     }
 
-    /// What the cones of the last frame cost, and how long its light is known; see
+    /// The cost of the last frame's cones, and how long its light has been known; see
     /// [`lumivox_render::Renderer::trace_figures`].
     ///
     /// # Errors

@@ -89,7 +89,7 @@ impl Value {
 
 type Values = BTreeMap<Key, Value>;
 
-/// One step: the values on its other side.
+/// One step, with the values that undoing or redoing it restores.
 #[derive(Clone, Debug)]
 struct Step {
     words: String,

@@ -143,7 +143,7 @@ pub struct Explorer {
     /// Whether each frame is waited for at its end instead of at the start of the next. Default:
     /// yes.
     pub waits_for_gpu: bool,
-    /// The sizes of pictures while something moves, for front ends that ask it.
+    /// The sizes of pictures while something moves, for front ends that use it.
     pub pacing: Pacing,
     playback: Playback,
     renderer: Option<Renderer>,

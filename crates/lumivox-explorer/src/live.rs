@@ -1,4 +1,4 @@
-//! What only interactive front ends ask of an explorer: reading a scene again, and times of stages.
+//! Functions that only interactive front ends need: reading a scene again, and times of stages.
 
 use std::collections::HashSet;
 

@@ -74,8 +74,8 @@ impl ExposureMeter {
         Ok(self.take(&metering, frames))
     }
 
-    /// Measures a scene's first, coarse picture for its stops alone. The pictures of full size get
-    /// a histogram and warnings.
+    /// Measures a scene's first, coarse picture only for its stops. The pictures of full size get a
+    /// histogram and warnings.
     ///
     /// # Errors
     /// If the device fails.

@@ -2,9 +2,9 @@
 //! take longer than their budget.
 //!
 //! Each size has half as many pixels as the next finer one, and takes about half of its time. A
-//! coarser one is taken after some frames over the budget, as much coarser as these ask for, and a
+//! coarser size is chosen after some frames over the budget, as coarse as their times require; a
 //! finer one only after more frames that would have stayed well within the budget with twice the
-//! pixels: so a single slow frame changes nothing, and sizes do not alternate. What was found is
+//! pixels. So a single slow frame changes nothing, and sizes do not alternate. The chosen size is
 //! kept for the next motion. At rest the size is the full one.
 
 use std::time::Duration;
@@ -18,7 +18,7 @@ pub const REST: Duration = Duration::from_millis(300);
 /// The default of [`Pacing::budget_ms`]: 30 frames a second.
 pub const FRAME_BUDGET_MS: f32 = 33.0;
 
-/// The longest budget, ms: who waits that long for a frame wants the whole picture.
+/// The longest budget, ms: a user who accepts such frames wants the whole picture.
 pub const LONGEST_BUDGET_MS: f32 = 10_000.0;
 
 /// The coarsest step: a sixteenth of the pixels.
@@ -130,7 +130,7 @@ impl Pacing {
         // The time of a picture of the size in motion, by its pixels.
         let ms = duration.as_secs_f32() * 1e3 * pixels(self.step) / pixels(self.shown);
         let is_over = ms > self.budget_ms;
-        // Frames at rest lack what only motion costs.
+        // Frames at rest do not include the costs that only motion has.
         let is_below = self.is_moving() && 2.0 * ms < HEADROOM * self.budget_ms;
         self.over = if is_over { self.over + 1 } else { 0 };
         self.below = if is_below { self.below + 1 } else { 0 };

@@ -25,7 +25,8 @@ pub(crate) struct Pending {
 }
 
 impl Pending {
-    /// Whether the picture changes: voxels alone may be made again all the time.
+    /// Whether the picture changes. New voxels do not count, since they may be made again all the
+    /// time.
     fn changes_the_picture(&self) -> bool {
         self.lights || self.shapes || self.materials || !self.objects.is_empty()
     }
@@ -42,7 +43,7 @@ impl Explorer {
         self.renderer.as_ref().is_some_and(Renderer::has_stale_voxels)
     }
 
-    /// Requests the voxels that another policy has left behind.
+    /// Requests new voxels if another policy has left stale ones.
     pub(crate) fn catch_up(&mut self) {
         self.pending.voxels |= self.revoxelize == Revoxelize::WhenMoved && self.has_stale_voxels();
     }
@@ -72,7 +73,7 @@ impl Explorer {
     ) -> Result<(), ExplorerError> {
         let Some(opened) = &self.opened else { return Ok(()) };
         let scene = &opened.scene;
-        // Other vertices are on the GPU then, from the start.
+        // Another budget needs other vertices on the GPU, so the renderer is made again.
         let budget = self.settings.geometry_budget;
         self.renderer.take_if(|renderer| renderer.settings().geometry_budget != budget);
         let Some(renderer) = &mut self.renderer else {

@@ -7,8 +7,8 @@ use bytemuck::Pod;
 use lumivox_wgsl::ShaderLibrary;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-/// Validates all modules whose path starts with `prefix`, each with all that it declares; the
-/// number of entry points.
+/// Validates all modules whose path starts with `prefix`, each with all that it declares; returns
+/// the number of entry points.
 ///
 /// # Panics
 /// When a module does not link or is not valid.

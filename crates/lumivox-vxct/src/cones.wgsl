@@ -1,4 +1,4 @@
-// VXCT's three cones, step by step as it takes them.
+// VXCT's three kinds of cones, with VXCT's own steps.
 
 import package::constants::{VXCT_FRONT, VXCT_INTERMEDIATE, VXCT_LAST_LEVEL, VXCT_SIDES};
 import package::vxct::uniform::{has, settings, VxctCone};
@@ -8,11 +8,11 @@ import package::vxct::uniform::{has, settings, VxctCone};
 
 // How far diffuse and specular cones reach.
 const REACH: f32 = 1.0;
-// The opacity at which a diffuse cone has met something.
+// The opacity above which a diffuse cone has hit something.
 const FOUND: f32 = 0.01;
-// The mean of the diffuse cones counts that much.
+// Factor of the mean of the diffuse cones.
 const DIFFUSE_GAIN: f32 = 5.0;
-// More steps than the finest cones take: nothing hangs, whatever the settings are.
+// More steps than the finest cones take, so that no settings can hang the GPU.
 const MOST_STEPS: u32 = 4096u;
 
 fn sample_voxels(position: vec3f, level: f32) -> vec4f {
@@ -46,8 +46,8 @@ fn diffuse_cone(origin: vec3f, direction: vec3f) -> Traced {
     return Traced(vec3f(0.0), 0.0, samples);
 }
 
-// A surface that faces along z has no sides: its cones start and end nowhere (NaN). A software GPU
-// then reads the last cell along each axis, and so does this.
+// A surface that faces along z has no side directions: in VXCT the cones' positions are NaN. A
+// software GPU then reads the last cell along each axis, and so does this.
 fn side_cone(origin: vec3f, direction: vec3f, has_sides: bool) -> Traced {
     if has_sides {
         return diffuse_cone(origin, direction);
@@ -105,7 +105,7 @@ fn occlusion_cone(position: vec3f, direction: vec3f, reach: f32, softness: f32) 
     return Traced(vec3f(0.0), occlusion, samples);
 }
 
-// The mirrored light; `lobe_width` widens the cone where it is wider.
+// The mirrored light. The cone is at least as wide as `lobe_width`.
 fn specular_cone(position: vec3f, direction: vec3f, lobe_width: f32) -> Traced {
     let cone = settings.specular;
     let width = max(cone.width, lobe_width);
@@ -117,7 +117,7 @@ fn specular_cone(position: vec3f, direction: vec3f, lobe_width: f32) -> Traced {
         let diameter = distance * width;
         let seen = sample_voxels(position + distance * direction, level_of(diameter));
         samples += 1u;
-        // The colour so far is multiplied by the occlusion: VXCT's own.
+        // As in VXCT, the colour so far is multiplied by the occlusion.
         color = occlusion * color + (1.0 - occlusion) * seen.a * seen.rgb;
         occlusion += (1.0 - occlusion) * seen.a;
         distance += max(diameter * cone.step_per_diameter, 1e-5);

@@ -11,8 +11,8 @@ import package::trace::view::{ray_direction, view};
 @group(1) @binding(0) var voxels: texture_3d<f32>;
 @group(1) @binding(1) var picture: texture_storage_2d<rgba32float, write>;
 
-// Half the width of a line in pixels, but at most that share of a cell: where cells are small,
-// holes stay.
+// Half the width of a line in pixels, but at most the share WIDEST of a cell, so that small cells
+// keep their holes.
 const HALF_WIDTH: f32 = 0.6;
 const WIDEST: f32 = 0.12;
 

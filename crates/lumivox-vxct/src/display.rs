@@ -19,16 +19,17 @@ pub struct VxctDisplay {
 
 /// How a screen shows a scene in this look.
 ///
-/// Scenes for VXCT, some light of which has an [`Attenuation`] or which have a grid of their own and no lights, are in
-/// display values: they are shown as they are, without exposure and encoding. Other scenes are in physical units: there
-/// white is what a white surface shows that faces the strongest light, a lamp right at its place (its colour in VXCT's
-/// sense) or a sun; where nothing but surfaces shines, the brightest of them. It is encoded for the screen, since the
-/// light of a real scene has more contrast than display values.
+/// Scenes made for VXCT, with a light that has an [`Attenuation`] or with a grid of their own and
+/// no lights, are in display values: they are shown without exposure and encoding. Other scenes are
+/// in physical units: there white is the radiance of a white surface that faces the strongest
+/// light, a lamp right at its place (its colour in VXCT's sense) or a sun. Without lights, white is
+/// the mean radiance of the surroundings, or else the strongest emission. The picture is encoded
+/// for the screen, since the light of a real scene has more contrast than display values.
 pub fn vxct_display(scene: &Scene) -> VxctDisplay {
     display_of(&LookScene::of(scene))
 }
 
-/// The same.
+/// [`vxct_display`] of a prepared scene.
 pub(super) fn display_of(scene: &LookScene) -> VxctDisplay {
     if scene.has_display_values {
         let (exposure, tone_map) = (Exposure::Stops(0.0), ToneMap::Raw);
@@ -68,8 +69,8 @@ pub(super) fn mean_radiance(environment: &Environment) -> Vec3 {
     environment.radiance * environment.map.as_ref().map_or(Vec3::ONE, |map| map.mean_radiance())
 }
 
-/// What the intensity of a lamp without a polynomial is multiplied by: it gets VXCT's default one over units of
-/// `unit_m`, and at one unit the two meet.
+/// Factor of the intensity of a lamp without a polynomial. The lamp gets VXCT's default polynomial
+/// over units of `unit_m`; with this factor it matches the physical falloff at one unit.
 pub(super) fn share_of_lamps(unit_m: f32) -> f32 {
     1.0 / (unit_m * unit_m * Attenuation::default().at(1.0))
 }

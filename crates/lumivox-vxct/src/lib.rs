@@ -1,10 +1,11 @@
 //! The look of VXCT: Phong's light, and a few fixed cones for shadows, reflections and diffuse light
 //! (docs/vxct-look.md), as a [`Look`] for [`RenderSettings::look`].
 //!
-//! It has voxels of its own, a cube of them around the scene in one texture of 8 bits a channel (`voxels.rs`), and draws the
-//! scene's triangles with one fragment shader that does all else (`shade.wgsl`). Nothing of it is there until it is
-//! used, so that a physical rendering starts as fast as without it. Places and lengths are in the cube from -1 to 1
-//! that VXCT's scenes fill.
+//! It has voxels of its own, a cube of them around the scene in one texture with 8 bits per channel
+//! (`voxels.rs`), and draws the scene's triangles with one fragment shader that does everything
+//! else (`shade.wgsl`). Its resources are created when it is first used, so that a physical
+//! rendering starts as fast as without it. Positions and lengths are in the cube from -1 to 1 that
+//! VXCT's scenes fill.
 
 // Tests compare floats that must be equal to the bit.
 #![cfg_attr(test, allow(clippy::float_cmp))]
@@ -46,7 +47,7 @@ pub const CHOICE: Choice =
 /// The group of its settings.
 pub const GROUP: Group = Group::Look(NAME);
 
-/// The preset that takes it, with what goes with it.
+/// The preset that selects the look, with the settings that go with it.
 pub const PRESET: PresetChoice = PresetChoice::Added(&AddedPreset {
     name: NAME,
     summary: "VXCT's look: Phong's light and its own cones, isotropic voxels, colours as display values",
@@ -62,10 +63,10 @@ pub const PRESET: PresetChoice = PresetChoice::Added(&AddedPreset {
     },
 });
 
-/// It computes with display values.
+/// The look computes with display values.
 const USUAL_DISPLAY: (Exposure, ToneMap) = (Exposure::Stops(0.0), ToneMap::Raw);
 
-/// The rows of its settings, for a table of all.
+/// The rows of its settings, for the table of all settings.
 pub fn parameters() -> impl Iterator<Item = Parameter> {
     let row = |row| {
         Parameter::of_part(GROUP, row, settings_of, |all, vxct| all.look = Some(Arc::new(vxct)))
@@ -73,7 +74,7 @@ pub fn parameters() -> impl Iterator<Item = Parameter> {
     VxctSettings::SETTINGS.into_iter().map(row)
 }
 
-/// The settings of the look, or those that it would have.
+/// The settings of the look, or its defaults if another look is selected.
 pub fn settings_of(settings: &RenderSettings) -> VxctSettings {
     let given = settings.look.as_deref().and_then(of_look);
     given.copied().unwrap_or_else(|| VxctSettings::for_resolution(settings.resolution))
@@ -96,7 +97,7 @@ impl Look for VxctSettings {
         Ok(check(&Self::SETTINGS, self)?)
     }
 
-    /// It has no octree to show.
+    /// It has neither an octree nor past frames to show.
     fn shows(&self, view: View) -> bool {
         !view.needs_octree() && !view.needs_past()
     }
@@ -211,10 +212,10 @@ struct VxctUniform {
 #[derive(Debug)]
 struct VxctPasses {
     records: Records,
-    /// Those of them that are on the GPU, unless they have changed.
+    /// The uploaded draws and lights; `None` once they have changed.
     uploaded: Option<[Buffer; 2]>,
     passes: Option<Passes>,
-    /// Whether the next frame makes the voxels anew.
+    /// Whether the next frame makes the voxels again.
     is_due: bool,
 }
 

@@ -10,7 +10,7 @@ struct VxctLight {
     // fades.
     color: vec3f,
     spot_scale: f32,
-    // Along which a spot shines.
+    // The direction of a spot light.
     spot_direction: vec3f,
     // A spot's share is (cosine * scale + offset)^2 within 0 to 1; 0 and 1 for others.
     spot_offset: f32,
@@ -30,7 +30,7 @@ struct Arriving {
     color: vec3f,
 }
 
-// Obstacles soften parallel light as if it came from there.
+// Shadows of parallel light are softened as if the light were at this distance.
 const DISTANCE_OF_PARALLEL_LIGHT: f32 = 1.0;
 
 fn arriving_light(index: u32, position: vec3f) -> Arriving {
@@ -47,7 +47,7 @@ fn arriving_light(index: u32, position: vec3f) -> Arriving {
     return Arriving(direction, distance, sent, sent / fading);
 }
 
-// The light that the voxels hold: neither faded nor shadowed.
+// The light that is stored in the voxels: neither faded nor shadowed.
 fn injected(material: VxctMaterial, normal: vec3f, arriving: Arriving) -> vec3f {
     let facing = max(dot(normal, arriving.direction), 0.0);
     return (material.ambient + material.diffuse * facing) * arriving.sent;

@@ -18,7 +18,7 @@ struct VxctDraw {
     kind: u32,
     first_index: u32,
     base_vertex: i32,
-    // Triangles of the draws before.
+    // Number of triangles in the draws before.
     first_triangle: u32,
     // 32-bit words of a vertex's attributes.
     attribute_words: u32,

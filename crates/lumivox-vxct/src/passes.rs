@@ -17,7 +17,8 @@ use super::VxctUniform;
 use super::records::{Records, Sides};
 use super::voxels::Voxels;
 
-/// What is drawn into before the background is put behind it: display values, which half floats hold to 1/2000.
+/// Format of the drawn surfaces, before the background is put behind them: display values, which
+/// half floats hold to 1/2000.
 const DRAWN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// The layouts that the passes share.
@@ -29,7 +30,7 @@ pub(super) struct Layouts {
     pub(super) batch: wgpu::BindGroupLayout,
 }
 
-/// Linked against a volume's library, for voxels of one resolution.
+/// The passes, linked against a volume's library, for voxels of one resolution.
 #[derive(Debug)]
 pub(super) struct Passes {
     pub(super) layouts: Layouts,
@@ -43,7 +44,7 @@ pub(super) struct Passes {
     finish_layout: wgpu::BindGroupLayout,
     cubes: Kernel,
     cubes_layout: wgpu::BindGroupLayout,
-    /// What was drawn, of the last picture's size.
+    /// The drawn surfaces, of the last picture's size.
     drawn: Option<TextureView>,
 }
 
@@ -110,7 +111,7 @@ impl Passes {
         })
     }
 
-    /// Makes the pipeline for some sides, if it is not there.
+    /// Creates the pipeline for `sides` if it does not exist.
     pub(super) fn prepare(
         &mut self,
         pipelines: &Pipelines,
@@ -158,7 +159,7 @@ impl Passes {
         Ok(())
     }
 
-    /// Draws surfaces, in the scene's order: what is not opaque shows what came before.
+    /// Draws surfaces in the scene's order: transparent ones show what was drawn before.
     pub(super) fn draw(
         &mut self,
         recorder: &mut Recorder,
@@ -176,7 +177,7 @@ impl Passes {
         }
         let device = recorder.device().clone();
         let drawn = self.drawn.get_or_insert_with(|| drawn_texture(&device, size).view());
-        // What is drawn over the picture asks for depths and normals.
+        // Overlays need depths and normals.
         let colors = [&*drawn, frame.normals].map(|view| {
             Some(wgpu::RenderPassColorAttachment {
                 view,

@@ -18,7 +18,7 @@ pub(super) const OF_STRENGTHS: u32 = 1;
 /// `VXCT_OF_EMITTER`: one that shows its colour whatever the light.
 pub(super) const OF_EMITTER: u32 = 2;
 
-/// What VXCT shows where nothing is, in display values, and what looks the same in linear light.
+/// VXCT's background in display values, and what looks the same in linear light.
 const BACKGROUND: [f32; 2] = [0.1, 0.01];
 
 /// `VxctDraw` of `material.wgsl`.
@@ -54,10 +54,10 @@ pub(super) struct VxctLight {
     padding: u32,
 }
 
-/// A scene, as far as the look goes beyond what is on the GPU already.
+/// The look's data of a scene, beyond what is on the GPU already.
 #[derive(Clone, Debug)]
 pub(super) struct Records {
-    /// Of the scene's materials.
+    /// The records of the scene's materials.
     materials: Vec<VxctDraw>,
     lighting: Lighting,
     has_display_values: bool,
@@ -69,20 +69,20 @@ pub(super) struct Records {
 }
 
 impl Records {
-    /// Of a scene within `bounds`.
+    /// The data of a scene within `bounds`.
     pub(super) fn new(scene: &LookScene, bounds: Bounds) -> Self {
         Self {
             materials: scene.materials.iter().map(of_material).collect(),
             lighting: scene.lighting.clone(),
             has_display_values: scene.has_display_values,
-            // The middle of the box, and its longest edge, are the cube's.
+            // The cube has the middle and the longest edge of the box.
             center: 0.5 * (bounds.min + bounds.max),
             unit_m: 0.5 * bounds.size().max_element(),
             white: display_of(scene).white,
         }
     }
 
-    /// Takes other lights and surroundings.
+    /// Replaces lights and surroundings.
     pub(super) fn set_lights(&mut self, scene: &LookScene) {
         self.lighting = scene.lighting.clone();
         self.has_display_values = scene.has_display_values;
@@ -93,17 +93,18 @@ impl Records {
         self.lighting.lights.len() as u32 + u32::from(self.needs_sky())
     }
 
-    /// What is seen where nothing is drawn, as a share of white.
+    /// The background, as a share of white.
     pub(super) fn background(&self) -> Vec3 {
         Vec3::splat(BACKGROUND[usize::from(!self.has_display_values)])
     }
 
-    /// Whether the surroundings are to be seen.
+    /// Whether the surroundings are shown.
     pub(super) fn has_environment(&self) -> bool {
         self.lighting.environment.radiance != Vec3::ZERO
     }
 
-    /// Whether it would be black: no lamp shines, and the cones do not look at the surroundings.
+    /// Whether the surroundings are added as a light: without lamps the scene would be black, since
+    /// the cones do not see the surroundings.
     fn needs_sky(&self) -> bool {
         self.lighting.lights.is_empty() && !self.has_display_values && self.has_environment()
     }
@@ -172,7 +173,7 @@ impl Records {
         }
     }
 
-    /// As a light from above.
+    /// The surroundings as a light from above.
     fn of_sky(&self, environment: &Environment) -> VxctLight {
         VxctLight {
             position: Vec3::Y,
@@ -211,17 +212,17 @@ fn upload_some<T: Pod>(gpu: &Gpu, label: &str, records: &[T]) -> Buffer {
 /// Which sides of a draw are seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Sides {
-    /// Those whose corners run counter-clockwise.
+    /// Sides whose corners run counter-clockwise.
     Front,
-    /// Those whose corners run clockwise.
+    /// Sides whose corners run clockwise.
     Back,
     /// Both.
     Both,
 }
 
 impl Records {
-    /// VXCT shows one side of its materials, whatever the physical look does; what its matrix mirrors, it shows from
-    /// within.
+    /// VXCT shows one side of its materials, whatever the physical look does. It shows draws with a
+    /// mirroring matrix from within.
     pub(super) fn sides(&self, scene: &GpuScene, draw: usize) -> Sides {
         let draw = &scene.draws[draw];
         let is_own = self.materials[draw.material].kind != OF_OTHERS;

@@ -15,14 +15,15 @@ pub struct ConeShape {
     pub distance_factor: f32,
 }
 
-/// Parameters of the look, and the look itself. Of the settings of voxels it uses the resolution alone, and it is made
-/// for the brightness of [`vxct_display`](crate::vxct_display). [`VxctSettings::for_resolution`] has the defaults; each field tells that of 128 voxels.
+/// Parameters of the look, and the look itself. Of the voxel settings it uses only the resolution,
+/// and it is made for the brightness of [`vxct_display`](crate::vxct_display).
+/// [`VxctSettings::for_resolution`] has the defaults; the fields document those for 128 voxels.
 // The switches are those of VXCT's console.
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VxctSettings {
-    /// Whether there are cones at all; else Phong's shader shows all of its terms, highlights included, without
-    /// shadows. Default: yes.
+    /// Whether there are cones at all. If not, Phong's shader shows all of its terms, highlights
+    /// included, without shadows. Default: yes.
     pub indirect_light: bool,
     /// Whether Phong's terms are there at all. Default: yes.
     pub phong: bool,
@@ -36,12 +37,14 @@ pub struct VxctSettings {
     pub diffuse: bool,
     /// Reflections by specular cones (`vox_specular`). Default: yes.
     pub specular: bool,
-    /// Shadows by cones towards the lights (`vox_shadows`). Default: yes. Alone, without Phong's terms and the other
-    /// cones, they are shown as grey: the sum over all lights of what they leave.
+    /// Shadows by cones towards the lights (`vox_shadows`). Default: yes. Without Phong's terms and
+    /// the other cones, shadows are shown as grey: the sum over all lights of the share that is not
+    /// blocked.
     pub shadows: bool,
     /// The diffuse cone along the normal. Default: yes.
     pub front_cone: bool,
-    /// Four diffuse cones along the surface. Default: no. What the set brings is five times the mean of its cones.
+    /// Four diffuse cones along the surface. Default: no. The diffuse light is five times the mean
+    /// of all diffuse cones.
     pub side_cones: bool,
     /// Four diffuse cones half-way between the normal and the sides. Default: yes.
     pub intermediate_cones: bool,
@@ -53,17 +56,17 @@ pub struct VxctSettings {
     pub specular_cone: ConeShape,
     /// How far above the surface, along its normal, diffuse cones begin, in VXCT's units, 0 to 1. Default: 0.05.
     pub diffuse_origin_offset: f32,
-    /// How fast what lies in the way of light becomes a full shadow, 0 to 16. Default: 1.5. At the distance d from the
-    /// surface, of D to the light, a sample counts smoothstep(0, D, strength sqrt(d)) of its opacity (VXCT's units).
-    /// Higher: harder near contacts. 0: no shadows.
+    /// How fast an occluder casts a full shadow, 0 to 16. Default: 1.5. At the distance d from the
+    /// surface, with the light at the distance D, a sample counts with smoothstep(0, D, strength
+    /// sqrt(d)) of its opacity (VXCT's units). Higher: harder near contacts. 0: no shadows.
     pub shadow_strength: f32,
-    /// How fast reflections fade where a light stands off the mirrored direction by an angle a: by
-    /// (1 - (a - 0.008 pi shininess) / pi)^falloff for each light, 0 to 16. Default: 3. 0: not at all.
+    /// How fast reflections fade if a light is off the mirrored direction by an angle a: by (1 - (a
+    /// - 0.008 pi shininess) / pi)^falloff for each light, 0 to 16. Default: 3. 0: not at all.
     pub shininess_falloff: f32,
 }
 
 impl Default for VxctSettings {
-    /// Those of 128 voxels, the renderer's default.
+    /// The settings for 128 voxels, the renderer's default.
     fn default() -> Self {
         Self::for_resolution(128)
     }
@@ -72,8 +75,8 @@ impl Default for VxctSettings {
 impl VxctSettings {
     /// The defaults for voxels along the longest axis.
     ///
-    /// VXCT was three programs, of 64, 128 and 256 voxels, each with its own constants; other resolutions take those of
-    /// the nearest one by ratio (below 91: 64; from 182 on: 256).
+    /// VXCT was three programs, of 64, 128 and 256 voxels, each with its own constants; other
+    /// resolutions use those of the nearest one by ratio (below 91: 64; from 182 on: 256).
     pub fn for_resolution(resolution: u32) -> Self {
         let cone = |aperture_rad, offset, distance_factor| ConeShape {
             aperture_rad,
@@ -318,7 +321,7 @@ impl VxctSettings {
 const OF_VXCT: Setting<VxctSettings> =
     Setting { needs: Some(("look", crate::NAME)), redoes: Redoes::Frames, ..Setting::ROW };
 
-/// A number of a row whose values are all numbers.
+/// The value as a number; NaN if it is of another kind.
 fn number(value: Value) -> f32 {
     value.number().unwrap_or(f32::NAN)
 }

@@ -76,9 +76,9 @@ struct Shaded {
     direct: vec3f,
     specular: vec3f,
     diffuse: vec3f,
-    // The least of all lights.
+    // The least occlusion of all lights.
     occlusion: f32,
-    // 1 - occlusion, over all lights.
+    // The sum of 1 - occlusion over all lights.
     visible: f32,
     samples: u32,
 }

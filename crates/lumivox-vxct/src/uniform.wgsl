@@ -1,7 +1,7 @@
 // The shared data of the passes of the look: its settings, and the place of its cube.
 //
-// Places are in the cube from -1 to 1 that VXCT's scenes fill; so are lengths. A cell of the voxels
-// is 2 / resolution.
+// Positions and lengths are in the cube from -1 to 1 that VXCT's scenes fill. A cell of the voxels
+// is 2 / resolution wide.
 
 struct VxctCone {
     // Diameter per distance.

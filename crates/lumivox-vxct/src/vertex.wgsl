@@ -1,5 +1,5 @@
-// The corners of triangles, pulled from the scene's buffers by their number: who voxelizes has to
-// know all three of a triangle at each.
+// The corners of triangles, pulled from the scene's buffers by their number: voxelization needs all
+// three corners of a triangle at each of them.
 
 import package::render::scene::draws::draws;
 import package::vxct::material::vxct_draws;

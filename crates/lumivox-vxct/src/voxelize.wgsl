@@ -1,8 +1,8 @@
 // From triangles to lit voxels: each is drawn along the axis that it faces most, and each fragment
 // is a voxel.
 //
-// In VXCT the last fragment to be written stays. Which one that is must not depend on chance: a
-// first walk finds the last triangle of each voxel, and a second one writes the colour of that
+// In VXCT the fragment that is written last stays. Which one that is must not depend on chance: a
+// first pass finds the last triangle of each voxel, and a second pass writes the colour of that
 // triangle.
 
 import package::constants::VXCT_OF_EMITTER;
@@ -42,7 +42,7 @@ fn main(@builtin(vertex_index) vertex: u32, @builtin(instance_index) draw: u32) 
     }
     let is_there = vxct_draws[draw].is_voxelized != 0u;
     return Fragment(
-        // All in one point out of sight, or seen along the axis.
+        // All corners at one point out of sight, or seen along the axis.
         select(vec4f(2.0, 2.0, 0.5, 1.0), vec4f(seen, 0.5, 1.0), is_there),
         position,
         corner.normal,

@@ -12,10 +12,10 @@ use lumivox_render::look::LookParts;
 use lumivox_render::{Gpu, GpuScene, RenderError};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-/// The picture that WebGPU wants to have; one byte a pixel, and never written.
+/// Format of the render target that WebGPU requires: one byte per pixel, never written.
 const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
 
-/// What makes the voxels, and what holds them.
+/// The voxels, and the pipelines that make them.
 #[derive(Debug)]
 pub(super) struct Voxels {
     own: DrawPipeline,
@@ -33,10 +33,11 @@ pub(super) struct Voxels {
 }
 
 impl Voxels {
-    /// Empty ones.
+    /// Creates empty voxels.
     ///
     /// # Errors
-    /// [`RenderError::Limit`] where the device has no such textures or buffers, and when a shader does not link.
+    /// [`RenderError::Limit`] if the device does not allow such textures or buffers; another error
+    /// if a shader does not link.
     pub(super) fn new(
         parts: &LookParts<'_>,
         shaders: &ShaderLibrary,
@@ -105,7 +106,7 @@ impl Voxels {
         })
     }
 
-    /// Fills them anew.
+    /// Makes the voxels again.
     pub(super) fn record(
         &self,
         recorder: &mut Recorder,
@@ -158,12 +159,12 @@ impl Voxels {
         }
     }
 
-    /// The nearest level to one that is asked for.
+    /// The existing level that is nearest to `level`.
     pub(super) fn level(&self, level: u32) -> u32 {
         level.min(self.levels - 1)
     }
 
-    /// Bytes that they take.
+    /// Size in bytes.
     pub(super) fn bytes(&self) -> u64 {
         let cells: u64 =
             (0..self.levels).map(|level| u64::from((self.resolution >> level).max(1)).pow(3)).sum();

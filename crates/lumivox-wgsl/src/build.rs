@@ -124,8 +124,8 @@ struct Parsed<'a> {
     imports: Vec<(Use, u32)>,
 }
 
-/// Imports of names that this crate's modules do not declare, and unique names that are not. Modules
-/// of other crates and constants are not known here: linking checks their names.
+/// Imports of names that this crate's modules do not declare, and duplicates of unique names.
+/// Modules of other crates, and constants, are unknown here: linking checks their names.
 fn unresolved(
     prefix: &str,
     modules: &[Parsed<'_>],

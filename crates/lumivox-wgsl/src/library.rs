@@ -28,7 +28,7 @@ struct Content {
     constants: BTreeMap<Cow<'static, str>, String>,
 }
 
-/// What stands at a path.
+/// The content of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Found {
     Built(&'static Module),
@@ -62,7 +62,8 @@ struct Place {
     /// Its first line in the linked source, from 1.
     line: u32,
     module: String,
-    /// Of the module's source; `None` in modules of a build script, whose text has fewer lines.
+    /// The line in the module's source; `None` in modules of a build script, whose text has fewer
+    /// lines.
     line_of_module: Option<u32>,
 }
 
@@ -75,7 +76,7 @@ impl ShaderLibrary {
         self
     }
 
-    /// Makes a module that a build script has parsed the implementation of its slot.
+    /// Fills a slot with an implementation that a build script has parsed.
     pub fn fill(&mut self, implementation: &'static Module) -> &mut Self {
         self.add_built(std::slice::from_ref(implementation))
     }
@@ -242,7 +243,7 @@ impl<'a> Join<'a> {
         let module = self.library.module(&used.module, &importer.path)?;
         let found = module.declarations.iter().find(|d| d.name == used.name && d.entry.is_none());
         let declaration = found.ok_or_else(|| {
-            // A caller's module that fills a slot of built modules lacks a part of the interface.
+            // A caller's module fills a slot of built modules without its whole interface.
             if importer.is_built && !module.is_built {
                 return ShaderError {
                     module: used.module.clone().into_owned(),

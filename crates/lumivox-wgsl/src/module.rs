@@ -8,11 +8,11 @@ use crate::tokens::{Kind, Token, tokens};
 /// A module whose imports are resolved.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Module {
-    /// Its path without the leading `package::`; of a slot's implementation the slot's.
+    /// Its path without the leading `package::`; for a slot's implementation, the slot's path.
     pub path: Cow<'static, str>,
-    /// `enable`, `requires` and `diagnostic`.
+    /// The directives `enable`, `requires` and `diagnostic`.
     pub directives: Cow<'static, str>,
-    /// In the order of the source.
+    /// The declarations, in the order of the source.
     pub declarations: Cow<'static, [Declaration]>,
     /// Whether a build script has parsed it.
     pub is_built: bool,
@@ -42,7 +42,7 @@ pub struct Use {
     pub name: Cow<'static, str>,
 }
 
-/// What makes a function an entry point.
+/// The properties of an entry point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EntryPoint {
     /// The workgroup's size along x, y and z: numbers or unique names of constants; missing ones
@@ -74,8 +74,8 @@ pub(crate) fn unique_name(module: &str, name: &str) -> String {
     format!("{}_{name}", module.replace("::", "_"))
 }
 
-/// Words that WGSL gives a meaning in templates alone, so that a declaration of that name would be
-/// mistaken for them.
+/// Words that have a meaning only in WGSL's templates, and would be mistaken there for a
+/// declaration of that name.
 const ENUMERANTS: &[&str] =
     &["function", "private", "read", "read_write", "storage", "uniform", "workgroup", "write"];
 
@@ -87,8 +87,8 @@ const ATTRIBUTES_OF_WORDS: &[&str] = &["builtin", "interpolate", "diagnostic"];
 /// lines are left out.
 ///
 /// # Errors
-/// When brackets are unbalanced, an import is no path below `package::`, or a declaration has no
-/// name or that of another one.
+/// If brackets are unbalanced, an import is not a path below `package::`, or a declaration has no
+/// name or a name that is already used.
 pub fn parse(path: &str, source: &str, keeps_lines: bool) -> Result<Module, ParseError> {
     parse_with_imports(path, source, keeps_lines).map(|(module, _)| module)
 }
@@ -143,7 +143,7 @@ pub(crate) fn parse_with_imports(
             names.remove(head.name);
         }
     }
-    // A local of such a name would be taken for the declaration.
+    // A local variable of such a name would be mistaken for the declaration.
     let unique = names.values().map(|used| unique_name(&used.module, &used.name)).collect();
     let declarations =
         pieces.iter().map(|(head, piece)| declare(head, piece, (&names, &unique), keeps_lines));
@@ -156,7 +156,7 @@ pub(crate) fn parse_with_imports(
     Ok((module, imports))
 }
 
-/// A token and what parts it from the next one in a directive.
+/// A token of a directive, and its separator from the next one.
 fn spaced<'a>(token: &Token<'a>) -> [&'a str; 2] {
     [token.text, if token.kind == Kind::Word { " " } else { "" }]
 }
@@ -348,7 +348,7 @@ fn declare(
     let mut words_of_attribute = None::<i32>;
     for (at, token) in piece.iter().enumerate() {
         if !token.is_code() {
-            // A comment parts words as white space does.
+            // A comment separates words, as white space does.
             text.push_str(if keeps_lines || token.kind == Kind::Space { token.text } else { " " });
             continue;
         }
@@ -432,7 +432,7 @@ fn workgroup_size(text: &str) -> Cow<'static, [Cow<'static, str>]> {
     sizes.into_iter().map(Cow::Owned).collect::<Vec<_>>().into()
 }
 
-/// The number that a text is, or a constant is declared as; the name of another constant else.
+/// Parses a number; `Err` with the text if it is not one but the name of a constant.
 pub(crate) fn number(text: &str) -> Result<u32, &str> {
     let value = text.trim_end_matches(['u', 'i']);
     let parsed = match value.strip_prefix("0x") {
@@ -442,7 +442,7 @@ pub(crate) fn number(text: &str) -> Result<u32, &str> {
     parsed.map_err(|_| text)
 }
 
-/// What a declaration `const name: type = value;` gives.
+/// The value of a declaration `const name: type = value;`.
 pub(crate) fn value_of_const(declaration: &str) -> Option<String> {
     let all = tokens(declaration);
     let mut code = all.iter().filter(|token| token.is_code());

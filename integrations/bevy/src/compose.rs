@@ -1,4 +1,4 @@
-//! Adds the light of the cones to a picture of Bevy's.
+//! Adds the light of the cones to Bevy's picture.
 
 use bevy::core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT;
 use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan};
@@ -7,17 +7,17 @@ use lumivox::gpu::{
 };
 use lumivox::{GBuffer, Gi, GiError, TraceTargets, wgpu};
 
-/// Format of Bevy's pictures with high dynamic range.
+/// Format of Bevy's HDR pictures.
 pub(crate) const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// The pipeline, of one `Gi`.
+/// The compose pipeline of one `Gi`.
 pub(crate) struct Compose {
     pipeline: DrawPipeline,
     layout: wgpu::BindGroupLayout,
     nothing: BindGroup,
 }
 
-/// What it reads for one view.
+/// The bindings of one view.
 pub(crate) struct ComposeView {
     group: BindGroup,
     settings: Buffer,
@@ -82,7 +82,7 @@ impl Compose {
         ComposeView { group, settings, factor: 0.0 }
     }
 
-    /// Draws into a picture, inside its viewport.
+    /// Draws into a picture, within its viewport.
     pub(crate) fn draw(&self, pass: &mut RenderPass<'_>, view: &ComposeView, gbuffer: &GBuffer) {
         pass.set_pipeline(&self.pipeline);
         pass.bind(0, &self.nothing);
@@ -94,7 +94,7 @@ impl Compose {
 }
 
 impl ComposeView {
-    /// Sets the picture's value of a radiance of one.
+    /// Sets the factor from radiance to the picture's values.
     pub(crate) fn set(&mut self, queue: &wgpu::Queue, picture_from_radiance: f32) {
         if self.factor != picture_from_radiance {
             self.factor = picture_from_radiance;

@@ -1,4 +1,4 @@
-//! Meshes whose vertices move: their positions of a frame, computed as Bevy's vertex shader does.
+//! Skinned and morphed meshes: computes their vertex positions as Bevy's vertex shader does.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
@@ -13,7 +13,7 @@ use lumivox::{GiError, wgpu};
 
 use crate::settings::{LumivoxGi, NotInGi};
 
-/// Of a mesh without joints.
+/// Offset of the joints in a mesh without any.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// `Deformation` of `deform.wgsl`.
@@ -35,7 +35,8 @@ pub(crate) struct Deformation {
 }
 
 impl Deformation {
-    /// Vertices of a slab, without joints and morph targets; words.
+    /// Vertices of a slab, without joints and morph targets. Stride and position are in 32-bit
+    /// words.
     pub(crate) fn new(vertex_count: u32, first_vertex: u32, stride: u32, position: u32) -> Self {
         Self {
             vertex_count,
@@ -56,7 +57,8 @@ impl Deformation {
 
 /// The joints and weights of all meshes that have any, in the render world.
 ///
-/// Bevy's own joints are of the meshes that a camera or a shadow map sees; light comes from behind a camera as well.
+/// Bevy extracts only the joints of meshes that a camera or a shadow map sees. Lumivox needs all,
+/// since light comes from behind a camera as well.
 #[derive(Resource, Default)]
 pub(crate) struct ScenePoses {
     first_joints: EntityHashMap<u32>,
@@ -87,7 +89,7 @@ pub(crate) fn extract_poses(
     for (entity, skin, _) in skins.iter().filter(|(_, _, visibility)| visibility.get()) {
         poses.first_joints.insert(entity, poses.joints.len() as u32);
         let inverses = inverse_bindposes.get(&skin.inverse_bindposes);
-        // As Bevy does, what is missing leaves vertices where they are.
+        // As in Bevy, a missing joint or inverse bind pose leaves vertices where they are.
         poses.joints.extend(skin.joints.iter().enumerate().map(|(number, joint)| {
             let inverse = inverses.and_then(|inverses| inverses.get(number));
             let joint = joints.get(*joint).ok();
@@ -123,7 +125,7 @@ pub(crate) struct Wanted {
     pub(crate) deformation: Deformation,
 }
 
-/// All of them.
+/// All deformed meshes.
 #[derive(Resource, Default)]
 pub(crate) struct Deformer {
     wanted: Vec<Wanted>,
@@ -145,7 +147,7 @@ impl Deformer {
         self.position_count = 0;
     }
 
-    /// Plans a mesh. Its number of the first position is returned.
+    /// Queues a mesh, and returns the index of its first position.
     pub(crate) fn add(&mut self, mut wanted: Wanted) -> u32 {
         let first = self.position_count;
         wanted.deformation.first_position = first;
@@ -154,7 +156,7 @@ impl Deformer {
         first
     }
 
-    /// The buffer that the results of all planned meshes go to, three `f32` each.
+    /// The output buffer of all queued meshes, three `f32` per vertex; `None` if there are none.
     pub(crate) fn positions(&mut self, device: &wgpu::Device) -> Option<wgpu::Buffer> {
         if self.position_count == 0 {
             return None;
@@ -167,7 +169,7 @@ impl Deformer {
         self.positions.as_ref().map(|positions| (**positions).clone())
     }
 
-    /// Takes the joints and weights of a frame. Whether anything has moved is returned.
+    /// Uploads the joints and weights of a frame; returns whether meshes have to be deformed again.
     pub(crate) fn follow(
         &mut self,
         (device, queue): (&wgpu::Device, &wgpu::Queue),
@@ -213,7 +215,7 @@ impl Deformer {
         Ok(())
     }
 
-    /// Binds the meshes that were planned since.
+    /// Creates the bind groups of the queued meshes, if there are none.
     fn plan(&mut self, pipelines: &Pipelines, poses: &ScenePoses) -> Result<(), GiError> {
         if !self.jobs.is_empty() {
             return Ok(());
@@ -253,7 +255,7 @@ impl Deformer {
 }
 
 impl Deformation {
-    /// With the places of the joints and weights of a frame.
+    /// A copy with the offsets of a frame's joints and weights.
     fn of_frame(mut self, entity: Entity, poses: &ScenePoses) -> Self {
         self.first_joint = poses.first_joints.get(&entity).copied().unwrap_or_default();
         let (first, count) = poses.weight_ranges.get(&entity).copied().unwrap_or_default();
@@ -262,7 +264,8 @@ impl Deformation {
     }
 }
 
-/// Uploads a list if it has changed; whether it has is returned. Jobs that are bound to a smaller buffer are dropped.
+/// Uploads a list if it has changed, and returns whether it has. If the buffer has to grow, all
+/// jobs are dropped, since they bind the old one.
 fn follow<T: bytemuck::Pod + PartialEq>(
     (device, queue): (&wgpu::Device, &wgpu::Queue),
     (label, now): (&'static str, &[T]),

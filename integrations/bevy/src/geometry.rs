@@ -15,7 +15,7 @@ use crate::instances::{Instance, Instances};
 use crate::report::{LumivoxEvent, Reports};
 use crate::surfaces::SurfaceTable;
 
-/// What draws of a batch have in common.
+/// The properties that all draws of a batch share.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct BatchKey {
     vertices: wgpu::Buffer,
@@ -24,18 +24,18 @@ struct BatchKey {
     layout: VertexPlaces,
 }
 
-/// Where in a vertex its attributes stand, bytes.
+/// Offsets of the attributes in a vertex, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct VertexPlaces {
     stride: u32,
     position: u32,
     texcoords: [Option<u32>; 2],
     color: Option<(u32, VertexFormat)>,
-    /// Indices and weights.
+    /// Offsets of joint indices and weights.
     joints: Option<[u32; 2]>,
 }
 
-/// Where Bevy has a mesh.
+/// The location of a mesh in Bevy's slabs.
 struct MeshSource {
     vertices: wgpu::Buffer,
     first_vertex: u32,
@@ -47,7 +47,7 @@ struct MeshSource {
     index_count: u32,
 }
 
-/// Where a mesh lies.
+/// The location of a mesh in the geometry.
 #[derive(Clone, Debug)]
 struct Placed {
     batch: usize,
@@ -61,13 +61,13 @@ struct Placed {
 const NO_TEXCOORDS: &str =
     "their materials have textures, but they have no `Mesh::ATTRIBUTE_UV_0` of floats";
 
-/// A mesh whose vertices move, as a batch.
+/// The batch of one deformed mesh.
 struct DeformingBatch {
     first_position: u32,
     attributes: Option<VertexAttributes>,
     indices: Indices,
     draw: Draw,
-    /// That of its instance, whose transform counts; none of a mesh with joints.
+    /// Slot of the instance, whose transform applies; `None` for a skinned mesh.
     slot: Option<usize>,
 }
 
@@ -79,17 +79,17 @@ pub(crate) struct SceneGeometry {
     draws: Vec<Option<(u32, u32)>>,
     keys: HashMap<BatchKey, usize>,
     meshes: HashMap<AssetId<Mesh>, Option<Placed>>,
-    /// Indices 0, 1, 2 ... for meshes without.
+    /// The index buffer 0, 1, 2 ... for meshes without indices, and its length.
     counting: Option<(wgpu::Buffer, u32)>,
-    /// In the making.
+    /// Batches of deformed meshes, until their position buffer exists.
     deforming: Vec<DeformingBatch>,
-    /// Meshes that are not there yet.
+    /// Meshes that are not loaded yet.
     waits_for: HashSet<AssetId<Mesh>>,
-    /// Another number for each change.
+    /// Rises with each change.
     pub(crate) version: u64,
 }
 
-/// What of the render world geometry is made of.
+/// The inputs from the render world.
 pub(crate) struct Sources<'a> {
     pub(crate) device: &'a wgpu::Device,
     pub(crate) instances: &'a Instances,
@@ -99,7 +99,7 @@ pub(crate) struct Sources<'a> {
 }
 
 impl SceneGeometry {
-    /// Follows the changes of a frame.
+    /// Applies the changes of a frame.
     pub(crate) fn update(
         &mut self,
         sources: &Sources<'_>,
@@ -115,7 +115,8 @@ impl SceneGeometry {
                 self.move_draw(slot, instances);
             }
         }
-        // A material may be new and equal to what it takes the place of; and all of them are gone after `clear`.
+        // A new material may equal the default that its slot was filled with; and `clear` drops all
+        // materials.
         let is_short = self.geometry.materials.len() != table.materials().len();
         if table.take_changed() || is_short {
             self.version += 1;
@@ -123,14 +124,14 @@ impl SceneGeometry {
         }
     }
 
-    /// Lets go of Bevy's buffers.
+    /// Drops all references to Bevy's buffers.
     pub(crate) fn clear(&mut self, deformer: &mut Deformer) {
         let version = self.version + 1;
         *self = Self { version, ..Self::default() };
         deformer.clear();
     }
 
-    /// Sets the transform of a draw, which stays what it is otherwise.
+    /// Updates only the transform of a draw.
     fn move_draw(&mut self, slot: usize, instances: &Instances) {
         let place = self.draws.get(slot).copied().flatten();
         if let (Some((batch, draw)), Some(instance)) = (place, instances.get(slot)) {
@@ -140,7 +141,7 @@ impl SceneGeometry {
         }
     }
 
-    /// Makes all draws anew, in the order of their slots.
+    /// Rebuilds all draws, in the order of their slots.
     fn rebuild(
         &mut self,
         sources: &Sources<'_>,
@@ -192,13 +193,14 @@ impl SceneGeometry {
         });
     }
 
-    /// The number of a material; `None` where the surface is not there, or not yet.
+    /// The number of a material; `None` if the surface is not voxelized, or not loaded yet.
     fn material(id: &UntypedAssetId, table: &mut SurfaceTable) -> Option<u32> {
-        // The table tells when another one has come.
+        // The table requests a rebuild once a missing material exists.
         table.number(id).filter(|number| table.is_there(*number))
     }
 
-    /// Where a mesh lies; `None` where it is not there, not yet, or not of a kind that is known.
+    /// The location of a mesh; `None` if it is not loaded yet, has no triangles, or is not
+    /// supported.
     fn placed(&mut self, mesh: AssetId<Mesh>, sources: &Sources<'_>) -> Option<Placed> {
         if let Some(known) = self.meshes.get(&mesh) {
             return known.clone();
@@ -232,7 +234,7 @@ impl SceneGeometry {
         }))
     }
 
-    /// Adds a mesh whose vertices move, in a batch of its own.
+    /// Adds a deformed mesh, in a batch of its own.
     fn add_deforming(
         &mut self,
         slot: usize,
@@ -243,7 +245,7 @@ impl SceneGeometry {
         let Some(material) = Self::material(&instance.material, table) else { return Ok(()) };
         let Some(source) = self.source(instance.mesh, sources)? else { return Ok(()) };
         let layout = source.layout;
-        // Attributes of joints alone, without a skin, move nothing.
+        // Joint attributes without a skin have no effect.
         let joints = layout.joints.filter(|_| instance.is_skinned);
         if table.is_textured(material) && layout.texcoords[0].is_none() {
             return Err(NO_TEXCOORDS.to_owned());
@@ -263,7 +265,7 @@ impl SceneGeometry {
         attributes.offset = u64::from(first) * u64::from(stride);
         layout.set(&mut attributes);
         let world_from_local = match joints {
-            // Joints lead to the world.
+            // Joint matrices map to world space.
             Some(_) => Mat4::IDENTITY,
             None => instance.world_from_local,
         };
@@ -282,7 +284,7 @@ impl SceneGeometry {
         Ok(())
     }
 
-    /// Makes the batches of meshes whose vertices move, once the size of their buffer is known.
+    /// Adds the batches of deformed meshes, once their position buffer exists.
     fn finish_deforming(&mut self, positions: Option<&wgpu::Buffer>) {
         let Some(positions) = positions else { return };
         for batch in self.deforming.drain(..) {
@@ -298,7 +300,7 @@ impl SceneGeometry {
         }
     }
 
-    /// Finds a mesh in Bevy's slabs; `None` where it is not there yet, or has no surface.
+    /// Finds a mesh in Bevy's slabs; `None` if it is not loaded yet, or has no triangles.
     fn source(
         &mut self,
         mesh: AssetId<Mesh>,
@@ -347,7 +349,7 @@ impl SceneGeometry {
         }))
     }
 
-    /// A buffer that counts, at least this far.
+    /// An index buffer 0, 1, 2 ... of at least `count` indices.
     fn counting(&mut self, device: &wgpu::Device, count: u32) -> wgpu::Buffer {
         if let Some((buffer, room)) = &self.counting
             && *room >= count
@@ -399,7 +401,7 @@ impl VertexPlaces {
     }
 }
 
-/// The attributes of a mesh that voxels need.
+/// The vertex attributes of a mesh that voxelization reads.
 fn vertex_places(layout: &MeshVertexBufferLayoutRef) -> Result<VertexPlaces, String> {
     let layout = &layout.0;
     let find = |attribute: bevy::mesh::MeshVertexAttribute| {
@@ -446,7 +448,8 @@ fn vertex_places(layout: &MeshVertexBufferLayoutRef) -> Result<VertexPlaces, Str
     Ok(VertexPlaces { stride, position, texcoords, color, joints })
 }
 
-/// The morph targets of a mesh, in the buffer that is returned.
+/// Adds a mesh's morph targets to its deformation, and returns their buffer; `None` if there are
+/// none that can be read.
 #[cfg(feature = "morph")]
 fn morph_targets(
     mesh: AssetId<Mesh>,

@@ -1,8 +1,8 @@
-//! The meshes of the world: extracted as they change, kept in slots that stay where they are.
+//! The mesh instances of the world: extracted when they change, stored in stable slots.
 //!
-//! A frame in which nothing changes costs nothing here. A mesh that has rested for [`REST_FRAMES`] counts as static, whose
-//! voxels are kept; one that moves is dynamic from that frame on. Both changes are gathered: each makes Lumivox walk static
-//! triangles again.
+//! A frame without changes costs nothing here. A mesh that has not changed for [`REST_FRAMES`] is
+//! static, and its voxels are kept; a mesh that moves is dynamic from that frame on. Each switch
+//! makes Lumivox walk all static triangles again, so switches to static are batched.
 
 use bevy::asset::UntypedAssetId;
 use bevy::camera::primitives::Aabb;
@@ -18,9 +18,9 @@ use crate::settings::NotInGi;
 
 /// Frames without a change after which a mesh is static.
 const REST_FRAMES: u32 = 30;
-/// Frames after a change of meshes in which their places are looked up again.
+/// Frames for which mesh locations are looked up again after meshes change.
 const UNSETTLED_FRAMES: u32 = 4;
-/// Frames from one search for meshes at rest to the next.
+/// Frames between searches for meshes at rest.
 const SWEEP_FRAMES: u32 = 10;
 
 /// A mesh in the world.
@@ -31,9 +31,9 @@ pub(crate) struct Instance {
     pub(crate) material: UntypedAssetId,
     pub(crate) world_from_local: Mat4,
     pub(crate) bounds: Option<Aabb>,
-    /// Its vertices move by joints.
+    /// Whether joints move its vertices.
     pub(crate) is_skinned: bool,
-    /// Its vertices move by morph targets.
+    /// Whether morph targets move its vertices.
     pub(crate) is_morphed: bool,
     pub(crate) is_static: bool,
     /// The frame of its last change.
@@ -46,23 +46,24 @@ impl Instance {
     }
 }
 
-/// All of them. What has changed since the last frame is told by the other fields.
+/// All instances, and what has changed since the last frame.
 #[derive(Resource, Default)]
 pub(crate) struct Instances {
     slots: Vec<Option<Instance>>,
     free: Vec<usize>,
     by_entity: EntityHashMap<usize>,
     frame: u32,
-    /// Meshes came, went, or took another mesh, material or mark: draws are made anew.
+    /// Whether instances were added or removed, or changed their mesh, material or static mark: all
+    /// draws are then rebuilt.
     pub(crate) is_restructured: bool,
-    /// Slots of which only the transform has changed.
+    /// Slots whose transform has changed.
     pub(crate) moved: Vec<usize>,
-    /// Frames for which meshes, which are uploaded a few a frame, may still change their place.
+    /// Frames for which mesh locations may still change: Bevy uploads only some meshes per frame.
     unsettled: u32,
 }
 
 impl Instances {
-    /// Those that are there, in an order that stays, with their slots.
+    /// All instances with their slots, in a stable order.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, &Instance)> {
         self.slots.iter().enumerate().filter_map(|(slot, held)| Some((slot, held.as_ref()?)))
     }
@@ -71,32 +72,32 @@ impl Instances {
         self.slots.get(slot)?.as_ref()
     }
 
-    /// Whether meshes may have changed their place.
+    /// Whether mesh locations may have changed.
     pub(crate) fn is_unsettled(&self) -> bool {
         self.unsettled > 0
     }
 
-    /// Lets everything be looked at anew by the next frame that follows changes.
+    /// Marks everything as changed, for the next frame that applies changes.
     pub(crate) fn skip(&mut self) {
         self.is_restructured = true;
         self.moved.clear();
         self.unsettled = UNSETTLED_FRAMES;
     }
 
-    /// Starts anew to tell what changes.
+    /// Clears the changes once they are applied.
     pub(crate) fn take_changes(&mut self) {
         self.is_restructured = false;
         self.moved.clear();
         self.unsettled = self.unsettled.saturating_sub(1);
     }
 
-    /// How many there are, and how many there is room for.
+    /// The number of instances, and of slots.
     #[cfg(test)]
     pub(crate) fn counts(&self) -> [usize; 2] {
         [self.by_entity.len(), self.slots.len()]
     }
 
-    /// The box around all of them.
+    /// The box around all instances.
     pub(crate) fn bounds(&self) -> Option<[Vec3; 2]> {
         let mut around: Option<[Vec3; 2]> = None;
         for (_, instance) in self.iter() {
@@ -150,7 +151,7 @@ impl Instances {
         }
     }
 
-    /// The vertices of a mesh are others than they were.
+    /// Notes that the vertices of a mesh have changed.
     fn touch(&mut self, mesh: AssetId<Mesh>) {
         for instance in self.slots.iter_mut().flatten().filter(|instance| instance.mesh == mesh) {
             (instance.is_static, instance.changed) = (false, self.frame);
@@ -158,7 +159,7 @@ impl Instances {
         }
     }
 
-    /// Lets meshes rest that have not changed for a while.
+    /// Marks meshes as static that have not changed for a while.
     fn sweep(&mut self) {
         if !self.frame.is_multiple_of(SWEEP_FRAMES) {
             return;
@@ -173,14 +174,14 @@ impl Instances {
             instance.is_static = true;
             self.is_restructured = true;
         }
-        // Nothing is kept of a crowd that has gone.
+        // Frees the memory once there are no instances.
         if self.by_entity.is_empty() {
             (self.slots, self.free) = (Vec::new(), Vec::new());
         }
     }
 }
 
-/// Starts the changes of another frame.
+/// Starts a frame, and notes meshes with new vertices.
 pub(crate) fn begin_instances(
     mut instances: ResMut<Instances>,
     mut meshes: Extract<MessageReader<AssetEvent<Mesh>>>,
@@ -195,7 +196,7 @@ pub(crate) fn begin_instances(
     instances.sweep();
 }
 
-/// What is read of an entity.
+/// The components that are read of an entity.
 type Read<M> = (
     Entity,
     &'static Mesh3d,
@@ -237,7 +238,7 @@ pub(crate) fn extract_instances<M: LumivoxMaterial>(
     for entity in without_mesh.read().chain(without_material.read()) {
         let slot = instances.by_entity.get(&entity);
         let known = slot.and_then(|slot| instances.slots[*slot].as_ref());
-        // Another type of material may have taken its place already.
+        // The entity may already have a material of another type.
         if known.is_some_and(|known| known.material.type_id() == TypeId::of::<M>()) {
             instances.remove(entity);
         }
@@ -299,7 +300,7 @@ mod tests {
         }
         let marks: Vec<bool> = instances.iter().map(|(_, instance)| instance.is_static).collect();
         assert_eq!(marks, [true, false]);
-        // A static one that moves is another structure, a dynamic one is not.
+        // A static instance that moves restructures the draws, a dynamic one does not.
         next_frame(&mut instances);
         instances.set(instance(2, -1.0));
         assert!(!instances.is_restructured && instances.moved == [1]);

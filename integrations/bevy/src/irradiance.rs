@@ -1,10 +1,11 @@
-//! The light of probes as Bevy's irradiance volumes, for what is drawn forward: transparent things, materials of that method, and all
-//! of an app that draws so.
+//! Passes the light of the probes to Bevy as irradiance volumes, for everything that is drawn
+//! forward: transparent objects, forward materials, and all of an app in forward mode.
 //!
-//! Their shaders are Bevy's, which know irradiance volumes (ambient cubes; Mitchell 2006, "Shading in Valve's Source Engine").
-//! So the light of the probes (`probes.rs`) is written into the texture of such a volume. What is drawn deferred has its own
-//! cones, and Bevy's pass for it reads the same texture: so it holds the light only from after that pass to the end of the
-//! transparent one, and is black otherwise.
+//! Bevy's forward shaders support irradiance volumes (ambient cubes; Mitchell 2006, "Shading in
+//! Valve's Source Engine"), so the light of the probes (`probes.rs`) is written into the texture of
+//! such a volume. Deferred surfaces have their own cones, but Bevy's deferred lighting pass reads
+//! the same texture. So the texture holds the light only from the end of that pass to the end of
+//! the transparent pass, and is black otherwise.
 
 use std::any::TypeId;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -37,18 +38,18 @@ pub(crate) const ARE_USABLE: bool = cfg!(not(target_arch = "wasm32"));
 /// Frames after which a new texture is on the GPU.
 const FRAMES_TO_UPLOAD: u32 = 3;
 
-/// An irradiance volume that the render world asks the app's world for.
+/// An irradiance volume that the render world requests from the main world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Offer {
     key: VolumeKey,
     grid: ProbeGrid,
-    /// cd/m² of the texture's unit.
+    /// The texture's unit of radiance, cd/m².
     unit: f32,
 }
 
 impl Offer {
-    /// The volume of voxels that are shown. While nothing is drawn forward it is a single dark cell, so that Bevy's pipelines, which
-    /// are others with irradiance volumes, stay the same.
+    /// Requests a volume for shown voxels. Without lit probes it is a single dark cell, so that
+    /// Bevy's pipelines, which depend on whether there is an irradiance volume, stay the same.
     pub(crate) fn new(key: VolumeKey, gi: &Gi, probes: Option<&Probes>, unit: f32) -> Self {
         let whole = ProbeGrid { low: gi.grid().min_in_world(), edge: 1.0, cells: UVec3::ONE };
         let grid = probes.filter(|probes| probes.are_lit()).map_or(whole, |probes| probes.grid);
@@ -56,7 +57,7 @@ impl Offer {
     }
 }
 
-/// Shared by both worlds.
+/// Requested volumes, shared by both worlds.
 #[derive(Resource, Clone, Default)]
 pub(crate) struct Offers(Arc<Mutex<Vec<Offer>>>);
 
@@ -68,16 +69,17 @@ impl Offers {
     }
 }
 
-/// On an irradiance volume of Lumivox's own.
+/// Marks an irradiance volume that Lumivox made.
 #[derive(Component, Debug)]
 pub(crate) struct OwnVolume {
     offer: Offer,
-    /// The texture that takes the place of the one that is shown, once it is on the GPU.
+    /// The next texture, with its offer and its age in frames. It replaces the shown one once it is
+    /// on the GPU.
     coming: Option<(Offer, Handle<Image>, u32)>,
     frames: u32,
 }
 
-/// Makes Bevy's irradiance volumes for what is offered.
+/// Creates, updates and removes Bevy's irradiance volumes to match the offers.
 pub(crate) fn follow_offers(
     offers: Res<Offers>,
     mut commands: Commands,
@@ -123,18 +125,19 @@ pub(crate) fn follow_offers(
     }
 }
 
-/// On a camera of the app's world: the volume that lights it. Where it asks for another one, it stays until that is ready.
+/// On a camera in the main world: the volume that lights it. If the camera asks for another volume,
+/// the old one stays until the new one is ready.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LitFrom(VolumeKey);
 
 impl LitFrom {
-    /// A camera that is new has none yet.
+    /// The volume that lights a camera. A new camera has no `LitFrom` yet, and gets its own volume.
     pub(crate) fn key(lit_from: Option<&Self>, gi: &LumivoxGi, camera: Entity) -> VolumeKey {
         lit_from.map_or_else(|| VolumeKey::new(&gi.volume, camera), |lit_from| lit_from.0)
     }
 }
 
-/// Chooses the volumes that light cameras, after what is offered was followed.
+/// Chooses the volume that lights each camera. Runs after [`follow_offers`].
 pub(crate) fn choose_keys(
     offers: Res<Offers>,
     mut commands: Commands,
@@ -182,8 +185,8 @@ fn texture(grid: &ProbeGrid) -> Image {
     image
 }
 
-/// Lets each camera see the irradiance volume of its own voxels alone, and others none of them: after Bevy has looked for what
-/// cameras see.
+/// Shows each camera only the irradiance volume of its own voxels, and other cameras none of
+/// Lumivox's. Runs after Bevy's visibility check.
 pub(crate) fn choose_volumes(
     mut cameras: Query<
         (Entity, &mut VisibleEntities, Option<&LumivoxGi>, Option<&LitFrom>),
@@ -201,13 +204,13 @@ pub(crate) fn choose_volumes(
         let is_there = key.is_some_and(|key| own.iter().any(|own| own.offer.key == key));
         visible.get_mut(class).retain(|entity| match own.get(*entity) {
             Ok(own) => Some(own.offer.key) == key,
-            // Nothing stops the light of the app's own.
+            // Walls do not block the light of the app's own volumes.
             Err(_) => !(is_there && all.contains(*entity)),
         });
     }
 }
 
-/// The irradiance volumes of Lumivox's own, as the app's world has them in this frame.
+/// Lumivox's irradiance volumes, extracted from the main world.
 #[derive(Resource, Default)]
 pub(crate) struct ShownVolumes(Vec<(Offer, AssetId<Image>)>);
 
@@ -245,7 +248,7 @@ impl Forward<'_> {
     }
 }
 
-/// Light for what is drawn forward from now on.
+/// Writes the light into the texture, for the forward passes that follow.
 pub(crate) fn fill_volume(
     view: ViewQuery<Entity>,
     mut context: RenderContext,
@@ -256,7 +259,7 @@ pub(crate) fn fill_volume(
     write(view.into_inner(), true, &mut context, volumes, &shown, (&gi_views, &images), &queue);
 }
 
-/// Darkness for what is drawn deferred in the next view, or frame.
+/// Clears the texture, for the deferred pass of the next view or frame.
 pub(crate) fn empty_volume(
     view: ViewQuery<Entity>,
     mut context: RenderContext,

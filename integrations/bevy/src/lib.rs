@@ -42,10 +42,10 @@ pub use settings::{GiQuality, GiVolume, LumivoxGi, NotInGi};
 
 use report::Reports;
 
-/// Global illumination for cameras with [`LumivoxGi`].
+/// Plugin for global illumination on cameras with [`LumivoxGi`].
 ///
-/// Add it after `DefaultPlugins`. Opaque materials are drawn deferred from then on
-/// ([`DefaultOpaqueRendererMethod::deferred`]), unless it is [`Self::forward`].
+/// Add it after `DefaultPlugins`. It makes deferred rendering the default for opaque materials
+/// ([`DefaultOpaqueRendererMethod::deferred`]), except with [`Self::forward`].
 ///
 /// ```no_run
 /// use bevy::prelude::*;
@@ -64,15 +64,17 @@ pub struct LumivoxPlugin {
 }
 
 impl LumivoxPlugin {
-    /// For apps that draw forward: with multisampling, or many materials of their own. Indirect light of all surfaces then comes
-    /// from the probes that light transparent things otherwise, one for each four voxels along each axis, and not from cones of
-    /// the pixels: it is softer, cheaper, and matt alone. Glossy surfaces mirror the camera's environment map, as without.
+    /// For apps that render forward, because they use multisampling or many custom materials. All
+    /// indirect light then comes from the probes that otherwise light only transparent objects, one
+    /// per four voxels along each axis, instead of from cones per pixel. It is softer, cheaper, and
+    /// diffuse only. Glossy surfaces reflect the camera's environment map, as they do without this
+    /// plugin.
     pub fn forward() -> Self {
         Self { is_forward: true }
     }
 }
 
-/// Adds a type of material to the voxels; [`StandardMaterial`] is there already.
+/// Adds a material type to the voxels. [`LumivoxPlugin`] already adds [`StandardMaterial`].
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -150,7 +152,7 @@ impl Plugin for LumivoxPlugin {
             .add_systems(
                 Render,
                 (
-                    // Before pipelines are chosen by what views have.
+                    // Before Bevy chooses pipelines from the views' components.
                     (views::take_ambient_over, surroundings::take_maps_over)
                         .after(RenderSystems::ExtractCommands)
                         .before(RenderSystems::PrepareAssets),
@@ -180,7 +182,7 @@ impl Plugin for LumivoxPlugin {
             reports.once(LumivoxEvent::Unsupported { missing });
             return;
         };
-        // Voxelization reads meshes where Bevy has them. A slab is bound as a whole.
+        // Voxelization reads meshes in place. It binds whole slabs, so these must fit a binding.
         let limits = render_app.world().get_resource::<RenderDevice>().map(RenderDevice::limits);
         if let Some(mut settings) =
             render_app.world_mut().get_resource_mut::<MeshAllocatorSettings>()

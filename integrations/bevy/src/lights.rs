@@ -1,4 +1,4 @@
-//! Bevy's lights in Lumivox's form: all that shine, wherever the cameras look.
+//! Converts Bevy's lights to Lumivox's: all that are not hidden, in view or not.
 
 use bevy::camera::visibility::InheritedVisibility;
 use bevy::color::LinearRgba;
@@ -16,17 +16,17 @@ use crate::report::{LumivoxEvent, Reports};
 use crate::settings::LumivoxGi;
 use crate::surroundings::transmittance;
 
-/// Half the sun's angular diameter seen from the earth, rad.
+/// Angular radius of the sun seen from the earth, rad.
 const SUN_RADIUS: f32 = 0.004_65;
 
-/// Shades of what air leaves of a light.
+/// Quantization steps of the share of sunlight that the air transmits.
 const AIR_SHADES: f32 = 512.0;
 
 /// A light, in lux or candela.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SceneLight {
     pub(crate) light: Light,
-    /// In the render world.
+    /// The light's entity in the render world.
     pub(crate) entity: Entity,
 }
 
@@ -36,7 +36,7 @@ pub(crate) struct SceneLights {
     pub(crate) lights: Vec<SceneLight>,
 }
 
-/// Reads all lights. They are few, so that those that stand still are no case of their own.
+/// Extracts all lights every frame. They are few, so unchanged lights get no special case.
 pub(crate) fn extract_scene_lights(
     mut scene: ResMut<SceneLights>,
     suns: Extract<
@@ -67,7 +67,7 @@ pub(crate) fn extract_scene_lights(
         scene.add(source, irradiance, (entity, light.shadow_maps_enabled), visibility);
     }
     for (entity, light, transform, visibility) in &points {
-        // Lumen over the whole sphere.
+        // Bevy's `intensity` is in lumens over the whole sphere.
         let intensity = rgb(light.color) * light.intensity / (4.0 * PI);
         let source = LightSource::Point {
             position: transform.translation(),
@@ -78,7 +78,7 @@ pub(crate) fn extract_scene_lights(
         scene.add(source, intensity, (entity, light.shadow_maps_enabled), visibility);
     }
     for (entity, light, transform, visibility) in &spots {
-        // As a point light of which the rest is covered: that is Bevy's meaning.
+        // As in Bevy, a spot light is a point light that is blocked outside its cone.
         let intensity = rgb(light.color) * light.intensity / (4.0 * PI);
         let outer = light.outer_angle.clamp(0.0, FRAC_PI_2 - 1e-4);
         let source = LightSource::Spot {
@@ -106,8 +106,9 @@ pub(crate) struct Air<'w, 's> {
 }
 
 impl Air<'_, '_> {
-    /// The share of a sun's light that it lets through to the first camera, in steps so small that none is seen, so that a
-    /// camera that moves does not change the light.
+    /// The share of sunlight from the direction `towards` that reaches the first camera. It is
+    /// quantized in invisibly small steps, so that a moving camera does not change the light every
+    /// frame.
     fn left_of(&self, towards: Vec3) -> Vec3 {
         let Some(camera) = self.cameras.iter().next().map(GlobalTransform::translation) else {
             return Vec3::ONE;
@@ -138,13 +139,14 @@ impl SceneLights {
         if !visibility.get() || !strength.is_finite() || strength.max_element() <= 0.0 {
             return;
         }
-        // A light that passes through walls on screen does so in the voxels.
+        // A light without shadow maps passes through walls on screen, so it does in the voxels,
+        // too.
         let shadow = if has_shadows { Shadow::Cone } else { Shadow::None };
         self.lights.push(SceneLight { light: Light { source, shadow }, entity });
     }
 }
 
-/// A light in another unit: `share` of its strength.
+/// The light with its strength multiplied by `share`, to convert its unit.
 pub(crate) fn scaled(mut light: Light, share: f32) -> Light {
     match &mut light.source {
         LightSource::Directional { irradiance: strength, .. }

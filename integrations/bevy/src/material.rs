@@ -1,4 +1,4 @@
-//! Materials, as far as light in voxels is concerned: Bevy's, and others by a trait.
+//! Materials as voxels use them: Bevy's, and custom ones through a trait.
 
 use bevy::asset::UntypedAssetId;
 use bevy::color::LinearRgba;
@@ -13,11 +13,11 @@ use bevy::render::Extract;
 pub struct GiTexture {
     /// The image, decoded by its format.
     pub image: AssetId<Image>,
-    /// Which of the mesh's texture coordinates it lies on.
+    /// The mesh's set of texture coordinates.
     pub channel: UvChannel,
 }
 
-/// What a surface does with light, for voxels: the mean over its details.
+/// Optical properties of a surface for voxels: the mean over its details.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -27,30 +27,31 @@ pub struct GiTexture {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct GiSurface {
-    /// The share of light that the surface reflects, and in alpha its coverage. Default: white.
+    /// Reflectance, with coverage in alpha. Default: white.
     pub base_color: LinearRgba,
-    /// It multiplies the base colour. Default: none.
+    /// Texture that multiplies the base colour. Default: none.
     pub base_color_texture: Option<GiTexture>,
-    /// Light that the surface sends out, in the values of [`StandardMaterial::emissive`]. Default: none.
+    /// Emitted light, in the unit of [`StandardMaterial::emissive`]. Default: none.
     pub emissive: LinearRgba,
-    /// As [`StandardMaterial::emissive_exposure_weight`]: with 1 `emissive` is a luminance in cd/m², with 0 (the default) it is
-    /// that luminance times the camera's exposure.
+    /// As [`StandardMaterial::emissive_exposure_weight`]: at 1 `emissive` is a luminance in cd/m²;
+    /// at 0 (the default) it is that luminance times the camera's exposure.
     pub emissive_exposure_weight: f32,
-    /// It multiplies the emissive colour. Default: none.
+    /// Texture that multiplies the emissive colour. Default: none.
     pub emissive_texture: Option<GiTexture>,
-    /// From the mesh's texture coordinates to those of the textures.
+    /// Transform from the mesh's texture coordinates to the textures'. Default: identity.
     pub uv_transform: Affine2,
-    /// 0 to 1: of how much of it is metal, which has no layer of gloss. Default: 0.
+    /// Share of the surface that is metal, which has no dielectric gloss, 0 to 1. Default: 0.
     pub metallic: f32,
     /// 0 to 1. Default: 0.5.
     pub perceptual_roughness: f32,
     /// As [`StandardMaterial::reflectance`]. Default: 0.5, which is 4 % at normal incidence.
     pub reflectance: f32,
-    /// The share of light that passes straight through, 0 to 1, as of glass. Default: 0.
+    /// Share of light that passes straight through, as through glass, 0 to 1. Default: 0.
     pub transmission: f32,
-    /// How alpha is used. Of the modes that add or multiply, voxels know nothing: such surfaces are left out.
+    /// How alpha is used. Surfaces with `Add` or `Multiply` are left out of the voxels. Default:
+    /// opaque.
     pub alpha_mode: AlphaMode,
-    /// Whether there is a surface seen from behind as well. Default: false.
+    /// Whether the back is a surface, too. Default: false.
     pub double_sided: bool,
 }
 
@@ -74,7 +75,7 @@ impl Default for GiSurface {
 }
 
 impl GiSurface {
-    /// Whether voxels know such a surface.
+    /// Whether the surface is voxelized.
     pub(crate) fn is_there(&self) -> bool {
         let covers = match self.alpha_mode {
             AlphaMode::Opaque => true,
@@ -90,11 +91,12 @@ impl GiSurface {
     }
 }
 
-/// A material that takes part in global illumination. [`StandardMaterial`] does; another type is added by
-/// [`LumivoxMaterialPlugin`](crate::LumivoxMaterialPlugin).
+/// A material that takes part in global illumination, as [`StandardMaterial`] does. Add other types
+/// with [`LumivoxMaterialPlugin`](crate::LumivoxMaterialPlugin).
 ///
-/// On screen a material gets light if its shader is lit as Bevy's own are, deferred or forward (`apply_pbr_lighting`), as those of
-/// [`ExtendedMaterial`](bevy::pbr::ExtendedMaterial) over a `StandardMaterial` are.
+/// On screen, a material receives indirect light if its shader uses Bevy's own lighting
+/// (`apply_pbr_lighting`), deferred or forward, as an
+/// [`ExtendedMaterial`](bevy::pbr::ExtendedMaterial) of `StandardMaterial` does.
 ///
 /// ```
 /// use bevy::pbr::{ExtendedMaterial, MaterialExtension};
@@ -125,7 +127,7 @@ impl GiSurface {
 /// }
 /// ```
 pub trait LumivoxMaterial: Material {
-    /// The surface, for the voxels. It is asked for once after each change of the asset.
+    /// The surface for the voxels. It is called once after each change of the asset.
     fn surface(&self) -> GiSurface;
 }
 
@@ -150,7 +152,8 @@ impl LumivoxMaterial for StandardMaterial {
             double_sided: self.double_sided,
         };
         if self.unlit {
-            // It looks the same in any light: it is its own, and reflects nothing.
+            // An unlit surface looks the same in any light: it emits its colour and reflects
+            // nothing.
             surface.emissive = base_color;
             surface.emissive_exposure_weight = 0.0;
             surface.emissive_texture = surface.base_color_texture.take();
@@ -165,7 +168,7 @@ impl LumivoxMaterial for StandardMaterial {
 #[derive(Resource, Default)]
 pub(crate) struct Surfaces {
     by_id: HashMap<UntypedAssetId, GiSurface>,
-    /// Some have changed since the last frame.
+    /// Whether any have changed since the last frame.
     pub(crate) are_changed: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Irradiance at a grid of probes in the air, gathered from the voxels: some of the probes in each frame, only while something is
-//! drawn forward (`irradiance.rs`, which gives it to Bevy).
+//! Irradiance probes on a grid, gathered from the voxels: a batch of probes per frame, and only
+//! while something is drawn forward. `irradiance.rs` passes the light to Bevy.
 
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
@@ -13,20 +13,20 @@ use lumivox::{GatherPoints, GatherSettings, Gi, GiError, Lights, TraceSettings, 
 use crate::settings::{GiVolume, LumivoxGi};
 use crate::voxels::beside_frames;
 
-/// Voxels along an edge of a probe's cell: of a box, and of the outermost cascade.
+/// Voxels along the edge of a probe's cell: in a box, and in the outermost cascade.
 const VOXELS_A_CELL: [u32; 2] = [4, 2];
-/// Directions of a probe.
+/// Directions per probe.
 const SIDES: u32 = 6;
-/// Frames that a probe gathers in its turn.
+/// Frames that a probe gathers per turn.
 const FRAMES_A_TURN: u32 = 2;
-/// Probes that gather in a frame, by the faces of voxels that do.
+/// The frame's budget of voxel faces, divided by this, is the number of probes that gather.
 const FACES_A_PROBE: u32 = 16;
-/// Frames for which probes go on after the last thing drawn forward.
+/// Frames that probes are kept after the last forward draw.
 const FRAMES_TO_KEEP: u32 = 120;
 /// Bytes of `Probe` of `probes.wgsl`.
 const PROBE_BYTES: u64 = 112;
 
-/// Probes in the middles of cubic cells.
+/// A grid of probes at the centres of cubic cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ProbeGrid {
     /// The corner of least coordinates, m.
@@ -37,7 +37,7 @@ pub(crate) struct ProbeGrid {
 }
 
 impl ProbeGrid {
-    /// Around the voxels.
+    /// The grid that covers the voxels.
     fn around(gi: &Gi, volume: &GiVolume) -> Self {
         let grid = gi.grid();
         let (min, max) = (grid.min_in_world(), grid.max_in_world());
@@ -46,7 +46,7 @@ impl ProbeGrid {
             let cells = ((max - min) / edge - 1e-3).ceil().max(Vec3::ONE).as_uvec3();
             return Self { low: min, edge, cells };
         };
-        // In steps of whole cells, so that probes stay where they are while the boxes move.
+        // Snapped to whole cells, so that probes keep their positions while the cascades move.
         let outermost = grid.voxel_size_m * (1 << (cascades.count - 1)) as f32;
         let edge = VOXELS_A_CELL[1] as f32 * outermost;
         let low = (min / edge).floor() * edge;
@@ -61,7 +61,7 @@ impl ProbeGrid {
         self.cells.element_product()
     }
 
-    /// Where the other one begins, in cells of this one; `None` if it is of another kind.
+    /// Offset of the `other` grid's corner in cells; `None` if cell counts or sizes differ.
     fn shift_to(&self, other: &Self) -> Option<IVec3> {
         let is_alike = self.cells == other.cells && self.edge == other.edge;
         is_alike.then(|| ((other.low - self.low) / self.edge).round().as_ivec3())
@@ -115,7 +115,7 @@ pub(crate) struct ProbeKernels {
 }
 
 impl ProbeKernels {
-    /// Links them; they are compiled once they are needed.
+    /// Links the kernels; they are compiled when first needed.
     pub(crate) fn new(gi: &Gi) -> Result<Self, GiError> {
         gi.prepare_gather()?;
         let pipelines = gi.pipelines();
@@ -157,12 +157,13 @@ pub(crate) struct Probes {
     compiling: Option<Task<()>>,
     pub(crate) grid: ProbeGrid,
     points: GatherPoints,
-    /// Probes of a turn.
+    /// Probes per turn.
     batch: u32,
     next: u32,
-    /// Probes that have gathered since these were made.
+    /// Probes that have gathered since the grid was created or reset.
     gathered: u32,
-    /// For what gathers, and for light and darkness in the texture: all three may be of one submission.
+    /// Settings to gather, to write light and to write darkness. They need three buffers, since all
+    /// three may be in one submission.
     turn: [(Buffer, BindGroup); 3],
     texture: Option<(wgpu::TextureView, BindGroup)>,
     frames_unused: u32,
@@ -194,7 +195,7 @@ impl Probes {
         };
         let turn = ["turn of probes", "light of probes", "darkness of probes"].map(bind);
         let pipelines = gi.pipelines().clone();
-        // Beside the frames; there are no probes in browsers, where a task may not block.
+        // Compiles in the background. Browsers, where a task must not block, have no probes.
         let task = async move { bevy::tasks::block_on(pipelines.compile(&mut |_, _| ())) };
         let compiling = beside_frames(task);
         Self {
@@ -211,17 +212,18 @@ impl Probes {
         }
     }
 
-    /// Whether all of them have gathered.
+    /// Whether all probes have gathered.
     pub(crate) fn are_lit(&self) -> bool {
         self.gathered >= self.grid.count()
     }
 
-    /// Whether their light may be written: not any more in the frame in which they are given up.
+    /// Whether the probes' light may be written: `false` in the frame in which they are dropped.
     pub(crate) fn may_light(&self) -> bool {
         self.are_lit() && self.frames_unused < FRAMES_TO_KEEP
     }
 
-    /// Makes probes if they are wanted and not there, lets some of them gather, and gives them up when they are not.
+    /// Creates the probes if they are wanted and missing, gathers at one batch of them, and drops
+    /// them after `FRAMES_TO_KEEP` unused frames.
     pub(crate) fn record(
         held: &mut Option<Self>,
         kernels: &ProbeKernels,
@@ -233,7 +235,8 @@ impl Probes {
         let grid = ProbeGrid::around(gi, &settings.volume);
         let shift = held.as_ref().and_then(|probes| probes.grid.shift_to(&grid));
         match held.as_mut().filter(|_| shift.is_none()) {
-            // Elsewhere, all anew. What was written in this frame has yet to be emptied.
+            // Another cell size: all probes gather again. They are kept, since the texture that was
+            // written in this frame still has to be cleared.
             Some(probes) if probes.grid.count() == grid.count() => {
                 (probes.grid, probes.next, probes.gathered) = (grid, 0, 0);
             }
@@ -289,7 +292,7 @@ impl Probes {
         Ok(())
     }
 
-    /// Writes their light into the texture of a grid, or darkness.
+    /// Writes the probes' light, or darkness, into the texture of a grid.
     pub(crate) fn write(
         &mut self,
         gi: &Gi,

@@ -1,44 +1,44 @@
-//! What the render world tells the app: messages, and a line in the log for each.
+//! Reports from the render world to the app: a message and a line in the log for each.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
-/// What an app may want to know. Each is also a line in the log; limits are told once.
+/// A report to the app, which is also written to the log. Limits are reported once.
 #[derive(Message, Clone, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum LumivoxEvent {
-    /// Voxels of a volume are there. They light the pictures from now on, or, where they take the place of another volume, some
-    /// frames later.
+    /// The voxels of a volume are ready. They light the picture from now on, or some frames later
+    /// if they replace another volume.
     Ready,
-    /// A volume could not be made, or a frame not be recorded: the message says why and what would help. Until
-    /// it is there, the camera's former volume lights it, or else Bevy's own ambient light.
+    /// A volume could not be made, or a frame could not be recorded. Until the volume is ready, the
+    /// camera's previous volume or else Bevy's own ambient light lights it.
     Failed {
-        /// The error, with its remedy.
+        /// The error, and what to do.
         error: String,
     },
-    /// The device cannot run it.
+    /// The device, or the format of an environment map, is not supported.
     Unsupported {
-        /// The feature or limit that is missing, and what helps.
+        /// The missing feature or limit, and what to do.
         missing: String,
     },
     /// Meshes are left out of the voxels.
     MeshLeftOut {
-        /// Why, and what would help.
+        /// The reason, and what to do.
         reason: String,
     },
-    /// Light of a kind that voxels do not get.
+    /// Lights of a kind that does not light the voxels.
     LightLeftOut {
-        /// Its type.
+        /// The light's type.
         kind: &'static str,
     },
-    /// In a browser something is drawn forward, and gets no indirect light: Bevy binds no irradiance volumes there. The voxels
-    /// know it.
+    /// Something is drawn forward in a browser and gets no indirect light, since Bevy binds no
+    /// irradiance volumes there. It is in the voxels nevertheless.
     ForwardNotLit,
 }
 
-/// Shared by both worlds.
+/// Reports, shared by both worlds.
 #[derive(Resource, Clone, Default)]
 pub(crate) struct Reports(Arc<Mutex<Told>>);
 
@@ -50,7 +50,7 @@ struct Told {
 }
 
 impl Reports {
-    /// Tells it, unless it is the failure that was told last: what fails in each frame is told once.
+    /// Sends a report unless it repeats the last failure: what fails every frame is reported once.
     pub(crate) fn tell(&self, event: LumivoxEvent) {
         let mut told = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let LumivoxEvent::Failed { .. } = event {
@@ -62,7 +62,7 @@ impl Reports {
         told.waiting.push(event);
     }
 
-    /// Tells it the first time.
+    /// Sends a report the first time only.
     pub(crate) fn once(&self, event: LumivoxEvent) {
         let mut told = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if !told.once.contains(&event) {
@@ -93,7 +93,7 @@ impl LumivoxEvent {
     }
 }
 
-/// Hands to the app what the render world has told.
+/// Delivers the render world's reports to the app.
 pub(crate) fn deliver(reports: Res<Reports>, mut messages: MessageWriter<LumivoxEvent>) {
     let mut told = reports.0.lock().unwrap_or_else(PoisonError::into_inner);
     for event in told.waiting.drain(..) {

@@ -1,4 +1,4 @@
-//! Brings the scene of a frame together: materials, geometry, volumes.
+//! Updates the scene every frame: materials, geometry, volumes.
 
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
@@ -20,20 +20,22 @@ use crate::textures::{Prepared, TextureCopies};
 use crate::views::GiViews;
 use crate::volumes::Volumes;
 
-/// Frames after a change of images, which are uploaded a few a frame, in which textures are looked up again.
+/// Frames for which textures are looked up again after images change: Bevy uploads only some per
+/// frame.
 const UNSETTLED_FRAMES: u32 = 4;
 
-/// Whether images may have changed.
+/// Images that may have changed.
 #[derive(Resource, Default)]
 pub(crate) struct ChangedImages {
     unsettled: u32,
-    /// Those whose content is another, perhaps in the same texture.
+    /// Images with new content, perhaps in the same texture.
     modified: HashSet<AssetId<Image>>,
     is_due: bool,
 }
 
 impl ChangedImages {
-    /// Those to be looked at again in this frame: images are uploaded at once, or some frames later.
+    /// The modified images if they are to be read again in this frame. Bevy uploads an image at
+    /// once or some frames later, so they are read again both times.
     pub(crate) fn due(&self) -> Option<&HashSet<AssetId<Image>>> {
         self.is_due.then_some(&self.modified)
     }
@@ -55,7 +57,7 @@ pub(crate) fn extract_changed_images(
     changed.is_due = changed.unsettled == UNSETTLED_FRAMES || changed.unsettled == 1;
 }
 
-/// Follows what was extracted, once Bevy has uploaded its meshes and images.
+/// Applies the extracted changes, after Bevy has uploaded meshes and images.
 pub(crate) fn update_scene(
     mut scene: ResMut<SceneGeometry>,
     mut table: ResMut<SurfaceTable>,
@@ -74,7 +76,7 @@ pub(crate) fn update_scene(
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
     (reports, offers): (Res<Reports>, Res<Offers>),
 ) {
-    // Without a camera nothing is followed, and nothing forgotten.
+    // Without a camera no change is applied, and none is lost.
     if views.views.is_empty() {
         instances.skip();
         volumes.follow(&[], &instances, (&device, &queue), &reports);

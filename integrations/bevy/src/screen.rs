@@ -1,4 +1,4 @@
-//! Cones from the pixels of a camera, and their light in its picture.
+//! Traces cones from the pixels of a camera and adds their light to its picture.
 
 use bevy::camera::MainPassResolutionOverride;
 use bevy::core_pipeline::prepass::ViewPrepassTextures;
@@ -17,25 +17,25 @@ use crate::views::GiViews;
 use crate::volumes::{VolumeKey, Volumes};
 use crate::voxels::Voxels;
 
-/// What a view keeps from frame to frame.
+/// State of a view that is kept between frames.
 #[derive(Component)]
 pub(crate) struct Screen {
     key: VolumeKey,
-    /// The voxels that it was made for.
+    /// Number of the voxels that it was made for.
     number: u64,
     settings: TraceSettings,
     targets: TraceTargets,
     compose: ComposeView,
     gbuffer: GBuffer,
-    /// The textures that are bound.
+    /// The textures that `gbuffer` binds.
     bound: [wgpu::Texture; 3],
     /// `Place` of `gbuffer.wgsl`.
     place: Buffer,
     origin: UVec2,
-    /// Without jitter: clip from view, and view from world.
+    /// Matrices of the previous frame without jitter: clip from view, and view from world.
     previous: [Mat4; 2],
     frame: u32,
-    /// All of it is there in this frame.
+    /// Whether everything is ready in this frame.
     is_ready: bool,
 }
 
@@ -56,7 +56,7 @@ struct Camera<'a> {
 }
 
 impl Camera<'_> {
-    /// Clip from view, with the jitter of this frame if there is any.
+    /// Adds this frame's jitter, if any, to a clip-from-view matrix.
     fn jittered(&self, mut clip_from_view: Mat4) -> Mat4 {
         if let Some(jitter) = self.jitter {
             jitter.jitter_projection(&mut clip_from_view, self.size.as_vec2());
@@ -68,7 +68,8 @@ impl Camera<'_> {
         [self.view.clip_from_view, self.view.world_from_view.to_matrix().inverse()]
     }
 
-    /// For Lumivox, with the matrices of the frame before.
+    /// The camera in Lumivox's form, from the previous frame's [`Self::matrices`] and a frame
+    /// number.
     fn to_lumivox(&self, [clip_from_view, view_from_world]: [Mat4; 2], frame: u32) -> CameraView {
         let [now_clip_from_view, now_view_from_world] = self.matrices();
         let clip_from_world = self.jittered(now_clip_from_view) * now_view_from_world;
@@ -81,7 +82,7 @@ impl Camera<'_> {
     }
 }
 
-/// Makes and binds what views need, once Bevy's textures of this frame are there.
+/// Creates and binds the resources of all views, once Bevy's textures of this frame exist.
 pub(crate) fn prepare_screens(
     mut commands: Commands,
     gi_views: Res<GiViews>,
@@ -109,7 +110,7 @@ pub(crate) fn prepare_screens(
             continue;
         };
         let Some(voxels) = volumes.shown(&gi_view.key) else { continue };
-        // None where all is drawn forward.
+        // There are none in forward mode.
         let Some((views, ids)) = textures.and_then(bound_textures) else { continue };
         if target.main_texture_format() != PICTURE_FORMAT {
             let error = "a camera's picture is not Rgba16Float; give the camera `Hdr`, and a render target that is \
@@ -151,7 +152,8 @@ pub(crate) fn prepare_screens(
     }
 }
 
-/// The textures of the prepass in the order of the module's bindings. Bevy makes views of them anew in each frame.
+/// The prepass textures in the order of the module's bindings. Bevy creates new views every frame,
+/// so only the textures themselves can be compared.
 fn bound_textures(textures: &ViewPrepassTextures) -> Option<([Bound; 3], [wgpu::Texture; 3])> {
     let views =
         [textures.deferred_view()?, textures.depth_only_view()?, textures.motion_vectors_view()?];
@@ -191,7 +193,7 @@ impl Screen {
         }
     }
 
-    /// Another frame of the same size and settings.
+    /// Advances to the next frame, of the same size and settings.
     fn follow(
         &mut self,
         voxels: &Voxels,
@@ -223,7 +225,8 @@ fn bind(voxels: &Voxels, views: &[Bound; 3], place: &Buffer, camera: CameraView)
     voxels.gi.bind_own_gbuffer(&[deferred, depth, motion, place], camera)
 }
 
-/// Traces the cones of a camera, and adds their light to its picture: after opaque things, before transparent ones.
+/// Traces the cones of a camera and adds their light to its picture, between the opaque and the
+/// transparent pass.
 pub(crate) fn light_screen(
     view: ViewQuery<(&ViewTarget, &ExtractedCamera, &mut Screen)>,
     mut context: RenderContext,

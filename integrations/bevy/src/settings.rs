@@ -1,19 +1,20 @@
-//! What an app sets: the component on a camera, and the mark of things that are left out.
+//! Settings of an app: the component on cameras, and the marker of excluded entities.
 
 use bevy::camera::Hdr;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass};
 use bevy::prelude::*;
 use lumivox::{CascadeOptions, Preset, TraceSettings};
 
-/// Global illumination for a camera: every value may change at run time.
+/// Global illumination for a camera. Every value may change at run time.
 ///
-/// It replaces the camera's ambient light and environment map, which light closed rooms, by light that finds its way: theirs
-/// from outside the voxels, that of all lamps and suns, and that of emissive surfaces, with all bounces. Direct light and its
-/// shadows stay Bevy's.
+/// It replaces the camera's ambient light and environment map, which would light closed rooms, by
+/// light that walls block: that of ambient light and environment map from outside the voxels, of
+/// all lamps and suns, and of emissive surfaces, with all bounces. Direct light and its shadows
+/// stay Bevy's.
 ///
-/// The camera renders deferred (Bevy's [`DeferredPrepass`]) without multisampling, unless the plugin is
-/// [`LumivoxPlugin::forward`](crate::LumivoxPlugin::forward); take TAA, SMAA or FXAA for smooth edges.
-/// Cameras of the same [`volume`](Self::volume) share its voxels.
+/// The camera renders deferred (Bevy's [`DeferredPrepass`]) without multisampling, unless the
+/// plugin is [`LumivoxPlugin::forward`](crate::LumivoxPlugin::forward); use TAA, SMAA or FXAA for
+/// smooth edges. Cameras with the same [`volume`](Self::volume) share its voxels.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -28,12 +29,13 @@ use lumivox::{CascadeOptions, Preset, TraceSettings};
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 pub struct LumivoxGi {
-    /// Noise and sharpness against cost of the cones on screen and in the voxels.
+    /// Trades noise and sharpness against the cost of cones, on screen and in the voxels.
     pub quality: GiQuality,
-    /// Where the voxels are, and how fine. Another one is made in the background, and replaces the former when it is ready.
+    /// Place and resolution of the voxels. After a change, the new volume is made in the
+    /// background, and replaces the old one when it is ready.
     pub volume: GiVolume,
-    /// The most sides of voxels that gather light in a frame; fewer take turns, so that light that changes needs more frames
-    /// to settle. 0: all in each frame. Default: 16 384.
+    /// The most voxel faces that gather light in a frame. With fewer, faces take turns, and changed
+    /// light needs more frames to converge. 0: all faces in each frame. Default: 16 384.
     pub faces_per_frame: u32,
     /// Whether glossy surfaces mirror indirect light. Default: true.
     pub reflections: bool,
@@ -54,38 +56,41 @@ impl Default for LumivoxGi {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub enum GiQuality {
-    /// Six cones for one pixel of four, coarse: a frame by itself, with its noise.
+    /// Six coarse cones for one pixel in four, without temporal reuse: noisy.
     Fast,
-    /// As `Fast`, with the light of earlier frames carried along: smooth, and what changes is seen at once.
+    /// As `Fast`, and reuses the light of earlier frames: smooth, and changes are seen at once.
     #[default]
     Realtime,
-    /// Six finer cones for every pixel, without memory: for stills that accumulate, and for comparison.
+    /// Six finer cones for every pixel, without temporal reuse: for stills that accumulate, and for
+    /// comparison.
     Balanced,
-    /// Twelve cones for every pixel: the least noise and error, at some six times the cost of `Fast`.
+    /// Twelve cones for every pixel: the least noise and error, at about six times the cost of
+    /// `Fast`.
     High,
 }
 
-/// Where the voxels are.
+/// The place of the voxels.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub enum GiVolume {
-    /// A box around all meshes, made again when they have outgrown it.
+    /// A box around all meshes, fitted again when they outgrow it or become much smaller.
     Scene {
         /// Voxels along its longest edge, a multiple of 8 from 8 to 512; default 128.
         resolution: u32,
     },
-    /// A box of the app's own; light outside is Bevy's ambient light.
+    /// A fixed box. Light from outside is Bevy's ambient light or environment map.
     Box {
-        /// Its corner of least coordinates, m.
+        /// Minimum corner, m.
         min: Vec3,
-        /// Its corner of greatest coordinates, m.
+        /// Maximum corner, m.
         max: Vec3,
         /// Voxels along its longest edge, a multiple of 8 from 8 to 512.
         resolution: u32,
     },
-    /// Nested boxes around the camera, each twice as wide as the one inside: for worlds. They move with the camera.
+    /// Nested boxes around the camera, which move with it, each twice as wide as the one inside.
+    /// For large worlds.
     Cascades {
-        /// How many, 1 to 8.
+        /// Number of boxes, 1 to 8.
         count: u32,
         /// Voxels along an edge of each, 32 to 128.
         resolution: u32,
@@ -100,27 +105,29 @@ impl Default for GiVolume {
     }
 }
 
-/// The entity lends no light to the voxels and keeps none off, as if it were not there: for gizmos, first-person hands, or
-/// very many small things. Bevy draws it as ever, lit by all the others.
+/// The entity neither adds nor blocks light in the voxels, as if it did not exist: for gizmos,
+/// first-person hands, or very many small objects. Bevy still draws it, lit by everything else.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Default, Debug, Clone)]
 pub struct NotInGi;
 
-/// Gives a camera the G-buffer that its cones start from, by an observer: a camera requires multisampling before the component
-/// could require that there is none.
-/// A prepass of normals is not among it: with one, Bevy 0.20 shades transparent things with the normals of what is behind them.
+/// Adds to a camera the G-buffer that its cones start from. This is an observer because `Camera`
+/// requires multisampling before the component could require its absence.
+/// It adds no normal prepass: with one, Bevy 0.20 shades transparent objects with the normals of
+/// what is behind them.
 pub(crate) fn draw_gbuffer(added: On<Add<LumivoxGi>>, mut commands: Commands) {
     let gbuffer = (DepthPrepass, MotionVectorPrepass, DeferredPrepass);
     commands.entity(added.entity).insert_if_new((Hdr, gbuffer)).insert(Msaa::Off);
 }
 
-/// Opaque materials are drawn deferred, for cameras without global illumination as well: others would not see them.
+/// Makes every 3D camera render deferred, with or without global illumination: opaque materials are
+/// deferred, and other cameras would not show them.
 pub(crate) fn draw_deferred(added: On<Add<Camera3d>>, mut commands: Commands) {
     commands.entity(added.entity).insert_if_new((DepthPrepass, DeferredPrepass)).insert(Msaa::Off);
 }
 
 impl LumivoxGi {
-    /// What the cones of it are traced with.
+    /// The settings that its cones are traced with.
     pub(crate) fn trace_settings(&self) -> TraceSettings {
         let preset = match self.quality {
             GiQuality::Fast => Preset::Fast,

@@ -1,7 +1,8 @@
 //! Bevy's shadow maps, for the light in voxels.
 //!
-//! Cascades of a sun reach as far as boxes around what a camera sees, and voxels may be outside of them: there, shadows
-//! are cones. So are those of lights that Bevy has no map of in a frame, because no camera sees what they light.
+//! A sun's cascades cover only boxes around what a camera sees. Voxels outside these boxes get
+//! shadows from cones. So do lights that have no map in a frame, because no camera sees what they
+//! light.
 
 use bevy::ecs::system::SystemParam;
 use bevy::pbr::{
@@ -34,7 +35,8 @@ impl ShadowLayer {
         Self {
             clip_from_world: view.clip_from_view * view.world_from_view.to_matrix().inverse(),
             layer,
-            // Half the width of what it sees is one by this number of the matrix: in metres, or in metres per metre.
+            // This element scales half the visible width to 1. The width is in metres, or in metres
+            // per metre of distance.
             texel_size: 2.0 / (view.clip_from_view.x_axis.x * width as f32),
             cascades: 0,
             padding: 0,
@@ -58,7 +60,7 @@ pub(crate) fn module() -> Mounted {
     Mounted::new(include_str!("shaders/shadow_maps.wgsl"), [layers, maps, maps, sampler])
 }
 
-/// What Bevy knows of its maps in a frame.
+/// Bevy's data about its shadow maps in a frame.
 #[derive(SystemParam)]
 pub(crate) struct BevyShadows<'w, 's> {
     order: Option<Res<'w, GlobalClusterableObjectMeta>>,
@@ -67,7 +69,7 @@ pub(crate) struct BevyShadows<'w, 's> {
     cascades: Query<'w, 's, (&'static LightEntity, &'static ExtractedView)>,
 }
 
-/// The maps as they are bound.
+/// The shadow maps and their bindings.
 pub(crate) struct ShadowMaps {
     textures: Option<[TextureId; 2]>,
     layers: Vec<ShadowLayer>,
@@ -76,7 +78,7 @@ pub(crate) struct ShadowMaps {
 }
 
 impl ShadowMaps {
-    /// None at all.
+    /// Bindings without shadow maps.
     pub(crate) fn none(device: &wgpu::Device) -> Self {
         let nothing = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("no shadow maps"),
@@ -106,7 +108,7 @@ impl ShadowMaps {
         Self { textures: None, layers: Vec::new(), buffer, bound }
     }
 
-    /// Follows Bevy's maps of a frame and a camera, and sets which lights have one.
+    /// Binds Bevy's maps of a frame and a camera, and sets which lights have one.
     pub(crate) fn follow(
         &mut self,
         (device, queue): (&wgpu::Device, &wgpu::Queue),
@@ -155,14 +157,14 @@ impl ShadowMaps {
 }
 
 impl BevyShadows<'_, '_> {
-    /// The layers of a camera's cascades of a sun, if Bevy has drawn them.
+    /// The layers of a sun's cascades for a camera; `None` if Bevy has not drawn them.
     fn sun(
         &self,
         sun: Entity,
         flat: wgpu::Extent3d,
         cascades: &ViewLightEntities,
     ) -> Option<Vec<ShadowLayer>> {
-        // In the order of their layers: those of one sun after another, and the nearest to the camera first.
+        // In layer order: sun by sun, and the cascade nearest to the camera first.
         let drawn = (0..flat.depth_or_array_layers).zip(&cascades.lights);
         let mut layers: Vec<ShadowLayer> = drawn
             .filter_map(|(layer, view)| match self.cascades.get(*view) {
@@ -178,7 +180,7 @@ impl BevyShadows<'_, '_> {
         Some(layers)
     }
 
-    /// The layers of a lamp, if Bevy has drawn them.
+    /// The layers of a point or spot light; `None` if Bevy has not drawn them.
     fn lamp(
         &self,
         lamp: Entity,
@@ -203,7 +205,7 @@ impl BevyShadows<'_, '_> {
     }
 }
 
-/// Where spot lights begin, among lights and among layers.
+/// Index of the first spot light among lights, and among layers.
 struct FirstSpot {
     light: usize,
     layer: usize,
@@ -217,7 +219,7 @@ impl FirstSpot {
             points += usize::from(!is_spot(light));
             mapped_spots += usize::from(is_spot(light) && light.shadow_maps_enabled);
         }
-        // In front of them are the cascades of suns.
+        // The suns' cascades come before them.
         Self { light: points, layer: (layers as usize).saturating_sub(mapped_spots) }
     }
 

@@ -1,4 +1,4 @@
-//! Materials in Lumivox's form, in numbers that stay while the materials do.
+//! Materials in Lumivox's form, with stable numbers.
 
 use bevy::asset::UntypedAssetId;
 use bevy::mesh::UvChannel;
@@ -11,11 +11,11 @@ use lumivox::{Gloss, SurfaceMaterial, SurfaceTexture};
 use crate::material::{GiSurface, GiTexture, Surfaces};
 use crate::textures::{Prepared, TextureUse};
 
-/// Numbers of assets, which are used again once an asset is gone.
+/// Numbers of assets. The number of a removed asset is used again.
 #[derive(Default)]
 struct Numbers {
     by_id: HashMap<UntypedAssetId, u32>,
-    /// By their numbers.
+    /// Assets by number.
     ids: Vec<Option<UntypedAssetId>>,
     free: Vec<u32>,
 }
@@ -39,39 +39,39 @@ impl Numbers {
     }
 }
 
-/// All materials that draws have asked for.
+/// All materials that draws have requested.
 #[derive(Resource, Default)]
 pub(crate) struct SurfaceTable {
     numbers: Numbers,
     materials: Vec<SurfaceMaterial>,
     are_there: Vec<bool>,
     are_textured: Vec<bool>,
-    /// Asked for, and the asset is not there yet.
+    /// Requested materials whose assets do not exist yet.
     missing: Vec<UntypedAssetId>,
-    /// Some textures are not there yet.
+    /// Whether some textures are not loaded yet.
     waits_for_images: bool,
     is_changed: bool,
 }
 
-/// What surfaces are made of.
+/// The inputs of the table.
 pub(crate) struct SurfaceSources<'a> {
     pub(crate) surfaces: &'a Surfaces,
     pub(crate) images: &'a RenderAssets<GpuImage>,
     pub(crate) images_changed: bool,
-    /// The camera's, for emission that is given by what it looks like.
+    /// The camera's exposure, for emission that is relative to it.
     pub(crate) exposure: f32,
-    /// cd/m² of Lumivox's unit of radiance.
+    /// Lumivox's unit of radiance, cd/m².
     pub(crate) unit: f32,
     pub(crate) exposure_changed: bool,
 }
 
 impl SurfaceTable {
-    /// Before all draws ask for their numbers again.
+    /// Clears the missing materials, before all draws request their numbers again.
     pub(crate) fn forget_missing(&mut self) {
         self.missing.clear();
     }
 
-    /// The number of a material, from the moment on that it is there.
+    /// The number of a material; `None` until the material exists.
     pub(crate) fn number(&mut self, id: &UntypedAssetId) -> Option<u32> {
         let number = self.numbers.by_id.get(id).copied();
         if number.is_none() && !self.missing.contains(id) {
@@ -84,7 +84,7 @@ impl SurfaceTable {
         self.are_there.get(number as usize).copied().unwrap_or_default()
     }
 
-    /// Whether it has textures, though they may not be there yet.
+    /// Whether it has textures, loaded or not.
     pub(crate) fn is_textured(&self, number: u32) -> bool {
         self.are_textured.get(number as usize).copied().unwrap_or_default()
     }
@@ -97,7 +97,7 @@ impl SurfaceTable {
         std::mem::take(&mut self.is_changed)
     }
 
-    /// Follows changes of materials and images. Whether draws have to be made anew is returned.
+    /// Applies changes of materials and images; returns whether draws must be rebuilt.
     pub(crate) fn update(
         &mut self,
         sources: &SurfaceSources<'_>,
@@ -135,7 +135,7 @@ impl SurfaceTable {
                     surface.base_color_texture.is_some() || surface.emissive_texture.is_some(),
                 ),
                 None => {
-                    // Draws are made anew, and none of them has the number then.
+                    // Draws are rebuilt, and none will have this number.
                     restructures = true;
                     self.numbers.remove(number as u32);
                     (SurfaceMaterial::default(), false, false)

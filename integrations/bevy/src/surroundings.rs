@@ -1,8 +1,8 @@
-//! Environment maps as the light outside the voxels, and what the air leaves of a sun.
+//! Environment maps as light from outside the voxels, and sunlight's transmittance through air.
 //!
-//! The map of a camera ([`EnvironmentMapLight`]: given, generated, or the atmosphere's) is copied on the GPU into Lumivox's form,
-//! and Bevy's own light of it, which nothing stops, is left out while the voxels are shown. So is that of
-//! reflection probes and irradiance volumes.
+//! The map of a camera ([`EnvironmentMapLight`]: given, generated, or the atmosphere's) is copied
+//! on the GPU into Lumivox's form. Bevy's own light from environment maps, reflection probes and
+//! irradiance volumes, which walls do not block, is disabled while the voxels are shown.
 
 use bevy::light::atmosphere::ScatteringMedium;
 use bevy::light::{
@@ -22,9 +22,9 @@ use crate::volumes::Volumes;
 
 /// Texels along an edge of a face of Lumivox's copy: 0.7 degrees.
 pub(crate) const EDGE: u32 = 128;
-/// Frames after which a map that Bevy computes anew in each frame is taken again.
+/// Interval, in frames, at which a map that Bevy recomputes every frame is copied again.
 const FRAMES_OF_GENERATED: u32 = 32;
-/// Steps along the way of sunlight through the air.
+/// Integration steps along a sun ray through the air.
 const AIR_STEPS: u32 = 40;
 
 /// The environment map of a camera.
@@ -34,12 +34,12 @@ pub(crate) struct Surroundings {
     /// cd/m² of the map's values.
     intensity: f32,
     cube_from_world: Mat3,
-    /// Bevy computes it anew in each frame.
+    /// Whether Bevy recomputes the map every frame.
     is_generated: bool,
 }
 
 impl Surroundings {
-    /// Whether its map is one of these.
+    /// Whether the map is one of `images`.
     pub(crate) fn is_of(&self, images: &HashSet<AssetId<Image>>) -> bool {
         images.contains(&self.image)
     }
@@ -54,7 +54,8 @@ impl Surroundings {
         // Cube textures are left-handed, as in Bevy's shader.
         let mirror = Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0));
         Some(Self {
-            // Before it is filtered, where there is that: the first mip has all of the directions sharp.
+            // The unfiltered map if Bevy filters one; otherwise the specular map, whose first mip
+            // is sharp.
             image: generated.map_or(map.specular_map.id(), |source| source.environment_map.id()),
             intensity: map.intensity,
             cube_from_world: mirror * Mat3::from_quat(map.rotation.inverse()),
@@ -62,7 +63,7 @@ impl Surroundings {
         })
     }
 
-    /// The cube texture, once it is there; `Err` where it is of a kind that is not read.
+    /// The cube texture; `None` until it is loaded, `Err` if its kind is not supported.
     pub(crate) fn cube(
         &self,
         images: &RenderAssets<GpuImage>,
@@ -83,21 +84,21 @@ impl Surroundings {
         Ok(Some((*image.texture_view).clone()))
     }
 
-    /// How it is read, in a unit of radiance of which `share` is one cd/m².
+    /// Settings for reading the map, in a unit of radiance in which 1 cd/m² is `share`.
     pub(crate) fn cube_use(&self, share: f32, added: Vec3) -> CubeUse {
         CubeUse { cube_from_world: self.cube_from_world, factor: self.intensity * share, added }
     }
 
-    /// Whether to take it again, so many frames after it was first taken: Bevy filters a map once its pipelines are compiled,
-    /// and does not tell.
+    /// Whether to copy the map again, this many frames after it was first copied: Bevy filters a
+    /// map only once its pipelines are compiled, and sends no event then.
     pub(crate) fn is_due(&self, frames: u32) -> bool {
         let is_new = frames < FRAMES_OF_GENERATED && frames.is_power_of_two();
         self.is_generated && (is_new || frames % FRAMES_OF_GENERATED == 0)
     }
 }
 
-/// Keeps Bevy from adding environment maps, reflection probes and irradiance volumes to views whose voxels are ready. Bevy gathers
-/// them anew in each frame, so that they come back by themselves.
+/// Removes Bevy's environment maps, reflection probes and irradiance volumes from views whose
+/// voxels are ready. Bevy collects them again every frame, so they return by themselves.
 pub(crate) fn take_maps_over(
     mut commands: Commands,
     gi_views: Res<GiViews>,
@@ -109,11 +110,11 @@ pub(crate) fn take_maps_over(
         if !ARE_USABLE {
             entity.try_remove::<RenderViewLightProbes<IrradianceVolume>>();
         } else if !own.has(&view.key) {
-            // Both at once, so that Bevy's pipelines change once.
+            // Remove both in the same frame, so that Bevy's pipelines change only once.
             continue;
         }
-        // A map that is not there yet, or not read, stays Bevy's. Where all is drawn forward, it is what gloss mirrors: its
-        // diffuse light gives way to irradiance volumes.
+        // A map that is not loaded or not supported stays with Bevy. In forward mode glossy
+        // surfaces reflect it, and irradiance volumes replace only its diffuse light.
         if method.is_forward {
             continue;
         }
@@ -123,8 +124,8 @@ pub(crate) fn take_maps_over(
     }
 }
 
-/// The share of a sun's light that reaches a place through the air (the optical depth of Beer, 1852; Bevy's shaders read it
-/// from a table). `towards` is a unit vector.
+/// The share of sunlight that reaches a position through the air: Beer's law (1852), integrated
+/// along the ray; Bevy's shaders read it from a table. `towards` is a unit vector.
 pub(crate) fn transmittance(
     (atmosphere, planet): (&Atmosphere, &GlobalTransform),
     medium: &ScatteringMedium,
@@ -133,13 +134,13 @@ pub(crate) fn transmittance(
 ) -> Vec3 {
     let scale = planet.scale().max_element().max(1e-9);
     let (inner, outer) = (atmosphere.inner_radius, atmosphere.outer_radius);
-    // From the planet's middle, in its own metres; in f64, since radii are large.
+    // Relative to the planet's centre, in its own metres; in f64, since radii are large.
     let offset = ((position - planet.translation()) / scale).as_dvec3();
     let radius = offset.length().max(f64::from(inner));
     let cosine = offset.normalize_or(bevy::math::DVec3::Y).dot(towards.as_dvec3());
     let across = radius * (1.0 - cosine * cosine).max(0.0).sqrt();
     if cosine < 0.0 && across < f64::from(inner) {
-        // The planet stands before it.
+        // The planet hides the sun.
         return Vec3::ZERO;
     }
     let reach = (f64::from(outer).powi(2) - across * across).max(0.0).sqrt() - radius * cosine;

@@ -1,7 +1,8 @@
-//! Textures for voxels: the app's own image where it has mips, else a small copy that has.
+//! Textures for voxels: the app's own image if it has mips, otherwise a small copy with mips.
 //!
-//! A voxel wants the mean over its surface, so that it reads coarse mips. Images from PNG files have none, and alpha that is
-//! compared with a cutoff has to be compared before it is averaged. Those get a copy of at most [`MAX_EDGE`] texels an edge.
+//! A voxel needs the mean over its surface, so it reads coarse mips. Images from PNG files have no
+//! mips, and alpha with a cutoff has to be compared before it is averaged. Such images get a copy
+//! of at most [`MAX_EDGE`] texels along an edge.
 
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
@@ -12,13 +13,13 @@ use lumivox::wgpu;
 
 /// Texels along the longest edge of a copy. The finest voxels are seldom smaller than its texels.
 const MAX_EDGE: u32 = 256;
-/// The most texels of the source, along an edge, that one of the copy averages.
+/// The most source texels, along an edge, that are averaged for one texel of the copy.
 const MAX_FOOTPRINT: u32 = 16;
 
-/// What a texture is used for.
+/// The use of a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum TextureUse {
-    /// Colour, and in alpha coverage: compared with the cutoff, if there is one.
+    /// Colour, with coverage in alpha, which is compared with the cutoff if there is one.
     Color { cutoff: Option<f32> },
     /// Emitted light, which may be brighter than one.
     Emission,
@@ -39,7 +40,7 @@ struct Copy {
 }
 
 impl TextureCopies {
-    /// Lets the next round look at images again whose content has changed.
+    /// Drops the copies of changed images, so that the next round makes them again.
     pub(crate) fn forget(&mut self, images: &HashSet<AssetId<Image>>) {
         self.copies.retain(|(image, _), _| !images.contains(image));
     }
@@ -64,18 +65,18 @@ struct Reduction {
 }
 
 impl Prepared<'_> {
-    /// Starts a round in which all textures that are in use are asked for.
+    /// Starts a round in which all textures in use are requested.
     pub(crate) fn begin(&mut self) {
         self.copies.round = self.copies.round.wrapping_add(1);
     }
 
-    /// Gives up the copies that were not asked for in this round.
+    /// Drops the copies that were not requested in this round.
     pub(crate) fn end(&mut self) {
         let round = self.copies.round;
         self.copies.copies.retain(|_, copy| copy.used == round);
     }
 
-    /// A view with mips and a sampler; `None` for images that are no pictures of colours.
+    /// A view with mips, and a sampler; `None` if the image is not a 2D texture of floats.
     pub(crate) fn texture(
         &mut self,
         id: AssetId<Image>,
@@ -109,7 +110,7 @@ impl Prepared<'_> {
             copy.used = round;
             return Some((copy.view.clone(), sampler));
         }
-        // A view of its own tells an image that was drawn anew in its texture from what it was.
+        // A new view, so that an image that was redrawn into the same texture differs from before.
         if cutoff.is_none() && has_mips && is_filterable {
             let texture: &wgpu::Texture = texture;
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -174,7 +175,7 @@ impl Prepared<'_> {
         let pipeline = self.pipelines.draw(plan);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut from = (source.clone(), source_size);
-        // They are given back when dropped, so they stay until the GPU has the work.
+        // Uniform buffers are reused once dropped, so they must live until the work is submitted.
         let mut uniforms = Vec::new();
         for level in 0..levels {
             let size = size.map(|edge| (edge >> level).max(1));

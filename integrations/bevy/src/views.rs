@@ -1,4 +1,4 @@
-//! The cameras with global illumination, as the render world knows them.
+//! The cameras with global illumination, in the render world.
 
 use bevy::camera::Exposure;
 use bevy::color::LinearRgba;
@@ -17,21 +17,21 @@ use crate::volumes::{VolumeKey, Volumes};
 /// A camera of this frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct GiView {
-    /// In the render world.
+    /// The camera's entity in the render world.
     pub(crate) entity: Entity,
     pub(crate) gi: LumivoxGi,
     /// The volume that lights it.
     pub(crate) key: VolumeKey,
-    /// The one that it asks for: another one while that is in the making.
+    /// The volume that it asks for; differs from `key` while that volume is being made.
     pub(crate) wanted: VolumeKey,
     pub(crate) position: Vec3,
     pub(crate) exposure: f32,
-    /// Bevy's ambient light there, cd/m².
+    /// Bevy's ambient light for this camera, cd/m².
     pub(crate) ambient: Vec3,
     pub(crate) surroundings: Option<Surroundings>,
-    /// It is the camera's own.
+    /// Whether the ambient light is the camera's own component.
     has_own_ambient: bool,
-    /// Its turn among cameras, and itself in the app's world.
+    /// The camera's `order`, and its entity in the main world.
     order: (isize, Entity),
 }
 
@@ -47,10 +47,11 @@ pub(crate) struct GiViews {
     pub(crate) views: Vec<GiView>,
 }
 
-/// On a view whose ambient light is taken over.
+/// Marks a view whose ambient light is disabled.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct TakenOver {
-    /// The camera's own ambient light is extracted in each frame, so that it comes back by itself.
+    /// `true` if the ambient light is the camera's own: Bevy extracts it every frame, so it returns
+    /// by itself.
     comes_back: bool,
 }
 
@@ -106,12 +107,13 @@ pub(crate) fn extract_views(
             order: (camera.order, camera_entity),
         });
     }
-    // The first one sets the unit of light: it stays the first when others come.
+    // The first camera sets the unit of light, and must stay the first when others are added.
     gi_views.views.sort_by_key(|view| view.order);
     volumes.follow_exposure(&gi_views.views);
 }
 
-/// Keeps Bevy from adding ambient light to views whose voxels are ready: these let in what finds a way.
+/// Disables Bevy's ambient light in views whose voxels are ready: the cones gather what reaches a
+/// surface of it.
 pub(crate) fn take_ambient_over(
     mut commands: Commands,
     gi_views: Res<GiViews>,

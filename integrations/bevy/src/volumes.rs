@@ -1,4 +1,5 @@
-//! The volumes of all cameras: begun, shown when their voxels are ready, replaced, given up.
+//! Manages the volumes of all cameras: makes them, shows them once their voxels are ready, replaces
+//! and drops them.
 
 use std::ops::RangeInclusive;
 
@@ -27,27 +28,29 @@ use crate::surroundings::Surroundings;
 use crate::views::{GiView, GiViews};
 use crate::voxels::{Frame, Made, Voxels, make};
 
-/// Frames for which a volume that no camera uses is kept.
+/// Frames that an unused volume is kept.
 const FRAMES_TO_KEEP: u32 = 120;
 /// The same, if it has never been shown.
 const FRAMES_TO_WAIT: u32 = 30;
-/// Frames for which the light of a volume that no camera uses may still be shown.
+/// Frames for which the light of an unused volume may still be shown.
 const FRAMES_TO_TRUST: u32 = 8;
-/// How far meshes may reach out of a box that was fitted to them, as a share of its longest edge, before it is fitted anew.
+/// How far meshes may extend beyond the box that was fitted to them, as a share of its longest
+/// edge, before it is fitted again.
 const TOLERATED_GROWTH: f32 = 0.01;
-/// How much smaller than its box the scene may become before it is fitted anew.
+/// Size of the scene, as a share of the box, below which the box is fitted again.
 const TOLERATED_SHRINKING: f32 = 0.4;
-/// cd/m² of Lumivox's unit of radiance in nearly all worlds.
+/// Lumivox's unit of radiance in nearly all scenes, cd/m².
 const USUAL_UNIT: f32 = 1024.0;
-/// How many times the unit a picture's white may be: half floats, which hold radiance, then have 32 steps for a thousandth of
-/// white, and room for lamps a thousand times as bright. With the usual unit this is an EV100 from 1 to 15.7.
+/// Allowed radiance of a picture's white, in Lumivox's unit. Radiance is stored in half floats:
+/// within this range they have 32 steps for a thousandth of white, and headroom for lamps a
+/// thousand times as bright. With the usual unit the range is EV100 1 to 15.7.
 const HELD_WHITES: RangeInclusive<f32> = 1.0 / 512.0..=64.0;
 
-/// What cameras must have in common to share a volume.
+/// Identifies a volume: cameras with equal keys share one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct VolumeKey {
     volume: GiVolume,
-    /// Cascades follow one camera.
+    /// The camera that cascades are centred on; `None` for boxes.
     camera: Option<Entity>,
 }
 
@@ -57,30 +60,30 @@ impl VolumeKey {
     }
 }
 
-/// A volume, and the one that takes its place.
+/// A volume, and its replacement while that is being made.
 struct Held {
     key: VolumeKey,
     shown: Option<Box<Voxels>>,
     coming: Option<Box<Voxels>>,
     making: Option<(Task<Result<Made, GiError>>, Option<[Vec3; 2]>)>,
-    /// What could not be made, so that it is not tried in each frame.
+    /// Bounds of the attempt that failed, so that it is not repeated every frame.
     failed: Option<Option<[Vec3; 2]>>,
     unused: u32,
-    /// In this frame.
+    /// Whether it was recorded in this frame.
     is_recorded: bool,
-    /// As the first of its cameras has them: the cascades of a sun are a camera's own.
+    /// Shadow maps of the first of its cameras: each camera has its own cascades of a sun.
     shadow_maps: ShadowMaps,
 }
 
-/// All of them.
+/// All volumes.
 #[derive(Resource, Default)]
 pub(crate) struct Volumes {
     held: Vec<Held>,
     pipelines: Option<Pipelines>,
     numbers: u64,
-    /// cd/m² of Lumivox's unit of radiance, which half floats hold; a power of two.
+    /// Lumivox's unit of radiance, cd/m²; a power of two. Half floats store radiance in it.
     unit: f32,
-    /// Of the first camera.
+    /// Exposure of the first camera.
     exposure: f32,
     is_exposure_changed: bool,
     /// Scratch for the lights of a frame.
@@ -88,7 +91,7 @@ pub(crate) struct Volumes {
 }
 
 impl Volumes {
-    /// The voxels to be seen through a key, if they are ready.
+    /// The shown voxels of a volume; `None` until they are ready.
     pub(crate) fn shown(&self, key: &VolumeKey) -> Option<&Voxels> {
         self.held.iter().find(|held| held.key == *key)?.shown.as_deref()
     }
@@ -97,7 +100,7 @@ impl Volumes {
         self.held.iter_mut().find(|held| held.key == *key)?.shown.as_deref_mut()
     }
 
-    /// The light of all shown voxels that are in use, for what is drawn forward.
+    /// Offers the light of all shown voxels in use to forward draws.
     pub(crate) fn offers(&self) -> impl Iterator<Item = Offer> {
         let unit = self.unit();
         let in_use = self.held.iter().filter(|held| held.unused <= FRAMES_TO_TRUST);
@@ -115,13 +118,13 @@ impl Volumes {
         if self.unit > 0.0 { self.unit } else { 1.0 }
     }
 
-    /// The exposure that emission is seen with.
+    /// The exposure of the first camera; 1 until it is known.
     pub(crate) fn exposure(&self) -> f32 {
         if self.exposure > 0.0 { self.exposure } else { 1.0 }
     }
 
-    /// Follows the exposure of the first camera. Where its pictures do not fit the unit of radiance, another is chosen, and all
-    /// voxels are made anew.
+    /// Tracks the exposure of the first camera. If the unit of radiance no longer suits its
+    /// pictures, chooses another unit and drops all voxels, to be made again.
     pub(crate) fn follow_exposure(&mut self, views: &[GiView]) {
         let Some(view) = views.first() else { return };
         let exposure = view.exposure;
@@ -138,17 +141,17 @@ impl Volumes {
         }
     }
 
-    /// Whether the exposure or the unit is another than when this was last asked.
+    /// Whether the exposure or the unit has changed since the last call.
     pub(crate) fn take_exposure_changed(&mut self) -> bool {
         std::mem::take(&mut self.is_exposure_changed)
     }
 
-    /// Whether nothing is left of any.
+    /// Whether there are no volumes.
     pub(crate) fn are_gone(&self) -> bool {
         self.held.is_empty()
     }
 
-    /// Finds or begins the volumes that cameras need, and gives up those that none does.
+    /// Updates or starts the volumes that cameras need, and drops those that stay unused.
     pub(crate) fn follow(
         &mut self,
         views: &[GiView],
@@ -170,7 +173,8 @@ impl Volumes {
             for held in self.held.iter_mut().filter(is_of_view) {
                 let unused = std::mem::take(&mut held.unused);
                 if unused == 0 {
-                    // Another camera of this frame shares the volume, which was followed for it.
+                    // Another camera shares the volume, and it was updated for that one in this
+                    // frame.
                     continue;
                 }
                 if unused > FRAMES_TO_TRUST && held.key != view.key {
@@ -202,7 +206,7 @@ impl Held {
         }
     }
 
-    /// Begins to make voxels if there are none, or if the scene has outgrown them.
+    /// Starts to make voxels if there are none, or if the scene no longer fits them.
     fn make(
         &mut self,
         view: &GiView,
@@ -236,7 +240,7 @@ impl Held {
         }
     }
 
-    /// Hides voxels whose light is of another time, until it is of this one.
+    /// Hides voxels with stale light until they are lit again.
     fn light_anew(&mut self) {
         if let Some(mut stale) = self.shown.take() {
             stale.light_anew();
@@ -259,7 +263,7 @@ impl Held {
         reports.tell(LumivoxEvent::Failed { error: error.to_string() });
     }
 
-    /// Takes what a task has made.
+    /// Applies the result of the task once it is finished.
     fn take_made(&mut self, numbers: &mut u64, ambient: Vec3, reports: &Reports) {
         let Some((task, bounds)) = &mut self.making else { return };
         let bounds = *bounds;
@@ -276,7 +280,7 @@ impl Held {
     }
 }
 
-/// Whether a scene needs another box than the one that was fitted to it.
+/// Whether the box that was fitted to a scene has to be fitted again.
 fn has_outgrown([min, max]: [Vec3; 2], [low, high]: [Vec3; 2]) -> bool {
     let longest = (max - min).max_element();
     let beyond = (min - low).max(high - max).max_element();
@@ -288,7 +292,7 @@ fn grid(volume: &GiVolume, bounds: Option<[Vec3; 2]>, camera: Vec3) -> Result<Gr
     match (*volume, bounds) {
         (GiVolume::Box { min, max, resolution }, _) => Grid::fit(min, max, resolution, Vec3::ZERO),
         (GiVolume::Scene { resolution }, Some([min, max])) => {
-            // A scene that is a single plane has a box, too.
+            // A flat scene still gets a box with a volume.
             let least = 1e-3 * (max - min).max_element().max(1e-3);
             Grid::fit(min, max.max(min + least), resolution, Vec3::ZERO)
         }
@@ -302,7 +306,8 @@ fn grid(volume: &GiVolume, bounds: Option<[Vec3; 2]>, camera: Vec3) -> Result<Gr
     }
 }
 
-/// Records the work of a camera's volume, once in a frame: after the shadow maps of the first camera that shares it.
+/// Records the work of a camera's volume once per frame, after the shadow maps of the first camera
+/// that shares it.
 pub(crate) fn record_volume(
     view: ViewQuery<(Entity, Option<(&ViewShadowBindings, &ViewLightEntities)>)>,
     extracted: Query<&ExtractedView>,

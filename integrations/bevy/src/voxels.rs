@@ -1,4 +1,4 @@
-//! The voxels of a volume: made beside the frames, filled and lit in each frame without waiting.
+//! The voxels of a volume: made in the background, then filled and lit every frame without waiting.
 
 use bevy::prelude::*;
 use bevy::render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
@@ -21,8 +21,8 @@ use crate::surroundings::{EDGE, Surroundings};
 
 /// Frames in which new voxels are lit before they are shown.
 const FRAMES_TO_LIGHT: u32 = 8;
-/// Frames after a change in which lights with shadow maps are evaluated again: Bevy draws a map once its pipelines are
-/// compiled, and does not tell.
+/// Frames after a change at which lights with shadow maps are evaluated again: Bevy draws a map
+/// only once its pipelines are compiled, and sends no event then.
 const FRAMES_OF_NEW_MAPS: [u32; 3] = [2, 16, 120];
 
 /// Voxels with their light.
@@ -30,40 +30,40 @@ pub(crate) struct Voxels {
     pub(crate) gi: Gi,
     pub(crate) lights: Lights,
     pub(crate) compose: Compose,
-    /// Another number for each of them.
+    /// A unique number.
     pub(crate) number: u64,
     lit_by: LitBy,
     cube: EnvironmentCube,
-    /// The environment map that the cube holds, and since how many frames.
+    /// The environment map that was copied to `cube`.
     taken: Option<(wgpu::TextureView, CubeUse)>,
     frames_taken: u32,
-    /// The geometry that they were made of.
+    /// Version of the geometry that was voxelized last.
     version: Option<u64>,
     is_late: bool,
-    /// Whether there was room for the last version is not known yet.
+    /// Whether the overflow flags of the last voxelization are not read back yet.
     is_pending: bool,
     frames_lit: u32,
     /// Frames since lights or geometry have changed.
     frames_at_rest: u32,
-    /// The box that the scene was in when they were fitted to it.
+    /// The bounds of the scene that the volume was fitted to.
     pub(crate) fitted: Option<[Vec3; 2]>,
-    /// A version of the geometry that is refused.
+    /// The version of the geometry that could not be voxelized.
     refused: Option<u64>,
-    /// Light for what is drawn forward, if anything is.
+    /// Probes that light forward draws; `None` if there are no such draws.
     pub(crate) probes: Option<Probes>,
     probe_kernels: Option<ProbeKernels>,
 }
 
-/// What the lights were set to.
+/// The values that the lights were set from.
 struct LitBy {
     lights: Vec<Light>,
     ambient: Vec3,
-    /// The surroundings are an environment map.
+    /// True if the surroundings are an environment map.
     has_map: bool,
     shadow_maps: Option<[Bound; 4]>,
 }
 
-/// What a task makes.
+/// The result of the task of [`make`].
 pub(crate) struct Made {
     gi: Gi,
     cube: EnvironmentCube,
@@ -71,22 +71,22 @@ pub(crate) struct Made {
     probe_kernels: Option<ProbeKernels>,
 }
 
-/// What a frame does to voxels.
+/// The inputs of a frame.
 pub(crate) struct Frame<'a> {
-    /// The settings of the first camera that shares these voxels, with the volume that they are of.
+    /// The settings of the first camera that shares these voxels, but with the voxels' own volume.
     pub(crate) gi: LumivoxGi,
-    /// Where that camera is: cascades follow it.
+    /// That camera's position, which cascades are centred on.
     pub(crate) position: Vec3,
-    /// The environment map, if it is there.
+    /// The environment map, if it is loaded.
     pub(crate) map: Option<(&'a wgpu::TextureView, &'a Surroundings)>,
-    /// Its content is another.
+    /// Whether the map's content has changed.
     pub(crate) is_map_redrawn: bool,
-    /// Lumivox's unit of radiance in one cd/m².
+    /// 1 cd/m² in Lumivox's unit of radiance.
     pub(crate) share: f32,
     pub(crate) scene: &'a SceneGeometry,
     pub(crate) lights: &'a [Light],
     pub(crate) shadow_maps: &'a ShadowMaps,
-    /// In Lumivox's unit.
+    /// The ambient light in Lumivox's unit.
     pub(crate) ambient: Vec3,
     /// Whether anything is drawn forward.
     pub(crate) has_forward: bool,
@@ -99,7 +99,7 @@ impl Frame<'_> {
     }
 }
 
-/// Makes voxels and compiles what works on them, beside the frames.
+/// Makes voxels and compiles their pipelines, in the background.
 pub(crate) fn make(
     pipelines: &Pipelines,
     queue: &wgpu::Queue,
@@ -120,7 +120,7 @@ pub(crate) fn make(
         };
         let gi = Gi::with_pipelines(&pipelines, &queue, config)?;
         gi.prepare_frames();
-        // Kernels of these settings are compiled with all others.
+        // Creates the kernels of these settings, to be compiled with all others.
         gi.targets(UVec2::splat(8), &settings.trace_settings());
         let compose = Compose::new(&gi)?;
         let cube = EnvironmentCube::new(&pipelines, gi.shaders(), EDGE)?;
@@ -131,7 +131,8 @@ pub(crate) fn make(
         let (pipelines, mut made) = link()?;
         bevy::tasks::block_on(pipelines.compile(&mut |_, _| ()));
         made.link_probes()?;
-        // Kernels for holes and textures: a frame that needs one earlier waits for it.
+        // The remaining kernels, for holes and textures: a frame that needs one earlier waits for
+        // it.
         let rest = async move { bevy::tasks::block_on(pipelines.compile_all(&mut |_, _| ())) };
         beside_frames(rest).detach();
         Ok(made)
@@ -147,7 +148,8 @@ pub(crate) fn make(
     beside_frames(task)
 }
 
-/// Spawns a task. Bevy's pool of several threads, which is a feature, wants `Send`; this asks for it with any features.
+/// Spawns a background task. It must be `Send` for Bevy's pool of several threads, a Cargo feature;
+/// this function requires it with any features.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn beside_frames<T: Send + 'static>(
     task: impl Future<Output = T> + Send + 'static,
@@ -155,14 +157,15 @@ pub(crate) fn beside_frames<T: Send + 'static>(
     AsyncComputeTaskPool::get().spawn(task)
 }
 
-/// Spawns a task.
+/// Spawns a background task.
 #[cfg(target_arch = "wasm32")]
 pub(crate) fn beside_frames<T: 'static>(task: impl Future<Output = T> + 'static) -> Task<T> {
     AsyncComputeTaskPool::get().spawn(task)
 }
 
 impl Made {
-    /// After all others: these are compiled once something is drawn forward.
+    /// Links the probes' kernels. It runs after all others are compiled, since these are compiled
+    /// only once something is drawn forward.
     fn link_probes(&mut self) -> Result<(), GiError> {
         if ARE_USABLE {
             self.probe_kernels = Some(ProbeKernels::new(&self.gi)?);
@@ -205,7 +208,7 @@ impl Voxels {
         self.taken.is_some()
     }
 
-    /// Takes the environment map, if it has changed.
+    /// Copies the environment map if it has changed.
     fn follow_map(
         &mut self,
         (device, queue): (&wgpu::Device, &wgpu::Queue),
@@ -249,7 +252,7 @@ impl Voxels {
         self.lit_by.has_map = self.holds_map();
         self.lit_by.shadow_maps = Some(bound.clone());
         let environment = match self.taken {
-            // The ambient light is in it.
+            // The map already includes the ambient light.
             Some(_) => EnvironmentLight {
                 radiance: Vec3::ONE,
                 map: Some(self.cube.map()),
@@ -260,20 +263,20 @@ impl Voxels {
         self.lights.update(queue, frame.lights, environment, ShadowSource::Own(bound));
     }
 
-    /// Lets frames pass before they may be seen again.
+    /// Requires some lit frames before the voxels may be shown again.
     pub(crate) fn light_anew(&mut self) {
         self.frames_lit = 0;
     }
 
-    /// Whether they may be seen.
+    /// Whether the voxels may be shown.
     pub(crate) fn is_lit(&self) -> bool {
-        // Without their probes, what is drawn forward would be dark for a while.
+        // Without lit probes, forward draws would be dark for a while.
         let are_probes_lit = self.probes.as_ref().is_none_or(Probes::are_lit);
         let is_lit = self.gi.voxels().is_some() && !self.is_late;
         is_lit && self.frames_lit >= FRAMES_TO_LIGHT && are_probes_lit
     }
 
-    /// Follows geometry and lights.
+    /// Applies changes of geometry and lights, and records the work of the frame.
     pub(crate) fn record(
         &mut self,
         (device, queue): (&wgpu::Device, &wgpu::Queue),

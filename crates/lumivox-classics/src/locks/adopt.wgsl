@@ -1,4 +1,4 @@
-// Takes over the nodes that descend.wgsl has built: those that somebody wanted, and those that lead to them.
+// Adopts the nodes that descend.wgsl has built: the wanted ones, and those that lead to them.
 
 import package::classics::locks::descend::WANTED;
 import package::constants::LINEAR_WORKGROUP_SIZE;

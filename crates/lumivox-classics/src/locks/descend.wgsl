@@ -1,11 +1,12 @@
-// Nodes by concurrent descent: many threads split nodes at once, one each under the node's lock.
+// Builds nodes by concurrent descent: many threads split nodes at once, each under the node's lock.
 //
-// As the first octree builders on GPUs did it (Crassin and Green 2012, "Octree-based sparse voxelization using the
-// GPU hardware rasterizer", OpenGL Insights chapter 22). A thread brings one node into being: it descends from the
-// root, and where it finds a node without children it takes the node's lock, allocates a group of eight and goes on.
-// If another thread has the lock, it does not wait: it puts itself on the list for the next pass. A lock is never given
-// back, and a node whose lock is taken has its children at the end of the pass. So every pass brings a deferred thread
-// down by a level at least, and as many passes as there are levels are enough.
+// The first octree builders on GPUs worked like this (Crassin and Green 2012, "Octree-based sparse
+// voxelization using the GPU hardware rasterizer", OpenGL Insights chapter 22). A thread creates
+// one node: it descends from the root, and at a node without children it takes the node's lock,
+// allocates a group of eight and goes on. If another thread has the lock, it does not wait: it adds
+// itself to the list for the next pass. A lock is never released, and a node whose lock is taken
+// has its children at the end of the pass. So every pass brings a deferred thread down by a level
+// at least, and as many passes as there are levels are enough.
 
 import package::constants::{COUNT_BLOCK_WORDS, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
@@ -26,7 +27,7 @@ struct LockPass {
 
 @group(1) @binding(0) var<uniform> lock_pass: LockPass;
 @group(1) @binding(1) var<storage, read> nodes: array<Node>;
-// Of each node the group of its children.
+// The group of each node's children.
 @group(1) @binding(2) var<storage, read_write> children: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> locks: array<atomic<u32>>;
 @group(1) @binding(4) var<storage, read_write> sites: array<Site>;
@@ -34,12 +35,12 @@ struct LockPass {
 @group(1) @binding(5) var<storage, read_write> counters: array<atomic<u32>>;
 @group(1) @binding(6) var<storage, read> items: array<u32>;
 @group(1) @binding(7) var<storage, read_write> deferred: array<u32>;
-// How much there is in the list (voxels/counts.wgsl).
+// The sizes of the voxel list (voxels/counts.wgsl).
 @group(1) @binding(8) var<storage, read> list_counts: array<u32>;
 
 const GROUPS: u32 = 0u;
 const DEFERRED: u32 = 2u;
-// Bits of a lock: taken, and that a thread has come to this node to stay.
+// Bits of a lock: a thread has taken it; a thread wanted to create this node.
 const TAKEN: u32 = 1u;
 const WANTED: u32 = 2u;
 
@@ -65,7 +66,7 @@ fn target_of(item: u32) -> Target {
 // The children of a node that had none. Only one thread gets here for a node.
 fn split(node: u32, node_cell: vec3u, level: u32) -> u32 {
     let group = 1u + atomicAdd(&counters[GROUPS], 1u);
-    // What does not have room is not taken (verdict.wgsl).
+    // A tree that does not fit is not adopted (verdict.wgsl).
     if 8u * group >= tree.slots {
         return NONE;
     }
@@ -77,7 +78,7 @@ fn split(node: u32, node_cell: vec3u, level: u32) -> u32 {
     return group;
 }
 
-// Whether the node is there now.
+// Creates the nodes down to the wanted one; returns whether that exists now.
 fn insert(wanted: Target) -> bool {
     var node = 0u;
     var level = tree.root_level;

@@ -1,9 +1,11 @@
-//! An octree's nodes by concurrent descent: passes over threads that come again until none is left (`descend.wgsl`).
+//! Builds an octree's nodes by concurrent descent: passes over the deferred threads until none is
+//! left (`descend.wgsl`).
 //!
-//! The first octree builders on GPUs did it so (Crassin and Green 2012, "Octree-based sparse voxelization using the GPU
-//! hardware rasterizer", OpenGL Insights chapter 22). It is here to be compared with the numbering by ranks, which it
-//! equals node for node: only the order of the nodes is the threads'. They are built apart, in buffers of their own, and
-//! taken over at the end (`adopt.wgsl`), since locks have no place in the octree.
+//! The first octree builders on GPUs worked like this (Crassin and Green 2012, "Octree-based sparse
+//! voxelization using the GPU hardware rasterizer", OpenGL Insights chapter 22). It is here to be
+//! compared with the numbering by ranks. Both make the same nodes; only here their order depends on
+//! the threads. The nodes are built in separate buffers and adopted at the end (`adopt.wgsl`),
+//! since the octree does not store locks.
 
 use std::sync::Arc;
 
@@ -18,8 +20,9 @@ use lumivox::{GiError, Grid};
 
 use crate::with_modules;
 
-/// Nodes by threads that descend together and split nodes under locks, as [`lumivox::GiConfig::octree_builder`]: who
-/// fails to take a lock comes again in the next pass. Nodes lie in another order in every run, bricks do not.
+/// Builds nodes with threads that descend together and split nodes under locks, as
+/// [`lumivox::GiConfig::octree_builder`]. A thread that fails to take a lock tries again in the
+/// next pass. The order of nodes differs in every run, that of bricks does not.
 ///
 /// [`lumivox::OctreeStats::counts`] has `lock_passes`, the last of which deferred nothing, and `deferred`, the threads of
 /// all passes that had to come again.
@@ -69,7 +72,8 @@ struct LockBuilder {
     pass: Kernel,
     adopt: Kernel,
     indirect: Indirect,
-    /// Enough of them: a thread is deferred once a level at most, and the last pass shows that none is left.
+    /// The number of passes, which is enough: a thread is deferred at most once per level, and the
+    /// last pass shows that none is left.
     passes: u32,
     /// The groups made, zero, and the threads that each pass has deferred.
     counters: Buffer,
@@ -237,10 +241,10 @@ impl BoundLocks {
     }
 }
 
-/// How it went, from the words of the counters: the passes until nothing was deferred, and the threads that were.
+/// The number of passes until nothing was deferred, and of deferred threads, from the counters.
 ///
 /// # Errors
-/// [`GiError::Device`] if it did not end with the nodes that there have to be, which would be a defect.
+/// [`GiError::Device`] if nodes are missing or threads are left over, which would be a bug.
 fn count_passes(counters: &[u32], groups: u32) -> Result<(u64, u64), GiError> {
     let deferred = &counters[DEFERRED as usize..];
     let left = deferred.last().copied().unwrap_or(0);
@@ -278,7 +282,7 @@ mod tests {
         assert_eq!(count_passes(&[4, 0, 70, 9, 0], 5).expect("all is there"), (3, 79));
     }
 
-    /// Whoever shows such a tree would show one with holes.
+    /// Such a tree would have holes.
     #[test]
     fn threads_left_over_and_groups_missing_are_errors() {
         for (counters, groups, says) in [

@@ -1,4 +1,5 @@
-// The light that faces send out before photons come: emission, and what lights without maps bring.
+// The light that leaves faces before photons arrive: emission, and reflected light of lights
+// without maps.
 
 import package::constants::{LINEAR_WORKGROUP_SIZE, SHADOW_MAP};
 import package::gpu::dispatch::linear_index;

@@ -1,8 +1,9 @@
 // Inserts the texels of a light's depth maps into the faces of the voxels that they show.
 //
-// Each bundle finds its voxel by the occupancy bits, and is shared out to the voxel's faces by what they cover of
-// the beam, max(0, -d . N). Sums are integers, so that the order of the threads does not matter; what is cut off of
-// a share is rounded at random by a hash of the texel, so that many small shares still add up.
+// Each bundle finds its voxel by the occupancy bits, and is split among the voxel's faces by how
+// much of the beam they cover, max(0, -d . N). Sums are integers, so the order of the threads does
+// not matter. Shares are rounded at random by a hash of the texel, so that many small shares still
+// add up.
 
 import package::constants::LIGHT_POINT;
 import package::gpu::random::hash;
@@ -18,9 +19,9 @@ import package::voxels::morton::morton_encode;
 @group(1) @binding(2) var<storage, read> ranks: array<u32>;
 @group(1) @binding(3) var<storage, read> first_faces: array<u32>;
 @group(1) @binding(4) var<storage, read> faces: array<Face>;
-// What each face has taken up, `Taken` with atomic members.
+// The light that each face has received, `Taken` with atomic members.
 @group(1) @binding(5) var<storage, read_write> sums: array<AtomicTaken>;
-// How many bundles ended how, by the numbers below.
+// The number of bundles with each of the fates below.
 @group(1) @binding(6) var<storage, read_write> fates: array<atomic<u32>, FATES>;
 
 struct AtomicTaken {
@@ -33,7 +34,7 @@ const FATES: u32 = 4u;
 const FATE_NONE: u32 = 0u;
 // Inserted.
 const FATE_KEPT: u32 = 1u;
-// Met a side that has no face, such as the back of a single-sided wall: nothing that reflects.
+// Met a side without a face, such as the back of a single-sided wall, which reflects nothing.
 const FATE_ABSORBED: u32 = 2u;
 // Met a surface where there is no voxel, or one that is only touched.
 const FATE_LOST: u32 = 3u;
@@ -46,9 +47,10 @@ struct Voxel {
 
 const NO_VOXEL: u32 = 0xffffffffu;
 
-// Places that are tried, in voxels along the beam. A surface on the border of two voxels is in one of them, and
-// rounding may put the texel's point into the other; the least step is 50 times what f32 rounds at 1024 voxels.
-// The greater one is for edges that the rasterizer has moved by a fraction of a texel.
+// Offsets that are tried, in voxels along the beam. A surface on the border of two voxels is in one
+// of them, and rounding may put the texel's point into the other; the smaller step is 50 times the
+// rounding of f32 at 1024 voxels. The larger step is for edges that the rasterizer has moved by a
+// fraction of a texel.
 const TRIES: u32 = 5u;
 const STEPS = array<f32, TRIES>(0.0, 0.015625, -0.015625, 0.125, -0.125);
 
@@ -66,7 +68,7 @@ fn voxel_at(position_in_grid: vec3f) -> Voxel {
     return Voxel(ranks[code >> 5u] + bits_below(bits, code & 31u), code);
 }
 
-// What a face covers of a beam, in units of a voxel's side.
+// The part of a beam that a face covers, in units of a voxel's side.
 fn cover(face: u32, direction: vec3f) -> f32 {
     return max(-dot(direction, faces[face].vector_area), 0.0);
 }
@@ -77,13 +79,13 @@ fn lead_of(face: u32, position: vec3f) -> f32 {
     return dot(position - faces[face].position_in_world, normal) / grid.voxel_size_m;
 }
 
-// Planes that are as near as this to each other share what arrives there, in voxels.
+// Faces whose planes are as near as this to each other share the arriving light, in voxels.
 const SHARED = 1.0 / 64.0;
 
-// Shares a bundle out to the faces of a voxel that it arrives on: those whose planes are nearest.
+// Splits a bundle among the faces of a voxel that it hits: those with the nearest planes.
 fn insert(position: vec3f, voxel: Voxel, direction: vec3f, counts: f32, seed: u32) -> u32 {
     let first = first_faces[voxel.place];
-    // A voxel's faces stand one after another, if it has any.
+    // A voxel's faces, if any, are stored one after another.
     var end = first;
     while end < arrayLength(&faces) && faces[end].cell == voxel.code {
         end++;

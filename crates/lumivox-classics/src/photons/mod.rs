@@ -1,17 +1,19 @@
 //! Photon insertion: direct light into the voxels from the texels of the lights' depth maps.
 //!
-//! Crassin et al. 2011 ("Interactive indirect illumination using voxel cone tracing", section 5) light their octree
-//! so. Each texel of a map is a bundle of photons that carries its flux to the voxel that it shows
-//! (`insert.wgsl`); a face then reflects what came, over its area (`reflect.wgsl`). In expectation that is the
-//! irradiance that the direct evaluation computes face by face; it scatters with the number of texels that a face
-//! is seen by, so maps must be fine enough: a texel of at most half a voxel.
+//! This is how Crassin et al. 2011 ("Interactive indirect illumination using voxel cone tracing",
+//! section 5) light their octree. Each texel of a map is a bundle of photons that carries its flux
+//! to the voxel that it shows (`insert.wgsl`); a face then reflects the received flux over its area
+//! (`reflect.wgsl`). In expectation that is the irradiance that the direct evaluation computes face
+//! by face. Its noise depends on the number of texels that see a face, so maps must be fine enough:
+//! a texel of at most half a voxel.
 //!
-//! A face that is seen in less than four texels is evaluated directly, since it would get all or nothing.
-//! A voxel does not tell layers behind each other apart (a ceiling, and a lamp's black panel below it). Where light
-//! arrives in front of a face's middle it is evaluated directly (`reflect.wgsl`).
+//! A face that fewer than four texels see is evaluated directly, since it would get all or nothing.
+//! A voxel does not distinguish layers behind each other (a ceiling, and a lamp's black panel below
+//! it): faces are also evaluated directly if light arrives in front of their middle
+//! (`reflect.wgsl`).
 //!
-//! What it has over the direct evaluation: a face in half shadow gets what reaches its lit part, to the texel, and
-//! time goes with the texels, whatever the number of faces.
+//! Advantages over the direct evaluation: a face in half shadow gets the light of its lit part, to
+//! the texel; and the time depends on the number of texels, not of faces.
 //!
 //! Fluxes are summed up as integers, light after light. The sum of a face is bounded:
 //!
@@ -55,7 +57,8 @@ pub fn photon_fates(gi: &Gi) -> Option<&Buffer> {
 /// The name of the injection.
 pub const NAME: &str = "photons";
 
-/// Photons scatter by about the texels that a voxel's side is seen by: two along an edge are the least.
+/// Photons scatter with the number of texels that see a voxel's side: two along an edge are the
+/// least.
 const MAX_TEXEL_VOXELS: f32 = 0.5;
 
 #[derive(Debug)]
@@ -93,7 +96,7 @@ const MAX_LAYERS: usize = 6;
 const FATES: u64 = 4;
 /// `Taken` of `photon_map.wgsl`, for each face.
 const SUMS_BYTES: u64 = 8;
-/// The largest sum that can be: half of what a word holds.
+/// The largest possible sum: half of what a word holds.
 const LARGEST_SUM: f32 = 2_147_483_648.0;
 
 /// `PhotonMap` of `photon_map.wgsl`.
@@ -110,7 +113,8 @@ struct PhotonMap {
 impl PhotonMap {
     fn new(light: &MappedLight, grid: &Grid) -> Self {
         let mut world_from_clip = [Mat4::IDENTITY; MAX_LAYERS];
-        // Photons start from all of the light's ways, not from the finer maps within them.
+        // Photons come from the layers that cover all of the light, not from the finer maps within
+        // them.
         let finer = light.layers.iter().filter(|layer| layer.has_finer).count();
         let layers = &light.layers[..light.layers.len() - finer];
         for (inverse, layer) in world_from_clip.iter_mut().zip(layers) {
@@ -150,18 +154,19 @@ fn largest_flux(light: &MappedLight, grid: &Grid) -> f32 {
     }
 }
 
-/// What became of the bundles of all lights, in texels of their maps.
+/// The fates of the bundles of all lights, in texels of their maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PhotonFates {
     /// Texels that show nothing, or a direction that belongs to another face of a cube.
     pub none: u32,
-    /// Came into a voxel.
+    /// Inserted into a voxel.
     pub kept: u32,
     /// Met a side without a face, such as the back of a single-sided wall, which reflects nothing.
     pub absorbed: u32,
-    /// Met a surface where no voxel is, or one that a surface only touches: at edges that rounding moves over the
-    /// border of a voxel, where masks let through in voxels and not in maps, or beyond the grid.
+    /// Met a surface where there is no voxel, or one that a surface only touches: at edges that
+    /// rounding moves over the border of a voxel, at masks that are open in voxels but not in maps,
+    /// or beyond the grid.
     pub lost: u32,
 }
 
@@ -180,7 +185,7 @@ struct Photons {
     list: Option<List>,
 }
 
-/// What belongs to the current voxel list.
+/// The resources of the current voxel list.
 #[derive(Debug)]
 struct List {
     occupancy: Buffer,
@@ -236,7 +241,7 @@ impl Photons {
 
 impl Injector for Photons {
     fn take(&mut self, device: &Pipelines, voxels: &VoxelList) {
-        // With room to spare, which is as large for all that the list holds on the way.
+        // The capacity, which stays the same while the list's contents change.
         let face_count = voxels.face_capacity();
         if self.list.as_ref().is_some_and(|list| list.faces == voxels.faces) {
             return;

@@ -1,4 +1,4 @@
-// What the two photon kernels share: the light whose maps are inserted.
+// Shared by the two photon kernels: the light whose maps are inserted.
 //
 // A texel of a light's depth map is a bundle of photons (Crassin et al. 2011, "Interactive indirect illumination
 // using voxel cone tracing", section 5). It carries irradiance across the beam times the bundle's cross-section:
@@ -14,14 +14,15 @@ struct PhotonMap {
     light: u32,
     first_layer: u32,
     layer_count: u32,
-    // What a flux of one is as an integer, where the light's intensity is one: per m2 for parallel light, per
-    // steradian for the others. So large that no sum can overflow (mod.rs).
+    // Integer counts of a flux of one, for a light with an intensity of one: per m2 for parallel
+    // light, per steradian for the others. As large as possible without overflow of any sum
+    // (mod.rs).
     counts_per_flux: f32,
 }
 
 @group(1) @binding(0) var<uniform> photon_map: PhotonMap;
 
-// What a face has taken up.
+// The light that a face has received.
 struct Taken {
     // The flux, in counts.
     flux: u32,

@@ -1,11 +1,12 @@
-// The light that faces reflect of the flux that was inserted into them: the share that leaves / pi * flux / area, on top
-// of what they sent out before. The sums are left at zero for the next light.
+// Adds the light that faces reflect of their inserted flux, the share that leaves / pi * flux /
+// area, to the light that already leaves them. The sums are reset to zero for the next light.
 //
-// A face may be made of layers behind each other, such as a ceiling and a lamp's black panel below it. What the panel
-// takes up must not be reflected by the ceiling's share of the face: a turned Cornell box was 29 % too bright. Such
-// light gives itself away by arriving in front of the face's middle, where on a plane it arrives level with it. Faces
-// on which it leads by more than LEAD are evaluated directly, by what reaches their middle. So are those that the map
-// shows in less than LEAST_TEXELS: slivers at the corners of voxels, which get a texel or none.
+// A face may consist of layers behind each other, such as a ceiling and a lamp's black panel below
+// it. The ceiling's share of the face must not reflect the light that the panel receives: a turned
+// Cornell box was 29 % too bright. Such light arrives in front of the face's middle, while on a
+// plane it arrives level with it. Faces on which it leads by more than LEAD are evaluated directly,
+// by what reaches their middle. So are faces that the map shows in fewer than LEAST_TEXELS: slivers
+// at the corners of voxels, which get a texel or none.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -25,7 +26,7 @@ const PI: f32 = 3.14159265359;
 // A 32nd of a voxel, as `Taken` counts it: a hidden layer half a voxel behind that makes up a sixteenth of the face.
 const LEAD: f32 = 0.015625;
 
-// Two along an edge, as a whole side has of the coarsest map that does.
+// Two along an edge: as many as a whole side has in the coarsest map that is allowed.
 const LEAST_TEXELS: f32 = 4.0;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)

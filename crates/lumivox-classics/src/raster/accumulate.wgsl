@@ -1,4 +1,4 @@
-// Sums up what the fragments bring to their faces, as the exact walk does (voxelize/accumulate.wgsl).
+// Adds the fragments to their faces, as the exact walk does (voxelize/accumulate.wgsl).
 
 import package::voxelize::accumulate::{add_piece, summing_begin};
 import package::classics::raster::fragment::{IS_CONSERVATIVE, fragment_begin, fragment_on, piece_of};
@@ -7,7 +7,7 @@ import package::voxelize::piece::Piece;
 import package::voxelize::surface::{PIERCED, UNIFORM, VARIED};
 import package::voxelize::walk::Walk;
 
-// A fragment of a pixel's centre stands for all of the pixel.
+// A fragment of a pixel's centre represents the whole pixel.
 fn cover_of_fragment(walk: ptr<function, Walk>, piece: Piece) -> Cover {
     if IS_CONSERVATIVE {
         return cover_of(walk, piece.centroid);
@@ -19,7 +19,7 @@ fn accumulate(position: vec2f, triangle: u32, axis: u32, detail: u32) {
     var walk: Walk;
     let fragment = fragment_begin(&walk, position, triangle, axis);
     var summing = summing_begin(&walk);
-    // The three planes' fragments of a triangle are rounded each by a number of its own.
+    // Each of the three planes rounds a triangle's fragments with its own seed.
     summing.seed += axis;
     var is_there = fragment.is_there;
     loop {

@@ -14,7 +14,7 @@ import package::voxelize::triangles::load_triangle;
 struct Corner {
     @invariant @builtin(position) position: vec4f,
     @location(0) @interpolate(flat) triangle: u32,
-    // Along which it is seen.
+    // The axis along which it is seen.
     @location(1) @interpolate(flat) axis: u32,
 }
 
@@ -24,7 +24,7 @@ fn clip_position(column: vec2f) -> vec4f {
     return vec4f(column.x / edge * 2.0 - 1.0, 1.0 - column.y / edge * 2.0, 0.5, 1.0);
 }
 
-// The instance is the plane to draw on where there are three.
+// The instance is the plane to draw on if there are three.
 @vertex
 fn main(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
     let index = vertex / 3u;

@@ -1,5 +1,5 @@
-// From a fragment to the voxels that it stands for, as a walk (walk.wgsl) over the one or the few in its
-// column: all that the exact walk does with a voxel can then be done with them.
+// Turns a fragment into a walk (walk.wgsl) over the one or few voxels of its column that it
+// represents, so that they are processed as in the exact walk.
 
 import package::constants::{RASTER_CONSERVATIVE, RASTER_METHOD, RASTER_THREE_PLANE, TILE_EDGE};
 import package::voxelize::footprint::{footprint, tile_counts, turn, turn_back};
@@ -13,8 +13,8 @@ import package::voxelize::walk::{Walk, walk_begin, walk_on};
 
 const IS_CONSERVATIVE = RASTER_METHOD == RASTER_CONSERVATIVE;
 
-// Where the plane of a triangle passes the centre of a pixel of the picture along `axis`, in grid space. Fused,
-// so that all walks find the same voxel.
+// The point at which a triangle's plane passes the centre of a pixel of the picture along `axis`,
+// in grid space. Fused, so that all walks find the same voxel.
 fn point_at(pixel: vec2f, triangle: Triangle, normal: vec3f, axis: u32) -> vec3f {
     let a = turn(triangle.a, axis);
     let b = turn(triangle.b, axis);
@@ -29,26 +29,27 @@ fn point_at(pixel: vec2f, triangle: Triangle, normal: vec3f, axis: u32) -> vec3f
     return turn_back(vec3f(pixel, clamp(depth, low, high)), axis);
 }
 
-// Of a plane's depth, in voxels, by rounding alone.
+// Largest error of a plane's depth that only rounding causes, in voxels.
 const LARGEST_UNCERTAINTY = 1.0 / 1024.0;
 
-// Axes to which a plane is closer than this (its slope towards them) do not count: corners are rounded to a
-// raster of 1/256, which then decides in which voxel such an axis meets the plane.
+// Axes to which a plane is closer to parallel than this slope do not count: corners are rounded to
+// a raster of 1/256, which then decides in which voxel such an axis meets the plane.
 const GRAZING = 1.0 / 256.0;
 
-// The area that a fragment stands for, seen along the dominant axis.
+// The area that a fragment represents, seen along the dominant axis.
 //
-// Along the dominant axis a pixel's centre stands for the pixel: an area of 1. On three planes, a voxel's middle
-// lines along the axes meet a triangle's plane in the voxel once, twice or three times; whichever of these
-// points the triangle covers is a fragment, and together they share an area of 1. So a plane has its area, with
-// at most 1 in a voxel, and a triangle smaller than a voxel has it in the mean.
+// Along the dominant axis a pixel's centre represents the pixel: an area of 1. With three planes,
+// the lines through a voxel's middle along the axes meet a triangle's plane in the voxel once,
+// twice or three times. Each of these points that the triangle covers is a fragment, and together
+// the points share an area of 1. So a plane has its area, with at most 1 in a voxel, and a triangle
+// smaller than a voxel has its area in the mean.
 fn area_of(normal: vec3f, axis: u32, point: vec3f) -> f32 {
     if RASTER_METHOD != RASTER_THREE_PLANE {
         return 1.0;
     }
     let size = abs(normal);
     let least = GRAZING * max(size.x, max(size.y, size.z));
-    // From the plane to the voxel's middle, times the normal's length.
+    // Distance of the plane from the voxel's middle, times the normal's length.
     let apart = abs(dot_fused(normal, floor(point) + 0.5 - point));
     var count = 1.0;
     for (var other = 0u; other < 3u; other++) {
@@ -60,7 +61,7 @@ fn area_of(normal: vec3f, axis: u32, point: vec3f) -> f32 {
 struct Fragment {
     // Whether there is a voxel; the walk is at the first one.
     is_there: bool,
-    // What it stands for, where that does not depend on the voxel.
+    // The surface that it represents, if that does not depend on the voxel.
     piece: Piece,
 }
 

@@ -1,10 +1,12 @@
-//! Voxelization by the hardware rasterizer: each fragment stands for a voxel, or for the few of its column.
+//! Voxelization by the hardware rasterizer: each fragment represents one voxel, or a few of its
+//! column.
 //!
-//! This is how voxel cone tracing was done at first (Crassin and Green 2012, OpenGL Insights, chapter 22). It is
-//! here to be compared with the exact walk, and shares all with it but the way to the voxels: the same three
-//! walks, the same bits and integer sums, the same list. Corners are pulled from storage buffers, since there is
-//! no geometry shader that could choose the plane or widen a triangle; the picture has a pixel for each column
-//! of voxels, and nothing is drawn into it.
+//! This is how voxel cone tracing was done at first (Crassin and Green 2012, OpenGL Insights,
+//! chapter 22). It is here to be compared with the exact walk, and shares everything with it except
+//! how voxels are found: the same three walks, the same bits and integer sums, the same list.
+//! Corners are pulled from storage buffers, since there is no geometry shader that could choose the
+//! plane or widen a triangle. The picture has a pixel for each column of voxels, and nothing is
+//! drawn into it.
 
 use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
 use lumivox::gpu::{Kept, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture, TextureView};
@@ -24,24 +26,25 @@ const MODULES: &[(&str, &str)] = &[
     ("classics::raster::widen", include_str!("widen.wgsl")),
 ];
 
-/// The picture that WebGPU wants to have; one byte a pixel, and never written.
+/// Format of the render target that WebGPU requires: one byte per pixel, never written.
 const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
 
 /// The rasterizer's ways from triangles to voxels, as [`lumivox::GiConfig::voxelizer`].
 ///
-/// They miss voxels or find too many, and the surface in a voxel is an estimate. Only the grid, never the viewer,
-/// decides in any of them. See `docs/voxelizers.md`.
+/// They miss voxels or find too many, and the surface in a voxel is an estimate. All depend only on
+/// the grid, never on the viewer. See `docs/voxelizers.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Raster {
-    /// The triangle is drawn along its normal's dominant axis, and each pixel's centre that it covers is the
-    /// voxel at its depth there: an area of 1. Thin parts fall between the centres.
+    /// The triangle is drawn along its normal's dominant axis. Each pixel centre that it covers
+    /// gives the voxel at its depth there, with an area of 1. Thin parts fall between the centres.
     DominantAxis,
-    /// As before, but every pixel that the triangle touches, with all voxels that its plane passes there within
-    /// the triangle's box (Hasselgren, Akenine-Möller and Ohlsson 2005; Crassin and Green 2012). Misses nothing;
-    /// the area covered in a pixel is exact, its distribution along the depth an estimate.
+    /// As before, but for every pixel that the triangle touches, with all voxels that its plane
+    /// passes there within the triangle's box (Hasselgren, Akenine-Möller and Ohlsson 2005; Crassin
+    /// and Green 2012). Misses nothing; the area covered in a pixel is exact, its distribution
+    /// along the depth is an estimate.
     Conservative,
-    /// The triangle is drawn along all three axes, pixels' centres alone: less falls between them. The three
-    /// share out one area.
+    /// The triangle is drawn along all three axes, at pixel centres only: less falls between them.
+    /// The three planes share one area.
     ThreePlane,
 }
 
@@ -97,7 +100,7 @@ impl Voxelization for Raster {
                 entries.map(|entry| pipeline(device, groups, &corners, &fragments, entry));
             Ok::<_, ShaderError>([uniform?, varied?, pierced?])
         };
-        // Where the surface itself does not matter, what is not pierced is all alike.
+        // These steps do not read opaque surfaces, so all of these share one pipeline.
         let by_holes = ["opaque", "opaque", "covered"];
         let again = ["opaque_again", "opaque_again", "covered_again"];
         let by_detail = ["plain", "varied", "pierced"];
@@ -157,7 +160,7 @@ impl Walker for RasterWalker {
     }
 }
 
-/// The picture: a pixel for each column of voxels, whichever axis they stand along.
+/// The picture: a pixel for each column of voxels, along any axis.
 fn picture(device: &wgpu::Device, grid: &Grid) -> (Texture, TextureView) {
     let edge = grid.dimensions.max_element();
     let texture = Texture::new(

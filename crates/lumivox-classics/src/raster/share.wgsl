@@ -1,11 +1,11 @@
-// What a conservative fragment stands for in one voxel of its column.
+// The surface that a conservative fragment represents in one voxel of its column.
 //
-// That a pixel is touched does not say how much of it is covered; counting it as a whole would let a triangle
-// that touches a corner weigh as much as one that fills the voxel. The covered area and its centroid follow from
-// the boundary integrals of piece.wgsl, without the cut to a slab of depth. Each voxel of the column gets the
-// share of them that it has of the plane's depth over the pixel, cut to the triangle's box. So the areas of a
-// triangle's fragments add up to its own; the shares are exact where the pixel is covered as a whole, and an
-// estimate where an edge crosses it.
+// A touched pixel may be covered only in part; counting it as a whole would let a triangle that
+// touches a corner weigh as much as one that fills the voxel. The covered area and its centroid
+// follow from the boundary integrals of piece.wgsl, without the cut to a slab of depth. Each voxel
+// of the column gets the share of them that it has of the plane's depth over the pixel, cut to the
+// triangle's box. So the areas of a triangle's fragments add up to its own; the shares are exact if
+// the pixel is covered as a whole, and an estimate if an edge crosses it.
 
 import package::voxelize::piece::{Piece, integrals};
 import package::voxelize::walk::Walk;
@@ -19,7 +19,7 @@ fn ramp_integral(x: f32, width: f32) -> f32 {
     return 0.5 * inside * inside / width + max(x - 0.5 * width, 0.0);
 }
 
-// Of the points of a unit square, the share with a depth below `x`, where depth is 0 in the middle and changes
+// The share of a unit square's points with a depth below `x`. Depth is 0 in the middle and changes
 // by `wide` along one side and by `narrow` along the other, 0 <= narrow <= wide.
 fn share_below(x: f32, wide: f32, narrow: f32) -> f32 {
     if wide < SMALLEST_SLOPE {

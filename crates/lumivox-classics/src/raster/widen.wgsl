@@ -5,9 +5,9 @@
 
 import package::voxelize::footprint::Footprint;
 
-// A square of half the edge 0.5 reaches that far along any direction. Rasterizers move corners to a raster of
-// at least 4 bits below the pixel, so by up to 1/32 along u and v; twice that is added. What comes in by it
-// does not pass the fragments' own test of the edges.
+// A square with half an edge of 0.5 reaches that far along any direction. Rasterizers move corners
+// to a raster of at least 4 bits below the pixel, so by up to 1/32 along u and v; twice that is
+// added. Pixels that are added by this fail the fragments' own test of the edges.
 const HALF_PIXEL = 0.5 + 1.0 / 16.0;
 
 // Farther out than this, in voxels, a corner is clipped with rounding errors of more than 2^-11 voxels. The
@@ -29,7 +29,7 @@ fn shifted(before: vec2f, here: vec2f, after: vec2f, cross: f32) -> ShiftedCorne
     let reach_m = HALF_PIXEL * (abs(m.x) + abs(m.y));
     let reach_n = HALF_PIXEL * (abs(n.x) + abs(n.y));
     let position = here + vec2f(reach_m * n.y - reach_n * m.y, reach_n * m.x - reach_m * n.x) / cross;
-    // A bound of the shift, without dividing by what may be next to nothing.
+    // A bound of the shift, without a division by nearly zero.
     let bound = reach_m * (abs(n.x) + abs(n.y)) + reach_n * (abs(m.x) + abs(m.y));
     let is_near = bound < 1e30 && bound < FARTHEST * abs(cross) && max(abs(here.x), abs(here.y)) < FARTHEST;
     return ShiftedCorner(position, is_near);
@@ -44,7 +44,8 @@ fn widened(a: vec2f, b: vec2f, c: vec2f, area: Footprint, number: u32) -> vec2f 
         let other = select(shifted_c.position, shifted_b.position, number == 1u);
         return select(other, shifted_a.position, number == 0u);
     }
-    // All pixels of its box: half of a triangle with legs of twice the box's edges. The fragments test.
+    // All pixels of its box: the box is half of a triangle with legs of twice its edges. The
+    // fragments test which pixels are touched.
     let low = vec2f(area.first.xy) - 1.0;
     let size = vec2f(area.last.xy - area.first.xy) + 3.0;
     return low + 2.0 * size * vec2f(f32(number == 1u), f32(number == 2u));

@@ -1,8 +1,8 @@
 //! The cones of the sparse voxel octree report, with the constants that make its look
 //! (docs/report-look.md).
 //!
-//! Each of its measures is a setting of its own, whose default is the physics ([`ReportCones`]).
-//! The values are a uniform of the model, so that they can change while a picture is on the screen.
+//! Each departure is a setting of its own, whose default is the physics ([`ReportCones`]). The
+//! values are a uniform of the model, so they can change while a picture is shown.
 
 use std::any::Any;
 use std::sync::Arc;
@@ -14,16 +14,16 @@ use lumivox::settings::{Kind, Redoes, Setting, SettingError, Value, check};
 /// Departures of the report's cones from the physics. The default is the physics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReportCones {
-    /// Whether cones draw their directions at random, in each frame others. Without, a fixed set of
-    /// cones stands in the middle of the cells: less noise, but bands, and the mean over frames
-    /// brings little.
+    /// Whether cones draw their directions at random, again in each frame. If not, a fixed set of
+    /// cones points at the middle of the cells: less noise, but bands, and the mean over frames
+    /// helps little.
     pub jitter: bool,
-    /// Whether cones start farther where a wall is felt at their start. Without, the constant
-    /// offset counts only, and light leaks along walls.
+    /// Whether cones start farther out if there is a wall at their start. If not, only the constant
+    /// offset applies, and light leaks along walls.
     pub clear_of_walls: bool,
-    /// Loss of a sample's radiance for the cone's width there, as a share for each longest side
-    /// of the grid, 0 to 64. 0 is the physics: radiance does not change with distance. Higher:
-    /// darker, most of all what wide cones see from afar.
+    /// Share of a sample's radiance that is lost per cone width, in longest sides of the grid, 0 to
+    /// 64. 0 is the physics: radiance does not change with distance. Higher: darker, most of all
+    /// what wide cones see from afar.
     pub width_attenuation: f32,
     /// Factor of a sample's radiance for each level above the finest, 1 to 8. 1 is the
     /// physics. Higher: brighter where coarse levels are read, up to what they would give if they
@@ -42,7 +42,7 @@ impl ReportCones {
     pub const REPORT: Self =
         Self { jitter: false, clear_of_walls: false, width_attenuation: 1.0, level_gain: 8.0 };
 
-    /// What goes with [`Self::REPORT`] among the settings that all cones have.
+    /// The settings of all cones that go with [`Self::REPORT`].
     pub fn trace_settings() -> TraceSettings {
         TraceSettings {
             voxel_per_diameter: 1.0,
@@ -54,13 +54,13 @@ impl ReportCones {
         }
     }
 
-    /// As [`lumivox::GiConfig::cones`]; `None` where it is the physics, which Lumivox's own model
-    /// is faster at.
+    /// The model for [`lumivox::GiConfig::cones`]; `None` for the physics, since Lumivox's own
+    /// model is faster.
     pub fn model(self) -> Option<Arc<dyn ConeModel>> {
         (self != Self::default()).then(|| Arc::new(self) as Arc<dyn ConeModel>)
     }
 
-    /// The departures of a model as [`Self::model`] gives it; any other model has none of these.
+    /// The departures of a model from [`Self::model`]; the default for any other model.
     pub fn of(model: Option<&dyn ConeModel>) -> Self {
         let model = model.map(|model| model as &dyn Any);
         model.and_then(|model| model.downcast_ref()).copied().unwrap_or_default()
@@ -108,10 +108,10 @@ impl ReportCones {
     ];
 }
 
-/// A row of the table: the light of the voxels is gathered by the same cones as the picture's.
+/// Defaults of a row: the voxels' light is gathered by the same cones as the picture's.
 const ROW: Setting<ReportCones> = Setting { redoes: Redoes::Light, ..Setting::ROW };
 
-/// A number of a row whose values are all numbers.
+/// The value as a number; NaN if it is of another kind.
 fn number(value: Value) -> f32 {
     value.number().unwrap_or(f32::NAN)
 }

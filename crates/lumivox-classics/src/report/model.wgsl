@@ -1,19 +1,20 @@
-// The report's cones, as `package::cones::model`. The values: x is the share of the radiance that
-// is lost for each longest side of the grid of the cone's width, y the powers of two that it gains
-// for each level, z is not zero where directions are drawn at random, and w where cones start clear
-// of walls. 0, 0, 1, 1 is the physics.
+// The report's cones, as `package::cones::model`. The values: x is the share of radiance that is
+// lost per cone width, in longest sides of the grid; y is the gain per level, in powers of two; z
+// is not zero if directions are drawn at random; w is not zero if cones start clear of walls. 0, 0,
+// 1, 1 is the physics.
 
 import package::cones::hemisphere::inner_ring;
 import package::cones::start::clear_of_walls;
 
-// A cone that is not drawn points at the middle of its cell; the only one in its ring, along the
-// normal.
+// A cone that is not drawn at random points at the middle of its cell, or along the normal if it is
+// the only one in the inner ring.
 fn place_in_cell(drawn: vec2f, cell: u32, cell_count: u32, values: vec4f) -> vec2f {
     let middle = vec2f(select(0.5, 0.0, cell == 0u && inner_ring(cell_count) == 1u), 0.5);
     return select(middle, drawn, values.z != 0.0);
 }
 
-// A half vector that is not drawn is the lobe's middle, always, which is not the integral any more.
+// Without random draws the half vector is always the lobe's middle; the mean over frames is then no
+// longer the integral.
 fn glossy_half_vector(drawn: vec3f, values: vec4f) -> vec3f {
     return select(vec3f(0.0, 0.0, 1.0), drawn, values.z != 0.0);
 }
@@ -22,7 +23,7 @@ fn start_of_cones(above: vec3f, normal: vec3f, level: u32, values: vec4f) -> vec
     return select(above, clear_of_walls(above, normal, level), values.w != 0.0);
 }
 
-// Coarse levels are gained, up to what a full cell would take; the width dims.
+// Brightens coarse levels, up to what a full cell would give, and dims wide cones.
 fn shown_share(taken: f32, transmittance: f32, level: u32, width: f32, values: vec4f) -> f32 {
     let gain = exp2(f32(level) * values.y);
     let gained = min(taken * gain, max(transmittance, taken));

@@ -1,4 +1,5 @@
-//! The settings and presets of `lumivox-classics` and `lumivox-vxct`: nothing else of this crate knows them.
+//! The settings and presets of `lumivox-classics` and `lumivox-vxct`. Nothing else in this crate
+//! depends on them.
 //!
 //! Each is a hook of the library or of the renderer, and settings name it. `None` is Lumivox's own way.
 
@@ -22,7 +23,7 @@ pub(super) const REPORT: PresetChoice = PresetChoice::Added(&AddedPreset {
     summary: "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce",
     trace: ReportCones::trace_settings,
     look: |_| None,
-    // What is seen are photons that were reflected once.
+    // The picture shows photons that were reflected once.
     companions: |usual| Companions {
         directionality: Directionality::Isotropic,
         volume: VolumeKind::Octree(OctreeOptions::default()),
@@ -33,8 +34,8 @@ pub(super) const REPORT: PresetChoice = PresetChoice::Added(&AddedPreset {
     },
 });
 
-/// The rows in the order of the table, each with the row of the renderer that it stands before; those without one end
-/// the table or, if it has it, their group.
+/// The rows in the order of the table, each with the renderer's row that it comes before. A row
+/// without one ends its group or, if the table does not have that group, the table.
 pub(super) fn rows() -> Vec<(Parameter, Option<&'static str>)> {
     let mut rows = vec![
         (Parameter::own(Group::Volume, OCTREE_BUILDER), Some("octree_duplication")),
@@ -47,7 +48,7 @@ pub(super) fn rows() -> Vec<(Parameter, Option<&'static str>)> {
     rows
 }
 
-/// The ways to an octree's nodes.
+/// How an octree's nodes are made.
 const OCTREE_BUILDER: Row = Row {
     name: "octree_builder",
     summary: "How an octree's nodes are made; selects an octree",
@@ -73,7 +74,7 @@ fn octree_builder(name: &str) -> Option<Arc<dyn OctreeBuilding>> {
     (name == locks::NAME).then(locks)
 }
 
-/// The ways from triangles to voxels.
+/// How triangles become voxels.
 const VOXELIZER: Row = Row {
     name: "voxelizer",
     summary: "How triangles become voxels",
@@ -104,7 +105,7 @@ fn voxelizer(name: &str) -> Option<Arc<dyn Voxelization>> {
     Some(Arc::new(raster))
 }
 
-/// The ways for light into the voxels.
+/// How light is injected into the voxels.
 const INJECTION: Row = Row {
     name: "injection",
     summary: "How light comes into the voxels",

@@ -1,8 +1,8 @@
 //! The one table of settings, and the presets.
 //!
-//! The renderer knows its own settings and presets; crates that stand on its hooks and the library's have more. Here they
-//! become one table, which all front ends read. The feature `classics` decides whether the renderers of the literature are
-//! among them (`classics.rs`).
+//! The renderer has its own settings and presets; crates that use its hooks and the library's have
+//! more. This module makes them one table, which all front ends read. The feature `classics`
+//! decides whether the renderers from the literature are included (`classics.rs`).
 
 #[cfg(feature = "classics")]
 mod classics;
@@ -42,7 +42,8 @@ pub const PRESETS: &[PresetChoice] = &[
     lumivox_vxct::PRESET,
 ];
 
-/// The presets of the physical look: their pictures are in physical units, and can be held against references.
+/// The presets of the physical look: their pictures are in physical units, and can be compared with
+/// references.
 pub const PRESETS_TO_MEASURE: &[PresetChoice] = &[
     PresetChoice::ALL[0],
     PresetChoice::ALL[1],

@@ -2,7 +2,7 @@
 
 struct Deformation {
     vertex_count: u32,
-    // In a slab of vertices: the first one, and words from one to the next and to attributes.
+    // In a slab of vertices: the first one, and the stride and attribute offsets in words.
     first_vertex: u32,
     stride: u32,
     position: u32,
@@ -14,13 +14,13 @@ struct Deformation {
     first_target: u32,
     target_count: u32,
     first_weight: u32,
-    // In the result.
+    // The first position in the result.
     first_position: u32,
     padding: u32,
 }
 
 const NONE: u32 = 0xffffffffu;
-// Words of what a morph target holds of a vertex: three vectors of four.
+// Words per vertex of a morph target: three vectors of four.
 const TARGET_WORDS: u32 = 12u;
 
 @group(0) @binding(0) var<storage, read> deformation: Deformation;

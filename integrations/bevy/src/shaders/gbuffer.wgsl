@@ -35,13 +35,13 @@ fn decode_properties(word: u32) -> Properties {
     return Properties(shares.x, shares.y, shares.z, f32(coat & 15u) / 15.0, f32(coat >> 4u) / 30.0);
 }
 
-// Bevy's encoding is that of Lumivox, moved to 0 to 1, in 12 bits each.
+// Bevy uses Lumivox's octahedral encoding, mapped to 0 to 1, in 12 bits each.
 fn decode_normal(word: u32) -> vec3f {
     let encoded = vec2f(vec2u(word, word >> 12u) & vec2u(4095u)) / 4095.0;
     return octahedral_decode(2.0 * encoded - 1.0);
 }
 
-// Surfaces without light (unlit ones), and those that are drawn forward, whose words are zeros, are none.
+// False for unlit surfaces, and for forward draws, whose words are zeros.
 fn is_lit(words: vec4u) -> bool {
     return any(words != vec4u(0u)) && ((words.w >> 24u) & UNLIT) == 0u;
 }
@@ -50,7 +50,8 @@ fn load_depth(pixel: vec2u) -> f32 {
     return textureLoad(depth_texture, pixel + place.origin, 0);
 }
 
-// From a pixel to the one before or behind it along an axis of the picture: the one whose depth is more alike.
+// The step from a pixel to its neighbour before or behind it along an axis of the picture,
+// whichever is closer in depth.
 fn step_along(pixel: vec2u, axis: u32, depth: f32, position: vec3f) -> vec3f {
     var one = vec2u(0u);
     one[axis] = 1u;
@@ -66,17 +67,17 @@ fn step_along(pixel: vec2u, axis: u32, depth: f32, position: vec3f) -> vec3f {
     return position_from_depth(behind, max(depth_behind, 1e-7)) - position;
 }
 
-// Cosine to the shading normal below which the normal of depths is that of an edge.
+// Below this cosine to the shading normal, the normal from depths belongs to an edge.
 const LEAST_AGREEMENT: f32 = 0.3;
 
-// The normal of the surface without its normal map, by the depths around the pixel, towards the camera.
+// The surface normal without normal map, from the depths around the pixel, towards the camera.
 fn geometric_normal(pixel: vec2u, depth: f32, position: vec3f, shading: vec3f) -> vec3f {
     let to_camera = view.position_in_world - position;
     let across = cross(
         step_along(pixel, 0u, depth, position), step_along(pixel, 1u, depth, position));
     let size = length(across);
     let normal = across / max(size, 1e-30) * select(1.0, -1.0, dot(across, to_camera) < 0.0);
-    // Backs of surfaces that are drawn from both sides.
+    // Flips the normal on the backs of double-sided surfaces.
     let own = select(shading, -shading, dot(shading, to_camera) < 0.0);
     return select(own, normal, size > 0.0 && dot(normal, own) > LEAST_AGREEMENT);
 }
@@ -106,7 +107,7 @@ fn load_specular(pixel: vec2u) -> Specular {
     return Specular(reflectance, base.a, properties.coat, properties.coat_roughness);
 }
 
-// Of diffuse light; in a the share that the material's own occlusion map leaves.
+// Diffuse albedo in rgb; in a the share that the material's own occlusion map leaves.
 fn load_albedo(pixel: vec2u) -> vec4f {
     let words = load_words(pixel);
     let properties = decode_properties(words.z);

@@ -1,4 +1,5 @@
-// A grid of probes in the air, each with the irradiance towards six directions, as Bevy's irradiance volumes hold them.
+// A grid of probes in the air, each with the irradiance for six directions, as in Bevy's irradiance
+// volumes.
 
 import package::cascades::finest_level;
 import package::cones::ray::{trace_ray, Passed, Ray};
@@ -18,12 +19,12 @@ struct ProbeSettings {
     cells: vec3u,
     // The probes of this turn.
     first: u32,
-    // The grid of the texture, which may be another one for a frame or two.
+    // The grid of the texture; it may differ for a frame or two.
     texture_low: vec3f,
     texture_edge: f32,
     texture_cells: vec3u,
     count: u32,
-    // Where the grid was in the frame before, in cells.
+    // Offset of the grid from that of the frame before, in cells.
     shift: vec3i,
     padding: u32,
 }
@@ -37,7 +38,8 @@ struct Gathered {
 }
 
 struct Probe {
-    // Irradiance in rgb; in a 1 where it is seen, 0 where what is seen first is the back of a surface: light of no place.
+    // Irradiance in rgb. a is 0 if the first surface seen is a back face, which makes the light
+    // invalid, and 1 otherwise.
     light: array<vec4f, 6>,
     // Turns in which the probe has gathered.
     turns: u32,
@@ -73,15 +75,15 @@ fn probe_count() -> u32 {
     return settings.cells.x * settings.cells.y * settings.cells.z;
 }
 
-// Whether the first surface along a direction shows its back: from inside of something solid, or from behind a wall that has one
-// side.
+// Whether the first surface along a direction shows its back: the probe is inside something solid,
+// or behind a single-sided wall.
 fn sees_back(start: vec3f, side: u32) -> bool {
     var passed = Passed(0u, true, 1.0);
     let ray = Ray(start, side_direction(side), 3e38, finest_level(start, 0u, 0.5));
     return trace_ray(ray, &passed).face == BLACK;
 }
 
-// Sets the points of a turn.
+// Sets the points that gather in this turn.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn place(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -105,12 +107,12 @@ fn luminance(rgb: vec3f) -> f32 {
     return dot(rgb, vec3f(0.2126, 0.7152, 0.0722));
 }
 
-// The least share of a turn in the mean over turns.
+// The least weight of a turn in the mean over turns.
 const LEAST_SHARE: f32 = 0.2;
-// Light that differs by more than this share has changed.
+// Light counts as changed if it differs by more than this share.
 const CHANGE: f32 = 0.3;
 
-// Takes the light of a turn into the probes.
+// Blends the light of a turn into the probes.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn take(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -138,7 +140,7 @@ fn take(
     probes[number].turns = turns + 1u;
 }
 
-// Keeps probes whose grid has moved.
+// Saves the probes before their grid moves.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn keep(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -163,7 +165,7 @@ fn move_on(
     let nearest = clamp(before, vec3i(0), vec3i(settings.cells) - 1);
     probes[index] = former[index_of(vec3u(nearest))];
     if any(before != nearest) {
-        // The first light that it gathers takes the place of its neighbour's.
+        // The first light that the probe gathers replaces its neighbour's.
         probes[index].turns = 0u;
     }
 }
@@ -176,10 +178,10 @@ fn show(cell: vec3u, light: array<vec4f, 6>) {
     }
 }
 
-// How far, in cells, light is looked for where a probe sees none.
+// How far to search for valid light around a probe without any, in cells.
 const REACH: i32 = 2;
 
-// The light of a direction in a cell and, where that is of no place, around it.
+// The light of a direction in a cell or, if it is invalid there, around it.
 fn light_around(cell: vec3i, side: u32) -> vec3f {
     let most = vec3i(settings.cells) - 1;
     var sum = vec4f(0.0);
@@ -201,8 +203,8 @@ fn light_around(cell: vec3i, side: u32) -> vec3f {
     return sum.rgb / max(sum.a, 1e-9);
 }
 
-// Writes the texture: the radiance of white matt surfaces. What is inside of something solid takes the light of what is around,
-// so that it does not darken its surface.
+// Writes the texture: the radiance of white matt surfaces. Probes inside something solid get the
+// light around them, so that they do not darken its surface.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn fill(
     @builtin(global_invocation_id) invocation: vec3u,

@@ -3,7 +3,7 @@
 struct Reduction {
     source_size: vec2u,
     size: vec2u,
-    // Alpha at or above it counts as one, below it as zero; negative: alpha is what it is.
+    // Alpha becomes 1 at or above it, and 0 below; if it is negative, alpha is unchanged.
     cutoff: f32,
     // The most texels along an edge that are read for one.
     max_footprint: u32,

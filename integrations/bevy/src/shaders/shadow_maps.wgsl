@@ -7,17 +7,17 @@ struct ShadowLayer {
     clip_from_world: mat4x4f,
     // The layer of its texture.
     layer: u32,
-    // Edge of a texel, per metre of distance; of a sun's outright, m.
+    // Edge of a texel: per metre of distance, or in metres for suns.
     texel_size: f32,
-    // How many cascades a sun has, in the layer of its first one.
+    // The number of a sun's cascades, in the layer of its first one.
     cascades: u32,
     padding: u32,
 }
 
 @group(2) @binding(8) var<storage, read> shadow_layers: array<ShadowLayer>;
-// Six layers a point light.
+// Six layers per point light.
 @group(2) @binding(9) var cube_maps: texture_depth_2d_array;
-// Cascades of suns, and behind them spot lights.
+// Cascades of suns, followed by spot lights.
 @group(2) @binding(10) var flat_maps: texture_depth_2d_array;
 @group(2) @binding(11) var shadow_sampler: sampler_comparison;
 
@@ -40,7 +40,7 @@ fn compare(is_cube: bool, uv: vec2f, layer: u32, depth: f32) -> f32 {
     return textureSampleCompareLevel(flat_maps, shadow_sampler, uv, layer, depth);
 }
 
-// The share that reaches a place in a layer.
+// The share of light that reaches a position in a layer.
 fn filtered(is_cube: bool, uv: vec2f, layer: u32, depth: f32) -> f32 {
     let size = select(textureDimensions(flat_maps), textureDimensions(cube_maps), is_cube);
     var visible = 0.0;
@@ -55,7 +55,7 @@ fn uv_of(ndc: vec2f) -> vec2f {
     return vec2f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y);
 }
 
-// By the first of a sun's cascades that reaches there; negative where none does.
+// Visibility in a sun's first cascade that covers the position; negative if none does.
 fn sun_visibility(light: Light, position_in_world: vec3f, normal: vec3f) -> f32 {
     let first = light.shadow_layer;
     let border = 2.0 / vec2f(textureDimensions(flat_maps));
@@ -64,8 +64,8 @@ fn sun_visibility(light: Light, position_in_world: vec3f, normal: vec3f) -> f32 
         let receiver = position_in_world + normal * (2.0 * layer.texel_size);
         let ndc = (layer.clip_from_world * vec4f(receiver, 1.0)).xyz;
         let uv = uv_of(ndc.xy);
-        // Casters before the near plane are drawn into it, so that they shade what lies behind the plane; what lies before it
-        // is not in this layer.
+        // Casters in front of the near plane are drawn into it, so they shade everything behind it.
+        // Receivers in front of it are not in this layer.
         let is_inside = all(uv > border) && all(uv < 1.0 - border) && ndc.z > 0.0 && ndc.z < 1.0;
         if is_inside {
             return filtered(false, uv, layer.layer, ndc.z);
@@ -84,7 +84,7 @@ fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) 
         index += face_of(position_in_world - light.position_in_world);
     }
     let layer = shadow_layers[index];
-    // A plane within the filter's reach of two texels then never shades itself.
+    // With this offset, a plane never shades itself within the filter's reach of two texels.
     let reach = 2.0 * layer.texel_size * distance(position_in_world, light.position_in_world);
     let clip = layer.clip_from_world * vec4f(position_in_world + normal * reach, 1.0);
     if clip.w <= 0.0 {
