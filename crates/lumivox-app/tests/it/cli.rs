@@ -294,6 +294,31 @@ fn a_file_is_rendered_under_every_kind_of_light() {
     assert!(fs::read(folder.path().join("a.png")).unwrap().starts_with(b"\x89PNG"));
 }
 
+/// A picture has as many frames as it needs, unless their number is given, and so has one of a sequence.
+#[test]
+fn pictures_stop_at_little_noise() {
+    let folder = folder();
+    let path = folder.path();
+    let render = |options: &str| {
+        let line = format!("render builtin:furnace --size 64x36 --resolution 32 {options} --json");
+        lumivox(path, &line).expect_ok().json()
+    };
+    let stopped = render("-o stopped.exr");
+    let frames = stopped["settings"]["frames"].as_u64().unwrap();
+    assert!((4..16).contains(&frames), "{stopped}");
+    let noise = stopped["noise"].as_f64().unwrap();
+    assert!((0.0..=0.04).contains(&noise), "{noise}");
+    let all = render("-o all.exr --frames 16");
+    assert_eq!(all["settings"]["frames"], 16);
+    assert!(all["noise"].is_null());
+    render(&format!("-o given.exr --frames {frames}"));
+    let bytes = |name: &str| fs::read(path.join(name)).unwrap();
+    assert!(bytes("stopped.exr") == bytes("given.exr"));
+    assert!(bytes("stopped.exr") != bytes("all.exr"));
+    render("-o turn_##.exr --orbit 90 --time 0..1 --fps 2");
+    assert!(bytes("stopped.exr") == bytes("turn_00.exr"));
+}
+
 #[test]
 fn the_voxels_can_be_seen() {
     let folder = folder();

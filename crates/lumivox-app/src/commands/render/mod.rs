@@ -4,6 +4,7 @@
 //! and its limits; then the scene; then the work.
 
 mod clock;
+mod noise;
 mod report;
 mod sequence;
 mod still;
@@ -40,6 +41,22 @@ struct RenderJob<'a> {
     schedule: Schedule,
     progress: ProgressDisplay,
     clock: Clock,
+}
+
+impl RenderJob<'_> {
+    /// Whether pictures may have fewer frames than the settings say: nobody has asked for a number, and they show light that each frame
+    /// gathers anew.
+    fn may_stop(&self) -> bool {
+        let settings = &self.settings;
+        let is_given = self.args.given().iter().any(|(parameter, _)| parameter.name == "frames");
+        !is_given
+            && settings.view.is_light()
+            && !settings.view.is_of_voxels()
+            && settings.look.is_none()
+            && !settings.trace.temporal
+            && !settings.overlay.is_on()
+            && settings.geometry_budget.is_none()
+    }
 }
 
 /// Renders, writes and reports.

@@ -28,6 +28,9 @@ pub struct Report {
     renderer: RendererReport,
     /// Wall-clock times.
     seconds: Seconds,
+    /// Noise of the picture, by which it needed no more frames: the relative error that 95 % of its blocks stay below. `None` if it has
+    /// all frames.
+    noise: Option<f32>,
     /// Exposure in stops; with `auto` the one that was found. `None` for views without exposure.
     exposure: Option<f32>,
     /// Notes on what was chosen for the scene, and on problems with its light.
@@ -147,11 +150,17 @@ impl Report {
             camera: CameraReport::new(scene, renderer.camera()),
             renderer: RendererReport::new(renderer),
             seconds,
+            noise: None,
             exposure: metering.map(|metering| metering.stops),
             notes: NoteReport::all(notes, metering.and_then(|metering| metering.warning)),
-            settings: settings.clone(),
+            settings: RenderSettings { frames: renderer.frame_count(), ..settings.clone() },
             adapter: AdapterReport::new(&gpu.adapter_info),
         }
+    }
+
+    /// The report on a picture that stopped at this noise.
+    pub fn with_noise(self, noise: Option<f32>) -> Self {
+        Self { noise, ..self }
     }
 
     /// The report for people.
@@ -162,6 +171,9 @@ impl Report {
         let frames = counted(settings.frames as usize, "frame", "frames");
         let frame_ms = seconds.rendering * 1e3 / f64::from(settings.frames);
         let mut text = format!("{file}: {width}x{height}, view {}, {frames}", settings.view.name());
+        if let Some(noise) = self.noise {
+            text += &format!(" (noise {:.1} %; --frames for more)", 100.0 * noise);
+        }
         if let Some(stops) = self.exposure {
             text += &format!(", exposure {stops:.2}");
         }

@@ -1,10 +1,13 @@
 //! A single picture.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
-use lumivox_render::Renderer;
+use anyhow::Context as _;
+use lumivox_render::{RenderProgress, Renderer};
 
 use super::RenderJob;
+use super::noise::render;
 use super::report::Report;
 use crate::progress::words;
 
@@ -18,22 +21,28 @@ pub fn run(
     file: &Path,
 ) -> anyhow::Result<()> {
     let progress = &stage.progress;
-    let mut tell = |step: lumivox_render::RenderProgress| {
+    let mut tell = |step: RenderProgress| {
         progress.set(words(step.stage), step.done, step.total);
     };
     let (gpu, scene, settings) = (&stage.gpu, &stage.scene, stage.settings.clone());
     let renderer = Renderer::new(gpu, scene, Some(camera), settings, &mut tell);
     let mut renderer = pollster::block_on(renderer)?;
     stage.clock.seconds.preparing = stage.clock.lap();
-    let picture = pollster::block_on(renderer.render(&mut tell))?;
+    let mut goes_on = |step| {
+        tell(step);
+        ControlFlow::Continue(())
+    };
+    let rendered = render(&mut renderer, stage.may_stop(), &mut goes_on)?;
+    let (picture, noise) = rendered.context("nothing stops it")?;
     stage.clock.seconds.rendering = stage.clock.lap();
     progress.set("writing", 0, 1);
     picture.write(file)?;
     let seconds = stage.clock.stop();
     drop(stage.progress);
 
-    let report =
-        Report::new(file, &stage.gpu, &stage.scene, &renderer, &picture, seconds, &stage.notes);
+    let (gpu, scene) = (&stage.gpu, &stage.scene);
+    let report = Report::new(file, gpu, scene, &renderer, &picture, seconds, &stage.notes);
+    let report = report.with_noise(noise);
     if stage.args.json {
         return stage.host.print_json(&report);
     }

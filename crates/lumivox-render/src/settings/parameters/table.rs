@@ -16,8 +16,8 @@ pub(super) const PICTURE: &[Row] = &[
         name: "frames",
         unit: "frames",
         summary: "Frames to average",
-        help: "More: smoother edges and less noise, at proportional cost. A single frame is jagged.",
-        // The running mean in f32 still moves by a 65 536th.
+        help: "More: less noise, at proportional cost. Unless it is given, `lumivox render` stops earlier once the noise is below 4 %.",
+        // At this number the running mean in f32 still changes, by a 65 536th of the difference.
         kind: Kind::whole(1, 65_536),
         redoes: Redoes::Frames,
         get: |s| Value::Whole(s.frames),
@@ -288,7 +288,7 @@ pub(super) const LIGHT: &[Row] = &[
         summary: "Bounces of indirect light, including the one at the visible surface",
         help: "0 is only direct light, 1 is light by way of one other surface. N bounces leave out about the share a^N of the light \
                in a room of albedo a. Each costs one more gather in the voxels, once.",
-        // With an albedo of 0.9, a 65th would still add 0.01 % of the light.
+        // With an albedo of 0.9, a 65th bounce would still add 0.01 % of the light.
         kind: Kind::whole(0, 64),
         redoes: Redoes::Light,
         get: |s| Value::Whole(s.bounces),
@@ -320,31 +320,31 @@ pub(super) const LIGHT: &[Row] = &[
 
 /// The word for unlimited memory.
 const UNLIMITED: &str = "unlimited";
-/// The words for automatic exposure, common to a sequence or of each picture.
+/// The words for automatic exposure: one for a whole sequence, or one for each picture.
 const AUTO: &str = "auto";
 const AUTO_EACH: &str = "auto-each";
 
-/// Beyond this, f32 overflows.
+/// Larger values overflow f32.
 pub const MAX_STOPS: f32 = 64.0;
 
 const MIB: f32 = 1_048_576.0;
 
-/// The base of the octree's options, which select an octree.
+/// The base of the octree's options; setting them selects an octree.
 const OF_OCTREE: Row =
     Row { needs: Some(("volume", "octree")), redoes: Redoes::Voxels, ..Row::ROW };
 
-/// The base of the cascades' options, which select cascades.
+/// The base of the cascades' options; setting them selects cascades.
 const OF_CASCADES: Row =
     Row { needs: Some(("volume", "cascades")), redoes: Redoes::Voxels, ..Row::ROW };
 
-/// Selects cascades of a changed size.
+/// Selects cascades with a changed option.
 fn set_cascades(settings: &mut RenderSettings, change: impl FnOnce(&mut CascadeOptions)) {
     change(&mut settings.cascades);
     settings.volume = VolumeKind::Cascades;
     settings.octree_builder = None;
 }
 
-/// The options of the octree, or the defaults without one.
+/// The options of the octree, or the defaults if the volume is not an octree.
 fn octree(settings: &RenderSettings) -> OctreeOptions {
     match settings.volume {
         VolumeKind::Octree(options) => options,

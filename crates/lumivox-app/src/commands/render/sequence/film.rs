@@ -6,7 +6,7 @@
 use lumivox_render::{Exposure, Picture, RenderProgress, RenderSettings, Renderer};
 use lumivox_scene::{Camera, Places};
 
-use crate::commands::render::RenderJob;
+use crate::commands::render::{RenderJob, noise};
 use crate::progress::{ProgressDisplay, words};
 use crate::timeline::History;
 
@@ -82,7 +82,9 @@ impl Film {
         };
         Ok(match history {
             History::Kept => pollster::block_on(renderer.render_more(job.settings.frames, tell))?,
-            History::None => pollster::block_on(renderer.render_until(tell))?,
+            History::None => {
+                noise::render(renderer, job.may_stop(), tell)?.map(|(picture, _)| picture)
+            }
         })
     }
 
