@@ -13,6 +13,8 @@ const MOST_FILES = 5000;
 export function listenForFiles(open, refuse) {
     const hint = byId("drop");
     let depth = 0;
+    /** The drops so far: what is dropped first is opened first, however long its folders take. */
+    let earlier = Promise.resolve();
     const hasFiles = (/** @type {DragEvent} */ event) => event.dataTransfer?.types.includes("Files") ?? false;
     const show = (/** @type {number} */ by) => {
         depth = Math.max(0, depth + by);
@@ -25,11 +27,15 @@ export function listenForFiles(open, refuse) {
         if (!event.dataTransfer || !hasFiles(event)) return;
         event.preventDefault();
         show(-Infinity);
-        try {
-            offer(await dropped(event.dataTransfer));
-        } catch (error) {
-            refuse(error instanceof Error ? error.message : String(error));
-        }
+        const files = dropped(event.dataTransfer);
+        earlier = earlier.then(async () => {
+            try {
+                offer(await files);
+            } catch (error) {
+                refuse(error instanceof Error ? error.message : String(error));
+            }
+        });
+        await earlier;
     });
     const input = byId("files", HTMLInputElement);
     input.addEventListener("change", () => {

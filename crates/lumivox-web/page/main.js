@@ -66,6 +66,8 @@ let source = null;
 let panorama = null;
 /** The number of opened things: superseded ones report nothing. */
 let openings = 0;
+/** The loading of the last scene. @type {Promise<unknown>} */
+let sceneLoading = Promise.resolve();
 /** The object that was chosen last. @type {Picked | undefined} */
 let chosen;
 /** What the last picture was warned of. @type {string | undefined} */
@@ -166,8 +168,10 @@ async function open(from, place, around) {
     if (isPanorama(from)) return surround(from);
     const options = { surroundings: surroundings.value === "panorama" ? "auto" : surroundings.value };
     const data = { source: from, panorama: around, camera: place && fitted(place, aspect), options };
-    /** @type {Opened | undefined} */
-    const now = await opening(nameOf(from), (onProgress) => ask("load", data, onProgress));
+    /** @type {Promise<Opened | undefined>} */
+    const load = opening(nameOf(from), (onProgress) => ask("load", data, onProgress));
+    sceneLoading = load;
+    const now = await load;
     if (!now) return;
     if (around !== undefined) panorama = { source: around, name: now.scene.environment.panorama };
     else panorama = null;
@@ -226,9 +230,10 @@ async function run(line) {
     }
 }
 
-/** Puts a panorama around the scene.
+/** Puts a panorama around the scene, once a scene that is being loaded is there.
  * @param {Source} from */
 async function surround(from) {
+    await sceneLoading;
     const now = await opening(nameOf(from), (onProgress) => ask("panorama", from, onProgress));
     if (!now || !opened) return;
     panorama = { source: from, name: now.environment.panorama };
