@@ -3,6 +3,7 @@
 //! | file | does | reads |
 //! | --- | --- | --- |
 //! | `shadow_maps` | depth from each light | the scene |
+//! | `shadow_layers` | the layers of shadow maps | lights, grid |
 //! | `near_shadows` | depth from the sun around the camera | the scene |
 //! | `gbuffer` | the surface at each pixel | the scene |
 //! | `direct` | direct light from lamps and the sun | G-buffer, shadow maps |
@@ -26,6 +27,7 @@ pub(crate) mod motion;
 pub(crate) mod near_shadows;
 pub(crate) mod overlay;
 pub(crate) mod raster;
+pub(crate) mod shadow_layers;
 pub(crate) mod shadow_maps;
 pub(crate) mod targets;
 pub(crate) mod voxel_view;

@@ -13,9 +13,8 @@ use lumivox::gpu::{Buffer, Recorder, Texture, TextureView, upload};
 use lumivox::{Lights, ShadowLayer};
 use lumivox_scene::ShadowMapFineness;
 
-use super::shadow_maps::{
-    ParallelSight, ShadowMapPass, depth_array, parallel_direction, view_of_all,
-};
+use super::shadow_layers::{ParallelSight, parallel_direction};
+use super::shadow_maps::{ShadowMapPass, depth_array, view_of_all};
 use crate::Gpu;
 use crate::scene::GpuScene;
 

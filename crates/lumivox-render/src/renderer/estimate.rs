@@ -15,7 +15,7 @@ use lumivox_scene::{Instance, Light, LightKind, Material, Scene, Shading, Textur
 use crate::gpu::memory::available_memory;
 use crate::passes::near_shadows::{MAX_NEAR_BYTES, SQUARES};
 use crate::passes::overlay::OVERLAY_BYTES_PER_PIXEL;
-use crate::passes::shadow_maps::{MAX_BYTES as MAX_SHADOW_BYTES, ParallelSight, fine_boxes};
+use crate::passes::shadow_layers::{MAX_BYTES as MAX_SHADOW_BYTES, ParallelSight, fine_boxes};
 use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL, trace_bytes};
 use crate::scene::{DrawRecord, VERTEX_BYTES};
 use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};

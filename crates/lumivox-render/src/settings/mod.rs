@@ -15,7 +15,7 @@ use lumivox_scene::{Bounds, Fineness, Scene, ShadowMapFineness};
 
 use crate::look::{Look, LookChoice};
 use crate::passes::overlay::LineRecord;
-use crate::passes::{near_shadows, shadow_maps};
+use crate::passes::{near_shadows, shadow_layers};
 use crate::renderer::beside;
 use crate::{Overlay, RenderError, Wires};
 
@@ -213,14 +213,14 @@ impl RenderSettings {
     /// scene.
     pub fn fineness(&self, scene: &Scene) -> Fineness {
         let grid = self.grid(scene.voxel_bounds(), Vec3::ZERO).ok();
-        let boxes = grid.as_ref().map(shadow_maps::fine_boxes).unwrap_or_default();
+        let boxes = grid.as_ref().map(shadow_layers::fine_boxes).unwrap_or_default();
         let resolution = self.shadow_resolution;
         let shadow_maps = match boxes.first() {
             None => near_shadows::fineness(resolution),
             Some(largest) => ShadowMapFineness {
                 resolution,
                 squares: boxes.len() as u32,
-                step: shadow_maps::STEP,
+                step: shadow_layers::STEP,
                 reach_m: Some(largest.radius_m()),
             },
         };

@@ -113,7 +113,7 @@ impl Framing {
         self.chosen(aspect).0
     }
 
-    /// The same camera, with the reason for its choice.
+    /// The default camera, with the reason for its choice.
     fn chosen(&self, aspect: f32) -> (Camera, Chosen) {
         let aspect = sane(aspect);
         if !self.is_place() {

@@ -37,8 +37,8 @@ const LIT: f32 = 0.125;
 /// The share of the visible points that lamps and surroundings must light; the rest is their
 /// shadow.
 const LAMPS_REACH: f32 = 0.3;
-/// The same if emission contributes, which lights only its vicinity: most of a place, nearly all of
-/// a thing.
+/// The share of what is seen that light must reach if emission contributes, which lights only its
+/// vicinity: most of a place, nearly all of a thing.
 const EMISSION_REACHES_PLACE: f32 = 0.6;
 const EMISSION_REACHES_THING: f32 = 0.9;
 

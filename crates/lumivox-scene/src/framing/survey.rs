@@ -116,7 +116,7 @@ pub(super) struct Survey {
 struct Shares {
     /// Points with surfaces all around.
     body: usize,
-    /// Of these, points in the air with few gaps, then with fewer.
+    /// Points in the air with few gaps around them; `roofed` counts those with fewer.
     walled: usize,
     roofed: usize,
     /// Of the roofed ones, those without any gap.

@@ -9,7 +9,7 @@ use crate::{Mesh, SceneError};
 /// The most vertices that 32-bit indices can number; the last number means "none".
 const MOST_VERTICES: usize = u32::MAX as usize;
 
-/// What remains of [`MemoryBudget::geometry_bytes`](super::MemoryBudget::geometry_bytes).
+/// The unused part of [`MemoryBudget::geometry_bytes`](super::MemoryBudget::geometry_bytes).
 pub(super) struct GeometryBudget<'f> {
     file: &'f Path,
     all: u64,

@@ -98,7 +98,7 @@ impl Picker {
     /// surfaces, as in pictures. They do not pass the holes of masks, nor glass: a pane or a leaf
     /// is hit everywhere. `direction` need not have unit length; a zero direction hits nothing.
     ///
-    /// Of surfaces at the same position, that of the first instance is returned.
+    /// If several surfaces are at the same position, the first instance is returned.
     pub fn pick(&self, origin: Vec3, direction: Vec3) -> Option<Pick> {
         let origin = origin.as_dvec3();
         let direction = direction.as_dvec3().try_normalize()?;

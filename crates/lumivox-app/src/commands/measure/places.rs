@@ -129,7 +129,7 @@ impl Places {
         if self.is_luminance() {
             return Vec::new();
         }
-        // Those around the camera are for pictures, but where they are around cascades.
+        // Finer maps light sensors only if they are maps around cascades.
         let squares = if maps.reach_m.is_some() { maps.squares } else { 0 };
         let maps = ShadowMapFineness { squares, ..maps };
         let (bounds, middle) = (scene.bounds(), middle(&self.at));

@@ -37,7 +37,7 @@ pub struct Report<'a> {
     pub inside: Vec<usize>,
     /// The places in shade that shadow maps lose, by their numbers.
     pub in_lost_shade: Vec<usize>,
-    /// What serves there.
+    /// The remedy for lost shade, a sentence.
     pub shade_remedy: &'static str,
     /// The places.
     pub places: &'a Places,

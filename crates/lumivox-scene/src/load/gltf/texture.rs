@@ -65,7 +65,7 @@ fn uv_transform(offset: [f32; 2], rotation_rad: f32, scale: [f32; 2]) -> Affine2
     )
 }
 
-/// The same from JSON, if the glTF library does not read it; and the coordinate set.
+/// The texture transform from JSON that the glTF library does not read, with the coordinate set.
 fn json_transform(value: Option<&Value>, set: u32) -> (u32, Affine2) {
     let Some(value) = value else { return (set, Affine2::IDENTITY) };
     let pair = |key: &str, default: [f32; 2]| match value[key].as_array().map(Vec::as_slice) {
