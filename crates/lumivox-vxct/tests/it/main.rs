@@ -247,9 +247,10 @@ fn one_side_is_seen() {
     let from_below = Camera::look_at(Vec3::new(0.0, -1.6, 1.2), Vec3::ZERO, 0.6);
     let from_above = std::mem::replace(&mut scene.cameras[0], from_below);
     assert!(!seen(&scene));
-    // The background is a dark grey, everywhere.
+    // The background is a dark grey, everywhere: 25.5, which GPUs round up or down.
     let shown = render(&scene, look(phong_alone()));
-    assert!(shown.ldr.iter().all(|pixel| pixel[..3] == [26; 3]), "{:?}", shown.ldr[0]);
+    let is_grey = |pixel: &[u8; 4]| [[25; 3], [26; 3]].contains(&[pixel[0], pixel[1], pixel[2]]);
+    assert!(shown.ldr.iter().all(is_grey), "{:?}", shown.ldr[0]);
 
     let mirror = glam::Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
     scene.instances[0].world_from_local = mirror;

@@ -116,12 +116,13 @@ impl LateReads {
             if state == FAILED {
                 continue;
             }
+            // A device lost since has destroyed the buffer, and unmapping it would be an error.
+            let Ok(mapped) = slot.buffer.get_mapped_range(..) else { continue };
             let newest = latest.as_ref().map_or(self.returned, |(number, _)| *number);
-            if slot.number > newest
-                && let Ok(mapped) = slot.buffer.get_mapped_range(..)
-            {
+            if slot.number > newest {
                 latest = Some((slot.number, bytemuck::cast_slice(&mapped).to_vec()));
             }
+            drop(mapped);
             slot.buffer.unmap();
         }
         latest.map(|(number, words)| {
@@ -154,7 +155,7 @@ impl LateReads {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::storage_buffer;
+    use crate::gpu::{open_device, storage_buffer};
     use crate::testing::device;
 
     /// A buffer with one word, which is read back.
@@ -167,7 +168,10 @@ mod tests {
 
     impl Word {
         fn new() -> Self {
-            let (device, queue) = device();
+            Self::on(device())
+        }
+
+        fn on((device, queue): (crate::gpu::Pipelines, wgpu::Queue)) -> Self {
             let buffer = storage_buffer(&device, "word", 4);
             let reads = LateReads::new(&device, 4);
             Self { device, queue, buffer, reads }
@@ -212,6 +216,16 @@ mod tests {
         let third = word.record();
         word.submit(30, third, 3);
         assert_eq!(word.latest(), Some(vec![30]), "and so is the next one");
+    }
+
+    #[test]
+    fn reads_of_a_lost_device_are_dropped() {
+        let (device, queue) = pollster::block_on(open_device()).expect("a device of its own");
+        let mut word = Word::on((crate::gpu::Pipelines::new(&device), queue));
+        let first = word.record();
+        word.submit(10, first, 1);
+        word.device.destroy();
+        assert_eq!(word.latest(), None);
     }
 
     #[test]

@@ -28,9 +28,10 @@ fn dense_part(level: &Level, cell: UVec3, part: u32, directionality: Directional
     }
 }
 
-/// Half floats keep 11 bits, and a rounding may fall to either side at each level.
+/// Half floats keep 11 bits, and a GPU may round up or down (NVIDIA's round down): each of four levels errs by at most 2^-10 in
+/// one of the two volumes, in proportion.
 fn is_near(a: [f32; 4], b: [f32; 4], absolute: f32) -> bool {
-    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= absolute + b.abs() * 2.0_f32.powi(-9))
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= absolute + b.abs() * 2.0_f32.powi(-8))
 }
 
 #[test]
