@@ -141,7 +141,7 @@ impl Renderer {
         if redo.mean && !is_resized {
             // Start like a renderer created with these settings.
             self.targets.forget();
-            (self.drawn, self.samples_drawn, self.former_camera) = (0, 0, None);
+            self.start_like_new();
         }
         self.gpu.check("taking other settings")
     }

@@ -86,6 +86,8 @@ pub struct Renderer {
     drawn: u32,
     /// Samples per pixel drawn so far, over all pictures.
     samples_drawn: u32,
+    /// The last frames of which each started a new mean.
+    restarts: u32,
     /// The camera of the last frame.
     former_camera: Option<Camera>,
 }
@@ -211,6 +213,7 @@ impl Renderer {
             times,
             drawn: 0,
             samples_drawn: 0,
+            restarts: 0,
             former_camera: None,
         })
     }
@@ -290,10 +293,11 @@ impl Renderer {
         self.prepare_view().await?;
         let mut recorder = self.recorder();
         let voxels = self.follow(&mut recorder)?;
-        let samples = if is_kept { self.samples_of_next_frame() } else { 1 };
+        let samples = if is_kept { self.take_samples() } else { 1 };
         self.record_frame(&mut recorder, is_kept, samples)?;
-        self.times.add(recorder.finish().await?);
-        self.draw_further_samples(samples).await?;
+        let mut times = recorder.finish().await?;
+        times.extend(self.draw_further_samples(samples).await?);
+        self.times.add(times);
         self.gpu.check("rendering a frame")?;
         Ok(voxels)
     }

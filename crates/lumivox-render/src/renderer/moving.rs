@@ -118,7 +118,7 @@ impl Renderer {
         self.following = Following::default();
         self.targets.forget();
         self.scene.motion.settle(self.targets.gbuffer_textures.motion.is_some());
-        (self.drawn, self.samples_drawn, self.former_camera) = (0, 0, None);
+        self.start_like_new();
         Ok(())
     }
 

@@ -7,6 +7,7 @@
 //! (`composite.wgsl`). All samples of a frame have the same weight.
 
 use glam::Vec2;
+use lumivox::gpu::StageTime;
 
 use super::Renderer;
 use crate::passes::accumulate::weight_of_sample;
@@ -16,6 +17,9 @@ use crate::{RenderError, ShadowMethod, View};
 
 /// Frames that have several samples.
 const SAMPLED_FRAMES: u32 = 16;
+
+/// Samples of a frame while camera, light or objects move: each costs a sixth of a frame.
+const MOVING_SAMPLES: u32 = 2;
 
 /// The samples of frame `frame`: 8, 4, 4, then 2, and 1 from the 17th on. This keeps the error of
 /// edges from growing with a new frame, although blended frames have a weight of half or more at
@@ -50,10 +54,28 @@ impl Renderer {
     }
 
     /// The samples of the next frame; 1 if the mean continues from an earlier picture, whose edges
-    /// are smooth already.
-    pub(super) fn samples_of_next_frame(&self) -> u32 {
-        let has_several = self.is_sampled() && !self.targets.accumulate.has_past();
-        if has_several { samples_of(self.frame_count()) } else { 1 }
+    /// are smooth already. Frames of which each starts a new mean are those of something that moves
+    /// and have fewer; the first frame without a change starts again with all samples.
+    pub(super) fn take_samples(&mut self) -> u32 {
+        if !self.is_sampled() || self.targets.accumulate.has_past() {
+            return 1;
+        }
+        // A picture of one frame has all samples, also if the next one differs.
+        let is_mean = self.settings.frames > 1;
+        if is_mean && self.restarts > 1 && self.frame_count() == 1 {
+            self.targets.accumulate.reset();
+            self.restarts = 0;
+        }
+        let frame = self.frame_count();
+        let moves = is_mean && frame == 0 && self.restarts > 0;
+        self.restarts = if frame == 0 { self.restarts + 1 } else { 0 };
+        if moves { MOVING_SAMPLES } else { samples_of(frame) }
+    }
+
+    /// Draws the next frame as the first one: nothing is left of frames before.
+    pub(super) fn start_like_new(&mut self) {
+        (self.drawn, self.samples_drawn, self.restarts) = (0, 0, 0);
+        self.former_camera = None;
     }
 
     /// The number of the first sample of the next frame, which has index `frame`. Blended frames
@@ -68,13 +90,17 @@ impl Renderer {
         if self.settings.frames <= 1 { Vec2::ZERO } else { gbuffer::jitter(sample) }
     }
 
-    /// Adds the further samples of the last frame, if `samples` is above 1.
+    /// Adds the further samples of the last frame, if `samples` is above 1. Returns their times.
     ///
     /// # Errors
     /// When the device fails.
-    pub(super) async fn draw_further_samples(&mut self, samples: u32) -> Result<(), RenderError> {
+    pub(super) async fn draw_further_samples(
+        &mut self,
+        samples: u32,
+    ) -> Result<Vec<StageTime>, RenderError> {
+        let mut times = Vec::new();
         if samples == 1 {
-            return Ok(());
+            return Ok(times);
         }
         let frame = self.frame_count() - 1;
         let is_temporal = self.targets.traced.is_temporal();
@@ -114,8 +140,8 @@ impl Renderer {
                 let counted = (composed, [sample, samples]);
                 beside.record_further(&mut recorder, &passes.composite, lit, counted);
             }
-            self.times.add(recorder.finish().await?);
+            times.extend(recorder.finish().await?);
         }
-        Ok(())
+        Ok(times)
     }
 }

@@ -90,6 +90,29 @@ fn the_mean_starts_anew_only_where_the_picture_changes() {
     assert_eq!(renderer.frame_count(), 0);
 }
 
+/// Frames of a moving camera have fewer samples, which no picture at rest keeps.
+#[test]
+fn a_picture_after_motion_is_that_of_a_new_renderer() {
+    let gpu = gpu();
+    let scene = builtin("cornell");
+    let mut moving = renderer(&gpu, &scene, settings());
+    let first_frame = |renderer: &mut Renderer| {
+        pollster::block_on(renderer.render_frame()).expect("a frame");
+        pollster::block_on(renderer.finish()).expect("a picture").hdr
+    };
+    let mut frames = Vec::new();
+    for _ in 0..3 {
+        let mut camera = moving.camera().clone();
+        camera.position.x += 0.1;
+        moving.set_camera(camera);
+        frames.push(first_frame(&mut moving));
+    }
+    let mut at_rest = renderer(&gpu, &scene, settings());
+    at_rest.set_camera(moving.camera().clone());
+    assert!(frames[2] != first_frame(&mut at_rest), "it has as many samples as at rest");
+    assert!(picture(&mut moving).hdr == picture(&mut at_rest).hdr);
+}
+
 #[test]
 fn what_is_refused_changes_nothing() {
     let gpu = gpu();
