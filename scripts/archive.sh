@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 #
-# scripts/archive.sh: the program as people download it, for the machine that it is run on; and the page as a folder for
-# any host. .github/workflows/release.yml runs it on Linux, macOS and Windows.
+# scripts/archive.sh: packs the program for the machine that it is run on, and the page as a folder
+# for any host. .github/workflows/release.yml runs it on Linux, macOS and Windows.
 
 set -euo pipefail
 
@@ -49,7 +49,8 @@ checksum() (
     if have sha256sum; then sha256sum "$(basename "$1")"; else shasum -a 256 "$(basename "$1")"; fi >"$(basename "$1").sha256"
 )
 
-# tidy_tar FILE FOLDER NAME: the folder NAME in FOLDER as an archive whose bytes depend on its files alone, where tar can do that.
+# tidy_tar FILE FOLDER NAME: packs the folder NAME in FOLDER. With GNU tar, the archive's bytes
+# depend only on its files.
 tidy_tar() {
     local options=()
     if tar --version 2>/dev/null | grep -q GNU; then options=(--sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner); fi

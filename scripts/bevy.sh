@@ -9,7 +9,7 @@ bevy_crate=integrations/bevy
 # The Rust that its rust-toolchain.toml names.
 bevy_rust() { sed -n 's/^channel *= *"\(.*\)"/\1/p' "$root/$bevy_crate/rust-toolchain.toml"; }
 
-# That Rust, installed by rustup if it is missing.
+# Installs that Rust with rustup if it is missing.
 need_bevy_rust() {
     local wanted
     wanted=$(bevy_rust)
@@ -25,9 +25,10 @@ need_bevy_rust() {
         die "rustup could not install Rust $wanted."
 }
 
-# The files of its tests, by their names as modules: a line for each process that runs them. Mesa 22.3's software driver keeps
-# 3.4 MB of each of Bevy's frames until its process ends. There are some 2600 frames in `changes`, 1900 in the second line, and
-# 1800 in all others, which compare with the same pictures: 9 GB, 7 GB and 6 GB, of which two run at a time.
+# Prints the names of its test modules, one line for each process. Mesa 22.3's software driver keeps
+# 3.4 MB of each of Bevy's frames until its process ends. `changes` has about 2600 frames, the
+# second group 1900, and all others, which compare with the same pictures, 1800: 9 GB, 7 GB and
+# 6 GB, of which two run at a time.
 bevy_test_groups() {
     local groups=(changes "deforming worlds") file others=()
     for file in $(cd "$root/$bevy_crate/tests/it" && grep -l '#\[test\]' -- *.rs); do
@@ -37,8 +38,9 @@ bevy_test_groups() {
     printf '%s\n' "${others[*]}" "${groups[@]}"
 }
 
-# run_bevy_tests CARGO_ARGUMENTS... -- TEST_ARGUMENTS...: the groups, two at a time where there is memory for two, since each process
-# keeps little more than one core busy. Each line begins with the group's first file.
+# run_bevy_tests CARGO_ARGUMENTS... -- TEST_ARGUMENTS...: runs the groups, two at a time if there is
+# memory for two, since each process uses little more than one core. Lines begin with the group's
+# first file.
 run_bevy_tests() {
     local cargo=() files most=1 running=0 status=0 free_kib
     while (($# > 0)) && [[ $1 != -- ]]; do cargo+=("$1") && shift; done
@@ -47,7 +49,7 @@ run_bevy_tests() {
     if ((${free_kib:-0} > 18 << 20)); then most=2; fi
     while read -r -a files <&3; do
         if ((running == most)); then
-            # macOS has an old bash, and no /proc.
+            # macOS has an old bash, but there `most` is 1.
             if ((most > 1)); then wait -n || status=1; else wait "$!" || status=1; fi
             running=$((running - 1))
         fi
@@ -61,7 +63,7 @@ run_bevy_tests() {
     return "$status"
 }
 
-# in_bevy COMMAND...: cargo in its folder, with that Rust and a target folder of its own.
+# in_bevy COMMAND...: runs cargo in its folder, with that Rust and its own target folder.
 in_bevy() (
     cd "$root/$bevy_crate" || exit
     unset CARGO_TARGET_DIR

@@ -17,8 +17,8 @@ import os
 import subprocess
 import sys
 
-# The one table of arrows between our crates: each crate, and the crates it may depend on, whether
-# normally, for building or for tests. A crate that is not here yet is refused until it is.
+# Our crates, and which of them each may depend on, whether normally, for building or for tests. A
+# crate that is missing here is refused.
 MAY_DEPEND_ON = {
     "lumivox-scene": set(),
     "lumivox-wgsl": set(),
@@ -65,9 +65,9 @@ MAY_DEPEND_ON = {
 ALL_KINDS = {"normal", "build", "dev"}
 SHIPPED_KINDS = {"normal", "build"}
 
-# Third-party crates that would turn an arrow around: the crate, the families it must not use (a
-# family is a name and every name that continues it: wgpu, wgpu-core, wgpu_text), the kinds of
-# dependency meant, and why.
+# Third-party crates that a crate must not use: the crate, the families (a family is a name and
+# every name that continues it: wgpu, wgpu-core, wgpu_text), the kinds of dependency, the reason and
+# the remedy.
 MUST_NOT_USE = [
     (
         "lumivox-scene",
@@ -130,7 +130,7 @@ def violations(packages):
             name = dependency["name"]
             kind = dependency["kind"] or "normal"
             arrow = f"{crate} -> {name} ({kind} dependency)"
-            # Depending on oneself, for tests with other features, is no direction at all.
+            # A crate may depend on itself, for tests with other features.
             if name in ours and name != crate and name not in MAY_DEPEND_ON[crate]:
                 found.append(
                     f"{arrow} points the wrong way.\n"

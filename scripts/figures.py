@@ -22,16 +22,16 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCUMENTS = ("*.md", "docs/*.md", "crates/*/README.md", "integrations/*/README.md")
-# What a page measures: light and the scenes, without tests of them.
+# The sources that a page measures: light and the scenes, without tests.
 LIGHT = ("crates/lumivox/src", "crates/lumivox-render/src", "crates/lumivox-scene/src/builtin", ":(exclude,glob)**/tests.rs")
 PAGES = {"bench": LIGHT, "quality": (*LIGHT, "crates/lumivox-scene/src/rooms"), "motion": LIGHT, "three": (*LIGHT, "crates/lumivox-three"), "gallery": LIGHT}
-# What a program is built from, without what the pages' commands write there.
+# The sources of the program, without what the pages' commands write there.
 SOURCES = ("crates", "Cargo.lock", ":(exclude)*/published.json", ":(exclude)*/gallery.html")
 
 STAMP = re.compile(r"^Made of commit ([0-9a-f]{7,40})( with local changes)? on \d{4}-\d\d-\d\d\.$", re.M)
 COPY = re.compile(r"(<!-- figure ([\w-]+) -->)([^<]*)(<!-- end -->)")
 OPENING = re.compile(r"<!--\s*[Ff]igure\b")
-# A table that a command makes within a page written by hand; its stamp is above it.
+# A generated table, with its stamp, in a page written by hand.
 TABLE = re.compile(r"(?<=<!-- made by scripts/figures.sh -->\n).*?(?=<!-- end -->)", re.S)
 
 # --- where figures come from; `read` returns the text of a file -------------------------------------
@@ -49,7 +49,7 @@ def rows(read, page, heading):
         elif is_below:
             cells = [cell.strip() for cell in line.strip("| ").split("|")]
             columns = columns or cells
-            # From the right, so that the first of two columns with one heading stays.
+            # Reversed, so that the first of two columns with one heading wins.
             found.append(dict(reversed(list(zip(columns, cells)))))
     return found
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 #
-# scripts/figures.sh: makes the pages of measurements anew, and copies their numbers into the other documents.
+# scripts/figures.sh: remakes the pages of measurements, and copies their numbers into other pages.
 
 set -euo pipefail
 
@@ -47,7 +47,7 @@ fi
 work=$target_dir/figures/$(figures --key)
 mkdir -p "$work"
 
-# A make_PAGE for each page: it leaves what is done in $work/PAGE, and goes on from there.
+# Each page has a make_PAGE, which stores results in $work/PAGE and resumes from there.
 
 make_bench() {
     "$program" bench --resolutions 64,128 --cache "$work/bench" --json "$work/bench.json" -o "$work/bench.md"
@@ -55,7 +55,7 @@ make_bench() {
     figures --take bench "$work/bench.md"
 }
 
-# take_pictures PAGE: its pictures take the place of the old ones.
+# take_pictures PAGE: replaces the page and its pictures by the new ones.
 take_pictures() {
     rm -rf "docs/images/$1"
     cp -R "$work/$1/docs/images/$1" docs/images/

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 #
-# scripts/gallery.sh: makes the pictures of the gallery and the texts around them. The table below is the one place where
-# a picture's name, title, caption and command stand; the README, docs/gallery.md and the page's gallery.html follow it.
+# scripts/gallery.sh: makes the pictures and texts of the gallery. The table below is the only
+# source of a picture's name, title, caption and command; the README, docs/gallery.md and the page's
+# gallery.html are written from it.
 
 set -euo pipefail
 
@@ -34,9 +35,9 @@ TEXT
 
 names=() titles=() captions=() links=() commands=() paces=()
 
-# picture NAME TITLE LINK [MS] <<COMMAND: the caption is the input's first line, and the command, which writes NAME.png, all
-# other lines. Where MS is given it writes NAME-100.png and so on: an animated picture, each for so many milliseconds. LINK is
-# what opens the like in the page, behind its '#'.
+# picture NAME TITLE LINK [MS] <<COMMAND: the input's first line is the caption; the rest is the
+# command, which writes NAME.png. With MS it writes NAME-100.png and so on: an animated picture,
+# each frame for MS milliseconds. LINK, after the page's '#', opens a similar view.
 picture() {
     local caption command
     IFS= read -r caption
@@ -125,10 +126,10 @@ page=crates/lumivox-web/page/gallery.html
 
 # --- the texts ----------------------------------------------------------------------------------
 
-# html: the input as text within HTML.
+# html: escapes the input for HTML.
 html() { sed 's/&/\&amp;/g; s/</\&lt;/g; s/>/\&gt;/g; s/"/\&quot;/g'; }
 
-# size_of I: the picture's pixels by its command; the program's own are 640x360.
+# size_of I: the picture's size, from its command; the program's default is 640x360.
 size_of() {
     local size=640x360
     if [[ ${commands[$1]} =~ size\ ([0-9]+x[0-9]+) ]]; then size=${BASH_REMATCH[1]}; fi
@@ -185,16 +186,16 @@ TEXT
     printf '</main>\n</body>\n</html>\n'
 }
 
-# heading_of TITLE: what GitHub calls its heading in an address.
+# heading_of TITLE: GitHub's anchor for this heading.
 heading_of() { tr '[:upper:] ' '[:lower:]-' <<<"$1" | tr -cd 'a-z0-9-'; }
 
-# The README with the pictures between its two marks: two in motion, and below them the others, four in a row.
+# Prints the README with the pictures between its two marks: two animations, then four in a row.
 print_readme() {
     local i width end rows='' stills=0
     for i in "${!names[@]}"; do
         width=24% end=' '
         if [[ -n ${paces[i]} ]]; then width=49%; else stills=$((stills + 1)); fi
-        # A line of the file for each row.
+        # Each row is one line of the file.
         if ((i == 1 || stills == 4)); then end=$'\n'; fi
         printf -v rows '%s<a href="docs/gallery.md#%s"><img src="docs/images/gallery/%s.webp" width="%s" alt="%s"></a>%s' \
             "$rows" "$(heading_of "${titles[i]}")" "${names[i]}" "$width" "${titles[i]}" "$end"
@@ -205,7 +206,7 @@ print_readme() {
         !skip { print }' "$root/README.md"
 }
 
-# each_text DO: calls DO FILE PRINTER for all of them.
+# each_text DO: calls DO FILE PRINTER for each text.
 each_text() {
     "$1" docs/gallery.md print_document
     "$1" "$page" print_page
@@ -246,7 +247,7 @@ if [[ -n $only ]]; then
 fi
 texts=
 if [[ -z $out ]]; then texts=1 out=$images; fi
-# Only an older gallery is replaced: nothing of anybody's is lost.
+# Replace only an older gallery, never other files.
 if [[ -e $out && -n $(find "$out" -mindepth 1 ! -name '*.webp' -print -quit) ]]; then
     die "$out is there, and is no gallery: it would be replaced." "Choose a folder that is empty or not there yet."
 fi
@@ -255,7 +256,7 @@ program=$(readlink -f -- "${program:-$root/lumivox}")
 need_package_for img2webp "webp, which packs the pictures," webp
 have cwebp || die "cwebp is missing beside img2webp: it is in the same package, webp."
 
-# Beside the pictures' folder, so that the new one is put there by one step.
+# In the same folder as the old gallery, so that one rename puts the new one there.
 mkdir -p "$(dirname -- "$out")"
 work=$(mktemp -d)
 fresh=$(mktemp -d "${out%/}.XXXXXX")
@@ -263,10 +264,10 @@ trap 'rm -rf "$work" "$fresh"' EXIT
 chmod 755 "$fresh"
 if [[ -n $only && -d $out ]]; then cp -Rp "$out/." "$fresh/"; fi
 
-# What readers type, `./lumivox`, is the program there.
+# The commands call `./lumivox`, as readers do.
 ln -s "$program" "$work/lumivox"
 
-# make I: one picture, packed, in `fresh`.
+# make I: makes one picture, packed, in `fresh`.
 make() {
     local name=${names[$1]} command=${commands[$1]} pace=${paces[$1]} start=$SECONDS frames
     say "[$(($1 + 1))/${#names[@]}] $name"

@@ -1,22 +1,23 @@
 # shellcheck shell=bash
 #
-# What is published, tried without publishing: the crates of the workspace as cargo packs them, and the packages for npm
-# and Python. ./test and scripts/release.sh source it after setup.sh and set_target_dir; ./test looks at the crates alone.
+# Packs and checks what is published, without publishing: the crates, and the packages for npm and
+# Python. ./test and scripts/release.sh source it after setup.sh and set_target_dir; ./test checks
+# only the crates.
 #
-# Crates are not compiled here: the same sources have been, and from the packages it would take as long once more. What a
-# package may lack, files, is looked for instead (check_packages.py).
+# Packed crates are not compiled: their sources have been, and it would take as long again.
+# check_packages.py looks for missing files instead.
 
 : "${root:?set root to the repository root before sourcing packages.sh}"
 
-# pack_crates [OPTIONS]: packs all crates that are published, in the order in which they depend on each other.
+# pack_crates [OPTIONS]: packs all crates that are published, in the order of their dependencies.
 pack_crates() {
     : "${target_dir:?call set_target_dir first}"
     rm -rf "$target_dir/package"
-    # A package of a tree with changes is fine to look at, though not to publish.
+    # A tree with changes may be packed, though not published.
     (cd "$root" && cargo publish --workspace --dry-run --no-verify --allow-dirty "$@")
 }
 
-# check_packages [OPTIONS]: packs them, and looks at what is in them.
+# check_packages [OPTIONS]: packs the crates, and checks what they contain.
 check_packages() {
     pack_crates "$@" && look_at "$target_dir/package"
 }
@@ -28,7 +29,7 @@ scene_features() {
     sed -n '/^\[features\]/,/^\[dependencies\]/ s/^default = \[\(.*\)\]$/\1/p' "$root/crates/lumivox-scene/Cargo.toml" | tr -d '",'
 }
 
-# check_scene_features [OPTIONS]: lumivox-scene without a feature and with each of them compiles without a warning.
+# check_scene_features [OPTIONS]: lints lumivox-scene without features, and with each one alone.
 check_scene_features() (
     cd "$root" || exit
     local feature names
@@ -42,8 +43,8 @@ check_scene_features() (
 
 # --- the packages for npm and Python, for scripts/release.sh --------------------------------------------
 
-# check_npm_package FOLDER: builds the page, packs its npm package into FOLDER, looks at it, asks npm to publish it without
-# doing so, and installs it in an empty folder.
+# check_npm_package FOLDER: builds the page, packs its npm package into FOLDER, checks it, tries
+# `npm publish --dry-run`, and installs it in an empty folder.
 check_npm_package() (
     : "${target_dir:?call set_target_dir first}"
     page=$target_dir/publish-page
@@ -63,8 +64,8 @@ check_npm_package() (
         }'
 )
 
-# check_python_package FOLDER: packs the sources for Python into FOLDER, builds a wheel from these alone, looks at both, and
-# installs the wheel in an empty environment, where it renders.
+# check_python_package FOLDER: packs the sources for Python into FOLDER, builds a wheel from only
+# these, checks both, and renders with the wheel in an empty environment.
 check_python_package() (
     : "${target_dir:?call set_target_dir first}"
     tools=$target_dir/tools/pypi

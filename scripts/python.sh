@@ -1,7 +1,8 @@
 # shellcheck shell=bash
 #
-# The Python package: its tests, in an environment of their own, with the extension of a debug build.
-# Sourced by ./test after setup.sh and set_target_dir; the times of tests go to the folder LUMIVOX_TEST_TIMES.
+# The Python package: its tests, in an environment of their own, with the extension of a debug
+# build. Sourced by ./test after setup.sh and set_target_dir; the times of tests go to the folder
+# LUMIVOX_TEST_TIMES.
 
 : "${root:?set root to the repository root before sourcing python.sh}"
 
@@ -9,10 +10,10 @@ python_package=crates/lumivox-python
 # What the tests need besides the package.
 python_tools=(numpy==2.* pytest==9.* mypy==2.* trimesh==5.* ray==2.* mitsuba==3.*
     nbclient==0.* nbformat==5.* ipykernel==7.* matplotlib==3.*)
-# It brings VTK, which is larger than all others.
+# It needs VTK, which is larger than all others.
 if [[ -n ${LUMIVOX_RELEASE:-} ]]; then python_tools+=(pyvista==0.*); fi
 
-# Python, with what makes environments: a package of its own on Debian and Ubuntu.
+# Python with the module venv, which is a separate package on Debian and Ubuntu.
 need_python() {
     need_package_for python3 "Python 3, for its package," python3 python3-venv
     python3 -c 'import ensurepip, venv' 2>/dev/null && return 0
@@ -21,7 +22,7 @@ need_python() {
     die "Python cannot make environments." "Install its modules venv and ensurepip (on Debian and Ubuntu: apt install python3-venv)."
 }
 
-# The environment, in `python_env`: made once, and again for other tools.
+# Sets `python_env`; made again if the tools change.
 need_python_env() {
     : "${target_dir:?call set_target_dir first}"
     python_env=$target_dir/tools/python

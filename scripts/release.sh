@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 #
-# scripts/release.sh VERSION: everything that must be true before a release is published, and the refusal if anything is
-# not. docs/releasing.md has the steps around it. It publishes nothing itself.
+# scripts/release.sh VERSION: checks everything that must be true before a release is published, and
+# refuses it otherwise. docs/releasing.md has the steps around it. It publishes nothing itself.
 
 set -euo pipefail
 
@@ -42,7 +42,7 @@ while (($# > 0)); do
 done
 cd "$root"
 
-# try_packages: all that is published, packed and tried. The packages for npm and Python stay in $publish.
+# try_packages: packs and checks all packages. Those for npm and Python stay in $publish.
 try_packages() {
     need_rust
     need_linker
@@ -83,7 +83,7 @@ grep -q "\"lumivox\": \"^$version\"" crates/lumivox-three/example/package.json |
     refuse "crates/lumivox-three/example/package.json asks for another version of lumivox than ^$version"
 git rev-parse -q --verify "refs/tags/v$version" >/dev/null && refuse "the tag v$version is there already"
 
-# --- what readers are told ------------------------------------------------------------------------
+# --- changelog, metadata, measurements ------------------------------------------------------------
 
 grep -qE "^## \[${version//./\\.}\] - [0-9]{4}-[0-9]{2}-[0-9]{2}$" CHANGELOG.md ||
     refuse "CHANGELOG.md has no section '## [$version] - YYYY-MM-DD'"
@@ -115,7 +115,7 @@ say "What can be seen at once is ready for $version."
 [[ -z $quick ]] || exit 0
 
 try_packages --locked
-# With these, tests write what they would compare with, or run on a device that their tolerances were not set on.
+# With these, tests would write their expectations, or run on a device that has other tolerances.
 unset LUMIVOX_BLESS LUMIVOX_TEST_ANY_ADAPTER
 commit=$(git rev-parse HEAD)
 LUMIVOX_NEED_ADVISORIES=1 LUMIVOX_RELEASE=1 CI=true ./test --full || die "A check failed (its message is above)."

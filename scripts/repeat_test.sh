@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 #
-# scripts/repeat_test.sh: runs tests many times beside each other, to find those that fail now and then on busy cores.
+# scripts/repeat_test.sh: runs tests many times in parallel, to find rare failures on busy cores.
 
 set -euo pipefail
 
@@ -49,10 +49,10 @@ if on_linux && [[ -z ${LUMIVOX_TEST_ANY_ADAPTER:-} ]] && manifest=$(unset VK_DRI
 fi
 
 which=(--include-ignored ${names[@]+"${names[@]}"})
-# What is there to be run by hand has nothing to fail.
+# Tests named by_hand check nothing.
 if [[ ${names[*]-} != *by_hand* ]]; then which+=(--skip by_hand); fi
 
-# A line for each program of tests: the folder of its package, and its file.
+# A line for each test program: the folder of its package, and its file.
 built=$(cargo test --no-run --message-format=json-render-diagnostics ${options[@]+"${options[@]}"} |
     sed -nE 's|.*"manifest_path":"([^"]*)/Cargo.toml".*"test":true\}.*"executable":"([^"]+)".*|\1\t\2|p')
 programs=()
@@ -69,12 +69,12 @@ out=$(readlink -f -- "$out")
 results=$out/results
 : >"$results"
 trap 'rm -f "$results" "$out"/running-*.log' EXIT
-# The runs end with this script: in the background they do not hear Ctrl+C.
+# The runs end with this script: background jobs ignore Ctrl+C.
 trap 'trap - TERM; kill -TERM 0' INT TERM
 
 count() { grep -c "^$1$" "$results" || true; }
 
-# Runs the programs once. What they say is kept if one fails.
+# Runs the programs once. Their output is kept if one fails.
 run_once() {
     local log=$out/running-$1.log result=passed
     for ((i = 0; i < ${#programs[@]}; i += 2)); do

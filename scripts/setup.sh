@@ -1,10 +1,10 @@
 # shellcheck shell=bash
 #
-# What ./lumivox and ./test need from the machine, checked in one place.
+# Checks what ./lumivox and ./test need from the machine.
 # Sourced, with `root` set to the repository root; runs in bash 3.2 and later.
 #
-# Each `need_*` function returns when the thing is there. If it is missing, the function installs
-# it where that takes no decision of yours (distribution packages on Debian and Ubuntu), saying so
+# Each `need_*` function returns if the thing is available. If it is missing, the function installs
+# it where that needs no decision of yours (distribution packages on Debian and Ubuntu), saying so
 # first; otherwise it stops and says what to do. All of its messages go to stderr.
 #
 # Environment:
@@ -13,7 +13,7 @@
 
 : "${root:?set root to the repository root before sourcing setup.sh}"
 
-# Where nobody can be told anything, work goes on.
+# Continue without messages if stderr is closed.
 if ! true >&2; then exec 2>/dev/null; fi
 say() { printf '%s\n' "$*" >&2 || true; }
 
@@ -31,7 +31,7 @@ on_linux() { [[ $(uname -s) == Linux ]]; }
 
 # --- packages ---------------------------------------------------------------------------------
 
-# The command prefix that runs apt-get with the right to install, in `as_root`; fails without one.
+# Sets `as_root` to the prefix that runs apt-get as root; fails if there is none.
 find_root_rights() {
     as_root=()
     [[ $(id -u) -eq 0 ]] && return 0
@@ -46,7 +46,7 @@ find_root_rights() {
 
 package_lists_are_fresh=
 
-# install_debian_packages WHAT PACKAGE...: fails, having said why, when it cannot install.
+# install_debian_packages WHAT PACKAGE...: fails if it cannot install; says why if apt-get exists.
 install_debian_packages() {
     local what=$1 as_root
     shift
@@ -148,9 +148,9 @@ need_linker() { on_windows || need_package_for cc "A C linker, which Rust needs,
 
 need_cxx_compiler() { on_windows || need_package_for c++ "A C++ compiler" g++; }
 
-# Where cargo puts what it builds. A relative CARGO_TARGET_DIR counts from the caller's directory,
-# as it does for cargo, so it becomes absolute before anything changes directory. Exported, so that
-# no `target-dir` in the user's cargo settings sends the program elsewhere.
+# Sets `target_dir` to cargo's target folder. A relative CARGO_TARGET_DIR is relative to the
+# caller's directory, as for cargo, so it becomes absolute before anything changes directory.
+# Exported, so that a `target-dir` in the user's cargo settings has no effect.
 set_target_dir() {
     target_dir=${CARGO_TARGET_DIR:-$root/target}
     case $target_dir in
@@ -162,15 +162,15 @@ set_target_dir() {
 
 # --- building ---------------------------------------------------------------------------------
 
-# show_build TITLE CARGO...: runs a cargo command that builds, and shows on stderr how far it is: crates
-# done of how many, the time that went by, and about how long the rest takes. On a terminal one line is
-# redrawn; in a log there is a line every 20 seconds. What cargo warns of or fails with is shown as it
-# comes. A build with nothing to do says nothing.
+# show_build TITLE CARGO...: runs a cargo build, and shows its progress on stderr: crates done and
+# in total, elapsed time, and about how long the rest takes. On a terminal one line is redrawn; a
+# log gets a line every 20 seconds. Cargo's warnings and errors are shown as they come. A build with
+# nothing to do prints nothing.
 show_build() {
     local title=$1 colour=never
     shift
     if [[ -t 2 ]]; then colour=always; fi
-    # Cargo writes its own progress even to a pipe when told to; the function below reads the numbers from it.
+    # Makes cargo write its progress even to a pipe; read_progress reads the numbers from it.
     CARGO_TERM_PROGRESS_WHEN=always CARGO_TERM_PROGRESS_WIDTH=120 CARGO_TERM_COLOR=$colour "$@" 2>&1 >/dev/null |
         read_progress "$title" >&2
 }
@@ -197,7 +197,7 @@ read_progress() {
     if [[ -n $first && -n $is_built ]]; then tell '%s: done in %s.\n' "$title" "$(clock $((SECONDS - start)))"; fi
 }
 
-# As printf, whether or not there is room for it.
+# printf that ignores write errors.
 tell() {
     # shellcheck disable=SC2059 # the format is the caller's
     printf "$@" || true
@@ -212,7 +212,7 @@ print_progress() {
         first=$done
         tell '%s (crates to build: %s).\n' "$title" "$((total - done))"
     fi
-    # Small crates come first and the largest last: the time goes about with the square of the share that is done.
+    # Small crates come first and the largest last: time grows about with the square of the share.
     local share=$((1000 * (done - first) / (total - first + 1)))
     if ((now >= 10 && share >= 100)); then
         left=$((now * 1000000 / (share * share) - now))
@@ -264,7 +264,7 @@ software_manifest() {
             printf '%s\n' "$file"
             return 0
             ;;
-        # Distributions differ in what they call a processor: the first is better than none.
+        # Distributions name processors differently: the first is better than none.
         lvp_icd.*.json) [[ -n $found ]] || found=$file ;;
         esac
     done < <(vulkan_manifests)
@@ -299,12 +299,12 @@ can_open_any() {
     return 1
 }
 
-# Whether there is a Vulkan device to run on. A driver for hardware that is absent is no device:
-# a desktop's package brings Intel's and AMD's drivers to every machine.
+# Whether there is a Vulkan device to run on. A driver does not prove one: a desktop's package
+# installs Intel's and AMD's drivers on every machine.
 have_vulkan_device() {
     local file summary
     have_vulkan_loader || return 1
-    # The loader's own answer, where its tool is installed, beats any deduction.
+    # Prefer the loader's own answer, if its tool is installed.
     if have vulkaninfo; then
         summary=$(timeout 30 vulkaninfo --summary 2>/dev/null </dev/null) || true
         [[ $summary == *deviceName* ]]
@@ -323,8 +323,8 @@ have_vulkan_device() {
 
 need_vulkan_device() {
     on_linux || return 0
-    # Where there is no desktop, Mesa's layer that asks it for its favourite GPU makes libwayland
-    # print an "error:" that is none.
+    # Without a desktop, Mesa's layer that asks it for its favourite GPU makes libwayland print a
+    # harmless "error:".
     if [[ -z ${XDG_RUNTIME_DIR:-} ]]; then export NODEVICE_SELECT=1; fi
     [[ -n ${LUMIVOX_SKIP_DRIVER_CHECK:-} ]] && return 0
     have_vulkan_device && return 0
@@ -334,7 +334,7 @@ need_vulkan_device() {
         die "No Vulkan driver works among those that VK_DRIVER_FILES (or VK_ICD_FILENAMES) names:" \
             "  $chosen" "Without that variable one does: unset it, or correct the path."
     fi
-    # Mesa's package holds the software driver as well, which needs no graphics hardware.
+    # Mesa's package contains the software driver as well, which needs no graphics hardware.
     if install_debian_packages "A Vulkan driver" mesa-vulkan-drivers libvulkan1; then
         have_vulkan_device && return 0
         [[ -n $chosen ]] && die "A Vulkan driver is installed, but VK_DRIVER_FILES (or" \

@@ -21,7 +21,8 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 IMAGES = os.path.join(ROOT, "docs", "images", "cascades")
 SUN = ["--shadow-resolution", "8192"]
 MIB = 1024 * 1024
-# The octree of the city with its whole kilometre in one box, from `lumivox volumes builtin:city`: MiB at voxels of 7.8 and 3.9 m.
+# The city's octree with its whole kilometre in one box, from `lumivox volumes builtin:city`: edge
+# of the voxels in m, and MiB.
 OCTREE = [(1000 / 128, 28_272_180 / MIB), (1000 / 256, 112_373_280 / MIB)]
 
 
@@ -81,10 +82,10 @@ def volume_mib(program, *options):
 def memory(program):
     """Bytes against the finest voxel, for a reach of a kilometre in every way: circles are measured, rings computed."""
     dense = [(1000 / n, volume_mib(program, "--resolution", str(n)), True) for n in (64, 128, 256)]
-    # A volume of cubes grows with the cube of the resolution.
+    # Dense volumes grow with the cube of the resolution.
     dense += [(1000 / 256 / 2**n, dense[-1][1] * 8**n, False) for n in (1, 2, 3, 4, 5)]
     octree = [(voxel, mib, True) for voxel, mib in OCTREE]
-    # Surface grows with the square.
+    # An octree grows with the square.
     octree += [(OCTREE[-1][0] / 2**n, OCTREE[-1][1] * 4**n, False) for n in (1, 2, 3, 4, 5)]
     cascades = []
     for count in range(2, 9):

@@ -66,7 +66,7 @@ def tests_in(folder):
         try:
             tests += kind(text) if kind else []
         except xml.etree.ElementTree.ParseError as error:
-            # Its runner was stopped.
+            # The runner was stopped.
             print(f"{file}: {error}", file=sys.stderr)
     return sorted(tests, reverse=True)
 

@@ -1,16 +1,16 @@
 # shellcheck shell=bash
 #
-# Building the page: ./lumivox web and ./test use it. Sourced after setup.sh; the result is a folder
-# of static files that any host can serve.
+# Builds the page, for ./lumivox web and ./test. Sourced after setup.sh; the result is a folder of
+# static files that any host can serve.
 #
-# The WASM target comes from rustup where rustup can fetch it, else from Debian's packages
-# (rustc-web and its sources, of which the standard library is built as well).
+# The WASM target comes from rustup if possible, else from Debian's packages (rustc-web and its
+# sources, from which the standard library is built).
 
 : "${root:?set root to the repository root before sourcing web.sh}"
 
 web_target=wasm32-unknown-unknown
 
-# The cargo that compiles for browsers, and what it needs besides, in `web_cargo`.
+# Sets `web_cargo` to a cargo that compiles for browsers, and `web_build_std` to its options.
 find_web_cargo() {
     web_cargo=(cargo)
     local sysroot
@@ -37,9 +37,9 @@ find_web_cargo() {
         "On Debian: apt-get install rustc-web cargo-web rust-web-src lld-19 (as root)"
 }
 
-# The programs of lumivox-serve: one makes the page's module, the other, in `server`, hands the page out. Neither has
-# enough to do to be worth the time that a release build takes. The caller may say in `web_tools` what cargo builds, for a build
-# that has them among others.
+# Builds the programs of lumivox-serve: one makes the page's module; the other, in `server`, serves
+# the page. Debug builds are fast enough. Callers may set `web_tools` to cargo's arguments, for a
+# build that includes them.
 build_web_tools() {
     : "${target_dir:?call set_target_dir first}"
     local tools=(--locked -p lumivox-serve --features bindgen)
@@ -52,11 +52,12 @@ build_web_tools() {
 
 web_tools=()
 
-# build_web FOLDER [PROFILE]: the page, with the npm package in its folder `lumivox`, compiled in Cargo's profile `web` or
-# in `web-test`, which is compiled in less time. The program that hands it out is in `server` then.
+# build_web FOLDER [PROFILE]: builds the page, with the npm package in its folder `lumivox`, in
+# Cargo's profile `web`, or in `web-test`, which compiles faster. Sets `server` to the program that
+# serves it.
 build_web() {
     local out=${1%/} profile=${2:-web} web_cargo=() web_build_std=() staging
-    # Only an older page is replaced: nothing of anybody's is lost.
+    # Replace only an older page, never other files.
     if [[ -e $out && ! -e $out/lumivox/lumivox_bg.wasm && -n $(ls -A -- "$out") ]]; then
         die "$out is there, and is no page of Lumivox: it would be replaced." \
             "Choose a folder that is empty or not there yet."
@@ -66,7 +67,7 @@ build_web() {
     (cd "$root" && show_build "Building the page" "${web_cargo[@]}" build ${web_build_std[@]+"${web_build_std[@]}"} \
         --target "$web_target" --profile "$profile" --locked -p lumivox-web -p lumivox-three --target-dir "$target_dir/web") ||
         die "The build for browsers failed (cargo's message is above)."
-    # Whole or not at all: who looks meanwhile finds the old page.
+    # Staged, so that the old page stays until the new one is whole.
     mkdir -p "$out"
     staging=$(mktemp -d "$out.XXXXXX")
     cp -R "$root/crates/lumivox-web/page/." "$staging/"
@@ -84,14 +85,15 @@ build_web() {
     print_web_size "$out/lumivox/three/lumivox_three_bg.wasm"
 }
 
-# make_module CRATE NAME FOLDER [OPTION]: the module of a compiled crate; needs what build_web has set.
+# make_module CRATE NAME FOLDER [OPTION]: makes a crate's module; needs build_web's variables.
 make_module() {
     mkdir -p "$3"
     "$target_dir/debug/lumivox-bindgen" "$target_dir/web/$web_target/$profile/$1.wasm" "$3" --name "$2" "${@:4}" ||
         die "The module $2 could not be made (the message is above)."
 }
 
-# make_inlined PACKAGE: the module `lumivox/inlined`, which has its WebAssembly in it, packed: no bundler has to know of it.
+# make_inlined PACKAGE: makes the module `lumivox/inlined`, which contains its WebAssembly,
+# compressed; bundlers need not know of it.
 make_inlined() {
     make_module lumivox_web lumivox "$1/inlined" --no-default-path
     {
@@ -104,7 +106,7 @@ make_inlined() {
     rm -f "$1/inlined/lumivox_bg.wasm" "$1/inlined/lumivox_bg.wasm.d.ts"
 }
 
-# What a browser downloads.
+# Prints the download size.
 print_web_size() {
     local bytes packed
     bytes=$(wc -c <"$1")
@@ -113,7 +115,7 @@ print_web_size() {
         printf name ": %.2f MB; %.2f MB as servers send it with gzip.", a / 1e6, b / 1e6 }')"
 }
 
-# The browser that the page is tested in, in `chromium`, and Node.js to drive it; fails without them.
+# Sets `chromium` to the browser that tests the page; fails without it or Node.js.
 need_browser() {
     local name
     for name in "${CHROMIUM:-}" chromium chromium-browser google-chrome google-chrome-stable; do
@@ -124,6 +126,6 @@ need_browser() {
         chromium=$(command -v chromium) || return 1
     fi
     have npm || install_debian_packages "Node.js, which drives the browser," nodejs npm || return 1
-    # Its runner takes lists of files from 20 on.
+    # Its runner accepts lists of files since version 20.
     version_at_least "$(node --version | tr -d v)" 20
 }

@@ -211,7 +211,7 @@ pub struct GpuArgs {
 }
 
 impl GpuArgs {
-    /// How the device is opened.
+    /// Options for opening the device.
     pub(crate) fn options(&self) -> lumivox_render::GpuOptions {
         lumivox_render::GpuOptions {
             adapter: self.adapter.clone(),

@@ -115,7 +115,7 @@ fn scenes(folders: &[PathBuf]) -> Vec<String> {
     names
 }
 
-/// The files and folders whose paths begin like this; folders end in a separator.
+/// The files and folders whose paths start with `start`; folders end in `/`.
 pub fn files(start: &str) -> Vec<String> {
     let (folder, name) =
         start.rsplit_once(['/', MAIN_SEPARATOR]).map_or(("", start), |(f, n)| (f, n));

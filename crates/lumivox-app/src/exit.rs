@@ -54,7 +54,7 @@ impl From<Exit> for ExitCode {
 /// Several errors that were reported already, with the exit code of the first.
 #[derive(Debug)]
 pub struct Told {
-    /// The code.
+    /// The exit code of the first error.
     pub exit: Exit,
     /// The message: the number of errors.
     pub message: String,
@@ -116,7 +116,7 @@ pub fn of_error(error: &anyhow::Error) -> Exit {
         if let Some(error) = cause.downcast_ref::<RenderError>() {
             return of_render_error(error);
         }
-        // The error that it wraps is not a further cause.
+        // `source` of this error skips the wrapped one.
         match cause.downcast_ref::<ExplorerError>() {
             Some(ExplorerError::Render(error)) => return of_render_error(error),
             Some(ExplorerError::Scene(error)) => return of_scene_error(error),
@@ -197,16 +197,16 @@ pub fn of_clap(error: &clap::Error) -> Exit {
     }
 }
 
-/// Prints an error, then its causes, one in a line.
+/// Prints an error, then its causes, one per line.
 pub fn with_error(error: &anyhow::Error, host: &Host) -> Exit {
     let code = of_error(error);
-    // Nothing failed if the user asked for the end.
+    // A stop by the user is not an error.
     let start = if code == Exit::Stopped { "" } else { "error: " };
     let mut text = String::new();
     let mut said = String::new();
     for cause in error.chain() {
         let line = one_line(&cause.to_string());
-        // Messages of the crates below name their causes themselves.
+        // Messages of lower crates already include their causes.
         if text.is_empty() {
             text = format!("{start}{line}\n");
         } else if !said.contains(&line) {

@@ -68,8 +68,8 @@ impl Host {
         Self { bars: MultiProgress::new(), embedded: None }
     }
 
-    /// A host inside another program. Its log is that of the thread that runs it; it reads no
-    /// environment variables for the log, and Ctrl-C does not stop it.
+    /// A host inside another program. It logs only on the thread that runs it, ignores `RUST_LOG`,
+    /// and is not stopped by Ctrl-C.
     pub fn embedded(embedded: Embedded) -> Self {
         let Embedded { input, output, errors, open_gpu } = embedded;
         let bars = MultiProgress::with_draw_target(ProgressDrawTarget::hidden());
@@ -173,7 +173,7 @@ impl Host {
         Ok(line)
     }
 
-    /// Opens the GPU of the command line.
+    /// Opens the GPU that the command line selects.
     ///
     /// # Errors
     /// As [`Gpu::new`].
@@ -187,11 +187,11 @@ impl Host {
         Ok(gpu)
     }
 
-    /// Makes the first Ctrl-C a request to stop, and the second the end of the program. The caller
-    /// checks the returned flag often, and then ends with [`Failure::stopped`].
+    /// The first Ctrl-C sets the returned flag, the second ends the program. The caller polls the
+    /// flag and, once it is set, fails with [`Failure::stopped`].
     ///
     /// # Errors
-    /// When the system accepts no handler.
+    /// When no signal handler can be installed.
     pub(crate) fn stop_on_interrupt(&self) -> anyhow::Result<Arc<AtomicBool>> {
         let is_stopped = Arc::new(AtomicBool::new(false));
         // Signals belong to the process.

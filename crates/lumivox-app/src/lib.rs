@@ -2,17 +2,17 @@
 //!
 //! [`run`] reads a command line and runs its command; each command is a module. All output of a
 //! command goes to stdout at its end, all messages to stderr. Both, and the GPU, come from a
-//! [`Host`]: the program has that of its process; tests run many commands in one process, on one
+//! [`Host`]: the program uses its process's; tests run many commands in one process, on one
 //! device.
 //!
 //! # Features
 //!
-//! None is on by default: such a build renders, compares, converts and runs scripts, and has no
-//! window.
+//! None is on by default. A build without features renders, compares, converts and runs scripts,
+//! and has no window.
 //!
 //! | feature | adds |
 //! | --- | --- |
-//! | `prompt` | line editing, history and completion to `lumivox run` on a terminal, which reads plain lines without it |
+//! | `prompt` | line editing, history and completion in `lumivox run`; without it, plain lines |
 //! | `window` | `lumivox view`; and `prompt`, for the terminal beside the window |
 //!
 //! Each feature is checked in one place: `commands/mod.rs` (`view`), here (`prompt`, `window`).

@@ -1,7 +1,7 @@
 //! Locks for files on which only one process may work at a time.
 //!
-//! The lock is the operating system's, on a hidden file beside the locked one. It ends with the
-//! process, however that ends: the file of a killed process stays, but is not locked.
+//! The lock is the operating system's, on a hidden file beside the locked one. The system releases
+//! it when the process ends, even if it is killed; the hidden file then remains, unlocked.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
@@ -17,8 +17,8 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Takes the lock of `path`. `work` describes, for the error message, what another process with
-    /// the lock does, as in "renders this sequence".
+    /// Takes the lock of `path`. `work` completes the error message "another process ...", as in
+    /// "renders this sequence".
     ///
     /// # Errors
     /// A [`Failure`] of output when another process has the lock, or its file cannot be made.
@@ -53,8 +53,8 @@ impl Lock {
                 }
                 Err(TryLockError::Error(error)) => return Err(fail(&error)),
             }
-            // The previous owner may have removed the file after it was opened here: then this lock
-            // is worthless.
+            // The previous owner may have removed the file after it was opened here; this lock is
+            // then worthless.
             if is_at(&file, &hidden) {
                 return Ok(Self { path: hidden, file });
             }
@@ -64,8 +64,8 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // The file is removed while it is locked, so that another's is never removed. A file that
-        // stays does no harm.
+        // Remove the file while it is locked, or another process's file could be removed. A file
+        // left behind does no harm.
         let _ = std::fs::remove_file(&self.path);
         let _ = self.file.unlock();
     }

@@ -14,7 +14,7 @@ use tracing_subscriber::util::SubscriberInitExt as _;
 use crate::host::Host;
 
 /// Starts the log of the process, or of this thread until the guard is dropped. The environment
-/// variable `RUST_LOG` of the process overrides `verbosity`. `tells_warnings` says that the
+/// variable `RUST_LOG` of the process overrides `verbosity`. `tells_warnings`: `true` if the
 /// command's own output includes the scene's warnings.
 #[must_use]
 pub fn start(verbosity: u8, tells_warnings: bool, host: &Host) -> Option<DefaultGuard> {
@@ -49,8 +49,8 @@ pub fn start(verbosity: u8, tells_warnings: bool, host: &Host) -> Option<Default
     None
 }
 
-/// Formats events as `warning: message` on one line, whatever names are in it; from debug on with
-/// the module.
+/// Formats events as `warning: message` on one line, even if a name contains line breaks; debug and
+/// trace events include the module.
 struct OneLine;
 
 impl<S, N> FormatEvent<S, N> for OneLine

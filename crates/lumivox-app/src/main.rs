@@ -14,7 +14,7 @@ fn main() -> ExitCode {
 ///
 /// The layer (`VkLayer_MESA_device_select`) only puts that GPU first, and this program sorts GPUs
 /// itself. The layer asks through libwayland, which prints an "error:" of its own if it finds no
-/// socket. The layer's variables still work.
+/// socket. The layer's own environment variables still work.
 #[cfg(target_os = "linux")]
 #[allow(unsafe_code, reason = "the only way to tell the layer")]
 fn do_without_a_desktop() {

@@ -1,7 +1,6 @@
-//! Progress on stderr: a bar on a terminal, otherwise a line now and then, and nothing for short
-//! work.
+//! Progress on stderr: a bar on a terminal, otherwise a line at intervals; nothing for short work.
 //!
-//! The work blocks for long in drivers and loaders, so a separate thread shows its progress.
+//! The work may block for seconds in drivers and loaders, so a separate thread shows its progress.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -19,15 +18,15 @@ use crate::host::Host;
 const SHOW_AFTER: Duration = Duration::from_secs(1);
 /// The interval at which the bar is drawn.
 const REFRESH: Duration = Duration::from_millis(100);
-/// The interval of lines where there is no terminal.
+/// The interval of lines if there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
-/// The bar's parts of a step, for steps that are partly done.
+/// Bar units per step, to show partly done steps.
 const PARTS: f64 = 1000.0;
 
 /// Shows the progress of work until it is dropped.
 #[derive(Debug)]
 pub struct ProgressDisplay {
-    /// Its prefix is the stage, its message the steps; it has a length if there are several steps.
+    /// The prefix is the stage, the message the steps. It has a length only with several steps.
     bar: ProgressBar,
     /// The thread that shows the bar, until the channel is closed.
     shown: Option<(Sender<()>, JoinHandle<()>)>,
@@ -40,7 +39,7 @@ impl ProgressDisplay {
         let mut progress = Self::silent(stage);
         let (sender, over) = mpsc::channel();
         let (bar, host) = (progress.bar.clone(), host.clone());
-        // Without a thread (the system may refuse one) the work is not shown.
+        // If the system refuses a thread, progress is not shown.
         let thread = std::thread::Builder::new().spawn(move || show(&bar, &host, &over)).ok();
         progress.shown = thread.map(|thread| (sender, thread));
         progress
@@ -55,7 +54,7 @@ impl ProgressDisplay {
     /// Makes Ctrl-C a request to stop, which the work must check: see [`Host::stop_on_interrupt`].
     ///
     /// # Errors
-    /// When the system accepts no handler.
+    /// When no signal handler can be installed.
     pub fn stop_on_interrupt(&mut self, host: &Host) -> anyhow::Result<()> {
         self.stop = host.stop_on_interrupt()?;
         Ok(())
@@ -66,7 +65,7 @@ impl ProgressDisplay {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// The same for work that asks whether to continue.
+    /// [`Self::is_stopped`], as a [`ControlFlow`].
     pub fn goes_on(&self) -> ControlFlow<()> {
         if self.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
@@ -81,13 +80,13 @@ impl ProgressDisplay {
         self.set_within(stage, done, total, 0.0);
     }
 
-    /// The same when a share of the next step, 0 to 1, is done.
+    /// As [`Self::set`], with a `share` (0 to 1) of the next step done.
     pub fn set_within(&self, stage: &'static str, done: u32, total: u32, share: f64) {
         let exact = f64::from(done) + share.min(0.999);
         self.change(stage, format!(" {done}/{total}"), exact, f64::from(total));
     }
 
-    /// The same for amounts such as bytes, which are shown in per cent.
+    /// As [`Self::set`], for amounts such as bytes, which are shown in per cent.
     pub fn set_share(&self, stage: &'static str, done: u64, total: u64) {
         let percent = done.saturating_mul(100) / total.max(1);
         self.change(stage, format!(" {percent} %"), done as f64, total as f64);
@@ -95,7 +94,7 @@ impl ProgressDisplay {
 
     fn change(&self, stage: &'static str, steps: String, done: f64, total: f64) {
         let bar = &self.bar;
-        // A stage that begins again has a time of its own.
+        // A new stage, or one that restarts, restarts the time.
         let position = (done * PARTS) as u64;
         if bar.prefix() != stage || position < bar.position() {
             bar.set_prefix(stage);
@@ -188,8 +187,8 @@ fn style(has_steps: bool) -> ProgressStyle {
     .progress_chars("= ")
 }
 
-/// The estimated time left, as text, if the rest of the stage goes as its first part went. Empty before a tenth is done, when that
-/// says little, and at the end.
+/// The estimated time left in the stage at its speed so far, as text. Empty before a tenth is done,
+/// when the estimate is poor, and in the last second.
 fn left(share: f64, elapsed: Duration) -> String {
     if !(0.1..1.0).contains(&share) {
         return String::new();
@@ -217,7 +216,7 @@ mod tests {
         assert_eq!(watch.share(), Some(0.5));
         progress.set_within("frame", 8, 16, 0.5);
         assert_eq!(watch.share(), Some(8.5 / 16.0));
-        // The second of several pictures: its frames take as long as they do, whatever the first took.
+        // The second of several pictures restarts the time.
         std::thread::sleep(Duration::from_millis(20));
         progress.set("frame", 4, 16);
         assert!(watch.0.elapsed() < Duration::from_millis(20));

@@ -9,10 +9,10 @@ use crate::Failure;
 use crate::values::Refused;
 use crate::values::number::{Number, in_words as range_in_words, read};
 
-/// The largest coordinate, m: differences of two still resolve a kilometre.
+/// The largest coordinate, m. There `f32` resolves 64 m.
 pub const FARTHEST_M: f32 = 1e9;
 
-/// The range of a place in the world, m, or of something as large.
+/// The range of world coordinates, m, and of other values as large.
 pub const PLACE: RangeInclusive<f32> = -FARTHEST_M..=FARTHEST_M;
 
 /// The error that a value is not what was expected.
@@ -20,7 +20,7 @@ pub fn wrong(what: &str, expected: &str, got: &str) -> Failure {
     Failure::input(format!("{what} is {expected}; got \"{got}\""))
 }
 
-/// The error of a parser of the command line.
+/// Turns a parser's refusal of `got` into an error about `what`.
 pub fn refused(what: &str, got: &str) -> impl Fn(Refused) -> Failure {
     move |refused| Failure::input(format!("{what}: {refused}; got \"{got}\""))
 }
@@ -61,8 +61,8 @@ pub fn vector(words: &[&str], what: &str, range: RangeInclusive<f32>) -> Result<
     Ok(Vec3::new(part(x)?, part(y)?, part(z)?))
 }
 
-/// A direction of unit length. One that has unit length up to rounding stays as it is, because
-/// scripts keep every bit.
+/// A direction of unit length. A vector of unit length up to rounding is not changed, because
+/// scripts must reproduce every bit.
 pub fn direction(words: &[&str], what: &str) -> Result<Vec3, Failure> {
     let along = vector(words, what, -1e6..=1e6)?;
     let is_unit = (along.as_dvec3().length() - 1.0).abs() <= 1e-5;

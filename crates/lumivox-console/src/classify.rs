@@ -23,9 +23,9 @@ pub struct LineInfo {
     /// The target of a line that only sets something: a later line of the same target supersedes
     /// it.
     pub target: Option<String>,
-    /// Whether it goes before waiting lines.
+    /// Why it runs before waiting lines; `None` if it does not.
     pub urgency: Option<Urgency>,
-    /// Whether it determines the camera.
+    /// `true` if it may set the camera.
     pub moves_camera: bool,
     /// The part of the scene that it may change.
     pub edits: Edits,
@@ -57,7 +57,7 @@ impl LineInfo {
     }
 }
 
-/// The words of a line of one command.
+/// The words of a line of one command; `None` for other lines.
 pub fn words(text: &str) -> Option<Vec<String>> {
     let commands = split(text).ok()?;
     let [words] = commands.as_slice() else { return None };

@@ -1,4 +1,4 @@
-//! The table of commands: their names, arguments and help, apart from their code.
+//! The type of a command, and the table of all commands.
 
 use std::ops::RangeInclusive;
 use std::pin::Pin;
@@ -90,10 +90,10 @@ pub enum Takes {
     Word(&'static [&'static str]),
 }
 
-/// The reason why a command goes before waiting ones.
+/// Why a command runs before waiting ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Urgency {
-    /// It stops what is under way.
+    /// It cancels running work.
     Cancel,
     /// It ends the program.
     Quit,
@@ -108,7 +108,8 @@ pub enum Edits {
     /// again.
     #[default]
     Scene,
-    /// Materials, lights or surroundings. The file's own replace them when it is read again.
+    /// Materials, lights or surroundings. These changes are lost when the scene's file is read
+    /// again.
     Look,
 }
 
@@ -133,15 +134,15 @@ pub struct Command {
     pub details: &'static str,
     /// A line that uses it.
     pub example: &'static str,
-    /// For a command that VXCT has: the difference, empty where there is none. `None`: VXCT has no
-    /// such command.
+    /// The difference from VXCT's command of this name; empty if there is none. `None` if VXCT has
+    /// no such command.
     pub vxct: Option<&'static str>,
     /// For a command that only sets something: how many of its words, its name included, name the
     /// target. A later line that begins with the same words supersedes it.
     pub sets: Option<usize>,
-    /// Whether it determines the camera.
+    /// `true` if it may set the camera.
     pub moves_camera: bool,
-    /// Whether it goes before waiting lines when it has no arguments.
+    /// Why it runs before waiting lines if it has no arguments; `None` if it does not.
     pub urgency: Option<Urgency>,
     /// The part of the scene that it may change.
     pub edits: Edits,

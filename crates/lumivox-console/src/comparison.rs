@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::report::Table;
 
-/// The errors of one comparison: of a scene's shares of light, or of two files, as `final`.
+/// The errors of one comparison: of the shares of a scene's light, or of two files (only `final`).
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Comparison {
     /// The scene's name.

@@ -14,14 +14,14 @@ use super::{COMMANDS, Command, Names, Takes};
 /// The possible completions of a word.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Completion {
-    /// Start of the word that is replaced, up to the cursor: a byte of the line.
+    /// Start of the replaced word, as a byte offset in the line; the word ends at the cursor.
     pub start: usize,
     /// The possible words, quoted where necessary.
     pub candidates: Vec<String>,
 }
 
-/// Completes the word that ends at the cursor, a byte of the line. `files` lists the files whose
-/// paths begin with its argument.
+/// Completes the word that ends at the cursor, a byte offset in the line. `files` lists the files
+/// whose paths begin with its argument.
 pub fn complete(
     names: &Names,
     files: &dyn Fn(&str) -> Vec<String>,
@@ -31,13 +31,13 @@ pub fn complete(
     let Some(before) = text.get(..cursor) else { return Completion::default() };
     let is_new = before.chars().next_back().is_none_or(|c| c.is_whitespace() || c == ';');
     let mut commands = line::commands(before);
-    // A comment, or a blank within quotation marks.
     let mut words = commands.pop().unwrap_or_default();
     let is_open = words.last().is_some_and(|word| word.open.is_some());
     if before.trim_end().ends_with(';') && !is_open {
         words.clear();
     }
     let current = if is_new && !is_open { None } else { words.pop() };
+    // The cursor is in a comment.
     if let Some(word) = &current
         && word.range.end != before.len()
     {

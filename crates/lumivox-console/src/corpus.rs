@@ -1,6 +1,6 @@
 //! Runs the corpus of the fuzz target for lines and values as a test.
 
-// The target does not depend on this crate, and neither do the files that it includes.
+// The fuzz target includes files of this crate by path, so that it does not depend on the crate.
 #[allow(clippy::duplicate_mod)]
 #[path = "../../../fuzz/command.rs"]
 mod command;

@@ -1,4 +1,4 @@
-//! The console: commands in words that look at and change everything at run time.
+//! The console: text commands that inspect and change everything at run time.
 //!
 //! A line is a command's name and its arguments, separated by white space; [`line`](self) describes
 //! quotation marks, comments and several commands in a line. All commands are in one table
@@ -6,10 +6,10 @@
 //! the docs are made from it. Each setting of [`lumivox_explorer::parameters`] is a command as
 //! well: without a value it prints the setting, with a value it sets it.
 //!
-//! The window, the terminal, scripts and pages all give lines to a [`Console`]. It requests long
-//! work, and work that is not its own, from them by an [`Effect`]. Lines that wait for such effects
-//! are in a [`Queue`]. Files are read and written through an [`Outside`], because a browser has no
-//! disk; code that waits is `async`, because a browser must not block.
+//! The window, the terminal, scripts and web pages pass lines to a [`Console`]. Work that it leaves
+//! to these front ends is returned as an [`Effect`]; lines that wait for it are in a [`Queue`].
+//! Files are read and written through an [`Outside`], because a browser has no disk; code that
+//! waits is `async`, because a browser must not block.
 //!
 //! | file | is |
 //! | --- | --- |
@@ -127,13 +127,14 @@ pub struct Console {
     pub explorer: Explorer,
     /// The request that opened the scene.
     opening: Option<SceneRequest>,
-    /// How scenes are read and lit where `load` does not say it.
+    /// How `load SCENE` without options reads and lights the scene; `None` for the defaults of the
+    /// command line.
     defaults: Option<(LoadArgs, SourceArgs)>,
     listener: Box<dyn ProgressListener>,
     outside: Box<dyn Outside>,
-    /// The scene that the following fields belong to.
+    /// The explorer's generation for which `ray` and `maps` are valid.
     generation: u32,
-    /// The bounces that return when indirect light is switched on again.
+    /// The bounces that `vox_diffuse on` restores.
     bounces: Option<u32>,
     /// The states of the switches for voxels and for objects after their last flip.
     shown: commands::view::Shown,
@@ -153,7 +154,7 @@ impl fmt::Debug for Console {
 }
 
 impl Console {
-    /// Makes the console of an explorer; `outside` gives it files and scenes.
+    /// Makes the console of an explorer; `outside` provides files and scenes.
     pub fn new(explorer: Explorer, outside: Box<dyn Outside>) -> Self {
         Self {
             explorer,
@@ -171,15 +172,15 @@ impl Console {
         }
     }
 
-    /// Sets how scenes are read and lit where `load` does not say it.
+    /// Sets how `load SCENE` without options reads and lights the scene.
     #[must_use]
     pub fn with_defaults(mut self, load: LoadArgs, light: SourceArgs) -> Self {
         self.defaults = Some((load, light));
         self
     }
 
-    /// Shows a scene from its camera: [`Explorer::open`]. Between two of VXCT's scenes the camera
-    /// stays, unless another was asked for, because they all fill the same cube.
+    /// Shows a scene from its camera: [`Explorer::open`]. From one of VXCT's scenes to another the
+    /// camera is kept unless the request names one, because these scenes all fill the same cube.
     pub fn open(&mut self, scene: OpenedScene) {
         let is_of_vxct = |scene: &Scene| scene.grid_bounds.is_some() && scene.has_display_values();
         let stays = scene.request.camera.is_none()
@@ -248,8 +249,6 @@ impl Console {
         let before = self.explorer.asked();
         let reply = match Command::find(name) {
             None => commands::parameters::run(self, name, arguments)?,
-            // As in VXCT, `sf` with a value is another command than `sf` without one. The same
-            // holds for commands that are also settings.
             Some(command) if !command.counts().contains(&arguments.len()) => {
                 return Err(wrong_count(command, arguments.len()).into());
             }
@@ -262,8 +261,9 @@ impl Console {
         Ok(reply)
     }
 
-    /// Applies settings that need memory for voxels at once if there is a picture: a refusal of the
-    /// renderer is then reported at the line that caused it, and affects nothing else.
+    /// Applies changed settings that need memory for voxels at once, if there is a renderer. If it
+    /// refuses them, the error is reported at the line that caused it, and the settings of `before`
+    /// return.
     async fn confirm(&mut self, before: RequestedSettings) -> anyhow::Result<()> {
         let of_voxels = |s: &RenderSettings| {
             let grid = (s.resolution, s.grid_offset, s.grid_bounds);

@@ -46,7 +46,7 @@ pub struct Word {
     pub text: String,
     /// Its bytes in the line, with its marks.
     pub range: Range<usize>,
-    /// The mark that is open at its end, and the byte at which it is.
+    /// The quotation mark that is still open at its end, and its byte offset in the line.
     pub open: Option<(char, usize)>,
 }
 
@@ -124,7 +124,7 @@ pub fn quote(word: &str) -> String {
     format!("\"{escaped}\"")
 }
 
-/// The character of `u{1b}` at the start of a text, and the length of that text in characters.
+/// Reads `u{1b}` at the start of a text: the character, and the length of the escape.
 fn numbered(text: &str) -> Option<(char, usize)> {
     let (digits, _) = text.strip_prefix("u{")?.split_once('}')?;
     let is_number =
@@ -150,7 +150,7 @@ fn word(
                 rest.next();
                 if let Some((escaped, length)) = numbered(&line[at + 1..]) {
                     text.push(escaped);
-                    // All but the last, which is taken below.
+                    // Skip all but the last character; `rest.next()` below takes that one.
                     rest.nth(length - 2);
                 } else if let Some(&(_, escaped @ ('"' | '\\'))) = rest.peek() {
                     text.push(escaped);

@@ -37,7 +37,7 @@ pub trait Outside: Debug + WasmNotSend {
     /// When it is known that it cannot be written.
     fn check_output(&self, file: &str) -> anyhow::Result<()>;
 
-    /// Writes a file. A file of that name is replaced as a whole, never half.
+    /// Writes a file. An existing file is replaced completely or not at all.
     ///
     /// # Errors
     /// When it cannot be written.

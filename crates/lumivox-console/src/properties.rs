@@ -14,7 +14,7 @@ pub struct Property<T: 'static> {
     pub count: usize,
     /// The value's meaning, with unit and range.
     pub is: &'static str,
-    /// Its value in words that read back to the same bits; `None` where the thing has no such
+    /// Its value in words that read back to the same bits; `None` if the thing has no such
     /// property.
     pub get: fn(&T) -> Option<String>,
     /// Sets its value.

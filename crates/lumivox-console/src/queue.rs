@@ -29,7 +29,7 @@ impl Line {
 #[derive(Clone, Debug, Default)]
 pub struct Queue {
     lines: VecDeque<Line>,
-    /// The depth in scripts of the last taken line.
+    /// The nesting depth of scripts of the line that was taken last.
     depth: u32,
 }
 
@@ -68,8 +68,8 @@ impl Queue {
         Ok(())
     }
 
-    /// Drops the rest of the script of the last line, and of the scripts that it runs. After an
-    /// error a user does not expect them to continue.
+    /// Drops the remaining lines of the script of the last taken line, and of the scripts that ran
+    /// it. After an error a user does not expect them to continue.
     pub fn abandon(&mut self) {
         if self.depth > 0 {
             while self.lines.front().is_some_and(|line| line.depth > 0) {

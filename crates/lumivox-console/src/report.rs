@@ -256,7 +256,7 @@ impl GridReport {
     }
 }
 
-/// How much of a scene's geometry is on the GPU, if not all is to be.
+/// How much of a scene's geometry is on the GPU, under a budget of geometry.
 #[derive(Clone, Debug, Serialize)]
 pub struct GeometryReport {
     /// Bytes of all vertices and indices.
@@ -265,7 +265,7 @@ pub struct GeometryReport {
     pub resident_bytes: u64,
     /// Triangles of all meshes, each counted once.
     pub triangles: u64,
-    /// Those on the GPU: what is nearest to the camera.
+    /// Those on the GPU: the nearest to the camera.
     pub resident_triangles: u64,
 }
 

@@ -87,7 +87,7 @@ fn quoted_words_are_read_as_they_were() {
         assert_eq!(words(&line), [["x", word, "y"]], "{line}");
     }
     assert_eq!(quote("scenes/a.glb"), "scenes/a.glb");
-    // Whatever a file calls its parts, lines that name them can be printed.
+    // Names from files are quoted in printable characters.
     assert_eq!(quote("\x1b[2J\n"), "\"\\u{1b}[2J\\u{a}\"");
     for kept in ["\\u{}", "\\u{110000}", "\\u{d800}", "\\u{1b", "\\u1b", "\\n", "\\u{+1b}"] {
         assert_eq!(words(&format!("\"{kept}\"")), [[kept]], "{kept}");

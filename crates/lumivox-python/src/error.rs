@@ -3,7 +3,7 @@
 use lumivox_app::Exit;
 use pyo3::prelude::*;
 
-/// An error on its way to Python, made without the global lock.
+/// An error that Python will raise; it can be made without the global lock.
 #[derive(Debug)]
 pub enum Fault {
     /// An error of Lumivox.
@@ -39,7 +39,7 @@ impl Fault {
         let mut message = String::new();
         for cause in error.chain() {
             let text = cause.to_string();
-            // Messages of the crates below name their causes themselves.
+            // Some messages of other crates already contain their causes.
             if message.is_empty() {
                 message = text;
             } else if !message.contains(&text) {

@@ -1,10 +1,11 @@
-//! The Python extension `lumivox._lumivox`: scenes, renderings and light as numbers, for the package in `python/lumivox`.
+//! The Python extension `lumivox._lumivox`: scenes, renderings and light as numbers, for the
+//! package in `python/lumivox`.
 //!
 //! The package checks arrays and has all types and documentation; this crate does the work. Arrays come as bytes of 32-bit
 //! numbers and leave as `bytearray`s, which numpy views without a copy. Records (a camera, a light) are dictionaries.
 //!
-//! Work runs without Python's global lock, and under a lock of the object that it belongs to. So that two threads cannot
-//! wait for each other, that lock is only ever taken without the global one.
+//! Work runs without Python's global lock, under a lock of its object. That lock is only taken
+//! while the global lock is released, so the two cannot deadlock.
 //!
 //! | file | is |
 //! | --- | --- |
@@ -14,11 +15,11 @@
 //! | `records.rs` | cameras, lights, materials and instances as dictionaries |
 //! | `scene.rs` | scenes and their edits |
 //! | `settings.rs` | settings by name |
-//! | `stage.rs` | a scene with its camera and the light that it lacks |
+//! | `stage.rs` | a scene with its camera and the light that is added to it |
 //! | `render.rs` | a scene on the device: pictures, layers, irradiance |
-//! | `motion.rs` | the way of what is seen since the picture before |
+//! | `motion.rs` | the motion of visible points since the previous picture |
 //! | `measure.rs` | light at points and along rays by the path tracer; workplanes |
-//! | `picture.rs` | pictures on their way to screens and files |
+//! | `picture.rs` | pictures for screens and files |
 //! | `reference.rs` | the path tracer, and comparison |
 //! | `command.rs` | the program `lumivox` |
 

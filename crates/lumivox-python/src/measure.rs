@@ -37,7 +37,7 @@ pub fn measure<'py>(
     let mut progress = Progress::new(progress);
     let readings = detached(py, || {
         let gpu = open(adapter.as_deref())?;
-        // The camera only decides where a scene that lacks light is looked at.
+        // The camera only affects the light that is added to the scene.
         let anywhere = Camera::look_at(Vec3::Z, Vec3::ZERO, 1.0);
         let camera = (surroundings == "none").then(|| CameraArgument::Given((&anywhere).into()));
         let staged = stage(&scene.model(), camera, 1.0, &surroundings)?;

@@ -1,8 +1,9 @@
-//! The motion of what a picture shows: the way of its points since the picture before, in pixels.
+//! The motion of the points that a picture shows since the previous picture, in pixels.
 //!
-//! A pixel's point is the one that the ray through its middle meets. Its place in the earlier scene follows from the instance's
-//! transforms, or, of a mesh that an animation deforms, from the corners of its triangle. Both places are projected by the
-//! cameras of their pictures. Points of the background are infinitely far away.
+//! A pixel's point is the one that the ray through its middle hits. Its place in the earlier scene
+//! is computed from the instance's transforms or, if an animation deforms the mesh, from the
+//! corners of the triangle. Both places are projected by the cameras of their pictures. Points of
+//! the background are infinitely far away.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, UVec2, Vec2};
 use lumivox_scene::{Camera, Pick, Picker, Scene};
@@ -37,14 +38,14 @@ pub fn motion(now: Shot<'_>, before: Shot<'_>, picker: &Picker, size: UVec2) -> 
 struct Parts<'a> {
     now: &'a Scene,
     before: &'a Scene,
-    /// How each instance has moved; empty if the scenes do not have the same instances.
+    /// How each instance has moved; empty if it is one scene, or the instances are not the same.
     moves: Vec<Move>,
 }
 
 enum Move {
     /// It stayed.
     None,
-    /// The earlier world from the present one.
+    /// The transform from the present world to the earlier one.
     Rigid(DMat4),
     /// The vertices of its mesh moved.
     Deformed,
@@ -83,11 +84,11 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// The point of the earlier triangle with the same weights of its corners.
+    /// The point with the same barycentric weights in the earlier triangle.
     fn deformed(&self, pick: &Pick) -> Option<DVec3> {
         let corners = |scene: &Scene| -> Option<[DVec3; 3]> {
             let instance = scene.instances.get(pick.instance)?;
-            // The list of triangles belongs to the pose, the list of vertices to the mesh.
+            // Both poses have the same vertices; `pick` counts the triangles of the present one.
             let indices = &self.now.meshes.get(instance.mesh)?.indices;
             let triangle = indices.get(3 * pick.triangle..3 * pick.triangle + 3)?;
             let positions = &scene.meshes.get(instance.mesh)?.positions;

@@ -1,4 +1,4 @@
-//! Pictures on their way to screens and files.
+//! Pictures for screens and files.
 
 use glam::UVec2;
 use lumivox_explorer::parameters::find_parameter;

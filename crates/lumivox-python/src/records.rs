@@ -43,7 +43,8 @@ impl From<CameraRecord> for Camera {
     }
 }
 
-/// The vector at unit length, or as it is where it has no direction, for the scene's check to refuse.
+/// The vector at unit length. A vector without a direction is not changed; the scene's check
+/// refuses it.
 fn unit(vector: [f32; 3]) -> Vec3 {
     let vector = Vec3::from(vector);
     vector.try_normalize().unwrap_or(vector)
@@ -139,8 +140,8 @@ impl TryFrom<LightRecord> for Light {
     }
 }
 
-/// The numbers of a material. Of other models than metallic-roughness, and of textures, the package shows nothing; they
-/// stay unless a number of the model is changed.
+/// The numbers of a metallic-roughness material; of other models only the colour. A changed number
+/// of the model replaces other models, but keeps the textures of metallic-roughness.
 #[derive(Clone, FromPyObject, IntoPyObject)]
 #[pyo3(from_item_all)]
 pub struct MaterialRecord {
@@ -255,7 +256,7 @@ impl InstanceRecord {
     }
 }
 
-/// The transform of rows.
+/// The matrix of these rows.
 ///
 /// # Errors
 /// When it is not affine and invertible.

@@ -85,7 +85,7 @@ impl Reference {
     #[staticmethod]
     fn merge(py: Python<'_>, parts: &Bound<'_, PyAny>, allow_mixed: bool) -> PyResult<Self> {
         let mut merge = ReferenceMerge::new(allow_mixed);
-        // One after the other: a part may be large, and come from afar.
+        // One at a time: a part may be large, and may come over a network.
         for (number, part) in parts.try_iter()?.enumerate() {
             let part = part?;
             let kind = |_| Fault::input(format!("parts[{number}]: must be bytes")).raise(py);

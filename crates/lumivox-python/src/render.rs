@@ -17,7 +17,7 @@ use crate::settings::{Given, Layer, layer, of, texts};
 use crate::stage::{CameraArgument, Staged, camera, stage};
 use crate::work::{Progress, array, detached, lock, numbers};
 
-/// The points that irradiance is gathered at in one go.
+/// The most points at which irradiance is gathered in one call.
 const POINTS_AT_ONCE: usize = 1 << 18;
 
 /// The bytes of a picture's arrays by name, each with its number of channels; the type is `f4` or `i4`.
@@ -36,11 +36,11 @@ pub struct Renderer {
 struct State {
     engine: Engine,
     staged: Staged,
-    /// Where the scene's parts are, as the device has it.
+    /// The places of the scene's parts on the device.
     places: Places,
-    /// Scene and camera of the former picture, if the next one has the layer `motion`.
+    /// The scene and the camera from which the next picture's `motion` is measured, if any.
     before: Option<(Arc<Model>, Camera)>,
-    /// The scene's triangles for the layers of numbers, once they were asked for.
+    /// The scene's triangles, for the layers `instance`, `material` and `motion`; made when needed.
     picker: Option<Arc<Picker>>,
 }
 
@@ -189,7 +189,7 @@ impl Renderer {
             check_process(self.process)?;
             let state = lock(&self.state);
             let mut gathered = Vec::with_capacity(points.len());
-            // The library takes no more at once; Ctrl-C ends it between two of these.
+            // In several calls, so that Ctrl-C can stop the work between two of them.
             for (at, towards) in points.chunks(POINTS_AT_ONCE).zip(normals.chunks(POINTS_AT_ONCE)) {
                 gathered.extend(pollster::block_on(state.engine.irradiance(at, towards, frames))?);
                 let _ = progress.step("points", gathered.len() as f64, points.len() as u32);
@@ -284,7 +284,7 @@ impl Renderer {
             None => state.engine.camera().clone(),
         };
         state.engine.set_camera(camera.clone());
-        // Nothing of the pictures before it.
+        // Discard the light of earlier pictures.
         pollster::block_on(state.engine.cut(&mut |_| {}))?;
         let total = state.engine.settings().frames;
         while !state.engine.is_complete() {
@@ -304,7 +304,7 @@ impl Renderer {
                 Layer::View(view) => {
                     let read = pollster::block_on(state.engine.read_beside(*view))?;
                     let pixels = read.unwrap_or_default();
-                    // The view shows what a white surface reflects of it.
+                    // The view shows the radiance of a white surface: irradiance over pi.
                     let is_irradiance = *view == lumivox_render::View::Diffuse;
                     let factor = if is_irradiance { std::f32::consts::PI } else { 1.0 };
                     Values::Floats(channels(&pixels, *count, factor))
@@ -330,7 +330,7 @@ impl State {
         size.x / size.y
     }
 
-    /// The camera that is meant.
+    /// The camera that an argument names.
     fn resolve(&self, argument: CameraArgument) -> Result<Camera, Fault> {
         camera(argument, &self.staged.scene, self.aspect())
     }
@@ -341,7 +341,7 @@ impl State {
         self.picker.get_or_insert_with(|| Arc::new(Picker::new(scene))).clone()
     }
 
-    /// The motion of what is seen since the picture before; none without one.
+    /// The motion of visible points since the previous picture; 0 if there is none.
     fn motion(&mut self, camera: &Camera) -> Vec<f32> {
         let size = self.engine.settings().size;
         let picker = self.picker();
@@ -351,7 +351,8 @@ impl State {
         motion(now, before, &picker, size)
     }
 
-    /// The numbers of the instances, or of their materials, that the middles of the pixels show; -1 where there is none.
+    /// The number of the instance, or of its material, at the middle of each pixel; -1 in the
+    /// background.
     fn seen(&mut self, camera: &Camera, is_of_materials: bool) -> Vec<i32> {
         let picker = self.picker();
         let scene = &self.staged.scene;

@@ -1,6 +1,6 @@
 //! Scenes and their edits.
 //!
-//! A scene is shared with those who render it: an edit copies it while somebody does, and changes it in its place otherwise.
+//! Renderers share a scene: an edit copies a shared scene, and changes any other in place.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
@@ -46,7 +46,7 @@ impl Scene {
         py.detach(|| read(&self.model()))
     }
 
-    /// Edits it. The edit must change nothing when it fails.
+    /// Edits the scene. `edit` must change nothing if it fails.
     fn edit<T: Send>(
         &self,
         py: Python<'_>,
@@ -56,7 +56,7 @@ impl Scene {
     }
 }
 
-/// Checks parts for a scene without looking at the rest of it.
+/// Checks parts of a scene without the rest of it.
 fn check(name: &str, parts: Model) -> Result<(), Fault> {
     let grid_bounds = Some(Bounds { min: Vec3::ZERO, max: Vec3::ONE });
     Ok(Model { name: name.to_owned(), grid_bounds, ..parts }.validate()?)
@@ -355,7 +355,7 @@ impl Scene {
 /// A scene at a time of an animation, or of all at once.
 ///
 /// # Errors
-/// When there is no such animation, and where nothing is left at that time.
+/// When there is no such animation, or nothing is left of the scene at that time.
 pub fn posed(model: &Model, time_s: f32, animation: Option<usize>) -> Result<Model, Fault> {
     // A copy, since an animation that fails may leave half a pose.
     let mut posed = model.clone();

@@ -1,4 +1,4 @@
-//! A scene with the camera that it is seen from, and the light that it lacks.
+//! A scene with its camera and the light that is added to it.
 
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -29,7 +29,7 @@ pub struct Staged {
     pub notes: Vec<String>,
 }
 
-/// The camera that is meant.
+/// The camera that an argument names.
 ///
 /// # Errors
 /// When the scene has no such camera, or its numbers are not those of a camera.

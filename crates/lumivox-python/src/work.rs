@@ -21,7 +21,7 @@ impl Progress {
         Self { callback, raised: None }
     }
 
-    /// Tells a step. It breaks once the callback has raised an exception or Ctrl-C was pressed.
+    /// Reports a step. It breaks once the callback has raised an exception or Ctrl-C was pressed.
     pub fn step(&mut self, stage: &str, done: f64, total: u32) -> ControlFlow<()> {
         if self.raised.is_none() {
             let told = Python::attach(|py| {
@@ -54,7 +54,8 @@ pub fn detached<T: Send>(
     py.detach(work).map_err(|fault| fault.raise(py))
 }
 
-/// Takes a lock. Work that panicked under it has ended, and left a state that is checked anew.
+/// Takes a lock, even if work panicked under it: that work has ended, and its state is checked
+/// again.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

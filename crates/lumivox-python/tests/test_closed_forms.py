@@ -33,7 +33,7 @@ class Case:
     points: Array
     normals: Any
     lux: Array
-    #: The most that cones may err, relative to the greatest illuminance.
+    #: The greatest allowed error of cones, relative to the greatest illuminance.
     cones: float
     weights: Array | None = None
 
@@ -174,7 +174,7 @@ def overcast_sky() -> Case:
     sky = np.where(rows > 0, 3000 * (1 + 2 * rows) / 3, 0.0)
     texels = np.broadcast_to(sky[:, None, None], (256, 512, 3)).astype(np.float32)
     scene.set_environment(map=texels)
-    # The upright ones are where no voxel of the ground is met.
+    # The upright surfaces are so high that cones hit no voxel of the ground.
     points = np.array([(0, 0, 0), (0, 4, 0), (0, 4, 0), (0, 4, 0)])
     normals = np.array([(0, 1, 0), (1, 0, 0), (0, 0, -1), (0.6, 0, 0.8)])
     lux = 3000 * np.array([7 / 9 * np.pi, *[np.pi / 6 + 4 / 9] * 3])

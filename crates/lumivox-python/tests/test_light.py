@@ -37,8 +37,8 @@ def test_a_uniform_sky() -> None:
     up = lumivox.irradiance(scene, [[0, 0, 0], [0.3, 0.2, -0.7]], **SMALL).lux
     # The cones' weights sum up to pi, to the rounding of f32.
     np.testing.assert_allclose(up, np.pi * 1000, rtol=1e-4)
-    # A point in the air, facing sideways, sees half of the sky, and else the floor's black. Cones are
-    # as wide as 60 degrees and the voxels coarse: a tenth.
+    # A point in the air that faces sideways sees half of the sky, and the black floor. Cones are 60
+    # degrees wide and the voxels coarse, so the tolerance is a tenth.
     side = lumivox.irradiance(scene, (0, 0.05, 0), (1, 0, 0), **{**SMALL, "frames": 64}).lux
     assert side == pytest.approx(np.pi * 500, rel=0.1)
 
@@ -120,7 +120,7 @@ def test_luminance_along_rays() -> None:
     directions = [[(0, 1, 0), (0.2, 0.5, 0.1)], [(0, -1, 0), (0.3, -1, 0.1)]]
     light = lumivox.luminance(scene, origins, directions, samples=256)
     assert light.luminance.shape == (2, 2) and light.radiance.shape == (2, 2, 3)
-    # The sky itself, and half of it from a floor that nothing shades.
+    # The sky itself, and half its radiance from a floor that nothing shades.
     np.testing.assert_allclose(light.luminance[0], 1000, rtol=1e-4)
     assert (abs(light.luminance[1] - 500) < 4 * light.standard_error[1] + 0.05).all()
     with pytest.raises(InputError, match="directions: number 0 has no direction"):
@@ -196,13 +196,13 @@ def test_errors_are_measured(cornell: Scene, tmp_path: Path) -> None:
     figures = lumivox.compare(picture, truth)
     # Cones in coarse voxels, against 64 samples.
     assert abs(figures.bias_percent) < 10 and 0 < figures.rmse_percent < 50
-    # The program tells the same of the same files.
+    # The program reports the same errors for the same files.
     truth.save(tmp_path / "truth.exr")
     picture.to_exr(tmp_path / "picture.exr")
     files = [str(tmp_path / name) for name in ("truth.exr", "picture.exr")]
     run = [sys.executable, "-m", "lumivox", "compare", "--images", *files, "--json"]
     told = json.loads(subprocess.run(run, check=True, capture_output=True).stdout)["final"]
-    # Of pictures alone, whose noise is not known.
+    # Files of pictures have no variance, so the noise is unknown.
     for name, value in vars(lumivox.compare(picture, truth.radiance)).items():
         assert told[name] == value, name
     with pytest.raises(InputError, match=r"picture: has the shape \(4, 4, 3\), but must have \(32, 48, 3\)"):

@@ -86,7 +86,7 @@ def under_a_sun(both: Both) -> None:
 def in_a_room(both: Both) -> None:
     both.box((-3, 0, -3), (3, 3, 5), (0.7, 0.6, 0.5), is_room=True)
     both.box((-1, 0, -1), (0.2, 1, 0.4), (0.2, 0.3, 0.7))
-    # It faces down, below the ceiling.
+    # A panel below the ceiling, facing down.
     panel = np.array([(-1, 2.9, -1), (1, 2.9, -1), (1, 2.9, 1), (-1, 2.9, 1)])
     both.add(panel, [(0, 1, 2, 3)], 0.0, 8.0)
 
@@ -113,6 +113,6 @@ def test_means_are_within_one_percent(make: Callable[[Both], None], tmp_path: Pa
     error = ours.radiance.mean((0, 1)) / mean - 1
     print(f"{make.__name__}: means {ours.radiance.mean((0, 1))}, {mean}: {100 * error} %")
     assert (abs(error) < 0.01).all()
-    # Place by place, too: means over 8 x 8 pixels differ by noise alone.
+    # Locally, too: means over 8 x 8 pixels differ only by noise.
     blocks = [picture.reshape(3, 8, 4, 8, 3).mean((1, 3)) for picture in (ours.radiance, theirs)]
     np.testing.assert_allclose(blocks[0], blocks[1], rtol=0.04)

@@ -14,7 +14,7 @@ nbclient: Any = import_module("nbclient")
 
 FOLDER = Path(__file__).parents[3] / "examples" / "python"
 
-#: The sizes of the tests, by the notebook; it must name all of them itself.
+#: The sizes of the tests by notebook, which must define all of these names.
 SMALL: dict[str, dict[str, Any]] = {
     "dataset": {"SCENE": "cornell", "VIEWS": 3, "SIZE": (24, 16), "FRAMES": 1, "RESOLUTION": 32},
     "daylight": {"HOURS": (9, 12), "RESOLUTION": 32, "GRID": (3, 4), "FRAMES": 2, "SAMPLES": 64},
@@ -38,7 +38,7 @@ def test_notebook(name: str, tmp_path: Path) -> None:
     assert all(not cell.get("outputs") for cell in notebook.cells), "notebooks are kept without outputs"
     if not os.environ.get("LUMIVOX_NOTEBOOKS_LARGE"):
         parameters.source = "\n".join(f"{key} = {value!r}" for key, value in SMALL[name].items())
-    # An exception in a cell is one here.
+    # An exception in a cell is raised here.
     nbclient.NotebookClient(notebook, timeout=600, kernel_name="python3").execute(cwd=str(tmp_path))
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
     pictures = [output["data"]["image/png"] for output in outputs if "image/png" in output.get("data", {})]

@@ -41,7 +41,7 @@ def test_a_scene_travels_whole(cornell: Scene) -> None:
         lumivox.reference_part(each, size=SIZE, batches=(number, number + 1), surroundings="none")
         for number, each in enumerate((scene, again))
     ]
-    # Parts of another scene would be refused, by the fingerprint of all that is uploaded.
+    # Parts of another scene would be refused: each has a fingerprint of all uploaded data.
     merged = lumivox.merge(parts)
     assert (merged.radiance == lumivox.reference(scene, size=SIZE, samples=32, surroundings="none").radiance).all()
 
@@ -51,7 +51,7 @@ def test_a_worker_dies_and_the_bits_stay(cluster: None, cornell: Scene, tmp_path
     folder = str(tmp_path)
 
     def make_scene() -> Scene:
-        # Each process that holds the scene leaves a file of its number.
+        # Each process that has the scene leaves a file with its id as the name.
         (Path(folder) / str(os.getpid())).touch()
         return Scene.builtin("cornell")
 
@@ -92,7 +92,7 @@ def test_many_pictures_are_those_of_one_machine(cluster: None, tmp_path: Path) -
     for name, array in alone.items():
         assert (film[name] == array).all(), name
     assert (alone["radiance"][0] != alone["radiance"][4]).any()
-    # The first picture of a piece tells its motion since the last one of the piece before.
+    # The motion of a piece's first picture is that since the last picture of the piece before.
     assert all((motion != 0).any() for motion in alone["motion"][1:])
     with pytest.raises(InputError, match="scene: its animations do not travel"):
         lumivox.ray.render_many(Scene.load(file), VIEW, times_s=times)
@@ -108,7 +108,7 @@ def test_mistakes_are_told(cluster: None, cornell: Scene) -> None:
             lumivox.ray.reference(cornell, **arguments)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="scene: is a str"):
         lumivox.ray.reference("cornell")  # type: ignore[arg-type]
-    # What a retry does not mend comes back at once, as the exception that it is.
+    # Errors that a retry cannot fix are raised at once, unchanged.
     with pytest.raises(InputError, match="camera"):
         lumivox.ray.reference(cornell, "no such camera", size=SIZE, samples=16)
     with pytest.raises(InputError, match="cameras: has none"):

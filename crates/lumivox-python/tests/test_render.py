@@ -48,7 +48,7 @@ def test_arrays_have_their_shapes(renderer: Renderer) -> None:
         "material": ((), "int32"),
         "normal": ((3,), "float32"),
     }
-    # The memory is the bytes that the extension has filled, and may be written.
+    # The array is a writable view of the bytes that the extension has filled.
     assert picture.radiance.base is not None and picture.radiance.flags.writeable
     assert picture.screen().shape == (32, 48, 3)
     assert picture.to_png().startswith(b"\x89PNG")
@@ -185,7 +185,7 @@ def test_ctrl_c_stops_a_picture_and_spares_the_renderer(renderer: Renderer, corn
     endless = Renderer(cornell, size=(16, 16), **{**SMALL, "frames": 65536})
     timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
     with pytest.raises(KeyboardInterrupt):
-        # In here: on a busy machine the signal may come before the picture begins.
+        # Start the timer in here: on a busy machine the signal may come before the picture begins.
         timer.start()
         endless.render()
     assert endless.irradiance((0, 1, 0)).lux > 0
@@ -303,7 +303,7 @@ def test_memory_stays_flat(cornell: Scene) -> None:
         work(times)
         grown = resident_mib() - before
         print(f"{work.__name__}: {grown:.1f} MiB more after {times}")
-        # A kept picture of 48 x 32 has 24 KiB: six MiB of them, and a kept renderer has megabytes.
+        # A leaked picture of 48 x 32 has 24 KiB, all 250 have 6 MiB; a renderer has megabytes.
         assert grown < 4, work.__name__
 
 
@@ -319,7 +319,7 @@ def test_the_voxels_faces_have_their_light() -> None:
     # 4 m by 4 m, all of it facing up, to the rounding of sums in fixed point.
     assert faces["vector_area"][up, 1].sum() == pytest.approx(16, rel=0.01)
     np.testing.assert_allclose(faces["position"][up, 1], 0, atol=1e-3)
-    # The half of an open sky that it reflects, by cones: within a twentieth.
+    # The floor reflects half of an open sky; cones are within a twentieth.
     np.testing.assert_allclose(faces["radiance"][up], 500, rtol=0.05)
     np.testing.assert_allclose(faces["reflectance"][up], 0.5, rtol=0.01)
     assert (faces["emission"] == 0).all()

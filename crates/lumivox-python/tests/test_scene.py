@@ -189,7 +189,7 @@ def test_parts_have_materials_of_their_own() -> None:
     assert scene.materials[1].base_color == (1, 0, 0)
 
 
-# What it asks of meshes is in test_meshes_of_others_are_read.
+# test_meshes_of_others_are_read tests the interface of meshes without PyVista.
 @pytest.mark.skipif(not os.environ.get("LUMIVOX_RELEASE"), reason="for a release: installs VTK")
 @pytest.mark.filterwarnings("ignore:The default value of `algorithm`")
 def test_pyvistas_own_meshes_load() -> None:

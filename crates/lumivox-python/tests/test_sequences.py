@@ -40,7 +40,7 @@ def test_a_scene_shows_its_animation(tmp_path: Path) -> None:
     assert scene.instances[0].world_from_local[0][3] == pytest.approx(1)
     low, high = scene.bounds_over([0, 1], "all")
     assert (low[1], high[1]) == pytest.approx((-2, 6)) and scene.lights[0].position[1] == pytest.approx(2)
-    # More lights stand still, and others than the file's do, too.
+    # Added lights stand still, and so do lights that replace the file's.
     scene.lights += (Light(intensity=1, position=(5, 5, 5), name="mine"),)
     scene.pose(0)
     assert [light.position for light in scene.lights] == [(0, 1, 3), (5, 5, 5)]
@@ -89,7 +89,7 @@ def test_the_camera_of_a_file_moves(tmp_path: Path) -> None:
     file = moving(tmp_path)
     document = json.loads(file.read_text())
     document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.01}}]
-    # It goes up as the lamp does.
+    # The camera rises with the lamp.
     document["nodes"][3]["camera"] = 0
     file.write_text(json.dumps(document))
     renderer = Renderer(Scene.load(file), size=(8, 8), **SMALL)

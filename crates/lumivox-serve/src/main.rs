@@ -1,8 +1,8 @@
-//! Serves a folder of static files on this machine, for browsers on this machine: WebGPU and modules need a server, and
-//! `file://` is none.
+//! Serves a folder of static files to browsers on this machine: WebGPU and modules do not work from
+//! `file://`.
 //!
-//! Nobody else on the network is answered. Browsers are told to ask again each time, so that a page is never older than its
-//! build.
+//! The server only listens on localhost. Browsers must revalidate each file (`no-cache`), so that a
+//! page is never older than its build.
 
 use std::io::Write as _;
 use std::net::Ipv4Addr;
@@ -34,7 +34,7 @@ async fn main() -> anyhow::Result<()> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).await.with_context(|| {
         format!("port {port} of this machine cannot be used; choose another with --port, or 0 for any free one")
     })?;
-    // The one line on stdout: whoever started this reads it.
+    // The only line on stdout, for the program that started the server.
     writeln!(std::io::stdout(), "http://localhost:{}/", listener.local_addr()?.port())
         .context("the address cannot be printed")?;
     let no_cache = HeaderValue::from_static("no-cache");

@@ -1,4 +1,4 @@
-//! The program as a browser meets it.
+//! Tests of the running server over HTTP.
 
 #![allow(clippy::unwrap_used, reason = "in a test a panic is the message")]
 
@@ -63,7 +63,7 @@ fn files_come_with_their_kinds_and_nothing_else_comes() {
         assert!(!refused.contains("secret") && !refused.starts_with("HTTP/1.1 200"), "{refused}");
     }
     assert!(server.ask("POST /").starts_with("HTTP/1.1 405"));
-    // Nor at other addresses of this machine, as others on the network would ask.
+    // It does not listen on other addresses, so other machines cannot connect.
     let other = (Ipv4Addr::new(127, 0, 0, 2), server.port).into();
     TcpStream::connect_timeout(&other, Duration::from_secs(1)).unwrap_err();
 }

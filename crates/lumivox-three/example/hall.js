@@ -4,7 +4,10 @@ import * as THREE from "three/webgpu";
 
 const WHITE = 0xd9d4c8;
 
-/** The scene, its camera, and what moves it to a time in seconds. For measurements its windows can be closed, and all surfaces matte. */
+/**
+ * The scene, its camera, some of its objects, and a function that moves them to a time in seconds.
+ * For measurements its windows can be closed and all surfaces made matte.
+ */
 export function createHall({ aspect = 16 / 9, shadows = 1024, isClosed = false, isMatte = false } = {}) {
     const scene = new THREE.Scene();
     if (!isClosed) {
@@ -28,7 +31,7 @@ export function createHall({ aspect = 16 / 9, shadows = 1024, isClosed = false, 
     lamp.shadow.mapSize.set(shadows, shadows);
     lamp.shadow.normalBias = 0.02;
     const bulb = mesh(new THREE.SphereGeometry(0.07, 24, 16), { color: 0x000000, emissive: 0xffc58a, emissiveIntensity: 60 }, { casts: false });
-    // The light is the lamp's already.
+    // The lamp already gives the bulb's light.
     bulb.userData.gi = false;
     lamp.add(bulb);
 
@@ -52,12 +55,12 @@ export function createHall({ aspect = 16 / 9, shadows = 1024, isClosed = false, 
     return { scene, camera, animate, lamp, box, knot, banner };
 }
 
-/** Leaves a material's diffuse reflection alone. */
+/** Removes all but the diffuse reflection of a material. */
 function makeMatte(material) {
     Object.assign(material, { metalness: 0, roughness: 1, specularIntensity: 0, clearcoat: 0 });
 }
 
-/** A physical material on a shape. */
+/** A mesh with a physical material. */
 function mesh(geometry, material, { casts = true } = {}) {
     const made = new THREE.Mesh(geometry, new THREE.MeshPhysicalMaterial({ roughness: 0.9, ...material }));
     made.castShadow = casts;
@@ -117,7 +120,7 @@ function createBanner() {
     return { banner, bones };
 }
 
-/** A sky with a sun, in cd/m² by a thousand: bright around the sun, blue above, brown below. */
+/** A sky with a sun, in thousands of cd/m²: bright around the sun, blue above, brown below. */
 function sky() {
     const [width, height] = [256, 128];
     const data = new Float32Array(4 * width * height);

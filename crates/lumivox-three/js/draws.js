@@ -1,4 +1,4 @@
-// What is drawn: the meshes of a scene with their matrices, and which of them have never moved.
+// The draws of a scene: its meshes with their matrices, and which of them have never moved.
 
 import { Matrix4 } from "three/webgpu";
 import { Geometries } from "./geometries.js";
@@ -12,7 +12,7 @@ export class Draws {
     #geometries;
     #materials;
     #note;
-    /** What is known of each object: where it was, when it was seen, and whether it moves. */
+    /** By object: its last matrix, the last frame in which it was seen, and whether it moves. */
     #objects = new WeakMap();
     #frame = 0;
     #rows = [];
@@ -25,7 +25,7 @@ export class Draws {
         this.#materials = new Materials(shared, renderer, note);
     }
 
-    /** Looks at the scene, and hands over what there is now. */
+    /** Collects the scene's present draws and passes them to the library. */
     update(scene) {
         this.#frame += 1;
         this.#rows.length = 0;
@@ -58,7 +58,7 @@ export class Draws {
         const materials = Array.isArray(material) ? material : [material];
         const states = materials.map((each) => each && this.#materials.of(each, this.#frame));
         const known = this.#known(object);
-        // three.js, too, sees a mirrored mesh from the other side, and does not ask the instances.
+        // As in three.js, only the mesh's matrix mirrors it, not those of instances.
         const isMirrored = object.matrixWorld.determinant() < 0;
         for (const { group, start, count } of parts(object, materials)) {
             const own = materials[group];
@@ -85,7 +85,10 @@ export class Draws {
         this.#matrices.push(...matrix.elements);
     }
 
-    /** What moves once is taken for moving from then on: to take it for still again would cost more than it gains. */
+    /**
+     * An object's state in this frame. An object that has moved once stays dynamic: making it
+     * static again would cost more than it saves.
+     */
     #known(object) {
         const frame = this.#frame;
         let known = this.#objects.get(object);

@@ -1,16 +1,17 @@
-// The surroundings: a picture of all directions, drawn by three.js from whatever the scene has, and read back once.
+// The surroundings: three.js draws `scene.environment` as a panorama, which is read back when the
+// texture changes.
 
 import { DirectionalLight, FloatType, Group, NearestFilter, NodeMaterial, QuadMesh, RenderTarget, RendererUtils, Sphere } from "three/webgpu";
 import { cubeTexture, equirectUV, float, pmremTexture, screenCoordinate, texture, vec3 } from "three/tsl";
 
-/** Texels around, where the picture has no size of its own, or only that of a gradient; and the most. */
+/** Texels around: for textures without a size, or narrower than `LEAST` (gradients); the most. */
 const [WIDTH, LEAST, LARGEST] = [512, 16, 2048];
-/** Rows that three.js reads back are of whole numbers of these. */
+/** Texels: three.js only reads back rows of a multiple of this length. */
 const STEP = 16;
-/** Numbers of a sun: direction, irradiance, half its angle. */
+/** Numbers per sun: direction, irradiance, angular radius. */
 const SUN = 7;
 
-/** Another number for other content: of images, or of what `CubeCamera` has drawn into (`needsPMREMUpdate`). */
+/** Version of a texture's content, drawings of a `CubeCamera` included (`needsPMREMUpdate`). */
 const versionOf = (texture) => (texture === null ? 0 : texture.version + texture.pmremVersion);
 
 export class Environment {
@@ -36,7 +37,7 @@ export class Environment {
         if (bounds !== null) scene.add(this.#suns);
     }
 
-    /** Radiance, or the factor of the picture, and its rotation. */
+    /** The factor of the picture's radiance (RGB) and its rotation. Also updates the suns. */
     row() {
         const { environmentIntensity, environmentRotation, environment } = this.#scene;
         const factor = environment === null || this.#known.texture !== environment ? 0 : environmentIntensity;
@@ -47,7 +48,7 @@ export class Environment {
         return Float32Array.of(factor, factor, factor, environmentRotation.y);
     }
 
-    /** Reads another picture in the background, if there is one. */
+    /** Reads the picture in the background if it has changed. */
     watch() {
         if (this.#isReading || this.#isCurrent()) return;
         this.update().catch((error) => this.#note(`the environment could not be read: ${error.message}`));
@@ -110,7 +111,7 @@ export class Environment {
         this.#removeSuns();
         if (this.#bounds === null) return;
         const around = this.#bounds.getBoundingSphere(new Sphere());
-        // They turn about the middle.
+        // The suns turn about the middle of the bounds.
         this.#suns.position.copy(around.center);
         for (let at = 0; at + SUN <= rows.length; at += SUN) {
             const [x, y, z, red, green, blue] = rows.subarray(at, at + SUN);

@@ -1,4 +1,4 @@
-/** An error with a code, as those of the WebAssembly. */
+/** An error with a code, like those of the WebAssembly. */
 export function failure(code, message) {
     return Object.assign(new Error(message), { code });
 }

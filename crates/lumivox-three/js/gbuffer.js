@@ -1,4 +1,5 @@
-// Depth, normals, what surfaces mirror and how they move, drawn by three.js for our cones (`src/gbuffer.wgsl`).
+// The G-buffer: depth, normals, specular reflectance and motion, drawn by three.js for our cones
+// (`src/gbuffer.wgsl`).
 
 import { DepthTexture, FloatType, HalfFloatType, Lighting, LightsNode, NearestFilter, RenderTarget, RendererUtils, VelocityNode } from "three/webgpu";
 import {
@@ -20,7 +21,7 @@ const octahedral = /*@__PURE__*/ Fn(([normal]) => {
 
 const neutral = /*@__PURE__*/ context();
 
-/** Lights nothing: neither colours nor shadows are of use here. */
+/** No lights: the G-buffer needs neither colours nor shadows. */
 class NoLights extends LightsNode {
     static get type() {
         return "LumivoxNoLights";
@@ -32,8 +33,9 @@ class NoLights extends LightsNode {
 }
 
 /**
- * How surfaces move. three.js's own node forgets where an object was as soon as it is drawn, and ours is drawn before the page's:
- * the page's velocity would be that of things at rest.
+  * The motion of surfaces. three.js's node replaces an object's previous matrix once the object is
+  * drawn. The G-buffer is drawn before the page's pass, so with that node the page would get no
+  * motion.
  */
 class Motion extends VelocityNode {
     static get type() {
@@ -76,7 +78,7 @@ export class GBuffer {
         return this.#target === null ? 0 : this.#target.width * this.#target.height * PIXEL;
     }
 
-    /** Whether there are other textures now. */
+    /** Makes the textures of a size; `true` if there are new ones. */
     setSize(renderer, width, height) {
         if (this.#target?.width === width && this.#target.height === height) return false;
         this.dispose();
@@ -103,7 +105,8 @@ export class GBuffer {
         this.#rendererState = RendererUtils.resetRendererState(renderer, this.#rendererState);
         this.#sceneState = RendererUtils.resetSceneState(scene, this.#sceneState);
         try {
-            // What is drawn with our light asks for it while this is drawn. The list of what is drawn goes with the lighting.
+            // Materials with our light would ask for it during this pass. three.js caches render
+            // lists by lighting, so the page's list does not change.
             renderer.contextNode = neutral;
             renderer.lighting = this.#darkness;
             renderer.setClearColor(0x000000, 0);

@@ -1,10 +1,11 @@
-// Geometries of three.js in buffers that Lumivox reads, copied on the GPU where three.js has them there.
+// Geometries of three.js in buffers that Lumivox reads. Positions are copied on the GPU if three.js
+// has uploaded them.
 
 import { Skins } from "./skins.js";
 
 /** Bytes of two numbers of texture coordinates, and of a colour of four 16-bit numbers. */
 const [TEXCOORD, COLOR] = [8, 8];
-/** A geometry that nothing has drawn for so many frames is freed. */
+/** Frames after which a geometry that is not drawn is freed. */
 const KEPT_FRAMES = 120;
 
 export class Geometries {
@@ -12,7 +13,7 @@ export class Geometries {
     #renderer;
     #note;
     #skins;
-    /** By the object, where it deforms its geometry, or by the geometry; then by side, and by whether its colours count. */
+    /** By object if it deforms its geometry, else by geometry; then by side and use of colours. */
     #known = new Map();
     #next = 0;
     #encoder = null;
@@ -24,7 +25,7 @@ export class Geometries {
         this.#skins = new Skins(renderer.backend.device);
     }
 
-    /** The buffers of an object's triangles, as they are in this frame; null where there is nothing to draw. */
+    /** The buffers of an object's triangles, updated for this frame. */
     of(object, [isTurned, hasColors], frame) {
         const { geometry } = object;
         const isSkinned = object.isSkinnedMesh === true && object.skeleton !== undefined && geometry.attributes.skinIndex !== undefined;
@@ -61,7 +62,7 @@ export class Geometries {
         };
     }
 
-    /** Copies what has changed; tells whether anything has. */
+    /** Copies the attributes that have changed; `true` if any has. */
     #fill(mesh, object, isMorphed) {
         const { geometry, layout, versions } = mesh;
         const { position, uv, uv1, color } = geometry.attributes;
@@ -97,7 +98,8 @@ export class Geometries {
         const { backend } = this.#renderer;
         const shared = attribute.isInterleavedBufferAttribute ? attribute.data : attribute;
         const { buffer } = backend.get(shared);
-        // Where three.js has not uploaded the last version yet, as of what it has not drawn, it comes from the CPU.
+        // Positions come from the CPU if three.js has not uploaded their last version, as for
+        // objects that it has not drawn.
         const isThere = buffer !== undefined && this.#renderer._attributes?.get(attribute)?.version === versionOf(attribute);
         const target = skin?.rest ?? positions;
         if (isThere && layout.isShared) {
@@ -123,13 +125,13 @@ export class Geometries {
         return (this.#encoder ??= this.#renderer.backend.device.createCommandEncoder());
     }
 
-    /** Sends off what was recorded since the last time. */
+    /** Submits the commands recorded since the last call. */
     submit() {
         if (this.#encoder !== null) this.#renderer.backend.device.queue.submit([this.#encoder.finish()]);
         this.#encoder = null;
     }
 
-    /** Frees what has not been drawn for long. */
+    /** Frees geometries that have not been drawn for `KEPT_FRAMES` frames. */
     sweep(frame) {
         for (const [owner, sides] of this.#known) {
             sides.forEach((mesh, side) => {
@@ -157,14 +159,17 @@ const versionOf = (attribute) => (attribute?.isInterleavedBufferAttribute ? attr
 const numbers = new WeakMap();
 let lastNumber = 0;
 
-/** Which attribute it is, and which version of it. */
+/** A text that identifies an attribute and its version. */
 function stampOf(attribute) {
     if (attribute === undefined) return "";
     if (!numbers.has(attribute)) numbers.set(attribute, (lastNumber += 1));
     return `${numbers.get(attribute)}:${versionOf(attribute)}`;
 }
 
-/** How a geometry lies in buffers. Positions stay in three.js's layout where they are floats; all else is packed. */
+/**
+ * The layout of a geometry in buffers. Positions keep three.js's layout if they are floats and not
+ * deformed; everything else is packed.
+ */
 function layoutOf(geometry, isDeformed, hasColors) {
     const { position, uv, uv1, color: given } = geometry.attributes;
     const color = hasColors ? given : undefined;
@@ -186,7 +191,7 @@ function layoutOf(geometry, isDeformed, hasColors) {
     return { key, array, isShared, stride, offset, count, indices, isShort, attributes };
 }
 
-/** Numbers of an attribute, whatever they are stored as. */
+/** Components of an attribute as floats, whatever their type. */
 export function floats(attribute, size) {
     const { count } = attribute;
     const all = new Float32Array(size * count);
@@ -216,7 +221,7 @@ function interleaved(geometry, { uv, uv1, color, stride }, count) {
     return new Uint8Array(bytes.buffer);
 }
 
-/** Indices of triangles; those seen from behind run the other way. */
+/** Indices of triangles, with reversed winding if `isTurned`. */
 function indicesOf(geometry, { indices, isShort }, isTurned) {
     const all = isShort ? new Uint16Array(indices) : new Uint32Array(indices);
     for (let at = 0; at < indices; at += 1) all[at] = geometry.index ? geometry.index.getX(at) : at;

@@ -1,4 +1,4 @@
-// What a page holds: the light of one scene, frame by frame.
+// The class that a page uses: the light of one scene, frame by frame.
 
 import { Box3, Matrix4, Vector2, Vector3 } from "three/webgpu";
 import { context } from "three/tsl";
@@ -9,9 +9,9 @@ import { lightRows } from "./lights.js";
 import { LightNode, Outputs } from "./nodes.js";
 import { Draws } from "./draws.js";
 
-/** The most frames until the first voxels are there: each hears of the one before. */
+/** The most frames until the first voxels are complete; each applies read-backs of earlier ones. */
 const FIRST_FRAMES = 16;
-/** Metres between the outermost surface and the end of the voxels, as a share of the scene. */
+/** Margin between the outermost surface and the end of the voxels, by the scene's size. */
 const MARGIN = 0.01;
 const OWN = new Set(["scene", "camera", "bounds", "onProgress", "suns"]);
 
@@ -67,7 +67,7 @@ export class Gi {
         /** For `pass.contextNode`: gives all opaque materials of a pass our light. */
         this.context = context({
             getGI: (given, { material }) => {
-                // What is not in our depth: three.js draws it after all that is.
+                // Not in the G-buffer: three.js draws these materials after the opaque ones.
                 const isLater = material.transparent === true || material.transmission > 0 || material.transmissionNode || material.backdropNode;
                 if (isLater) return given;
                 return given === null ? light : light.add(given);
@@ -75,7 +75,7 @@ export class Gi {
         });
     }
 
-    /** Texture nodes: irradiance (rgb; in a the open share of the hemisphere), and what surfaces reflect. */
+    /** Texture nodes: irradiance (alpha: open share of the hemisphere), and reflected radiance. */
     get irradiance() {
         return this.outputs.irradiance;
     }
@@ -84,12 +84,12 @@ export class Gi {
         return this.outputs.reflection;
     }
 
-    /** What of the scene is not taken as it is, in words. */
+    /** Messages about parts of the scene that are ignored or approximated. */
     get notes() {
         return [...this.#notes];
     }
 
-    /** Whether the last frame was behind, voxels and their faces. */
+    /** Whether the last frame's voxels are older than its scene; numbers of voxels and faces. */
     get stats() {
         return this.#stats;
     }
@@ -110,7 +110,7 @@ export class Gi {
         this.#isFirst = true;
     }
 
-    /** Computes the light of a frame. The nodes do so themselves, once a frame. */
+    /** Computes the light of a frame. The nodes call it once a frame. */
     update() {
         const [renderer, shared] = [this.#renderer, this.#shared];
         if (this.#isDisposed || !this.#resize()) return;
@@ -119,12 +119,12 @@ export class Gi {
         this.#draws.update(this.scene);
         shared.setLights(lightRows(this.scene, this.note));
         const [late, voxels, faces] = shared.render(this.#cameraRow(), this.#environment.row());
-        // Nothing is known of a list that is about to be replaced.
+        // Counts are 0 while the list of voxels is being replaced; keep the last ones.
         const { voxels: lastVoxels, faces: lastFaces } = this.#stats;
         this.#stats = { late: late === 1, voxels: voxels || lastVoxels, faces: faces || lastFaces };
     }
 
-    /** Frees all memory on the GPU. Whatever is drawn with our light then keeps that of the last frame. */
+    /** Frees all memory on the GPU. Materials then keep the light of the last frame. */
     dispose() {
         if (this.#isDisposed) return;
         this.#isDisposed = true;
@@ -145,7 +145,7 @@ export class Gi {
         this.cut();
     }
 
-    /** Follows the size of the picture; whether there is any. */
+    /** Adapts textures to the size of the picture; `false` if the picture is empty. */
     #resize() {
         const { x, y } = this.#renderer.getDrawingBufferSize(this.#size);
         if (!(x >= 1 && y >= 1)) return false;
@@ -164,7 +164,7 @@ export class Gi {
         row.set(this.#isFirst ? row.subarray(0, 16) : previous, 16);
         this.#isFirst = false;
         new Vector3().setFromMatrixPosition(camera.matrixWorld).toArray(row, 32);
-        // TRAANode and its like shift the picture within a pixel.
+        // TRAANode and similar nodes jitter the picture within a pixel.
         const { view } = camera;
         const isShifted = view?.enabled === true && view.width === view.fullWidth;
         row[35] = isShifted ? -view.offsetX : 0;
@@ -174,7 +174,7 @@ export class Gi {
     }
 }
 
-/** What is lit: all meshes, and a little around them. */
+/** The bounds of the lit volume: all meshes, and a margin. */
 function boundsOf(scene) {
     const [bounds, own] = [new Box3(), new Box3()];
     scene.traverseVisible((object) => {

@@ -7,17 +7,23 @@ import { failure } from "./failure.js";
 /** @type {Promise<unknown> | undefined} */
 let module;
 
-/** Loads the WebAssembly; `createGi` does so itself. `source` is needed only where a bundler does not find the file. */
+/**
+ * Loads the WebAssembly; `createGi` does so itself. `source` is only needed if a bundler does not
+ * find the file.
+ */
 export function initialize(source) {
     module ??= init(source === undefined ? undefined : { module_or_path: source }).catch((error) => {
-        // Another source may do.
+        // Allow another try, perhaps with another source.
         module = undefined;
         throw error;
     });
     return module;
 }
 
-/** A device with limits as high as the GPU goes, for `new WebGPURenderer({ device })`: for more than 128 MiB in one buffer. */
+/**
+ * A device with the highest limits of the GPU, for `new WebGPURenderer({ device })`: with it a
+ * buffer may exceed 128 MiB.
+ */
 export async function createDevice(options = {}) {
     const adapter = await navigator.gpu?.requestAdapter(options);
     if (!adapter) throw failure("no-webgpu", "this browser has no WebGPU, or no GPU for it; Chrome and Edge 113, Safari 26 and Firefox 145 have it");

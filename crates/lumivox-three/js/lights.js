@@ -3,13 +3,13 @@
 import { Vector3 } from "three/webgpu";
 
 const [DIRECTIONAL, POINT, SPOT] = [0, 1, 2];
-/** Half the sun's angle, rad: what shadows of directional lights are as soft as. */
+/** Angular radius of the sun, rad: the softness of shadows of directional lights. */
 const SUN_RAD = 0.00465;
 
 const position = new Vector3();
 const target = new Vector3();
 
-/** All lights that shine. */
+/** The rows of all visible lights. */
 export function lightRows(scene, note) {
     const rows = [];
     scene.traverseVisible((object) => {
@@ -34,7 +34,7 @@ function rowOf(light, note) {
     if (light.isPointLight || light.isSpotLight) {
         if (light.decay !== 2) note(`the decay of a ${light.type} is ${light.decay}; Lumivox knows nature's alone, 2`);
     }
-    // In three.js, too, 0 has no end.
+    // As in three.js, 0 means unlimited.
     const range = Number.isFinite(light.distance) ? light.distance : 0;
     if (light.isPointLight) return [POINT, ...place, 0, -1, 0, red, green, blue, 0, range, 0, 0];
     if (!light.target) {

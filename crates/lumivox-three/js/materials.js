@@ -5,7 +5,7 @@ import { BackSide, DoubleSide, MirroredRepeatWrapping, RepeatWrapping } from "th
 /** Reflectance at normal incidence of an index of refraction of 1.5. */
 const DIELECTRIC = 0.04;
 const NO_TEXTURE = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1];
-/** A material that nothing has had for so many frames is forgotten. */
+/** Frames after which a material that is not drawn is forgotten. */
 const KEPT_FRAMES = 120;
 
 /** The materials that draws refer to, by number. */
@@ -14,7 +14,7 @@ export class Materials {
     #renderer;
     #note;
     #known = new Map();
-    /** Numbers of materials that are forgotten. */
+    /** Numbers of forgotten materials, to be used again. */
     #free = [];
 
     constructor(shared, renderer, note) {
@@ -23,7 +23,7 @@ export class Materials {
         this.#note = note;
     }
 
-    /** A material's state: its number, and whether it has ever changed. Looks at each material once a frame. */
+    /** A material's number, and whether it has ever changed. Reads each material once a frame. */
     of(material, frame) {
         let state = this.#known.get(material);
         if (state === undefined) {
@@ -44,7 +44,7 @@ export class Materials {
         const places = images.flatMap((image, at) => (textures[at] ? placeOf(image) : NO_TEXTURE));
         const isSame = (a, b) => a.length === b.length && a.every((value, at) => value === b[at]);
         const isNew = state.row === null;
-        // Drawn anew in its place; one that has come at last is no change of the page's.
+        // `true` if an image was redrawn in place. The first load of an image is not an edit.
         const isDrawn = textures.some((texture, at) => texture !== null && texture === state.textures[at] && versions[at] !== state.versions[at]);
         state.versions = versions;
         state.changes ||= isDrawn || images.some((image) => image?.isRenderTargetTexture === true);
@@ -61,7 +61,7 @@ export class Materials {
         }
     }
 
-    /** Forgets what has not been drawn for long: its emission, too, would count on. */
+    /** Forgets materials that are no longer drawn, or their emission would still count. */
     sweep(frame) {
         for (const [material, state] of this.#known) {
             if (frame - state.frame < KEPT_FRAMES) continue;
@@ -77,7 +77,7 @@ export class Materials {
     #texture(image, isOther) {
         if (!image?.isTexture) return null;
         const { backend } = this.#renderer;
-        // Whoever draws into it makes it.
+        // three.js creates the texture when it draws into the render target.
         if (image.isRenderTargetTexture === true) return backend.get(image).texture ?? null;
         if (image.version === 0) return null;
         if (image.isVideoTexture || image.isCubeTexture || image.isDataArrayTexture || image.isData3DTexture) {
@@ -124,11 +124,11 @@ function describe(material, note) {
     return { row, images: isUnlit ? [isCovering ? map : null, map, null] : [map, material.emissiveMap ?? null, material.transmissionMap ?? null] };
 }
 
-/** Whether there is anything that light meets. */
+/** Whether a material has a surface that light can hit. */
 export const hasSurface = (material) =>
     material.visible !== false && material.colorWrite !== false && material.wireframe !== true && material.isShadowMaterial !== true && material.isShadowNodeMaterial !== true;
 
-/** Whether a material is seen from the other side of its triangles. */
+/** Whether a material is only visible from the back of its triangles. */
 export const isTurned = (material) => material.side === BackSide;
 
 function placeOf(image) {

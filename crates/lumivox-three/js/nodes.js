@@ -1,16 +1,16 @@
-// What cones have gathered, as nodes of TSL.
+// The results of the cones, as nodes of TSL.
 
 import { ExternalTexture, HalfFloatType, LinearFilter, Node, NodeUpdateType, NoColorSpace } from "three/webgpu";
 import { metalness, screenUV, texture, vec3 } from "three/tsl";
 
-/** The two textures that a frame ends in. */
+/** The two output textures of a frame. */
 export class Outputs {
     constructor() {
         this.irradiance = texture(wrapped(null));
         this.reflection = texture(wrapped(null));
     }
 
-    /** Takes those of another size. */
+    /** Replaces the textures, for another size. */
     set([irradiance, reflection]) {
         this.dispose();
         this.irradiance.value = wrapped(irradiance);
@@ -33,7 +33,7 @@ function wrapped(source) {
     return external;
 }
 
-/** The irradiance of a material, which adds the reflection beside it. */
+/** The irradiance of a material; also adds the reflection to its indirect specular light. */
 export class LightNode extends Node {
     static get type() {
         return "LumivoxLightNode";
@@ -61,10 +61,12 @@ export class LightNode extends Node {
         const { radiance, iblIrradiance, reflectedLight } = builder.context;
         if (reflectedLight) {
             if (builder.material?.envMap) {
-                // Surroundings of a material's own are not in our light: gloss and metal mirror them as three.js does.
+                // Our light does not include a material's own `envMap`: gloss and metal mirror it
+                // as three.js does.
                 iblIrradiance?.mulAssign(metalness);
             } else {
-                // Those of the scene are, with what stands before them.
+                // Our reflection includes the scene's surroundings and what occludes them, so it
+                // replaces that of three.js.
                 radiance?.assign(vec3(0));
                 iblIrradiance?.assign(vec3(0));
                 reflectedLight.indirectSpecular.addAssign(reflection.sample(screenUV).rgb);

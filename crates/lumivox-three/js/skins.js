@@ -1,4 +1,4 @@
-// Skinned meshes: their vertices as bones move them, computed on the GPU for the voxels.
+// Skinned meshes: a compute shader moves their vertices with the bones, for the voxels.
 
 import { floats } from "./geometries.js";
 
@@ -48,7 +48,7 @@ export class Skins {
         this.#device = device;
     }
 
-    /** What a skinned geometry needs besides its positions. */
+    /** Makes the buffers that a skinned geometry needs besides its positions. */
     make(geometry, positions, vertices) {
         const device = this.#device;
         this.#pipeline ??= device.createComputePipeline({
@@ -74,7 +74,7 @@ export class Skins {
         return skin;
     }
 
-    /** Moves a mesh's vertices to where its bones are. */
+    /** Moves a mesh's vertices with its bones. */
     run(encoder, { skin }, object) {
         const device = this.#device;
         const { skeleton, bindMatrix, bindMatrixInverse } = object;

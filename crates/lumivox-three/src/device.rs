@@ -1,8 +1,8 @@
 //! The page's device as a device of wgpu.
 //!
-//! wgpu only knows devices that it has asked for itself. So during one call a function of ours stands in for the
-//! adapter's `requestDevice`: it gives the device that the page has. The call is synchronous, so that nobody else meets
-//! the stand-in.
+//! wgpu only accepts devices that it has requested itself. So for one call, `requestDevice` of all
+//! adapters is replaced by a function that returns the page's device. The call is synchronous, so
+//! no other code can call the replacement.
 
 use js_sys::{Function, Object, Promise, Reflect};
 use wasm_bindgen::closure::Closure;
@@ -10,7 +10,7 @@ use wasm_bindgen::{JsCast as _, JsValue};
 
 use crate::error::PageError;
 
-/// Makes the page's `GPUDevice` one of wgpu.
+/// Turns the page's `GPUDevice` into a device of wgpu.
 ///
 /// # Errors
 /// When the browser has no WebGPU, or no adapter.

@@ -39,7 +39,7 @@ impl From<GiError> for PageError {
 impl From<PageError> for wasm_bindgen::JsValue {
     fn from(error: PageError) -> Self {
         let exception = js_sys::Error::new(&error.message);
-        // A new object takes any property.
+        // Cannot fail: a new object accepts any property.
         let _ = js_sys::Reflect::set(&exception, &"code".into(), &error.code.into());
         exception.into()
     }

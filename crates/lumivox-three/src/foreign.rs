@@ -1,11 +1,11 @@
-//! The page's textures as those of wgpu, without copies.
+//! The page's textures as textures of wgpu, without copies.
 
 use js_sys::Reflect;
 use wasm_bindgen::{JsCast as _, JsValue};
 
 use crate::error::PageError;
 
-/// What a texture of the page is used as.
+/// The use of a texture of the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// The depth of the G-buffer.
@@ -19,7 +19,7 @@ pub enum Role {
 /// A view of all of a `GPUTexture` of this device.
 ///
 /// # Errors
-/// When it is no texture, or not one of that role.
+/// When it is not a texture, or its format does not fit the role.
 pub fn view(
     device: &wgpu::Device,
     texture: &JsValue,

@@ -1,4 +1,4 @@
-//! How cones read the page's G-buffer.
+//! The shader module with which cones read the page's G-buffer.
 
 use lumivox::hooks::Mounted;
 use lumivox::wgpu;
@@ -12,7 +12,7 @@ pub fn module(is_reversed: bool) -> Mounted {
     };
     let color = texture(wgpu::TextureSampleType::Float { filterable: false });
     let text = include_str!("gbuffer.wgsl");
-    // Imports come first in a module.
+    // Imports must come first in a module.
     let (imports, rest) = text.split_once("\n@group").unwrap_or((text, ""));
     let source = format!("{imports}\nconst IS_REVERSED: bool = {is_reversed};\n\n@group{rest}");
     Mounted::new(source, [texture(wgpu::TextureSampleType::Depth), color, color, color])

@@ -1,7 +1,8 @@
-//! What JavaScript hands over in rows of numbers.
+//! Input from JavaScript, as rows of numbers.
 //!
-//! A row is a plain array, so that a frame with a thousand objects crosses the border in one piece. `js/rows.js` writes
-//! them; the tests here say what stands where.
+//! Rows are plain arrays, so that a frame with a thousand objects is passed in one call.
+//! `draws.js`, `materials.js`, `lights.js` and `gi.js` in `js/` write them; the tests here check
+//! the order of the numbers.
 
 use glam::{Affine2, Mat4, Vec2, Vec3, Vec4};
 use lumivox::{Draw, Gloss, Light, LightSource, Shadow, SurfaceMaterial};
@@ -17,11 +18,12 @@ pub const DRAW: usize = 5;
 /// Numbers of a camera.
 pub const CAMERA: usize = 39;
 
-/// A material: reflectance RGBA, reflectance at normal incidence and roughness of its gloss and the share of the
-/// surface that has it, emission RGB, transmission, and 1 for each of: alpha is coverage, double-sided, reserved.
+/// A material: reflectance RGBA; the gloss's reflectance at normal incidence, its roughness, and
+/// the share of the surface that has it; emission RGB; transmission; then flags, 0 or 1: alpha is
+/// coverage, double-sided, reserved.
 ///
 /// # Errors
-/// When there are too few numbers, or one is not finite.
+/// When there are not [`MATERIAL`] numbers, or one is not finite.
 pub fn material(row: &[f32]) -> Result<SurfaceMaterial, PageError> {
     let row = row_of::<MATERIAL>(row, "material")?;
     Ok(SurfaceMaterial {
@@ -35,7 +37,7 @@ pub fn material(row: &[f32]) -> Result<SurfaceMaterial, PageError> {
     })
 }
 
-/// Where on a texture a vertex lies: a matrix of three rows, column by column, as three.js has it.
+/// The transform of texture coordinates: three.js's matrix of three rows, column by column.
 pub fn texture_transform(row: &[f32]) -> Affine2 {
     match row {
         [a, b, _, c, d, _, x, y, ..] => {
@@ -45,11 +47,11 @@ pub fn texture_transform(row: &[f32]) -> Affine2 {
     }
 }
 
-/// A draw with the number of its geometry: geometry, first index, number of indices, material, 1 if it stays; and the
-/// matrix, column by column.
+/// Draws with the numbers of their geometries. A row is geometry, first index, number of indices,
+/// material, and 1 if the draw is static; each has a matrix, column by column.
 ///
 /// # Errors
-/// When there are too few numbers.
+/// When a row or a matrix is incomplete, or there are not as many rows as matrices.
 pub fn draws(rows: &[u32], matrices: &[f32]) -> Result<Vec<(u32, Draw)>, PageError> {
     let (rows, rest) = rows.as_chunks::<DRAW>();
     let (matrices, beyond) = matrices.as_chunks::<16>();
@@ -63,7 +65,7 @@ pub fn draws(rows: &[u32], matrices: &[f32]) -> Result<Vec<(u32, Draw)>, PageErr
     let draw = |([geometry, first, count, material, stays], matrix): (&[u32; DRAW], &[f32; 16])| {
         let world_from_local = Mat4::from_cols_array(matrix);
         let is_static = *stays != 0;
-        // A collapsed or broken object has no surface.
+        // An object whose matrix is not finite has no surface.
         let count = if world_from_local.is_finite() { *count } else { 0 };
         let draw = Draw { world_from_local, is_static, ..Draw::new(*first, count, *material) };
         (*geometry, draw)
@@ -71,11 +73,11 @@ pub fn draws(rows: &[u32], matrices: &[f32]) -> Result<Vec<(u32, Draw)>, PageErr
     Ok(rows.iter().zip(matrices).map(draw).collect())
 }
 
-/// Lights: kind (0 directional, 1 point, 2 spot), position, direction, intensity, radius (m, or rad of a directional
-/// one), range (m; 0: none), inner and outer angle of a spot (rad); the last is reserved.
+/// Lights: kind (0 directional, 1 point, 2 spot), position, direction, intensity, radius (m; rad
+/// for a directional light), range (m; 0: unlimited), inner and outer angle of a spot (rad).
 ///
 /// # Errors
-/// When there are too few numbers, or one is not finite.
+/// When a row is incomplete, or a number is not finite.
 pub fn lights(rows: &[f32]) -> Result<Vec<Light>, PageError> {
     let (rows, rest) = rows.as_chunks::<LIGHT>();
     if !rest.is_empty() {
@@ -116,19 +118,20 @@ fn light(row: &[f32; LIGHT]) -> Result<Light, PageError> {
 pub struct CameraRow {
     /// From the world to clip space, with reversed z.
     pub clip_from_world: Mat4,
-    /// As it was in the frame before.
+    /// The same matrix of the previous frame.
     pub previous_clip_from_world: Mat4,
-    /// Where the camera stands, m.
+    /// The camera's position, m.
     pub position: Vec3,
     /// Sub-pixel jitter, px.
     pub jitter: Vec2,
 }
 
-/// A camera: matrix to clip space of this frame and of the one before, position, jitter in pixels, and 1 if z is
-/// reversed already, 0 if it grows from 0 at the near plane to 1.
+/// A camera: matrices to clip space of this frame and of the previous one, position, jitter in
+/// pixels, and 1 if z is reversed, 0 if it grows from 0 at the near plane to 1; the last is
+/// reserved.
 ///
 /// # Errors
-/// When there are too few numbers, or one is not finite.
+/// When there are not [`CAMERA`] numbers, or one is not finite.
 pub fn camera(row: &[f32]) -> Result<CameraRow, PageError> {
     let row = row_of::<CAMERA>(row, "camera")?;
     // 1 - z, in clip space.
@@ -145,7 +148,7 @@ pub fn camera(row: &[f32]) -> Result<CameraRow, PageError> {
     })
 }
 
-/// A row of so many numbers, all of them finite.
+/// A row of exactly `N` finite numbers.
 fn row_of<'a, const N: usize>(row: &'a [f32], what: &str) -> Result<&'a [f32; N], PageError> {
     let row: &[f32; N] = row.try_into().map_err(|_| {
         PageError::value(format!("a {what} is {N} numbers, but there are {}", row.len()))

@@ -1,16 +1,16 @@
 //! Global illumination for three.js: the library on the device of a `WebGPURenderer`, without scenes and files.
 //!
-//! This crate knows nothing of three.js: JavaScript (`js/`) walks its scene and hands over buffers, textures and
-//! numbers; what comes back are two textures.
+//! The Rust code does not depend on three.js: JavaScript (`js/`) walks its scene and passes
+//! buffers, textures and numbers; the results are two textures.
 //!
 //! | file | is |
 //! | --- | --- |
-//! | `device.rs` | the page's `GPUDevice` as one of wgpu |
+//! | `device.rs` | the page's `GPUDevice` as a device of wgpu |
 //! | `shared.rs` | the class that `js/` calls |
 //! | `input.rs` | materials, draws, lights and the camera from rows of numbers |
 //! | `options.rs` | options by name |
-//! | `foreign.rs` | the page's textures as those of wgpu |
-//! | `gbuffer.rs`, `gbuffer.wgsl` | how cones read what three.js has drawn |
+//! | `foreign.rs` | the page's textures as textures of wgpu |
+//! | `gbuffer.rs`, `gbuffer.wgsl` | the shader module with which cones read the G-buffer |
 //! | `error.rs` | exceptions and their codes |
 //! | `js/` | the part that knows three.js: `lumivox/three` of the npm package |
 

@@ -7,19 +7,20 @@ use lumivox::{GiConfig, Grid, Preset, TraceSettings, VolumeKind};
 use crate::error::PageError;
 use crate::gbuffer;
 
-/// What a page chooses once.
+/// The options that a page chooses once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// What is made for it.
+    /// The configuration of the library.
     pub config: GiConfig,
-    /// The cones.
+    /// The settings of the cones.
     pub settings: TraceSettings,
     /// The most faces of voxels that gather light in a frame; `None`: all.
     pub faces_per_frame: Option<u32>,
 }
 
 impl Options {
-    /// Reads options of those names in that order; `bounds` are the least and the greatest corner of what is lit, m.
+    /// Reads options: their names, and their values in the same order. `bounds` are the lower and
+    /// the upper corner of the lit box, m.
     ///
     /// # Errors
     /// When a name is unknown, or a value not allowed.

@@ -50,7 +50,7 @@ struct Mesh {
     batch: GeometryBatch,
 }
 
-/// What goes with the size of the picture.
+/// The resources that depend on the size of the picture.
 #[derive(Debug)]
 struct Screen {
     gbuffer: GBuffer,
@@ -100,7 +100,7 @@ impl SharedGi {
         let pipelines = self.gi.pipelines().clone();
         self.gi.prepare_frames();
         pipelines.compile(&mut report).await;
-        // Kernels for holes and textures come after the first picture.
+        // Kernels for holes and textures are compiled later, in the background.
         wasm_bindgen_futures::spawn_local(async move {
             pipelines.compile_all(&mut |_, _| ()).await;
         });

@@ -1,4 +1,5 @@
-// The module with its WebAssembly in it. The same calls as `lumivox`; `init` needs no address and no bundler's help.
+// `lumivox` with its WebAssembly inlined: the same API, but `init` needs no address and no support
+// from a bundler.
 
 import start from "./inlined/lumivox.js";
 

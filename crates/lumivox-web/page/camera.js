@@ -23,14 +23,14 @@ export function cross(a, b) {
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 }
 
-/** A vector of length one; of a vector without a direction, `otherwise`.
+/** The unit vector, or `otherwise` for zero and infinite vectors.
  * @param {Vec3} a @param {Vec3} otherwise @returns {Vec3} */
 function normalize(a, otherwise) {
     const size = length(a);
     return size > 0 && Number.isFinite(size) ? scale(a, 1 / size) : otherwise;
 }
 
-/** The camera's axes in the world, `above` being its own upward axis and `up` the world's.
+/** The camera's axes in the world: `above` is its own upward axis, `up` the normalized `camera.up`.
  * @param {Camera} camera
  * @returns {{ forward: Vec3, right: Vec3, above: Vec3, up: Vec3 }} */
 export function axes(camera) {
@@ -50,7 +50,7 @@ function rotate(v, axis, angle) {
     return add(add(scale(v, cos), scale(cross(axis, v), sin)), along);
 }
 
-/** A turn to the left, then up as far as allowed.
+/** A rotation up, within STEEPEST_RAD, then to the left.
  * @param {Camera} camera @param {number} left @param {number} above @returns {(v: Vec3) => Vec3} */
 function turn(camera, left, above) {
     const { forward, right, up } = axes(camera);
@@ -73,8 +73,8 @@ export function look(camera, right, down) {
     return { ...camera, target: add(camera.position, offset) };
 }
 
-/** Moves the camera within the picture's plane, by shares of the picture's height: a point at its target follows
- * the pointer.
+/** Moves the camera parallel to the picture, by shares of the picture's height. A point at the
+ * target stays under the pointer.
  * @param {Camera} camera @param {number} right @param {number} down @returns {Camera} */
 export function pan(camera, right, down) {
     const { right: aside, above } = axes(camera);
@@ -83,7 +83,7 @@ export function pan(camera, right, down) {
     return moved(camera, add(scale(aside, -right * height), scale(above, down * height)));
 }
 
-/** Moves the camera towards its target (factors below 1) or away from it, but no nearer than `nearest`.
+/** Moves the camera towards its target (factors below 1) or away, but no nearer than `nearest`.
  * @param {Camera} camera @param {number} factor @param {number} nearest @returns {Camera} */
 export function dolly(camera, factor, nearest) {
     const distance = length(subtract(camera.target, camera.position));
@@ -98,7 +98,8 @@ export function fly(camera, way) {
     return moved(camera, add(add(scale(right, way[0]), scale(up, way[1])), scale(forward, way[2])));
 }
 
-/** Moves the camera so that a box fills the picture; the direction stays. `fitted` sees to upright pictures.
+/** Moves the camera so that a box fills the picture; its direction stays. `fitted` adapts it to
+ * upright pictures.
  * @param {Camera} camera @param {{ min: Vec3, max: Vec3 }} bounds @returns {Camera} */
 export function frame(camera, bounds) {
     const distance = Math.max(radius(bounds), 1e-4) / Math.sin((camera.vertical_fov_deg * Math.PI) / 360);
@@ -112,8 +113,8 @@ export function lookAt(camera, point) {
     return length(subtract(point, camera.position)) > 0 ? { ...camera, target: point } : camera;
 }
 
-/** The camera for a picture of this aspect (width by height): an upright one sees as far to the sides as a square one,
- * so that a phone shows what a desktop does, up to 150 degrees.
+/** The camera for a picture of this aspect (width by height). Upright pictures get a larger angle,
+ * up to 150 degrees, so that a phone shows as much at the sides as a square picture.
  * @param {Camera} camera @param {number} aspect @returns {Camera} */
 export function fitted(camera, aspect) {
     if (!(aspect < 1)) return camera;

@@ -1,5 +1,5 @@
 // @ts-check
-// The cameras to choose from: the scene's, and views stored under names, scene by scene, in the browser.
+// The list of cameras: the scene's own, and named views that the browser stores for each scene.
 
 import { byId, fillSelect } from "./dom.js";
 import { cameraOf, cameraText } from "./link.js";
@@ -16,14 +16,15 @@ export class KeptCameras {
     /** @type {Map<string, Camera>} */
     #cameras = new Map();
 
-    /** @param {() => Store} store browsers may refuse it @param {string} scene its address, or its name */
+    /** @param {() => Store} store throws if the browser refuses it
+     * @param {string} scene its address, or its name */
     constructor(store, scene) {
         this.#store = store;
         this.#key = `lumivox cameras ${scene}`;
         try {
             const kept = JSON.parse(store().getItem(this.#key) ?? "{}");
             for (const [name, text] of Object.entries(kept)) {
-                // One that cannot be read is gone; the others are there.
+                // Skip unreadable views, keep the others.
                 try {
                     this.#cameras.set(name, { ...cameraOf(String(text)), name });
                 } catch {}
@@ -73,7 +74,7 @@ export class CameraList {
     #moved;
 
     /** @param {() => Camera | null} now @param {(camera: Camera) => void} move
-     * @param {() => Promise<Camera[]>} moved the scene's cameras where an animation has moved them */
+     * @param {() => Promise<Camera[]>} moved the scene's cameras at the animation's present time */
     constructor(now, move, moved) {
         this.#now = now;
         this.#move = move;
@@ -89,7 +90,7 @@ export class CameraList {
         });
     }
 
-    /** @param {SceneInfo} scene @param {string} key under which its views are kept */
+    /** @param {SceneInfo} scene @param {string} key the storage key of its views */
     open(scene, key) {
         this.#scene = scene;
         this.#kept = new KeptCameras(() => localStorage, key);
@@ -106,7 +107,7 @@ export class CameraList {
         this.#move(moved.find(({ name }) => name === to.name) ?? to);
     }
 
-    /** The scene's, the one of the beginning first. @returns {Camera[]} */
+    /** The scene's cameras, the initial one first. @returns {Camera[]} */
     get #own() {
         if (!this.#scene) return [];
         const { camera, cameras } = this.#scene;
@@ -138,7 +139,7 @@ export class CameraList {
         this.#show(chosen);
     }
 
-    /** @param {string} [chosen] the name of one that was kept */
+    /** @param {string} [chosen] the name of the stored view to select */
     #show(chosen) {
         const kept = this.#kept?.all ?? [];
         const choices = [...this.#own, ...kept].map(({ name }, index) => ({ value: String(index), label: name || `camera ${index + 1}` }));

@@ -5,7 +5,7 @@
 /** @typedef {import("./types.js").FromWorker} FromWorker */
 /** @typedef {import("./types.js").Progress} Progress */
 
-/** An error from the worker: `code` is its kind; if it is `fatal`, the renderer cannot be used any more. */
+/** An error from the worker: `code` is its kind; `fatal` is true if the renderer is unusable. */
 export class WorkerError extends Error {
     /** @param {Failure} failure */
     constructor({ message, code, fatal }) {
@@ -30,7 +30,7 @@ export class Client {
     constructor(address) {
         this.#worker = new Worker(address, { type: "module" });
         this.#worker.addEventListener("message", (event) => this.#received(event.data));
-        // A module that cannot be loaded ends here, too; then there is no message.
+        // Also fired if the module cannot be loaded; then there is no message.
         this.#worker.addEventListener("error", (event) => {
             const message = event.message || "its module could not be loaded";
             const error = new WorkerError({ message, code: "stopped", fatal: true });

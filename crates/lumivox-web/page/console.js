@@ -34,7 +34,7 @@ export class Console {
         byId("console-close").addEventListener("click", () => this.show(false));
     }
 
-    /** Shows it with the cursor in its line, or hides it.
+    /** Shows and focuses the console, or hides it.
      * @param {boolean} isOpen */
     show(isOpen = this.#place.hidden) {
         this.#place.hidden = !isOpen;
@@ -65,7 +65,7 @@ export class Console {
         if (event.key === "Escape") this.show(false);
         else if (event.key === "ArrowUp") this.#recall(-1);
         else if (event.key === "ArrowDown") this.#recall(1);
-        // An empty line passes the focus on.
+        // In an empty prompt, Tab moves the focus as usual.
         else if (event.key === "Tab" && !event.shiftKey && this.#line.value !== "") void this.#finish();
         else return;
         event.preventDefault();

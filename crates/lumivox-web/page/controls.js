@@ -1,25 +1,25 @@
 // @ts-check
-// The camera by mouse, touch and keys, on the picture.
+// Camera controls: mouse, touch and keys on the picture.
 
 import { dolly, fitted, fly, look, orbit, pan, radius } from "./camera.js";
 
 /** @typedef {import("./types.js").Camera} Camera */
 /** @typedef {import("./types.js").SceneInfo} SceneInfo */
 
-/** Turn for a drag over the picture's height, rad: half way round. */
+/** Rotation for a drag over the picture's height, rad: half a turn. */
 const TURN_RAD = Math.PI;
 /** Turn by the arrow keys, rad/s. */
 const TURN_RAD_S = 1.2;
-/** The factor for a pixel of the wheel: 100 of them, one notch, change the distance by a seventh. */
+/** Zoom exponent per wheel pixel: a notch of 100 pixels changes the distance by a seventh. */
 const WHEEL = 0.0015;
-/** Pixels of a line and of a page, for wheels that report these. */
+/** Pixels per unit of `deltaMode`: pixels, lines, pages. */
 const WHEEL_PIXELS = [1, 16, 400];
-/** Flight in radii of the scene a second, and how much faster with Shift. */
+/** Speed of flight in scene radii per second, and its factor with Shift. */
 const [SPEED, FASTER] = [0.5, 4];
-/** The least distance to the target with the wheel, in radii of the scene. */
+/** The least distance to the target when zooming, in scene radii. */
 const NEAREST = 1e-3;
 
-/** Keys that move as long as they are held: to the right, up, forwards; turns to the right and down. */
+/** Keys that act while held: motion to the right, up, forwards; rotation to the right, down. */
 const HELD = /** @type {Record<string, [number, number, number, number, number]>} */ ({
     KeyW: [0, 0, 1, 0, 0],
     KeyS: [0, 0, -1, 0, 0],
@@ -58,7 +58,7 @@ export class Controls {
         canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
         canvas.addEventListener("keydown", (event) => this.#key(event));
         canvas.addEventListener("keyup", (event) => this.#held.delete(event.code));
-        // A key that is held when the page loses the focus is never released here.
+        // A key that is held when the page loses the focus sends no keyup here.
         canvas.addEventListener("blur", () => this.#held.clear());
         addEventListener("blur", () => this.#held.clear());
     }
@@ -84,7 +84,7 @@ export class Controls {
         const now = { x: event.clientX, y: event.clientY };
         this.#pointers.set(event.pointerId, now);
         const { width, height } = this.#canvas.getBoundingClientRect();
-        // Of two fingers each moves their middle by half its way.
+        // Each of two fingers moves the midpoint by half its motion.
         const fingers = Math.min(this.#pointers.size, 2);
         const [right, down] = [(now.x - before.x) / height / fingers, (now.y - before.y) / height / fingers];
         const isPan = event.pointerType === "mouse" && (event.buttons !== 1 || event.shiftKey);
@@ -103,7 +103,7 @@ export class Controls {
     #wheel(event) {
         event.preventDefault();
         const pixels = event.deltaY * WHEEL_PIXELS[event.deltaMode];
-        // A pinch on a touch pad comes as a wheel with Ctrl, in small steps.
+        // A touch-pad pinch arrives as a wheel event with Ctrl, in small steps.
         this.#dolly(Math.exp(pixels * WHEEL * (event.ctrlKey ? 8 : 1)));
     }
 
@@ -132,7 +132,7 @@ export class Controls {
     /** @param {number} before @param {number} now both ms */
     #step(before, now) {
         if (this.#held.size === 0) return;
-        // A page that was blocked must not throw the camera far away.
+        // Limits the jump after the page was blocked.
         const seconds = Math.min(now - before, 100) / 1000;
         const keys = [...this.#held].map((code) => HELD[code]);
         const [right, up, forwards, aside, down] = [0, 1, 2, 3, 4].map((part) => keys.reduce((sum, key) => sum + key[part], 0));

@@ -3,7 +3,8 @@
 
 /** @typedef {Record<string, string | number | boolean | EventListener | ((event: any) => void)>} Attributes */
 
-/** Makes an element; attributes that are functions are listeners, false ones are left out. Text is never parsed as HTML.
+/** Makes an element. Functions become listeners; false attributes are left out. Text is never
+ * parsed as HTML.
  * @template {keyof HTMLElementTagNameMap} T
  * @param {T} tag @param {Attributes} attributes @param {(Node | string)[]} children
  * @returns {HTMLElementTagNameMap[T]} */
@@ -54,7 +55,7 @@ export const grouped = (value) => value.toLocaleString("en").replace(/,/g, "\u20
 /** @param {number} bytes */
 export const mebibytes = (bytes) => `${(bytes / 1048576).toFixed(bytes < 10485760 ? 1 : 0)} MiB`;
 
-/** A number's field that reports only numbers; `data-typing` marks it while the user types.
+/** A number field that reports only finite numbers. It has `data-typing` while the user types.
  * @param {Attributes} attributes @param {(value: number) => void} change */
 export function numberInput(attributes, change) {
     const input = h("input", { type: "number", step: "any", ...attributes });
@@ -66,7 +67,7 @@ export function numberInput(attributes, change) {
     return input;
 }
 
-/** A number's field with a value.
+/** A number field with a value.
  * @param {number} value @param {(value: number) => void} change @param {Attributes} [attributes] */
 export function number(value, change, attributes = {}) {
     const input = numberInput(attributes, change);
@@ -74,7 +75,7 @@ export function number(value, change, attributes = {}) {
     return input;
 }
 
-/** A slider with a number's field beside it.
+/** A slider with a number field beside it.
  * @param {string} label @param {number} value @param {{ min?: number, max: number, step?: number }} range
  * @param {(value: number) => void} change */
 export function slider(label, value, { min = 0, max, step = 0.01 }, change) {
@@ -91,7 +92,7 @@ export function slider(label, value, { min = 0, max, step = 0.01 }, change) {
     return h("span", { class: "pair" }, range, field);
 }
 
-/** Options of a list, with the one that is chosen.
+/** Fills a list with options, and selects one.
  * @param {HTMLSelectElement} select @param {{ value: string, label: string }[]} options @param {string} chosen */
 export function fillSelect(select, options, chosen) {
     select.replaceChildren(...options.map(({ value, label }) => h("option", { value }, label)));
@@ -101,7 +102,7 @@ export function fillSelect(select, options, chosen) {
 /** A row of name and field.
  * @param {string} label @param {string} unit @param {HTMLElement} field @param {HTMLElement[]} more */
 export function row(label, unit, field, ...more) {
-    // Of several fields the number has the name: the others have their own.
+    // The label names the number field, if any; other fields have their own.
     const named = field.querySelector(`input[type="number"]:not([aria-label])`) ?? field;
     named.id ||= `field-${(last += 1)}`;
     const name = h("label", { for: named.id }, label);

@@ -1,5 +1,5 @@
 // @ts-check
-// Files that are dropped or chosen, with their paths: a folder is searched, so that a .gltf finds its buffers.
+// Dropped or chosen files and their paths. Folders are searched, so a .gltf finds its buffers.
 
 import { byId } from "./dom.js";
 
@@ -13,7 +13,7 @@ const MOST_FILES = 5000;
 export function listenForFiles(open, refuse) {
     const hint = byId("drop");
     let depth = 0;
-    /** The drops so far: what is dropped first is opened first, however long its folders take. */
+    /** Resolves when all earlier drops have been read: drops open in their order. */
     let earlier = Promise.resolve();
     const hasFiles = (/** @type {DragEvent} */ event) => event.dataTransfer?.types.includes("Files") ?? false;
     const show = (/** @type {number} */ by) => {
@@ -40,7 +40,7 @@ export function listenForFiles(open, refuse) {
     const input = byId("files", HTMLInputElement);
     input.addEventListener("change", () => {
         offer([...(input.files ?? [])].map((file) => ({ file, path: file.webkitRelativePath || file.name })));
-        // The same file may be chosen again.
+        // Allow choosing the same file again.
         input.value = "";
     });
     /** @param {SourceFile[]} files */
@@ -50,7 +50,7 @@ export function listenForFiles(open, refuse) {
     };
 }
 
-/** All files of a drop. They must be requested at once: later they are gone.
+/** All files of a drop. Request them synchronously: later they are gone.
  * @param {DataTransfer} transfer @returns {Promise<SourceFile[]>} */
 async function dropped(transfer) {
     const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.() ?? null);
@@ -72,7 +72,7 @@ async function search(entry, found) {
         found.push({ file, path: entry.fullPath.replace(/^\//, "") });
     } else if (isFolder(entry)) {
         const reader = entry.createReader();
-        // A reader gives a part at a time, and nothing at the end.
+        // A reader returns entries in batches; an empty batch is the end.
         for (;;) {
             const part = await new Promise((/** @type {(part: FileSystemEntry[]) => void} */ resolve, reject) => reader.readEntries(resolve, reject));
             if (part.length === 0) break;

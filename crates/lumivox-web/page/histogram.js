@@ -1,5 +1,5 @@
 // @ts-check
-// The histogram of the picture: its pixels by luminance, in stops, with the grey and white of the exposure.
+// The histogram of the picture's luminance, in stops, with marks for middle grey and white.
 
 import { byId } from "./dom.js";
 
@@ -7,7 +7,7 @@ import { byId } from "./dom.js";
 
 /** The shortest interval between drawings, ms. */
 const EVERY_MS = 300;
-/** The fewest stops that are shown, up to white and a little beyond. */
+/** The stops below and above white that are always shown. */
 const [BELOW_WHITE, ABOVE_WHITE] = [12, 3];
 
 /** The shown bins: those around the screen's range, and all that have pixels.
@@ -15,14 +15,14 @@ const [BELOW_WHITE, ABOVE_WHITE] = [12, 3];
 export function shown({ bins, white, bins_per_stop }) {
     const filled = (/** @type {number} */ bin) => bins[bin] > 0;
     const places = bins.map((_, bin) => bin);
-    // Black is in the first bin, however dark the darkest of the rest.
+    // The first bin holds black; it does not extend the range.
     const least = places.find((bin) => bin > 0 && filled(bin)) ?? bins.length;
     const most = places.findLast(filled) ?? 0;
     const first = Math.max(0, Math.min(least, Math.floor(white) - BELOW_WHITE * bins_per_stop, bins.length - 1));
     return { first, end: Math.min(bins.length, Math.max(most + 1, Math.ceil(white) + ABOVE_WHITE * bins_per_stop, first + 1)) };
 }
 
-/** Its description in words.
+/** The exposure in words.
  * @param {Histogram} histogram */
 export function inWords({ stops, share_above_white }) {
     const percent = 100 * share_above_white;
@@ -32,12 +32,12 @@ export function inWords({ stops, share_above_white }) {
 
 let isAsked = false;
 
-/** Draws it again while it is visible, but not at every frame.
+/** Redraws the histogram while it is visible, at most every EVERY_MS.
  * @param {() => Promise<Histogram | undefined>} ask */
 export async function followHistogram(ask) {
     if (isAsked || !byId("picture-section", HTMLDetailsElement).open) return;
     isAsked = true;
-    // The last picture counts: a late request gets the present one.
+    // Ask only after the wait, so that the newest picture is shown.
     await new Promise((resolve) => setTimeout(resolve, EVERY_MS));
     isAsked = false;
     showHistogram(await ask());
@@ -58,7 +58,7 @@ function showHistogram(histogram) {
     const bins = histogram.bins.slice(first, end);
     const width = clientWidth / bins.length;
     const x = (/** @type {number} */ bin) => (bin - first) * width;
-    // Most of a room has few brightnesses: square roots make the rest visible.
+    // A few bins hold most of the pixels: square roots make the rest visible.
     const most = Math.sqrt(Math.max(...bins, 1));
     bins.forEach((count, index) => {
         const height = (Math.sqrt(count) / most) * clientHeight;

@@ -16,15 +16,15 @@ export function showPanel(isOpen) {
     byId("panel-toggle").setAttribute("aria-expanded", String(isOpen));
 }
 
-/** Switches the full screen on, at first without the panel, or off. */
+/** Toggles full screen; entering it hides the panel. */
 async function toggleFullScreen() {
     if (document.fullscreenElement) return document.exitFullscreen();
     await document.documentElement.requestFullscreen();
     showPanel(false);
 }
 
-/** The button follows the full screen, however that has ended.
- * @param {boolean} hadPanel whether the panel was there before */
+/** Updates the button, and restores the panel, however full screen has ended.
+ * @param {boolean} hadPanel true if the panel was shown before */
 function followFullScreen(hadPanel) {
     const isFull = document.fullscreenElement !== null;
     byId("fullscreen").setAttribute("aria-pressed", String(isFull));
@@ -47,7 +47,7 @@ export function showSteps({ undo, redo }) {
 export function listenToTools(actions) {
     const keys = byId("keys", HTMLDialogElement);
     let hadPanel = true;
-    // The phones of one manufacturer have none.
+    // iPhones have no full screen for pages.
     byId("fullscreen").hidden = !document.fullscreenEnabled;
     document.addEventListener("fullscreenchange", () => followFullScreen(hadPanel));
     /** @type {Record<string, () => void>} */
@@ -79,7 +79,7 @@ export function listenToTools(actions) {
         }
         if (event.ctrlKey || event.metaKey || event.altKey || keys.open) return;
         if (event.key === "Escape" && closeNewest()) event.preventDefault();
-        // Letters belong to the field that has the focus.
+        // Letter keys go to the focused field.
         if (event.target !== byId("canvas") && event.target !== document.body) return;
         clicks[SHORTCUTS[event.key.toLowerCase()]]?.();
     });

@@ -10,13 +10,14 @@ import { byId, h, number, numberInput, plain, row } from "./dom.js";
 /** @typedef {import("./types.js").Vec3} Vec3 */
 /** @typedef {NonNullable<Light["kind"]>} Kind */
 
-/** Objects that are listed at once; the filter finds the others. */
+/** The most objects that are listed; the filter finds the others. */
 const MOST_OBJECTS = 200;
 
 const KINDS = { directional: "sun", point: "point", spot: "spot" };
 
 /** A new light: at the camera, as the console adds it.
- * @param {Kind} kind @param {Camera} camera @param {number} count lights that there are @returns {Light} */
+ * @param {Kind} kind @param {Camera} camera
+ * @param {number} count of existing lights @returns {Light} */
 export function newLight(kind, camera, count) {
     const name = `${KINDS[kind]} ${count + 1}`;
     /** @type {Vec3} */

@@ -1,5 +1,5 @@
 // @ts-check
-// Links that carry the scene, the camera, the split and the settings behind the '#': written, read and checked.
+// Links with scene, camera, split and settings after the '#': writing, reading and checking them.
 // Example: #scene=builtin:cornell&camera=0,1,4,0,1,0,40&split=reference,0.5&resolution=128
 
 /** @typedef {import("./types.js").Camera} Camera */
@@ -12,7 +12,7 @@
 /** The longest link that is read, in characters: many times the length that a page writes. */
 const LONGEST = 16384;
 
-/** The text behind the '#'.
+/** The text after the '#'.
  * @param {LinkState} state @returns {string} */
 export function encode(state) {
     /** @type {[string, string][]} */
@@ -97,7 +97,7 @@ function valueText(value) {
     return typeof value === "string" ? value : value.map(short).join(",");
 }
 
-/** The fewest digits that identify the number as a single float, which the renderer uses: nine at most.
+/** The shortest decimal, of 6 to 9 digits, for the single float that the renderer uses.
  * @param {number} number */
 function short(number) {
     for (let digits = 6; digits < 9; digits += 1) {
@@ -146,7 +146,7 @@ function sceneOf(text) {
 }
 
 /** Accepts only addresses that a page may fetch: no scripts, no data within the link.
- * @param {string} name @param {string} text @param {string} [others] what it may be besides */
+ * @param {string} name @param {string} text @param {string} [others] alternatives, for the error */
 function addressOf(name, text, others = "") {
     if (/^https?:\/\/[^/\s]/i.test(text) || (text !== "" && !/^[a-z][a-z0-9+.-]*:/i.test(text))) return text;
     throw new Error(`${name} must be ${others}an address with http or https, not "${text}"`);

@@ -62,15 +62,15 @@ let presetList;
 let opened = null;
 /** @type {Source | null} */
 let source = null;
-/** The panorama that was put around it by itself. @type {{ source: Source, name?: string } | null} */
+/** The panorama that was loaded separately. @type {{ source: Source, name?: string } | null} */
 let panorama = null;
-/** The number of opened things: superseded ones report nothing. */
+/** Counts openings, so that a superseded one reports nothing. */
 let openings = 0;
-/** The loading of the last scene. @type {Promise<unknown>} */
+/** The latest loading of a scene. @type {Promise<unknown>} */
 let sceneLoading = Promise.resolve();
-/** The object that was chosen last. @type {Picked | undefined} */
+/** The selected object. @type {Picked | undefined} */
 let chosen;
-/** What the last picture was warned of. @type {string | undefined} */
+/** The warning of the last picture. @type {string | undefined} */
 let warned;
 /** @type {Camera | null} */
 let camera = null;
@@ -82,18 +82,19 @@ let preset = FIRST_PRESET;
 const touched = new Set();
 let aspect = 1;
 const cameras = new CameraList(() => camera, (to) => moveTo(to, false), async () => (await attempt(client.call("cameras"))) ?? []);
-/** Phones have more pixels than one sees. */
+/** Default scale: half on high-density screens. */
 const usualScale = devicePixelRatio >= 2 ? 0.5 : 1;
 
-/** The state of the page: starting, loading, rendering, complete, empty (no scene), lost, failed, unsupported.
+/** The page's state: starting, loading, rendering, complete, empty (no scene), lost, failed or
+ * unsupported.
  * @param {string} [now] */
 const state = (now = document.documentElement.dataset.state) => (document.documentElement.dataset.state = now);
-/** Changes that the worker has not answered. */
+/** The number of unanswered changes. */
 let asked = 0;
-/** The time since which the next frame is awaited, ms. */
+/** Start of the wait for the next frame, ms. */
 let waitedSince = 0;
 
-/** Asks the worker for a change: until it is answered and rendered, no picture is complete.
+/** Sends a change to the worker. Until it is answered and rendered, no picture is complete.
  * @template T
  * @param {string} call @param {unknown} data @param {(progress: Progress) => void} [onProgress] @returns {Promise<T>} */
 function ask(call, data, onProgress) {
@@ -116,7 +117,7 @@ function fail(error) {
     else say(text);
 }
 
-/** The result of a promise; a failure is reported.
+/** The result of a promise; reports a failure.
  * @template T @param {Promise<T>} promise @returns {Promise<T | undefined>} */
 async function attempt(promise) {
     try {
@@ -136,7 +137,8 @@ function startAgain() {
 
 const surroundings = byId("surroundings", HTMLSelectElement);
 
-/** Shows the progress of work that can be cancelled; returns its result, or nothing if the last scene stays.
+/** Shows the progress of a load that can be cancelled; returns its result, or undefined if the
+ * previous scene stays.
  * @template T
  * @param {string} name @param {(onProgress: (progress: Progress) => void) => Promise<T>} load @returns {Promise<T | undefined>} */
 async function opening(name, load) {
@@ -149,7 +151,7 @@ async function opening(name, load) {
         state("rendering");
         return now;
     } catch (error) {
-        // Another one has replaced it.
+        // A later load replaced this one.
         if (mine !== openings) return undefined;
         state(opened ? "rendering" : "empty");
         if (error instanceof WorkerError && error.code === "aborted") say(`Loading ${name} was cancelled`, { kind: "note" });
@@ -161,8 +163,8 @@ async function opening(name, load) {
     }
 }
 
-/** Opens a scene, or puts a panorama around the present one, which stays if that fails.
- * @param {Source} from @param {Camera} [place] where the camera shall be
+/** Opens a scene, or puts a panorama around the present one. On failure the present scene stays.
+ * @param {Source} from @param {Camera} [place] the initial camera
  * @param {string} [around] the address of a panorama */
 async function open(from, place, around) {
     if (isPanorama(from)) return surround(from);
@@ -180,7 +182,7 @@ async function open(from, place, around) {
     if (!place && aspect < 1) sendCamera(false);
 }
 
-/** Shows the properties of another scene.
+/** Shows the properties of a newly opened scene.
  * @param {Opened} now @param {Source} from @param {Camera} place */
 function showOpened(now, from, place) {
     [opened, source, chosen, camera] = [now, from, undefined, place];
@@ -230,7 +232,7 @@ async function run(line) {
     }
 }
 
-/** Puts a panorama around the scene, once a scene that is being loaded is there.
+/** Puts a panorama around the scene, after waiting for a scene that is being loaded.
  * @param {Source} from */
 async function surround(from) {
     await sceneLoading;
@@ -242,7 +244,7 @@ async function surround(from) {
     announce(`${now.environment.panorama} is around the scene`);
 }
 
-/** Whether that panorama is still there. */
+/** True while `panorama` surrounds the scene. */
 const isPanoramaThere = () => panorama !== null && opened?.scene.environment.panorama === panorama.name;
 
 /** @param {Environment} environment */
@@ -283,7 +285,7 @@ function choose(object) {
     announce(object && opened ? `${opened.scene.objects[object.object].name} is selected` : "Nothing is selected");
 }
 
-/** Selects the object at a place of the picture, and looks at the point, or shows the whole object.
+/** Selects the object at a place of the picture, and looks at it; with Shift, frames all of it.
  * @param {MouseEvent} event */
 async function pick({ clientX, clientY, shiftKey }) {
     if (!opened) return;
@@ -374,7 +376,7 @@ async function setPreset(name) {
     return true;
 }
 
-/** Shows a preset; its values are the new defaults.
+/** Shows a preset; the reset buttons restore its values.
  * @param {string} name @param {Settings} now @param {Settings} [before] */
 function showPreset(name, now, before = settings) {
     preset = name;
@@ -432,7 +434,7 @@ function listenToWorker() {
         addReport(report);
         probe.look();
         showSteps(report);
-        // A line of the console may have set it.
+        // The console may have changed it.
         const budget = byId("budget", HTMLInputElement);
         if (document.activeElement !== budget) budget.value = plain(report.budget_ms);
         byId("hint").hidden = !report.emission_alone;
@@ -440,7 +442,7 @@ function listenToWorker() {
         [last, waitedSince] = [report, performance.now()];
         if (asked === 0) {
             showTime(report.time_s);
-            // The angle is the window's.
+            // Its angle is fitted to the window.
             if (camera && report.camera) camera = { ...camera, ...report.camera, vertical_fov_deg: camera.vertical_fov_deg };
         }
         showStatus();
@@ -506,7 +508,7 @@ function fillPanel() {
     });
 }
 
-/** Strength and turn of a panorama, as a link has them. @param {LinkState} linked */
+/** Applies a link's intensity and rotation to the panorama. @param {LinkState} linked */
 async function turnSurroundings({ environment_intensity: factor = 1, environment_rotation: rotation_deg = 0 }) {
     if (!opened) return;
     await attempt(ask("environment", { radiance: [factor, factor, factor], rotation_deg }));
@@ -515,7 +517,7 @@ async function turnSurroundings({ environment_intensity: factor = 1, environment
 
 async function start() {
     byId("scale", HTMLInputElement).value = String(usualScale);
-    // A phone shows the picture first.
+    // Hide the panel on phones.
     showPanel(matchMedia("(min-width: 45rem)").matches);
     const busy = loading("Starting");
     listenToWorker();
@@ -541,13 +543,13 @@ async function start() {
     matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", resize);
     listenForCamera();
     listenToTools({ picture: () => void savePicture(), link: () => void copyLink(link()), undo: () => void step("undo"), redo: () => void step("redo"), "console-toggle": () => lines.show() });
-    // After a slider is released or a number typed, the next change is a new step.
+    // Releasing a slider or entering a number ends a step of undo.
     addEventListener("change", () => void client.call("endGesture"), true);
     listenForFiles((files) => void open(files), (text) => say(text));
     addEventListener("hashchange", () => location.reload());
     resize();
     if (linked.preset !== undefined && (await setPreset(linked.preset))) presetList.show(preset);
-    // One by one, so that a refused one is reported by name; the worker applies them together.
+    // One request each, so that a refusal names its setting; loading the scene applies all of them.
     await Promise.all(Object.entries(linked.settings).map(([name, value]) => set({ [name]: value })));
     if (linked.split) {
         split.show(linked.split);
@@ -555,7 +557,7 @@ async function start() {
     }
     await open(linked.scene ?? `builtin:${catalogue.scenes[0].name}`, linked.camera, linked.environment);
     if (linked.environment !== undefined) await turnSurroundings(linked);
-    // A missing address does not leave the page empty.
+    // Fall back to a built-in scene if the link's fails.
     if (!opened && linked.scene !== undefined) await open(`builtin:${catalogue.scenes[0].name}`);
 }
 

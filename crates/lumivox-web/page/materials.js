@@ -16,7 +16,7 @@ const MOST = 60;
  * @type {["metallic" | "roughness" | "specular" | "shininess", string, number][]} */
 const SLIDERS = [["metallic", "Metallic", 1], ["roughness", "Roughness", 1], ["specular", "Specular", 1], ["shininess", "Shininess", 256]];
 
-/** Fields for all materials, that of the chosen object first and open.
+/** Fields for all materials; the selected object's is first and open.
  * @param {Material[]} materials @param {number | undefined} chosen @param {Change} change */
 export function showMaterials(materials, chosen, change) {
     const list = byId("materials");

@@ -1,5 +1,6 @@
 // @ts-check
-// Messages: errors that stay until they are closed, progress of loading, and announcements for screen readers.
+// Messages: errors that stay until they are closed, progress of loading, and announcements for
+// screen readers.
 
 import { byId, h, iconButton, title } from "./dom.js";
 import { seconds } from "./status.js";
@@ -55,12 +56,12 @@ export function announce(text) {
     byId("live").textContent = text;
 }
 
-/** Stages from which on loading cannot be cancelled. */
+/** Stages in which loading can no longer be cancelled. */
 const FINAL = new Set(["compile", "upload", "voxelize", "light"]);
 
 let loadings = 0;
 
-/** Shows the present work and its time, if it takes a moment. `end` must be called in every case.
+/** Shows the present work and its time after PATIENCE_MS. `end` must be called in every case.
  * @param {string} what @param {() => void} [cancel]
  * @returns {{ progress: (progress: Progress) => void, end: () => void }} */
 export function loading(what, cancel) {
@@ -101,7 +102,7 @@ export function loading(what, cancel) {
     };
 }
 
-/** Why there is no renderer, by the code of the error.
+/** Reasons for a missing renderer, by error code.
  * @type {Record<string, string>} */
 const MISSING = {
     "no-webgpu": "This browser has no WebGPU",

@@ -1,5 +1,5 @@
 // @ts-check
-// The fields of all settings, made from the renderer's own table: name, unit, range, meaning, and a way back.
+// The fields of all settings, from the renderer's table: name, unit, range, meaning, reset button.
 
 import { byId, h, iconButton, numberInput, plain, title } from "./dom.js";
 
@@ -51,7 +51,7 @@ export class Parameters {
     }
 }
 
-/** Whether two values are equal: numbers pass through single floats, and three of them may be a text.
+/** True if two values are equal, up to single-float precision; vectors may be given as text.
  * @param {Value} a @param {Value} b */
 export function same(a, b) {
     return String(a) === String(b) || (typeof a === "number" && typeof b === "number" && plain(a) === plain(b));
@@ -63,7 +63,7 @@ function line(info, change, reset) {
     const id = `set-${info.name}`;
     const { control, show } = field(info, change, id);
     const name = h("label", { for: id }, title(info.name));
-    // "Frames" need not be called frames again.
+    // Skip a unit that repeats the name.
     if (info.unit && info.unit !== info.name) name.append(" ", h("small", {}, info.unit));
     const hint = h("p", { class: "hint", id: `${id}-hint` }, hintText(info));
     const row = h("div", { class: "row", title: hintText(info) }, name, control, reset, hint);
@@ -94,7 +94,7 @@ function choiceField(info, change, id) {
     return { control, show: (/** @type {Value} */ value) => void (control.value = String(value)) };
 }
 
-/** Three numbers, or any value with a text.
+/** A text field, for vectors and unknown kinds.
  * @param {ParameterInfo} info @param {(value: Value) => void} change @param {string} id */
 function textField(info, change, id) {
     const control = h("input", { id, autocomplete: "off", spellcheck: "false" });
@@ -142,7 +142,7 @@ function numberField(info, change, id) {
  * @type {Record<string, typeof switchField | typeof choiceField | typeof numberField>} */
 const FIELDS = { switch: switchField, choice: choiceField, whole: numberField, number: numberField };
 
-/** The views as a list with a choice; it needs no reset button.
+/** The views as radio buttons, without a reset button.
  * @param {ParameterInfo} info @param {(value: Value) => void} change */
 function viewList(info, change) {
     const { group, show } = radios("view", title(info.name), (info.choices ?? []).map((name) => ({ name, title: name.replace(/-/g, " ") })), change);

@@ -1,4 +1,4 @@
-// A page whose code can be changed: each run gets a document of its own, so that nothing of the last one is left.
+// Editable code: each run gets a new document, so that nothing remains of the run before.
 
 const EXAMPLE = `import init, { createRenderer } from "lumivox";
 
@@ -21,10 +21,10 @@ const code = /** @type {HTMLTextAreaElement} */ (document.querySelector("textare
 const frame = /** @type {HTMLIFrameElement} */ (document.querySelector("iframe"));
 const errors = /** @type {HTMLElement} */ (document.querySelector("[role=alert]"));
 
-/** The document that runs a text. Errors are told to this page. @param {string} text */
+/** The document that runs a text; it posts errors to this page. @param {string} text */
 function pageOf(text) {
     const imports = JSON.stringify({ imports: { lumivox: new URL("lumivox/lumivox.js", location.href).href } });
-    // Within a script only its own end would end it.
+    // Only `</script` could end the script early.
     const safe = text.replaceAll("</script", "<\\/script");
     return `<!doctype html><meta charset="utf-8">
 <style>body { margin: 0.75rem; color: #e8e8ea; font: 15px system-ui; } canvas { max-width: 100%; }</style>
@@ -42,7 +42,7 @@ ${safe}
 
 function run() {
     errors.textContent = "";
-    // What was changed comes back with the address.
+    // Keep changed code in the address, for reloads.
     history.replaceState(null, "", code.value === EXAMPLE ? location.pathname : `#${encodeURIComponent(code.value)}`);
     frame.srcdoc = pageOf(code.value);
 }
@@ -62,8 +62,8 @@ try {
     errors.textContent = "The code in this address cannot be read; this is the example.";
 }
 code.value = given || EXAMPLE;
-// Code of others runs when somebody has seen it and asks for it.
+// Code from a link runs only when the user asks for it.
 if (!given) run();
 
-// A module, whose names are its own.
+// Makes this file a module.
 export {};

@@ -23,7 +23,7 @@ export function lightText(light) {
 }
 
 export class Probe {
-    /** Where the mouse is, from 0 to 1. @type {{ x: number, y: number } | null} */
+    /** The mouse, from 0 to 1; null if outside. @type {{ x: number, y: number } | null} */
     #place = null;
     #isAsking = false;
     #isDue = false;
@@ -43,7 +43,7 @@ export class Probe {
         canvas.addEventListener("pointerleave", () => this.#leave());
     }
 
-    /** Asks again: the mouse or the picture has changed. */
+    /** Asks again after the mouse or the picture changed. */
     look() {
         this.#isDue = true;
         if (!this.#isAsking) void this.#all();
@@ -53,7 +53,7 @@ export class Probe {
         this.#isAsking = true;
         while (this.#isDue && this.#place) {
             this.#isDue = false;
-            // A lost device reports itself.
+            // A lost device is reported elsewhere.
             const light = await this.#ask(this.#place).catch(() => undefined);
             byId("probe").textContent = this.#place ? lightText(light) : "";
             await new Promise((resolve) => setTimeout(resolve, EVERY_MS));

@@ -13,9 +13,9 @@ import { say } from "./messages.js";
 /** @typedef {import("./types.js").Source} Source */
 /** @typedef {import("./types.js").Split} Split */
 
-/** The content of a link. Only settings set by hand, since others follow from these: VXCT's own
- * change with the volume, and setting them would select its look. Settings back at their default are left out, but not
- * behind a preset, which has its own.
+/** The content of a link. It has only the settings set by hand: VXCT's own settings change with the
+ * volume, and setting them would select its look. Defaults are left out unless there is a preset,
+ * which has its own.
  * @param {{ source: Source | null, panorama?: Source | null, environment?: Environment, preset?: string, camera: Camera | null, split?: Split | null, scale?: number,
  *   settings: Settings, touched: Set<string> }} now
  * @param {ParameterInfo[]} parameters @returns {LinkState} */
@@ -46,7 +46,7 @@ export function showLink(state) {
     return address;
 }
 
-/** Copies a link, or shows it where the browser does not let a page copy.
+/** Copies a link, or shows it if the browser does not let a page copy.
  * @param {LinkState} state */
 export async function copyLink(state) {
     const address = showLink(state);
@@ -72,6 +72,6 @@ export function save(file, name) {
     anchor.href = URL.createObjectURL(file);
     anchor.download = name;
     anchor.click();
-    // The download has begun long before this.
+    // By then the download has begun.
     setTimeout(() => URL.revokeObjectURL(anchor.href), 60_000);
 }

@@ -1,5 +1,5 @@
 // @ts-check
-// The kind of a source, from its names.
+// The kind of a source, by its file names.
 
 /** @typedef {import("./types.js").Source} Source */
 
@@ -10,8 +10,8 @@ const PANORAMA = /\.(hdr|exr|pic|png|jpe?g)$/i;
  * @param {string} address */
 const path = (address) => address.replace(/[?#].*$/, "");
 
-/** Whether a source is only a panorama, to be put around the present scene. Beside a scene, pictures are its
- * textures.
+/** True if a source is only a panorama, to be put around the present scene. Pictures beside a scene
+ * are its textures.
  * @param {Source} source */
 export function isPanorama(source) {
     if (typeof source === "string") return PANORAMA.test(path(source));

@@ -62,7 +62,7 @@ export class SplitLine {
         byId("split-right").textContent = right;
     }
 
-    /** The view on the left is the one of the settings.
+    /** Sets the left view, which is the view of the settings.
      * @param {string} view */
     showLeft(view) {
         this.#left = view.replace(/-/g, " ");
@@ -79,7 +79,7 @@ export class SplitLine {
     #toggle(left, right) {
         const isOn = this.#left === left && this.#split?.right === right;
         if (!isOn && this.#left !== left) this.#setView(left);
-        // Without a split only the left view would remain: then the user wants to see all light.
+        // Ending the split would leave only the left view: show all light instead.
         if (isOn && left !== "final") this.#setView("final");
         this.#compareWith(isOn ? "" : right);
     }

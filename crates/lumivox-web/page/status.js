@@ -7,7 +7,7 @@ import { grouped } from "./dom.js";
 
 /** The interval at which the elapsed time is updated, ms. */
 export const EVERY_MS = 250;
-/** The time from which work is shown as waiting, ms. */
+/** Shorter waits and remaining times are not shown, ms. */
 const PATIENCE_MS = 500;
 
 /** An elapsed time.
@@ -20,8 +20,8 @@ export function seconds(ms) {
 /** @param {number} ms */
 export const milliseconds = (ms) => `${ms < 10 ? ms.toFixed(1) : grouped(Math.round(ms))} ms`;
 
-/** The line of a picture that improves.
- * @param {FrameReport} report the last frame's @param {number} waited since it came, ms */
+/** The text of the status line.
+ * @param {FrameReport} report of the last frame @param {number} waited since then, ms */
 export function statusText({ frame, frames, frame_ms, complete, reference_samples }, waited) {
     const parts = [`${frame}/${frames} frames`, milliseconds(frame_ms)];
     if (reference_samples !== undefined) parts.push(`reference ${reference_samples} samples`);

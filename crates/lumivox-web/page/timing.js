@@ -1,5 +1,5 @@
 // @ts-check
-// Times of frames and stages: bars of the last frames, stage over stage, and the last one's numbers.
+// Frame and stage times: stacked bars of the last frames, and numbers of the newest one.
 
 import { byId, h, mebibytes } from "./dom.js";
 import { milliseconds, timesText } from "./status.js";
@@ -9,9 +9,10 @@ import { milliseconds, timesText } from "./status.js";
 
 /** The number of shown frames. */
 const FRAMES = 80;
-/** Colours of stages, distinguishable on dark ground even without colour vision (after Okabe and Ito 2008). */
+/** Colours of stages, distinguishable on dark ground even without colour vision (after Okabe and
+ * Ito 2008). */
 const COLORS = ["#8c8c8c", "#cc79a7", "#f0e442", "#56b4e9", "#009e73", "#e69f00", "#0072b2", "#d55e00"];
-/** Time without a stage. */
+/** Time outside of stages. */
 const REST = "#4a4e57";
 
 /** @type {FrameReport[]} */

@@ -1,7 +1,7 @@
 // @ts-check
-// The worker: it alone holds the renderer and its canvas, so that neither reading nor compiling nor tracing ever stops
-// the page. It renders frame after frame until the picture is complete, then sleeps until something changes. All uses
-// of the package's API are here.
+// The worker owns the renderer and its canvas, so that reading, compiling and tracing never block
+// the page. It renders until the picture is complete, then sleeps until something changes. All of
+// the page's uses of the package's API are here.
 
 import init, { builtinScenes, createRenderer, parameters, presets } from "./lumivox/lumivox.js";
 
@@ -25,9 +25,9 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 
 /** The time within which a lost device reports itself after a failed frame, ms. */
 const LOSS_MS = 250;
-/** The time, ms, after which a browser gets a picture even if it asks for none. */
+/** The longest wait for an animation frame, ms; then a picture is rendered anyway. */
 const UNASKED_MS = 500;
-/** The number of losses without a frame in between after which no device is requested automatically. */
+/** Losses in a row, without a frame in between, that are restored automatically. */
 const LOSSES = 3;
 
 /** @type {Renderer} */
@@ -37,7 +37,7 @@ let isReady = false;
 let isComplete = false;
 let isLost = false;
 let losses = 0;
-/** Where the camera is at the next frame. @type {{ camera: Camera, isMoving: boolean } | null} */
+/** The next frame's camera, if it moved. @type {{ camera: Camera, isMoving: boolean } | null} */
 let place = null;
 /** Cancels what is being loaded. */
 let loading = new AbortController();
@@ -55,8 +55,8 @@ function changed() {
     wake();
 }
 
-/** Waits until the browser wants another picture; a hidden page wants few. After its GPU process has crashed Chromium asks no
- * more, but takes what it is given. */
+/** Waits for the next animation frame, at most UNASKED_MS: hidden pages get few, and Chromium gives
+ * none after a crash of its GPU process, though it still shows pictures. */
 const nextPicture = () => new Promise((resolve) => {
     if (typeof requestAnimationFrame === "function") requestAnimationFrame(resolve);
     setTimeout(resolve, typeof requestAnimationFrame === "function" ? UNASKED_MS : 0);
@@ -78,11 +78,11 @@ async function frames() {
             const report = await renderer.render();
             isComplete = isComplete && report.complete;
             losses = 0;
-            // Where somebody has moved it since, that is where it is.
+            // A camera that has moved since the frame began takes precedence.
             tell("frame", { ...report, camera: place ? undefined : report.camera, complete: isComplete });
         } catch (error) {
             isComplete = true;
-            // A lost device makes the frame fail before it reports itself.
+            // A lost device fails the frame before it reports the loss.
             await new Promise((resolve) => setTimeout(resolve, LOSS_MS));
             if (!isLost) tell("error", failure(error));
         }
@@ -119,14 +119,14 @@ async function restore() {
 function sourceFor(source) {
     if (typeof source === "string") return source;
     const files = source.map(({ file, path }) => {
-        // The path does not cross to a worker everywhere.
+        // Some browsers do not send the path to workers.
         Object.defineProperty(file, "webkitRelativePath", { value: path, configurable: true });
         return file;
     });
     return files.length === 1 ? files[0] : files;
 }
 
-/** The signal for loading something else, in place of the last. */
+/** Cancels the last load; returns the signal of the next. */
 function another() {
     loading.abort();
     loading = new AbortController();
@@ -153,7 +153,7 @@ const calls = {
     async start({ canvas }) {
         await init();
         renderer = await createRenderer(canvas);
-        // For the console of a browser's tools.
+        // For the browser's developer tools.
         Object.assign(self, { renderer });
         listen();
         void frames();
@@ -222,7 +222,7 @@ const calls = {
     async material({ index, change }) {
         await renderer.setMaterial(index, change);
     },
-    /** What is at a place of the picture. @param {{ x: number, y: number }} place */
+    /** The surface at a place of the picture. @param {{ x: number, y: number }} place */
     async pick({ x, y }) {
         return renderer.pick(x, y);
     },
@@ -248,14 +248,14 @@ const calls = {
     async time(seconds) {
         await renderer.setTime(seconds);
     },
-    /** The light there, from 0 to 1. @param {{ x: number, y: number }} place */
+    /** The light at a place. @param {{ x: number, y: number }} place from 0 to 1 */
     async probe({ x, y }) {
         return renderer.probe(x, y);
     },
     async histogram() {
         return renderer.histogram();
     },
-    /** Lines of the console. @param {string} line @param {OnProgress} onProgress @returns {Promise<Ran>} */
+    /** Runs lines. @param {string} line @param {OnProgress} onProgress @returns {Promise<Ran>} */
     async run(line, onProgress) {
         const signal = another();
         const before = JSON.stringify(await renderer.camera());
@@ -264,7 +264,7 @@ const calls = {
         try {
             ran = await renderer.run(line, onProgress, { signal });
         } catch (error) {
-            // The lines before it have been run.
+            // Earlier lines have been run.
             const { printed = "" } = /** @type {{ printed?: string }} */ (error ?? {});
             if (error instanceof WebAssembly.RuntimeError) throw error;
             ran = { text: printed, files: [], failed: failure(error).message };
@@ -297,7 +297,7 @@ const calls = {
         context.putImageData(image, 0, 0);
         return canvas.convertToBlob({ type: "image/png" });
     },
-    /** The scene's cameras, where an animation has moved them. @returns {Promise<Camera[]>} */
+    /** The scene's cameras at the animation's present time. @returns {Promise<Camera[]>} */
     async cameras() {
         return /** @type {SceneInfo} */ (await renderer.scene())?.cameras ?? [];
     },

@@ -195,7 +195,7 @@ impl Beside {
         Ok(self.schedule.next().is_none())
     }
 
-    /// Renders one frame of the right side, after keeping the left one's picture.
+    /// Renders one frame of the right side; stores the left picture first.
     async fn render_right(&mut self, session: &mut Session, view: View) -> Result<bool, WebError> {
         let size = session.explorer().size();
         if self.left_still.is_none() {
@@ -208,7 +208,7 @@ impl Beside {
         Ok(has_rendered)
     }
 
-    /// The left side is completed first: compared with a reference, it is done at once.
+    /// Completes the left side first: it takes little time compared with the reference.
     async fn advance_reference(
         &mut self,
         session: &mut Session,

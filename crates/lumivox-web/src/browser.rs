@@ -21,7 +21,7 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Makes the access; written files are put into `written`.
+    /// Collects written files in `written`.
     pub fn new(written: Written) -> Self {
         Self { written }
     }

@@ -111,7 +111,7 @@ pub(crate) fn ran(text: &str, files: &js_sys::Array, opened: Option<String>) -> 
     let parts: [(&str, JsValue); 3] =
         [("text", text.into()), ("files", files.into()), ("opened", opened.into())];
     for (name, value) in parts {
-        // A new object takes any property.
+        // This cannot fail on a new object.
         let _ = js_sys::Reflect::set(&ran, &name.into(), &value);
     }
     ran.into()

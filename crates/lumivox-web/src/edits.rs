@@ -150,7 +150,7 @@ impl Session {
         self.console.explorer.end_gesture();
     }
 
-    /// Ends the step of the changes so far.
+    /// Makes an undo step of the changes so far.
     fn note(&mut self) {
         self.console.explorer.note_change();
         self.picker = None;

@@ -102,7 +102,7 @@ impl From<ExplorerError> for WebError {
 
 impl From<Failure> for WebError {
     fn from(failure: Failure) -> Self {
-        // A line of the console has options like a command line.
+        // Console lines have options, so names are not replaced.
         Self { code: Code::Value, message: failure.to_string() }
     }
 }
@@ -144,8 +144,8 @@ impl From<SettingError> for WebError {
 /// Replaces options of the command line in a message by the settings of the page, which have the
 /// same names with `_` for `-`.
 fn in_words_of_a_page(message: &str) -> String {
-    // A page does not have these options: it does not read the disk, and shows files without
-    // unsupported extensions.
+    // A page has no such options: it does not read the disk, and always ignores unsupported
+    // extensions.
     let message = [" (--allow-outside)", " (--ignore-required)"]
         .iter()
         .fold(message.to_owned(), |message, option| message.replace(option, ""));
@@ -171,7 +171,7 @@ fn in_words_of_a_page(message: &str) -> String {
 impl From<WebError> for wasm_bindgen::JsValue {
     fn from(error: WebError) -> Self {
         let exception = js_sys::Error::new(&error.message);
-        // A new object takes any property.
+        // This cannot fail on a new object.
         let _ = js_sys::Reflect::set(&exception, &"code".into(), &error.code.name().into());
         exception.into()
     }

@@ -1,10 +1,10 @@
-// What Rust asks of the browser to get at bytes.
+// Browser functions that Rust calls.
 
 /**
- * The bytes of an address; null where nothing is there (404).
+ * The bytes at an address; null if the server answers 404.
  * @param {string} address
- * @param {(done: number, total: number) => void} tell hears of bytes so far, and of all (0 if unknown)
- * @param {AbortSignal | undefined} signal ends it
+ * @param {(done: number, total: number) => void} tell gets bytes so far and in all (0: unknown)
+ * @param {AbortSignal | undefined} signal cancels the request
  * @returns {Promise<Uint8Array | null>}
  */
 export async function fetchBytes(address, tell, signal) {
@@ -42,22 +42,22 @@ export async function readBytes(file) {
   return new Uint8Array(await file.arrayBuffer());
 }
 
-/** Whether this browser has WebGPU here: it has not on addresses without https, but for localhost. */
+/** True if WebGPU is available. Browsers offer it only over https and on localhost. */
 export function hasWebGpu() {
   return globalThis.navigator?.gpu != null;
 }
 
-/** Whether something is a signal that cancels. @param {unknown} signal */
+/** True if `signal` is an AbortSignal. @param {unknown} signal */
 export function isSignal(signal) {
   return signal instanceof AbortSignal;
 }
 
-/** Whether a signal has cancelled. @param {AbortSignal | undefined} signal */
+/** True if `signal` has been aborted. @param {AbortSignal | undefined} signal */
 export function isAborted(signal) {
   return signal?.aborted === true;
 }
 
-/** Lets messages and pictures through. */
+/** Yields to the browser. */
 export function breathe() {
   return new Promise((resolve) => setTimeout(resolve, 0));
 }

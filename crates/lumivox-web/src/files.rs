@@ -35,9 +35,8 @@ impl Files {
         self.files.get(path).map(Vec::as_slice)
     }
 
-    /// The file that is the scene. Of several formats it is the first of [`EXTENSIONS`], since
-    /// geometry may belong to another file; VXCT's format comes before that, because it names
-    /// geometry.
+    /// The scene's file. Among several formats, VXCT's come first, since its scenes name geometry
+    /// files; the others have the order of [`EXTENSIONS`].
     ///
     /// # Errors
     /// When there is no scene, or several.
@@ -48,7 +47,7 @@ impl Files {
                 found.as_deref() == Some(extension)
             };
             let all: Vec<&str> = self.files.keys().filter(has_it).map(String::as_str).collect();
-            // A text about a model is not a scene.
+            // A text beside a model may be a readme.
             let is_one = |path: &&str| extension != "txt" || self.is_text_of_scene(path);
             if self.files.len() == 1 { all } else { all.into_iter().filter(is_one).collect() }
         };
@@ -72,7 +71,7 @@ impl Files {
         }
     }
 
-    /// Whether a text begins like VXCT's scenes.
+    /// Whether the first word `scene` is followed by `{` or `=`, as in VXCT's scenes.
     fn is_text_of_scene(&self, path: &str) -> bool {
         let text = String::from_utf8_lossy(self.get(path).unwrap_or_default());
         let mut words = text.split_ascii_whitespace();
@@ -112,8 +111,8 @@ impl Files {
         ))
     }
 
-    /// The file of that path, or else the only file of that name: files chosen in a dialog come
-    /// without their folders.
+    /// The file of that path, or else one of that name without a folder: a file dialog gives no
+    /// folders.
     fn find(&self, path: &str) -> Option<&Vec<u8>> {
         if let Some(bytes) = self.files.get(path) {
             return Some(bytes);
@@ -187,7 +186,7 @@ mod tests {
         let found = |paths: &[&str]| of(paths).panorama().map(|found| found.map(str::to_owned));
         assert_eq!(found(&["hall.HDR"]), Ok(Some("hall.HDR".to_owned())));
         assert_eq!(found(&["room.glb", "sky/day.exr"]), Ok(Some("sky/day.exr".to_owned())));
-        // A picture alone is a panorama; beside a scene it is a texture.
+        // A single picture is a panorama; beside a scene it is a texture.
         assert_eq!(found(&["hall.jpg"]), Ok(Some("hall.jpg".to_owned())));
         assert_eq!(found(&["room.obj", "wood.jpg"]), Ok(None));
         assert_eq!(found(&["room.glb"]), Ok(None));
@@ -201,7 +200,7 @@ mod tests {
         let files = of(&["room.gltf", "wood.png", "b/stone.png"]);
         assert_eq!(files.read("textures/wood.png").unwrap().as_ref(), b"wood.png");
         assert_eq!(files.read("b/stone.png").unwrap().as_ref(), b"b/stone.png");
-        // A path with a folder keeps it.
+        // Within folders, whole paths count.
         assert!(files.read("c/stone.png").is_err());
         assert_eq!(files.take_missing(), ["c/stone.png"]);
         assert!(files.take_missing().is_empty());

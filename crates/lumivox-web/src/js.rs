@@ -24,8 +24,8 @@ pub fn from_js<T: Tsify + serde::de::DeserializeOwned>(
     of_text_of(&value.js_value(), what)
 }
 
-/// Converts an object through its JSON text, which refuses unknown properties; missing properties
-/// are null.
+/// Converts an object through its JSON text, which makes serde refuse unknown properties;
+/// `undefined` becomes null.
 pub fn of_text_of<T: serde::de::DeserializeOwned>(
     value: &JsValue,
     what: &str,

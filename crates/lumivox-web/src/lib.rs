@@ -1,23 +1,23 @@
 //! Lumivox in the browser: the same library and renderer, compiled to WebAssembly, on WebGPU.
 //!
-//! JavaScript sees `renderer.rs`: a class that shows a scene on a canvas, in windows and in
-//! workers. This project's page (`page/`) runs it in a worker, so that long work does not block its
-//! panels.
+//! The API for JavaScript is in `renderer.rs`: a class that shows a scene on a canvas, in windows
+//! and in workers. This project's page (`page/`) runs it in a worker, so that long work does not
+//! block its panels.
 //!
-//! | file | is |
+//! | file | content |
 //! | --- | --- |
-//! | `renderer.rs` | what JavaScript calls; calls wait for each other |
-//! | `session.rs` | the state behind it: an explorer, the canvas, what is beside |
-//! | `opening.rs` | another scene in the place of the last |
+//! | `renderer.rs` | the functions that JavaScript calls; calls wait for each other |
+//! | `session/` | the state behind it: an explorer, the canvas, the right side of a split |
+//! | `opening.rs` | opening a scene |
 //! | `edits.rs` | changing a scene, undo and redo |
-//! | `looking.rs` | questions about the picture: what is at a point, how bright it is |
+//! | `looking.rs` | the surface and the light at a point of the picture, its histogram |
+//! | `console.rs`, `browser.rs` | console lines, and the files that they read and write |
 //! | `staged.rs` | light and objects added to a scene |
 //! | `beside.rs` | another view or the path-traced reference on the right |
-//! | `present.rs` | the last step onto the canvas |
-//! | `exposing.rs` | when a picture is metered again |
+//! | `present.rs` | drawing pictures on the canvas |
 //! | `load.rs`, `files.rs` | scenes and panoramas from addresses and files |
 //! | `listener.rs` | progress callbacks and cancelling |
-//! | `settings.rs`, `types/` | values exchanged with JavaScript, with TypeScript declarations |
+//! | `settings.rs`, `types/`, `js.rs` | values exchanged with JavaScript |
 //! | `error.rs` | exceptions and their codes |
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "in a test a panic is the message"))]

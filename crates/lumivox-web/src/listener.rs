@@ -30,7 +30,7 @@ impl Listener {
         Self { function, signal: JsValue::UNDEFINED }
     }
 
-    /// The same with the signal of some options.
+    /// The same listener with the signal of `options`.
     ///
     /// # Errors
     /// When `signal` is not an AbortSignal.

@@ -156,8 +156,7 @@ async fn load_files(list: &Array, listener: &Listener) -> Result<Loaded, WebErro
     let files = read_files(list, listener).await?;
     let file = files.scene()?.to_owned();
     let scene = parse(&files, &file, None, listener)?;
-    // Of several panoramas none is chosen: the right one is unknown, and the scene does not need
-    // one.
+    // Several panoramas: none is chosen, since the right one is unknown and the scene needs none.
     let (name, notes) = match files.panorama() {
         Ok(name) => (name, Vec::new()),
         Err(error) => (None, vec![error.message]),
@@ -204,8 +203,8 @@ async fn fetch(
     let mut tried = std::collections::BTreeSet::new();
     loop {
         listener.check().await?;
-        // A file that is missing in this round may be there in the next: only the last round's
-        // warnings count.
+        // Drop warnings: a missing file may be there in the next round. The last round's are logged
+        // below.
         let nobody = tracing::subscriber::NoSubscriber::default();
         let loaded =
             tracing::subscriber::with_default(nobody, || parse(&files, &name, asked, listener));
@@ -272,7 +271,7 @@ fn resolve(address: &str, base: Option<&web_sys::Url>) -> Option<web_sys::Url> {
     web_sys::Url::new_with_base(address, &here).ok()
 }
 
-/// A path with the escapes of an address.
+/// Percent-encodes a path.
 fn escape(path: &str) -> String {
     let words = path.split('/').map(|word| String::from(js_sys::encode_uri_component(word)));
     words.collect::<Vec<_>>().join("/")
@@ -300,7 +299,7 @@ fn unreadable(what: &str, error: &JsValue, listener: &Listener) -> WebError {
     )
 }
 
-/// Makes the scene if all files are there, or returns the missing ones.
+/// Reads the scene; `files` records missing files.
 fn parse(
     files: &Files,
     name: &str,

@@ -35,7 +35,7 @@ impl Session {
         }))
     }
 
-    /// The light at such a place; `None` beside another picture, in views without light, and before
+    /// The light at a place of the picture; `None` with a split, in views without light, and before
     /// the first frame.
     ///
     /// # Errors

@@ -42,8 +42,8 @@ impl Session {
         size.x as f32 / size.y as f32
     }
 
-    /// Shows a scene as requested. With `place` the camera moves there, or to the scene's own
-    /// place; without it the console decides.
+    /// Shows a scene as requested. `Some(Some(camera))` sets the camera, `Some(None)` the scene's
+    /// own; with `None` the console decides.
     ///
     /// # Errors
     /// As [`Self::open`].

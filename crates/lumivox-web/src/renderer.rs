@@ -1,4 +1,4 @@
-//! The class and the functions that JavaScript sees.
+//! The API for JavaScript: a class and functions.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -486,8 +486,7 @@ impl Renderer {
         self.session.lock().await
     }
 
-    /// The same for a call that only sets a target; `None` if a later one has superseded it in the
-    /// meantime.
+    /// The session for a call that only sets a target; `None` if a later call supersedes it.
     async fn change(&self, target: String) -> Option<MutexGuard<'_, Session>> {
         let ticket = self.changes.borrow_mut().push(Some(target), ());
         let session = self.session().await;

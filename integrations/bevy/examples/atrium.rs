@@ -1,4 +1,4 @@
-//! A day in an atrium: the sun goes over it, and its light finds the way into the arcades.
+//! A day in an atrium: the sun crosses it, and its light reaches the arcades.
 
 mod common;
 
@@ -30,7 +30,7 @@ fn setup(world: &mut World) {
     world.spawn((Camera3d::default(), transform, projection, Exposure { ev100: 11.0 }, gi));
 }
 
-/// A day of twenty seconds.
+/// A day of sixteen seconds.
 fn pass_the_day(clock: Res<Clock>, mut suns: Query<(&mut Transform, &mut DirectionalLight)>) {
     for (mut transform, mut sun) in &mut suns {
         let angle = 0.3 + (0.157 * clock.0) % 2.5;

@@ -1,7 +1,8 @@
-//! Light without the plugin: the Cornell box with an irradiance volume that `lumivox bake` has written.
+//! Light without the plugin: the Cornell box with an irradiance volume from `lumivox bake`.
 //!
 //! The volume was made by this command:
-//! `lumivox bake builtin:cornell --spacing 0.25 -o integrations/bevy/assets/cornell.ktx2`, which prints the volume's place.
+//! `lumivox bake builtin:cornell --spacing 0.25 -o integrations/bevy/assets/cornell.ktx2`, which
+//! prints the volume's place.
 
 mod common;
 

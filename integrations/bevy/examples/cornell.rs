@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy_lumivox::{GiVolume, LumivoxGi, LumivoxPlugin};
 use common::{run::Clock, scene};
 
-/// The block that moves, and where it is at rest.
+/// The moving block, and its position at rest.
 #[derive(Component)]
 struct Moves(Vec3);
 

@@ -1,5 +1,5 @@
-//! A flight over a valley with a village, in cascades around the camera: a landscape of a kilometre under Bevy's atmosphere,
-//! in the hour before the sun sets.
+//! A flight over a valley with a village, in the hour before sunset: a landscape of a kilometre
+//! under Bevy's atmosphere, lit by cascades around the camera.
 
 mod common;
 
@@ -151,7 +151,7 @@ fn sky(mut commands: Commands, mut media: ResMut<Assets<ScatteringMedium>>) {
     ));
 }
 
-/// Along the road at some height.
+/// Moves the camera along the road.
 fn fly(clock: Res<Clock>, mut cameras: Query<&mut Transform, With<Camera3d>>) {
     let x = -150.0 + 9.0 * clock.0;
     let at = |x: f32, above: f32| {
@@ -163,7 +163,7 @@ fn fly(clock: Res<Clock>, mut cameras: Query<&mut Transform, With<Camera3d>>) {
     }
 }
 
-/// From six degrees above the horizon to it in a minute and a half.
+/// Lowers the sun from six degrees to the horizon in a minute and a half.
 fn set_the_sun(clock: Res<Clock>, mut suns: Query<&mut Transform, With<DirectionalLight>>) {
     let elevation = (0.11 - 0.001_2 * clock.0).max(0.0);
     let towards = Vec3::new(0.55 * elevation.cos(), elevation.sin(), 0.83 * elevation.cos());

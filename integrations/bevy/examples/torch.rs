@@ -1,4 +1,4 @@
-//! A figure of joints walks through the dark between pillars, with a torch in its hand.
+//! A skinned figure walks with a torch between pillars in the dark.
 
 mod common;
 
@@ -13,7 +13,7 @@ use bevy::prelude::*;
 use bevy_lumivox::{GiVolume, LumivoxGi, LumivoxPlugin};
 use common::{run::Clock, scene::matt};
 
-/// A limb swings about its joint: how far, and where in the step.
+/// A limb that swings about its joint: amplitude and phase, rad.
 #[derive(Component)]
 struct Swings(f32, f32);
 
@@ -66,14 +66,14 @@ fn hall(
     ));
 }
 
-/// A figure of six boxes, each carried by a joint of its own.
+/// A figure of six boxes, each moved by its own joint.
 fn figure(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut poses: ResMut<Assets<SkinnedMeshInverseBindposes>>,
 ) {
-    // Where a limb's joint is, its size, how far below the joint its middle is, its swing and phase.
+    // Joint, size, depth of the middle below the joint, amplitude and phase of each limb.
     let limbs = [
         (Vec3::new(0.0, 0.9, 0.0), Vec3::new(0.4, 0.6, 0.25), -0.3, 0.0, 0.0),
         (Vec3::new(0.0, 1.5, 0.0), Vec3::new(0.22, 0.28, 0.22), -0.18, 0.0, 0.0),
@@ -103,7 +103,7 @@ fn figure(
         );
         inverse.push(Mat4::from_translation(-joint));
     }
-    // The arm with the torch is held forward.
+    // The torch floats in front of the figure.
     let torch = (
         PointLight {
             color: Color::linear_rgb(1.0, 0.55, 0.22),

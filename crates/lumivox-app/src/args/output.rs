@@ -56,8 +56,7 @@ pub fn check_folder(what: &Path, folder: &Path) -> anyhow::Result<()> {
             return refuse(&reason, "check the path and its permissions");
         }
     }
-    // Permissions have many sources; only trying is certain. The file is removed when it is
-    // dropped.
+    // Many things can deny permission; only trying is certain. The file is removed on drop.
     if let Err(error) = tempfile::Builder::new().prefix(".lumivox-").tempfile_in(folder) {
         // The error itself names the temporary file, which means nothing to the user.
         let reason = io::Error::from(error.kind());

@@ -11,7 +11,7 @@ use lumivox_scene::{
 
 use crate::progress::ProgressDisplay;
 
-/// The scene of a name on the command line; files are also looked for in the folder `scenes`.
+/// Parses a scene's name on the command line; files are also looked up in the folder `scenes`.
 pub fn source(text: OsString) -> SceneSource {
     match text.to_str().map(SceneSource::named) {
         Some(builtin @ SceneSource::Builtin(_)) => builtin,
@@ -19,7 +19,7 @@ pub fn source(text: OsString) -> SceneSource {
     }
 }
 
-/// The file of a path, or of a name in the folder `scenes`, as in VXCT.
+/// Resolves a path, or else a name in the folder `scenes`, as in VXCT.
 fn found(path: PathBuf) -> PathBuf {
     if path.exists() {
         return path;
@@ -27,7 +27,7 @@ fn found(path: PathBuf) -> PathBuf {
     within(Path::new("scenes"), &path).unwrap_or(path)
 }
 
-/// The file of a scene in a folder: of that name, with or without one of the known extensions.
+/// Finds a scene's file in a folder by its name, with or without one of the known extensions.
 pub fn within(folder: &Path, name: &Path) -> Option<PathBuf> {
     let file = folder.join(name);
     if file.is_file() {
@@ -96,8 +96,8 @@ pub fn load(
     Ok(scene)
 }
 
-/// The stamp of a scene's file, which differs from that of an older file of the same name: its size
-/// in bytes, and the time of its last change in milliseconds since 1970.
+/// The stamp of a scene's file, to detect a changed file: its size in bytes, and the time of its
+/// last change in milliseconds since 1970. `None` for built-in scenes and unreadable files.
 pub fn stamp_of(source: &SceneSource) -> Option<(u64, u64)> {
     let SceneSource::File(file) = source else { return None };
     stamp(file)

@@ -1,8 +1,8 @@
 //! Options for settings, made from the table of settings (`lumivox_explorer::parameters`).
 //!
-//! Each setting is an option of its name, with `-` for `_`. A switch that is off by default has no
-//! value; any other option has one. Shorthands have no value either. The settings of VXCT's look
-//! are given as `--vxct NAME=VALUE`.
+//! Each setting is an option of its name, with `-` for `_`. A switch that is off by default needs
+//! no value; any other option needs one. Shorthands take none. The settings of VXCT's look are
+//! given as `--vxct NAME=VALUE`.
 
 use std::fmt::Write as _;
 use std::marker::PhantomData;
@@ -64,7 +64,7 @@ pub struct SettingArgs<G> {
 }
 
 impl<G> SettingArgs<G> {
-    /// The settings given on the command line, in the order of the table.
+    /// The settings given on the command line: in the order of the table, then those of `--vxct`.
     pub fn given(&self) -> &[Given] {
         &self.given
     }
@@ -135,7 +135,7 @@ fn options(parameter: &'static Parameter) -> Vec<Arg> {
             .long(name.replace('_', "-"))
             .help_heading(heading)
             .conflicts_with_all(others(name))
-            // Options of an octree matter only for comparing its variants.
+            // Options of octrees and cascades are only in the long help.
             .hide_short_help(parameter.needs.is_some())
     };
     let is_flag = parameter.kind == Kind::Switch && !is_on_by_default(parameter);
@@ -263,7 +263,7 @@ fn value_parser(parameter: &'static Parameter) -> ValueParser {
         Kind::Switch => {
             named(vec![PossibleValue::new("on").help("yes"), PossibleValue::new("off").help("no")])
         }
-        // Choices of numbers may be out of range, too.
+        // A numeric choice can be out of range, too.
         Kind::Choice(choices) if choices.iter().all(|c| c.name.parse::<u32>().is_ok()) => {
             ValueParser::new(move |text: &str| number(parameter, text))
         }
@@ -281,7 +281,7 @@ fn value_parser(parameter: &'static Parameter) -> ValueParser {
     }
 }
 
-/// Reads a number; text that is not a number is another error than a number out of range.
+/// Parses a number; malformed text and a number out of range give different errors.
 fn number(parameter: &Parameter, text: &str) -> Result<Value, Refused> {
     let read = parameter.kind.parse(text, parameter.unit);
     if let Some(value) = read.filter(|value| parameter.kind.allows(*value)) {

@@ -92,7 +92,7 @@ pub struct BakeArgs {
     pub json: bool,
 }
 
-/// The least and the greatest coordinates of a box.
+/// Parses two corners of a box; returns its minimum and maximum.
 fn corners(text: &str) -> Result<(Vec3, Vec3), Refused> {
     let numbers: [f32; 6] = number::list(text, "X,Y,Z,X,Y,Z")?;
     let [one, other] = [0, 3].map(|at| Vec3::from_slice(&numbers[at..]));

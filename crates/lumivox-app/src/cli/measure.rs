@@ -134,17 +134,17 @@ pub struct MeasureArgs {
     pub json: bool,
 }
 
-/// The option for surroundings, with the default of measurements: light is measured as the scene has it.
+/// The option `--surroundings` with the help of measurements, which add no light by default.
 pub fn of_measurements(surroundings: Arg) -> Arg {
     const HELP: &str =
         "Surroundings for a scene that has too little light of its own [default: none]";
     surroundings.help(HELP).long_help(HELP)
 }
 
-/// Two corners of a level rectangle.
+/// Parses two corners of a level rectangle; returns the least x and z, and the greatest.
 fn area(text: &str) -> Result<[f64; 4], Refused> {
     let _: [f32; 4] = number::list(text, "X,Z,X,Z")?;
-    // Places on a map need f64.
+    // Map coordinates need f64.
     let corners = text.split(',').filter_map(|part| part.trim().parse().ok());
     let corners: Vec<f64> = corners.collect();
     let [x, z, other_x, other_z] = corners.try_into().unwrap_or_default();
@@ -157,7 +157,7 @@ fn area(text: &str) -> Result<[f64; 4], Refused> {
     Ok([x.min(other_x), z.min(other_z), x.max(other_x), z.max(other_z)])
 }
 
-/// A range of readings, `LOW..HIGH`.
+/// Parses a range of readings, `LOW..HIGH`.
 fn scale(text: &str) -> Result<(f32, f32), Refused> {
     let form = || Refused::Malformed("expected two numbers, LOW..HIGH".to_owned());
     let (low, high) = text.split_once("..").ok_or_else(form)?;

@@ -26,7 +26,7 @@ fn settings(args: &RenderArgs) -> RenderSettings {
     args.settings().unwrap()
 }
 
-/// The arguments of our own making.
+/// The arguments without `--help`, `--version` and `--verbose`.
 fn arguments(command: &Definition) -> impl Iterator<Item = &Arg> {
     command
         .get_arguments()
@@ -111,12 +111,12 @@ fn every_choice_is_explained() {
     }
 }
 
-/// One code for a value out of range, below zero too, where a word could be taken for another option.
+/// Values out of range have one exit code, even negative ones, which look like options.
 #[test]
 fn numbers_out_of_range_are_bad_input_everywhere() {
     let told = |command: &Definition, option: &str, value: &str| {
         let words = ["lumivox", command.get_name(), option, value];
-        // The parser looks at values first, and for missing arguments afterwards.
+        // clap checks values before it looks for missing arguments.
         let error = Cli::try_parse_from(words).err()?;
         let is_of_value = matches!(
             error.kind(),
@@ -271,7 +271,7 @@ fn the_look_of_vxct_brings_its_companions() {
     };
     assert_eq!(settings(&args_of(told)), explicit);
 
-    // A scene in physical units is shown in its own white, unless the command line says otherwise.
+    // For a scene in physical units the look chooses exposure and curve, unless they are given.
     let scene = lumivox_scene::builtin::scene("cornell").unwrap();
     let shown = |options: &str, scene: &lumivox_scene::Scene| {
         let args = args_of(options);
@@ -318,7 +318,7 @@ fn the_ends_of_the_ranges_are_the_renderers() {
     ] {
         assert_eq!(valid(option, value), None, "{option} {value}");
     }
-    // What the GPU does not allow is left to it.
+    // The parser accepts these; the check against the GPU's limits does not.
     assert_eq!(valid("--shadow-resolution", "16384"), Some(false));
     assert_eq!(valid("--size", "16384x1"), Some(false));
 }

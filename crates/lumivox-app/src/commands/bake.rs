@@ -1,4 +1,5 @@
-//! `lumivox bake`: a volume of indirect light at probes, for renderers without global illumination of their own.
+//! `lumivox bake`: a volume of indirect light at probes, for renderers without global illumination
+//! of their own.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -22,11 +23,12 @@ use crate::progress::ProgressDisplay;
 
 /// The most probes.
 const MOST: f64 = (1 << 18) as f64;
-/// The most texels of the texture along an edge: what GPUs have at least.
+/// The most texels of the texture along an edge, which every GPU supports.
 const LONGEST: u32 = 2048;
-/// Probes along the longest edge of a box without a spacing.
+/// Probes along the longest edge of a box if no spacing is given.
 const CELLS: f32 = 24.0;
-/// How far a box of probes around all of a scene reaches beyond it, as a share of its longest edge: surfaces on its sides are inside.
+/// Margin of a box of probes around all of a scene, as a share of its longest edge: surfaces on its
+/// sides are inside.
 const MARGIN: f32 = 1e-3;
 
 /// Bakes, writes and reports.
@@ -49,7 +51,7 @@ pub fn run(args: &BakeArgs, host: &Host) -> anyhow::Result<()> {
     let start = Instant::now();
     let mut progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
-    // Light is baked as the scene has it.
+    // No default light is added, unless --surroundings asks for some.
     let adds = args.sources.surroundings.is_some();
     let sources = SourceArgs { no_default_light: !adds, ..args.sources.clone() };
     let (scene, camera) =
@@ -62,7 +64,7 @@ pub fn run(args: &BakeArgs, host: &Host) -> anyhow::Result<()> {
     let places: Vec<(Vec3, Vec3)> =
         probes.iter().flat_map(|&probe| DIRECTIONS.map(|direction| (probe, direction))).collect();
     let task = Task { gpu: &gpu, scene: &scene, camera: &camera, progress: &progress };
-    // Lamps and suns shine directly where the volume is used.
+    // Only indirect light: the renderer that uses the volume adds the direct light.
     let irradiance: Vec<Vec3> = match args.method {
         Method::Cones => {
             let gathered = task.gathered(&places, settings, args.frames)?;
@@ -169,7 +171,7 @@ impl Report<'_> {
 
     fn text(&self) -> String {
         let ProbeGrid { size, cells, .. } = self.grid;
-        // Tenths of millimetres, so that no rounding is told.
+        // Tenths of millimetres, to hide rounding errors.
         let tidy = |place: Vec3| (place * 1e4).round() / 1e4;
         let (center, size) = (tidy(self.grid.center()), tidy(size));
         let name = self.file.file_name().unwrap_or_default().to_string_lossy();

@@ -1,4 +1,4 @@
-//! Measurements kept in a folder, so that long work can continue.
+//! Measurements saved in a folder, so that a stopped run can continue.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -32,8 +32,8 @@ struct Content<T> {
 }
 
 impl<T: Serialize + DeserializeOwned> Kept<T> {
-    /// Reads the measurements of a folder, which is made if it is missing; without a folder nothing
-    /// is kept. `settings` describes the settings of all measurements.
+    /// Reads the measurements of a folder, which is created if it is missing; without a folder,
+    /// none are saved. `settings` describes the settings of all measurements.
     ///
     /// # Errors
     /// When the folder cannot be made, another process measures into it, or its file cannot be read

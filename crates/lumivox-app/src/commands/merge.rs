@@ -18,7 +18,8 @@ use crate::progress::ProgressDisplay;
 /// Reads, adds and writes.
 ///
 /// # Errors
-/// When a part cannot be read or does not fit, or the picture cannot be written; the message says what.
+/// When a part cannot be read or does not fit, or the picture cannot be written; the message says
+/// what.
 pub fn run(args: &MergeArgs, host: &Host) -> anyhow::Result<()> {
     output::check(&args.output)?;
     let progress = ProgressDisplay::start(host, "adding parts");
@@ -52,7 +53,7 @@ pub fn run(args: &MergeArgs, host: &Host) -> anyhow::Result<()> {
     if args.json { host.print_json(&report) } else { host.print(&report.text()) }
 }
 
-/// Writes the picture. Only one for a screen needs a GPU.
+/// Writes the picture. Only a PNG file needs a GPU.
 fn write_layers(layers: &ReferenceLayers, args: &MergeArgs, host: &Host) -> anyhow::Result<()> {
     match ImageFormat::from_path(&args.output)? {
         ImageFormat::Exr => Ok(layers.write_exr(&args.output)?),
@@ -77,9 +78,9 @@ pub fn write_part(part: &ReferencePart, file: &Path) -> anyhow::Result<()> {
 struct Report {
     file: String,
     size: [u32; 2],
-    /// Parts, each once.
+    /// Distinct parts.
     parts: usize,
-    /// Batches of 16 samples, from number 0 on.
+    /// Batches of 16 samples, numbered from 0.
     batches: u32,
     /// Samples of each pixel.
     samples: u32,

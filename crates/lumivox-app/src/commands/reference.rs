@@ -89,7 +89,7 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     let is_complete = layers.samples >= samples;
     let file = match (&args.part, &args.output) {
         (Some(part), _) => {
-            // A part that lacks samples would be taken for a whole one by its name.
+            // An incomplete part is not written: its name would not show it.
             if is_complete {
                 merge::write_part(&tracer.part(), part)?;
             }
@@ -133,7 +133,7 @@ fn stopped(args: &ReferenceArgs, report: &Report, wanted: u32) -> Failure {
     ))
 }
 
-/// Traces until all samples are there or Ctrl-C is pressed, and keeps the checkpoint. Batches are
+/// Traces until all samples are done or Ctrl-C is pressed, and writes the checkpoint. Batches are
 /// finished, so that a resumed run has the bits, and the noise estimate, of one that was never
 /// stopped.
 fn trace(
@@ -211,8 +211,8 @@ pub fn write(layers: &ReferenceLayers, gpu: &Gpu, file: &Path) -> anyhow::Result
     Ok(())
 }
 
-/// The noise of each layer, in per cent: the root of the mean variance over the mean. `None` where
-/// the layer is black or has one sample.
+/// The noise of each layer, in per cent: the root of the mean variance over the mean. `None` if the
+/// layer is black or has one sample.
 #[derive(Clone, Debug, Serialize)]
 pub struct Noise {
     radiance: Option<f64>,
@@ -269,9 +269,9 @@ struct Report {
     camera: String,
     /// Samples of each pixel.
     samples: u32,
-    /// The samples among them that come from the checkpoint.
+    /// Those of them that come from the checkpoint.
     samples_before: u32,
-    /// Whether all requested samples are there.
+    /// `true` if all requested samples were traced.
     is_complete: bool,
     noise_percent: Noise,
     seconds: f64,

@@ -18,7 +18,7 @@ use crate::opening;
 use crate::progress::{ProgressDisplay, words};
 use crate::prompt::Prompt;
 
-/// The time of the scene that passes with each frame of a script, s.
+/// The scene's time per frame of a script, s.
 const FRAME_S: f32 = 1.0 / 30.0;
 
 /// Runs commands.
@@ -130,7 +130,7 @@ impl Runner {
         Err(Told { exit: code, message }.into())
     }
 
-    /// Runs a line, and the work that it leaves.
+    /// Runs a line, and the effect of its reply.
     fn line(&mut self, line: &str, queue: &mut Queue) -> anyhow::Result<()> {
         if let Some(name) = LineInfo::of(line).window_command {
             tracing::warn!("`{name}` is a command of the window; it is skipped");
@@ -161,7 +161,7 @@ impl Runner {
     }
 
     fn show(&self, progress: Option<ProgressDisplay>) {
-        // The previous display is dropped outside the lock: it waits for its thread.
+        // Drop the previous display outside the lock: it waits for its thread.
         let before = self
             .progress
             .lock()

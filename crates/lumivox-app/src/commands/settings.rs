@@ -22,7 +22,7 @@ pub fn of(preset: PresetChoice, size: UVec2, given: &[Given]) -> Result<RenderSe
         }
     };
     let physical = RenderSettings { size, ..RenderSettings::default() };
-    // The cones of VXCT's look depend on the resolution.
+    // First only the resolution, on which the cones of VXCT's look depend.
     let mut settings = physical.clone();
     take(&mut settings);
     settings = RenderSettings { resolution: settings.resolution, ..physical };

@@ -14,7 +14,7 @@ use crate::window::{self, Config, Restore, Start};
 /// # Errors
 /// When there is no display or no GPU, or the scene cannot be found.
 pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
-    // Progress bars would disturb a terminal in which nobody types commands.
+    // Progress bars would disturb the prompt that may run in the terminal.
     host.bars().set_draw_target(indicatif::ProgressDrawTarget::hidden());
     if let Some(source) = args.scene() {
         crate::args::scene::check(source)?;

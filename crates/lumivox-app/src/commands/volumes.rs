@@ -65,7 +65,7 @@ pub fn run(args: &VolumesArgs, host: &Host) -> anyhow::Result<()> {
 struct Variant {
     name: &'static str,
     volume: VolumeKind,
-    /// The value of the setting `octree_builder`, where it is not the default.
+    /// The value of the setting `octree_builder`; `None` for the default.
     builder: Option<&'static str>,
 }
 
@@ -110,9 +110,9 @@ struct Row {
     build_ms: Option<f64>,
     /// Time to store the faces' radiance, filter, and fill bricks: needed at each change of light.
     update_ms: Option<f64>,
-    /// The part of it that filtering takes.
+    /// The part of `update_ms` for filtering.
     filter_ms: Option<f64>,
-    /// The part of it that filling bricks takes.
+    /// The part of `update_ms` for filling bricks.
     fill_ms: Option<f64>,
     /// Time of the cones of one frame.
     trace_ms: Option<f64>,
@@ -122,7 +122,7 @@ struct Row {
     /// Passes of the builder with locks, and the threads deferred in all of them.
     lock_passes: Option<u64>,
     deferred: Option<u64>,
-    /// Why it was not measured.
+    /// Why it was not measured; `None` if it was.
     problem: Option<String>,
 }
 
@@ -162,7 +162,7 @@ impl Row {
             directionality,
             volume: variant.volume,
             bounces: 1,
-            // Something that shows cells, so that there are some.
+            // An overlay that shows cells; without one, none are kept.
             overlay: Overlay { wire_voxels: Wires::Over, ..Overlay::default() },
             frames: FRAMES,
             timing: Timing::for_device(&gpu.device),
@@ -215,8 +215,8 @@ impl Row {
     }
 }
 
-/// A renderer that has voxelized, lit and traced, with the times of a second run: drivers compile
-/// shaders in the first.
+/// A renderer that has voxelized, lit and traced (if `with_trace`), with the times of a second run:
+/// drivers compile shaders in the first.
 async fn timed(
     gpu: &Gpu,
     scene: &Scene,
@@ -237,7 +237,7 @@ async fn timed(
     Ok(renderer)
 }
 
-/// Whether the error is that something does not fit.
+/// Whether the error means that something does not fit.
 fn is_limit(error: &lumivox_render::RenderError) -> bool {
     use lumivox::GiError;
     use lumivox_render::RenderError;

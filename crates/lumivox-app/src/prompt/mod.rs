@@ -1,4 +1,4 @@
-//! A prompt on a terminal: line editing, a history that is kept, completion, hints.
+//! A prompt on a terminal: line editing, a saved history, completion, hints.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,7 +21,7 @@ const PROMPT: &str = "lumivox> ";
 /// The most lines of the history.
 const HISTORY: usize = 1000;
 
-/// The editor's helper while a line is typed.
+/// The line editor's helper: completion and hints.
 #[derive(Debug, Default)]
 struct Assistant {
     names: Arc<Mutex<Names>>,
@@ -49,7 +49,7 @@ impl Completer for Assistant {
 impl Hinter for Assistant {
     type Hint = String;
 
-    /// The arguments of a command whose name is complete.
+    /// The arguments of a command, once its name and a space are typed.
     fn hint(&self, text: &str, cursor: usize, _: &Context<'_>) -> Option<String> {
         let commands = begun(text);
         let words = commands.last().filter(|words| words.len() == 1 && cursor == text.len())?;
@@ -81,7 +81,7 @@ fn history_file() -> Option<PathBuf> {
 }
 
 impl Prompt {
-    /// A prompt on the process's terminal, with the history of earlier ones.
+    /// A prompt on the process's terminal, with the saved history.
     ///
     /// # Errors
     /// When there is no terminal.
@@ -92,7 +92,7 @@ impl Prompt {
         editor.set_helper(Some(Assistant { names: names.clone() }));
         let history = history_file();
         if let Some(file) = &history {
-            // At the first start there is none.
+            // On the first run the file does not exist.
             let _ = editor.load_history(file);
         }
         Ok(Self { editor, names, history })
@@ -103,13 +103,13 @@ impl Prompt {
         *self.names.lock().unwrap_or_else(PoisonError::into_inner) = names;
     }
 
-    /// The names that can be completed, to be changed from elsewhere.
+    /// The names that can be completed, shared so that other threads can change them.
     pub fn names(&self) -> Arc<Mutex<Names>> {
         self.names.clone()
     }
 
-    /// A printer that writes above the edited line; `None` if the terminal has none. It returns
-    /// whether it has printed.
+    /// A printer that writes above the edited line; `None` if the terminal does not support it. The
+    /// printer returns whether it has printed.
     pub fn printer(&mut self) -> Option<Box<dyn FnMut(String) -> bool + Send>> {
         let mut printer = self.editor.create_external_printer().ok()?;
         Some(Box::new(move |text| printer.print(text).is_ok()))
@@ -124,7 +124,7 @@ impl Prompt {
             match self.editor.readline(PROMPT) {
                 Ok(line) => {
                     if let Some(file) = &self.history {
-                        // A history that cannot be saved is no reason to stop.
+                        // Failing to save the history is not an error.
                         let _ = self.editor.append_history(file);
                     }
                     return Ok(Some(line));

@@ -1,5 +1,4 @@
-//! A prompt for a build without line editing: the terminal's own line, without history or
-//! completion.
+//! A prompt for a build without line editing: plain lines, without history or completion.
 
 use lumivox_console::Names;
 

@@ -1,8 +1,7 @@
 //! Charts of error against cost: which presets and resolutions are worth their cost.
 //!
-//! A row for each scene, a column for each cost. Marks of settings that no other beats in both
-//! error and cost (the Pareto front) are filled and joined by steps; marks above the steps are
-//! hollow: something better has the same cost.
+//! A row for each scene, a column for each cost. Settings that no other beats (the Pareto front)
+//! have filled marks, joined by steps. Beaten settings have hollow marks above the steps.
 
 use anyhow::ensure;
 use plotters::coord::Shift;
@@ -17,9 +16,9 @@ pub struct Point {
     pub preset: String,
     /// Voxels along the longest axis.
     pub resolution: u32,
-    /// Milliseconds that a frame takes.
+    /// Milliseconds per frame.
     pub ms: f64,
-    /// Cone samples that a pixel takes.
+    /// Cone samples per pixel.
     pub samples: f64,
     /// The error, in percent of the reference's mean.
     pub error_percent: f64,
@@ -46,7 +45,7 @@ pub(super) const INK: RGBColor = RGBColor(38, 38, 42);
 pub(super) const DIM: RGBColor = RGBColor(110, 110, 118);
 const FRONT: RGBColor = RGBColor(170, 170, 176);
 
-/// Colours that everybody can tell apart (Okabe and Ito 2008, "Color universal design").
+/// Colours that colour-blind readers can tell apart (Okabe and Ito 2008, "Color universal design").
 pub(super) const SERIES: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -174,7 +173,7 @@ fn draw_panel(
 ) -> anyhow::Result<()> {
     let costs = || points.iter().map(|point| (cost.of)(point));
     let (least, most) = (costs().fold(f64::MAX, f64::min), costs().fold(0.0, f64::max));
-    // Room for marks and labels, and for a tick or two if all costs are alike.
+    // A margin for marks and labels, and for a tick or two if all costs are equal.
     let (left, right) = (least / 1.5, most * 1.9);
     let top = points.iter().map(|point| point.error_percent).fold(0.0, f64::max);
     let top = if top > 0.0 { 1.15 * top } else { 1.0 };
@@ -233,7 +232,7 @@ fn ticks(left: f64, right: f64) -> Vec<f64> {
     ticks.filter(|tick| (left..right).contains(tick)).collect()
 }
 
-/// A number without its rounding errors.
+/// A number, rounded to three decimals.
 fn short(value: f64) -> String {
     format!("{}", (value * 1e3).round() / 1e3)
 }

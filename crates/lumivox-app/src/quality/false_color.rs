@@ -1,4 +1,4 @@
-//! Pictures of measured light: each reading as a colour, with a labelled scale beside them.
+//! Pictures of measured light: each reading as a colour, with a labelled scale.
 
 use std::ops::Range;
 
@@ -8,9 +8,9 @@ use image::{ImageError, Rgb, RgbImage};
 
 use super::canvas::{Align, Canvas};
 
-/// The shorter side of the field of colours is enlarged to about this, px.
+/// Target for the shorter side of the enlarged field, px.
 const LEAST_EDGE: u32 = 420;
-/// Enlarging stops where the longer side would exceed this, px.
+/// Limit for the longer side of the enlarged field, px.
 const MOST_EDGE: u32 = 1600;
 const BACKGROUND: Rgb<u8> = Rgb([24, 24, 27]);
 const BRIGHT: Rgb<u8> = Rgb([240, 240, 240]);
@@ -43,8 +43,8 @@ pub fn false_color_png(light: &FalseColor<'_>) -> Result<Vec<u8>, ImageError> {
     Ok(bytes)
 }
 
-/// Draws readings in the colours viridis (van der Walt and Smith 2015), which grow evenly brighter, with a scale. Readings
-/// beyond the ends of the scale have the colours of its ends.
+/// Draws readings and a scale in the colours viridis (van der Walt and Smith 2015), whose
+/// brightness grows evenly. Readings beyond the ends of the scale have the colours of its ends.
 fn false_color(light: &FalseColor<'_>) -> RgbImage {
     let (low, high) = light.range.unwrap_or_else(|| {
         let greatest = light.values.iter().copied().filter(|value| value.is_finite());
@@ -63,7 +63,7 @@ fn false_color(light: &FalseColor<'_>) -> RgbImage {
     let (bar, labels) = (22, 92);
     let top = 2 * gap + 2 * line;
     let all = (width + 3 * gap + bar + labels).max(480);
-    // The scale needs room for its labels where the field is flat.
+    // Beside a flat field, the scale still needs height for its labels.
     let bar_height = height.max(140);
     let mut canvas = Canvas::new(all, top + bar_height + gap + line, BACKGROUND);
     canvas.text(light.title, gap, gap, 1.2 * text, Align::Left, BRIGHT);
@@ -86,14 +86,14 @@ fn false_color(light: &FalseColor<'_>) -> RgbImage {
     canvas.into_image()
 }
 
-/// The whole number of pixels of a cell's edge.
+/// The pixels along a cell's edge.
 fn factor(size: UVec2) -> u32 {
     let needed = LEAST_EDGE.div_ceil(size.min_element().max(1));
     needed.min(MOST_EDGE / size.max_element().max(1)).max(1)
 }
 
-/// Four to eleven round values of a scale, with their texts: steps are 1, 2 or 5 times a power of ten (Heckbert 1990, "Nice
-/// numbers for graph labels", Graphics Gems).
+/// The round values of a scale (6 to 13 if it starts at 0), with their texts. Steps are 1, 2 or 5
+/// times a power of ten (Heckbert 1990, "Nice numbers for graph labels", Graphics Gems).
 fn labels_of(range: Range<f32>) -> Vec<(f32, String)> {
     let rough = f64::from(range.end - range.start) / 5.0;
     let power = 10.0_f64.powf(rough.log10().floor());
@@ -101,7 +101,7 @@ fn labels_of(range: Range<f32>) -> Vec<(f32, String)> {
         [1.0, 2.0, 5.0].into_iter().rfind(|times| times * power <= rough).unwrap_or(1.0) * power;
     let digits = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
     let first = (f64::from(range.start) / step).ceil() as i64;
-    // The end itself counts, however it is rounded.
+    // Include the end itself in spite of rounding.
     let last = (f64::from(range.end) / step * (1.0 + 1e-6)).floor() as i64;
     (first..=last)
         .map(|number| number as f64 * step)
@@ -146,7 +146,7 @@ mod tests {
         };
         let colorous::Color { r, g, b } = colorous::VIRIDIS.eval_continuous(0.5);
         assert_eq!(at(1, 0), [r, g, b]);
-        // 100 and what is above have the end's colour, which is at the top of the scale.
+        // 100 and above have the colour at the top of the scale.
         let top = image.get_pixel(14 + 2 * edge + 14 + 3, 72).0;
         assert_eq!((at(0, 1), at(1, 1)), (top, top));
         let bottom = image.get_pixel(14 + 2 * edge + 14 + 3, 72 + 2 * edge - 1).0;

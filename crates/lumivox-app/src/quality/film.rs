@@ -9,7 +9,7 @@ use png::{BitDepth, ColorType, Compression, Encoder, Filter};
 
 /// The most colours of a palette.
 const MOST_COLORS: usize = 256;
-/// The bits of a channel by which colours are counted: few enough that noise finds the same ones.
+/// Bits per channel for counting colours: few enough that noise does not split a colour.
 const COUNTED_BITS: u32 = 5;
 
 /// Encodes frames of one size as an animation that repeats for ever; each is shown for `delay_ms`.
@@ -31,7 +31,7 @@ pub fn film(frames: &[RgbImage], delay_ms: u16) -> anyhow::Result<Vec<u8>> {
     encoder.set_depth(BitDepth::Eight);
     encoder.set_palette(palette.as_flattened().to_vec());
     encoder.set_compression(Compression::High);
-    // Differences of indices mean nothing.
+    // PNG filters do not help palette indices.
     encoder.set_filter(Filter::NoFilter);
     encoder.set_animated(frames.len() as u32, 0)?;
     encoder.set_frame_delay(delay_ms, 1000)?;
@@ -53,13 +53,13 @@ fn key(color: [u8; 3]) -> [u8; 3] {
     color.map(|channel| channel >> (8 - COUNTED_BITS))
 }
 
-/// The middle of the colours with these leading bits; black and white stay themselves.
+/// The middle of the colours with these leading bits; black and white are exact.
 fn middle(key: [u8; 3]) -> [u8; 3] {
     let most = (1_u32 << COUNTED_BITS) - 1;
     key.map(|bits| ((u32::from(bits) * 255 + most / 2) / most) as u8)
 }
 
-/// The most frequent colours, in a fixed order.
+/// The most frequent colours, by descending frequency.
 fn palette(frames: &[RgbImage]) -> Vec<[u8; 3]> {
     let mut counts: BTreeMap<[u8; 3], usize> = BTreeMap::new();
     for pixel in frames.iter().flat_map(RgbImage::pixels) {
@@ -110,8 +110,7 @@ mod tests {
         assert_eq!(bytes, film(&frames, 120).unwrap());
     }
 
-    /// Half of the frame has one colour, the other half thousands: the first is kept, the others
-    /// become one of the palette's.
+    /// Half of the frame has one colour, the other half thousands: the palette contains the former.
     #[test]
     fn frequent_colors_are_kept() {
         let wall = Rgb([200, 101, 50]);

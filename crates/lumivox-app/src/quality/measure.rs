@@ -1,4 +1,4 @@
-//! The errors of a scene: its reference, traced or read, and renderings compared with it.
+//! Measures the errors of a scene: compares renderings with its reference, traced or read.
 
 use std::cell::OnceCell;
 use std::path::Path;
@@ -21,7 +21,7 @@ use crate::progress::{ProgressDisplay, words};
 /// The names of cameras in two rooms between which light may leak.
 const DARK_ROOM: &str = "dark room";
 const LIT_ROOM: &str = "lit room";
-/// Samples of each pixel for the mean of the lit room.
+/// Samples per pixel for the mean of the lit room.
 const LIT_SAMPLES: u32 = 64;
 
 /// A scene to measure.
@@ -38,7 +38,7 @@ pub struct Subject<'a> {
 pub struct Measured {
     /// The mean over grid positions.
     pub figures: LayerFigures,
-    /// Light through walls, where the scene has two rooms.
+    /// Light through walls; `None` unless the scene has two rooms.
     pub leak: Option<Leak>,
     /// The cost at the first grid position.
     pub cost: Cost,
@@ -61,11 +61,11 @@ pub struct Truth {
     one_bounce: LinearPicture,
     full: LinearPicture,
     picture: LinearPicture,
-    /// Traced when needed.
+    /// Traced on first use.
     rooms: OnceCell<Option<Rooms>>,
 }
 
-/// The reference of a scene: read from `file` if it is there, else traced, and written there.
+/// The reference of a scene: read from `file` if it exists, else traced and written there.
 ///
 /// # Errors
 /// When the file shows something else or has fewer samples, and when tracing or writing fails.
@@ -109,10 +109,10 @@ pub fn reference(
     Ok(Truth::new(layers))
 }
 
-/// Ends the work if the user has asked to stop.
+/// Fails if the user has asked to stop.
 ///
 /// # Errors
-/// A [`Failure`] that says so.
+/// [`Failure::stopped`].
 pub fn check_wish(progress: &ProgressDisplay) -> Result<(), Failure> {
     if progress.is_stopped() {
         Err(Failure::stopped("stopped; nothing was written"))
@@ -158,13 +158,13 @@ fn offset(first: Vec3, index: u32) -> Vec3 {
 /// The references of two rooms between which light may leak.
 #[derive(Clone, Debug)]
 struct Rooms {
-    /// That of the dark room, if it is not the subject's own.
+    /// The dark room's; `None` if the subject's camera is in the dark room.
     dark: Option<Box<Truth>>,
     lit: Box<Truth>,
 }
 
 impl Rooms {
-    /// The rooms of a scene that has cameras of those names.
+    /// Traces the rooms; `None` if the scene does not have both cameras.
     fn of(subject: &Subject<'_>, layers: &ReferenceLayers) -> anyhow::Result<Option<Self>> {
         let Some((dark, lit)) = subject.camera(DARK_ROOM).zip(subject.camera(LIT_ROOM)) else {
             return Ok(None);
@@ -223,7 +223,7 @@ impl Measured {
         let mut leaks = Vec::new();
         let mut first: Option<RenderedLayers> = None;
         if truth.rooms.get().is_none() {
-            // Nothing else sets it meanwhile.
+            // Cannot fail: the cell is empty.
             let _ = truth.rooms.set(Rooms::of(subject, &truth.layers)?);
         }
         let rooms = truth.rooms.get().and_then(Option::as_ref);

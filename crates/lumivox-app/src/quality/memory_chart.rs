@@ -14,7 +14,7 @@ pub struct MemoryPoint {
     pub resolution: u32,
     /// Its size in bytes.
     pub bytes: u64,
-    /// Whether it was measured; otherwise it did not fit, and was computed.
+    /// `true` if it was measured; otherwise it did not fit, and was computed.
     pub is_measured: bool,
 }
 

@@ -1,5 +1,4 @@
-//! The quality of pictures: reports of comparisons, strips of pictures, animated pictures, and charts
-//! of errors.
+//! The quality of pictures: measurements, strips of pictures, animated pictures, and charts.
 
 mod canvas;
 mod chart;

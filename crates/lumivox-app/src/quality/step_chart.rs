@@ -10,7 +10,7 @@ use super::chart::{DIM, FONT, INK, SERIES};
 pub struct StepPanel {
     /// Its name.
     pub name: String,
-    /// For each preset its name, and the numbers of steps with their errors in percent.
+    /// For each preset its name, and the errors in percent by step number.
     pub lines: Vec<(String, Vec<(u32, f64)>)>,
 }
 
@@ -111,7 +111,7 @@ mod tests {
             assert_eq!(svg.lines().filter(|line| line.trim() == text).count(), count, "{text}");
         }
         let lines = svg.matches("<polyline").count();
-        // Each panel has two axes besides.
+        // The axes of the panels count, too.
         assert!(lines >= 3, "{lines}");
         assert_eq!(svg, error_by_step("RMSE at each step", &panels).unwrap());
     }

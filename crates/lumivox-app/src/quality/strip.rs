@@ -73,7 +73,7 @@ impl Layout {
         Self { column, width: 3 * column + 4 * gap, gap, text }
     }
 
-    /// The distance of two lines of text.
+    /// The distance between two lines of text.
     fn line(&self) -> u32 {
         (1.4 * self.text).round() as u32
     }
@@ -114,7 +114,7 @@ impl Layout {
         Ok(())
     }
 
-    /// Draws the colours of errors, under their column.
+    /// Draws the scale of errors, below their column.
     fn draw_scale(&self, canvas: &mut Canvas, y: u32) {
         let small = 0.85 * self.text;
         let (x, width) = (self.left(2), self.column);
@@ -218,7 +218,7 @@ mod tests {
         let [small, large] = [UVec2::new(8, 6), UVec2::new(500, 300)].map(|s| picture(s, |_| 1.0));
         let one = drawn(&[(&small, &small)]);
         let two = drawn(&[(&small, &small), (&large, &large)]);
-        // The title and the label of the first row leave traces.
+        // The title and the label of the first row are drawn.
         for image in [&one, &two] {
             let gap = (0.75 * (image.width() as f32 / 3.0) / 22.0) as u32;
             for top in [gap / 2, 3 * gap] {

@@ -9,7 +9,7 @@ use lumivox_render::ImageFormat;
 use crate::args::output;
 use crate::lock::Lock;
 
-/// The fewest digits of the numbers in a folder.
+/// Minimum digits of the file numbers in a folder.
 const LEAST_DIGITS: usize = 4;
 
 /// The files of a sequence: `prefix`, a number and `suffix`, all in one folder.
@@ -19,21 +19,21 @@ pub struct FrameFiles {
     prefix: String,
     suffix: String,
     digits: usize,
-    /// Whether the user named a folder, which may be made.
+    /// `true` if the user named a folder, which may be created.
     is_folder: bool,
-    /// The pictures that are asked for; `None` are all.
+    /// The requested pictures; `None` for all.
     range: Option<Range<u32>>,
 }
 
 impl FrameFiles {
-    /// Whether `output` is the name of a file with a `#`. If nothing moves, it is one picture's.
+    /// Whether `output` is a file name with a `#`. If nothing moves, it names a single picture.
     pub fn is_pattern(output: &Path) -> bool {
         let name = output.file_name().unwrap_or_default().to_string_lossy();
         name.contains('#') && !ends_as_folder(output) && !output.is_dir()
     }
 
-    /// Whether `output` names a sequence: a name with a `#`, or a folder. `is_asked` says that the
-    /// other options ask for a sequence; then a bare name is a folder, too.
+    /// Whether `output` names a sequence: a name with a `#`, or a folder. `is_asked`: `true` if
+    /// other options request a sequence; then a name without an extension is a folder, too.
     pub fn is_meant(output: &Path, is_asked: bool) -> bool {
         let is_picture = ImageFormat::from_path(output).is_ok();
         let is_bare = output.extension().is_none();
@@ -46,7 +46,8 @@ impl FrameFiles {
     /// Parses `output`: a folder, or a file with a run of `#` for the number.
     ///
     /// # Errors
-    /// A [`Failure`] of input when it is neither, and [`lumivox_render::RenderError::UnknownFormat`].
+    /// A [`Failure`] of input when it is neither, and
+    /// [`lumivox_render::RenderError::UnknownFormat`].
     pub fn new(output: &Path) -> anyhow::Result<Self> {
         let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let Some(first) = name.find('#').filter(|_| Self::is_pattern(output)) else {
@@ -91,16 +92,16 @@ impl FrameFiles {
         })
     }
 
-    /// Takes a part of the pictures, whose index is its own.
+    /// Restricts the sequence to a range of pictures, which has its own index.
     #[must_use]
     pub fn of_range(self, range: Option<Range<u32>>) -> Self {
         Self { range, ..self }
     }
 
-    /// The numbers of the pictures that are asked for, of `count`.
+    /// The numbers of the requested pictures, of `count` in the sequence.
     ///
     /// # Errors
-    /// A [`Failure`] of input when there is none of them.
+    /// A [`Failure`] of input when the range starts after the last picture.
     pub fn numbers(&self, count: u32) -> anyhow::Result<Range<u32>> {
         let Some(Range { start, end }) = self.range else { return Ok(0..count) };
         if start < count {
@@ -112,8 +113,8 @@ impl FrameFiles {
         .into())
     }
 
-    /// Makes the numbers in a folder long enough for `count` files, and checks that a name with `#`
-    /// has enough of them.
+    /// Widens the numbers in a folder to fit `count` files; checks that a name with `#` has enough
+    /// of them.
     ///
     /// # Errors
     /// A [`Failure`] of input when the name has too few `#`.
@@ -147,7 +148,7 @@ impl FrameFiles {
         output::check_folder(&pattern, &output::folder_of(&pattern))
     }
 
-    /// Makes the folder, if it may be made.
+    /// Creates the folder if the user named one and it is missing.
     ///
     /// # Errors
     /// A [`Failure`] of output.
@@ -166,17 +167,17 @@ impl FrameFiles {
         format!("{}{number:0width$}{}", self.prefix, self.suffix, width = self.digits)
     }
 
-    /// A picture's file.
+    /// The path of a picture's file.
     pub fn path(&self, number: u32) -> PathBuf {
         self.folder.join(self.name(number))
     }
 
-    /// Whether the exposure affects the files: `OpenEXR` holds radiance itself.
+    /// Whether the exposure affects the files; `OpenEXR` files store radiance.
     pub fn are_exposed(&self) -> bool {
         matches!(ImageFormat::from_path(&self.path(0)), Ok(ImageFormat::Png))
     }
 
-    /// The index's file.
+    /// The path of the index.
     pub fn index(&self) -> PathBuf {
         let of_range = self.range.as_ref().map(|range| format!("_{}-{}", range.start, range.end));
         let stem = format!("{}index{}", self.prefix, of_range.unwrap_or_default());
@@ -197,7 +198,7 @@ impl FrameFiles {
     }
 }
 
-/// Whether a slash at the end names a folder; `Path` itself ignores it.
+/// Whether `output` ends in a slash, and so names a folder; `Path` ignores the slash.
 fn ends_as_folder(output: &Path) -> bool {
     output.to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR])
 }

@@ -1,8 +1,8 @@
 //! The index of a sequence: its finished pictures, their content, and their settings.
 //!
-//! It is written after each picture, whole or not at all. So whenever the program is stopped, the
-//! index and the files that it lists are complete, and the same command continues. Other settings
-//! would give pictures that do not fit the existing ones: they are refused.
+//! The index is written atomically after each picture. Whenever the program is stopped, the index
+//! and the files that it lists are complete, and the same command resumes. Other settings are
+//! refused: their pictures would not match the existing ones.
 
 use std::io::Write as _;
 use std::ops::Range;
@@ -23,7 +23,7 @@ pub struct Index {
     pub frame_count: u32,
     /// The settings of all pictures. Equal settings give equal pictures.
     pub settings: Map<String, Value>,
-    /// The exposure in stops, if it was found for all pictures together.
+    /// The common exposure of all pictures in stops, if there is one.
     pub exposure: Option<f32>,
     /// The GPU that rendered the last picture.
     pub adapter: String,
@@ -46,7 +46,7 @@ pub struct Frame {
     pub camera: Value,
     /// The exposure in stops; `None` if the view has none.
     pub exposure: Option<f32>,
-    /// The seconds that it took.
+    /// The seconds it took to render.
     pub seconds: f64,
 }
 
@@ -62,18 +62,17 @@ pub struct Start {
 impl Index {
     /// An index without pictures.
     pub fn new(frame_count: u32, settings: Map<String, Value>) -> Self {
-        // As it will be read again: the last digit of a number may differ.
+        // Store what will be read back: the last digit of a number may change.
         let text = Value::Object(settings).to_string();
         let settings = serde_json::from_str(&text).unwrap_or_default();
         Self { frame_count, settings, exposure: None, adapter: String::new(), frames: Vec::new() }
     }
 
-    /// Reads an existing index, and decides where to continue with the pictures of some numbers.
+    /// Reads an existing index, and determines which of the pictures `numbers` are missing.
     ///
     /// # Errors
     /// A [`Failure`] of input when the existing index has other settings; one of output when it
-    /// cannot be read, or an unlisted file is in the way. The remedy is `--restart`, which ignores
-    /// the index.
+    /// cannot be read, or when pictures exist without an index. `--restart` ignores the index.
     pub fn start(
         mut self,
         files: &FrameFiles,
@@ -135,8 +134,8 @@ impl Index {
         self.write(files)
     }
 
-    /// Writes the index. It must be there before the first picture: whatever ends the program in between, the same command
-    /// continues.
+    /// Writes the index. It must exist before the first picture, so that the same command resumes
+    /// whenever the program was stopped.
     ///
     /// # Errors
     /// A [`Failure`] of output.
@@ -150,11 +149,11 @@ impl Index {
         })
     }
 
-    /// Removes the files that the index lists. Names with folders in them are never ours.
+    /// Removes the index and its pictures; skips listed names that do not match `files`.
     fn remove_pictures(&self, files: &FrameFiles) {
         for frame in &self.frames {
             if frame.file == files.name(frame.number) {
-                // A missing file needs no removal; one that stays will be replaced.
+                // A file that cannot be removed will be replaced.
                 let _ = std::fs::remove_file(files.path(frame.number));
             }
         }

@@ -6,9 +6,9 @@ use lumivox_console::values::choices::among;
 /// The light that a picture of a sequence takes over from those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum History {
-    /// Light of earlier frames, where the settings keep it: a film as a viewer sees it while it runs.
+    /// Light of earlier frames, if the settings keep it: pictures look as in the running window.
     Kept,
-    /// Nothing: each picture is the one that is rendered by itself.
+    /// Nothing: each picture is as if rendered on its own.
     None,
 }
 
@@ -22,7 +22,7 @@ impl History {
     }
 }
 
-/// The name of a [`History`].
+/// Parses the name of a [`History`].
 pub fn history() -> impl TypedValueParser<Value = History> {
     among(&[History::Kept, History::None], |history| match history {
         History::Kept => ("kept", "one frame after the other, as in the window"),

@@ -11,8 +11,8 @@ pub use moments::{MOST_PICTURES, Moments, TimeChoice, time};
 pub use path::PathFile;
 pub use schedule::{AnimationName, PictureTimes, Schedule, ScheduleOptions, animation, choose};
 
-/// The latest time, s: nearly three hours, either way. The `f32` by which scenes are posed still
-/// resolves milliseconds there.
+/// The latest time, s: nearly three hours before or after 0. Scenes are posed at `f32` times, which
+/// still resolve milliseconds there.
 pub const LATEST_S: f64 = 1e4;
 
 /// The duration of an orbit in a scene without an animation, s.

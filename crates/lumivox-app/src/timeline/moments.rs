@@ -14,7 +14,7 @@ const FORM: &str =
 /// The most pictures of a sequence.
 pub const MOST_PICTURES: u32 = 1_000_000;
 
-/// A time as the command line names it.
+/// A time on the command line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeChoice {
     /// One time, s.
@@ -23,7 +23,7 @@ pub enum TimeChoice {
     Range(f64, Option<f64>),
 }
 
-/// `SECONDS`, `START..END` or `START..`.
+/// Parses `SECONDS`, `START..END` or `START..`.
 pub fn time(text: &str) -> Result<TimeChoice, Refused> {
     let seconds = |text: &str| {
         let value: f64 = text.trim().parse().map_err(|_| {
@@ -62,7 +62,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Divides a range of times.
+    /// Divides a range into times.
     ///
     /// # Errors
     /// A [`Failure`] of input when it is empty, or would take more than a million pictures.
@@ -75,7 +75,7 @@ impl Moments {
             ))
             .into());
         }
-        // A length that is a whole number of pictures up to rounding is one.
+        // The tolerance keeps rounding errors from adding a picture.
         let count = ((end - start) * fps - 1e-6).ceil().max(1.0);
         if count > f64::from(MOST_PICTURES) {
             return Err(Failure::input(format!(

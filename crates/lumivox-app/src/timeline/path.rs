@@ -8,9 +8,9 @@
 //! ]
 //! ```
 //!
-//! Position and target follow a [`Spline`] each, so that the camera keeps looking at a target that
-//! does not move; the field of view follows a [`MonotoneCubic`], which stays within the keys'
-//! values.
+//! Position and target are interpolated by a [`Spline`] each, so that the camera keeps looking at a
+//! target that does not move; the field of view by a [`MonotoneCubic`], which stays within the
+//! keys' values.
 
 use std::io::Read as _;
 use std::path::{Path as FilePath, PathBuf};
@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use super::spline::{MonotoneCubic, Spline};
 use crate::args::camera::{CameraChoice, DEFAULT_FOV_DEG, fit_near, resolve};
 
-/// Far above any path, and far below a size that would be slow.
+/// The largest file: far above any real path, and far below a size that would be slow.
 const MOST_BYTES: u64 = 16 << 20;
 const MOST_KEYS: usize = 10_000;
 /// The least time between two keys, s.
@@ -35,7 +35,7 @@ const FARTHEST_M: f64 = 1e9;
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathFile {
     file: PathBuf,
-    /// At least two, with rising times.
+    /// At least two, with increasing times.
     pub keys: Vec<Key>,
 }
 
@@ -54,7 +54,7 @@ pub struct Key {
     /// A camera of the scene instead of position and target.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<NameOrNumber>,
-    /// Vertical field of view. Default: that of the camera, else that of the key before, else 45.
+    /// Vertical field of view. Default: the camera's, else the previous key's, else 45.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fov_deg: Option<f32>,
 }
@@ -105,7 +105,7 @@ impl PathFile {
         self.keys.last().map_or(0.0, |key| key.time_s)
     }
 
-    /// The path through a scene, whose cameras the keys may name.
+    /// Resolves the path in a scene, whose cameras the keys may name.
     ///
     /// # Errors
     /// A [`Failure`] of input if there is no such camera.
@@ -136,7 +136,7 @@ impl PathFile {
                 }
             };
             fov_deg = key.fov_deg.map_or(fov_deg, f64::from);
-            // A camera only has a direction: its target is as far away as the scene is large.
+            // A camera only has a direction: put its target at the distance of the scene's radius.
             let target = match key.target {
                 Some(target) if key.camera.is_none() => scene.from_file(DVec3::from_array(target)),
                 _ => camera.position + camera.forward * bounds.radius_m(),
@@ -163,7 +163,7 @@ fn parse(text: &[u8]) -> Result<Vec<Key>, String> {
         return Err("the camera path is text in UTF-16; save it as UTF-8".to_owned());
     }
     let values: Vec<serde_json::Value> = serde_json::from_slice(text).map_err(|error| {
-        // JSON has no slash outside of texts.
+        // JSON has no slash outside of strings: it starts a comment.
         let line = text.split(|&byte| byte == b'\n').nth(error.line().saturating_sub(1));
         let at = line.and_then(|line| line.get(error.column().saturating_sub(1)));
         if at == Some(&b'/') {
@@ -252,14 +252,14 @@ pub struct CameraPath {
 }
 
 impl CameraPath {
-    /// The camera at a time; before the first key and after the last it stands still.
+    /// The camera at a time; before the first key and after the last it does not move.
     pub fn at(&self, time_s: f64) -> Camera {
         let position = self.position.at(time_s).as_vec3();
         let target = self.target.at(time_s).as_vec3();
         let fov_rad = (self.fov_deg.at(time_s) as f32).to_radians();
         let mut camera = Camera::look_at(position, target, fov_rad);
         let up = self.up.at(time_s).as_vec3();
-        // The keys fix no roll along the line of sight; the camera's own up direction does.
+        // Position and target do not determine the roll; the up direction does.
         if let Some(up) = up.try_normalize().filter(|up| up.cross(camera.forward).length() > 1e-3) {
             camera.up = up;
         }
@@ -302,7 +302,7 @@ mod tests {
         assert!(second.position.distance(known.position) < 1e-5);
         assert!(second.forward.distance(known.forward) < 1e-5);
         assert!((second.vertical_fov_rad - known.vertical_fov_rad).abs() < 1e-5);
-        // Straight down, where +y fixes no roll.
+        // Straight down, where +y does not determine the roll.
         let last = path.at(2.0);
         assert!(last.forward.distance(Vec3::NEG_Y) < 1e-5);
         assert!(last.world_from_camera().is_finite());
@@ -325,8 +325,8 @@ mod tests {
         }
     }
 
-    /// The target of a named camera is at a distance of the scene's size: from that far away, its
-    /// centre.
+    /// The target of a named camera is at the distance of the scene's radius: here that is the
+    /// scene's centre.
     #[test]
     fn a_named_camera_has_a_target_in_the_scene() {
         let mut scene = scene();

@@ -11,18 +11,18 @@ use super::{Moments, ORBIT_S, PathFile, TimeChoice};
 use crate::args::Refused;
 use crate::args::camera::{self, CameraChoice};
 
-/// An animation as the command line names it.
+/// An animation on the command line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AnimationName {
     /// By its name, or else by its index from 0.
     Named(String),
     /// All at once.
     All,
-    /// None: the scene stays as its file shows it.
+    /// None: the scene stays as in its file.
     None,
 }
 
-/// `NAME`, `NUMBER`, `all` or `none`.
+/// Parses `NAME`, `NUMBER`, `all` or `none`.
 pub fn animation(text: &str) -> Result<AnimationName, Refused> {
     match text {
         "" => Err(Refused::Malformed("expected a name, a number, all or none".to_owned())),
@@ -41,7 +41,7 @@ pub struct ScheduleOptions<'a> {
     pub orbit_deg: Option<f32>,
     pub path: Option<&'a PathFile>,
     pub camera: Option<&'a CameraChoice>,
-    /// Whether the output can hold many pictures.
+    /// `true` if the output can hold many pictures.
     pub is_sequence: bool,
     /// Width over height of the pictures.
     pub aspect: f32,
@@ -50,7 +50,7 @@ pub struct ScheduleOptions<'a> {
 /// The times of the pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PictureTimes {
-    /// One picture of the scene as its file shows it.
+    /// One picture of the scene as in its file.
     Rest,
     /// One picture at this time in seconds.
     At(f64),
@@ -82,11 +82,11 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// Determines the schedule. `framing` is the survey of the scene, made if it is needed.
+    /// Determines the schedule. `framing` caches the scene's survey, computed if needed.
     ///
     /// # Errors
-    /// A [`Failure`] of input that names the options that contradict each other, or what is not in
-    /// the scene.
+    /// A [`Failure`] of input that names the contradictory options, or what the scene does not
+    /// have.
     pub fn new(
         asked: &ScheduleOptions<'_>,
         scene: &Scene,
@@ -119,7 +119,7 @@ impl Schedule {
                     )
                     .into());
                 }
-                // The error is the same as for a range.
+                // Fail with the same error as for a range.
                 if end_s.is_none() {
                     whole(0.0)?;
                 }
@@ -167,8 +167,8 @@ impl Schedule {
         Ok(())
     }
 
-    /// The box around all poses of the scene: a smaller grid would miss the ends of the motion, and
-    /// one that follows would flicker. The scene is left in the last pose.
+    /// The box around all poses of the scene: a smaller grid would clip the motion, and a moving
+    /// grid would flicker. Leaves the scene in the last pose.
     ///
     /// # Errors
     /// As [`Scene::pose`].
@@ -203,7 +203,7 @@ impl Schedule {
     }
 }
 
-/// The requested animation; without a request the first, if there is one.
+/// The requested animation; by default the first, if any.
 ///
 /// # Errors
 /// A [`Failure`] of input that lists the animations.
@@ -247,7 +247,7 @@ fn eye(
         let angle_rad = f64::from(degrees).to_radians();
         return Ok(CameraMotion::Orbit { start, pivot, angle_rad });
     }
-    // By its index: an animation may move it.
+    // Use the scene's camera by index: an animation may move it.
     let place = match asked.camera {
         Some(CameraChoice::LookAt { .. }) => None,
         _ => scene.cameras.iter().position(|camera| *camera == start),
@@ -295,7 +295,7 @@ mod tests {
     #[test]
     fn an_orbit_goes_round_the_middle() {
         let mut scene = scene();
-        // It is rolled, and stays so.
+        // A rolled camera stays rolled.
         scene.cameras[0].up = Vec3::new(0.6, 0.8, 0.0);
         let schedule = Schedule::new(
             &ScheduleOptions { orbit_deg: Some(360.0), ..asked(None) },

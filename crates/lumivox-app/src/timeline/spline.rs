@@ -1,19 +1,19 @@
 //! A smooth curve through points with times.
 //!
 //! The curve is the centripetal Catmull-Rom spline (Catmull and Rom 1974, "A class of local
-//! interpolating splines"; the distance of its knots is the square root of the points' distance,
-//! for which Yuksel, Schaefer and Keyser 2011, "Parameterization and applications of Catmull-Rom
-//! curves", show that it has neither cusps nor loops within a piece). A monotone cubic gives the
-//! place on the curve at a time (Fritsch and Carlson 1980, "Monotone piecewise cubic
-//! interpolation"; slopes by Fritsch and Butland 1984). So the motion is smooth at the keys, too,
-//! never runs backwards, and rests where two keys are the same point. Before the first key and
-//! after the last it stands still.
+//! interpolating splines"): the distance of two knots is the square root of the points' distance.
+//! It has neither cusps nor loops within a piece (Yuksel, Schaefer and Keyser 2011,
+//! "Parameterization and applications of Catmull-Rom curves"). A monotone cubic maps times to
+//! places on the curve (Fritsch and Carlson 1980, "Monotone piecewise cubic interpolation"; slopes
+//! by Fritsch and Butland 1984). So the motion is smooth at the keys, too, never runs backwards,
+//! and rests between two keys at the same point. It does not move before the first key or after
+//! the last.
 
 use std::ops::{Add, Mul};
 
 use glam::DVec3;
 
-/// Cubic pieces between values at rising places, given by the values and derivatives there.
+/// A piecewise cubic, given by its values and derivatives at increasing places.
 #[derive(Clone, Debug, PartialEq)]
 struct Hermite<T> {
     places: Vec<f64>,
@@ -159,7 +159,7 @@ mod tests {
         }
     }
 
-    /// Through the corners of a square, a centripetal curve does not loop: it goes round once.
+    /// A centripetal curve through unevenly spaced keys around a corner does not loop.
     #[test]
     fn uneven_keys_make_no_loops() {
         let points = [[0.0, 0.0], [0.1, 0.0], [10.0, 0.0], [10.0, 0.1], [10.0, 10.0]];
@@ -168,15 +168,14 @@ mod tests {
         let mut last = spline.at(0.0);
         for step in 1..=400 {
             let now = spline.at(f64::from(step) * 0.01);
-            // The little overshoot of a corner belongs to the curve; a step back would not.
+            // A small overshoot at a corner is expected; a step back is not.
             let back = (now - last).dot(DVec3::new(1.0, 1.0, 0.0));
             assert!(back > -1e-9, "step {step}: {last} to {now}");
             last = now;
         }
     }
 
-    /// However long a piece beside a short one is, the curve swings out no farther than the short
-    /// one is long.
+    /// Beside a long piece, the curve overshoots a short piece by less than its length.
     #[test]
     fn long_pieces_swing_out_little() {
         let points = [[0.0, 0.0], [0.0, 1.0], [10.0, 1.0], [10.0, 0.0]];

@@ -1,4 +1,4 @@
-//! The window's state, and where everything is.
+//! The window's state and layout.
 
 use std::path::Path;
 use std::sync::mpsc::Sender;
@@ -21,20 +21,20 @@ use super::panels::{self, console, files};
 use super::screen::PICTURES;
 use super::{camera, theme};
 
-/// The line that puts the camera where it has come to rest is sent a moment before pictures become sharp, which would
-/// start again otherwise.
+/// Time without motion until the camera's line is sent: just before pictures become sharp, which
+/// the line would otherwise restart.
 const SETTLED: Duration = REST.saturating_sub(Duration::from_millis(50));
 
-/// A camera in somebody's hand.
+/// A camera that the user is moving.
 #[derive(Clone, Debug)]
 struct Motion {
     camera: Camera,
     moved: Instant,
-    /// The line that tells where it came to rest, once it was sent.
+    /// Number of the line with its final place; `None` until it is sent.
     told: Option<u64>,
 }
 
-/// The changes of the model that the window has followed, by the model's counts.
+/// The model's counts of changes that the window has handled.
 #[derive(Clone, Debug, Default)]
 struct Seen {
     opened: u64,
@@ -44,7 +44,7 @@ struct Seen {
     source: String,
 }
 
-/// A scene's name that holds in other folders, too.
+/// A scene's source with an absolute path, which is valid in any working folder.
 fn absolute(source: &str) -> String {
     if source.starts_with("builtin:") {
         return source.to_owned();
@@ -55,43 +55,43 @@ fn absolute(source: &str) -> String {
 
 /// The window's state.
 pub struct App {
-    /// What is kept between runs.
+    /// State that is saved between runs.
     pub config: Config,
     /// The pictures' textures.
     pub textures: [Option<TextureId>; PICTURES],
-    /// What the worker has published.
+    /// The worker's published state.
     pub published: Published,
     outbox: Outbox,
     motion: Option<Motion>,
     /// The selected object or light.
     pub selected: Option<Selected>,
-    /// What the handles do.
+    /// The mode of the handles.
     pub gizmo: gizmo::Mode,
-    /// A handle in somebody's hand.
+    /// The handle that is being dragged.
     pub drag: Option<gizmo::Drag>,
-    /// Where the split is, as a share of the picture's width.
+    /// Position of the split, as a share of the picture's width.
     pub split: f32,
-    /// Objects whose names have this in them are listed.
+    /// Filter of the object list: names must contain it.
     pub filter: String,
     /// The console.
     pub console: console::State,
-    /// Whether the help is open.
+    /// `true` while the help is open.
     pub has_help: bool,
-    /// Dialogs of the system.
+    /// The system's file dialogs.
     pub dialogs: files::Dialogs,
     seen: Seen,
-    /// What is chosen after this one of the worker's selections is shown whole.
+    /// `Some` if the next selection is to be framed: the count of selections at the request.
     frames_after: Option<u64>,
-    /// Where light was asked for, of which picture, and when.
+    /// The last light probe: place, number of the picture, and time.
     pub probed: Option<(Vec2, u64, Instant)>,
-    /// The name that a camera is stored under.
+    /// The name to store a camera under.
     pub camera_name: String,
-    /// The scene whose hint was closed.
+    /// [`Model::opened`] of the scene whose hint was closed.
     pub closed_hint: u64,
 }
 
 impl App {
-    /// The state at the start.
+    /// The initial state.
     pub fn new(config: Config, orders: Sender<Order>, shared: Shared) -> Self {
         if let Some(warning) = &config.warning {
             let _ = orders.send(Order::Say(LogKind::Error, warning.clone()));
@@ -118,12 +118,12 @@ impl App {
         }
     }
 
-    /// Fetches what was published.
+    /// Fetches the published state, and handles its changes.
     pub fn look(&mut self) -> Published {
         self.published = self.outbox.published();
         let model = self.published.model.clone();
         if model.opened != self.seen.opened {
-            // What is in somebody's hand is of the last scene.
+            // Drags belong to the last scene.
             self.seen.opened = model.opened;
             self.motion = None;
             self.drag = None;
@@ -131,7 +131,7 @@ impl App {
         }
         if model.camera_moves != self.seen.camera_moves {
             self.seen.camera_moves = model.camera_moves;
-            // A command goes before a hand that was there before it.
+            // A command overrides motion that began before it.
             if self.motion.as_ref().is_some_and(|motion| motion.told.is_none()) {
                 self.motion = None;
             }
@@ -160,9 +160,9 @@ impl App {
         self.outbox.has_ended()
     }
 
-    /// Keeps what is kept between runs.
+    /// Saves the state that is kept between runs.
     pub fn save(&mut self) {
-        // What came since the last frame counts, too; where nothing has come, what was kept stays.
+        // Include changes since the last frame; without a model, the saved settings stay.
         self.look();
         if self.published.has_model {
             let model = self.published.model.clone();
@@ -173,17 +173,17 @@ impl App {
         }
     }
 
-    /// Tells the worker something.
+    /// Sends the worker an order.
     pub fn order(&self, order: Order) {
         self.outbox.order(order);
     }
 
-    /// Sends a line that a button, a slider or a key stands for.
+    /// Sends the line of a button, a slider or a key; returns its number.
     pub fn line(&mut self, text: impl Into<String>) -> u64 {
         self.send(text.into(), Origin::Panel)
     }
 
-    /// Sends a line that somebody typed.
+    /// Sends a line as if typed into the console.
     pub fn typed_line(&mut self, text: impl Into<String>) {
         self.send(text.into(), Origin::Pane);
     }
@@ -191,7 +191,7 @@ impl App {
     fn send(&mut self, text: String, origin: Origin) -> u64 {
         let (line, info) = self.outbox.line(text, origin);
         if info.moves_camera {
-            // It is elsewhere after that.
+            // The line moves the camera elsewhere.
             self.motion = None;
         }
         line
@@ -207,7 +207,7 @@ impl App {
         self.typed_line(format!("load {}", quoted(source)));
     }
 
-    /// A parameter's value, or what it will be.
+    /// A parameter's pending value, or else its current one.
     pub fn value(&self, parameter: &Parameter, model: &Model) -> Value {
         match self.outbox.held(parameter.name) {
             Some(PendingValue::Value(value)) => value,
@@ -221,7 +221,7 @@ impl App {
         self.outbox.hold(parameter.name, PendingValue::Value(value), line);
     }
 
-    /// Numbers of something, or what they will be.
+    /// The pending numbers of `key`, or else `now`.
     pub fn numbers<const N: usize>(&self, key: &str, now: [f32; N]) -> [f32; N] {
         match self.outbox.held(key) {
             Some(PendingValue::Numbers(held)) => {
@@ -231,14 +231,14 @@ impl App {
         }
     }
 
-    /// Sets numbers by a command; at most nine of them are shown until it is done.
+    /// Sets numbers by a command; up to nine of them are pending until it is done.
     pub fn set_numbers<const N: usize>(&mut self, key: &str, numbers: [f32; N], command: String) {
         let line = self.line(command);
         let held = std::array::from_fn(|i| numbers.get(i).copied().unwrap_or(0.0));
         self.outbox.hold(key, PendingValue::Numbers(held), line);
     }
 
-    /// Chooses something.
+    /// Sets the selection.
     pub fn select(&mut self, selected: Option<Selected>) {
         if selected != self.selected {
             self.line(match &selected {
@@ -250,20 +250,20 @@ impl App {
         }
     }
 
-    /// The light where the pointer is, once it was measured.
+    /// The light under the pointer; `None` until it is measured.
     pub fn light_under_pointer(&self) -> Option<lumivox_render::Photometry> {
         let (at, ..) = self.probed?;
-        // That of a place nearby is shown until the pointer's own is there.
+        // Until then, show the light of a place nearby.
         let near = |light: &&super::model::LightAt| light.at.distance(at) < 0.02;
         self.published.light.as_ref().filter(near)?.light
     }
 
-    /// Shows all of what is chosen next.
+    /// Frames the next selection.
     pub fn frame_next_choice(&mut self) {
         self.frames_after = Some(self.seen.selections);
     }
 
-    /// The camera, as it is or as it is being moved.
+    /// The camera, as the user is moving it or else as published.
     pub fn camera(&self) -> Camera {
         match &self.motion {
             Some(motion) => motion.camera.clone(),
@@ -271,13 +271,13 @@ impl App {
         }
     }
 
-    /// Moves the camera by hand.
+    /// Moves the camera interactively.
     pub fn move_camera(&mut self, camera: Camera) {
         self.order(Order::Camera(camera.clone(), self.seen.opened));
         self.motion = Some(Motion { camera, moved: Instant::now(), told: None });
     }
 
-    /// Writes down where the camera has come to rest.
+    /// Sends the camera's line once it has come to rest.
     fn settle_camera(&mut self, ui: &Ui) {
         let Some(motion) = &self.motion else { return };
         if motion.told.is_some() {
@@ -294,23 +294,23 @@ impl App {
         self.motion = Some(Motion { camera, moved, told: Some(told) });
     }
 
-    /// Says how much room there is for the picture, px.
+    /// Sets the space for the picture, px.
     pub fn set_room(&mut self, size: UVec2) {
         let size = if self.config.half_size { size / 2 } else { size };
         self.outbox.set_size(size.max(UVec2::ONE));
     }
 
-    /// Says which device the window draws with.
+    /// Sets the device that the window draws with.
     pub fn set_device(&mut self, device: GpuId) {
         self.outbox.set_device(device);
     }
 
-    /// Says up to which number the window shows pictures.
+    /// Sets the number of the newest picture that the window shows.
     pub fn set_shown(&mut self, serial: u64) {
         self.outbox.set_shown(serial);
     }
 
-    /// All of the window.
+    /// Lays out the window.
     pub fn show(&mut self, ui: &mut Ui) {
         let model = self.published.model.clone();
         if let Some((number, line)) = &model.command_line
@@ -342,7 +342,7 @@ impl App {
                 Panel::right("right").frame(side).default_size(296.0).size_range(260.0..=460.0);
             panel.show(ui, |ui| is_timed = panels::right(ui, &model, self));
         }
-        // Times of stages are taken where they are shown.
+        // Measure stage times only while they are shown.
         self.outbox.set_timed(is_timed);
         if self.config.console {
             let deep = Frame::new().fill(theme::DEEP).inner_margin(egui::Margin::symmetric(8, 4));
@@ -357,7 +357,7 @@ impl App {
         }
         let deep = Frame::new().fill(theme::DEEP);
         CentralPanel::no_frame().frame(deep).show(ui, |ui| {
-            // A scene's first picture is as large as the others will be.
+            // Also without a scene, so that its first picture has this size.
             let room = ui.available_rect_before_wrap().size() * ui.ctx().pixels_per_point();
             if room.x >= 1.0 && room.y >= 1.0 {
                 self.set_room(UVec2::new(room.x as u32, room.y as u32));

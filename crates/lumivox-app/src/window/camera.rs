@@ -1,30 +1,30 @@
-//! How the camera is moved by hand.
+//! Interactive camera motion.
 
 use glam::{Quat, Vec2, Vec3};
 use lumivox_scene::{Bounds, Camera};
 
-/// How near to the vertical it may look, rad: further on, left and right would swap.
+/// The steepest view, rad: beyond the vertical, left and right would swap.
 const STEEPEST_RAD: f32 = 1.55;
 
-/// Turns the camera about a point by angles to the right and down, rad: the point stays where it is in the picture.
+/// Rotates the camera about a point by angles to the right and down, rad. The point stays where it
+/// is in the picture.
 pub fn orbit(camera: &Camera, pivot: Vec3, angles_rad: Vec2) -> Camera {
     let turn = turn(camera, -angles_rad);
     let position = pivot + turn * (camera.position - pivot);
     Camera { position, forward: (turn * camera.forward).normalize(), up: Vec3::Y, ..camera.clone() }
 }
 
-/// Turns the camera where it stands by angles to the right and down, rad.
+/// Rotates the camera in place by angles to the right and down, rad.
 pub fn look(camera: &Camera, angles_rad: Vec2) -> Camera {
     let turn = turn(camera, -angles_rad);
     Camera { forward: (turn * camera.forward).normalize(), up: Vec3::Y, ..camera.clone() }
 }
 
-/// About the vertical to the left, then up, as far as it goes.
+/// A rotation to the left about the vertical, then up, at most to [`STEEPEST_RAD`].
 fn turn(camera: &Camera, angles_rad: Vec2) -> Quat {
     let elevation = camera.forward.y.clamp(-1.0, 1.0).asin();
     let raised = (elevation + angles_rad.y).clamp(-STEEPEST_RAD, STEEPEST_RAD);
     let right = camera.world_from_camera().x_axis.truncate();
-    // At the pole there is no way on but back.
     Quat::from_rotation_y(angles_rad.x) * Quat::from_axis_angle(right, raised - elevation)
 }
 
@@ -35,14 +35,14 @@ pub fn fly(camera: &Camera, way_m: Vec3) -> Camera {
     Camera { position: camera.position + by, ..camera.clone() }
 }
 
-/// Moves the camera towards a point (factors below 1) or away from it; the direction stays.
+/// Moves the camera towards a point (factors below 1) or away from it, without turning it.
 pub fn dolly(camera: &Camera, pivot: Vec3, factor: f32) -> Camera {
     let distance = (pivot - camera.position).dot(camera.forward).max(camera.near_m * 4.0);
     fly(camera, Vec3::new(0.0, 0.0, distance * (1.0 - factor)))
 }
 
-/// Moves the camera within the picture's plane, by shares of the picture's height at a point's distance: what is there
-/// follows the pointer.
+/// Moves the camera within the picture's plane, by shares of the picture's height at a point's
+/// distance, so that the point moves with the pointer.
 pub fn pan(camera: &Camera, pivot: Vec3, shares: Vec2) -> Camera {
     let distance = (pivot - camera.position).dot(camera.forward).max(camera.near_m * 4.0);
     let height = 2.0 * distance * (0.5 * camera.vertical_fov_rad).tan();
@@ -52,7 +52,8 @@ pub fn pan(camera: &Camera, pivot: Vec3, shares: Vec2) -> Camera {
     Camera { position: camera.position + by, ..camera.clone() }
 }
 
-/// Moves the camera so that a box fills the picture of this aspect (width by height); the direction stays.
+/// Moves the camera, without turning it, so that a box fills a picture of this aspect (width over
+/// height).
 pub fn frame(camera: &Camera, bounds: Bounds, aspect: f32) -> Camera {
     let half = 0.5 * camera.vertical_fov_rad;
     let narrower = half.min((half.tan() * aspect).atan());
@@ -61,7 +62,7 @@ pub fn frame(camera: &Camera, bounds: Bounds, aspect: f32) -> Camera {
     Camera { position, near_m: camera.near_m.min(radius_m * 1e-3).max(1e-6), ..camera.clone() }
 }
 
-/// The command that puts the camera where it is. `distance_m` is where the point lies that it looks at.
+/// The command that sets this camera; `distance_m` is the distance of its target.
 pub fn command(camera: &Camera, distance_m: f32) -> String {
     let p = camera.position;
     let t = p + camera.forward * distance_m.max(camera.near_m);

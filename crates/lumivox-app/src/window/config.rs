@@ -1,8 +1,9 @@
-//! What is kept between runs: the last settings, recent scenes, the window's size and panels.
+//! State that is saved between runs: settings, recent scenes, the window's size and panels.
 //!
-//! It is a JSON file in the user's folder for configuration (`lumivox/window.json`; on Linux below `$XDG_CONFIG_HOME`
-//! or `~/.config`). Settings are kept by their names in [`lumivox_explorer::parameters`], so that a file of another
-//! version loses what that version does not have and nothing else.
+//! It is a JSON file in the user's configuration folder (`lumivox/window.json`; on Linux below
+//! `$XDG_CONFIG_HOME` or `~/.config`). Settings are stored by their names in
+//! [`lumivox_explorer::parameters`], so that a file of another version loses only settings that
+//! this version does not have.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -14,45 +15,45 @@ use serde::{Deserialize, Serialize};
 
 use crate::args::settings::Given;
 
-/// Scenes that are remembered.
+/// Maximum number of recent scenes.
 const RECENT: usize = 10;
 
-/// What is kept.
+/// The saved state.
 #[allow(clippy::struct_excessive_bools)] // Each is a switch of the window.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(default)]
 pub struct Config {
     /// Width and height of the window in points of the screen.
     pub window: [f32; 2],
-    /// Whether the panel on the left is open.
+    /// `true` if the left panel is open.
     pub left: bool,
-    /// Whether the panel on the right is open.
+    /// `true` if the right panel is open.
     pub right: bool,
-    /// Whether the console is open.
+    /// `true` if the console is open.
     pub console: bool,
-    /// The picture has half as many pixels along each edge as there is room for.
+    /// `true` if pictures have half the width and height of their space.
     pub half_size: bool,
-    /// The time that a frame may take while something moves, ms; 0: pictures are never coarser.
+    /// The time that a frame may take while something moves, ms; 0 disables coarser pictures.
     pub frame_budget_ms: f32,
-    /// How fast the camera flies, as a multiple of what fits the scene.
+    /// Flying speed, as a multiple of the scene's default.
     pub speed: f32,
-    /// Scenes, the newest first, as `load` takes them.
+    /// Recent scenes, the newest first, as arguments of `load`.
     pub recent: Vec<String>,
-    /// The preset.
+    /// The preset's name.
     pub preset: Option<String>,
-    /// Settings by name.
+    /// Settings that differ from the preset's, by name.
     pub settings: BTreeMap<String, String>,
     #[serde(skip)]
     file: Option<PathBuf>,
-    /// What the command line names, and its values there: for once, not to be kept.
+    /// Overrides by the command line, which are not saved unless changed since.
     #[serde(skip)]
     once: Once,
-    /// What was wrong with the file.
+    /// A problem with the file; `None` if there was none.
     #[serde(skip)]
     pub warning: Option<String>,
 }
 
-/// What a command line asks for.
+/// Overrides by a command line.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Once {
     preset: Option<PresetChoice>,
@@ -80,8 +81,8 @@ impl Default for Config {
 }
 
 impl Config {
-    /// What was kept the last time; the defaults where there is nothing, or nothing that can be read. A `fresh` one has
-    /// the recent scenes alone.
+    /// Loads the saved state; the defaults if there is no readable file. If `is_fresh`, loads only
+    /// the recent scenes.
     pub fn load(is_fresh: bool) -> Self {
         let file = directories::ProjectDirs::from("", "", "lumivox")
             .map(|folders| folders.config_dir().join("window.json"));
@@ -118,7 +119,7 @@ impl Config {
         })
     }
 
-    /// Writes it.
+    /// Writes the file.
     ///
     /// # Errors
     /// When the folder or the file cannot be written.
@@ -134,8 +135,8 @@ impl Config {
         Ok(())
     }
 
-    /// Gives an explorer the settings that were kept, except for those that the command line gives; if it names a preset,
-    /// none.
+    /// Applies the saved settings to an explorer, except those that the command line gives; none if
+    /// it names a preset.
     pub fn apply(&mut self, explorer: &mut Explorer, given: &[Given], names_preset: bool) {
         explorer.pacing.budget_ms = self.frame_budget_ms.clamp(0.0, LONGEST_BUDGET_MS);
         for (parameter, _) in given {
@@ -162,7 +163,7 @@ impl Config {
             }
         }
         for (parameter, _) in given {
-            // A value that it had is one that it can have.
+            // Cannot fail: the parameter had this value.
             let _ = parameter.set(&mut settings, parameter.get(&old.0));
         }
         match explorer.set_settings(settings) {
@@ -175,17 +176,17 @@ impl Config {
         }
     }
 
-    /// Keeps the settings that differ from the preset's.
+    /// Stores the settings that differ from the preset's.
     pub fn keep_settings(&mut self, model: &super::model::Model) {
         self.frame_budget_ms = model.pacing.budget_ms;
-        // What the command line asked for and nobody has changed since was for once.
+        // A preset of the command line is not saved unless changed since.
         if self.once.preset == Some(model.preset) {
             return;
         }
         let before = std::mem::take(&mut self.settings);
         self.preset = Some(model.preset.name().to_owned());
         let differs = |p: &&Parameter| p.get(&model.settings) != p.get(&model.usual);
-        // VXCT's cones do not matter to another look.
+        // Skip settings without effect, such as VXCT's cones in another look.
         let counts = |p: &&Parameter| p.means_something(&model.settings);
         let kept = PARAMETERS.iter().filter(counts).filter(differs);
         self.settings =
@@ -241,7 +242,7 @@ mod tests {
             );
             assert_eq!(config.window, Config::default().window);
         }
-        // What is missing has its default, what is unknown is passed over, and nonsense is not believed.
+        // Missing and invalid values have their defaults, and unknown ones are ignored.
         let config = Config::read("{\"future\": 1, \"window\": [1e9, -5], \"speed\": 0}", None);
         assert_eq!(config, Config::default());
     }
@@ -257,12 +258,12 @@ mod tests {
         config.keep_settings(&model);
         assert_eq!(config.settings.get("bounces").map(String::as_str), Some("2"));
         assert!(!config.settings.contains_key("frames"));
-        // Somebody has changed it in the window.
+        // Values that were changed in the window are saved.
         (model.settings.bounces, model.settings.frames) = (4, 6);
         config.keep_settings(&model);
         assert_eq!(config.settings.get("bounces").map(String::as_str), Some("4"));
         assert_eq!(config.settings.get("frames").map(String::as_str), Some("6"));
-        // So is a preset, with all that belongs to it.
+        // With a preset of the command line, no settings are saved.
         config.once.preset = Some(model.preset);
         let before = config.settings.clone();
         model.settings.bounces = 1;

@@ -1,16 +1,17 @@
-//! Which parts of the window have to be painted anew.
+//! Finds the parts of the window that must be repainted.
 //!
-//! On a software GPU a whole window takes 50 ms, and a click that opens a menu takes three frames of it; what changes
-//! is mostly a button. So what is painted stays on a canvas, and of the next frame only what differs is painted there.
+//! On a software GPU, painting the whole window takes 50 ms, and a click that opens a menu takes
+//! three frames, in which mostly only a button changes. So the painted window stays on a canvas,
+//! and the next frame repaints only the parts that differ.
 
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive};
 use egui::{Color32, Rect, TextureId, pos2};
 
-/// More parts than that become one: each paints all primitives that it cuts.
+/// More parts are merged into one, since each paints all primitives that it intersects.
 const MOST_PARTS: usize = 4;
 
-/// The parts of a frame that differ from the frame before, points; they do not overlap. Textures that were written
-/// count as different.
+/// The parts of a frame that differ from the frame before, in points; they do not overlap.
+/// Primitives with a texture in `written` count as different.
 pub fn parts(
     before: &[ClippedPrimitive],
     now: &[ClippedPrimitive],
@@ -33,7 +34,8 @@ pub fn parts(
     disjoint(parts)
 }
 
-/// The primitives that paint one part: a black ground, and those of a frame that reach into the part, cut to it.
+/// The primitives that paint one part: a black background, and the frame's primitives that
+/// intersect the part, clipped to it.
 pub fn cut(primitives: &[ClippedPrimitive], part: Rect) -> Vec<ClippedPrimitive> {
     let mut ground = Mesh::default();
     ground.add_colored_rect(part, Color32::BLACK);
@@ -46,7 +48,7 @@ pub fn cut(primitives: &[ClippedPrimitive], part: Rect) -> Vec<ClippedPrimitive>
     std::iter::once(ground).chain(cut).collect()
 }
 
-/// Where primitives differ that lie between others that are the same.
+/// Adds the parts that differ between two runs of primitives, which lie between unchanged ones.
 fn changes(old: &[ClippedPrimitive], new: &[ClippedPrimitive], parts: &mut Vec<Rect>) {
     if old.len() == new.len() {
         parts.extend(old.iter().zip(new).filter_map(|(old, new)| difference(old, new)));
@@ -62,7 +64,7 @@ fn is_same(a: &ClippedPrimitive, b: &ClippedPrimitive) -> bool {
     }
 }
 
-/// All that a primitive can paint.
+/// The area that a primitive can paint.
 fn extent(primitive: &ClippedPrimitive) -> Rect {
     match &primitive.primitive {
         Primitive::Mesh(mesh) => mesh.calc_bounds().intersect(primitive.clip_rect),
@@ -70,7 +72,8 @@ fn extent(primitive: &ClippedPrimitive) -> Rect {
     }
 }
 
-/// Where two primitives differ: where triangles have moved or changed their colours, if they are the same triangles.
+/// The part where two primitives differ: only the moved or recoloured triangles if both have the
+/// same indices and texture, otherwise all of both.
 fn difference(old: &ClippedPrimitive, new: &ClippedPrimitive) -> Option<Rect> {
     if is_same(old, new) {
         return None;
@@ -99,7 +102,7 @@ fn difference(old: &ClippedPrimitive, new: &ClippedPrimitive) -> Option<Rect> {
     Some(part.intersect(new.clip_rect))
 }
 
-/// Parts that do not overlap, and cover what these do.
+/// Merges parts until they do not overlap.
 fn disjoint(parts: Vec<Rect>) -> Vec<Rect> {
     let mut apart: Vec<Rect> = Vec::new();
     for mut part in parts.into_iter().filter(Rect::is_positive) {
@@ -114,7 +117,7 @@ fn disjoint(parts: Vec<Rect>) -> Vec<Rect> {
     apart
 }
 
-/// Whole pixels around a part, with one more on each side, in points.
+/// A part extended to whole pixels, and by one more on each side, in points.
 pub fn on_pixels(part: Rect, pixels_per_point: f32) -> Rect {
     let low = (part.min.to_vec2() * pixels_per_point).floor() - egui::Vec2::ONE;
     let high = (part.max.to_vec2() * pixels_per_point).ceil() + egui::Vec2::ONE;
@@ -152,7 +155,7 @@ mod tests {
         let side = filled(&[(rect(0.0, 50.0), Color32::GREEN)]);
         let before = [bar(Color32::RED), side.clone()];
         assert_eq!(parts(&before, &[bar(Color32::BLUE), side.clone()], &[]), [rect(50.0, 0.0)]);
-        // A menu between the two, while the button changes: what lies between and what follows stays.
+        // A menu between two unchanged primitives is the only part.
         let menu = filled(&[(rect(80.0, 80.0), Color32::BLUE)]);
         let opened = [before[0].clone(), menu, side];
         assert_eq!(parts(&before, &opened, &[]), [rect(80.0, 80.0)]);

@@ -19,12 +19,12 @@ use super::surface::Surface;
 use super::{Start, theme, worker};
 use crate::cli::WindowDevice;
 
-/// What wakes the window.
+/// Events that wake the window.
 #[derive(Debug)]
 pub enum Wake {
     /// The worker has published something.
     Published,
-    /// A screen reader asks.
+    /// A request of a screen reader.
     Access(accesskit_winit::Event),
 }
 
@@ -37,13 +37,13 @@ impl From<accesskit_winit::Event> for Wake {
 /// The least size of the window, points.
 const LEAST: LogicalSize<f64> = LogicalSize::new(480.0, 320.0);
 
-/// A frame or a command that is being done when the window is closed is waited for this long.
+/// Maximum wait for the current frame or command when the window is closed.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Shows the window until it is closed.
 ///
 /// # Errors
-/// When no window can be made, or no device draws into it.
+/// When no window can be created, or no device can draw into it.
 pub fn run(event_loop: EventLoop<Wake>, start: Start) -> anyhow::Result<()> {
     let proxy = Mutex::new(event_loop.create_proxy());
     let wake = move || {
@@ -68,7 +68,7 @@ pub fn run(event_loop: EventLoop<Wake>, start: Start) -> anyhow::Result<()> {
     };
     event_loop.run_app(&mut handler)?;
     handler.app.order(Order::Quit);
-    // Nobody has to look at a window that does nothing any more.
+    // Close the window before waiting for the worker.
     handler.open = None;
     let ended = super::join(thread, PATIENCE);
     handler.app.save();
@@ -93,7 +93,7 @@ struct Handler {
     app: App,
     device: WindowDevice,
     open: Option<Open>,
-    /// When egui wants to paint again by itself.
+    /// Time of the repaint that egui has requested.
     next_paint: Option<Instant>,
     error: Option<anyhow::Error>,
 }
@@ -117,7 +117,7 @@ impl Handler {
             .with_title("Lumivox")
             .with_inner_size(LogicalSize::new(width, height))
             .with_min_inner_size(LEAST)
-            // Screen readers must be there before the window is seen.
+            // AccessKit must be initialized before the window is visible.
             .with_visible(false);
         let window = event_loop
             .create_window(attributes)
@@ -217,7 +217,7 @@ impl ApplicationHandler<Wake> for Handler {
         let Some(open) = &mut self.open else { return };
         match wake {
             Wake::Published => {
-                // A minimized window is not asked to paint, but may be asked to end.
+                // A minimized window gets no redraws, so check for the worker's end here.
                 if self.app.has_ended() {
                     event_loop.exit();
                 }

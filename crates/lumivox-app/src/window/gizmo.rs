@@ -1,11 +1,11 @@
-//! The handles by which objects and lights are moved, turned and scaled in the picture: what is dragged where.
+//! The handles that move, rotate and scale objects and lights in the picture.
 
 use egui::{Pos2, Rect, pos2};
 use glam::{Quat, Vec2, Vec3};
 use lumivox_explorer::Placement;
 use lumivox_scene::Camera;
 
-/// What the handles do.
+/// The mode of the handles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
     /// Arrows along the world's axes.
@@ -17,39 +17,39 @@ pub enum Mode {
     Size,
 }
 
-/// What is dragged.
+/// A handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Handle {
-    /// Along or about x, y or z.
+    /// The handle along or about x, y or z.
     Axis(usize),
     /// All axes at once.
     Middle,
 }
 
-/// How the world comes to the picture on the screen.
+/// The projection of the world into the picture on the screen.
 #[derive(Clone, Debug)]
 pub struct Projection {
     camera: Camera,
     rect: Rect,
 }
 
-/// Steps while CTRL is held: m as a share of the handles' size, degrees, share of the size.
+/// Steps while Ctrl is held: a share of the handles' length or of the scale, and degrees.
 const SNAP_SHARE: f32 = 0.1;
 const SNAP_DEG: f32 = 15.0;
-/// Handles are as long as this share of the picture's height.
+/// Length of the handles, as a share of the picture's height.
 const LENGTH_SHARE: f32 = 0.16;
-/// Points of a ring.
+/// Segments of a ring.
 const RING_POINTS: usize = 48;
-/// How near the pointer must come to a handle, points of the screen.
+/// Maximum distance of the pointer to a handle, points.
 const REACH: f32 = 9.0;
 
 impl Projection {
-    /// Of a camera whose picture fills a rectangle.
+    /// The projection of a camera whose picture fills a rectangle.
     pub fn new(camera: &Camera, rect: Rect) -> Self {
         Self { camera: camera.clone(), rect }
     }
 
-    /// Where a point of the world is on the screen; `None` behind the eye.
+    /// The position of a world point on the screen; `None` behind the eye.
     pub fn project(&self, point: Vec3) -> Option<Pos2> {
         let seen = self.camera.camera_from_world().transform_point3(point);
         let depth = -seen.z;
@@ -70,13 +70,13 @@ impl Projection {
         (self.camera.position, self.camera.world_from_camera().transform_vector3(direction))
     }
 
-    /// How long handles at a point are in the world, so that they have one size on the screen, m.
+    /// World length of handles at a point, m, for a constant size on the screen.
     pub fn handle_length(&self, at: Vec3) -> f32 {
         let depth = (at - self.camera.position).dot(self.camera.forward).max(self.camera.near_m);
         2.0 * depth * (0.5 * self.camera.vertical_fov_rad).tan() * LENGTH_SHARE
     }
 
-    /// A segment of the world on the screen, cut off in front of the eye.
+    /// A world segment on the screen, clipped at the near plane; `None` if it is all behind.
     pub fn segment(&self, from: Vec3, to: Vec3) -> Option<[Pos2; 2]> {
         let near =
             |p: Vec3| (p - self.camera.position).dot(self.camera.forward) - self.camera.near_m;
@@ -90,19 +90,21 @@ impl Projection {
         Some([self.project(from)?, self.project(to)?])
     }
 
-    /// How far along a line (`axis` is a unit vector) the point lies that is nearest to what the pointer points at, m.
+    /// The distance along a line (`axis` is a unit vector) to the point nearest to the pointer's
+    /// ray, m.
     fn along(&self, origin: Vec3, axis: Vec3, at: Pos2) -> Option<f32> {
         let (eye, ray) = self.ray(at);
         let (w, b) = (origin - eye, axis.dot(ray));
         let denominator = 1.0 - b * b;
-        // Seen along the axis there is no telling.
+        // The ray is nearly parallel to the axis.
         if denominator < 1e-4 {
             return None;
         }
         Some((b * ray.dot(w) - axis.dot(w)) / denominator)
     }
 
-    /// The direction from a point, within the plane that `axis` stands on, to what the pointer points at.
+    /// The direction from a point to where the pointer's ray meets the plane through it that is
+    /// perpendicular to `axis`; `None` if the ray is nearly parallel to the plane.
     fn around(&self, origin: Vec3, axis: Vec3, at: Pos2) -> Option<Vec3> {
         let (eye, ray) = self.ray(at);
         let slope = ray.dot(axis);
@@ -170,24 +172,24 @@ fn to_segment(at: Pos2, [a, b]: [Pos2; 2]) -> f32 {
     (at - (a + along * share.clamp(0.0, 1.0))).length()
 }
 
-/// A handle in somebody's hand.
+/// A handle that is being dragged.
 #[derive(Clone, Debug)]
 pub struct Drag {
-    /// What the handles do.
+    /// The mode of the handles.
     pub mode: Mode,
-    /// Which one.
+    /// The dragged handle.
     pub handle: Handle,
     start: Placement,
     from: Pos2,
 }
 
 impl Drag {
-    /// Takes a handle.
+    /// Starts a drag.
     pub fn new(mode: Mode, handle: Handle, start: Placement, from: Pos2) -> Self {
         Self { mode, handle, start, from }
     }
 
-    /// Where the pointer has brought the object; in steps if `snaps`.
+    /// The object's placement with the pointer at `at`; in steps if `snaps`.
     pub fn placement(&self, view: &Projection, at: Pos2, snaps: bool) -> Placement {
         let origin = self.start.position;
         let length = view.handle_length(origin);
@@ -198,7 +200,7 @@ impl Drag {
                 let axis = unit(axis);
                 let moved = view.along(origin, axis, at).zip(view.along(origin, axis, self.from));
                 let way = moved.map_or(0.0, |(now, then)| now - then);
-                // Steps are round numbers: a power of ten about a tenth of the handles' length.
+                // The step is the power of ten nearest to a tenth of the handles' length.
                 let round = 10.0_f32.powf((length * SNAP_SHARE).log10().round());
                 Placement { position: origin + axis * step(way, round), ..self.start }
             }
@@ -306,7 +308,7 @@ mod tests {
         let middle = Drag::new(Mode::Size, Handle::Middle, turned, from);
         let grown = middle.placement(&view, from + egui::vec2(50.0, 0.0), false).scale;
         assert!(grown.x > 1.2 && grown.x == grown.y && grown.y == grown.z, "{grown}");
-        // Nothing is turned inside out.
+        // Scales stay positive.
         assert!(drag.placement(&view, from - (to - from) * 9.0, false).scale.min_element() > 0.0);
     }
 }

@@ -1,4 +1,5 @@
-//! What runs beside the frames: reading scenes, and tracing references. Results come to the worker as orders.
+//! Background jobs: reading scenes, and tracing references. Results are sent to the worker as
+//! orders.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -19,29 +20,29 @@ use crate::progress::{ProgressDisplay, ProgressReader};
 /// A scene that is being read.
 #[derive(Debug)]
 pub struct Loading {
-    /// Tells it from others.
+    /// The job's number.
     pub number: u64,
-    /// How far it is.
+    /// Its progress.
     pub watch: ProgressReader,
-    /// What is read.
+    /// The scene's source.
     pub title: String,
-    /// Whether it is the scene that is shown already.
+    /// `true` if it is the scene that is already shown.
     pub is_reload: bool,
-    /// Hears of changes of its files.
+    /// The watcher of its files; `None` if they are not watched.
     pub watched: Option<Watched>,
 }
 
-/// A scene that was read, or not.
+/// The result of reading a scene.
 #[derive(Debug)]
 pub struct Loaded {
     /// As in [`Loading`].
     pub number: u64,
-    /// The scene.
+    /// The scene, or why it could not be read.
     pub result: anyhow::Result<OpenedScene>,
 }
 
-/// Reads a scene on a thread of its own. Loaders cannot be stopped; what nobody waits for any more is dropped when it
-/// comes.
+/// Reads a scene on its own thread. Loaders cannot be stopped: the result of a cancelled one is
+/// dropped when it arrives.
 pub fn load(number: u64, opening: SceneRequest, is_reload: bool, orders: Sender<Order>) -> Loading {
     let progress = ProgressDisplay::silent("reading");
     let (watch, title) = (progress.watch(), opening.source.to_string());
@@ -51,14 +52,14 @@ pub fn load(number: u64, opening: SceneRequest, is_reload: bool, orders: Sender<
         }));
         let result =
             result.unwrap_or_else(|_| Err(anyhow::anyhow!("the loader failed; see the terminal")));
-        // Nobody waits when the window is closed.
+        // The receiver is gone if the window was closed.
         let _ = orders.send(Order::Loaded(Box::new(Loaded { number, result })));
     };
     std::thread::spawn(work);
     Loading { number, watch, title, is_reload, watched: None }
 }
 
-/// All that a reference depends on.
+/// Everything that a reference depends on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferenceKey {
     camera: Camera,
@@ -71,7 +72,7 @@ pub struct ReferenceKey {
 }
 
 impl ReferenceKey {
-    /// Of a scene as it is seen.
+    /// The key of a scene with its camera and settings.
     pub fn new(scene: &Scene, camera: &Camera, settings: &RenderSettings, samples: u32) -> Self {
         Self {
             camera: camera.clone(),
@@ -84,7 +85,7 @@ impl ReferenceKey {
         }
     }
 
-    /// Whether it is that of a scene as it is seen in this size.
+    /// Whether the key matches this scene, camera and size.
     pub fn is_of(&self, scene: &Scene, camera: &Camera, size: UVec2) -> bool {
         self.camera == *camera
             && self.size == size
@@ -95,17 +96,17 @@ impl ReferenceKey {
     }
 }
 
-/// A reference on its way.
+/// A reference that is being traced.
 #[derive(Debug)]
 pub struct Tracing {
-    /// Of what.
+    /// What it depends on.
     pub key: ReferenceKey,
-    /// Tells it from others.
+    /// The job's number.
     pub number: u64,
-    /// When it was begun.
+    /// When tracing began.
     pub since: Instant,
     shared: Arc<Shared>,
-    /// Whether all samples are there, or it failed.
+    /// `true` if all samples are traced, or tracing failed.
     pub is_over: bool,
 }
 
@@ -116,37 +117,37 @@ struct Shared {
     samples: AtomicU32,
 }
 
-/// A reference so far.
+/// An intermediate or final reference.
 #[derive(Debug)]
 pub struct Reference {
     /// Width and height, px.
     pub size: UVec2,
     /// Radiance and coverage of each pixel.
     pub hdr: Vec<[f32; 4]>,
-    /// Samples of each.
+    /// Samples per pixel.
     pub samples: u32,
-    /// The stops and the curve by which it is shown, once it is.
+    /// Exposure in stops and tone curve of its last display; `None` if never shown.
     pub shown: Option<(f32, ToneMap)>,
 }
 
-/// News of a reference.
+/// An intermediate or final result of tracing.
 #[derive(Debug)]
 pub struct Traced {
     /// As in [`Tracing`].
     pub number: u64,
-    /// What there is; an error where the device failed.
+    /// The reference so far, or why tracing failed.
     pub result: anyhow::Result<Reference>,
-    /// Whether it is the last.
+    /// `true` if no more results follow.
     pub is_last: bool,
 }
 
 impl Tracing {
-    /// Samples of each pixel so far.
+    /// Samples per pixel so far.
     pub fn samples(&self) -> f32 {
         self.shared.samples.load(Ordering::Relaxed) as f32 / 1000.0
     }
 
-    /// Samples in the end.
+    /// Samples per pixel when finished.
     pub fn total(&self) -> u32 {
         self.key.samples
     }
@@ -158,7 +159,7 @@ impl Drop for Tracing {
     }
 }
 
-/// Traces a reference on a thread of its own, until it is dropped.
+/// Traces a reference on its own thread, until the returned [`Tracing`] is dropped.
 pub fn trace(
     number: u64,
     gpu: Gpu,
@@ -203,7 +204,7 @@ fn trace_all(
         if is_stopped() {
             return Ok(());
         }
-        // A picture costs more than a batch of a small one: they come in growing intervals.
+        // A small picture takes longer to read back than a batch: send it at growing intervals.
         let samples = tracer.samples();
         if !goes_on || samples >= shown + shown / 4 {
             shown = samples;

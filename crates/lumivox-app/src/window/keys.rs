@@ -1,4 +1,4 @@
-//! Keys.
+//! Keyboard shortcuts.
 
 use egui::{Key, Modifiers, Ui};
 
@@ -10,7 +10,7 @@ use super::orders::Order;
 use super::panels::{self, console};
 
 impl App {
-    /// Keys that work anywhere, and those that work while nobody types.
+    /// Handles keys: some always, others only while no text field has the focus.
     pub fn keys(&mut self, ui: &Ui, model: &Model) {
         let pressed = |modifiers, key| ui.input_mut(|input| input.consume_key(modifiers, key));
         let command = Modifiers::COMMAND;
@@ -20,7 +20,7 @@ impl App {
         if pressed(Modifiers::NONE, Key::F2) {
             self.config.console = !self.config.console;
             if self.config.console {
-                // Who opens it wants to type.
+                // Focus the console's input line.
                 ui.memory_mut(|memory| memory.request_focus(console::line()));
             }
         }
@@ -58,7 +58,8 @@ impl App {
             self.line(if model.playback.is_playing { "pause" } else { "play" });
         }
         if !model.jobs.is_empty() && pressed(Modifiers::NONE, Key::Escape) {
-            // Esc goes from what is nearest to what is farthest: work, help, selection.
+            // The first Esc cancels jobs; without jobs, it closes the help and clears the
+            // selection.
             self.order(Order::Cancel(None));
         }
         if pressed(Modifiers::NONE, Key::Escape) {

@@ -1,43 +1,45 @@
-//! Lines on their way to the console.
+//! Lines to be run by the console.
 
 use lumivox_console::{LineInfo, quote};
 
 pub use lumivox_console::words;
 
-/// Who wrote a line.
+/// The origin of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// A button, a slider, a key: what it does to the state can be left out where a later line does it again.
+    /// A button, a slider or a key. Its line is dropped if a later one sets the same target before
+    /// it runs.
     Panel,
-    /// Somebody, in the window's console.
+    /// The window's console.
     Pane,
-    /// The terminal that the program was started from, or what is piped into it.
+    /// The terminal that the program was started from, or its piped stdin.
     Terminal,
-    /// A script that one of these runs.
+    /// A script, run from any of these.
     Script,
 }
 
-/// A line on its way.
+/// A line to run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
-    /// Of the console's language.
+    /// The text, in the console's language.
     pub text: String,
-    /// Who wrote it.
+    /// Its origin.
     pub origin: Origin,
-    /// Counts the window's lines; 0 for others.
+    /// Number among the window's lines; 0 for other lines.
     pub serial: u64,
-    /// Counts what hands do, such as drags: the changes of one are one step for `undo`. 0 for what stands alone.
+    /// Number of the gesture, such as a drag, whose lines are one step for `undo`; 0 for a line
+    /// that is its own step.
     pub gesture: u64,
 }
 
 impl Line {
-    /// The target that it sets, if a later line may supersede it: typed lines are all run.
+    /// The target that it sets; `None` if the line must run, as typed lines must.
     pub fn target(&self) -> Option<String> {
         if self.origin == Origin::Panel { LineInfo::of(&self.text).target } else { None }
     }
 }
 
-/// A word that a POSIX shell splits into itself again.
+/// A word, quoted for a POSIX shell.
 pub fn shell_quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
@@ -46,7 +48,7 @@ pub fn shell_quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', "'\\''"))
 }
 
-/// A word that a line splits into itself again.
+/// A word, quoted for a line of the console.
 pub fn quoted(word: &str) -> String {
     quote(word)
 }

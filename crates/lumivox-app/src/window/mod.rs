@@ -1,29 +1,30 @@
 //! The window: a thin front end on the console.
 //!
-//! Two threads. This one belongs to the window: it draws the panels by egui, and sends lines of the console's language to
-//! the worker ([`worker`]), which owns the console and the explorer. Back come a snapshot for the panels ([`model`]) and
-//! pictures ([`screen`]). A GPU draws the window with the device that renders, so that pictures stay where they are. Beside
-//! a software driver the window has a device of its own, so that panels never wait for a frame.
+//! The main thread owns the window: it draws the panels with egui, and sends lines of the console's
+//! language to the worker thread ([`worker`]), which owns the console and the explorer. The worker
+//! sends back a snapshot for the panels ([`model`]) and pictures ([`screen`]). With a GPU, the
+//! window uses the worker's device, so that pictures stay on it. With a software driver, the window
+//! has its own device, so that panels never wait for a frame.
 //!
-//! Whatever is done with the mouse is a line, which is written in the console: it can be read, repeated and put into a
-//! script. Only the camera and the picture's size go as they are while they change.
+//! Every mouse action is a line, shown in the console: it can be read, repeated and put into a
+//! script. Only the camera in motion and the picture's size are sent directly.
 //!
 //! | file | is |
 //! | --- | --- |
-//! | `app.rs` | the window's state and its layout; `panels/`: what is in it |
+//! | `app.rs`, `panels/` | the window's state and layout; its panels |
 //! | `events.rs` | the event loop |
 //! | `surface.rs` | drawing the window |
-//! | `screen.rs` | pictures on their way to the window |
-//! | `orders.rs`, `outbox.rs` | what goes between the window and the worker |
+//! | `screen.rs` | sending pictures to the window |
+//! | `orders.rs`, `outbox.rs` | communication between the window and the worker |
 //! | `worker/` | the thread that renders |
-//! | `model.rs` | what the panels show |
-//! | `keys.rs` | what keys do |
-//! | `lines.rs` | lines on their way |
+//! | `model.rs` | the snapshot for the panels |
+//! | `keys.rs` | keyboard shortcuts |
+//! | `lines.rs` | lines to be run by the console |
 //! | `terminal.rs` | the terminal beside the window |
-//! | `jobs.rs`, `reload.rs` | what runs beside: reading scenes, references, watching files |
+//! | `jobs.rs`, `reload.rs` | background jobs: reading scenes, references, watching files |
 //! | `camera.rs`, `gizmo.rs` | moving the camera, and objects |
-//! | `config.rs` | what is kept between runs |
-//! | `priority.rs` | the window goes before what it shows |
+//! | `config.rs` | state that is saved between runs |
+//! | `priority.rs` | the worker's lower priority |
 
 mod app;
 mod camera;
@@ -59,22 +60,22 @@ pub use events::{Wake, run};
 pub use priority::give_way;
 pub use terminal::Restore;
 
-/// What the window starts with.
+/// The window's initial state.
 #[derive(Debug)]
 pub struct Start {
     /// The console, with settings but without a scene.
     pub console: Console,
     /// The scene to open.
     pub opening: Option<SceneRequest>,
-    /// How another device is opened if the first is lost.
+    /// Options for another device if the first is lost.
     pub options: lumivox_render::GpuOptions,
-    /// What was kept of the last time.
+    /// The saved state.
     pub config: Config,
     /// The device that the window is drawn with.
     pub device: WindowDevice,
 }
 
-/// Waits for the end of a thread, but not for ever; whether it has ended, and not by a panic.
+/// Waits for a thread to end; `None` if it takes longer than `patience`.
 fn join(thread: JoinHandle<()>, patience: Duration) -> Option<std::thread::Result<()>> {
     let start = Instant::now();
     while !thread.is_finished() {
@@ -89,9 +90,9 @@ fn join(thread: JoinHandle<()>, patience: Duration) -> Option<std::thread::Resul
 /// Connects to the display.
 ///
 /// # Errors
-/// When there is none, with what to do about it.
+/// When there is no display; the message says what to do.
 pub fn event_loop() -> anyhow::Result<EventLoop<Wake>> {
-    // Without both variables winit's message speaks of its features.
+    // Without both variables, winit's message is about its features.
     let built = EventLoop::<Wake>::with_user_event().build();
     built.map_err(|error| {
         Failure::display(format!(

@@ -1,4 +1,4 @@
-//! What the panels show: a snapshot of the explorer, made by the worker whenever something has changed.
+//! The snapshot for the panels, which the worker makes whenever something has changed.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -13,42 +13,43 @@ use lumivox_scene::{Bounds, Camera, Light, Material};
 
 use super::screen::Pixels;
 
-/// The stages whose times are shown, as the renderer names them; what is none of these is added to the last.
+/// The stages whose times are shown, by the renderer's names; times of other stages are added to
+/// the last.
 pub const STAGES: [&str; 8] =
     ["upload", "voxelize", "light", "G-buffer", "direct light", "trace", "voxel view", "picture"];
 
-/// What the worker is busy with most of the time.
+/// Name of the worker's usual activity.
 pub const RENDERING: &str = "rendering";
 
-/// Frames whose times are shown.
+/// Number of frames whose times are shown.
 pub const KEPT_FRAMES: usize = 200;
 
-/// All that the panels show.
+/// The snapshot for the panels.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
-    /// What `undo` would take back, and what `redo` would do again, in words.
+    /// Descriptions of the steps that `undo` and `redo` would apply; `None` if there is none.
     pub history: [Option<String>; 2],
-    /// How bright the picture's pixels are, and the stops that it is shown with.
+    /// Luminance histogram of the picture, and its exposure in stops.
     pub histogram: Option<(Histogram, f32)>,
     /// The scene; `None` before anything was opened.
     pub scene: Option<Arc<SceneModel>>,
-    /// The settings that are asked for.
+    /// The requested settings.
     pub settings: RenderSettings,
-    /// What the preset would have.
+    /// The preset's settings.
     pub usual: RenderSettings,
     /// The preset that the settings started from.
     pub preset: PresetChoice,
-    /// Where the picture is taken from.
+    /// The picture's camera.
     pub camera: Camera,
-    /// Which positions to come back to there are.
+    /// `true` for each position that is stored (`pos1`, `pos2`).
     pub has_position: [bool; 2],
-    /// What plays.
+    /// The animation's playback.
     pub playback: Playback,
-    /// The picture's size in motion.
+    /// Control of the picture's size in motion.
     pub pacing: Pacing,
-    /// When voxels are made anew.
+    /// When voxels are rebuilt.
     pub revoxelize: Revoxelize,
-    /// Which object or light is chosen.
+    /// The selected object or light.
     pub selected: Option<Selected>,
     /// Counts scenes that were opened.
     pub opened: u64,
@@ -56,37 +57,37 @@ pub struct Model {
     pub camera_moves: u64,
     /// Counts changes of the selection.
     pub selections: u64,
-    /// Where the last click met the scene.
+    /// World position of the last click on the scene.
     pub picked_at: Option<Vec3>,
-    /// With what the picture is compared.
+    /// What the picture is compared with.
     pub comparand: Comparand,
-    /// What was voxelized.
+    /// Figures of the voxels.
     pub voxels: VoxelModel,
-    /// GPU memory by what it holds.
+    /// GPU memory by use.
     pub memory: Vec<MemoryUse>,
     /// Times of the last frames.
     pub frames: Arc<Vec<FrameTime>>,
     /// Cone samples and length of the history of the last frame.
     pub figures: Option<TraceFigures>,
-    /// Frames in the mean.
+    /// Number of averaged frames.
     pub frame_count: u32,
-    /// What is under way.
+    /// Jobs in progress.
     pub jobs: Vec<JobModel>,
-    /// The last error that nobody has closed, and its number.
+    /// The last error that was not closed, and its number.
     pub error: Option<(u64, String)>,
-    /// What the console shows.
+    /// The console's lines.
     pub log: Arc<Vec<LogLine>>,
-    /// The device.
+    /// Description of the device.
     pub gpu: String,
-    /// What can be completed.
+    /// Names for completion.
     pub names: Names,
-    /// The newest of the window's lines that was done.
+    /// Number of the window's last line that is done.
     pub lines_done: u64,
-    /// The command line that reproduces the picture, and its number, once somebody has asked.
+    /// The command line that reproduces the picture, and its number; `None` until requested.
     pub command_line: Option<(u64, String)>,
 }
 
-/// What is chosen.
+/// A selection.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Selected {
     /// An object, by its name.
@@ -104,7 +105,7 @@ impl Selected {
     }
 }
 
-/// What is beside the picture, behind the split slider.
+/// What the picture is compared with, behind the split slider.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Comparand {
     /// Nothing.
@@ -112,7 +113,7 @@ pub enum Comparand {
     Nothing,
     /// Another view of the same scene.
     View(lumivox_render::View),
-    /// The path-traced truth, with this number of samples in the end.
+    /// The path-traced reference, with this number of samples when finished.
     Reference(u32),
 }
 
@@ -121,27 +122,27 @@ pub enum Comparand {
 pub struct SceneModel {
     /// Its name.
     pub name: String,
-    /// Where it came from, as `load` takes it.
+    /// Its source, as an argument of `load`.
     pub source: String,
     /// Its objects.
     pub objects: Vec<ObjectModel>,
-    /// Its materials, each with a name of its own.
+    /// Its materials, each with a unique name.
     pub materials: Vec<(String, Material)>,
-    /// Its lights, each with a name of its own.
+    /// Its lights, each with a unique name.
     pub lights: Vec<(String, Light)>,
-    /// What shines from all around, cd/m².
+    /// Uniform radiance of the environment, cd/m².
     pub environment: Vec3,
-    /// The name of a panorama.
+    /// The panorama's name; `None` if there is none.
     pub panorama: Option<String>,
-    /// Whether what it emits itself is all the light that there is: it looks dark for a reason.
+    /// `true` if emissive surfaces are its only light, so that it may look dark.
     pub is_emission_alone: bool,
     /// Its cameras' names.
     pub cameras: Vec<String>,
     /// Its animations' names and durations in seconds.
     pub animations: Vec<(String, f32)>,
-    /// The box around it.
+    /// The bounds of its shown objects.
     pub bounds: Bounds,
-    /// Triangles that are shown.
+    /// Number of triangles of its shown objects.
     pub triangles: usize,
 }
 
@@ -150,55 +151,55 @@ pub struct SceneModel {
 pub struct ObjectModel {
     /// Its name.
     pub name: String,
-    /// Whether it is not shown.
+    /// `true` if it is hidden.
     pub is_hidden: bool,
-    /// Whether it is marked as static.
+    /// `true` if it is marked as static.
     pub is_static: bool,
-    /// Its triangles.
+    /// Number of its triangles.
     pub triangles: usize,
-    /// The number of its material.
+    /// Index of its material.
     pub material: usize,
-    /// Where it stands.
+    /// Its placement.
     pub placement: Placement,
-    /// The same, with what shears.
+    /// Its full transform, which may shear.
     pub world_from_local: Mat4,
-    /// The box around it, in its own axes.
+    /// Its bounds in local coordinates.
     pub local_bounds: Bounds,
 }
 
 impl ObjectModel {
-    /// The box around it in the world.
+    /// Its bounds in the world.
     pub fn bounds(&self) -> Bounds {
         let corners = self.local_bounds.corners();
         Bounds::from_points(corners.map(|corner| self.world_from_local.transform_point3(corner)))
     }
 }
 
-/// The voxels.
+/// Figures of the voxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VoxelModel {
-    /// Voxels with surface.
+    /// Voxels that contain surface.
     pub voxels: u32,
-    /// Their faces.
+    /// Faces of these voxels.
     pub faces: u32,
-    /// The grid's voxels along its axes.
+    /// The grid's size in voxels.
     pub dimensions: [u32; 3],
-    /// How many cascades of that there are; 0 for one box.
+    /// Number of cascades of that size; 0 for a single box.
     pub cascades: u32,
-    /// The edge of one, m.
+    /// Edge of a voxel, m.
     pub edge_m: f32,
     /// Levels of the pyramid.
     pub levels: u32,
-    /// Voxels stand where objects no longer are.
+    /// `true` if objects have moved but their voxels have not.
     pub are_stale: bool,
 }
 
 /// Times of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
-    /// All of it, ms.
+    /// The total, ms.
     pub total_ms: f32,
-    /// Of each of [`STAGES`], ms; zero where they are not taken.
+    /// The time of each of [`STAGES`], ms; 0 if not measured.
     pub stages_ms: [f32; STAGES.len()],
 }
 
@@ -215,87 +216,87 @@ impl FrameTime {
 pub struct LightAt {
     /// The place, as shares of the picture's width and height.
     pub at: Vec2,
-    /// The light.
+    /// The light; `None` if it could not be measured.
     pub light: Option<Photometry>,
 }
 
-/// What the worker is busy with.
+/// The worker's current activity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Doing {
-    /// In words.
+    /// Its description.
     pub words: String,
-    /// When it has begun.
+    /// When it began.
     pub since: Instant,
 }
 
-/// Something under way.
+/// A job in progress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobModel {
-    /// What it is, and how far.
+    /// Its description and progress.
     pub words: String,
-    /// When it has begun, where the words do not tell how long it takes.
+    /// When it began; `None` if the words need no time.
     pub since: Option<Instant>,
-    /// The share that is done, where it is known.
+    /// The share that is done; `None` if unknown.
     pub share: Option<f32>,
-    /// What to cancel, where it can be.
+    /// The job to cancel; `None` if it cannot be cancelled.
     pub cancel: Option<Job>,
 }
 
-/// What can be cancelled.
+/// A job that can be cancelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Job {
     /// Reading a scene.
     Loading,
     /// Lines that wait for frames.
     Lines,
-    /// Tracing what the picture is compared with.
+    /// Tracing the reference.
     Reference,
-    /// A command that takes long.
+    /// A long command.
     Command,
 }
 
-/// What a line of the console is.
+/// The kind of a console line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LogKind {
-    /// A command that was given.
+    /// A command.
     Command,
-    /// What a command says.
+    /// Output of a command.
     Reply,
-    /// What went wrong.
+    /// An error.
     Error,
-    /// What the window says.
+    /// A message of the window.
     Note,
 }
 
 /// A line of the console.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogLine {
-    /// What it is.
+    /// Its kind.
     pub kind: LogKind,
-    /// The words; more than one line where a command says much.
+    /// The text, which may have several lines.
     pub text: Arc<str>,
 }
 
 /// A picture for the screen.
 #[derive(Clone, Debug)]
 pub struct Shown {
-    /// Counts pictures.
+    /// The picture's number.
     pub serial: u64,
     /// Width and height, px.
     pub size: UVec2,
     /// Its pixels: on the CPU, or a texture of the shared device.
     pub pixels: Pixels,
-    /// Frames in the mean, or samples of the reference.
+    /// Averaged frames, or samples of the reference.
     pub frames: u32,
 }
 
-/// The boxes around meshes in their own axes: found once a scene.
+/// The meshes' bounds in local coordinates; computed once per scene.
 pub fn mesh_bounds(explorer: &Explorer) -> Vec<Bounds> {
     let Some(scene) = explorer.scene() else { return Vec::new() };
     scene.meshes.iter().map(|mesh| Bounds::from_points(mesh.positions.iter().copied())).collect()
 }
 
-/// The scene as it is.
+/// A snapshot of the scene; `None` if none is open.
 pub fn scene_model(console: &Console, mesh_bounds: &[Bounds]) -> Option<SceneModel> {
     let explorer = &console.explorer;
     let scene = explorer.scene()?;
@@ -332,7 +333,7 @@ pub fn scene_model(console: &Console, mesh_bounds: &[Bounds]) -> Option<SceneMod
     })
 }
 
-/// What was voxelized.
+/// Figures of the voxels.
 pub fn voxel_model(explorer: &Explorer) -> VoxelModel {
     let Some(renderer) = explorer.renderer() else { return VoxelModel::default() };
     let (stats, grid) = (renderer.voxel_stats(), renderer.gi().grid());

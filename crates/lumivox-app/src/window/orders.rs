@@ -1,4 +1,4 @@
-//! Between the window and the worker: orders go there, and what is published comes back.
+//! Communication of the window and the worker: orders to the worker, published state from it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -17,23 +17,23 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 /// A message to the worker.
 #[derive(Debug)]
 pub enum Order {
-    /// Run this.
+    /// Run this line.
     Line(Line),
-    /// The camera is being moved by hand, in the scene of this number.
+    /// The user is moving the camera, in the scene of this number.
     Camera(Camera, u64),
-    /// There is room for a picture of this size, px.
+    /// Render pictures of this size, px.
     Size(UVec2),
-    /// Choose what is at this place of the picture, as shares of its width and height.
+    /// Select the object at this place of the picture, as shares of its width and height.
     Pick(Vec2),
-    /// Measure the light there.
+    /// Measure the light at such a place.
     Probe(Vec2),
-    /// Take times of stages, or not.
+    /// Measure stage times, or do not.
     Timed(bool),
     /// The window draws with this device.
     Device(GpuId),
     /// The window shows the pictures up to this number.
     Shown(u64),
-    /// The user wants the command line that reproduces the picture.
+    /// Publish the command line that reproduces the picture.
     CommandLine,
     /// A scene was read.
     Loaded(Box<Loaded>),
@@ -41,11 +41,11 @@ pub enum Order {
     Traced(Box<Traced>),
     /// Files of the scene have changed.
     FilesChanged,
-    /// Stop this, or all that is under way.
+    /// Cancel this job, or all jobs.
     Cancel(Option<Job>),
-    /// The error was read.
+    /// Close the error of this number.
     CloseError(u64),
-    /// Something for the console from elsewhere.
+    /// Add this text to the console.
     Say(LogKind, String),
     /// End.
     Quit,
@@ -56,7 +56,7 @@ pub enum Order {
 pub struct Published {
     /// The worker's device; `None` before it starts.
     pub gpu: Option<Gpu>,
-    /// For the panels.
+    /// The snapshot for the panels.
     pub model: Arc<Model>,
     /// The picture.
     pub picture: Option<Arc<Shown>>,
@@ -64,35 +64,35 @@ pub struct Published {
     pub other: Option<Arc<Shown>>,
     /// The light at a place of the picture.
     pub light: Option<LightAt>,
-    /// The present work of the worker, and since when.
+    /// The worker's current activity; `None` if it is idle.
     pub doing: Option<Doing>,
-    /// The next thing that the window itself has to do.
+    /// The next request to the window.
     pub request: Option<WindowRequest>,
-    /// The worker has published a model.
+    /// `true` once the worker has published a model.
     pub has_model: bool,
-    /// The worker has ended, however that came.
+    /// `true` once the worker has ended, even by a panic.
     pub has_ended: bool,
 }
 
-/// Something that only the window can do.
+/// A request that only the window can fulfil.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WindowRequest {
     /// Lose the device that it draws with.
     LoseDevice,
-    /// Take all of the screen, or no longer.
+    /// Toggle full screen.
     FullScreen,
 }
 
-/// The window's end of the worker.
+/// State that the window and the worker share.
 #[derive(Clone, Debug, Default)]
 pub struct Shared {
     published: Arc<Mutex<Published>>,
-    /// The program is to end, or a command that takes long.
+    /// `true` if a long command is to stop.
     stop: Arc<AtomicBool>,
 }
 
 impl Shared {
-    /// The published state.
+    /// The published state; takes its request.
     pub fn get(&self) -> Published {
         let mut published = self.published.lock().unwrap_or_else(PoisonError::into_inner);
         let copy = published.clone();
@@ -100,7 +100,7 @@ impl Shared {
         copy
     }
 
-    /// The number of the newest picture that was published; 0 before there is one.
+    /// The number of the newest published picture; 0 before there is one.
     pub fn newest(&self) -> u64 {
         let published = self.published.lock().unwrap_or_else(PoisonError::into_inner);
         let pictures = [&published.picture, &published.other].into_iter().flatten();
@@ -112,30 +112,30 @@ impl Shared {
         self.published.lock().unwrap_or_else(PoisonError::into_inner).has_ended
     }
 
-    /// Breaks off a command that takes long. The order that says what is wanted follows: the worker
-    /// cannot receive it before.
+    /// Interrupts a long command. Send the order itself afterwards: the worker receives it only
+    /// once the command has stopped.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Whether that is wanted.
+    /// Whether a long command is to stop.
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Commands may take long again.
+    /// Clears the request to stop.
     pub fn go_on(&self) {
         self.stop.store(false, Ordering::Relaxed);
     }
 
-    /// Publishes something.
+    /// Changes the published state.
     pub fn change(&self, change: impl FnOnce(&mut Published)) {
         change(&mut self.published.lock().unwrap_or_else(PoisonError::into_inner));
     }
 }
 
 impl Published {
-    /// Says what keeps the worker.
+    /// Shows `job` as the only job in progress.
     pub fn under_way(&mut self, job: JobModel) {
         let mut model = (*self.model).clone();
         model.jobs = vec![job];

@@ -1,4 +1,4 @@
-//! Lines and orders on their way to the worker, and what panels show until a line is done.
+//! Sends lines and orders to the worker, and keeps pending values until their lines are done.
 
 use std::collections::HashMap;
 use std::sync::mpsc::Sender;
@@ -11,19 +11,19 @@ use lumivox_render::GpuId;
 use super::lines::{Line, Origin};
 use super::orders::{Order, Published, Shared};
 
-/// A value that was sent and that the model does not have yet: what a slider shows in the meantime.
+/// A value that was sent but is not in the model yet; panels show it until then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PendingValue {
     Value(Value),
     Numbers([f32; 9]),
 }
 
-/// The window's end of the orders.
+/// The window's sender of orders.
 pub struct Outbox {
     orders: Sender<Order>,
     shared: Shared,
     lines_sent: u64,
-    /// Counts gestures: presses of buttons, and keys while none is held.
+    /// Number of the current gesture; it changes with every frame in which no button is held.
     gesture: u64,
     held: HashMap<String, (PendingValue, u64)>,
     size: UVec2,
@@ -62,11 +62,11 @@ impl Outbox {
         if matches!(order, Order::Cancel(_) | Order::Quit) {
             self.shared.stop();
         }
-        // The worker has ended when the channel is closed; the window follows.
+        // If the channel is closed, the worker has ended, and the window will close.
         let _ = self.orders.send(order);
     }
 
-    /// Sends a line. Returns its number, and what is known of it.
+    /// Sends a line. Returns its number and its [`LineInfo`].
     pub fn line(&mut self, text: String, origin: Origin) -> (u64, LineInfo) {
         let info = LineInfo::of(&text);
         if info.urgency.is_some() {
@@ -78,12 +78,12 @@ impl Outbox {
         (self.lines_sent, info)
     }
 
-    /// Input from now on is a step of its own for `undo`.
+    /// Ends the gesture: later lines are another step for `undo`.
     pub fn end_gesture(&mut self) {
         self.gesture += 1;
     }
 
-    /// Says how much room there is for the picture, px.
+    /// Sends the space for the picture, px, if it has changed.
     pub fn set_size(&mut self, size: UVec2) {
         if size != self.size {
             self.size = size;
@@ -91,7 +91,7 @@ impl Outbox {
         }
     }
 
-    /// Says which device the window draws with.
+    /// Sends the device that the window draws with, if it has changed.
     pub fn set_device(&mut self, device: GpuId) {
         if self.device != Some(device) {
             self.device = Some(device);
@@ -99,7 +99,7 @@ impl Outbox {
         }
     }
 
-    /// Says up to which number the window shows pictures.
+    /// Sends the number of the newest picture that the window shows, if it has changed.
     pub fn set_shown(&mut self, serial: u64) {
         if serial != self.shown {
             self.shown = serial;
@@ -107,7 +107,7 @@ impl Outbox {
         }
     }
 
-    /// Takes times of stages, or not.
+    /// Turns the measurement of stage times on or off.
     pub fn set_timed(&mut self, is_timed: bool) {
         if is_timed != self.is_timed {
             self.is_timed = is_timed;
@@ -115,22 +115,22 @@ impl Outbox {
         }
     }
 
-    /// Shows a value until the line of this number is done.
+    /// Keeps a value pending until the line of this number is done.
     pub fn hold(&mut self, key: &str, value: PendingValue, line: u64) {
         self.held.insert(key.to_owned(), (value, line));
     }
 
-    /// The value that is shown until its line is done.
+    /// The pending value of `key`, if any.
     pub fn held(&self, key: &str) -> Option<PendingValue> {
         self.held.get(key).map(|(held, _)| *held)
     }
 
-    /// Lines up to this number are done.
+    /// Drops pending values of lines up to this number, which are done.
     pub fn done(&mut self, lines: u64) {
         self.held.retain(|_, (_, line)| *line > lines);
     }
 
-    /// Another scene was opened: no value of the last one is shown.
+    /// Drops all pending values, since another scene was opened.
     pub fn forget_held(&mut self) {
         self.held.clear();
     }

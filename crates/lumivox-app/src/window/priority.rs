@@ -1,15 +1,15 @@
-//! The window goes before what it shows.
+//! The worker's lower priority.
 //!
-//! Software GPUs compute on the cores that the window draws with. So the worker and the threads of its device, which are
-//! those that its driver starts while the device is opened, give way to the window: on two busy cores that is the
-//! difference between panels that lag by frames of the picture and panels that answer at once.
+//! Software GPUs compute on the cores that the window draws with. So the worker and the threads
+//! that its driver starts with the device have a lower priority than the window. On two busy cores,
+//! panels then respond at once, instead of lagging by frames of the picture.
 
-/// What background work has in Unix: a tenth of what the window gets, where both want a core.
+/// Niceness of the worker: a tenth of the window's share of a contended core.
 #[cfg(target_os = "linux")]
 const NICE: i32 = 10;
 
-/// Lets this thread, and those that it starts, give way to the others. On Linux priorities are a thread's; elsewhere they
-/// are the process's, and everything stays as it is.
+/// Lowers the priority of this thread, and of those that it starts. Does nothing except on Linux:
+/// elsewhere, priorities belong to the process.
 pub fn give_way() {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::nice(NICE) {

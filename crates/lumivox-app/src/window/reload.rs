@@ -1,4 +1,4 @@
-//! Reading a scene again when its files change.
+//! Reloading a scene when its files change.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -10,9 +10,9 @@ use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 
 use super::orders::Order;
 
-/// Changes within this time are one: programs write files in pieces.
+/// Changes within this time count as one: programs write files in pieces.
 const QUIET: Duration = Duration::from_millis(250);
-/// Longer scene files are not searched for names of others.
+/// Larger scene files are not searched for names of other files.
 const MOST_BYTES: u64 = 8 << 20;
 
 /// Watches a scene's files until it is dropped.
@@ -21,14 +21,15 @@ pub struct Watched {
     _watcher: RecommendedWatcher,
 }
 
-/// Tells the worker when the file of a scene changes, or one that it names.
+/// Sends [`Order::FilesChanged`] when a scene's file changes, or one that it names.
 ///
 /// # Errors
-/// When the system does not watch files.
+/// When the system cannot watch the files.
 pub fn watch(scene: &Path, allow_outside: bool, orders: Sender<Order>) -> notify::Result<Watched> {
     let files: BTreeSet<PathBuf> =
         files_of(scene, allow_outside).into_iter().map(|file| canonical(&file)).collect();
-    // Folders are watched: programs write another file and rename it, of which a watched file hears nothing.
+    // Watch folders: some programs write a new file and rename it, which a watched file does not
+    // report.
     let folders: BTreeSet<&Path> = files.iter().filter_map(|file| file.parent()).collect();
     let (sender, changes) = mpsc::channel();
     let seen = files.clone();
@@ -36,7 +37,7 @@ pub fn watch(scene: &Path, allow_outside: bool, orders: Sender<Order>) -> notify
         let Ok(event) = event else { return };
         let is_change = !event.kind.is_access();
         if is_change && event.paths.iter().any(|path| seen.contains(&canonical(path))) {
-            // Nobody listens when the watching ends.
+            // The receiver may be gone.
             let _ = sender.send(());
         }
     })?;
@@ -47,14 +48,14 @@ pub fn watch(scene: &Path, allow_outside: bool, orders: Sender<Order>) -> notify
     Ok(Watched { _watcher: watcher })
 }
 
-/// Ends with the watcher, which holds the other end.
+/// Forwards bursts of changes as one order each, until the watcher with the sender is dropped.
 fn forward(changes: &Receiver<()>, orders: &Sender<Order>) {
     while changes.recv().is_ok() {
         loop {
             match changes.recv_timeout(QUIET) {
                 Ok(()) => {}
                 Err(RecvTimeoutError::Timeout) => break,
-                // The last word of one that is replaced.
+                // The last change of a watcher that is being replaced.
                 Err(RecvTimeoutError::Disconnected) => {
                     let _ = orders.send(Order::FilesChanged);
                     return;
@@ -67,7 +68,7 @@ fn forward(changes: &Receiver<()>, orders: &Sender<Order>) {
     }
 }
 
-/// A file that is renamed away for a moment has a folder still.
+/// Canonicalizes only the folder: the file may be missing during a rename.
 fn canonical(file: &Path) -> PathBuf {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
@@ -75,13 +76,13 @@ fn canonical(file: &Path) -> PathBuf {
     file.file_name().map_or(folder.clone(), |name| folder.join(name))
 }
 
-/// A scene's file and the files that it names, as far as they are there: words and quoted texts in it are taken for names,
-/// whatever the format. What the named files name counts as well, such as the textures of a material library. Files that the
-/// scene may not name are not looked at.
+/// A scene's file and the existing files that it names: words and quoted texts in it count as
+/// names, whatever the format. Files that these name are included, such as the textures of a
+/// material library. Files that the scene may not name are not read.
 pub fn files_of(scene: &Path, allow_outside: bool) -> Vec<PathBuf> {
     let mut files = vec![scene.to_owned()];
     let mut next = 0;
-    // Scenes that name each other come to an end, too.
+    // Ends for files that name each other: each is listed once.
     while next < files.len() && files.len() < 4096 {
         for file in named_in(&files[next]) {
             if !files.contains(&file) && (allow_outside || may_name(scene, &file)) {
@@ -100,11 +101,11 @@ fn named_in(file: &Path) -> Vec<PathBuf> {
     let folder = file.parent().unwrap_or(Path::new(""));
     let quoted = text.split('"').skip(1).step_by(2).map(|name| name.replace("%20", " "));
     let bare = text.split(|c: char| c.is_whitespace() || "={}\",;".contains(c)).map(str::to_owned);
-    // VXCT's scenes name models from the folder above theirs.
+    // VXCT's scenes name models relative to the folder above theirs.
     let roots =
         [folder.to_owned(), folder.join(".."), folder.join("models"), folder.join("../models")];
     let mut found = Vec::new();
-    // Names of files have an extension; numbers look the same, and are not there.
+    // File names have an extension; skip numbers, which contain a dot, too.
     let names = quoted.chain(bare).filter(|name| name.len() < 512 && name.contains('.'));
     for name in names.collect::<BTreeSet<String>>() {
         if name.parse::<f64>().is_ok() {
@@ -137,7 +138,7 @@ mod tests {
         assert_eq!(files_of("gone.glb"), [at("gone.glb")]);
     }
 
-    /// Whoever makes a scene does not make the window read what else there is.
+    /// A scene cannot make the window read arbitrary files.
     #[test]
     fn files_outside_are_looked_at_only_where_they_may_be_named() {
         let folder = tempfile::tempdir().unwrap();
@@ -157,13 +158,13 @@ mod tests {
             std::fs::write(at("inner/b.obj"), "mtllib link.mtl\n").unwrap();
             assert_eq!(files_of(&at("inner/b.obj"), false), [at("inner/b.obj")]);
         }
-        // Models of VXCT lie beside its scenes' folder.
+        // VXCT keeps models beside its scenes' folder.
         std::fs::write(at("models/tri.obj"), "v 0 0 0\n").unwrap();
         std::fs::write(at("scenes/a.scene"), "scene { model { path = models/tri.obj } }").unwrap();
         assert_eq!(files_of(&at("scenes/a.scene"), false).len(), 2);
     }
 
-    /// They are all there before anybody listens, so that no clock decides.
+    /// All changes are queued before the thread starts, so that timing does not matter.
     #[test]
     fn changes_that_follow_each_other_are_told_once() {
         let (sender, changes) = mpsc::channel();
@@ -185,14 +186,14 @@ mod tests {
         let other = folder.path().join("a.obj.tmp");
         let write: fn(&Path, &Path) = |file, _| std::fs::write(file, "v 1").unwrap();
         let replace: fn(&Path, &Path) = |file, other| {
-            // As editors write.
+            // Editors replace files like this.
             std::fs::write(other, "v 2 2 2").unwrap();
             std::fs::rename(other, file).unwrap();
         };
         for change in [write, replace] {
             std::fs::write(&file, "v 0 0 0").unwrap();
             let (sender, orders) = mpsc::channel();
-            // Another one each time: it has heard of nothing before.
+            // A new watcher each time, without earlier events.
             let watched = watch(&file, false, sender).unwrap();
             change(&file, &other);
             let told = orders.recv_timeout(Duration::from_mins(2));

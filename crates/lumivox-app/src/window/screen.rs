@@ -1,8 +1,8 @@
-//! The way of pictures from the worker to the window.
+//! Sending pictures from the worker to the window.
 //!
-//! Where the window draws with the device that renders, a picture is a texture of it, which is copied on the GPU and bound
-//! as it is. Otherwise it crosses through main memory. The worker decides for each picture by the device that the window
-//! has named last, so every picture can be shown by the device that it was made for, and nobody else asks.
+//! If the window draws with the worker's device, a picture is a texture, copied on the GPU and
+//! bound directly. Otherwise it goes through main memory. The worker decides for each picture by
+//! the device that the window has named last.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use lumivox_render::{Gpu, GpuId};
 
 use super::model::Shown;
 
-/// Pictures on the screen: what is rendered, and what it is compared with.
+/// Number of pictures on the screen: the rendering, and the one it is compared with.
 pub const PICTURES: usize = 2;
 
 /// A picture's pixels.
@@ -21,28 +21,29 @@ pub const PICTURES: usize = 2;
 pub enum Pixels {
     /// Row by row from the top.
     InMemory(Vec<[u8; 4]>),
-    /// In a texture of a device. The worker writes into it again once nobody else holds it.
+    /// In a texture of a device. The worker reuses it once it has the only reference.
     OnDevice(GpuId, Arc<wgpu::Texture>),
 }
 
-/// The worker's end.
+/// The worker's side.
 #[derive(Default)]
 pub struct Screen {
     /// The device that the window draws with; `None` before there is one.
     device: Option<GpuId>,
-    /// Textures that pictures were copied into: one that is written, one that is published, one that is drawn, and the
-    /// same of another view beside.
+    /// Textures for pictures: one that is written, one that is published, one that is drawn, and
+    /// the same for another view.
     textures: Vec<Arc<wgpu::Texture>>,
 }
 
 impl Screen {
-    /// The window draws with this device from now on.
+    /// Sets the device that the window draws with.
     pub fn draw_with(&mut self, device: GpuId) {
         self.textures.clear();
         self.device = Some(device);
     }
 
-    /// The picture of an explorer's frames so far, exposed by a number of stops; `None` where there are none.
+    /// The picture of an explorer's frames so far, at an exposure in stops; `None` if there are no
+    /// frames.
     ///
     /// # Errors
     /// When the device fails.
@@ -68,10 +69,10 @@ impl Screen {
         Ok(Some(Pixels::OnDevice(gpu.id, texture)))
     }
 
-    /// A texture that nobody looks at.
+    /// A texture that is not in use.
     fn free_texture(&mut self, gpu: &Gpu, size: wgpu::Extent3d) -> Arc<wgpu::Texture> {
         self.textures.retain(|texture| texture.size() == size);
-        // Only the worker clones what it alone holds.
+        // Only the worker can clone the only reference, so the texture stays free.
         let is_free = |texture: &&Arc<wgpu::Texture>| Arc::strong_count(texture) == 1;
         if let Some(texture) = self.textures.iter().find(is_free) {
             return texture.clone();
@@ -82,35 +83,35 @@ impl Screen {
     }
 }
 
-/// The window's end: the pictures' textures, as egui knows them.
+/// The window's side: the pictures' textures, with their ids in egui.
 #[derive(Default)]
 pub struct Textures {
     shown: [Option<Bound>; PICTURES],
     changed: Vec<TextureId>,
 }
 
-/// A picture in its place.
+/// A picture that is bound to egui.
 struct Bound {
     texture: wgpu::Texture,
     id: TextureId,
     serial: u64,
-    /// Made by the window, for pictures from main memory.
+    /// `true` if the window created it, for a picture from main memory.
     is_own: bool,
 }
 
 impl Textures {
-    /// Names of the textures that have changed since the last call.
+    /// Ids of the textures that have changed since the last call.
     pub fn take_changed(&mut self) -> Vec<TextureId> {
         std::mem::take(&mut self.changed)
     }
 
-    /// The number of the newest picture; 0 where there is none.
+    /// The number of the newest picture; 0 if there is none.
     pub fn newest(&self) -> u64 {
         self.shown.iter().flatten().map(|bound| bound.serial).max().unwrap_or(0)
     }
 
-    /// Gives a picture to egui, under the name that the picture before had in its place; `None` where it is of another
-    /// device.
+    /// Binds a picture to egui, under the id of the previous picture in its place; `None` if it
+    /// belongs to another device.
     pub fn bind(
         &mut self,
         place: usize,
@@ -142,7 +143,8 @@ impl Textures {
     }
 }
 
-/// Pixels in a texture: in the last one of the place, unless that has another size or is the worker's.
+/// Uploads pixels, into the previous texture of the place if that has the same size and is the
+/// window's own.
 fn upload(gpu: &Gpu, size: UVec2, pixels: &[[u8; 4]], old: Option<&Bound>) -> wgpu::Texture {
     let extent = wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 };
     let old = old.filter(|old| old.is_own && old.texture.size() == extent);
@@ -190,7 +192,7 @@ mod tests {
         drop(drawn);
         assert_eq!(*screen.free_texture(&gpu, size(4)), was_drawn);
         assert_eq!(screen.textures.len(), 3, "a ring of three is enough");
-        // Another size gives up those that nobody needs any more.
+        // Another size drops the textures of the old size.
         screen.free_texture(&gpu, size(8));
         assert_eq!(screen.textures.len(), 1);
         assert_eq!(published.size(), size(4), "who holds one keeps it");

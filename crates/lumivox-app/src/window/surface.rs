@@ -1,9 +1,10 @@
-//! Drawing the window: the panels and the pictures, with the worker's device or one of its own.
+//! Drawing the window: the panels and the pictures, with the worker's device or its own.
 //!
-//! It is drawn on a canvas of which only what changes is painted anew, and which is copied to the screen.
+//! The window is drawn on a canvas, which is copied to the screen; only changed parts are
+//! repainted.
 //!
-//! The textures that egui has uploaded are remembered, so that another device can take the place of one that is lost. If that was the
-//! worker's, the window draws with its own until the worker has published another.
+//! Copies of egui's images are kept, so that a lost device can be replaced. If that was the
+//! worker's, the window draws with its own until the worker publishes another.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -22,15 +23,15 @@ use super::model::Shown;
 use super::screen::{PICTURES, Textures};
 use crate::cli::WindowDevice;
 
-/// Devices that are opened one after the other without a frame that is shown.
+/// Maximum replacements of the device without a shown frame in between.
 const MOST_REPLACEMENTS: u32 = 4;
 
-/// A window and all that draws it.
+/// A window and its drawing state.
 pub struct Surface {
     window: Arc<Window>,
     /// The device that renders.
     worker: Gpu,
-    /// The device that was asked for.
+    /// The requested device.
     asked: WindowDevice,
     /// `None` while it is replaced: a window has one surface at a time.
     parts: Option<Parts>,
@@ -38,47 +39,47 @@ pub struct Surface {
     replaced: u32,
     /// The number of the newest picture in the last frame that was shown.
     shown: u64,
-    /// Whole images by their names.
+    /// egui's whole images, by id.
     images: HashMap<TextureId, (ColorImage, TextureOptions)>,
     pictures: [Option<Arc<Shown>>; PICTURES],
 }
 
-/// What goes with the device.
+/// State that belongs to the device.
 struct Parts {
     surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,
     gpu: Gpu,
     painter: egui_wgpu::Renderer,
     textures: Textures,
-    /// The window as it was painted last; made with the first frame, and anew when the window's size changes.
+    /// Created with the first frame, and again when the window's size or scale changes.
     canvas: Option<Canvas>,
-    /// The device has no memory left, or its driver has failed.
+    /// `true` if the device is out of memory or its driver has failed.
     is_broken: bool,
 }
 
-/// The window as it was painted last.
+/// The window as last painted.
 struct Canvas {
     texture: wgpu::Texture,
     painted: Vec<ClippedPrimitive>,
     pixels_per_point: f32,
 }
 
-/// The end of an attempt to draw.
+/// The result of an attempt to draw.
 enum Drawn {
     Shown,
-    /// The surface does not take anything now.
+    /// The window is not visible.
     NotNow,
-    /// The surface has changed, or has no free texture yet.
+    /// The surface has changed or is busy.
     Again,
     /// The surface or its device is gone.
     Lost,
 }
 
 impl Surface {
-    /// Opens what can draw into the window.
+    /// Opens a device that can draw into the window.
     ///
     /// # Errors
-    /// When there is no device that can.
+    /// When there is no such device.
     pub fn new(window: Arc<Window>, worker: Gpu, asked: WindowDevice) -> anyhow::Result<Self> {
         let (images, pictures) = (HashMap::new(), [None, None]);
         let mut surface =
@@ -87,7 +88,7 @@ impl Surface {
         Ok(surface)
     }
 
-    /// The device that draws.
+    /// The device that draws the window.
     pub fn device(&self) -> Option<GpuId> {
         self.parts.as_ref().map(|parts| parts.gpu.id)
     }
@@ -98,10 +99,10 @@ impl Surface {
         self.parts.as_ref().map_or(2048, most)
     }
 
-    /// Follows the worker to another device, where the window shares it.
+    /// Notes the worker's device, and switches to it if the window shares it.
     ///
     /// # Errors
-    /// When no device can draw any more.
+    /// When no device can draw into the window.
     pub fn follow(&mut self, worker: Gpu) -> anyhow::Result<()> {
         if worker.id == self.worker.id {
             return Ok(());
@@ -110,8 +111,8 @@ impl Surface {
         if self.shares() { self.open(true) } else { Ok(()) }
     }
 
-    /// Shows another picture in a place; none keeps the place free. Returns its name for egui, unless the device that it
-    /// was made for is gone: then another one is on its way.
+    /// Sets the picture in a place, or none. Returns its id in egui; `None` if it is of another
+    /// device, in which case the worker will publish another.
     pub fn set_picture(&mut self, place: usize, picture: Option<Arc<Shown>>) -> Option<TextureId> {
         let kept = self.pictures.get_mut(place)?;
         *kept = picture;
@@ -124,7 +125,7 @@ impl Surface {
         self.shown
     }
 
-    /// Loses the device, as a driver might.
+    /// Destroys the device, to test its loss.
     pub fn lose(&self) {
         if let Some(parts) = &self.parts {
             parts.gpu.device.destroy();
@@ -140,7 +141,7 @@ impl Surface {
         }
     }
 
-    /// Takes images that egui has made or changed. They count whether or not something is painted.
+    /// Applies egui's new and changed images, even if nothing is painted; returns the freed ones.
     fn take_images(&mut self, delta: &mut TexturesDelta) -> Vec<TextureId> {
         for (id, deltas) in delta.set.drain() {
             for delta in deltas {
@@ -169,8 +170,7 @@ impl Surface {
         }
     }
 
-    /// Draws a frame of the window; a device or a surface that is lost is replaced. Nothing is drawn where the window has
-    /// no size.
+    /// Draws a frame of the window, unless its size is zero; replaces a lost device or surface.
     ///
     /// # Errors
     /// When there is no other device.
@@ -182,7 +182,7 @@ impl Surface {
     ) -> anyhow::Result<()> {
         if self.parts.as_ref().is_none_or(Parts::is_lost) {
             self.replace()?;
-            // The shapes that egui has drawn name textures of the former device.
+            // This frame's shapes refer to textures of the lost device.
             self.window.request_redraw();
         }
         let freed = self.take_images(&mut delta);
@@ -222,7 +222,7 @@ impl Surface {
         Ok(())
     }
 
-    /// Opens everything again after a loss.
+    /// Reopens everything after a loss.
     fn replace(&mut self) -> anyhow::Result<()> {
         self.replaced += 1;
         if self.replaced > MOST_REPLACEMENTS {
@@ -232,14 +232,15 @@ impl Surface {
             .into());
         }
         tracing::warn!("the window's device was lost; going on with a new one");
-        // wgpu tells of a loss later than it fails, and egui panics on a device that is lost. So a device that has failed
-        // is left to the worker, which opens another.
+        // Do not share: wgpu reports a loss only after a failure, and egui panics on a lost device.
+        // The worker replaces its device itself.
         self.open(false)
     }
 
-    /// Opens a surface, with the worker's device if that can draw into windows, and uploads everything to it.
+    /// Opens a surface, with the worker's device if `shares` and it can draw into the window, and
+    /// uploads everything to it.
     fn open(&mut self, shares: bool) -> anyhow::Result<()> {
-        // First this: a window has one surface at a time.
+        // Drop the old one first: a window has one surface at a time.
         self.parts = None;
         let mut parts = Parts::new(&self.window, &self.worker, shares)?;
         parts.guarded(|parts| {
@@ -258,7 +259,7 @@ impl Surface {
 }
 
 impl Canvas {
-    /// The canvas for a frame, and the parts of it that have to be painted.
+    /// The canvas for a frame, and its parts that must be painted.
     fn prepare<'a>(
         canvas: &'a mut Option<Self>,
         device: &wgpu::Device,
@@ -308,7 +309,7 @@ impl Parts {
         let mut config = surface
             .get_default_config(&gpu.adapter, width, height)
             .context("the window cannot be drawn into by this GPU")?;
-        // egui blends as screens show: without a conversion by the GPU.
+        // egui blends in gamma space, so use a format without sRGB conversion.
         let formats = surface.get_capabilities(&gpu.adapter).formats;
         let is_plain = |format: &&wgpu::TextureFormat| {
             matches!(format, wgpu::TextureFormat::Bgra8Unorm | wgpu::TextureFormat::Rgba8Unorm)
@@ -330,7 +331,7 @@ impl Parts {
         self.is_broken || self.gpu.is_lost()
     }
 
-    /// Calls the device. Missing memory and a failing driver count as its loss: a window without a picture helps nobody.
+    /// Calls the device. Counts a lack of memory and a driver's failure as its loss.
     fn guarded<T>(&mut self, call: impl FnOnce(&mut Self) -> T) -> T {
         let device = self.gpu.device.clone();
         let (done, is_broken) = guarded(&device, || call(self));
@@ -346,8 +347,8 @@ impl Parts {
         self.textures.bind(place, picture, &self.gpu, &mut self.painter)
     }
 
-    /// Gives the surface the window's size, px. `false` if the device refuses, as it does when the worker submits something
-    /// at the same time: the surface then has its former size.
+    /// Resizes the surface to the window's size, px. `false` if the device refuses, as when the
+    /// worker submits at the same time; the surface then keeps its size.
     fn resize(&mut self, size: [u32; 2]) -> bool {
         let device = &self.gpu.device;
         let most = device.limits().max_texture_dimension_2d;
@@ -387,9 +388,9 @@ impl Parts {
                 return Drawn::Again;
             }
             CurrentSurfaceTexture::Lost | CurrentSurfaceTexture::Validation => return Drawn::Lost,
-            // A long frame of the worker goes before, where the device is shared.
+            // On a shared device, a long frame of the worker may be in progress.
             CurrentSurfaceTexture::Timeout => return Drawn::Again,
-            // It comes again when there is something to see.
+            // A redraw follows once the window is visible.
             CurrentSurfaceTexture::Occluded => return Drawn::NotNow,
         };
         let screen = egui_wgpu::ScreenDescriptor {
@@ -430,9 +431,9 @@ impl Parts {
     }
 }
 
-/// A device for the window alone.
+/// Opens a device for the window only.
 fn own_device(instance: &wgpu::Instance, surface: &wgpu::Surface<'_>) -> anyhow::Result<Gpu> {
-    // Panels are no work: on a machine with two GPUs the thrifty one will do.
+    // Panels are little work: with two GPUs, use the low-power one.
     let options = wgpu::RequestAdapterOptions {
         power_preference: wgpu::PowerPreference::LowPower,
         compatible_surface: Some(surface),
@@ -453,8 +454,8 @@ fn own_device(instance: &wgpu::Instance, surface: &wgpu::Surface<'_>) -> anyhow:
     Ok(Gpu::with_device(instance.clone(), adapter, device, queue))
 }
 
-/// Calls a device, whose errors meanwhile are not the worker's, which may share it; whether memory was missing or the
-/// driver has failed.
+/// Calls a device in error scopes, since the worker may share it. Also returns whether memory was
+/// missing or the driver has failed.
 fn guarded<T>(device: &wgpu::Device, call: impl FnOnce() -> T) -> (T, bool) {
     use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
     let scopes = [Validation, OutOfMemory, Internal].map(|filter| device.push_error_scope(filter));
@@ -462,7 +463,7 @@ fn guarded<T>(device: &wgpu::Device, call: impl FnOnce() -> T) -> (T, bool) {
     let mut is_broken = false;
     for scope in scopes.into_iter().rev() {
         if let Some(error) = pollster::block_on(scope.pop()) {
-            // Errors that follow from a loss say so in many words.
+            // Only for debugging: errors after a loss are verbose.
             tracing::debug!("the window's device: {error}");
             is_broken |= !matches!(error, wgpu::Error::Validation { .. });
         }

@@ -1,8 +1,8 @@
 //! The terminal beside the window.
 //!
-//! [`spawn`] reads lines in a thread of its own, and gives a printer that keeps what is printed clear of the line that is
-//! being edited. The line that is edited when the program ends leaves the terminal as an editor needs it; [`Restore`]
-//! gives it back as it was.
+//! [`spawn`] reads lines on its own thread; its [`Terminal`] prints above the line that is being
+//! edited. If the program ends while a line is edited, the terminal is in the editor's mode;
+//! [`Restore`] resets it.
 
 use std::io::{self, IsTerminal as _, Write as _};
 use std::sync::mpsc::Sender;
@@ -13,7 +13,7 @@ use lumivox_console::{Names, shown};
 use crate::host::Host;
 use crate::prompt::Prompt;
 
-/// A terminal whose lines come over a channel.
+/// A terminal whose lines are sent over a channel.
 #[derive(Debug)]
 pub struct Terminal {
     names: Arc<Mutex<Names>>,
@@ -21,9 +21,9 @@ pub struct Terminal {
 }
 
 enum Printer {
-    /// Beside the line that is edited.
+    /// Prints above the line that is being edited.
     Beside(Box<dyn FnMut(String) -> bool + Send>),
-    /// Without a line to spare: stdin is no terminal.
+    /// Prints to stdout directly.
     Plain,
 }
 
@@ -33,11 +33,11 @@ impl std::fmt::Debug for Printer {
     }
 }
 
-/// Reads lines in a thread of its own and sends them, until the other end is gone or there are no more: a prompt on a
-/// terminal, else the lines of stdin as they come.
+/// Reads lines on its own thread and sends them, until the receiver is gone or the input ends: from
+/// a prompt if stdin is a terminal, else from stdin.
 ///
 /// # Errors
-/// When the system gives no thread.
+/// When the thread cannot be started.
 pub fn spawn(lines: Sender<String>) -> io::Result<Terminal> {
     if io::stdin().is_terminal() {
         mode::keep();
@@ -67,8 +67,8 @@ pub fn spawn(lines: Sender<String>) -> io::Result<Terminal> {
     Ok(Terminal { names, printer })
 }
 
-/// Gives the terminal back as it was before [`spawn`] when it is dropped: the thread of the prompt is in the middle of a
-/// line when the program ends. Without such a prompt it does nothing.
+/// When dropped, restores the terminal's mode from before [`spawn`]: the prompt's thread may be
+/// editing a line when the program ends. Does nothing without a prompt.
 #[derive(Debug)]
 pub struct Restore;
 
@@ -78,7 +78,7 @@ impl Drop for Restore {
     }
 }
 
-/// How the terminal takes keys.
+/// The terminal's input mode.
 #[cfg(unix)]
 mod mode {
     use std::io::{self, Write as _};
@@ -86,12 +86,12 @@ mod mode {
 
     use nix::sys::termios::{SetArg, Termios, tcgetattr, tcsetattr};
 
-    /// Ends what an editor asks for besides: marks about what is pasted (DEC private mode 2004).
+    /// Turns off bracketed paste (DEC private mode 2004), which the editor turns on.
     const END_OF_PASTE_MARKS: &[u8] = b"\x1b[?2004l\n";
 
     static BEFORE: Mutex<Option<Termios>> = Mutex::new(None);
 
-    /// Keeps how it is now; the first time counts.
+    /// Saves the current mode; only the first call counts.
     pub fn keep() {
         let mut before = BEFORE.lock().unwrap_or_else(PoisonError::into_inner);
         if before.is_none() {
@@ -99,7 +99,7 @@ mod mode {
         }
     }
 
-    /// Makes it so again.
+    /// Restores the saved mode.
     pub fn restore() {
         let before = BEFORE.lock().unwrap_or_else(PoisonError::into_inner).take();
         let Some(before) = before else { return };
@@ -111,7 +111,7 @@ mod mode {
     }
 }
 
-/// Consoles of Windows belong to the shell again once the program has ended.
+/// Not needed on Windows: the shell resets the console when the program ends.
 #[cfg(not(unix))]
 mod mode {
     pub fn keep() {}
@@ -119,12 +119,12 @@ mod mode {
 }
 
 impl Terminal {
-    /// What can be completed from now on.
+    /// Sets the names for completion.
     pub fn set_names(&self, names: Names) {
         *self.names.lock().unwrap_or_else(PoisonError::into_inner) = names;
     }
 
-    /// Prints a line, or several, clear of what is being typed.
+    /// Prints one or more lines above the line being typed.
     pub fn print(&mut self, text: &str) {
         let text = shown::text(text);
         let done = match &mut self.printer {

@@ -1,28 +1,30 @@
-//! How the window looks: dark, quiet greys, so that the picture is what one sees, and one warm colour for what is active.
+//! The window's look: quiet dark greys, so that the picture stands out, and one warm colour for
+//! active items.
 
 use egui::{Color32, Context, CornerRadius, FontFamily, FontId, Stroke, TextStyle, Visuals, vec2};
 
-/// What is active or chosen.
+/// Active and selected items.
 pub const ACCENT: Color32 = Color32::from_rgb(0xf2, 0xa9, 0x3b);
-/// The same as a background.
+/// The same, for backgrounds.
 pub const ACCENT_DARK: Color32 = Color32::from_rgb(0x6e, 0x4c, 0x16);
-/// What went wrong.
+/// Errors.
 pub const ERROR: Color32 = Color32::from_rgb(0xff, 0x7b, 0x72);
-/// Behind panels.
+/// Background of panels.
 pub const PANEL: Color32 = Color32::from_rgb(0x20, 0x22, 0x26);
-/// Behind the picture and in fields.
+/// Background of the picture and of fields.
 pub const DEEP: Color32 = Color32::from_rgb(0x15, 0x16, 0x19);
 /// Ordinary text.
 pub const TEXT: Color32 = Color32::from_rgb(0xd4, 0xd6, 0xda);
-/// Text that explains.
+/// Explanatory text.
 pub const WEAK: Color32 = Color32::from_rgb(0x9a, 0x9e, 0xa6);
-/// x, y and z.
+/// The x, y and z axes.
 pub const AXES: [Color32; 3] = [
     Color32::from_rgb(0xef, 0x5b, 0x5b),
     Color32::from_rgb(0x6c, 0xc4, 0x5a),
     Color32::from_rgb(0x4f, 0x9d, 0xf7),
 ];
-/// Stages in plots, told apart on dark ground also without colour vision (after Okabe and Ito 2008).
+/// Stages in plots, distinct on a dark background for colour-blind readers, too (after Okabe and
+/// Ito 2008).
 pub const STAGES: [Color32; 8] = [
     Color32::from_rgb(0x8c, 0x8c, 0x8c),
     Color32::from_rgb(0xcc, 0x79, 0xa7),
@@ -34,7 +36,7 @@ pub const STAGES: [Color32; 8] = [
     Color32::from_rgb(0xd5, 0x5e, 0x00),
 ];
 
-/// Gives a context this look.
+/// Applies the theme to a context.
 pub fn apply(context: &Context) {
     context.set_theme(egui::Theme::Dark);
     context.all_styles_mut(|style| {

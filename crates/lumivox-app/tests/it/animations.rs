@@ -46,7 +46,7 @@ fn one_moment_of_an_animation_is_a_still() {
     let both = still("--time 1 --animation all");
     assert!(both != start && both != middle, "the later one in the file wins");
     assert!(rest == still("--animation none"));
-    // Converted, it stays at its moment.
+    // A converted scene keeps the pose of `--time`.
     lumivox(folder.path(), "convert moving.glb -o moved.glb --time 1").expect_ok();
     fs::rename(folder.path().join("moved.glb"), folder.path().join("moving.glb")).unwrap();
     assert!(middle == still(""));
@@ -64,13 +64,13 @@ fn a_sequence_plays_the_animation_in_one_grid() {
     let read = |number: usize| fs::read(path.join(format!("play_{number}.exr"))).unwrap();
     let pictures: HashSet<_> = (0..4).map(read).collect();
     assert_eq!(pictures.len(), 4, "each picture shows another pose");
-    // One grid, which holds the scene in all of its poses.
+    // One grid, which contains all poses of the scene.
     let voxel = report["grid"]["voxel_size_m"].as_f64().unwrap();
     let origin = report["grid"]["origin"][0].as_f64().unwrap();
     assert!(origin < -1.0 && voxel * 32.0 >= 2.0, "{report}");
 
-    // A picture that is rendered by itself is the same: nothing of the one before is in it, and
-    // neither exposure nor unit depend on where a run begins.
+    // A picture rendered on its own is the same: it has no history, and exposure and unit do not
+    // depend on where a run begins.
     let before = read(2);
     fs::remove_file(path.join("play_2.exr")).unwrap();
     let again = lumivox(path, &line).expect_ok().json();
@@ -78,8 +78,8 @@ fn a_sequence_plays_the_animation_in_one_grid() {
     assert!(read(2) == before);
 }
 
-/// A sequence with history follows moving objects frame by frame, and an interruption leaves no trace; without history each picture is that of its pose
-/// alone, wherever a run begins.
+/// With history, a sequence is rendered frame by frame, and a resumed run gives the same pictures.
+/// Without history, each picture depends only on its pose, wherever a run begins.
 #[test]
 fn a_film_of_an_animation_goes_on_with_the_same_bits() {
     let folder = moving();
@@ -103,7 +103,8 @@ fn a_film_of_an_animation_goes_on_with_the_same_bits() {
     assert!(read("kept_3.png") != read("none_3.png"));
 }
 
-/// Machines that render a range each: one grid, one exposure and one numbering, in one folder if they share it.
+/// Machines that each render a range have the same grid, exposure and numbering, and may share a
+/// folder.
 #[test]
 fn ranges_of_pictures_are_those_of_one_machine() {
     let folder = moving();
@@ -135,7 +136,8 @@ fn ranges_of_pictures_are_those_of_one_machine() {
     }
 }
 
-/// What moves, alone: it begins at -0.9 m in the first of three pictures, and ends at 0.9 m in the last.
+/// Only the moving plate: its left edge is at -0.9 m in the first of three pictures, and its right
+/// edge at 0.9 m in the last.
 #[test]
 fn the_grid_holds_all_poses() {
     let folder = moving();
@@ -151,7 +153,7 @@ fn the_grid_holds_all_poses() {
 #[test]
 fn an_open_range_and_a_pattern_alone_play_all_of_it() {
     let folder = moving();
-    // Which pictures there are is what counts: without an exposure none is metered.
+    // Only the number of pictures matters; a fixed exposure needs no metering.
     let quick = SMALL.replace("--resolution 32", "--resolution 16 --exposure 0");
     for (options, pictures) in [
         ("--fps 1", 2),

@@ -101,7 +101,7 @@ fn values_out_of_range() {
         let line = format!("render builtin:cornell -o a.png {option} {value}");
         expect_error(folder.path(), &line, INPUT, &[option, value, needle]);
     }
-    // The number of levels shows once the grid is there.
+    // The number of levels is known only once the grid exists.
     let line = "render builtin:cornell -o a.png --resolution 16 --size 8x8 --level 5";
     expect_error(folder.path(), line, INPUT, &["voxel level", "from 0 to 2"]);
 }
@@ -146,7 +146,7 @@ fn places_that_cannot_be_written() {
     let folder = folder();
     fs::write(folder.path().join("file"), "").unwrap();
     fs::create_dir(folder.path().join("folder.png")).unwrap();
-    // A scene that is not there either shows that the output is looked at first.
+    // The scene is missing, too: this shows that the output is checked first.
     for (output, code, needle) in [
         ("a.jpg", INPUT, ".exr"),
         ("a", INPUT, ".png"),
@@ -167,7 +167,7 @@ fn a_folder_without_permission() {
     let locked = folder.path().join("locked");
     fs::create_dir(&locked).unwrap();
     fs::set_permissions(&locked, fs::Permissions::from_mode(0o555)).unwrap();
-    // Permissions do not bind the superuser, but the kernel's own folder does.
+    // The superuser ignores permissions, except in the kernel's own folder.
     let locked = if fs::write(locked.join("test"), "").is_ok() { "/proc" } else { "locked" };
     if Path::new("/proc/self").exists() || locked == "locked" {
         let line = format!("render builtin:cornell -o {locked}/a.png");

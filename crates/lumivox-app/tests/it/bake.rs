@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::common::{INPUT, OUTPUT, USAGE, expect_error, folder, lumivox, names};
 
-/// The light of a volume's file: of each of its texels, red.
+/// The size of a volume's file, and the red light of its texels.
 fn texels(file: &Path) -> ([u32; 3], Vec<f32>) {
     let file = ktx2::Reader::new(fs::read(file).unwrap()).unwrap();
     let header = file.header();
@@ -33,7 +33,7 @@ fn probes_in_a_furnace_see_its_light_from_all_sides() {
         );
         let (size, light) = texels(&path.join("light.ktx2"));
         assert_eq!((size, light.len()), ([4, 6, 12], 288));
-        // It glows with 1 cd/m2, and reflects half of what arrives: 2 everywhere.
+        // The furnace emits 1 cd/m2 and reflects half of the light that arrives: 2 everywhere.
         for (texel, light) in light.into_iter().enumerate() {
             assert!((light / 2.0 - 1.0).abs() < tolerance, "{method}: {light} at {texel}");
         }
@@ -50,8 +50,8 @@ fn the_side_of_a_red_wall_is_red() {
     assert_eq!((&report["probes"], &report["intensity"]), (&64.into(), &1.0.into()));
     let file = ktx2::Reader::new(fs::read(path.join("box.ktx2")).unwrap()).unwrap();
     let level = file.levels().next().unwrap();
-    // The red wall is at the least x, the green one at the greatest: the light of probes in the middle of the box, over all
-    // that face them.
+    // The red wall is at the lowest x, the green one at the highest. Sum the light along x at the
+    // probes in the middle of the box.
     let color = |is_against: bool| {
         let mut sum = [0.0; 3];
         for (z, y, x) in

@@ -1,4 +1,4 @@
-//! `lumivox bench`: figures that are there and positive, rows that say why there are none, and reports that can be read.
+//! `lumivox bench`: positive figures, rows that say why they have no figures, and readable reports.
 
 use std::fs;
 
@@ -28,7 +28,7 @@ fn check_part(part: &Value) -> Vec<&str> {
     stages.iter().map(|stage| stage["stage"].as_str().unwrap()).collect()
 }
 
-/// Every table of a page has rows of as many cells as its heading.
+/// Checks that all rows of a table have as many cells as its heading; returns the tables' number.
 fn check_tables(page: &str) -> usize {
     let cells = |line: &str| line.replace("\\|", "").matches('|').count();
     let mut tables = 0;

@@ -259,7 +259,7 @@ fn a_picture_is_rendered_and_reported() {
 fn two_runs_give_the_same_bytes() {
     type Runner<'a> = &'a dyn Fn(&str) -> Run;
     let folder = folder();
-    // On the device that the tests share, with all that they leave on it; and in a process of its own.
+    // On the device that the tests share, and in a separate process.
     let here = |line: &str| lumivox(folder.path(), line);
     let alone = |line: &str| process(folder.path(), &line.split(' ').collect::<Vec<_>>(), "");
     let second_runs: [(&str, Runner<'_>); 2] = [("png", &here), ("exr", &alone)];
@@ -294,7 +294,7 @@ fn a_file_is_rendered_under_every_kind_of_light() {
     assert!(fs::read(folder.path().join("a.png")).unwrap().starts_with(b"\x89PNG"));
 }
 
-/// A picture has as many frames as it needs, unless their number is given, and so has one of a sequence.
+/// Pictures stop at little noise unless `--frames` is given, also in a sequence.
 #[test]
 fn pictures_stop_at_little_noise() {
     let folder = folder();

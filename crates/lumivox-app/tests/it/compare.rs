@@ -7,7 +7,7 @@ use image::{Rgb, RgbImage};
 
 use crate::common::{INPUT, OUTPUT, USAGE, expect_error, folder, lumivox, names};
 
-/// A grey picture whose pixels have the codes of `codes`, repeated.
+/// Writes a grey picture whose pixels have the values `codes`, repeated.
 fn png(path: &Path, width: u32, height: u32, codes: &[u8]) {
     let code = |x, y| codes[(y * width + x) as usize % codes.len()];
     RgbImage::from_fn(width, height, |x, y| Rgb([code(x, y); 3])).save(path).unwrap();
@@ -52,7 +52,7 @@ fn screens_are_compared_in_linear_light_and_drawn() {
         assert!(text.contains(word), "{word} is missing in {text}");
     }
     let strip = image::open(at("strip.png")).unwrap();
-    // Enlarged 90 times, thrice side by side.
+    // Enlarged 90 times, three side by side.
     assert!(strip.width() > 3 * 360 && strip.height() > 270, "{}", strip.width());
 }
 

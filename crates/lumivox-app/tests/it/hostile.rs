@@ -1,4 +1,5 @@
-//! Input that means harm, or that nobody meant: names that terminals obey, files that never end, streams that are gone.
+//! Hostile or broken input: names with terminal escapes, pipes in place of files, links out of the
+//! folder, unknown extensions.
 
 use std::fs;
 #[cfg(unix)]
@@ -8,11 +9,12 @@ use serde_json::{Value, json};
 
 use crate::common::{CORNER, INPUT, Run, container, folder, glb, lumivox, lumivox_with};
 
-/// Clears the screen, retitles the terminal (as C1 control characters do, too), forges a line, turns the text round.
+/// Clears the screen, retitles the terminal, has a C1 control character, forges lines, and reverses
+/// text.
 const EVIL: &str =
     "\u{1b}[2J\u{1b}]0;owned\u{7}\u{9b}31m\rerror: forged\nwarning: forged\u{202e}txt\u{7f}";
 
-/// The corner, whose parts are all called so, and whose image is missing.
+/// The corner, with parts that are all named [`EVIL`], and a missing image.
 fn evil_glb() -> Vec<u8> {
     let bin: Vec<u8> = CORNER.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
     let document = json!({
@@ -53,7 +55,7 @@ fn evil_glb() -> Vec<u8> {
     container(&document.to_string(), &bin)
 }
 
-/// Whether a terminal shows all of it as it is, line by line.
+/// Checks that a terminal shows the text literally, and that no line is forged.
 #[track_caller]
 fn assert_is_shown(text: &str) {
     let obeyed = |c: char| c.is_control() && c != '\n' || ('\u{202a}'..='\u{202e}').contains(&c);
@@ -79,7 +81,8 @@ fn names_reach_the_terminal_as_text() {
     let shown = "\\x1b[2J\\x1b]0;owned\\x07\\u{9b}31m";
     let info = lumivox(path, "info evil.glb").expect_ok();
     assert_run_is_shown(&info);
-    // In tables: material, texture, light, camera, animation; and in the program, the scenes, the extension, the warnings.
+    // In tables: material, texture, light, camera, animation; also generator, scenes, extension
+    // and warnings.
     assert!(info.stdout.matches(shown).count() >= 8, "{}", info.stdout);
     assert!(info.stdout.contains("warning: image \"\\x1b[2J"), "{}", info.stdout);
     // The log, on stderr.
@@ -114,11 +117,11 @@ fn json_has_the_names_as_they_are() {
         &report["animations"][0]["name"],
         &report["scenes"][0],
     ] {
-        // A light or camera may be called by its node and itself.
+        // A light's or camera's name may include its node's.
         assert!(name.as_str().is_some_and(|name| name.contains(EVIL)), "{name}");
     }
     assert!(report["warnings"].to_string().contains("\\u001b[2J"), "{report}");
-    // And nothing in the text that a terminal obeys.
+    // The JSON has no terminal escapes, either.
     assert_is_shown(&run.stdout);
 }
 
@@ -128,7 +131,8 @@ fn the_console_names_things_so_that_it_can_read_them_again() {
     let path = folder.path();
     fs::write(path.join("evil.glb"), evil_glb()).unwrap();
     let words = ["run", "-", "--scene", "evil.glb", "--size", "16x9"];
-    // Objects, materials and lights have blanks there; all names have escapes for the marks of direction.
+    // Objects, materials and lights have spaces for control characters; all names have escapes for
+    // direction marks.
     let hide = "hide \" [2J ]0;owned  31m error: forged warning: forged\\u{202e}txt \"";
     let camera = "camera \"\\u{1b}[2J\\u{1b}]0;owned\\u{7}\\u{9b}31m\\u{d}error: forged\\u{a}warning: \
                   forged\\u{202e}txt\\u{7f}\"";
@@ -137,7 +141,7 @@ fn the_console_names_things_so_that_it_can_read_them_again() {
     let run = lumivox_with(path, &words, &script).expect_ok();
     assert_run_is_shown(&run);
     assert!(run.stdout.contains(hide), "{}", run.stdout);
-    // What was written leads to the same.
+    // The written script gives the same names.
     let kept = fs::read_to_string(path.join("kept.txt")).unwrap();
     assert_is_shown(&kept);
     let again = lumivox_with(path, &["run", "-"], &format!("{kept}\nscript\n")).expect_ok();
@@ -155,7 +159,7 @@ fn names_of_files_reach_the_terminal_as_text() {
     for words in [
         &["info", evil][..],
         &["info", "b\u{1b}[31m\nerror: forged.glb"],
-        // As a shell fills in too many names, or one in place of a value.
+        // Too many names, or a name in place of a value, as when a shell fills them in.
         &["info", evil, evil],
         &["info", evil, "--resolution", evil],
     ] {
@@ -166,7 +170,8 @@ fn names_of_files_reach_the_terminal_as_text() {
     assert_eq!(report["name"], Value::from("a\u{1b}[31m\nerror: forged"));
 }
 
-/// Runs the program, which must end by itself: who opens a pipe that nobody writes into waits for ever.
+/// Runs the program, which must end by itself: opening a pipe without a writer would block for
+/// ever.
 #[cfg(unix)]
 #[track_caller]
 fn ends(folder: &Path, line: &str) -> Run {
@@ -232,13 +237,13 @@ fn pipes_are_refused_wherever_a_file_is_named() {
         assert!(run.stderr.contains("it is a pipe, not a file"), "{line}: {}", run.stderr);
         assert!(run.stderr.contains(pipe), "{line}: {}", run.stderr);
     }
-    // The other things that are no files.
+    // Devices are not files, either.
     let run = ends(path, "render corner.glb -o a.png --environment /dev/zero");
     assert_eq!(run.code, INPUT, "{}", run.stderr);
     assert!(run.stderr.contains("it is a device, not a file"), "{}", run.stderr);
 }
 
-/// A link out of the folder is told with the option that lifts it.
+/// The error of a link out of the folder names the option that allows it.
 #[cfg(unix)]
 #[test]
 fn links_out_of_the_folder_are_refused_with_a_remedy() {
@@ -268,8 +273,8 @@ fn links_out_of_the_folder_are_refused_with_a_remedy() {
     lumivox(path, "info scene/a.gltf --allow-outside").expect_ok();
 }
 
-/// What is required and not supported is an error that names the option which ignores it, on every command that opens a
-/// scene.
+/// A required but unsupported extension is an error that names the option to ignore it, in every
+/// command that opens a scene.
 #[test]
 fn required_extensions_are_ignored_when_asked() {
     let folder = folder();
@@ -317,7 +322,7 @@ fn required_extensions_are_ignored_when_asked() {
     assert!(loaded.stdout.contains("new.glb --ignore-required"), "{}", loaded.stdout);
 }
 
-/// A vertex that the export lost takes the whole scene with it: who reads the message finds it.
+/// A stray vertex makes the scene useless: the message names the vertex.
 #[test]
 fn a_stray_vertex_is_named() {
     let folder = folder();
@@ -331,7 +336,7 @@ fn a_stray_vertex_is_named() {
         let told = lumivox(path, &line).stderr;
         assert!(told.contains(place) && told.contains("move or remove it"), "{line}: {told}");
     }
-    // Also where there is a picture, of a speck.
+    // Also if there is a picture, of a speck.
     stray[14] = [1e6, 0.0, 0.0];
     fs::write(path.join("stray.glb"), glb(&stray)).unwrap();
     let run = lumivox(path, &format!("render stray.glb -o a.png {SMALL}")).expect_ok();

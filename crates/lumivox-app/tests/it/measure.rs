@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::common::{INPUT, OUTPUT, USAGE, expect_error, folder, glb, lumivox, names};
 
-/// Quick voxels.
+/// Options for quick voxels.
 const SMALL: &str = "--resolution 32 --frames 4 --bounces 1";
 
 /// A floor of 8 m by 8 m under the lamp of [`glb`], 100 cd at 0.2, 2, 0.3.
@@ -55,7 +55,7 @@ fn points_read_the_inverse_square_of_their_lamp() {
     }
 }
 
-/// Places on a map: a step on a floor, near zero and in UTM coordinates.
+/// A strip above a floor, near zero and in UTM coordinates.
 #[test]
 fn points_have_the_coordinates_of_their_file() {
     let folder = folder();
@@ -84,11 +84,12 @@ fn points_have_the_coordinates_of_their_file() {
         assert!(table.lines().nth(1).unwrap().starts_with(&format!("{point},0,1,0,")), "{table}");
         lux.push(numbers(&report, "lux")[0]);
     }
-    // Below a strip whose corners 32-bit floats would move by half its width.
+    // The point is below a strip whose corners 32-bit floats would move by half its width.
     assert!(lux[0] < 2500.0 && (lux[1] / lux[0] - 1.0).abs() < 0.03, "{lux:?}");
 }
 
-/// As programs for buildings snap them: the lamp of [`glb`] lies in the plane of a ceiling, within the resolution of f32.
+/// The lamp of [`glb`] lies in the plane of a ceiling, within the resolution of f32, as building
+/// programs place it.
 #[test]
 fn a_lamp_in_the_plane_of_a_ceiling_lights_the_room_by_every_method() {
     let folder = folder();
@@ -141,7 +142,7 @@ fn shade_that_shadow_maps_lose_is_told() {
     for method in ["--method paths --samples 16", "--volume cascades"] {
         let report = lumivox(path, &format!("{line} {method} --json")).expect_ok().json();
         assert_eq!(report["in_lost_shade"], serde_json::json!([]), "{method}");
-        // The open sky lights the place, and no sun.
+        // The sky lights the place, but not the sun.
         let [open, behind] = [0, 1].map(|place| numbers(&report, "lux")[place]);
         assert!(behind < 0.2 * open, "{method}: {behind} of {open} lux");
     }
@@ -178,7 +179,7 @@ fn a_workplane_is_a_table_an_object_and_a_picture() {
     assert_eq!(table.lines().count(), 33);
     let picture = image::open(path.join("plane.png")).unwrap();
     assert!(picture.width() > 480 && picture.height() > 400);
-    // Measured again, all of it has the same bits.
+    // A second measurement gives the same bytes.
     let before = fs::read(path.join("plane.png")).unwrap();
     lumivox(path, &line).expect_ok();
     assert!(before == fs::read(path.join("plane.png")).unwrap());
@@ -204,7 +205,7 @@ fn pictures_and_rays_read_luminance() {
         assert!(report["mean"].as_f64().unwrap() > 0.1, "{report}");
         assert_eq!(report["noise_percent"].is_number(), method.starts_with("paths"));
     }
-    // Nothing is added to a scene without light, unless that is asked for.
+    // No light is added to a scene without light, unless requested.
     fs::write(path.join("up.csv"), "0,1.5,0\n").unwrap();
     let line = format!("measure builtin:panel --points up.csv {SMALL} --json");
     assert_eq!(lumivox(path, &line).expect_ok().json()["mean"], 0.0);

@@ -23,7 +23,7 @@ fn parts_add_up_to_the_bytes_of_one_run_whatever_their_order() {
     assert_eq!(report["samples"], 16);
     lumivox(path, &format!("{SMALL} --batches 1..3 --part b")).expect_ok();
     lumivox(path, &format!("{SMALL} --batches 3..4 --part c")).expect_ok();
-    // Tried again, a part has the same bytes.
+    // A repeated part has the same bytes.
     lumivox(path, &format!("{SMALL} --batches 1..3 --part d")).expect_ok();
     assert!(read(path, "b") == read(path, "d"), "a part differs from run to run");
     for (number, parts) in ["a b c", "c a b", "b d c a b"].into_iter().enumerate() {
@@ -53,7 +53,7 @@ fn parts_that_do_not_fit_are_named() {
         lumivox(path, &format!("{SMALL} {options} --part {part}")).expect_ok();
     }
     fs::write(path.join("text"), "no part").unwrap();
-    // The name of the maker begins behind the mark and its length.
+    // The maker's name starts after the magic number and the name's length.
     let mut other = read(path, "later");
     let cut = other.len() / 2;
     fs::write(path.join("half"), &other[..cut]).unwrap();

@@ -13,7 +13,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// Today the renderer starts anew with every change: light is there at once, and leaves no trail.
+/// Today the renderer restarts with every change: light changes at once, and leaves no trail.
 #[test]
 fn a_switched_lamp_is_measured_step_by_step() {
     let folder = folder();
@@ -30,7 +30,7 @@ fn a_switched_lamp_is_measured_step_by_step() {
         assert!(number(&spread["bias_percent"]["median"]).abs() < 30.0, "{layer}: {spread}");
         let rmse = &spread["rmse_percent"];
         assert!(number(&rmse["worst"]) >= number(&rmse["median"]), "{layer}: {spread}");
-        // At rest the irradiance is right but for the truth's own noise.
+        // At rest, the error of the irradiance may be only the truth's noise.
         let of_still = &spread["rmse_of_still"];
         assert!(of_still.is_null() || number(&of_still["median"]) > 1.0, "{layer}: {spread}");
         assert!(number(&spread["flip"]["median"]) > 0.0, "{layer}: {spread}");
@@ -60,7 +60,7 @@ fn a_switched_lamp_is_measured_step_by_step() {
     // Two poses have a truth each.
     assert_eq!(names(&folder.path().join("truth")).len(), 2);
 
-    // The same figures again, from the truths that are there; only time differs.
+    // A second run reads the truths and gives the same figures; only times differ.
     let again = lumivox(folder.path(), &line).expect_ok().json();
     for name in ["in_motion", "flicker", "latency", "trail", "by_step"] {
         assert_eq!(again["sequences"][0][name], switch[name], "{name}");
@@ -116,7 +116,7 @@ fn the_page_has_all_tables_and_pictures() {
     assert_eq!(lumivox(folder.path(), &line).expect_ok().stdout, "docs/motion.md\n");
     let read = || fs::read_to_string(folder.path().join("docs/motion.md")).unwrap();
     let page = read();
-    // Nothing is measured again: times would differ.
+    // A second run measures nothing: its times would differ.
     lumivox(folder.path(), &line).expect_ok();
     assert_eq!(read(), page);
     for text in [

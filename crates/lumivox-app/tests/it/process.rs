@@ -1,4 +1,4 @@
-//! The program as a process: what no call of its library shows.
+//! The program as a process: tests that its library cannot cover.
 
 use std::fs;
 use std::process::Stdio;
@@ -7,7 +7,7 @@ use crate::common::{CORNER, GPU, INPUT, OUTPUT, USAGE, command, folder, glb, nam
 #[cfg(unix)]
 use crate::common::{STOPPED, interrupt};
 
-/// Another program, in a folder.
+/// A command for another program, run in a folder.
 #[cfg(target_os = "linux")]
 fn command_through(program: &str, folder: &std::path::Path) -> std::process::Command {
     let mut command = std::process::Command::new(program);
@@ -77,7 +77,7 @@ fn a_reader_that_goes_away_is_no_error() {
     }
 }
 
-/// Drivers are found by what these variables of the Vulkan loader name.
+/// These variables of the Vulkan loader name the files of the drivers.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_gpu_it_says_what_to_do() {
@@ -92,7 +92,7 @@ fn without_a_gpu_it_says_what_to_do() {
     assert!(text.contains("no GPU adapter") && text.contains("driver"), "{text}");
 }
 
-/// Who says nothing because nobody can hear it does not fail for that.
+/// A full or closed stderr does not change the exit code.
 #[cfg(target_os = "linux")]
 #[test]
 fn messages_that_cannot_be_written_are_no_failure() {
@@ -119,7 +119,8 @@ fn messages_that_cannot_be_written_are_no_failure() {
     }
 }
 
-/// The script that builds and starts the program; cargo is a stand-in here that says what it says while it builds.
+/// The script that builds and starts the program, with a fake cargo that prints what cargo prints
+/// while it builds.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_launcher_goes_on_when_nobody_can_hear_it() {
@@ -148,7 +149,8 @@ fn the_launcher_goes_on_when_nobody_can_hear_it() {
     }
 }
 
-/// Mesa's layer, which asks a desktop for its favourite GPU, prints an "error:" where there is none.
+/// Mesa's layer that asks the desktop for its preferred GPU prints an "error:" if there is no
+/// desktop.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_desktop_nothing_complains() {
@@ -164,7 +166,7 @@ fn without_a_desktop_nothing_complains() {
     assert_eq!(output.status.code(), Some(0));
 }
 
-/// Ctrl-C ends it between two measurements, with an exit code of its own; those that there are stay.
+/// Ctrl-C ends it between two measurements, with its own exit code; finished measurements are kept.
 #[cfg(unix)]
 #[test]
 fn measurements_that_are_stopped_can_be_gone_on_with() {
@@ -201,7 +203,7 @@ fn measurements_that_are_stopped_can_be_gone_on_with() {
     assert!(run.stderr.contains(&format!("warning: {} of ", count + 1)), "{}", run.stderr);
 }
 
-/// The environment variable of the log is the process's.
+/// Needs a process: the library ignores the log's environment variable.
 #[test]
 fn the_log_is_as_loud_as_the_environment_asks() {
     let folder = folder();
@@ -215,12 +217,12 @@ fn the_log_is_as_loud_as_the_environment_asks() {
     };
     assert_eq!(said(""), "");
     assert!(said("lumivox=trace,=").contains("warning: RUST_LOG cannot be understood"));
-    // As in the help, which means all crates whose names begin so.
+    // As in the help: matches all crates whose names start like this.
     assert!(said("lumivox=trace").contains("info: "));
     assert_eq!(said("lumivox=error"), "");
 }
 
-/// A build without a window knows the command, and how to get it.
+/// A build without a window knows the command, and says how to get a window.
 #[cfg(not(feature = "window"))]
 #[test]
 fn a_build_without_a_window_says_how_to_make_one() {

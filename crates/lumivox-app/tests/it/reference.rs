@@ -1,4 +1,4 @@
-//! `lumivox reference`: its files, its reports, and how it is stopped and gone on with.
+//! `lumivox reference`: its files, its reports, stopping and resuming.
 
 use std::fs;
 use std::path::Path;
@@ -65,7 +65,7 @@ fn a_screen_picture_is_written_too() {
     let png = read(folder.path(), "a.png");
     assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
     assert_eq!(png[16..24], [0, 0, 0, 32, 0, 0, 0, 18]);
-    // One batch says nothing of its noise.
+    // One batch does not suffice to estimate the noise.
     let text = lumivox(folder.path(), &format!("{SMALL} -o a.png --samples 1")).expect_ok().stdout;
     assert!(text.contains("noise: unknown"), "{text}");
 }
@@ -76,18 +76,18 @@ fn a_run_in_two_parts_gives_the_same_bytes() {
     let path = folder.path();
     let run = |rest: &str| lumivox(path, &format!("{SMALL} {rest} --json")).expect_ok().json();
     run("-o whole.exr --samples 32");
-    // Without a file to go on from, it starts.
+    // Without a checkpoint to resume, it starts from zero.
     let first = run("-o part.exr --samples 16 --checkpoint sums --resume");
     assert_eq!(first["samples_before"], 0);
     let second = run("-o part.exr --samples 32 --checkpoint sums --resume");
     assert_eq!(second["samples_before"], 16);
     assert_eq!(second["samples"], 32);
     assert!(read(path, "whole.exr") == read(path, "part.exr"), "the files differ");
-    // All is there: nothing is traced, and the picture is written again.
+    // All samples exist: nothing is traced, but the picture is written again.
     let third = run("-o again.exr --samples 32 --checkpoint sums --resume");
     assert_eq!(third["samples_before"], 32);
     assert!(read(path, "whole.exr") == read(path, "again.exr"), "the files differ");
-    // Without --resume it starts anew.
+    // Without --resume it starts from zero.
     assert_eq!(run("-o new.exr --samples 16 --checkpoint sums")["samples_before"], 0);
     assert_eq!(names(path), ["again.exr", "new.exr", "part.exr", "sums", "whole.exr"]);
 }
@@ -168,7 +168,7 @@ fn interrupted(folder: &Path, line: &str) -> Run {
     Run { code, stdout, stderr: said }
 }
 
-/// Ctrl-C is a wish to stop: the batch is finished, what is there is written, and a run that goes on has the bits and the
+/// Ctrl-C finishes the batch and writes the samples so far. A resumed run has the bits and the
 /// noise of one that was never stopped.
 #[cfg(unix)]
 #[test]
@@ -196,7 +196,7 @@ fn an_interrupted_run_can_be_gone_on_with_as_if_it_had_not_been() {
     assert!(read(path, "b.exr") == read(path, "whole.exr"), "the files differ");
 }
 
-/// The sums are those of one run.
+/// Two runs would mix their sums.
 #[test]
 fn two_runs_do_not_share_a_checkpoint() {
     let folder = folder();
@@ -206,7 +206,7 @@ fn two_runs_do_not_share_a_checkpoint() {
     lock.lock().unwrap();
     let needles = ["sums", "another process keeps its sums there"];
     expect_error(path, &line, OUTPUT, &needles);
-    // As when that process dies: its file stays, and the lock does not.
+    // As if that process died: its lock file stays, but is not locked.
     drop(lock);
     lumivox(path, &line).expect_ok();
     assert_eq!(names(path), ["a.exr", "sums"]);

@@ -1,10 +1,11 @@
-//! `lumivox rooms`: rooms at random, measured.
+//! `lumivox rooms`: measures random rooms.
 
 use std::fs;
 
 use crate::common::{INPUT, USAGE, expect_error, folder, lumivox, names};
 
-/// A lamp by night, daylight through a window, a lamp: 1.2, 2.7 and 0.9 % off, their pictures 1.4, 2.5 and 1.1 % (lavapipe).
+/// A lamp by night, daylight through a window, and a lamp: errors of 1.2, 2.7 and 0.9 %, in
+/// pictures 1.4, 2.5 and 1.1 % (lavapipe).
 #[test]
 fn rooms_are_measured_within_six_percent() {
     let folder = folder();
@@ -29,7 +30,7 @@ fn rooms_are_measured_within_six_percent() {
         assert!(number("noise_percent") > 0.0 && number("rmse_percent") >= 0.0, "{room}");
     }
 
-    // The written room is the same room.
+    // The written room gives the same readings.
     let files = names(&folder.path().join("kept"));
     assert_eq!(
         files,

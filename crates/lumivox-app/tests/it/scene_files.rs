@@ -1,4 +1,4 @@
-//! How files are read, and what `info` tells of them.
+//! How files are read, and what `info` reports.
 
 use std::fs;
 
@@ -73,7 +73,7 @@ fn units_and_axes_are_the_files() {
     };
     assert_eq!(bounds(""), [[-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]]);
     let [min, max] = bounds("--up z --unit 2");
-    // The wall lies down: y points away, to -z.
+    // The wall lies flat: y becomes -z.
     assert_eq!([min, max], [[-2.0, -2.0, -4.0], [2.0, 2.0, 0.0]]);
     let [_, max] = bounds("--unit in");
     assert!((max[1] - 2.0 * 0.0254).abs() < 1e-6, "{max:?}");
@@ -125,7 +125,7 @@ fn options_of_files_are_checked() {
     }
 }
 
-/// A Radiance picture, packed by no more than its header says.
+/// An uncompressed Radiance picture of one colour.
 fn panorama(width: usize, rgbe: [u8; 4]) -> Vec<u8> {
     let height = width / 2;
     let mut file =
@@ -141,7 +141,7 @@ fn surroundings_come_from_numbers_files_and_the_sky() {
     let folder = folder();
     let path = folder.path();
     fs::write(path.join("corner.glb"), glb(&CORNER)).unwrap();
-    // 0.5 * 2^(132 - 128): 8 cd/m² from everywhere; eight texels wide, too short to be packed.
+    // 0.5 * 2^(132 - 128): 8 cd/m² from everywhere; six texels wide, too short to be compressed.
     fs::write(path.join("eight.hdr"), panorama(6, [128, 128, 128, 132])).unwrap();
     let render = |options: &str| {
         let line = format!("render corner.glb -o a.exr {SMALL} --bounces 1 {options}");
@@ -210,7 +210,7 @@ fn dark_scenes_are_lit_unless_they_shall_stay_dark() {
     for left in ["--no-default-light", "--surroundings none"] {
         let dark = lumivox(path, &format!("{line} {left}")).expect_ok().json();
         assert!(!notes(&dark).contains("a studio of"), "{dark}");
-        // Black, and it says so, with what helps.
+        // The picture is black; the notes say so, with a remedy.
         assert!(notes(&dark).contains("the picture is black"), "{dark}");
         assert!(notes(&dark).contains("--surroundings studio or sky"), "{dark}");
         assert!(picture != fs::read(path.join("a.png")).unwrap());

@@ -1,4 +1,4 @@
-//! Sequences as their users meet them: files, index, going on, refusals.
+//! Sequences as their users meet them: files, index, resuming, refusals.
 
 use std::collections::HashSet;
 use std::fs;
@@ -90,7 +90,7 @@ fn what_is_there_stays_and_what_is_missing_is_made_the_same() {
     let run = lumivox(folder.path(), &line).expect_ok();
     assert!(run.stdout.contains("3 of them were there already"), "{}", run.stdout);
 
-    // As after a power cut: one picture half written, one gone; the exposure is still that of all.
+    // As after a power cut: one picture half written, one gone; the common exposure stays.
     fs::write(turn.join("0000.png"), &before[0][..40]).unwrap();
     fs::remove_file(turn.join("0002.png")).unwrap();
     let report = lumivox(folder.path(), &format!("{line} --json")).expect_ok().json();
@@ -98,7 +98,7 @@ fn what_is_there_stays_and_what_is_missing_is_made_the_same() {
     assert!(pictures() == before, "the same pictures");
     assert_eq!(changed(), time, "the middle one was left alone");
 
-    // Other settings do not mix, unless all is made anew.
+    // Other settings are refused, unless all pictures are rendered again.
     let other = line.replace("--frames 1", "--frames 2");
     expect_error(folder.path(), &other, INPUT, &["index.json", "frames was 1, is 2", "--restart"]);
     let slower = line.replace("--fps 3", "--fps 2");
@@ -108,8 +108,8 @@ fn what_is_there_stays_and_what_is_missing_is_made_the_same() {
     assert_eq!(index(&turn, "index.json")["frame_count"], 2);
 }
 
-/// Frames that keep light of earlier ones give the same pictures after an interruption, wherever it was; and pictures without
-/// history are those that are rendered by themselves.
+/// With history, pictures are the same after any interruption. Without history, each picture is as
+/// if rendered on its own.
 #[test]
 fn a_film_goes_on_with_the_same_bits() {
     let folder = folder();
@@ -141,7 +141,7 @@ fn a_film_goes_on_with_the_same_bits() {
     lumivox(path, &alone).expect_ok();
     assert!(read("alone_0.png") == before[0], "the first picture has no history");
     assert!(read("alone_2.png") != before[2], "the last one has");
-    // Alone, without the two before.
+    // Rendered without the two before.
     let last = read("alone_2.png");
     fs::remove_file(path.join("alone_2.png")).unwrap();
     let report = lumivox(path, &format!("{alone} --json")).expect_ok().json();
@@ -149,7 +149,8 @@ fn a_film_goes_on_with_the_same_bits() {
     assert!(read("alone_2.png") == last);
 }
 
-/// Pictures of one frame sample other places within the pixels if they go on from each other, so that edges become smooth.
+/// With history, pictures of one frame sample different places within the pixels, so that edges
+/// become smooth.
 #[test]
 fn a_film_of_single_frames_has_smooth_edges() {
     let folder = folder();
@@ -164,7 +165,8 @@ fn a_film_of_single_frames_has_smooth_edges() {
     }
 }
 
-/// Without light of earlier frames there is no history, and nothing is rendered again.
+/// If the settings keep no light of earlier frames, there is no history, and nothing is rendered
+/// again.
 #[test]
 fn pictures_without_light_of_earlier_frames_have_no_history() {
     let folder = folder();
@@ -195,7 +197,7 @@ fn a_run_that_is_killed_leaves_a_sequence_to_go_on_with() {
     assert_eq!(index(&turn, "index.json")["frames"].as_array().unwrap().len(), 40);
 }
 
-/// Starts a sequence of forty pictures in `turn`, and waits until one of them is there.
+/// Starts a sequence of forty pictures in `turn`, and waits until `picture` exists.
 #[cfg(unix)]
 fn started(folder: &Path, picture: &str) -> std::process::Child {
     use std::process::Stdio;
@@ -215,12 +217,12 @@ fn started(folder: &Path, picture: &str) -> std::process::Child {
     child
 }
 
-/// So many that none of the tests lets them all be rendered before it does something.
+/// Enough pictures that the tests act before all of them are rendered.
 #[cfg(unix)]
 const FORTY: &str = "render builtin:cornell -o turn --size 32x18 --frames 1 --resolution 16 \
                      --shadow-resolution 64 --orbit 360 --time 0..4 --fps 10";
 
-/// Ctrl-C leaves whole pictures, an index that lists them, nothing else, and an exit code of its own.
+/// Ctrl-C leaves only complete pictures and an index that lists them, and has its own exit code.
 #[cfg(unix)]
 #[test]
 fn a_sequence_that_is_stopped_can_be_gone_on_with() {
@@ -247,18 +249,18 @@ fn a_sequence_that_is_stopped_can_be_gone_on_with() {
 fn a_second_process_is_refused_until_the_first_has_ended() {
     let folder = folder();
     let mut child = started(folder.path(), "0000.png");
-    // However long the second one takes to begin, the first has not ended.
+    // Suspended, the first cannot end before the second has started.
     freeze(&child);
-    // The index is there before the first picture: the sequence can be continued.
+    // The index exists before the first picture, so that the sequence can be resumed.
     assert!(folder.path().join("turn/index.json").exists());
     let run = lumivox(folder.path(), FORTY);
     assert_eq!(run.code, OUTPUT, "{}", run.stderr);
     let needle = "turn/index.json: another process renders this sequence; wait until it has ended";
     assert!(run.stderr.contains(needle), "{}", run.stderr);
-    // Another sequence in the folder has nothing to do with it.
+    // Another sequence in the folder is not locked.
     let other = FORTY.replace("-o turn", "-o turn/b_##.png").replace("0..4", "0..0.2");
     lumivox(folder.path(), &other).expect_ok();
-    // What a process that died leaves is no lock.
+    // The lock file of a dead process is not locked.
     child.kill().unwrap();
     child.wait().unwrap();
     let lock = folder.path().join("turn/.index.json.lock");
@@ -291,7 +293,7 @@ fn a_path_leads_the_camera() {
     assert!((fov - 50.0).abs() < 1e-3);
     assert_eq!(index["settings"]["camera_path"].as_array().unwrap().len(), 3);
 
-    // One moment of it is a still.
+    // One time of it is a still.
     let line = format!(
         "render builtin:cornell -o still.exr {SMALL} --camera-path path.json --time 1 --json"
     );
@@ -329,7 +331,7 @@ fn what_does_not_fit_together_is_refused() {
         ("-o turn/", INPUT, ["nothing moves", "--orbit"]),
         ("-o turn/ --time 0..1", INPUT, ["nothing moves", "--camera-path"]),
         ("-o a.png --time 1", INPUT, ["nothing moves", "cornell"]),
-        // One time is one picture, and `turn` no picture's name.
+        // One time is one picture, and `turn` is not a picture's name.
         ("-o turn --orbit 90 --time 1", INPUT, ["turn", ".png"]),
         ("-o turn/ --orbit 90 --time 1", INPUT, ["an orbit is a sequence", "START..END"]),
         ("-o turn --orbit 90 --time 2..1", INPUT, ["--time", "end after it starts"]),

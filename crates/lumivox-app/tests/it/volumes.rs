@@ -1,4 +1,4 @@
-//! Kinds of volumes on the command line: what they take, what they show, and what they refuse.
+//! Kinds of volumes on the command line: their memory, views, and refusals.
 
 use std::fs;
 
@@ -21,7 +21,7 @@ fn memory_goes_with_the_surface() {
         |name, resolution, key: &str| row(&report, name, resolution)[key].as_f64().unwrap();
     let growth = |name| number(name, 64, "bytes") / number(name, 32, "bytes");
     assert!(growth("dense") > 7.0, "{}", growth("dense"));
-    // The table of the smaller one is an eighth, so that it grows by less than four and its table.
+    // The surface grows fourfold, and only the small table eightfold.
     assert!(growth("octree") < 5.0, "{}", growth("octree"));
     assert!(number("octree", 64, "bytes") < 0.3 * number("dense", 64, "bytes"));
     for name in ["dense", "octree", "locks", "neighbours by search", "mipmaps of every cell"] {

@@ -108,7 +108,7 @@ fn animation(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply>
     Ok(Reply::default())
 }
 
-/// The commands that lead to the present time of the animation.
+/// The commands that restore the animation's present state.
 pub fn lines(console: &Console) -> Vec<String> {
     let playback = console.explorer.playback();
     let mut lines = Vec::new();

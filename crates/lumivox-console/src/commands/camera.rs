@@ -285,8 +285,8 @@ fn turns(arguments: &[&str]) -> Result<(f32, f32), Failure> {
     Ok((turn(0, "the turn to the right")?, turn(1, "the turn upwards")?))
 }
 
-/// The rotation for a turn about the vertical and then about the camera's right; it stops short of
-/// the vertical.
+/// The rotation for a turn about the vertical and a tilt about the camera's right, and the tilt
+/// itself, which is limited so that the view stops short of the vertical.
 fn turn(camera: &Camera, right_rad: f32, up_rad: f32) -> (Quat, f32) {
     let forward = camera.forward.normalize_or(Vec3::NEG_Z);
     let tilt = forward.y.clamp(-1.0, 1.0).asin();
@@ -311,7 +311,7 @@ fn orbit(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
             .ok_or_else(nothing_to_show)?,
     };
     let mut camera = console.explorer.camera().clone();
-    // To the right: the eye moves to the right, so the world turns to the left.
+    // An orbit to the right moves the eye right and turns the view left.
     let (turn, _) = turn(&camera, -yaw, -pitch);
     camera.position = center + turn * (camera.position - center);
     check_place(camera.position)?;

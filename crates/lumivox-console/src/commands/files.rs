@@ -139,7 +139,7 @@ fn load(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::ask(Effect::Open(Box::new(opening))))
 }
 
-/// The error about options, in one line.
+/// An error of clap as a failure of `load`, in one line.
 fn told(error: &clap::Error) -> Failure {
     let text = error.render().to_string();
     let said: Vec<&str> = text

@@ -61,7 +61,7 @@ pub const TABLE: &[Command] = &[
 ];
 
 const KINDS: [&str; 3] = ["point", "spot", "sun"];
-/// The same limit as on the command line.
+/// The greatest strength, as on the command line.
 const BRIGHTEST: f32 = 1e10;
 
 type P = Property<Light>;

@@ -15,7 +15,7 @@ const OBJECTS: Command =
 /// An object, optionally followed by an axis.
 const AXIS: [Takes; 3] = [Takes::Object, Takes::Word(&["x", "y", "z"]), Takes::Anything];
 
-/// The range of turns in degrees in which f32 still resolves them.
+/// The range of turns, degrees: small enough for f32 to resolve them.
 const TURN: std::ops::RangeInclusive<f32> = -36_000.0..=36_000.0;
 /// The range of scale factors. An object without extent can be neither voxelized nor scaled back.
 const SCALE: std::ops::RangeInclusive<f32> = -1e6..=1e6;

@@ -114,7 +114,7 @@ pub fn of_preset(console: &Console) -> RenderSettings {
     of_preset_at(console, console.explorer.settings().resolution)
 }
 
-/// The same, with the cones of a resolution.
+/// As [`of_preset`], with the cones for a resolution; `resolution` itself is the default.
 fn of_preset_at(console: &Console, resolution: u32) -> RenderSettings {
     let preset = console.explorer.preset();
     let defaults = RenderSettings { resolution, ..RenderSettings::default() };
@@ -123,7 +123,7 @@ fn of_preset_at(console: &Console, resolution: u32) -> RenderSettings {
     RenderSettings { resolution: RenderSettings::default().resolution, ..settings }
 }
 
-/// The settings that differ.
+/// The settings that have an effect and whose values differ.
 pub fn differing<'a>(
     settings: &'a RenderSettings,
     from: &'a RenderSettings,
@@ -200,13 +200,13 @@ fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     }
 }
 
-/// Whether a setting can be copied from others without changing more: the options of an octree
-/// require an octree, and those of VXCT's look require that look.
+/// `true` if copying a setting changes no other setting: the options of an octree require an
+/// octree, and those of VXCT's look require that look.
 fn is_free(parameter: &Parameter, settings: &RenderSettings, from: &RenderSettings) -> bool {
     parameter.means_something(settings) && parameter.means_something(from)
 }
 
-/// Copies all settings of the table.
+/// Copies the volume, the look, and all settings of the table that have an effect.
 fn set_all(settings: &mut RenderSettings, from: &RenderSettings) {
     (settings.volume, settings.look) = (from.volume, from.look.clone());
     for parameter in PARAMETERS.iter() {

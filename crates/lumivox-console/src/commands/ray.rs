@@ -29,7 +29,7 @@ pub const TABLE: &[Command] = &[Command {
 const RED: [f32; 4] = [1.0, 0.15, 0.1, 1.0];
 const GREEN: [f32; 4] = [0.1, 0.9, 0.2, 1.0];
 
-/// Length of the normal as a share of the scene's radius; the cross has a third of it.
+/// Length of the normal as a share of the scene's radius; each arm of the cross is a third of it.
 const NORMAL: f32 = 0.15;
 
 /// A ray, drawn with the point that it hits and the normal there.

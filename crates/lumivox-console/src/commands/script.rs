@@ -17,8 +17,8 @@ pub fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::say(format!("{file}: {} commands", lines.len())))
 }
 
-/// The commands. Their order matters: the size and the preset come before the scene, which is lit
-/// for them; the grid comes before the objects that move in it.
+/// The commands. Their order matters: size and preset come before the scene, whose lighting depends
+/// on them; the grid comes before the objects that move in it.
 fn lines(console: &Console) -> Vec<String> {
     let explorer = &console.explorer;
     let settings = explorer.settings();

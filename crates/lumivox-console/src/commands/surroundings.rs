@@ -89,7 +89,7 @@ fn sky(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::default())
 }
 
-/// Tells which directional lights a sky has taken the place of.
+/// Warns of the directional lights that a sky has replaced.
 pub fn tell_replaced(names: &[String]) {
     for name in names {
         tracing::warn!(

@@ -157,7 +157,7 @@ impl Shown {
     }
 }
 
-/// Flips one of the switches.
+/// Sets or toggles one of the switches.
 fn flip_view(
     console: &mut Console,
     arguments: &[&str],
@@ -172,7 +172,7 @@ fn flip_view(
     Ok(Reply::say(format!("{name} {}", on_or_off(is_on))))
 }
 
-/// Chooses the view that is shown when neither voxels nor their levels are.
+/// Sets the view that is shown while `voxs` and `loclod` are off.
 pub fn show(console: &mut Console, view: View) -> anyhow::Result<()> {
     let shown = Shown { base: view, ..Shown::of(console.explorer.settings().view, console.shown) };
     console.change(|settings| settings.view = shown.view())?;
@@ -213,8 +213,8 @@ impl Objects {
     }
 }
 
-/// Flips one of the switches. Their states are those of the last flip; an overlay set otherwise
-/// determines them again.
+/// Sets or toggles one of the switches. If the overlay has changed since the last flip, their
+/// states are derived from it.
 fn flip_objects(
     console: &mut Console,
     arguments: &[&str],

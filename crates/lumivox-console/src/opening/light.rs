@@ -77,7 +77,7 @@ pub struct SourceArgs {
 }
 
 impl SourceArgs {
-    /// The surroundings that the scene gets: none where the user lights it.
+    /// The surroundings to add; by default none if other options light the scene.
     pub fn staging(&self) -> Staging {
         let is_lit = self.sun.is_some() || self.sky.is_some() || self.environment.is_some();
         let is_left = self.no_default_light || is_lit;

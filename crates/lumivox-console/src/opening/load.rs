@@ -122,7 +122,7 @@ impl LoadArgs {
         Ok(())
     }
 
-    /// Rotates a scene and opens its backs as requested.
+    /// Applies `open_backs` and `rotate` to a scene.
     pub fn turn(&self, scene: &mut Scene) {
         if self.open_backs {
             for material in &mut scene.materials {

@@ -106,7 +106,8 @@ pub fn resolve(
     resolve_with(choice, scene, aspect, &OnceCell::new())
 }
 
-/// The same for a scene whose survey may exist; otherwise it is made here if needed.
+/// As [`resolve`], with a cell for the scene's survey, which is made here if it is needed and
+/// missing.
 ///
 /// # Errors
 /// As [`resolve`].
@@ -233,7 +234,7 @@ mod tests {
         let hall = lumivox_scene::builtin::scene("atrium").unwrap();
         assert!(hall.bounds().contains(named(INSIDE, &hall).unwrap().position));
         assert!(!hall.bounds().contains(named(OUTSIDE, &hall).unwrap().position));
-        // A camera of the file goes first.
+        // A camera of the file takes precedence.
         let mut own = hall.clone();
         INSIDE.clone_into(&mut own.cameras[0].name);
         assert_eq!(named(INSIDE, &own).unwrap(), own.cameras[0]);

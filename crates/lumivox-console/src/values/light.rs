@@ -30,7 +30,7 @@ pub fn sun(text: &str) -> Result<Light, Refused> {
         [] => NOON_LUX,
         [lux, ..] => in_range(*lux, &(0.0..=BRIGHTEST), "the illuminance in lux")?,
     };
-    // In f64 the square of no f32 overflows or vanishes.
+    // In f64, squares of f32 neither overflow nor underflow.
     let towards_sun = Vec3::new(x, y, z).as_dvec3();
     if towards_sun == DVec3::ZERO {
         return Err(Refused::OutOfRange("the direction must not be 0,0,0".to_owned()));

@@ -33,7 +33,7 @@ pub fn read<T: Number>(text: &str, range: &RangeInclusive<T>) -> Result<T, Refus
 /// `a number from 0 to 1`.
 pub fn in_words<T: Number>(range: &RangeInclusive<T>) -> String {
     let name = if T::IS_WHOLE { "a whole number" } else { "a number" };
-    // With an exponent where the digits would have to be counted.
+    // Very small and very large numbers are written with an exponent.
     let end = |number: T| match number.into().abs() {
         size if T::IS_WHOLE || size == 0.0 || (1e-4..1e7).contains(&size) => number.to_string(),
         _ => format!("{number:e}"),
@@ -41,7 +41,7 @@ pub fn in_words<T: Number>(range: &RangeInclusive<T>) -> String {
     format!("{name} from {} to {}", end(*range.start()), end(*range.end()))
 }
 
-/// Whether the text is such a number, of any size.
+/// Whether the text is a number of this type, in range or not.
 fn is_written<T: Number>(text: &str) -> bool {
     if !T::IS_WHOLE {
         return text.parse::<f64>().is_ok();

@@ -10,7 +10,7 @@ from ._lumivox import main as _main
 
 def main() -> int:
     """Runs the command line of the process; returns the exit code."""
-    # The program has a handler of its own, and Python must not write into closed pipes.
+    # The program handles Ctrl-C itself; Python's handler would raise KeyboardInterrupt.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return _main(["lumivox", *sys.argv[1:]])
 

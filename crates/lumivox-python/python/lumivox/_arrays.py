@@ -18,7 +18,7 @@ def _words(shape: Sequence[int | None]) -> str:
     return "(" + ", ".join("N" if length is None else str(length) for length in shape) + ")"
 
 
-#: The most numbers of an array: as 32-bit numbers they take 2 GiB, above what a GPU's buffer holds.
+#: The most numbers in an array: 2 GiB as 32-bit numbers, more than a GPU's buffer holds.
 MOST = 1 << 29
 
 
@@ -44,7 +44,7 @@ def floats(name: str, value: Any, *shapes: Sequence[int | None]) -> Floats:
     """``value`` as a contiguous array of finite 32-bit floats of one of the shapes."""
     array = numbers(name, value, *shapes)
     with np.errstate(over="ignore", invalid="ignore"):
-        # A number has the shape of a number again.
+        # `ascontiguousarray` turns a scalar into an array of one.
         single = np.ascontiguousarray(array, dtype=np.float32).reshape(array.shape)
     finite = np.isfinite(single)
     if not finite.all():

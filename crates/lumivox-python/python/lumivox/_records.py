@@ -26,7 +26,7 @@ class _Vectors:
         self._name = name
 
     def __get__(self, record: Any, owner: type) -> Vector:
-        # Of the class, for dataclass: the default.
+        # Without a record (dataclass reads the field of the class): the default.
         kept: Vector = self._default if record is None else record.__dict__[self._name]
         return kept
 

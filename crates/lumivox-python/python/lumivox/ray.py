@@ -29,10 +29,10 @@ try:
 except ImportError as error:
     raise ImportError("lumivox.ray needs Ray; install it with: pip install 'lumivox[ray]'") from error
 
-#: A scene, or what makes or loads it on each machine.
+#: A scene, or a function that makes or loads it on each machine.
 SceneLike = Scene | Callable[[], Scene]
 
-#: The most workers that are asked for unless their number is given.
+#: The default limit of workers.
 MOST_WORKERS = 64
 
 
@@ -96,7 +96,7 @@ def _work(
     failed_starts = 0
 
     def start() -> None:
-        # One that does not fit into the cluster yet waits; an autoscaler sees it.
+        # An actor that does not fit into the cluster yet waits; an autoscaler sees the demand.
         actor = actor_class.remote(source)
         starting[actor.ready.remote()] = actor
 
@@ -139,7 +139,7 @@ def _work(
                 piece = waiting.popleft()
                 running[getattr(actor, method).remote(pieces[piece], options)] = (actor, piece)
             else:
-                # Its GPU is free for others.
+                # Nothing is left to do: free its GPU for others.
                 ray.kill(actor)
     finally:
         for actor in [*starting.values(), *(actor for actor, _ in running.values())]:

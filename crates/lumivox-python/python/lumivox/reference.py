@@ -183,7 +183,7 @@ def compare(picture: Picture | Any, truth: Picture | Any, variance: Any = None) 
     got = floats("picture", ours, (height, width, 3))
     known = None
     if variance is not None:
-        # Without two batches it is infinite, that is, not known.
+        # With fewer than two batches it is infinite, that is, unknown.
         known = np.ascontiguousarray(numbers("variance", variance, (height, width)), np.float32)
     figures = _lumivox.figures(
         (width, height),

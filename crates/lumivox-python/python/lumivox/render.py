@@ -16,13 +16,13 @@ from .light import Irradiance, photometric, places
 from .picture import Picture
 from .scene import AnimationLike, Corners, Progress, Scene, animation_number, seconds
 
-#: The layers beside the radiance. Those of the first line are in cd/m2, and ``irradiance`` is in
-#: lux; they are (H, W, 3). Then 0 to 1: ``occlusion`` and ``shadow`` (H, W), ``albedo`` (H, W, 3).
-#: ``normal`` (H, W, 3) is in the world, ``depth`` (H, W) in metres. All of these are float32, means
-#: over the frames, 0 in the background. ``instance`` and ``material`` (H, W) int32 are the numbers
-#: at the middle of the pixel, -1 in the background. ``motion`` (H, W, 2) float32 is the way of what
-#: is seen there since the picture before, in pixels to the right and down: 0 in the first picture,
-#: NaN where it was behind the camera.
+#: The layers beside the radiance. ``direct``, ``indirect`` and ``specular`` are in cd/m2,
+#: ``irradiance`` is in lux; they are (H, W, 3). ``occlusion`` and ``shadow`` (H, W) and ``albedo``
+#: (H, W, 3) are from 0 to 1. ``normal`` (H, W, 3) is in the world, ``depth`` (H, W) in metres. All
+#: of these are float32, means over the frames, 0 in the background. ``instance`` and ``material``
+#: (H, W) int32 are the numbers at the middle of the pixel, -1 in the background. ``motion``
+#: (H, W, 2) float32 is the movement of the point seen there since the previous picture, in pixels
+#: to the right and down: 0 in the first picture, NaN where it was behind the camera.
 LAYERS: tuple[str, ...] = (
     *("direct", "indirect", "specular"),
     "irradiance",
@@ -32,7 +32,7 @@ LAYERS: tuple[str, ...] = (
 )
 
 CameraLike = Camera | str | int
-#: Cameras, or one that stands for all.
+#: Cameras, or one for all pictures.
 Cameras = CameraLike | None | Iterable[CameraLike]
 #: The cameras of N pictures, and their times, s.
 Views = Sequence[CameraLike | None]

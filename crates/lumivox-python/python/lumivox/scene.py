@@ -188,7 +188,7 @@ class Scene:
             file = os.path.join(folder, "scene.glb")
             self._scene.save_glb(file)
             with open(file, "rb") as opened:
-                # Files have directions as rotations, which round.
+                # Files store directions as rotations, which rounds them.
                 return _of_glb, (opened.read(), self.lights, self.cameras)
 
     def save(self, path: Path) -> None:

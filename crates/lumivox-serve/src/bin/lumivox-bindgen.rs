@@ -1,5 +1,5 @@
-//! Makes a module for browsers of compiled WebAssembly: what `wasm-bindgen --target web` does, without the servers
-//! and clients of its test runner, which take minutes to compile.
+//! Makes a browser module from compiled WebAssembly, as `wasm-bindgen --target web` does. That
+//! program also contains a test runner, which takes minutes to compile.
 
 use std::path::PathBuf;
 

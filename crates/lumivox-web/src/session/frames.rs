@@ -74,7 +74,7 @@ impl Session {
         })
     }
 
-    /// Advances animations, and makes voxels follow.
+    /// Advances animations; restarts metering and the right side.
     fn advance_time(&mut self) -> Result<(), WebError> {
         if self.console.explorer.tick_clock()? {
             self.meter.start_again();

@@ -31,15 +31,15 @@ pub struct Session {
     pub(crate) meter: ExposureMeter,
     /// The exposure of the last drawn picture, in stops.
     stops: f32,
-    /// The view on the left; the explorer has the right one's while that is rendered.
+    /// The view on the left. The explorer's view differs while the right side is rendered.
     pub(crate) view: View,
     pub(crate) beside: Option<Beside>,
     pub(crate) notes: Vec<String>,
     /// The surroundings that were added because the scene's file has none.
     pub(crate) staged: Staged,
-    /// The triangles of the present scene, once a point was picked.
+    /// The triangles of the present scene; `None` before the first pick.
     pub(crate) picker: Option<Picker>,
-    /// Whether the scene's own emission is its only light.
+    /// `true` if the scene's own emission is its only light.
     is_emission_alone: bool,
     /// The time of the last frame, ms.
     frame_ms: f64,
@@ -152,7 +152,7 @@ impl Session {
     ) -> Result<(), WebError> {
         let view = asked.view;
         let mut tell = tell_of(listener);
-        // After a refusal the explorer may have the right side's view; the right side begins again.
+        // A refusal must leave the explorer with the left side's view; the right side starts again.
         self.start_again();
         self.show_view_of_left()?;
         self.console.explorer.try_settings(asked, preset, &mut tell).await?;
@@ -161,14 +161,14 @@ impl Session {
         Ok(())
     }
 
-    /// Gives the explorer the view of the left side, which is the requested one.
+    /// Sets the explorer's view to that of the left side.
     pub(crate) fn show_view_of_left(&mut self) -> Result<(), WebError> {
         let settings =
             RenderSettings { view: self.view, ..self.console.explorer.settings().clone() };
         Ok(self.console.explorer.set_settings(settings)?)
     }
 
-    /// Reads the lights of the scene again.
+    /// Updates `is_emission_alone` from the scene.
     pub(crate) fn follow_light(&mut self) {
         self.is_emission_alone = self
             .console
@@ -204,7 +204,7 @@ impl Session {
         Ok(())
     }
 
-    /// Follows a command that has changed the size of the picture.
+    /// Adopts the picture's size if a command has changed it.
     pub(crate) fn follow_size(&mut self, before: UVec2) {
         let size = self.console.explorer.size();
         if size != before {
@@ -320,13 +320,13 @@ impl Session {
         self.console.explorer.set_timed(is_timed);
     }
 
-    /// Notes that the scene or the camera has changed.
+    /// Resets metering, the right side and the reference.
     pub(crate) fn change(&mut self) {
         self.start_again();
         self.forget_truth();
     }
 
-    /// Starts the picture again.
+    /// Resets metering and the right side.
     fn start_again(&mut self) {
         self.meter.start_again();
         if let Some(beside) = &mut self.beside {
@@ -334,7 +334,7 @@ impl Session {
         }
     }
 
-    /// Forgets a reference of the earlier scene or camera.
+    /// Discards the reference: scene or camera have changed.
     fn forget_truth(&mut self) {
         if let Some(beside) = &mut self.beside {
             beside.forget();

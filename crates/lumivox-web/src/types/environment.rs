@@ -51,7 +51,7 @@ pub struct EnvironmentChange {
     pub rotation_deg: Option<f32>,
 }
 
-/// Tells null from a missing property.
+/// Distinguishes null from a missing property.
 #[allow(clippy::option_option, reason = "null removes the panorama, undefined leaves it")]
 fn given<'a, D: serde::Deserializer<'a>>(value: D) -> Result<Option<Option<String>>, D::Error> {
     Deserialize::deserialize(value).map(Some)

@@ -183,7 +183,7 @@ impl MaterialChange {
             }
         }
         if material != *present {
-            // VXCT's look has to follow.
+            // Or VXCT's look would not change.
             material.strengths = None;
         }
         Ok(material)

@@ -7,7 +7,7 @@ import { Session } from "./harness/browser.mjs";
 
 /** @type {Session} */
 let session;
-/** The tab of most tests, each of which opens a scene in it anew. @type {App} */
+/** The tab of most tests; each opens its own scene in it. @type {App} */
 let app;
 before(async () => {
     session = await Session.start();
@@ -51,7 +51,7 @@ test("a camera of the scene goes where the animation moves it", async () => {
     // A turn by 180 degrees about z.
     assert.deepEqual(await at(0.5), [0, 1, 3]);
     assert.deepEqual(await at(1), [-1, 0, 3]);
-    // The list leads to where it is now, and a hand moves it from there for good.
+    // Home goes to the animated place; a camera moved by hand stays.
     await app.page.locator("canvas").first().press("Home");
     await app.settled();
     assert.deepEqual(await at(0.5), [0, 1, 3]);

@@ -1,9 +1,10 @@
-// Lumivox beside three.js's VXGINode, in one run on the same software GPU, and both beside the path tracer. scripts/figures.sh
-// runs it for docs/three.md, and by hand:
+// Compares Lumivox with three.js's VXGINode, in one run on the same software GPU, and both with the
+// path tracer. scripts/figures.sh runs it for docs/three.md; by hand:
 //
 //   node compare.by_hand.mjs [RESOLUTION [WIDTHxHEIGHT [SAMPLES]]]
 //
-// with the variables of harness/environment.mjs. It prints a table; pictures stay in LUMIVOX_PICTURES, if that is set.
+// with the variables of harness/environment.mjs. It prints a table, and keeps the pictures in
+// LUMIVOX_PICTURES, if set.
 
 import { writeFile } from "node:fs/promises";
 import { join } from "node:path";

@@ -1,4 +1,4 @@
-// The console of the page: the program's own commands and help, on what the page shows.
+// The page's console: the program's own commands and help, applied to the page.
 
 import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
@@ -24,11 +24,11 @@ before(async () => {
     await line.waitFor();
 });
 after(() => session?.end());
-// Each test begins with the scene and the settings of a new tab, without compiling for one.
+// Each test begins as in a new tab, without compiling for one.
 beforeEach(async () => void (await enter("load builtin:cornell; view final; lod 0; resolution 32")));
 afterEach(() => app.check());
 
-/** Enters a line; what is printed after it. @param {string} text */
+/** Enters a line; returns what is printed. @param {string} text */
 async function enter(text) {
     const log = app.page.locator("#console-log");
     const count = await log.locator("p").count();
@@ -55,7 +55,7 @@ test("lines change what is seen, and the panel follows", async () => {
     assert.equal(panel, "#ff0000");
     assert.equal(await enter("undo"), 'undone: light "lamp"');
     assert.equal(different(plain, await app.pixels()), 0);
-    // VXCT's own syntax, and both of the names of a setting.
+    // VXCT's own syntax, and both names of a setting.
     await enter(`translate 'short block' y 0.1; lod 2`);
     assert.equal((await app.call("settings")).level, 2);
     await enter("camera 0; view albedo");
@@ -82,10 +82,10 @@ test("what is wrong is said where it is typed, and what went before is done", as
     assert.match(await enter("load nowhere"), /there is no scene "nowhere"/);
     assert.match(await enter("resolution 17"), /resolution is .* got "17"/);
     assert.match(await enter("quit"), /closing its tab/);
-    // A script in a text of its own tells where it stopped, and what came before.
+    // The error of a script names the line that failed.
     const { message } = await app.call("run", "echo one\nlod 99").catch((error) => error);
     assert.match(message, /^script:2: level is a whole number/);
-    // TAB finishes a word, and arrows bring lines back.
+    // Tab completes a word; arrow keys recall lines.
     await line.fill("reso");
     await line.press("Tab");
     await app.page.waitForFunction(() => /** @type {HTMLInputElement} */ (document.getElementById("console-line")).value === "resolution ");

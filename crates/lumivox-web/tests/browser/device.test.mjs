@@ -1,4 +1,4 @@
-// Devices that are lost, refuse, or are not there at all.
+// Devices that are lost, refuse a request, or do not exist.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
@@ -24,9 +24,9 @@ test("what WebGPU's validation says is heard by these tests", async () => {
         await device?.queue.onSubmittedWorkDone();
         device?.destroy();
     });
-    // What the browser says takes its own way.
+    // The browser's messages are asynchronous.
     assert.match(await app.messages.next(), /warning \(rendering\): .*MapRead/);
-    // The same may be said twice.
+    // The message may be repeated.
     app.messages.expect(/MapRead/);
 });
 
@@ -81,7 +81,7 @@ test("more than the device holds is refused with what to choose instead, and the
     }
     await t.test("by hand", async () => {
         const field = app.page.locator("#set-resolution");
-        // A view of cells: others take any resolution that there is memory for.
+        // A view of cells has this limit; others allow any resolution that fits memory.
         await app.call("set", { view: "lod" });
         await app.render();
         const cells = await app.pixels();
@@ -130,7 +130,7 @@ test("a browser without an adapter for it is told so", async () => {
 });
 
 test("a GPU process that crashes is survived", async () => {
-    // The browser's own words about it.
+    // The browser's own message.
     app.messages.expect(/external Instance reference no longer exists/);
     const before = await app.pixels();
     await session.crashGpu();

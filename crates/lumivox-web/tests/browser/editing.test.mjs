@@ -1,4 +1,4 @@
-// What is changed on the page besides settings: materials, what is chosen, what is cancelled.
+// Editing on the page besides settings: materials, selection, undo, cancelling, stored views.
 
 import assert from "node:assert/strict";
 import { after, afterEach, before, test } from "node:test";
@@ -8,7 +8,7 @@ import { colors, different } from "./harness/picture.mjs";
 
 /** @type {Session} */
 let session;
-/** The tab of most tests, each of which opens a scene in it anew. @type {App} */
+/** The tab of most tests; each opens its own scene in it. @type {App} */
 let app;
 before(async () => {
     session = await Session.start();
@@ -56,7 +56,7 @@ test("a double click chooses what is there, and the camera orbits it", async () 
     const cosine = way.reduce((sum, part, axis) => sum + part * sight[axis], 0) / Math.hypot(...way) / Math.hypot(...sight);
     assert.ok(cosine > 0.99999, `the camera looks past the point: ${cosine}`);
     assert.equal(await app.page.locator(".object[aria-current]").textContent(), objects[picked.object].name);
-    // What was at the place of the click is in the middle now.
+    // The clicked point is now in the middle.
     const middle = await app.call("pick", 0.5, 0.5);
     assert.ok(Math.hypot(...[0, 1, 2].map((axis) => middle.position[axis] - picked.position[axis])) < 1e-2 * bounds.max[0]);
     // The orbit keeps its distance from it.
@@ -68,7 +68,7 @@ test("a double click chooses what is there, and the camera orbits it", async () 
     await app.page.mouse.up();
     await app.settled();
     assert.ok(Math.abs(distance(await app.call("camera")) / distance(to) - 1) < 1e-3);
-    // F shows all of what was chosen.
+    // F frames the selected object.
     await app.page.keyboard.press("f");
     await app.settled();
     const framed = await app.call("camera");
@@ -84,7 +84,7 @@ test("a double click chooses what is there, and the camera orbits it", async () 
 test("a loading is cancelled, and the last scene stays", async () => {
     await app.load("builtin:cornell");
     const before = await app.pixels();
-    // A server that never ends.
+    // A request that is never answered.
     await app.page.route("**/endless.glb", () => {});
     await app.inPanel("Scene", async () => {
         const field = app.page.locator("#address");
@@ -105,7 +105,7 @@ test("the picture fills the screen, and comes back", async () => {
     await app.load("builtin:cornell");
     const button = app.page.locator("#fullscreen");
     const isFull = () => app.page.evaluate(() => document.fullscreenElement !== null);
-    // The page hears of it a moment after the browser has done it.
+    // The page is notified a moment after the browser has switched.
     const isPressed = (/** @type {string} */ pressed) => app.page.locator(`#fullscreen[aria-pressed=${pressed}]`).waitFor();
     await button.click();
     await isPressed("true");
@@ -143,7 +143,7 @@ test("changes are taken back and done again", async () => {
     await app.settled();
     assert.equal(different(after, await app.pixels()), 0);
     assert.ok(await app.page.locator("#redo").isDisabled());
-    // Settings, too, but not the size of the window.
+    // Undo includes settings, but not the window's size.
     await app.inPanel("View", () => app.page.locator("input[name=view][value=albedo]").click());
     await app.page.setViewportSize({ width: 320, height: 240 });
     await app.settled();
@@ -182,7 +182,7 @@ test("views are kept under names", async () => {
 
 test("the light under the mouse and the histogram are those of the picture", async () => {
     await app.load("builtin:furnace");
-    // A furnace is as bright everywhere: cd/m2 of the walls and lux over pi are one (albedo and emission make it so).
+    // A furnace has the same luminance everywhere.
     const { luminance_cd_m2, illuminance_lux } = await app.call("probe", 0.5, 0.5);
     await app.page.mouse.move(VIEWPORT.width / 2, VIEWPORT.height / 2);
     const shown = app.page.locator("#probe", { hasText: /lux · .* cd\/m²/ });

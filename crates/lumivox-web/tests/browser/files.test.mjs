@@ -18,7 +18,7 @@ let app;
 let cornell;
 /** @type {string} */
 let folder;
-/** A scene of VXCT's as it lies in the repository: its model is in the folder above its own.
+/** A VXCT scene with its model in a folder beside its own, as in the repository.
  * @type {{ name: string, bytes: Buffer }[]} */
 const VXCT = await Promise.all(["scenes/cornell.scene", "models/quad.obj"].map(async (name) => ({
     name, bytes: await readFile(new URL(`../../../../${name}`, import.meta.url)),
@@ -41,7 +41,8 @@ after(async () => {
 });
 beforeEach(() => app.check());
 
-/** Waits for a scene's picture, and holds it against the native one of a file. @param {string} name @param {string} file */
+/** Waits for a scene's picture, and compares it with the native one of a file.
+ * @param {string} name @param {string} file */
 async function shows(name, file) {
     await app.page.waitForSelector(`#title:text-is("${name}")`, { state: "attached" });
     await app.complete();
@@ -155,7 +156,7 @@ test("what is no scene tells so, and the picture stays", async (t) => {
 });
 
 test("an address of nothing tells so", async () => {
-    // The browser itself tells of that.
+    // The browser itself reports the 404.
     app.messages.expect(/404/);
     await app.inPanel("Scene", async () => {
         const field = app.page.locator("#address");

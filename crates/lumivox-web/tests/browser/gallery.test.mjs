@@ -1,4 +1,4 @@
-// The gallery: its pictures are there, and its links are ones that the viewer reads.
+// The gallery: its pictures exist, and the viewer can read its links.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
@@ -26,7 +26,7 @@ test("the gallery has its pictures, and links to scenes", async () => {
     await app.check();
     await app.close();
 
-    // The viewer decodes each link, and renders none. It is another page, since the gallery may not compile WebAssembly.
+    // Decodes each link, without rendering, on the viewer: the gallery may not compile WebAssembly.
     const viewer = await App.open(session);
     const problems = await viewer.page.evaluate(async (links) => {
         /** @type {any} */

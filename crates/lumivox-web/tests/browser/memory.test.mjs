@@ -1,4 +1,4 @@
-// Memory: scene after scene, it stays what it was.
+// Memory does not grow from scene to scene.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
@@ -7,11 +7,12 @@ import { Session } from "./harness/browser.mjs";
 import { isRelease } from "./harness/environment.mjs";
 import { glb } from "./harness/files.mjs";
 
-/** Loads; memory is compared between the first of them, when all that is kept for later is there, and the end. Of four scenes each
- * is loaded three times in between, and a kept one takes more than the slack; a release also sees what is kept little by little. */
+/** Scene loads. Memory is compared between load FIRST, when caches are filled, and the last. Each
+ * of four scenes is loaded three times in between; a leaked one exceeds SLACK. A release also finds
+ * small leaks. */
 const LOADS = isRelease() ? 50 : 22;
 const FIRST = 10;
-/** What garbage collectors and caches may make of it, bytes: a scene of this test takes 28 MiB of the GPU. */
+/** Tolerance for garbage collectors and caches, bytes; a scene of this test takes 28 MiB. */
 const SLACK = 24 << 20;
 
 /** @type {Session} */

@@ -1,4 +1,4 @@
-// The npm package by itself: its example, and what its calls refuse.
+// The npm package without the page: its example, and errors of its calls.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -141,7 +141,7 @@ async function cancels(app) {
             renderer.loadScene(source, hear, { signal }).then(() => "loaded", (/** @type {any} */ error) => `${error.name} ${error.message}`);
         outcomes.push(await load(AbortSignal.abort(), () => {}));
         outcomes.push(await load(AbortSignal.abort(new Error("enough")), () => {}));
-        // In the middle: while it reads, before the scene has changed.
+        // Abort while it reads, before the scene has changed.
         const abort = new AbortController();
         const bytes = new TextEncoder().encode("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
         const files = [new File([bytes], "a.obj"), new File([""], "a.mtl")];
@@ -159,7 +159,7 @@ async function cancels(app) {
 
 test("calls may overlap, and a renderer that was freed is gone", async () => {
     const app = await App.open(session, { path: "lumivox/package.json" });
-    // A file alone has no icon.
+    // A bare file has no icon.
     app.messages.expect(/404/);
     const seen = await app.page.evaluate(async (module) => {
         const { default: init, createRenderer } = await import(module);

@@ -1,4 +1,4 @@
-// What one does on the page: links, the split, the picture's file, sizes, camera, names for screen readers.
+// Using the page: links, the split, saving, sizes, camera, names for screen readers.
 
 import assert from "node:assert/strict";
 import { readFile, writeFile } from "node:fs/promises";
@@ -7,7 +7,7 @@ import { App, LINK, VIEWPORT } from "./harness/app.mjs";
 import { Session } from "./harness/browser.mjs";
 import { columns, different, flip, flipOfFiles, freshPath, png } from "./harness/picture.mjs";
 
-/** A key moves for as long as it is held, ms. */
+/** How long keys are held to move, ms. */
 const HELD = { delay: 150 };
 
 /** @type {Session} */
@@ -24,7 +24,7 @@ after(() => session?.end());
 
 const camera = () => app.call("camera");
 
-/** Does something that moves the camera; gives it before and after. @param {() => Promise<unknown>} move */
+/** Moves the camera; returns it before and after. @param {() => Promise<unknown>} move */
 async function moved(move) {
     const from = await camera();
     await move();
@@ -44,7 +44,7 @@ test("the canvas shows the picture", async () => {
         slider.dispatchEvent(new Event("input"));
     });
     await sharp.page.setViewportSize(size);
-    // By the object model: the page's policy lets in no styles of others.
+    // Through the DOM: the page's policy blocks added style sheets.
     await sharp.page.evaluate(() => {
         for (const part of ["bar", "below", "split"]) document.getElementById(part)?.style.setProperty("visibility", "hidden");
     });

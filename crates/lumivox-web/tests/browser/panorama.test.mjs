@@ -1,4 +1,4 @@
-// Panoramas around a scene, and scenes that nothing but themselves lights.
+// Panoramas around a scene, and scenes lit only by their own emission.
 
 import assert from "node:assert/strict";
 import { after, afterEach, before, test } from "node:test";
@@ -10,7 +10,7 @@ import { different } from "./harness/picture.mjs";
 
 /** @type {Session} */
 let session;
-/** The tab of most tests, each of which opens a scene in it anew. @type {App} */
+/** The tab of most tests; each opens its own scene in it. @type {App} */
 let app;
 const HALL = panorama();
 before(async () => {
@@ -20,7 +20,7 @@ before(async () => {
 after(() => session?.end());
 afterEach(() => app.check());
 
-/** Waits until the page shows what surrounds it. */
+/** Waits until the page shows the panorama. */
 async function surrounded(tab = app) {
     await tab.page.waitForSelector(`#panorama:has-text("hall")`, { state: "attached" });
     await tab.settled();
@@ -33,11 +33,12 @@ test("a panorama is dropped with a scene, turned and made brighter", async () =>
     await app.drop([...OBJ, { name: "hall.hdr", bytes: HALL }]);
     await app.page.waitForSelector(`#title:text-is("corner")`, { state: "attached" });
     await surrounded();
-    // Upwards, so that what is between bright and dim is far from where it is measured.
+    // Look upwards, so that the border between bright and dim is far from the measured places.
     await app.call("setCamera", { position: [0, 1, 5], target: [0, 3.5, 0] });
     await app.render();
     const camera = await app.call("camera");
-    /** What is behind the scene, to a tenth: a pixel covers several texels. Away from the edges of the cube that it becomes. @param {number} turned @param {number} factor */
+    /** Checks the background to a tenth, since a pixel covers several texels, away from edges of
+     * the cube map. @param {number} turned @param {number} factor */
     const shows = async (turned, factor) => {
         /** @type {[number, number][]} */
         const places = [[0.3, 0.45], [0.7, 0.45]];
@@ -79,7 +80,7 @@ test("a link brings a panorama, and a dropped one takes the place of what was pu
     assert.ok(!lights.some((/** @type {any} */ { name }) => name === "default sun"));
     assert.deepEqual(objects.filter((/** @type {any} */ { hidden }) => hidden).length, staged.objects.length - objects.filter((/** @type {any} */ { hidden }) => !hidden).length);
     assert.equal(await app.page.locator("#surroundings").inputValue(), "panorama");
-    // What suits the scene comes back.
+    // The automatic surroundings return.
     await app.inPanel("Scene", () => app.page.locator("#surroundings").selectOption("auto"));
     assert.notEqual((await app.call("environment")).panorama, "hall");
     await app.check();

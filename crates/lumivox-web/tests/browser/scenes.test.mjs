@@ -1,6 +1,7 @@
-// Pictures: the browser's agree with the native program's.
+// Pictures of the browser agree with the native program's.
 //
-// A pair of pictures takes seconds on a software GPU. Each kind of light, volume and view is in one; a release has them all.
+// A pair takes seconds on a software GPU. Each kind of light, volume and view is tested once; a
+// release tests all.
 
 import assert from "node:assert/strict";
 import { writeFile } from "node:fs/promises";
@@ -22,7 +23,8 @@ before(async () => {
 });
 after(() => session?.end());
 
-/** What the package knows. @param {"builtinScenes" | "parameters" | "presets"} list @returns {Promise<any[]>} */
+/** One of the package's lists.
+ * @param {"builtinScenes" | "parameters" | "presets"} list @returns {Promise<any[]>} */
 const known = (list) => app.worker.evaluate(async (list) => {
     const lumivox = await import(new URL("lumivox/lumivox.js", self.location.href).href);
     return lumivox[list]();
@@ -37,14 +39,15 @@ const agrees = async (/** @type {string} */ scene, /** @type {string[]} */ optio
 test("built-in scenes agree with the native picture", async (t) => {
     const names = (await known("builtinScenes")).map(({ name }) => name);
     assert.equal(names.length, 16);
-    // A lamp; sun, sky and textures; surfaces that shine; mirrors and what is rough.
+    // A lamp; sun, sky and textures; emissive surfaces; mirrors and rough surfaces.
     const shown = ["cornell", "atrium", "glow", "spheres"];
-    // Scenes of a kilometre have millions of triangles and take minutes here; by hand they agree as the others do (FLIP 0.03 to 0.043).
+    // Scenes of a kilometre have millions of triangles and take minutes here; by hand they agree as
+    // well (FLIP 0.03 to 0.043).
     for (const name of isRelease() ? names.filter((name) => !/^(city|interior)/.test(name)) : shown) {
         await t.test(name, async () => {
-            // The page shows the first by itself, as its link says.
+            // The page's link has opened the first.
             if (name !== "cornell") await app.call("loadScene", `builtin:${name}`);
-            // By itself the exposure of surfaces that shine differs by a tenth of a stop between the two drivers.
+            // Automatic exposure of emissive surfaces differs by a tenth of a stop between drivers.
             const exposure = name === "glow" ? -5.4 : "auto";
             await app.call("set", { exposure });
             await app.render();
@@ -75,7 +78,7 @@ test("a panorama and the computed sky agree with the native picture", async (t) 
 test("all volumes and the presets agree with the native picture", async (t) => {
     await app.call("loadScene", "builtin:cornell");
     const usual = await app.call("settings");
-    // The scenes are in the dense one.
+    // The tests of scenes use the dense one.
     for (const volume of ["octree", "cascades"]) {
         await t.test(volume, async () => {
             await app.pictureWith({ volume });
@@ -99,14 +102,14 @@ test("every view is a picture of its own, and all volumes have views", async (t)
     assert.ok(views.length >= 15, `${views.length} views`);
     const octrees = new Set(["nodes", "bricks"]);
     const pasts = new Set(["history", "disocclusion"]);
-    // Something shines in it.
+    // This scene has reflections.
     await app.call("loadScene", "builtin:spheres");
     /** @type {Map<string, import("./harness/picture.mjs").Picture>} */
     const seen = new Map();
-    // Other volumes have other look-ups and no other views: light, voxels, and those that they have alone.
+    // Other volumes differ only in look-ups: test light, voxels, and the views that only they have.
     const inOthers = new Set(["final", "voxels", "lit", ...octrees]);
     for (const volume of ["dense", "octree", "cascades"]) {
-        // Nothing is open in a closed room but up to a distance.
+        // Without a limit everything in a closed room is occluded.
         await app.call("set", { volume, view: "final", occlusion_distance: 0.5 });
         for (const view of views.filter((/** @type {string} */ view) => isRelease() || volume === "dense" || inOthers.has(view))) {
             await t.test(`${view}, ${volume}`, async () => {
@@ -133,7 +136,7 @@ test("every view is a picture of its own, and all volumes have views", async (t)
 
 test("the path-traced reference agrees with the native one", async () => {
     await app.call("loadScene", "builtin:cornell");
-    // Beside a view that is no light it is exposed by itself, as the native one is.
+    // Beside a view without light it is exposed automatically, like the native one.
     await app.call("set", { view: "albedo" });
     await app.call("setSplit", { right: "reference", at: 0, samples: 8 });
     const report = await app.render();

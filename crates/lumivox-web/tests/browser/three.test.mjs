@@ -1,4 +1,4 @@
-// The package in bundlers, and `lumivox/three`: scenes of three.js whose light is known, and its example.
+// The package in bundlers, and `lumivox/three`: three.js scenes of known light, and the example.
 
 import assert from "node:assert/strict";
 import { after, before, describe, test } from "node:test";
@@ -7,7 +7,7 @@ import { App } from "./harness/app.mjs";
 import { Session } from "./harness/browser.mjs";
 import { filesOf, project, vite, webpack } from "./harness/bundles.mjs";
 
-/** Compiling for SwiftShader takes that long. */
+/** The longest that compiling for SwiftShader takes. */
 const COMPILED_MS = 240_000;
 
 /** @type {Session} */
@@ -25,7 +25,7 @@ before(async () => {
 });
 after(() => session?.end());
 
-// The WebAssembly is the same in all bundles, and answers or does not: one of them renders.
+// The WebAssembly is the same in all bundles, so only one of them renders.
 for (const [name, what, end, said] of [
     ["vite", "Vite bundles the package, and its page shows the scene", "", "cornell: 40 triangles"],
     ["webpack", "webpack bundles the package, whose WebAssembly answers", "#init", "16 scenes"],
@@ -89,7 +89,7 @@ describe("scenes of three.js whose light is known, in a bundle of webpack", () =
     test("light follows a skinned mesh", async () => {
         const { before, after } = await light("bone");
         console.log(`before ${before}, after ${after}`);
-        // Nearer by half of the way, and from above.
+        // The sheet is now nearer, and above.
         assert.ok(after > 1.6 * before, `${before}, then ${after}`);
     });
 

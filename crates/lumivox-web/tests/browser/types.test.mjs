@@ -13,7 +13,8 @@ import { pageFolder } from "./harness/environment.mjs";
 const here = dirname(fileURLToPath(import.meta.url));
 const compiler = createRequire(import.meta.url).resolve("typescript/bin/tsc");
 
-/** Compiles; gives the compiler's complaints. @param {Record<string, unknown>} options @param {string[]} files */
+/** Compiles; returns the compiler's errors.
+ * @param {Record<string, unknown>} options @param {string[]} files */
 async function compile(options, files) {
     const folder = await mkdtemp(join(tmpdir(), "lumivox-types-"));
     const project = join(folder, "tsconfig.json");

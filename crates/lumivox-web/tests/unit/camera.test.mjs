@@ -6,7 +6,7 @@ import { axes, dolly, dot, fitted, fly, frame, length, look, lookAt, orbit, pan,
 
 const camera = { position: [0, 1, 5], target: [0, 1, 0], up: [0, 1, 0], vertical_fov_deg: 46 };
 
-/** Vectors that agree within the rounding of a few operations on numbers of this size. */
+/** Asserts that vectors are equal up to rounding. */
 function near(actual, expected) {
     actual.forEach((value, axis) => assert.ok(Math.abs(value - expected[axis]) < 1e-9, `${actual} is not ${expected}`));
 }
@@ -15,7 +15,8 @@ test("an orbit keeps its target and its distance, and follows the pointer", () =
     const turned = orbit(camera, 0.7, -0.3);
     assert.deepEqual(turned.target, camera.target);
     assert.ok(Math.abs(length(subtract(turned.position, turned.target)) - 5) < 1e-9);
-    // Dragged to the right, the scene turns to the right: the camera goes to the left. Dragged down, it rises.
+    // Dragged to the right, the scene turns to the right: the camera goes to the left. Dragged
+    // down, it rises.
     assert.ok(orbit(camera, 0.1, 0).position[0] < 0);
     assert.ok(orbit(camera, 0, 0.1).position[1] > 1);
 });
@@ -54,7 +55,7 @@ test("what is at the target follows the pointer", () => {
 test("a dolly ends before its target", () => {
     near(dolly(camera, 0.5, 0.1).position, [0, 1, 2.5]);
     near(dolly(camera, 1e-9, 0.1).position, [0, 1, 0.1]);
-    // Who is already nearer is not thrown back.
+    // A camera that is already nearer is not moved back.
     const close = { ...camera, position: [0, 1, 0.05] };
     near(dolly(close, 0.5, 0.1).position, [0, 1, 0.05]);
     near(dolly(close, 4, 0.1).position, [0, 1, 0.2]);
@@ -97,6 +98,6 @@ test("who looks at a point stays where he is, and orbits it", () => {
     assert.deepEqual(turned.position, camera.position);
     near(axes(turned).forward, [2 / Math.hypot(2, 4), 0, -4 / Math.hypot(2, 4)]);
     assert.deepEqual(orbit(turned, 0.3, 0.1).target, [2, 1, 1]);
-    // There is no direction to where one stands.
+    // The camera's own position has no direction.
     assert.equal(lookAt(camera, camera.position), camera);
 });

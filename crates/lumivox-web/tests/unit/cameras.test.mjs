@@ -1,4 +1,4 @@
-// Views that are kept under names.
+// Views that are stored under names.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";

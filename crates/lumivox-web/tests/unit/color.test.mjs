@@ -20,6 +20,6 @@ test("light of any strength is shown as bright as it can be, a surface as it is"
 
 test("strength and colour are told apart", () => {
     assert.deepEqual(apart([4, 2, 0]), { strength: 4, color: [1, 0.5, 0] });
-    // What is black may become any colour.
+    // Black is given the colour white.
     assert.deepEqual(apart([0, 0, 0]), { strength: 0, color: [1, 1, 1] });
 });

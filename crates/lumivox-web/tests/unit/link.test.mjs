@@ -1,4 +1,4 @@
-// Links: what is written is read again, and what is broken is told of and left out.
+// Links: encoding and decoding agree; broken parts are reported and left out.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -64,14 +64,14 @@ test("a link carries what is not as it would be anyway", () => {
     const settings = { view: "direct", resolution: 64, exposure: "auto", specular: false, grid_offset: [0, 0, 0] };
     const now = { source: "builtin:cornell", camera: null, settings, touched: new Set(["resolution", "specular", "grid_offset"]) };
     assert.deepEqual(linkState(now, known.parameters), { scene: "builtin:cornell", settings: { specular: false } });
-    // What a preset has set, it sets again; what was set by hand behind it may be a default.
+    // A preset's own values are not carried, but values set by hand are, even defaults.
     const behind = linkState({ ...now, preset: "high" }, known.parameters);
     assert.deepEqual(behind, { scene: "builtin:cornell", preset: "high", settings: { resolution: 64, specular: false, grid_offset: [0, 0, 0] } });
     const environment = { radiance: [3, 3, 3], panorama: "day", rotation_deg: 45 };
     const surrounded = linkState({ ...now, panorama: "day.hdr", environment }, known.parameters);
     assert.equal(encode({ ...surrounded, settings: {} }), "scene=builtin:cornell&environment=day.hdr&environment_intensity=3&environment_rotation=45");
     assert.equal(linkState({ ...now, panorama: [], environment }, known.parameters).environment, undefined);
-    // Files stay where they are.
+    // A link cannot carry files.
     assert.equal(linkState({ ...now, source: [] }, known.parameters).scene, undefined);
 });
 

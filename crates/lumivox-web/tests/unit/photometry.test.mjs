@@ -13,7 +13,7 @@ const histogram = (filled, white) => {
 test("a histogram shows what the screen can, and whatever holds pixels", () => {
     assert.deepEqual(shown(histogram([60, 70], 80)), { first: 32, end: 92 });
     assert.deepEqual(shown(histogram([20, 140], 80)), { first: 20, end: 141 });
-    // Black does not stretch it.
+    // Black does not extend the range.
     assert.deepEqual(shown(histogram([0, 70], 80)), { first: 32, end: 92 });
     for (const white of [-40, 300]) {
         const { first, end } = shown(histogram([0], white));

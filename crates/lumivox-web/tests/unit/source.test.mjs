@@ -1,4 +1,4 @@
-// What is dropped or named: a scene, or a panorama to put around it.
+// The kind of a source: a scene, or a panorama to put around it.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";

@@ -1,4 +1,4 @@
-// The line that says what is waited for.
+// The status line.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -12,7 +12,7 @@ test("times are as exact as a reader cares", () => {
 
 test("a picture that gets better tells how long it will take", () => {
     assert.equal(statusText(report, 0), "4/16 frames · 800 ms · about 9.6 s to go");
-    // What is there in a moment is not announced.
+    // A short remaining time is not shown.
     assert.equal(statusText({ ...report, frame: 15, frame_ms: 30 }, 10), "15/16 frames · 30 ms");
 });
 

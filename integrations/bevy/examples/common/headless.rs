@@ -25,7 +25,7 @@ pub struct Shot {
     pub rgb: Vec<Vec3>,
 }
 
-/// The plugins of an app without a window and a log, on a device of no more than these limits.
+/// The plugins of an app without a window and a log, on a device with at most these limits.
 pub fn plugins(constrained_limits: Option<WgpuLimits>) -> impl PluginGroup {
     DefaultPlugins
         .set(WindowPlugin {
@@ -42,12 +42,12 @@ pub fn plugins(constrained_limits: Option<WgpuLimits>) -> impl PluginGroup {
         })
 }
 
-/// Ends the building of an app, whose frames [`App::update`] makes.
+/// Finishes building an app; [`App::update`] then renders a frame.
 pub fn start(app: &mut App) {
     while app.plugins_state() == PluginsState::Adding {
         bevy::tasks::tick_global_task_pools_on_main_thread();
     }
-    // By default Bevy stops to draw, and says so in the log alone.
+    // By default Bevy stops drawing and only logs the error.
     app.insert_resource(RenderErrorHandler(|error, _, _| {
         panic!("{:?}: {}", error.ty, error.description)
     }));
@@ -64,10 +64,10 @@ pub fn target(app: &mut App, size: UVec2) -> (Handle<Image>, RenderTarget) {
     (handle.clone(), RenderTarget::Image(handle.into()))
 }
 
-/// Runs frames until global illumination is there.
+/// Runs frames until global illumination is ready.
 ///
 /// # Panics
-/// When it fails, or is not there after many frames.
+/// When it fails, or is not ready after many frames.
 pub fn wait_until_ready(app: &mut App) {
     let mut cursor = app.world().resource::<Messages<LumivoxEvent>>().get_cursor();
     for _ in 0..400 {
@@ -79,7 +79,7 @@ pub fn wait_until_ready(app: &mut App) {
                 other => println!("{other:?}"),
             }
         }
-        // Frames without a window wait for nobody: a slow GPU would be ever farther behind.
+        // Nothing limits frames without a window: a slow GPU would fall ever farther behind.
         wait_for_gpu(app);
         std::thread::sleep(std::time::Duration::from_millis(2));
     }

@@ -1,21 +1,22 @@
-//! Runs an example: in a window with the feature `window`, else some frames of it into pictures.
+//! Runs an example: in a window with the feature `window`, otherwise without one, saving pictures.
 //!
-//! `cargo run --release --example NAME -- [--frames N] [--size WIDTHxHEIGHT] [--out FOLDER] [--lit]` saves pictures of three of
-//! the frames (in `pictures/`), and prints what a frame takes with global illumination and, unless `--lit` is given, without.
+//! `cargo run --release --example NAME -- [--frames N] [--size WIDTHxHEIGHT] [--out FOLDER]
+//! [--lit]` saves three of the frames (in `pictures/`), and prints the time of a frame with global
+//! illumination and, unless `--lit` is given, without.
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 
-/// Seconds since the example began: those of frames on the wall, or a thirtieth a frame where pictures are saved.
+/// Seconds since the example began: real time in a window, otherwise 1/30 for each frame.
 #[derive(Resource, Default)]
 pub struct Clock(pub f32);
 
-/// Bevy's default reads a table, which is a feature of its own.
+/// Bevy's default tone mapping needs a feature for its table.
 fn tone_map(added: On<Add<Camera3d>>, mut commands: Commands) {
     commands.entity(added.entity).insert(Tonemapping::AcesFitted);
 }
 
-/// Runs it. `build` adds the plugin and systems; cameras are spawned at startup.
+/// Runs the example. `build` adds the plugin and systems; cameras are spawned at startup.
 #[cfg(feature = "window")]
 pub fn run(_name: &str, build: impl FnOnce(&mut App)) {
     let mut app = App::new();
@@ -28,7 +29,7 @@ pub fn run(_name: &str, build: impl FnOnce(&mut App)) {
     app.run();
 }
 
-/// Runs it. `build` adds the plugin and systems; cameras are spawned at startup.
+/// Runs the example. `build` adds the plugin and systems; cameras are spawned at startup.
 #[cfg(not(feature = "window"))]
 pub fn run(name: &str, build: impl FnOnce(&mut App)) {
     use std::time::Instant;
@@ -45,7 +46,7 @@ pub fn run(name: &str, build: impl FnOnce(&mut App)) {
     build(&mut app);
     headless::start(&mut app);
     let (image, target) = headless::target(&mut app, size);
-    // There is no window to draw to.
+    // Cameras render into the image.
     app.add_observer(move |added: On<Add<Camera3d>>, mut commands: Commands| {
         commands.entity(added.entity).insert(target.clone());
     });

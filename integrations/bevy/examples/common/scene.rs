@@ -24,7 +24,7 @@ pub fn builtin(name: &str) -> Scene {
     lumivox::builtin::scene(name).expect("a built-in scene")
 }
 
-/// Spawns meshes and lights. `radiance` is what the scene's unit of emission is in cd/m².
+/// Spawns meshes and lights.
 pub fn spawn(world: &mut World, scene: &Scene) -> Spawned {
     let textures: Vec<Handle<Image>> = (0..scene.textures.len())
         .map(|index| {
@@ -79,7 +79,7 @@ pub fn matt(materials: &mut Assets<StandardMaterial>, rgb: [f32; 3]) -> Handle<S
     materials.add(StandardMaterial { base_color, perceptual_roughness: 0.9, ..default() })
 }
 
-/// A mesh.
+/// Converts a mesh.
 pub fn mesh(given: &lumivox::Mesh) -> Mesh {
     let list = |vectors: &[Vec3]| vectors.iter().map(Vec3::to_array).collect::<Vec<_>>();
     let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::all())
@@ -167,7 +167,7 @@ fn light(world: &mut World, given: &lumivox::Light) -> Entity {
                 intensity: 4.0 * PI * intensity_cd,
                 range: range_m.unwrap_or(1e3),
                 radius: given.radius_m,
-                // Lamps hang nearer below their bodies than Bevy's default of 0.1 m.
+                // Lamps hang closer to their bodies than Bevy's default of 0.1 m.
                 shadow_map_near_z: 0.01,
                 shadow_maps_enabled: true,
                 ..PointLight::default()

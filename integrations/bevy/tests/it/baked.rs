@@ -61,6 +61,6 @@ fn a_baked_volume_lights_the_cornell_box_of_bevy() {
     let truth::Expected { truth, variance, .. } = truth::Expected::of_cornell();
     let error = ErrorFigures::new(truth, Some(variance), &indirect).expect("comparable");
     println!("cornell, baked: {error:.2?}");
-    // Probes every 20 cm blur the light, and no contact is darker.
+    // Probes 20 cm apart blur the light, and miss contact shadows.
     assert!(error.bias_percent.abs() < 10.0 && error.rmse_percent < 30.0, "{error:?}");
 }

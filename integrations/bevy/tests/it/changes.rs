@@ -1,4 +1,4 @@
-//! Things that move, come, go, and are replaced.
+//! Objects, assets, cameras and settings that change.
 
 use bevy::anti_alias::taa::TemporalAntiAliasing;
 use bevy::asset::RenderAssetUsages;
@@ -41,7 +41,7 @@ fn a_block_that_has_moved_looks_as_if_it_had_been_there_always() {
     assert!(from_always < 0.04 && from_before > 0.2, "{from_always} {from_before}");
 }
 
-/// The means of squares of four pixels, in which edges are alike whether they are smooth or not.
+/// The means of squares of 4x4 pixels, in which smooth and hard edges look alike.
 fn coarse(shot: &headless::Shot) -> headless::Shot {
     let size = shot.size / 4;
     let mut rgb = vec![Vec3::ZERO; size.element_product() as usize];
@@ -52,12 +52,12 @@ fn coarse(shot: &headless::Shot) -> headless::Shot {
     headless::Shot { size, rgb }
 }
 
-/// Its cameras jitter: positions by depths follow, and a block that moves leaves nothing behind.
+/// TAA jitters cameras: positions from depth match it, and a moved block leaves no trace.
 #[test]
 fn temporal_antialiasing_smooths_edges_alone() {
     let _alone = alone();
     let mut stage = Stage::cornell();
-    // Twice as long as elsewhere: what is left of noise is compared.
+    // Twice as long as elsewhere, since the remaining noise is compared.
     let settled = |stage: &mut Stage| {
         stage.frames(20);
         without_lamp(&stage.settled())
@@ -127,7 +127,7 @@ fn crowds_leave_nothing_behind() {
                 let transform =
                     Transform::from_translation(place * 0.08 + Vec3::new(-0.9, 0.1, -0.9));
                 let parts = (Mesh3d(mesh.clone()), MeshMaterial3d(material.clone()), transform);
-                // Six more views of them are no work of ours.
+                // Six shadow views of them would take time.
                 stage.app.world_mut().spawn((parts, NotShadowCaster)).id()
             })
             .collect();
@@ -173,7 +173,7 @@ fn assets_may_come_late_and_be_replaced() {
     world.resource_mut::<Assets<Image>>().insert(&image, red).expect("new");
     let with_ball = stage.settled();
     assert!(difference(&with_ball, &empty) > 0.1);
-    // Another mesh in the same asset: a plate that is hardly there.
+    // The mesh of an asset is replaced: first a ball, then a tiny cube.
     stage.app.world_mut().despawn(ball);
     let world = stage.app.world_mut();
     let white = world.resource_mut::<Assets<StandardMaterial>>().add(Color::WHITE);
@@ -194,7 +194,7 @@ fn assets_may_come_late_and_be_replaced() {
     println!("replaced: {change}");
     assert!(change < 0.03, "{change}");
     stage.app.world_mut().despawn(other);
-    // The material shines now, but nothing is left that has it.
+    // The material is emissive now, but no entity has it.
     let world = stage.app.world_mut();
     let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
     materials.get_mut(&material).expect("there").emissive = LinearRgba::rgb(10.0, 10.0, 10.0);
@@ -203,7 +203,7 @@ fn assets_may_come_late_and_be_replaced() {
     assert!(change < 0.03, "{change}");
 }
 
-/// The texture stays, and what is in it is another.
+/// The texture stays; its content changes.
 #[test]
 fn images_may_be_modified_in_place() {
     let _alone = alone();
@@ -222,7 +222,7 @@ fn images_may_be_modified_in_place() {
     };
     let material = world.resource_mut::<Assets<StandardMaterial>>().add(material);
     let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::new(1.9, 0.02, 1.9));
-    // The floor, whose light is what falls on the front of the short block.
+    // A floor, whose light falls on the front of the short block.
     let place = Transform::from_xyz(0.0, 0.02, 0.0);
     world.spawn((Mesh3d(mesh), MeshMaterial3d(material), place));
     let redness = |shot: &headless::Shot| {
@@ -240,7 +240,7 @@ fn images_may_be_modified_in_place() {
     assert!(redness(&red) > 2.0 && redness(&green) < 1.0);
 }
 
-/// The unit of light does not follow exposures that cameras have; beyond them, voxels are made anew.
+/// Usual exposures keep the unit of light; beyond them, the voxels are rebuilt.
 #[test]
 fn another_exposure_shows_the_same_light() {
     let _alone = alone();
@@ -253,7 +253,7 @@ fn another_exposure_shows_the_same_light() {
     };
     let change = |mut shot: headless::Shot, factor: f32| {
         for (rgb, before) in shot.rgb.iter_mut().zip(&before.rgb) {
-            // Bevy's G-buffer holds no emission as bright as the lamp then is.
+            // Without the lamp: Bevy's G-buffer holds no emission that bright.
             *rgb = if before.max_element() > 0.3 { *before } else { *rgb * factor };
         }
         difference(&shot, &before)
@@ -302,7 +302,7 @@ fn cameras_come_resize_and_go() {
     let _alone = alone();
     let mut stage = Stage::cornell();
     let whole = stage.settled();
-    // The same view in the right half of a wider picture.
+    // The same view at the right of a wider picture.
     let (image, target) = headless::target(&mut stage.app, UVec2::new(112, 36));
     let world = stage.app.world_mut();
     let camera = world.entity(stage.camera);
@@ -364,7 +364,7 @@ fn settings_change_at_run_time() {
     let high = set(|gi| gi.quality = bevy_lumivox::GiQuality::Balanced);
     let change = difference(&high, &before);
     assert!(change < 0.1, "{change}");
-    // Another volume is made in the background; until then the former one lights every frame.
+    // Another volume is built in the background; until then the old one lights every frame.
     let min = Vec3::new(-1.1, -0.1, -1.1);
     stage.app.world_mut().get_mut::<LumivoxGi>(camera).expect("it is there").volume =
         GiVolume::Box { min, max: Vec3::new(1.1, 2.1, 1.1), resolution: 40 };
@@ -372,7 +372,7 @@ fn settings_change_at_run_time() {
     println!("the worst frame while another volume is made: {worst}");
     assert!(worst < 0.2, "{worst}");
     let other = stage.settled_over(24);
-    // Without global illumination for so long that nothing is kept.
+    // Without global illumination until its resources are freed.
     let gi = *stage.app.world().get::<LumivoxGi>(camera).expect("it is there");
     stage.app.world_mut().entity_mut(camera).remove::<LumivoxGi>();
     stage.frames(130);

@@ -1,4 +1,4 @@
-//! Skinned and morphed meshes: as if their vertices were where they are drawn.
+//! Skinned and morphed meshes light as if their vertices were where they are drawn.
 
 use std::sync::OnceLock;
 
@@ -20,7 +20,7 @@ fn screen() -> Mesh {
     Cuboid::new(0.1, 1.2, 0.9).mesh().build()
 }
 
-/// A screen that two joints carry, the second with three quarters of the weight.
+/// A screen with two joints, the second with three quarters of the weight.
 fn skinned(world: &mut World) -> (Mesh3d, SkinnedMesh) {
     let mut mesh = screen();
     let count = mesh.count_vertices();
@@ -48,7 +48,7 @@ fn material(world: &mut World) -> MeshMaterial3d<StandardMaterial> {
     MeshMaterial3d(world.resource_mut::<Assets<StandardMaterial>>().add(blue))
 }
 
-/// The picture with a plain screen at the place that the others are moved to, which is made once.
+/// The picture of a plain screen at the place that the others are moved to; made once.
 fn plain() -> &'static Shot {
     static PLAIN: OnceLock<Shot> = OnceLock::new();
     PLAIN.get_or_init(|| {
@@ -83,7 +83,7 @@ fn joints_carry_a_mesh() {
     assert!(from_plain < 0.03 && from_rest > 0.2, "{from_plain} {from_rest}");
 }
 
-/// Bevy holds no joints of what neither a camera nor a shadow map sees. It lights what they see all the same.
+/// Bevy uploads no joints of meshes that no camera or shadow map sees, but they light all the same.
 #[test]
 fn unseen_skins_move_as_well() {
     let _alone = alone();
@@ -97,7 +97,7 @@ fn unseen_skins_move_as_well() {
     let material = MeshMaterial3d(world.resource_mut::<Assets<StandardMaterial>>().add(lamp));
     let (mesh, skin) = skinned(world);
     let joints = skin.joints.clone();
-    // The lamp is of another layer than the camera, and shadow maps leave it out.
+    // The lamp is in another layer than the camera, and casts no shadow.
     let lamp = world.spawn((mesh, material, skin, RenderLayers::layer(1), NotShadowCaster)).id();
     let at_rest = stage.settled();
     assert!(!stage.app.world().get::<ViewVisibility>(lamp).expect("a mesh").get());

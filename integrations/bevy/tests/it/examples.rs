@@ -1,4 +1,4 @@
-//! The examples, run as programs: their pictures are those that were looked at.
+//! The examples, run as programs: their pictures are compared with approved ones.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,16 +7,16 @@ use crate::stage::alone;
 
 const FRAMES: u32 = 24;
 const SIZE: &str = "96x54";
-/// The most that a picture may be off, root mean square of sRGB values: noise of other turns of the cones is some 0.01.
+/// The largest RMS difference of sRGB values: noise of other rotations of the cones is about 0.01.
 const TOLERANCE: f32 = 0.03;
 
-/// Runs an example, and compares its last picture. `LUMIVOX_BLESS=1` puts it in the place of the other.
+/// Runs an example, and compares its last picture; `LUMIVOX_BLESS=1` replaces the expected one.
 #[track_caller]
 fn looks_right(name: &str) {
     looks_right_on(None, name, FRAMES);
 }
 
-/// The same on a driver of Vulkan, by its manifest.
+/// The same on the Vulkan driver of a manifest.
 #[track_caller]
 fn looks_right_on(driver: Option<&str>, name: &str, frames: u32) {
     let _alone = alone();

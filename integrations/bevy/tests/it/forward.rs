@@ -1,4 +1,4 @@
-//! Light of what is drawn forward: transparent things, materials of that method, apps with multisampling.
+//! Forward rendering: transparent surfaces, forward materials, apps with multisampling.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::light::{IrradianceVolume, LightProbe};
@@ -11,7 +11,7 @@ use crate::common::{headless, scene};
 use crate::stage::{Stage, alone, difference, quick, without_lamp};
 use crate::truth::{self, Expected};
 
-/// Probes are softer than cones of pixels: on average as bright, with a larger error.
+/// Probes blur more than cones of pixels: the same mean brightness, a larger error.
 #[test]
 fn the_cornell_box_drawn_forward_is_nearly_as_bright_as_it_is() {
     let _alone = alone();
@@ -74,8 +74,8 @@ fn forward_and_blended_surfaces_have_the_light_of_deferred_ones() {
     assert!(difference(&blended, &deferred) < 0.1);
 }
 
-/// A speck of glass makes probes, whose light deferred surfaces must not get on top of their own. Nor do they, or the glass, get
-/// the light of the app's own volume, which nothing stops.
+/// A speck of glass needs probes, whose light must not be added to that of deferred surfaces. The
+/// app's own volume, which nothing occludes, must light neither these nor the glass.
 #[test]
 fn nothing_is_lit_twice() {
     let _alone = alone();
@@ -92,7 +92,7 @@ fn nothing_is_lit_twice() {
     let place = Transform::from_xyz(0.0, 1.0, 0.0);
     let speck_of_glass = world.spawn((Mesh3d(mesh), MeshMaterial3d(glass), place)).id();
     let speck = stage.settled();
-    // Nor for the frames in which Bevy's pipelines change back, once it is gone.
+    // Nor while Bevy's pipelines change back after the speck is hidden.
     stage.app.world_mut().entity_mut(speck_of_glass).insert(Visibility::Hidden);
     let brightest = (0..12).map(|_| stage.next().mean_luminance()).fold(0.0, f32::max);
     println!("brightest frame after the speck has gone: {}", brightest / without.mean_luminance());
@@ -124,7 +124,7 @@ fn nothing_is_lit_twice() {
     speck.save("target/pictures/forward-speck.png", 2.0);
     assert!(difference(&speck, &without) < 0.03);
     assert!(difference(&with_own, &without) < 0.03);
-    // Without global illumination it lights as ever.
+    // Without GI the app's volume lights as usual.
     assert!(difference(&bevys, &without) > 0.3);
 }
 
@@ -145,7 +145,7 @@ fn multisampling_stays_where_all_is_drawn_forward() {
     println!("{} {} {}", direct.mean_luminance(), smooth.mean_luminance(), rough.mean_luminance());
     println!("multisampling changes {}", difference(&smooth, &rough));
     assert!(smooth.mean_luminance() > 1.2 * direct.mean_luminance());
-    // Another volume takes the place of the first once its probes are lit: no frame between them is dark.
+    // A new volume replaces the old one once its probes are lit: no frame in between is dark.
     let finer = LumivoxGi { volume: GiVolume::Scene { resolution: 40 }, ..quick() };
     stage.app.world_mut().entity_mut(stage.camera).insert(finer);
     let darkest = (0..120).map(|_| without_lamp(&stage.next()).mean_luminance());
@@ -153,7 +153,7 @@ fn multisampling_stays_where_all_is_drawn_forward() {
     println!("darkest frame while another volume is made: {darkest}");
     assert!(darkest > 0.95 * rough.mean_luminance());
     assert!((smooth.mean_luminance() / rough.mean_luminance() - 1.0).abs() < 0.05);
-    // Edges differ, and nothing else.
+    // Only edges differ.
     assert!(difference(&smooth, &rough) > 0.01);
     assert!(difference(&smooth, &rough) < 0.3);
 }

@@ -1,4 +1,4 @@
-//! Unsupported things are told, and nothing panics.
+//! Unsupported things are reported, and nothing panics.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::light::{AmbientLight, GlobalAmbientLight, RectLight};
@@ -20,7 +20,7 @@ fn settings_out_of_range_are_told_and_nothing_is_lit() {
     let event = stage.wait_for(|event| matches!(event, LumivoxEvent::Failed { .. }));
     let LumivoxEvent::Failed { error } = event else { return };
     assert!(error.contains("resolution is 7"), "{error}");
-    // Not in each frame.
+    // Reported only once.
     stage.frames(5);
     assert_eq!(stage.events(), []);
 }
@@ -64,7 +64,7 @@ fn what_is_left_out_is_told_once() {
     assert!(told.contains(&LumivoxEvent::LightLeftOut { kind: "RectLight" }), "{told:?}");
 }
 
-/// A device with fewer storage buffers than are needed: told once, and Bevy goes on with its own light.
+/// A device with too few storage buffers: reported once, and Bevy continues with its own light.
 #[test]
 fn what_a_device_lacks_is_told() {
     let _alone = alone();
@@ -104,7 +104,7 @@ fn an_empty_world_waits_for_meshes() {
 #[test]
 fn ambient_light_lights_what_is_open_and_comes_back() {
     let _alone = alone();
-    // Closed but for its front, in which all of the light is.
+    // The box is open only at its front, and all light enters there.
     let mut stage = Stage::cornell();
     let dark = stage.settled().mean_luminance();
     let ambient = GlobalAmbientLight { brightness: 5.0, ..GlobalAmbientLight::default() };
@@ -114,13 +114,13 @@ fn ambient_light_lights_what_is_open_and_comes_back() {
     let flat = stage.settled().mean_luminance();
     stage.app.insert_resource(GlobalAmbientLight::NONE);
     let direct = stage.settled().mean_luminance();
-    // Light through the front, and not Bevy's own ambient light, which nothing stops.
+    // Light through the front, not Bevy's own ambient light, which nothing occludes.
     let exposure = bevy::camera::Exposure { ev100: 4.0 }.exposure();
     let [found, truth] = [(lit - dark) / exposure, truth::light_of_surroundings(5.0)];
     println!("{found} cd/m2, the path tracer {truth}");
     assert!((found / truth - 1.0).abs() < 0.12, "{found} {truth}");
     assert!(flat > direct, "{flat} {direct}");
-    // A camera's own is taken over and given back as well.
+    // A camera's ambient light is disabled and restored as well.
     let own = AmbientLight { brightness: 5.0, ..AmbientLight::default() };
     stage.app.world_mut().entity_mut(stage.camera).insert((own, quick()));
     let own_lit = stage.settled().mean_luminance();

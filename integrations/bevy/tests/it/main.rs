@@ -1,4 +1,4 @@
-//! Lumivox through Bevy, on the software GPU: pictures, changes, and what must not go wrong.
+//! Lumivox through Bevy, on the software GPU: pictures, changes and limits.
 
 #[path = "../../examples/common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! What the tests share: an app with a scene, a camera, and a picture.
+//! Shared by the tests: an app with a scene, a camera, and a picture.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -19,13 +19,13 @@ pub struct Stage {
     pub spawned: scene::Spawned,
 }
 
-/// Tests take turns: they count what is alive on the GPU, and each uses all cores.
+/// Runs tests one at a time: they count live GPU resources, and each uses all cores.
 pub fn alone() -> MutexGuard<'static, ()> {
     static TURN: Mutex<()> = Mutex::new(());
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Small, quick and the same in every run.
+/// Small, quick and deterministic.
 pub fn quick() -> LumivoxGi {
     LumivoxGi {
         quality: GiQuality::Realtime,
@@ -40,7 +40,7 @@ impl Stage {
         Self::with(LumivoxPlugin::default(), None, given, size)
     }
 
-    /// On a device of no more than these limits.
+    /// On a device with at most these limits.
     pub fn on(limits: Option<WgpuLimits>, given: &Scene, size: UVec2) -> Self {
         Self::with(LumivoxPlugin::default(), limits, given, size)
     }
@@ -75,7 +75,7 @@ impl Stage {
         stage
     }
 
-    /// The software GPU clears and fills them in each frame.
+    /// The software GPU clears and fills shadow maps in each frame.
     pub fn use_small_shadow_maps(&mut self) {
         self.app.insert_resource(PointLightShadowMap { size: 256 });
         self.app.insert_resource(DirectionalLightShadowMap { size: 256 });
@@ -104,19 +104,19 @@ impl Stage {
         self.settled_over(8)
     }
 
-    /// The mean of so many frames once light has settled.
+    /// The mean of some frames once light has settled.
     pub fn settled_over(&mut self, frames: u32) -> headless::Shot {
         self.frames(20);
         headless::mean_shot(&mut self.app, &self.image.clone(), frames)
     }
 
-    /// What was told since the app began.
+    /// The events of the last frame.
     pub fn events(&self) -> Vec<LumivoxEvent> {
         let messages = self.app.world().resource::<Messages<LumivoxEvent>>();
         messages.iter_current_update_messages().cloned().collect()
     }
 
-    /// Runs frames until an event comes that is asked for.
+    /// Runs frames until an event matches.
     pub fn wait_for(&mut self, is_it: impl Fn(&LumivoxEvent) -> bool) -> LumivoxEvent {
         for _ in 0..300 {
             self.app.update();
@@ -137,7 +137,7 @@ pub fn difference(one: &headless::Shot, other: &headless::Shot) -> f32 {
     (squares / one.rgb.len() as f32).sqrt() / other.mean_luminance()
 }
 
-/// Without what is far brighter than the rest: the lamp, whose edges fall on other pixels where samples are others.
+/// Clamps what is far brighter than the rest, the lamp: its edges depend on the samples.
 pub fn without_lamp(shot: &headless::Shot) -> headless::Shot {
     let rgb = shot.rgb.iter().map(|rgb| rgb.min(Vec3::splat(0.3))).collect();
     headless::Shot { size: shot.size, rgb }

@@ -1,7 +1,7 @@
 //! Global illumination through Bevy against Lumivox's own renderer, both against the path tracer.
 //!
-//! What is compared is indirect light: the picture with global illumination minus that without, where direct light is Bevy's
-//! own (whose diffuse BRDF is Burley's, not Lambert's).
+//! Only indirect light is compared: the picture with global illumination minus the one without.
+//! Direct light is Bevy's own (whose diffuse BRDF is Burley's, not Lambert's).
 
 use std::ops::ControlFlow;
 use std::sync::OnceLock;
@@ -45,7 +45,7 @@ fn through_bevy(mut stage: Stage, name: &str) -> LinearPicture {
     difference_of(&lit, &direct, exposure)
 }
 
-/// What light adds to a picture, cd/m².
+/// What `lit` adds to `direct`, cd/m².
 pub fn difference_of(
     lit: &headless::Shot,
     direct: &headless::Shot,
@@ -56,11 +56,11 @@ pub fn difference_of(
     LinearPicture { size: SIZE, rgb: rgb.collect() }
 }
 
-/// The mean of frames that each see other places of their pixels.
+/// The mean of frames, each at another sub-pixel position.
 pub fn antialiased(stage: &mut Stage) -> headless::Shot {
     let (camera, image, mut frame) = (stage.camera, stage.image.clone(), 0);
     headless::mean_of(&mut stage.app, &image, FRAMES, |app| {
-        // As Lumivox's renderer: Halton 1960, in the bases 2 and 3.
+        // As in Lumivox's renderer: Halton 1960, in the bases 2 and 3.
         frame += 1;
         let place = Vec2::new(radical_inverse(frame, 2), radical_inverse(frame, 3));
         let mut camera = app.world_mut().get_mut::<Camera>(camera).expect("a camera");
@@ -98,7 +98,7 @@ fn through_lumivox(gpu: &Gpu, given: &Scene) -> (LinearPicture, LinearPicture) {
     })
 }
 
-/// Indirect light of matt surfaces as it is, with its variance.
+/// Path-traced indirect light of matt surfaces, with its variance.
 fn truth(gpu: &Gpu, given: &Scene, albedo: &LinearPicture) -> (LinearPicture, Vec<f32>) {
     let settings = ReferenceSettings { size: SIZE, samples: 128, ..ReferenceSettings::default() };
     let tracer = PathTracer::new(gpu, given, None, settings);
@@ -114,7 +114,7 @@ fn truth(gpu: &Gpu, given: &Scene, albedo: &LinearPicture) -> (LinearPicture, Ve
     (LinearPicture { size: SIZE, rgb: rgb.collect() }, variance.collect())
 }
 
-/// What even surroundings add to the picture of the Cornell box by path tracing, on average: cd/m².
+/// The mean light that uniform surroundings add to the path-traced Cornell box, cd/m².
 pub fn light_of_surroundings(radiance: f32) -> f32 {
     let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
     let [dark, lit] = [0.0, radiance].map(|radiance| {
@@ -128,12 +128,12 @@ pub fn light_of_surroundings(radiance: f32) -> f32 {
         let luminance = |rgb: &[f32; 3]| headless::luminance(Vec3::from(*rgb));
         tracer.layers().radiance.iter().map(luminance).collect::<Vec<f32>>()
     });
-    // Not where the surroundings themselves are seen.
+    // Without pixels that show the surroundings themselves.
     let surfaces = dark.iter().zip(&lit).filter(|(dark, _)| **dark > 0.0);
     surfaces.map(|(dark, lit)| lit - dark).sum::<f32>() / dark.len() as f32
 }
 
-/// What pictures of a scene are compared with: indirect light by our own renderer, and as it is, with its variance.
+/// Expected indirect light: by Lumivox's renderer, and by path tracing, with its variance.
 pub struct Expected {
     own: LinearPicture,
     pub truth: LinearPicture,
@@ -148,14 +148,14 @@ impl Expected {
         Self { own, truth, variance }
     }
 
-    /// That of the Cornell box, which several tests compare with: it is made once.
+    /// The expected light of the Cornell box; made once for several tests.
     pub fn of_cornell() -> &'static Self {
         static CORNELL: OnceLock<Expected> = OnceLock::new();
         CORNELL.get_or_init(|| Self::of(&scene::builtin("cornell")))
     }
 }
 
-/// Errors of Bevy's way and of our own, in per cent.
+/// Errors of Lumivox through Bevy and by itself, in per cent.
 pub fn errors_of(expected: &Expected, stage: Stage, name: &str) -> [ErrorFigures; 2] {
     let bevy = through_bevy(stage, name);
     let Expected { own, truth, variance } = expected;

@@ -1,4 +1,4 @@
-//! Cascades, suns, masks and environment maps: what is outside of a room.
+//! Cascades, suns, masks, environment maps and vertex colours.
 
 use std::f32::consts::PI;
 
@@ -23,7 +23,7 @@ fn cascades_light_a_room_as_a_box_does() {
     let inside = Transform::from_translation(eye).looking_at(Vec3::new(0.0, 0.8, -1.0), Vec3::Y);
     stage.app.world_mut().entity_mut(stage.camera).insert(inside);
     let boxed = stage.settled();
-    // The finest of the boxes holds the room, in voxels as large as those of the box around it.
+    // The finest cascade contains the room, in voxels as large as those of the box.
     let volume = GiVolume::Cascades { count: 2, resolution: 64, voxel_size: 0.0625 };
     let gi = LumivoxGi { volume, ..quick() };
     stage.app.world_mut().entity_mut(stage.camera).insert(gi);
@@ -37,8 +37,8 @@ fn cascades_light_a_room_as_a_box_does() {
     assert!(change < 0.1, "{change}");
 }
 
-/// A map whose light all comes from one side is followed as it turns, and nothing of it lights the room but what comes in through
-/// the front. An even one lights as ambient light does, whose result is that of the path tracer (`limits.rs`).
+/// A map that is bright on one side follows its rotation, and lights the room only through the
+/// front. A uniform map lights like ambient light, which `limits.rs` compares with path tracing.
 #[test]
 fn environment_maps_are_seen_through_openings() {
     let _alone = alone();
@@ -61,7 +61,7 @@ fn environment_maps_are_seen_through_openings() {
     println!("an even map against ambient light: {change}");
     assert!(change < 0.03, "{change}");
     let added = |shot: &headless::Shot| shot.mean_luminance() - dark.mean_luminance();
-    // All light from below, and with a quarter of a turn from the open front or from behind.
+    // All light from below; a quarter turn brings it to the open front or behind the room.
     let from_below = |turn: Quat| {
         move |images: &mut Assets<Image>| EnvironmentMapLight {
             intensity: 30.0,
@@ -78,7 +78,7 @@ fn environment_maps_are_seen_through_openings() {
     let behind = added(&lit_by(&from_below(Quat::from_rotation_x(0.5 * PI))));
     println!("from the front {front}, from behind {behind}, even {}", added(&ambient));
     assert!(front > 10.0 * behind.abs(), "{front} {behind}");
-    // Other light in the same texture.
+    // New content in the same texture.
     let mut image = Image::new_fill(
         Extent3d { width: 1, height: 1, depth_or_array_layers: 6 },
         TextureDimension::D2,
@@ -111,7 +111,7 @@ fn environment_maps_are_seen_through_openings() {
     assert!(change < 0.03, "{change}");
 }
 
-/// A sun through the front, its first and further bounces against the path tracer.
+/// A sun through the front, all bounces, against the path tracer.
 #[test]
 #[ignore = "slow: as the Cornell box (`truth.rs`), of which it differs in the light alone"]
 fn a_sun_is_as_bright_as_it_is() {
@@ -135,12 +135,13 @@ fn a_sun_is_as_bright_as_it_is() {
     assert!(bevy.bias_percent.abs() <= 1.1 * own.bias_percent.abs() + 1.0);
 }
 
-/// A screen before the open front lets pass what its mask does. The camera does not see it, which is of another layer.
+/// A masked screen before the open front lets light through its holes. The camera, of another
+/// layer, does not see it.
 #[test]
 fn masks_let_light_through_their_holes() {
     let _alone = alone();
     let mut stage = Stage::cornell();
-    // Not the borders, where the walls in front of the screen are seen.
+    // Without the borders, where walls in front of the screen are seen.
     let middle = |shot: headless::Shot| {
         let rows = shot.rgb.chunks(48).skip(9).take(18);
         let pixels: Vec<_> = rows.flat_map(|row| &row[12..36]).copied().collect();
@@ -183,7 +184,7 @@ fn masks_let_light_through_their_holes() {
     assert!((holes - 1.0).abs() < 0.05 && (0.35..0.6).contains(&half) && none < 0.06);
 }
 
-/// Vertices have the colours that a material of the same colour has.
+/// Vertex colours light like a material of the same colour.
 #[test]
 fn colours_of_vertices_are_those_of_voxels() {
     let _alone = alone();

@@ -1,10 +1,11 @@
-//! The choice of the clock for stages: the GPU's timestamps where they are true.
+//! The choice of the clock for stages: the GPU's timestamps if they are accurate.
 //!
-//! A driver may take timestamps at the wrong time (software drivers: when they read commands, not when they run), in the wrong
-//! unit, or not at all. So they are held against the wall clock once: the same work, the light of a scene's voxels and a frame,
-//! is timed by timestamps, and pass by pass, each submitted by itself and waited for. A wait costs some tenths of a millisecond,
-//! so only passes that are long against that are compared, and the work grows until there are some. If the two clocks disagree,
-//! the second is used for all measurements.
+//! A driver may take timestamps at the wrong time (software drivers: when they read commands, not
+//! when they run), in the wrong unit, or not at all. So they are checked once against the wall
+//! clock. The same work, the light of a scene's voxels and a frame, is timed by timestamps, and by
+//! submitting each pass separately and waiting for it. A wait costs some tenths of a millisecond,
+//! so only passes that are much longer are compared, and the work grows until there are some. If
+//! the two clocks disagree, the wall clock is used for all measurements.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -16,20 +17,21 @@ use lumivox_scene::Scene;
 
 use super::report::{Spread, TimingReport};
 
-/// Voxels and pixels of the work; the next is tried while no pass is long.
+/// Voxels and pixels of the work; the next size is tried if no pass is long.
 const WORK: [(u32, UVec2); 4] = [
     (32, UVec2::new(320, 180)),
     (64, UVec2::new(640, 360)),
     (128, UVec2::new(1280, 720)),
     (256, UVec2::new(1920, 1080)),
 ];
-/// A time that is long against what waiting costs, ms.
+/// The shortest time of a long pass, far above the cost of a wait, ms.
 const LONG_MS: f64 = 10.0;
-/// Shares of the waited time that timestamps of a long pass may have: below one by what waiting costs, above it by chance.
+/// Accepted ratios of stamped to waited time of a long pass: below one, since waiting costs time;
+/// above one, by chance.
 const TRUE_SHARES: RangeInclusive<f64> = 0.5..=1.25;
-/// The lowest share of all passes together where even the largest work has no long pass.
+/// The lowest accepted ratio of all passes together, if even the largest work has no long pass.
 const LEAST_SHARE_OF_SHORT: f64 = 0.05;
-/// Runs of the work, of which the median counts.
+/// Runs of the work; the median counts.
 const RUNS: usize = 3;
 
 /// The time of a pass by both clocks, ms.
@@ -40,7 +42,7 @@ struct Compared {
     waited: f64,
 }
 
-/// The way to take the times of stages on a device, and the reason.
+/// Chooses how the times of stages are taken on a device; also returns the reason.
 pub fn choose(gpu: &Gpu, scene: &Scene) -> (Timing, TimingReport) {
     let waited = |reason: String| {
         let method = "waited submits".to_owned();
@@ -67,13 +69,13 @@ pub fn choose(gpu: &Gpu, scene: &Scene) -> (Timing, TimingReport) {
     }
 }
 
-/// Whether timestamps are true, and why.
+/// Returns why timestamps can be trusted, or why not.
 fn judge(compared: &[Compared]) -> Result<String, String> {
     let is_long = |pass: &&Compared| pass.waited >= LONG_MS;
     let words = |name: &str, stamped: f64, waited: f64| {
         format!("{name} takes {stamped:.2} ms by them, {waited:.2} ms by the wall clock")
     };
-    // Not a number is outside.
+    // NaN counts as wrong.
     let is_wrong = |pass: &&Compared| !TRUE_SHARES.contains(&(pass.stamped / pass.waited));
     if let Some(pass) = compared.iter().filter(is_long).find(is_wrong) {
         return Err(words(&pass.pass, pass.stamped, pass.waited));
@@ -88,7 +90,7 @@ fn judge(compared: &[Compared]) -> Result<String, String> {
     if shares.contains(&(stamped / waited)) { Ok(words) } else { Err(words) }
 }
 
-/// Takes the times of work that is as long as it has to be, if the device can do it.
+/// Times larger and larger work until a pass is long, or the device can do no more.
 fn compare(gpu: &Gpu, scene: &Scene) -> Result<Vec<Compared>, RenderError> {
     let mut last = None;
     for (resolution, size) in WORK {
@@ -100,7 +102,7 @@ fn compare(gpu: &Gpu, scene: &Scene) -> Result<Vec<Compared>, RenderError> {
                     break;
                 }
             }
-            // Less work was possible, or there is no comparison.
+            // Use the times of the largest work that succeeded, if any did.
             Err(error) => return last.ok_or(error),
         }
     }
@@ -128,7 +130,7 @@ async fn compare_at(
     Ok(compared.collect())
 }
 
-/// The medians of the times of all passes of the work, ms.
+/// The median time of each pass of the work, ms.
 async fn times(
     renderer: &mut Renderer,
     scene: &Scene,
@@ -139,7 +141,7 @@ async fn times(
         renderer.forget_light();
         renderer.set_lights(scene, &mut |_| ()).await?;
         renderer.render_frame().await?;
-        // Drivers compile in the first run.
+        // Skip the first run, in which drivers compile.
         for time in renderer.times().into_iter().filter(|_| run > 0) {
             runs.entry(time.pass).or_default().push(time.duration.as_secs_f64() * 1e3);
         }
@@ -168,9 +170,9 @@ mod tests {
         // Timestamps of another unit, zero, or not a number.
         assert!(!is_true(&[(3.0, 100.0)]) && !is_true(&[(0.0, 100.0)]));
         assert!(!is_true(&[(2600.0, 100.0)]) && !is_true(&[(f64::NAN, 100.0)]));
-        // Each long pass has to agree, however right the sum.
+        // Each long pass has to agree, even if the sum does.
         assert!(!is_true(&[(100.0, 20.0), (20.0, 100.0)]));
-        // Waiting makes most of what short ones take.
+        // Waiting takes most of the time of short passes.
         assert!(is_true(&[(95.0, 100.0), (0.01, 0.4), (0.0, 0.3)]));
         assert!(is_true(&[(1.0, 4.0)]) && !is_true(&[(0.1, 4.0)]) && !is_true(&[(8.0, 4.0)]));
         assert!(!is_true(&[]), "nothing was compared");

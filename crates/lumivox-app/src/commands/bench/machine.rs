@@ -15,14 +15,15 @@ pub struct Machine {
     pub backend: String,
     /// The driver's name and version.
     pub driver: String,
-    /// The numbers of vendor and device, as the bus has them; 0 where the API does not tell.
+    /// Numbers of vendor and device, as the API reports them; 0 if it does not.
     pub vendor_and_device: [u32; 2],
     /// The operating system and the processor's architecture.
     pub system: String,
     /// Threads that the processor runs at once.
     pub cores: usize,
-    /// Whether the device has timestamps, and the nanoseconds between two of them.
+    /// `true` if the device has timestamps.
     pub timestamps: bool,
+    /// Nanoseconds of a tick of the timestamps; `None` without them.
     pub timestamp_period_ns: Option<f32>,
     /// The device's limits that bound what can be measured.
     pub limits: Limits,

@@ -16,20 +16,20 @@ use crate::progress::ProgressDisplay;
 
 /// A measurement ends after this time, if it has enough runs.
 const BUDGET: Duration = Duration::from_secs(4);
-/// Enough runs.
+/// The fewest runs of a measurement.
 const LEAST_RUNS: u32 = 3;
-/// The most changes of everything.
+/// The most runs that voxelize and light everything again.
 const MOST_CHANGES: u32 = 16;
-/// Frames before the first that counts, and the time that they take at least: drivers compile shaders, voxels find room, and a
-/// GPU raises its clock.
+/// Minimum frames of the warm-up, and its minimum time: drivers compile shaders, buffers of voxels
+/// grow, and a GPU raises its clock.
 const WARM_UP: u32 = 3;
 const WARM_UP_TIME: Duration = Duration::from_millis(400);
-/// The most frames that may be late before the first that counts.
+/// The most late frames that are skipped before the first that counts.
 const MOST_LATE: u32 = 32;
 /// Phases of a measurement, for its progress.
 const PHASES: f64 = 5.0;
 
-/// The common parts of all measurements, and the place of this one.
+/// Data of all measurements, and the number of this one.
 #[derive(Debug)]
 pub struct Bench<'a> {
     pub gpu: &'a Gpu,
@@ -38,7 +38,7 @@ pub struct Bench<'a> {
     /// The most frames of a measurement.
     pub frames: u32,
     pub progress: &'a ProgressDisplay,
-    /// Measurements that are done, of how many.
+    /// Number of finished measurements, and of all.
     pub done: u32,
     pub total: u32,
 }
@@ -61,7 +61,7 @@ impl Bench<'_> {
         case: &Case,
         motion: Motion,
     ) -> Result<Figures, RenderError> {
-        // Faults of an earlier case are not this one's.
+        // Discard errors of earlier cases.
         while self.gpu.check("starting").is_err() && !self.gpu.is_lost() {}
         let companions = Companions::of(case.preset);
         let settings = RenderSettings {
@@ -159,7 +159,7 @@ impl Bench<'_> {
         })
     }
 
-    /// Everything voxelized and lit again.
+    /// Voxelizes and lights everything again.
     fn change(&self, renderer: &mut Renderer) -> Result<(), RenderError> {
         renderer.forget_light();
         block_on(renderer.revoxelize(&mut |_| ()))?;
@@ -179,12 +179,12 @@ impl Bench<'_> {
         let picture = block_on(renderer.finish())?;
         let shown: f64 = picture.hdr.iter().map(|pixel| f64::from(pixel[0])).sum();
         let is_counted = trace.resolution == TraceResolution::Full;
-        // Pixels between traced ones show the mean of those.
+        // One pixel in four is traced; those between show the mean of traced ones.
         let share = if is_counted { 1.0 } else { 0.25 };
         Ok(Cones { samples: shown * share, is_counted })
     }
 
-    /// The times of some work by the clock, ms.
+    /// Wall-clock times of repeated work, ms.
     fn walls(
         &self,
         most: u32,
@@ -200,7 +200,7 @@ impl Bench<'_> {
         Ok(walls)
     }
 
-    /// The same work by its stages.
+    /// Repeats the work to time its stages; `walls` has the whole times.
     fn part(
         &self,
         walls: &[f64],
@@ -255,7 +255,7 @@ fn warm_up(work: &mut dyn FnMut() -> Result<(), RenderError>) -> Result<(), Rend
     Ok(())
 }
 
-/// The counts and sizes that a renderer tells without measuring.
+/// Figures with the triangles, memory and frame; the others are zero or `None`.
 fn figures(scene: &Scene, renderer: &Renderer, frame: Part) -> Figures {
     let memory = renderer.memory();
     let is_volume = |name: &str| {

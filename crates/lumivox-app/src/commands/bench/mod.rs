@@ -35,8 +35,8 @@ const CLOCK_SCENE: &str = "cornell";
 /// Measures, and writes the reports.
 ///
 /// # Errors
-/// When a scene cannot be read, there is no GPU, or a file cannot be written. A case that cannot be measured is not an error:
-/// its row tells why.
+/// When a scene cannot be read, there is no GPU, or a file cannot be written. A case that cannot be
+/// measured is not an error: its row has the reason.
 pub fn run(args: &BenchArgs, host: &Host) -> anyhow::Result<()> {
     for source in &args.scenes {
         scene::check(source)?;
@@ -79,7 +79,7 @@ pub fn run(args: &BenchArgs, host: &Host) -> anyhow::Result<()> {
         }
         let done = report.rows.len() as u32;
         progress.set("measuring", done, total);
-        // After a case that lost the device others may still be possible; if it stays lost, they tell so.
+        // If a case lost the device, open it again; if that fails, later cases report the loss.
         if gpu.is_lost()
             && let Ok(another) = host.open_gpu(&args.gpu)
         {
@@ -107,12 +107,12 @@ pub fn run(args: &BenchArgs, host: &Host) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Measures a case; whatever goes wrong becomes its row.
+/// Measures a case; its row reports errors and panics.
 fn measure(bench: &Bench<'_>, subject: &Subject, case: &Case, motion: Motion) -> Row {
     let measured = catch_unwind(AssertUnwindSafe(|| bench.measure(subject, case, motion)));
     let measured = match measured {
         Ok(measured) => measured.map_err(|error| error.to_string()),
-        // The panic hook has told more.
+        // The panic hook has printed the message.
         Err(_) => Err("a defect of Lumivox or of the driver; stderr has its message".to_owned()),
     };
     Row::new(case, motion, measured)
@@ -139,7 +139,7 @@ fn published() -> Option<Report> {
     serde_json::from_str(PUBLISHED).ok()
 }
 
-/// Writes the files, and what belongs on stdout.
+/// Writes the report files, and prints the report that goes to stdout.
 fn write(
     args: &BenchArgs,
     host: &Host,
@@ -167,7 +167,8 @@ fn write_file(file: &Path, text: &str) -> anyhow::Result<()> {
 mod tests {
     use super::*;
 
-    /// The cases that a software driver measures without options have published figures, which say of which build.
+    /// Every case that a software driver measures without options is in the published report, which
+    /// names its build.
     #[test]
     fn the_published_report_is_of_this_layout_and_of_these_cases() {
         let published: Report = serde_json::from_str(PUBLISHED).unwrap();

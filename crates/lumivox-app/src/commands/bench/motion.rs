@@ -10,19 +10,19 @@ const BLOCK_REACH: f32 = 0.15;
 const LAMP_REACH: f32 = 0.05;
 /// The height of the circle above the scene's middle, as a share of its height.
 const RISE: f32 = 0.2;
-/// The turn of a frame, radians: a circle in a second at 60 frames a second.
+/// The turn per frame, radians: one circle in a second at 60 frames a second.
 const TURN_RAD: f32 = std::f32::consts::TAU / 60.0;
 /// The most that a sun turns to either side, radians.
 const SUN_TURN_RAD: f32 = 0.05;
 
-/// A scene in which a block and the first light move; all else is static.
+/// A scene in which only a block and the first light move.
 #[derive(Clone, Debug)]
 pub struct MovingScene {
     pub scene: Scene,
     /// The number of the block's instance.
     pub block: usize,
     bounds: Bounds,
-    /// The first light as the scene has it.
+    /// The scene's first light before it moves.
     light: Option<Light>,
     step: u32,
 }
@@ -51,7 +51,7 @@ impl MovingScene {
         moving
     }
 
-    /// Moves both on by one frame.
+    /// Moves block and light by one frame.
     pub fn advance(&mut self) {
         self.step += 1;
         let turn = Vec2::from_angle(TURN_RAD * self.step as f32);

@@ -8,7 +8,7 @@ const VOXELIZE: &[&str] = &["voxelize", "volume", "changes"];
 const LIGHT: &[&str] = &["shadow maps", "light", "bounce", "filter"];
 const TRACE: &[&str] = &["trace"];
 
-/// The page, with the figures of a published report beside those of the same name.
+/// The page, with the figures of a published report beside those of cases with the same name.
 pub fn page(report: &Report, published: Option<&Report>) -> String {
     let published = published
         .filter(|published| report.rows.iter().any(|row| figures_of(published, &row.id).is_some()));
@@ -36,9 +36,9 @@ const EXPLANATION: &str = "\
   one pixel in four is traced).
 ";
 
-/// The heading of a column, whether published figures stand beside it, and its cells.
+/// The heading of a column, whether it has published figures beside it, and its cells.
 type Column = (&'static str, bool, fn(&Figures) -> String);
-/// A kind of work, of which cases, and its times.
+/// A kind of work: its title, the motion of its cases, and its times.
 type Work = (&'static str, Motion, fn(&Figures) -> Option<&Part>);
 
 struct Page<'a> {
@@ -102,7 +102,8 @@ impl Page<'_> {
         text
     }
 
-    /// A table of the cases that are still or moving; figures marked as compared have the published ones beside them.
+    /// A table of the still or the moving cases; columns marked as compared are followed by
+    /// published figures.
     fn table(&self, motion: Motion, columns: &[Column]) -> String {
         let mut heading = vec!["case"];
         for (name, is_compared, _) in columns {
@@ -210,10 +211,10 @@ impl Page<'_> {
     }
 }
 
-/// A figure that is not there.
+/// A missing figure.
 const NONE: &str = "-";
 
-/// The end of a case's name, which its table tells already.
+/// The end of a case's name, which its table's title repeats.
 fn suffix(motion: Motion) -> &'static str {
     match motion {
         Motion::Still => "/still",
@@ -225,7 +226,7 @@ fn problem(row: &Row) -> String {
     row.problem.clone().unwrap_or_else(|| "not measured".to_owned())
 }
 
-/// A figure, such as milliseconds, with three digits that count.
+/// A figure, such as milliseconds, with three digits, at most two of them decimals.
 fn figure(value: Option<f64>) -> String {
     match value {
         None => NONE.to_owned(),
@@ -241,7 +242,7 @@ fn samples(figures: &Figures) -> String {
     format!("{about}{} M", figure(Some(cones.samples / 1e6)))
 }
 
-/// A text within a table or a line: without what Markdown would take for its own.
+/// Text for a cell or a line of Markdown: on one line, with `|` escaped.
 fn escaped(text: &str) -> String {
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
     line.replace('|', "\\|")
@@ -257,7 +258,7 @@ impl Markdown {
         Self { rows: vec![heading.iter().map(|cell| (*cell).to_owned()).collect()] }
     }
 
-    /// A row; cells that are missing at its end are empty.
+    /// Adds a row; missing cells at its end are empty.
     fn row(&mut self, cells: &[String]) {
         let mut cells: Vec<String> = cells.iter().map(|cell| escaped(cell)).collect();
         cells.resize(self.rows[0].len(), String::new());
@@ -267,7 +268,7 @@ impl Markdown {
     /// The table. The first column is left-aligned, the others right, unless there are only two.
     fn text(&self) -> String {
         let columns = self.rows[0].len();
-        // A reason is longer than any figure, and would widen its column.
+        // Ignore long cells, which are reasons: they would widen their column.
         let longest = if columns > 2 { 48 } else { usize::MAX };
         let width = |column: usize| {
             let widths = self.rows.iter().map(|row| row[column].chars().count());

@@ -56,14 +56,13 @@ impl StoreChoice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Motion {
-    /// Nothing does: frames of a still picture, and what a change of everything costs.
+    /// Nothing moves: frames of a still picture, and the cost of changing everything.
     Still,
-    /// A lamp and a block do, in every frame.
+    /// A lamp and a block move in every frame.
     Moving,
 }
 
 impl Motion {
-    /// Both.
     pub const ALL: [Self; 2] = [Self::Still, Self::Moving];
 
     fn name(self) -> &'static str {
@@ -77,7 +76,7 @@ impl Motion {
 /// One case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// The number of its scene among those of the plan.
+    /// The index of its scene in the plan.
     pub scene: usize,
     /// The name of its scene.
     pub scene_name: String,

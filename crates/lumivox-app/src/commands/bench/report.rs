@@ -34,7 +34,7 @@ pub struct Report {
 pub struct TimingReport {
     /// `timestamps` or `waited submits`.
     pub method: String,
-    /// Why.
+    /// The reason for the method.
     pub reason: String,
 }
 
@@ -77,22 +77,22 @@ impl Row {
     }
 }
 
-/// The figures that were measured of a case.
+/// The measured figures of a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     pub triangles: u64,
     pub voxels: u64,
     /// GPU memory of everything.
     pub memory_bytes: u64,
-    /// The share of what cones meet: faces with their index, or cells.
+    /// The part of it that cones sample: faces with their index, or cells.
     pub volume_bytes: u64,
-    /// Everything voxelized and lit again, with all bounces; of still cases alone.
+    /// Voxelizing and lighting everything again, with all bounces; only for still cases.
     pub change: Option<Part>,
     /// A frame.
     pub frame: Part,
-    /// Frames whose voxels were those of an earlier one.
+    /// Frames that showed the voxels of an earlier frame.
     pub late_frames: u32,
-    /// The work of the cones on screen; of still cases alone.
+    /// The work of the cones on screen; only for still cases.
     pub cones: Option<Cones>,
 }
 
@@ -145,8 +145,9 @@ impl Spread {
 pub struct Cones {
     /// Steps of their rays in a frame.
     pub samples: f64,
-    /// Whether they were counted in a frame, pixel by pixel. With one pixel in four traced they are estimated: those of the
-    /// picture's pixels, divided by four; pixels at edges, which are traced by themselves, then count too little.
+    /// `true` if the samples were counted pixel by pixel. `false` if one pixel in four is traced:
+    /// they are then estimated as a quarter of the picture's sum, which counts too little at edges,
+    /// where pixels are traced one by one.
     pub is_counted: bool,
 }
 

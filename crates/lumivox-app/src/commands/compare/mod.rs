@@ -18,7 +18,8 @@ use crate::host::Host;
 /// Compares a scene with its reference, or two pictures, and reports.
 ///
 /// # Errors
-/// When something cannot be read or rendered, the two cannot be compared, or the strip cannot be written.
+/// When something cannot be read or rendered, the two cannot be compared, or the strip cannot be
+/// written.
 pub fn run(args: &CompareArgs, host: &Host) -> anyhow::Result<()> {
     if let Some(file) = &args.output {
         output::check_kind(file, "png", "strips are written as PNG")?;

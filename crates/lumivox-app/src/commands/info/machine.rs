@@ -45,7 +45,7 @@ struct DeviceReport {
     largest_volume: VolumeReport,
     /// The usual resolutions within that.
     volumes: Vec<VolumeReport>,
-    /// The largest resolution of an octree whose surface fits.
+    /// The largest resolution of an octree, if its surface fits.
     largest_octree: u32,
 }
 
@@ -242,7 +242,7 @@ async fn adapters() -> Vec<wgpu::Adapter> {
 mod tests {
     use super::*;
 
-    /// The library's own account on the smallest volumes.
+    /// Compares the memory of a small volume with what the library reports.
     #[test]
     fn the_memory_is_what_the_library_allocates() {
         use lumivox::{Directionality, Gi, GiConfig, Grid};

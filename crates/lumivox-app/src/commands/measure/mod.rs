@@ -3,7 +3,7 @@
 //! | file | is |
 //! | --- | --- |
 //! | `places.rs` | the points, rays or pixels that are measured |
-//! | `readings.rs` | the light there, by either method |
+//! | `readings.rs` | the light at these places, by either method |
 //! | `report.rs` | tables, JSON and the sentence at the end |
 
 mod places;
@@ -68,7 +68,7 @@ pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
     let start = Instant::now();
     let mut progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
-    // Light is measured as the scene has it.
+    // No default light is added, unless --surroundings asks for some.
     let adds = args.sources.surroundings.is_some();
     let sources = SourceArgs { no_default_light: !adds, ..args.sources.clone() };
     let (scene, camera) =
@@ -91,7 +91,7 @@ pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
     };
     progress.set("writing", 0, 1);
     let values: Vec<f32> = readings.iter().map(|reading| reading.value).collect();
-    // A picture has no places of its own to look at.
+    // A picture has no places to check.
     let picker = (!places.at.is_empty()).then(|| Picker::new(&scene));
     let report = Report {
         scene: scene.name.clone(),
@@ -127,7 +127,7 @@ pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
     if args.json { host.print_json(&report.json()) } else { host.print(&report.text(&args.output)) }
 }
 
-/// The kind of an output file, and that it can be written.
+/// Returns the kind of an output file, and checks that it can be written.
 fn check(file: &Path, args: &MeasureArgs) -> anyhow::Result<Kind> {
     let ending = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let kind = match ending.as_str() {

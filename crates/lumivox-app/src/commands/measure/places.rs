@@ -1,4 +1,5 @@
-//! The places that are measured: points and rays of a file, the grid of a workplane, the pixels of a picture.
+//! The places that are measured: points and rays of a file, the grid of a workplane, the pixels of
+//! a picture.
 
 use std::path::Path;
 
@@ -12,20 +13,21 @@ use crate::cli::MeasureArgs;
 
 /// The most points of a workplane or a file.
 const MOST: usize = 1 << 20;
-/// The most places that are looked at for solids around them and for shade.
+/// The most places that are checked for being inside solids, or in shade that shadow maps lose.
 const MOST_LOOKED_AT: usize = 1 << 14;
-/// The farthest that a place may lie outside of the scene, in sizes of the scene.
+/// The largest distance of a place from the scene, in sizes of the scene.
 const FARTHEST: f32 = 1000.0;
-/// Cells along the longer side of a workplane without a spacing.
+/// Cells along the longer side of a workplane if no spacing is given.
 const CELLS: f32 = 24.0;
 
 /// The places, in their order.
 #[derive(Clone, Debug)]
 pub struct Places {
     kind: Kind,
-    /// The places in the scene, m, and the directions of surfaces or lines of sight; none for a picture.
+    /// The places in the scene, m, and the directions of surfaces or lines of sight; empty for a
+    /// picture.
     pub at: Vec<(Vec3, Vec3)>,
-    /// The places in the coordinates of the scene's file, as they are given and told.
+    /// The places in the coordinates of the scene's file, for input and output.
     given: Vec<DVec3>,
     /// Columns and rows of a workplane or a picture.
     pub size: Option<UVec2>,
@@ -40,7 +42,7 @@ enum Kind {
 }
 
 impl Places {
-    /// Reads the file of places, if there is one; a workplane's grid follows once the scene is known.
+    /// Reads the file of places, if there is one; [`Self::of_scene`] makes a workplane's grid.
     ///
     /// # Errors
     /// When the file cannot be read, or a line of it; the message names it.
@@ -59,7 +61,7 @@ impl Places {
     /// The places in a scene.
     ///
     /// # Errors
-    /// When a workplane has too many cells, or a place has nothing to do with the scene.
+    /// When a workplane has too many cells, or a place is too far from the scene.
     pub fn of_scene(mut self, scene: &Scene, args: &MeasureArgs) -> anyhow::Result<Self> {
         let bounds = scene.bounds();
         let size_m = 2.0 * bounds.radius_m();
@@ -106,20 +108,20 @@ impl Places {
         Ok(self)
     }
 
-    /// Whether luminance is measured, else illuminance.
+    /// `true` if luminance is measured, `false` if illuminance is.
     pub fn is_luminance(&self) -> bool {
         matches!(self.kind, Kind::Rays | Kind::Picture)
     }
 
-    /// The places that lie inside of something solid, where no light is, by their numbers. With more than a few thousand, only
-    /// those are looked at.
+    /// The indices of places inside solids, where there is no light. Only the first
+    /// [`MOST_LOOKED_AT`] places are checked.
     pub fn inside(&self, picker: &Picker) -> Vec<usize> {
         let looked_at = self.at.iter().take(MOST_LOOKED_AT).enumerate();
         looked_at.filter(|(_, (at, _))| picker.is_inside(*at)).map(|(index, _)| index).collect()
     }
 
-    /// The places in shade that shadow maps lose, by their numbers: what blocks a light there is lower than two of its texels. Of
-    /// more than a few thousand, or with many lights, some are looked at.
+    /// The indices of places in shade that shadow maps lose: the blocker is lower than two texels.
+    /// If there are many places or lights, only some of the places are checked.
     pub fn in_lost_shade(
         &self,
         scene: &Scene,
@@ -129,11 +131,11 @@ impl Places {
         if self.is_luminance() {
             return Vec::new();
         }
-        // Finer maps light sensors only if they are maps around cascades.
+        // Of the finer maps, only those around cascades light sensors.
         let squares = if maps.reach_m.is_some() { maps.squares } else { 0 };
         let maps = ShadowMapFineness { squares, ..maps };
         let (bounds, middle) = (scene.bounds(), middle(&self.at));
-        // Above the surface that a place may lie in.
+        // Start just above the surface that a place may lie in.
         let start_m = 1e-6 * bounds.radius_m();
         let is_lost = |at: (Vec3, Vec3)| {
             let distance = |above_m, way| picker.obstacle_m(at.0 + (start_m + above_m) * at.1, way);
@@ -183,7 +185,7 @@ impl Places {
         }
     }
 
-    /// The numbers of a place's columns.
+    /// The values of a place's columns.
     pub fn numbers(&self, index: usize) -> Vec<f64> {
         match (self.at.get(index).zip(self.given.get(index)), self.size) {
             (Some(((_, direction), given)), _) => {
@@ -198,7 +200,7 @@ impl Places {
     }
 }
 
-/// The middle of places: the median along each axis, so that one that lies elsewhere doesn't move it.
+/// The middle of places: the median along each axis, so that outliers do not move it.
 pub fn middle(places: &[(Vec3, Vec3)]) -> Vec3 {
     let along = |axis: usize| {
         let mut values: Vec<f32> = places.iter().map(|(at, _)| at[axis]).collect();
@@ -208,8 +210,9 @@ pub fn middle(places: &[(Vec3, Vec3)]) -> Vec3 {
     Vec3::from_array([0, 1, 2].map(along))
 }
 
-/// The places and directions of a CSV file, whose first line may name its columns. Fields are separated by tabs, semicolons, commas or
-/// blanks, whatever the first line has of these, and may be quoted, as spreadsheets write them.
+/// Reads the places and directions of a CSV file, whose first line may name its columns. The
+/// separator is the first of tab, semicolon, comma and blank that splits the first line. Fields may
+/// be quoted, as spreadsheets write them.
 fn table(
     file: &Path,
     directions: [&str; 3],
@@ -221,11 +224,11 @@ fn table(
         .map_err(|error| refuse(format!("cannot read the places: {error}; check its name")))?;
     let text = decoded(&bytes).map_err(refuse)?;
     let lines = (1..).zip(text.lines()).filter(|(_, line)| {
-        // A spreadsheet's word on the separator, and its empty rows.
+        // Skip the separator line and the empty rows of spreadsheets.
         !line.starts_with("sep=")
             && line.contains(|c: char| !c.is_whitespace() && !",;\"".contains(c))
     });
-    // Where others separate, commas are those of decimals.
+    // With another separator, commas are decimal commas.
     let separator = ['\t', ';', ',', ' '].into_iter().find(|&separator| {
         let mut rows = lines.clone().filter(|(_, line)| !line.starts_with('#'));
         rows.next().is_some_and(|(_, line)| fields(line, separator).len() > 1)
@@ -246,7 +249,7 @@ fn table(
             ["x", "y", "z"].iter().all(has)
         };
         if remark.is_some() || names.is_none() {
-            // NumPy writes the names behind a #.
+            // NumPy writes the names after a #.
             let is_named = if remark.is_some() {
                 names.is_none() && is_header()
             } else {
@@ -330,7 +333,7 @@ fn table(
             _ => {
                 let direction = vector(directions)?;
                 let zero = || refuse(format!("line {line_number}: its direction is zero"));
-                // As it is given, unless its square is too large or small for a float.
+                // Keep its length, unless the square of it is too large or small for an f32.
                 let unit = direction.try_normalize().ok_or_else(zero)?.as_vec3();
                 direction.as_vec3().try_normalize().map_or(unit, |_| direction.as_vec3())
             }
@@ -349,7 +352,7 @@ fn table(
     Ok(places)
 }
 
-/// The text of a file, with line feeds alone.
+/// Decodes UTF-8 or UTF-16 text, and turns all line ends into line feeds.
 fn decoded(bytes: &[u8]) -> Result<String, String> {
     let wide = |order: fn([u8; 2]) -> u16| {
         let units = bytes[2..].chunks_exact(2).map(|pair| order([pair[0], pair[1]]));
@@ -368,8 +371,8 @@ fn decoded(bytes: &[u8]) -> Result<String, String> {
     Ok(text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n"))
 }
 
-/// The fields of a line, without their quotation marks and the blanks around them. An empty one at the end is left out. Between blanks
-/// there is none.
+/// Splits a line into fields, without their quotation marks and the blanks around them. An empty
+/// last field is dropped. If blanks separate, there are no empty fields.
 fn fields(line: &str, separator: char) -> Vec<String> {
     if separator == ' ' {
         return line.split_whitespace().map(|field| field.trim_matches('"').to_owned()).collect();
@@ -389,7 +392,8 @@ fn fields(line: &str, separator: char) -> Vec<String> {
     fields
 }
 
-/// Whether a column has an axis's numbers: `nx` is also called "Normal X" or `normal_x`, and `dx` "direction x".
+/// Whether a column's name means this axis: `nx` is also called "Normal X" or `normal_x`, and `dx`
+/// "direction x".
 fn is_called(name: &str, axis: &str) -> bool {
     let letters = name.chars().filter(char::is_ascii_alphanumeric);
     let plain = letters.collect::<String>().to_ascii_lowercase();

@@ -21,13 +21,13 @@ const AT_ONCE: usize = 1 << 14;
 /// The light at a place, in lux or cd/m².
 #[derive(Clone, Copy, Debug)]
 pub struct Reading {
-    /// All of it.
+    /// The total.
     pub value: f32,
     /// The standard error, if it is known.
     pub standard_error: Option<f32>,
-    /// The share straight from lamps and suns, of an illuminance.
+    /// The direct light of lamps and suns; `None` for luminance.
     pub direct: Option<f32>,
-    /// The open share of the hemisphere, of an illuminance.
+    /// The open share of the hemisphere; `None` for luminance.
     pub openness: Option<f32>,
 }
 
@@ -40,7 +40,7 @@ pub struct Task<'a> {
     pub scene: &'a Scene,
     /// The camera of a picture.
     pub camera: &'a Camera,
-    /// The progress that is told.
+    /// The progress display.
     pub progress: &'a ProgressDisplay,
 }
 
@@ -88,7 +88,7 @@ impl Task<'_> {
         settings: RenderSettings,
         frames: u32,
     ) -> anyhow::Result<Vec<lumivox::Irradiance>> {
-        // Points need no picture. Cascades lie around them.
+        // Points need no picture, only a camera in their middle, where cascades are centred.
         let size = UVec2::splat(16);
         let camera = Camera { position: middle(places), ..self.camera.clone() };
         let task = Task { camera: &camera, ..self };
@@ -180,7 +180,7 @@ impl Task<'_> {
     }
 }
 
-/// The gathers of a sensor in so many frames: six in each, since sensors are few and noisy.
+/// The gathers of a sensor: six per frame, since sensors are few and noisy; at most 65536.
 pub fn gathers(frames: u32) -> u32 {
     frames.saturating_mul(6).min(65_536)
 }

@@ -29,7 +29,7 @@ pub struct Report<'a> {
     pub samples: Option<u32>,
     /// The figures of all readings.
     pub summary: Summary,
-    /// The time that it took, s.
+    /// The time of the measurement, s.
     pub seconds: f64,
     /// The GPU.
     pub adapter: AdapterReport,
@@ -41,7 +41,7 @@ pub struct Report<'a> {
     pub shade_remedy: &'static str,
     /// The places.
     pub places: &'a Places,
-    /// The light there.
+    /// The light at the places.
     pub readings: &'a [Reading],
 }
 
@@ -59,14 +59,14 @@ impl Report<'_> {
         all.into_iter().filter(|(_, values)| values.iter().any(Option::is_some)).collect()
     }
 
-    /// A line for each reading, below the names of the columns.
+    /// The readings as CSV: the names of the columns, then a line for each reading.
     pub fn csv(&self) -> String {
         let columns = self.columns();
         let names = self.places.columns().iter().copied();
         let names: Vec<&str> = names.chain(columns.iter().map(|(name, _)| name.as_str())).collect();
         let mut text = names.join(",") + "\n";
         for index in 0..self.readings.len() {
-            // The shortest text that is this f64, and this f32.
+            // The shortest text that parses to the same f64 or f32.
             let place = self.places.numbers(index).into_iter().map(|number| number.to_string());
             let values = columns.iter().map(|(_, values)| values[index]);
             let values = values.map(|value| value.map_or(String::new(), |value| value.to_string()));
@@ -76,7 +76,7 @@ impl Report<'_> {
         text
     }
 
-    /// One object: the figures, and an array for each column.
+    /// The report as one object: the figures, and an array for each column.
     pub fn json(&self) -> Value {
         let Summary { mean, minimum, maximum, uniformity } = self.summary;
         let mut columns = Map::new();
@@ -191,7 +191,7 @@ impl Report<'_> {
     }
 }
 
-/// Four digits of a number.
+/// A number with four significant digits; large ones as whole numbers.
 fn digits(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();

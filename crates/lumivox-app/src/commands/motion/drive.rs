@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::sequences::{Pose, Sequence, Start};
 
-/// More frames than any sequence rests: a picture is never complete.
+/// More frames than any sequence holds still, so that a picture is never complete.
 pub const FRAMES: u32 = 1024;
 
 /// The pictures that a viewer sees at one step.
@@ -20,7 +20,7 @@ pub const FRAMES: u32 = 1024;
 pub struct Shown {
     /// The picture, in cd/m².
     pub picture: LinearPicture,
-    /// Irradiance by all light but that straight from lamps, in lux.
+    /// Irradiance by all light except direct light of lamps, in lux.
     pub full: LinearPicture,
 }
 
@@ -33,11 +33,11 @@ pub struct StepCost {
     pub samples_per_pixel: f64,
     /// The number of times that the CPU waits for the GPU, the one at the frame's end included.
     pub waits: u64,
-    /// Bytes of the GPU's buffers and textures that are made.
+    /// Bytes of GPU buffers and textures created in the step.
     pub allocated_bytes: u64,
 }
 
-/// A scene that changes, and the renderer that follows.
+/// A changing scene, and its renderer.
 #[derive(Debug)]
 pub struct Drive {
     explorer: Explorer,
@@ -48,7 +48,7 @@ impl Drive {
     /// Opens a scene for a sequence; nothing is rendered yet.
     ///
     /// # Errors
-    /// When a setting is out of range, or the scene lacks what moves.
+    /// When a setting is out of range, or the scene has nothing that the sequence moves.
     pub fn new(
         gpu: &Gpu,
         sequence: &Sequence,
@@ -92,7 +92,7 @@ impl Drive {
         (self.explorer.scene().unwrap_or(&self.start.scene), self.explorer.camera())
     }
 
-    /// Changes what differs from a pose.
+    /// Applies a pose; changes only what differs from it.
     ///
     /// # Errors
     /// When the scene has no triangles left at a time of its animation.
@@ -122,7 +122,7 @@ impl Drive {
         Ok(())
     }
 
-    /// Takes a pose and renders one frame. The time of making a scene ready is part of the first.
+    /// Applies a pose and renders one frame. The first step includes the time to prepare the scene.
     ///
     /// # Errors
     /// As [`Self::pose`], and when rendering fails.

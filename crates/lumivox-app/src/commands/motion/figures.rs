@@ -1,4 +1,4 @@
-//! The figures of moving pictures, from pictures alone.
+//! The figures of moving pictures, computed only from pictures.
 //!
 //! Pictures are linear RGB; `x` is ours and `r` the truth, `d` a difference from one step to the
 //! next.
@@ -6,9 +6,9 @@
 //! | figure | is |
 //! | --- | --- |
 //! | flicker | mean of abs(d x - d r) over pixels and channels, over the mean of r |
-//! | flicker on a screen | the same of display values, 0 to 1, not divided |
+//! | flicker on a screen | the same for display values, 0 to 1, not divided |
 //! | error on a screen | root mean square of x - r in display values |
-//! | latency | share of a change of mean irradiance that is there |
+//! | latency | share of a change of mean irradiance that has arrived |
 //! | trail | least-squares share of the former picture in the present one |
 
 use lumivox_render::compare::{ErrorFigures, LinearPicture};
@@ -24,7 +24,7 @@ pub struct Known<'a> {
     pub variance: &'a [f32],
 }
 
-/// The middle and the worst of values over steps.
+/// The median and the worst of values over steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// The median: of an even number the mean of the middle two.
@@ -33,7 +33,7 @@ pub struct Spread {
     pub worst: f64,
 }
 
-/// Middle, high end and worst of what steps cost.
+/// Median, 95th percentile and worst of the cost of steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CostSpread {
     /// The median: of an even number the mean of the middle two.
@@ -79,8 +79,8 @@ pub struct Flicker {
     pub value: f64,
     /// The measured value, the truth's noise included.
     pub with_noise: f64,
-    /// The flicker that the truth's noise alone would make, `sqrt(2 / pi)` times the deviation of
-    /// its difference, which is 0 if both steps have one truth.
+    /// The flicker that only the truth's noise would make: `sqrt(2 / pi)` times the deviation of
+    /// its difference; 0 if both steps share one truth.
     pub noise: f64,
 }
 
@@ -92,7 +92,7 @@ impl Flicker {
 }
 
 /// The flicker of linear light, as a share of the truth's mean over both steps; `None` if that is
-/// black. `is_same_truth` says that nothing has changed between the steps.
+/// black. `is_same_truth` is `true` if both steps share one truth, whose noise then cancels.
 pub fn flicker(
     ours: [&LinearPicture; 2],
     truth: [Known<'_>; 2],
@@ -109,7 +109,7 @@ pub fn flicker(
     Some(Flicker::new(measured / mean, noise / mean))
 }
 
-/// The flicker of display values, 0 to 1, at an exposure in stops that stays.
+/// The flicker of display values, 0 to 1, at one exposure in stops for both steps.
 pub fn flicker_on_screen(
     ours: [&LinearPicture; 2],
     truth: [Known<'_>; 2],
@@ -134,13 +134,14 @@ pub struct DisplayError {
     pub rmse: f64,
     /// The same with that noise.
     pub rmse_with_noise: f64,
-    /// The mean of ours beyond the truth's, in percent of the truth's; 0 if that is black.
+    /// Our mean minus the truth's, in percent of the truth's; 0 if that is black.
     pub bias_percent: f64,
-    /// The root mean square of the change from the picture of the step before.
+    /// The root mean square of the change from the step before to this one.
     pub change_rmse: f64,
 }
 
-/// The error on a screen at an exposure in stops; of ours there is the picture of the step before, and that of the truth's step.
+/// The error on a screen at an exposure in stops; `ours` has the picture of the step before, and
+/// that of the truth's step.
 pub fn error_on_screen(ours: [&LinearPicture; 2], truth: Known<'_>, stops: f32) -> DisplayError {
     let shown = |picture: &LinearPicture| -> Vec<f64> {
         picture.to_display(stops).flatten().map(f64::from).collect()
@@ -183,8 +184,8 @@ fn noise_of_change(variances: [&[f32]; 2]) -> f64 {
     (2.0 / std::f64::consts::PI).sqrt() * sum / variances[0].len().max(1) as f64
 }
 
-/// The variance of display values: through half the difference between those of a pixel one
-/// deviation brighter and one darker.
+/// The variance of display values: the square of half the difference between a pixel one deviation
+/// brighter and one darker.
 fn variance_on_screen(truth: Known<'_>, stops: f32) -> Vec<f32> {
     let shifted = |sign: f32| {
         let pixels = truth.picture.rgb.iter().zip(truth.variance);
@@ -213,11 +214,11 @@ pub fn share_of_change(before: f64, after: f64, now: f64) -> Option<f64> {
     (change.abs() > f64::EPSILON * before.abs().max(after.abs())).then(|| (now - before) / change)
 }
 
-/// The trail, which is left of the picture before a change: with `s` the difference of the pictures before and
-/// after, once both have stood still, the `t` for which `after + t s` is closest to the present
-/// picture. `None` if both are equal.
+/// The trail: how much of the picture before a change is left. With `s` the difference of the
+/// settled pictures before and after, it is the `t` for which `after + t s` is closest to the
+/// present picture. `None` if both are equal.
 ///
-/// Noise has no mean, so it hardly moves `t`; light that is missing or added elsewhere does not,
+/// Noise has no mean, so it hardly moves `t`; nor does light that is missing or added elsewhere,
 /// unless it is distributed like `s`.
 pub fn trail(now: &LinearPicture, before: &LinearPicture, after: &LinearPicture) -> Option<f64> {
     let (mut along, mut square) = (0.0, 0.0);
@@ -240,7 +241,7 @@ pub struct Pool {
 }
 
 impl Pool {
-    /// Adds the pixels of a step that `mask` has.
+    /// Adds the pixels of a step that are set in `mask`.
     pub fn add(&mut self, mask: &[bool], truth: Known<'_>, ours: &LinearPicture) {
         for pixel in (0..mask.len()).filter(|&pixel| mask[pixel]) {
             self.reference.push(truth.picture.rgb[pixel]);
@@ -296,7 +297,7 @@ mod tests {
         assert_eq!(flicker([&black[0], &black[1]], known, false), None);
     }
 
-    /// A still, exact picture beside a noisy truth flickers by the truth's noise alone.
+    /// A still, exact picture beside a noisy truth has only the flicker of the truth's noise.
     #[test]
     fn the_noise_of_the_truth_is_no_flicker() {
         let (count, deviation) = (20_000_u32, 0.1_f32);
@@ -322,7 +323,7 @@ mod tests {
         let flicker = flicker([&still, &still], known, false).unwrap();
         let expected = (2.0 / std::f64::consts::PI).sqrt() * f64::from(deviation) * 2_f64.sqrt();
         assert!((flicker.noise - expected).abs() < 1e-3 * expected, "{flicker:?}");
-        // The rest is the noise of the noise.
+        // What is left is the error of the noise's estimate.
         assert!(flicker.value < 0.2 * flicker.noise, "{flicker:?}");
         assert!((flicker.with_noise / flicker.noise - 1.0).abs() < 0.02, "{flicker:?}");
         let on_screen = flicker_on_screen([&still, &still], known, false, -2.0);
@@ -341,7 +342,8 @@ mod tests {
         assert!(flicker.value > 0.9, "{flicker:?}");
     }
 
-    /// Black beside white: the root mean square of 0 and 1 is that of a half; what clips has no noise.
+    /// Black instead of white in one of two pixels: the RMSE is the root of a half. Clipped values
+    /// have no noise.
     #[test]
     fn errors_on_a_screen_are_those_of_display_values() {
         let (black, truth) = (picture(&[0.0, 0.0]), picture(&[0.0, 1e6]));
@@ -366,8 +368,8 @@ mod tests {
         assert_eq!(share_of_change(3.0, 3.0, 4.0), None);
     }
 
-    /// An exponential memory of one half leaves half of the old picture, then a quarter; even light
-    /// that is added everywhere is none of it where the pattern has no mean.
+    /// An exponential average leaves half of the old picture, then a quarter; light that is added
+    /// evenly does not count, since the pattern has no mean.
     #[test]
     fn the_trail_is_what_is_left_of_the_old_picture() {
         let before = picture(&[5.0, 1.0, 3.0]);

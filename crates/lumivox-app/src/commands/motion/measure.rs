@@ -21,19 +21,19 @@ use super::truth::{Truth, Truths};
 use crate::progress::ProgressDisplay;
 use crate::quality::check_wish;
 
-/// Frames of a picture that has stood still.
+/// Frames of a still picture.
 pub const STILL_FRAMES: u32 = 32;
-/// Frames after a change at which its light is measured, and at which its trail is.
+/// Frames after a change at which its latency is measured, and its trail.
 const LATENCY_FRAMES: [u32; 5] = [1, 2, 4, 8, 16];
 const TRAIL_FRAMES: [u32; 3] = [1, 5, 20];
 /// Frames after a stop at which errors are measured.
 const STOP_FRAMES: [u32; 5] = [0, 1, 4, 16, 64];
 /// Frames after a change that count as motion in a sequence in which nothing moves.
 const SETTLING: u32 = 16;
-/// The least change of mean irradiance, as a share of the larger mean, whose arrival is measured.
+/// The least change of mean irradiance, as a share of the larger mean, with a latency.
 const LEAST_CHANGE: f64 = 0.1;
-/// Steps whose truth is darker than this share of the brightest one have no relative errors: a
-/// share of nearly nothing says nothing.
+/// Steps whose truth is darker than this share of the brightest one have no relative errors, which
+/// would mean nothing.
 const DARKEST_SHARE: f64 = 0.01;
 /// The largest picture for which the truth is traced at every step, px.
 pub const SMALL_PIXELS: u32 = 128 * 72;
@@ -48,9 +48,9 @@ pub struct Task<'a> {
     pub camera: &'a Camera,
     /// The settings to measure.
     pub settings: &'a RenderSettings,
-    /// Those of the pictures that stand still, for comparison.
+    /// The settings of still pictures, for comparison.
     pub balanced: &'a RenderSettings,
-    /// The number of steps of each phase of motion, if not the sequence's own.
+    /// The number of steps of each phase of motion; `None` for the sequence's own.
     pub moving_steps: Option<u32>,
 }
 
@@ -73,8 +73,8 @@ impl Measured {
     }
 }
 
-/// The exposure of the brightest of truths, in stops: one for all steps, as a camera that does not
-/// adapt has it.
+/// The exposure of the brightest truth, in stops: one for all steps, as in a camera that does not
+/// adapt. `None` if none has light.
 fn stops(truths: &[Option<Rc<Truth>>]) -> Option<f32> {
     let lit = truths.iter().flatten().filter(|truth| mean(truth.picture().picture) > 0.0);
     lit.map(|truth| truth.picture().picture.exposure_stops()).min_by(f32::total_cmp)
@@ -84,7 +84,7 @@ impl Task<'_> {
     /// Traces, renders and compares.
     ///
     /// # Errors
-    /// When the scene lacks what moves, something cannot be rendered, or the user stops the work.
+    /// When the scene has nothing to move, rendering fails, or the user stops the work.
     pub fn measure(&self, truths: &mut Truths<'_>) -> anyhow::Result<Measured> {
         let phases = self.sequence.phases(self.moving_steps);
         let steps = steps(&phases);
@@ -169,7 +169,8 @@ impl Task<'_> {
         Ok(traced)
     }
 
-    /// For each step the pixels that were hidden or off screen in the step before.
+    /// For each step the pixels that were hidden or off screen in the step before; `None` if the
+    /// pose is the same, and for the first step.
     fn masks(&self, poses: &[Pose]) -> anyhow::Result<Vec<Option<Vec<bool>>>> {
         let mut plan = self.drive(self.settings)?;
         let mut before: Option<(&Pose, Seen)> = None;
@@ -204,7 +205,7 @@ impl Task<'_> {
         STOP_FRAMES.iter().filter_map(at).collect()
     }
 
-    /// The poses before and after each change, and the number of the first step after it.
+    /// Each change, with the indices of the last step before it and the first step after it.
     fn changes(&self, taken: &Taken<'_>) -> Vec<(Change, [usize; 2])> {
         let change = |change: &super::sequences::Change| {
             let before = last_of(taken.phases, change.before);
@@ -256,8 +257,8 @@ impl Task<'_> {
     }
 }
 
-/// Whether each step differs from the one before; in a sequence without phases of motion, whether it
-/// is one of the first 16 after a change.
+/// Whether each step differs from the one before; in a sequence without phases of motion, whether
+/// it is one of the first 16 after a change.
 fn is_moving(sequence: &Sequence, phases: &[Phase], poses: &[Pose]) -> Vec<bool> {
     if phases.iter().any(|phase| phase.kind == Kind::Moves) {
         let moved = |step: usize| step > 0 && poses[step] != poses[step - 1];
@@ -272,7 +273,7 @@ fn is_moving(sequence: &Sequence, phases: &[Phase], poses: &[Pose]) -> Vec<bool>
     (0..poses.len() as u32).map(settles).collect()
 }
 
-/// Pictures of poses that have stood still.
+/// Still pictures of poses, each rendered once.
 struct Stills<'a> {
     task: &'a Task<'a>,
     settings: &'a RenderSettings,
@@ -320,13 +321,13 @@ impl Taken<'_> {
         self.truths.iter().flatten().map(brightness).fold(0.0, f64::max)
     }
 
-    /// Whether the truth of a step is known, and bright enough to be divided by.
+    /// Whether the truth of a step is known and bright enough to divide by.
     fn is_bright(&self, step: usize) -> bool {
         let least = DARKEST_SHARE * self.brightest();
         self.truths[step].as_ref().is_some_and(|truth| brightness(truth) > least)
     }
 
-    /// Light where there is nearly none, in percent of the brightest truth.
+    /// Excess light in steps that are nearly black, in percent of the brightest truth.
     fn leak(&self) -> Option<Spread> {
         let brightest = self.brightest();
         let leak = |(truth, shown): (&Option<Rc<Truth>>, &Shown)| {

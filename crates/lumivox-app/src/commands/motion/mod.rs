@@ -1,22 +1,22 @@
 //! `lumivox motion`: errors, flicker, delay and cost while something moves.
 //!
 //! A sequence of steps is rendered with one frame each, exactly as a viewer would see it, and
-//! compared with what the path tracer answers for the pose of the same step.
+//! compared with the path tracer's picture of the same pose.
 //!
 //! | file | is |
 //! | --- | --- |
 //! | `sequences.rs` | the table of sequences |
-//! | `moves.rs` | the pose of each at a step |
+//! | `moves.rs` | the pose of each sequence at a step |
 //! | `drive.rs` | a scene driven step by step, as the window does it |
-//! | `walk.rs` | the scene of the figure that walks |
-//! | `truth.rs` | the path tracer's answers |
+//! | `walk.rs` | the scene of the walking figure |
+//! | `truth.rs` | the path tracer's pictures |
 //! | `seen.rs` | what becomes visible in a step |
 //! | `figures.rs` | the formulas |
 //! | `measure.rs` | one sequence from its poses to its figures |
 //! | `report.rs` | the figures, as JSON and for people |
 //! | `pictures.rs` | strips, animations and charts |
 //! | `page.rs` | docs/motion.md |
-//! | `published.rs` | its table of others' figures |
+//! | `published.rs` | the page's table of figures of other renderers |
 
 mod drive;
 mod figures;
@@ -60,9 +60,9 @@ use truth::Truths;
 const PAGE: &str = "motion.md";
 /// The presets on the page.
 const PRESETS: [Preset; 2] = [Preset::Fast, Preset::Realtime];
-/// The sequences on the page, if no others are asked for: a camera, light, a thing, and a door move.
+/// The sequences on the page if none are named: a camera, light, an object and a door move.
 const ON_PAGE: [&str; 6] = ["orbit", "lamp", "switch", "block", "door", "sun"];
-/// The preset of its pictures.
+/// The preset of the page's pictures.
 const SHOWN: Preset = Preset::Realtime;
 /// The rows of strips on the page.
 const ROWS_ON_PAGE: usize = 2;
@@ -70,7 +70,7 @@ const ROWS_ON_PAGE: usize = 2;
 /// Measures the sequences, and reports.
 ///
 /// # Errors
-/// When a name is unknown, a scene cannot be read or lacks what moves, something cannot be
+/// When a name is unknown, a scene cannot be read or has nothing to move, something cannot be
 /// rendered, or a file cannot be written.
 pub fn run(args: &MotionArgs, host: &Host) -> anyhow::Result<()> {
     let named = named(&args.sequence)?;
@@ -141,7 +141,8 @@ fn check(args: &MotionArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Measures what is missing of sequences with the presets of the page, and writes it with its pictures.
+/// Measures the sequences that are not cached, with the presets of the page, and writes the page
+/// and its pictures.
 fn write_page(
     work: &mut Work<'_>,
     sequences: &[&'static Sequence],
@@ -190,7 +191,7 @@ fn named(names: &[String]) -> Result<Vec<&'static Sequence>, Failure> {
     names.iter().map(one).collect()
 }
 
-/// What all measurements share.
+/// The data that all measurements share.
 struct Work<'a> {
     args: &'a MotionArgs,
     gpu: &'a Gpu,
@@ -229,7 +230,7 @@ impl Work<'_> {
         Ok(all().filter(home).collect())
     }
 
-    /// Loads a scene, and finds its camera; once.
+    /// Loads a scene and finds its camera, once.
     fn stage(&mut self, source: &SceneSource) -> anyhow::Result<(Scene, Camera)> {
         let name = source.to_string();
         if let Some(staged) = self.staged.get(&name) {
@@ -269,7 +270,8 @@ impl Work<'_> {
         self.stage(&source)
     }
 
-    /// The settings of a preset with those of the command line.
+    /// The settings of a preset with those of the command line, and the settings of still pictures:
+    /// the default preset without the options of cones.
     fn settings(&self, preset: PresetChoice) -> anyhow::Result<[RenderSettings; 2]> {
         let MotionArgs { voxels, light, cones, size, .. } = self.args;
         let still = [voxels.given(), light.settings.given()].concat();
@@ -320,7 +322,7 @@ struct Report {
     /// Frames of the still pictures that those in motion are compared with.
     still_frames: u32,
     sequences: Vec<SequenceReport>,
-    /// Wall-clock time of everything.
+    /// Wall-clock time of everything, s.
     seconds: f64,
     adapter: AdapterReport,
 }

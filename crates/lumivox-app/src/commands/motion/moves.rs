@@ -1,4 +1,4 @@
-//! How the sequences move: what each needs of its scene, and its pose at a step.
+//! The motion of the sequences: what each needs in its scene, and its pose at a step.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -105,7 +105,7 @@ const WALL_HALF_M: f32 = 0.0025;
 /// The axis of its hinges, along y.
 const HINGE: Vec3 = Vec3::new(-WALL_HALF_M, 0.0, 0.13);
 
-/// Hangs a door of 4 cm before the doorway, on the lit side, 2 cm larger than it on each side.
+/// Adds a 4 cm thick door before the doorway, on the lit side, 2 cm larger on each side.
 pub(super) fn add_door(scene: &mut Scene) -> Result<(), Failure> {
     let missing = || Failure::input("the built-in scene has no wall to hang a door on".to_owned());
     let wall = scene.instances.iter().find(|instance| instance.name == "dividing wall");
@@ -124,7 +124,7 @@ pub(super) fn add_door(scene: &mut Scene) -> Result<(), Failure> {
 
 pub(super) fn door(start: &Start, step: &Step) -> Pose {
     let open = 1.0 - progress(step, 1) + progress(step, 3);
-    // Into the lit room.
+    // The door opens into the lit room.
     let place = Mat4::from_translation(HINGE) * Mat4::from_rotation_y(-FRAC_PI_2 * open);
     Pose { places: vec![(DOOR, place)], ..Pose::of(start) }
 }
@@ -154,7 +154,7 @@ fn cuboid(min: Vec3, max: Vec3) -> Mesh {
         [(Vec3::X, Vec3::Y, Vec3::Z), (Vec3::Y, Vec3::Z, Vec3::X), (Vec3::Z, Vec3::X, Vec3::Y)]
     {
         for normal in [axis, -axis] {
-            // u x v is the axis, so that corners are counter-clockwise seen from outside.
+            // u x v is the normal, so that corners are counter-clockwise seen from outside.
             let u = if normal == axis { u } else { -u };
             let first = mesh.positions.len() as u32;
             for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {

@@ -13,7 +13,7 @@ use super::measure::Measured;
 use super::report::SequenceReport;
 use crate::quality::{Point, Row, StepPanel, error_against_cost, error_by_step, film, strip};
 
-/// The most frames of an animation.
+/// The most frames of an animation; the last step may add one.
 const MOST_FRAMES: usize = 24;
 /// The time for which an animation shows a frame, ms.
 const DELAY_MS: u16 = 125;
@@ -25,8 +25,7 @@ pub const BY_STEP: &str = "error-by-step.svg";
 pub const AGAINST_COST: &str = "error-against-cost.svg";
 
 /// Writes the strip and the animation of a sequence into a folder: NAME-strip.png and NAME.png. The
-/// strip shows the last of the `most` marked steps at which something has just moved, all if there
-/// are fewer.
+/// strip shows the last `most` of the marked steps in which something moves.
 ///
 /// # Errors
 /// When a file cannot be written.
@@ -137,9 +136,9 @@ fn strip_of(measured: &Measured, most: usize) -> anyhow::Result<Option<RgbImage>
     Ok(Some(strip))
 }
 
-/// Frames of ours on the left and the truth on the right, spread over all steps; the first and the
-/// last are there. All have the exposure of the brightest truth. Where the truth of a step was not
-/// traced, that of the last one before stays.
+/// Frames with ours on the left and the truth on the right, spread over all steps, with the first
+/// and the last. All have the exposure of the brightest truth. A step without a truth shows the
+/// last truth before it.
 fn frames(measured: &Measured) -> Vec<RgbImage> {
     let Some(stops) = measured.stops() else { return Vec::new() };
     let count = measured.shown.len();

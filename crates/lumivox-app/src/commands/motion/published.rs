@@ -1,4 +1,4 @@
-//! Our figures beside those that others have published of global illumination in motion.
+//! Our figures beside published ones of other renderers, for global illumination in motion.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,8 @@ use super::page::Case;
 use super::report::AtStop;
 use crate::cli::MotionArgs;
 
-/// A row of the table of others: the benchmark three-ss-fidelity by B. Houston, 2026, docs/CONVERGENCE.md, "First results".
+/// Published figures of a renderer, from the benchmark three-ss-fidelity by B. Houston, 2026,
+/// docs/CONVERGENCE.md, "First results".
 struct Published {
     renderer: &'static str,
     scenes: &'static str,

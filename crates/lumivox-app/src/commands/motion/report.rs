@@ -22,7 +22,7 @@ pub struct SequenceReport {
     pub steps: u32,
     /// The number of steps with a truth.
     pub truths: u32,
-    /// Errors while something moves; where nothing does, in the first 16 frames after a change.
+    /// Errors while something moves; without motion, in the first 16 frames after a change.
     pub in_motion: InMotion,
     /// Errors when the camera stops and some frames after; empty for sequences without a stop.
     pub at_stop: Vec<AtStop>,
@@ -34,8 +34,8 @@ pub struct SequenceReport {
     pub trail: Vec<Trail>,
     /// `None` if nothing becomes visible.
     pub disoccluded: Option<Disoccluded>,
-    /// The mean irradiance of ours beyond the truth's, in percent of the brightest truth's, in steps
-    /// whose truth is nearly black: light that leaks or stays. `None` without such steps.
+    /// Our mean irradiance minus the truth's, in percent of the brightest truth's, in steps whose
+    /// truth is nearly black: light that leaks or is left over. `None` without such steps.
     pub leak_percent: Option<Spread>,
     /// `None` if nothing moves.
     pub cost: Option<CostFigures>,
@@ -53,12 +53,12 @@ pub struct StepFigures {
     pub phase: String,
     /// Whether it counts as motion.
     pub is_moving: bool,
-    /// Errors of the irradiance by all light but that straight from lamps; `None` without a truth,
+    /// Errors of the irradiance by all light except direct light of lamps; `None` without a truth,
     /// or if that is nearly black.
     pub full: Option<ErrorFigures>,
     /// Errors of the picture.
     pub picture: Option<ErrorFigures>,
-    /// Errors of the same pose that has stood still; at marked steps alone.
+    /// Errors of a still picture of the same pose; only at marked steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub still_full: Option<ErrorFigures>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -70,7 +70,7 @@ pub struct StepFigures {
 pub struct InMotion {
     /// The number of steps with figures.
     pub steps: u32,
-    /// Irradiance by all light but that straight from lamps.
+    /// Irradiance by all light except direct light of lamps.
     pub full: Option<ErrorSpread>,
     /// The picture.
     pub picture: Option<ErrorSpread>,
@@ -84,7 +84,7 @@ pub struct ErrorSpread {
     pub p95_percent: Spread,
     pub flip: Option<Spread>,
     pub noise_percent: Option<Spread>,
-    /// The RMSE over that of the same pose which has stood still for 32 frames of `balanced`.
+    /// The RMSE over that of the same pose after 32 still frames of `balanced`.
     pub rmse_of_still: Option<Spread>,
     /// The RMSE of these still pictures.
     pub still_rmse_percent: Option<Spread>,
@@ -106,13 +106,13 @@ pub struct AtStop {
 pub struct FlickerFigures {
     /// The number of pairs of steps.
     pub pairs: u32,
-    /// Of irradiance, in percent of the truth's mean.
+    /// Flicker of irradiance, in percent of the truth's mean.
     pub full_percent: Option<Spread>,
-    /// Of the picture, in percent of the truth's mean.
+    /// Flicker of the picture, in percent of the truth's mean.
     pub picture_percent: Option<Spread>,
-    /// Of the picture on a screen, 0 to 1.
+    /// Flicker of the picture on a screen, 0 to 1.
     pub display: Option<Spread>,
-    /// The same with the truth's own noise, and that noise alone: medians.
+    /// Medians with the truth's own noise included, and of only that noise.
     pub with_noise: NoiseFigures,
     pub noise: NoiseFigures,
 }
@@ -139,7 +139,7 @@ pub struct Latency {
     #[serde(flatten)]
     pub change: Change,
     pub there: Vec<Share>,
-    /// The whole change of ours, between pictures that have stood still, in percent of the truth's.
+    /// Our whole change, between still pictures, in percent of the truth's.
     pub whole_of_truth_percent: Option<f64>,
 }
 
@@ -147,7 +147,7 @@ pub struct Latency {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Share {
     pub frames: u32,
-    /// Of the change of mean irradiance, direct light apart.
+    /// Percent of the change of mean irradiance, without direct light.
     pub percent: f64,
 }
 
@@ -159,30 +159,30 @@ pub struct Trail {
     pub left: Vec<Left>,
 }
 
-/// What is left after a number of frames.
+/// The trail after a number of frames.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Left {
     pub frames: u32,
-    /// Of the former irradiance, direct light apart.
+    /// Percent of the former irradiance, without direct light.
     pub percent: f64,
 }
 
 /// Errors of pixels in the first step in which their surface is visible.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Disoccluded {
-    /// Their number over all steps, ...
+    /// Number of these pixels over all steps.
     pub pixels: u64,
-    /// ... and their share of all pixels of these steps.
+    /// Their share of all pixels of these steps.
     pub percent_of_pixels: f64,
     pub steps: u32,
     pub full: Option<ErrorFigures>,
     pub picture: Option<ErrorFigures>,
-    /// The RMSE over the median RMSE of whole pictures that have stood still.
+    /// The RMSE over the median RMSE of whole still pictures.
     pub full_of_still: Option<f64>,
     pub picture_of_still: Option<f64>,
 }
 
-/// What the steps of motion cost.
+/// The cost of the steps of motion.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct CostFigures {
     /// The number of steps.
@@ -257,7 +257,7 @@ impl FlickerFigures {
 }
 
 impl StepCost {
-    /// What the steps of motion cost.
+    /// The cost of the steps of motion; `None` if there are none.
     pub fn report(steps: &[Self], is_moving: &[bool]) -> Option<CostFigures> {
         let moving: Vec<&Self> =
             steps.iter().zip(is_moving).filter_map(|(step, moves)| moves.then_some(step)).collect();

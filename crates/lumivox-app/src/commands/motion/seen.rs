@@ -3,8 +3,8 @@
 use glam::{UVec2, Vec2, Vec3};
 use lumivox_scene::{Camera, Pick, Picker, Scene};
 
-/// A point counts as hidden if the first surface on its way is nearer than it is, by more than this
-/// share: rays end on the plane of the very same triangle, so only rounding separates the two.
+/// A point counts as hidden if the first surface along its ray is nearer by more than this share:
+/// rays end on the plane of the very same triangle, so only rounding separates the two.
 const SAME_DISTANCE: f32 = 1e-3;
 
 /// The view of one step.
@@ -32,8 +32,8 @@ impl Seen {
         Self { scene: scene.clone(), camera: camera.clone(), picker, picks, size }
     }
 
-    /// The pixels whose surface was hidden or off screen in `before`; where nothing is seen, there
-    /// is nothing that could have been.
+    /// The pixels whose surface was hidden or off screen in `before`; `false` for pixels without a
+    /// surface.
     pub fn disoccluded_since(&self, before: &Self) -> Vec<bool> {
         let is_same_camera = self.camera == before.camera;
         let is_new = |(pixel, pick): (usize, &Option<Pick>)| {
@@ -41,7 +41,7 @@ impl Seen {
             let Some(position) = self.position_in(&before.scene, pick) else { return true };
             let stays = position.distance(pick.position) <= SAME_DISTANCE * pick.distance_m;
             if is_same_camera && stays {
-                // Seen by the very same ray, also along edges.
+                // Same ray in both steps: compare its surfaces, also along edges.
                 let was = before.picks[pixel];
                 return was.is_none_or(|was| was.instance != pick.instance);
             }
@@ -50,8 +50,8 @@ impl Seen {
         self.picks.iter().enumerate().map(is_new).collect()
     }
 
-    /// The place of a picked point of a surface in another pose of the scene; `None` if that has no
-    /// such triangle.
+    /// The position of a picked point in another pose of the scene; `None` if its triangle does not
+    /// exist there.
     fn position_in(&self, other: &Scene, pick: Pick) -> Option<Vec3> {
         let corners = |scene: &Scene| {
             let instance = scene.instances.get(pick.instance)?;
@@ -69,7 +69,7 @@ impl Seen {
         Some(a + weight_b * (b - a) + weight_c * (c - a))
     }
 
-    /// Whether a point of a surface is on screen and in front.
+    /// Whether a point of a surface is on screen and not hidden.
     fn shows(&self, position: Vec3) -> bool {
         let local = self.camera.camera_from_world().transform_point3(position);
         if local.z >= -self.camera.near_m {
@@ -80,7 +80,7 @@ impl Seen {
         let place = local.truncate() / (-local.z * half_height * Vec2::new(aspect, 1.0));
         let eye = self.camera.position;
         let distance = eye.distance(position);
-        // A ray to an edge may slip through between two triangles, which hides nothing.
+        // A ray to an edge may miss both of its triangles; the point is then not hidden.
         let first = self.picker.pick(eye, position - eye);
         let is_hidden =
             first.is_some_and(|first| first.distance_m < (1.0 - SAME_DISTANCE) * distance);
@@ -107,7 +107,7 @@ mod tests {
 
     use super::*;
 
-    /// A wall at z = 0 that fills the view from z = 1, and a square of half its width at z = 0.2.
+    /// A wall at z = 0 that fills the view from z = 1, and a square 0.5 m wide at z = 0.5.
     fn scene(square_x: f32) -> Scene {
         let quad = |half: f32| Mesh {
             positions: vec![
@@ -147,9 +147,9 @@ mod tests {
         (0..SIZE.x).filter(|x| mask[(row * SIZE.x + x) as usize]).collect()
     }
 
-    /// The square, at half the distance, covers columns 4 to 11; moved by a quarter of the wall's
-    /// width at its distance it covers four columns further, and uncovers four of the wall. On the
-    /// square itself nothing is new: its points have moved with it.
+    /// The square, at half the distance, covers columns 4 to 11. Moved by a quarter of the view's
+    /// width there, it covers four more columns, and uncovers four of the wall. On the square
+    /// itself nothing is new: its points have moved with it.
     #[test]
     fn what_a_moving_thing_uncovers_is_new() {
         let camera = camera(0.0);

@@ -1,7 +1,7 @@
 //! The sequences: what moves, in which scene, at which step.
 //!
 //! A sequence is data: phases in which something moves or nothing does, and the pose at any moment
-//! of a phase. All poses follow from the number of the step alone.
+//! of a phase. A pose depends only on the scene at the start and the step.
 
 use glam::Mat4;
 use lumivox_console::Failure;
@@ -21,7 +21,7 @@ pub enum Home {
     Any(&'static str),
     /// Files with animations.
     Animated,
-    /// The scene of the figure that walks, which is made for the sequence.
+    /// The scene of the walking figure, which is made for the sequence.
     Figure,
 }
 
@@ -30,7 +30,7 @@ pub enum Home {
 pub enum Kind {
     /// Something moves in every step; the last step shows the end of the motion.
     Moves,
-    /// Nothing moves; its pose may differ from the end of the phase before, at once.
+    /// Nothing moves; the first step may jump from the end of the phase before.
     Holds,
 }
 
@@ -42,8 +42,8 @@ pub struct Phase {
     pub steps: u32,
 }
 
-/// A change whose delay is measured: from the last step of one phase to what the first step of
-/// another shows when it has stood still.
+/// A change whose delay is measured: from the last step of one phase to the still picture of the
+/// first step of another.
 #[derive(Clone, Copy, Debug)]
 pub struct Change {
     pub name: &'static str,
@@ -265,7 +265,7 @@ impl Sequence {
     /// Makes a scene ready for the sequence.
     ///
     /// # Errors
-    /// A [`Failure`] of input when the scene lacks what moves.
+    /// A [`Failure`] of input when the scene has nothing that it moves.
     pub fn prepare(&self, scene: &mut Scene) -> Result<(), Failure> {
         if let Home::Only(name) = self.home
             && scene.name != name
@@ -315,8 +315,8 @@ pub fn last_of(phases: &[Phase], phase: usize) -> u32 {
     first_of(phases, phase) + phases[phase].steps - 1
 }
 
-/// The steps that are shown, and measured where not all are: of motion the middle and the end, of
-/// holds the first step and the last.
+/// The steps that are shown, and that are measured if not all are: the middle and the end of a
+/// motion, the first and the last step of a hold.
 pub fn marked(phases: &[Phase]) -> Vec<u32> {
     let mut marked = Vec::new();
     for (index, phase) in phases.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The path tracer's answers for the poses of a sequence, kept in a folder.
+//! Path-traced pictures of the poses of a sequence, cached in a folder.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -40,7 +40,7 @@ impl Truth {
         Known { picture: &self.picture, variance: &self.picture_variance }
     }
 
-    /// Irradiance by all light but that straight from lamps.
+    /// Irradiance by all light except direct light of lamps.
     pub fn full(&self) -> Known<'_> {
         Known { picture: &self.full, variance: &self.full_variance }
     }
@@ -58,12 +58,12 @@ pub struct Truths<'a> {
 
 impl<'a> Truths<'a> {
     /// Traces pictures of a size with a number of samples a pixel, at least 17, so that their noise
-    /// is known. With a folder, they are read from there, or else traced and written there.
+    /// is known. With a folder, existing files are read, and missing ones traced and written.
     pub fn new(gpu: &'a Gpu, size: UVec2, samples: u32, folder: Option<&'a Path>) -> Self {
         Self { gpu, size, samples, folder, known: Vec::new() }
     }
 
-    /// The truth of a pose, which the scene and the camera show now.
+    /// The truth of a pose; scene and camera must be in this pose.
     ///
     /// Each pose has a seed of its own, so that the noises of two steps are independent.
     ///
@@ -107,7 +107,7 @@ impl<'a> Truths<'a> {
     }
 }
 
-/// The file of a truth: the fingerprint is that of scene, camera and size.
+/// The file of a truth; the fingerprint identifies scene, camera and size.
 fn file_name(fingerprint: u64, samples: u32, seed: u32) -> PathBuf {
     format!("{fingerprint:016x}-{samples}-{seed}.exr").into()
 }

@@ -1,7 +1,7 @@
-//! The scene of the sequence `walk`: a skinned figure that walks through an open room with one lamp.
+//! The scene of the sequence `walk`: a skinned figure walks through an open room with one lamp.
 //!
-//! It is made as a glTF file in memory and loaded like any other, so that it moves by the path that
-//! all files take. The figure is one mesh of tubes, whose vertices follow two joints each.
+//! It is made as a glTF file in memory and loaded like any other, so that it takes the code path of
+//! files. The figure is one mesh of tubes, whose vertices have two joints each.
 
 use std::collections::HashMap;
 use std::f32::consts::{PI, TAU};
@@ -10,7 +10,7 @@ use glam::{Mat4, Quat, Vec3};
 use lumivox_scene::{LoadOptions, Scene, SceneError};
 use serde_json::{Value, json};
 
-/// The name of the file that does not exist.
+/// The name of the file, which exists only in memory.
 const FILE: &str = "walk.gltf";
 /// Key frames of the animation, the first at 0 s and the last at 1 s.
 const KEYS: usize = 17;
@@ -37,7 +37,7 @@ struct Tube {
     height_m: f32,
     /// Along x and z.
     radii_m: [f32; 2],
-    /// The joints that it follows below and above the bend.
+    /// The joints that move it below and above the bend.
     joints: [usize; 2],
     /// The height at which it bends.
     bend_m: f32,
@@ -68,7 +68,7 @@ const BEND_M: f32 = 0.06;
 /// Makes the scene.
 ///
 /// # Errors
-/// Those of the loader, which has no reason for one.
+/// Those of the loader; none is expected.
 pub fn scene() -> Result<Scene, SceneError> {
     let mut gltf = Gltf::default();
     let document = gltf.document();
@@ -257,7 +257,7 @@ impl Surface {
         self.indices.extend([0, 1, 2, 0, 2, 3].map(|corner| first + corner));
     }
 
-    /// Adds a vertex that follows two joints.
+    /// Adds a vertex that two joints move.
     fn vertex(&mut self, position: Vec3, normal: Vec3, joints: [usize; 2], share: f32) {
         self.positions.push(position);
         self.normals.push(normal);
@@ -268,7 +268,7 @@ impl Surface {
         let share = if is_one { 0.0 } else { share };
         self.weights.push([1.0 - share, share, 0.0, 0.0]);
         if self.weights.last().is_some_and(|weights| weights[1] == 0.0) {
-            // A joint without weight is joint 0.
+            // A joint with a weight of 0 must be joint 0.
             if let Some(joints) = self.joints.last_mut() {
                 joints[1] = 0;
             }

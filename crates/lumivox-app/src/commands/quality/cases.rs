@@ -11,7 +11,7 @@ use crate::cli::QualityArgs;
 /// The rotation of a scene against the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Rotation {
-    /// Degrees about x, y and z, as `--rotate` has them.
+    /// Degrees about x, y and z, as in `--rotate`.
     pub degrees: [i32; 3],
 }
 
@@ -36,21 +36,21 @@ pub struct Case {
 }
 
 impl Case {
-    /// The key of the measurement, different for all.
+    /// The unique key of the measurement.
     pub fn key(&self) -> String {
         let [x, y, z] = self.rotation.degrees;
         format!("{} {x},{y},{z} {} {}", self.scene, self.preset.name(), self.resolution)
     }
 
-    /// The number of grid positions that its figures are averaged over: several for measurements
-    /// with goals along the grid.
+    /// The number of grid positions that its figures are averaged over: several for unrotated
+    /// scenes at the middle resolution, else one.
     pub fn offsets(&self, args: &QualityArgs) -> u32 {
         let is_middle =
             self.rotation == Rotation::NONE && self.resolution == middle(&args.resolutions);
         if is_middle { args.offsets } else { 1 }
     }
 
-    /// The file of its strip, if it has one: only the best preset at the middle resolution has.
+    /// The file of its strip: only for unrotated scenes with preset high at the middle resolution.
     pub fn picture(&self, resolutions: &[u32]) -> Option<String> {
         let is_shown = self.rotation == Rotation::NONE
             && self.preset == PresetChoice::Cones(Preset::High)
@@ -83,8 +83,8 @@ pub fn middle(resolutions: &[u32]) -> u32 {
 const SWEPT: [&str; 2] = ["cornell", "atrium"];
 
 /// All measurements, scene by scene. Scenes that were `asked` for by name are measured with all
-/// presets at all resolutions. Without names the scenes in [`SWEPT`] are, and the others only at the
-/// middle resolution with the presets that have goals.
+/// presets at all resolutions. Without names the scenes in [`SWEPT`] are, and the others only at
+/// the middle resolution with the presets that have goals.
 pub fn cases(
     scenes: &[String],
     asked: bool,

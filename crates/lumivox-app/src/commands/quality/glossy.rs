@@ -16,9 +16,9 @@ use crate::quality::check_wish;
 
 /// The scene with spheres of different roughness.
 pub const SCENE: &str = "spheres";
-/// The factor by which the pictures are larger than those of other measurements, ...
+/// The factor by which the pictures' edges are longer than those of other measurements.
 const ENLARGED: u32 = 2;
-/// ... and by which their references have fewer samples.
+/// The factor by which their references have fewer samples.
 const FEWER: u32 = 8;
 /// The preset without goals for the spheres.
 const FAST: PresetChoice = PresetChoice::Cones(Preset::Fast);
@@ -136,7 +136,7 @@ fn trace(
     Ok(layers)
 }
 
-/// The position that the middle of a pixel shows at a distance.
+/// The position at a distance on the ray through the middle of a pixel.
 fn position(camera: &Camera, size: UVec2, pixel: usize, distance_m: f32) -> Vec3 {
     let (x, y) = (pixel as u32 % size.x, pixel as u32 / size.x);
     let place = (glam::Vec2::new(x as f32, y as f32) + 0.5) / size.as_vec2() * 2.0 - 1.0;

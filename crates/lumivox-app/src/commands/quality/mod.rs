@@ -118,7 +118,7 @@ fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, Into::into)
 }
 
-/// The names of the scenes without rotation; their rotated variants follow from them.
+/// The names of the scenes to measure, without the rotated variants, which are made from them.
 fn scene_names(asked: &[String]) -> anyhow::Result<Vec<String>> {
     let known: Vec<&str> = builtin::names()
         .iter()
@@ -163,7 +163,7 @@ impl QualityRun<'_> {
         let scene = turned(&case.scene, case.rotation)?;
         let subject = |scene| self.subject(scene);
         if !truths.contains_key(&case.scene) {
-            // Scene by scene, so that only one reference is kept.
+            // Cases are sorted by scene, so only one reference is needed at a time.
             truths.clear();
             let settings = ReferenceSettings {
                 size: self.args.size,

@@ -1,4 +1,4 @@
-//! Rooms at random: the page begins with how their errors are distributed.
+//! Rooms at random: the page begins with the distribution of their errors.
 
 use std::fmt::Write as _;
 
@@ -17,11 +17,11 @@ use crate::quality::check_wish;
 
 /// The sets of rooms: a value of `lumivox rooms --kinds`, and the kinds.
 const SETS: [(&str, &[Kind]); 2] = [("plain", &[Kind::Plain]), ("all", &Kind::ALL)];
-/// Rooms of each set, if nobody says how many. A room takes about 20 s of CPU time without a GPU, most
-/// of it at 128 voxels, so both sets take 7 minutes on two cores.
+/// Default number of rooms in each set. A room takes about 20 s of CPU time without a GPU, most of
+/// it at 128 voxels, so both sets take 7 minutes on two cores.
 const COUNT: u32 = 20;
 const RESOLUTIONS: [u32; 2] = [64, 128];
-/// The samples of a sensor by paths.
+/// The path tracer's samples of a sensor.
 const SAMPLES: u32 = 2048;
 /// The size of a picture.
 const SIZE: UVec2 = UVec2::new(48, 36);
@@ -35,8 +35,8 @@ pub struct Rooms {
     sets: [Vec<RoomFigures>; 2],
 }
 
-/// Measures the rooms of both sets, from a seed that no page had before; those of the cache are
-/// read. `None` if there are none.
+/// Measures the rooms of both sets, or reads them from the cache, whose seed then replaces a fresh
+/// one. `None` if there are no rooms.
 ///
 /// # Errors
 /// When rendering fails, the cache cannot be used, or the user stops it.

@@ -34,7 +34,7 @@ impl Clock {
         (self.lap - lap).as_secs_f64()
     }
 
-    /// The times; the last lap is that of writing.
+    /// Stops the clock; the last lap counts as writing.
     pub fn stop(&mut self) -> Seconds {
         self.seconds.writing = self.lap();
         self.seconds.total = self.start.elapsed().as_secs_f64();

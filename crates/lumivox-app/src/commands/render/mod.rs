@@ -44,8 +44,8 @@ struct RenderJob<'a> {
 }
 
 impl RenderJob<'_> {
-    /// Whether pictures may have fewer frames than the settings say: nobody has asked for a number, and they show light that each frame
-    /// gathers anew.
+    /// `true` if pictures may have fewer frames than the settings say: `--frames` is not given, and
+    /// each frame gathers its light again.
     fn may_stop(&self) -> bool {
         let settings = &self.settings;
         let is_given = self.args.given().iter().any(|(parameter, _)| parameter.name == "frames");
@@ -66,7 +66,7 @@ impl RenderJob<'_> {
 pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> {
     let is_asked = asks_for_sequence(args);
     let is_meant = FrameFiles::is_meant(&args.output, is_asked);
-    // A name with # is one picture's if nothing moves, which only the scene can tell.
+    // A name with # means one picture if nothing moves, which is known once the scene is loaded.
     let may_be_one = !is_asked && FrameFiles::is_pattern(&args.output);
     if (is_meant || is_asked) && !may_be_one {
         FrameFiles::new(&args.output)?.check()?;

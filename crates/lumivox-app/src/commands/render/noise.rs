@@ -1,20 +1,21 @@
-//! The noise of a mean of frames, by which a picture knows when it needs no more of them.
+//! The noise of a mean of frames, which decides when a picture needs no more of them.
 
 use std::ops::ControlFlow;
 
 use glam::UVec2;
 use lumivox_render::{Picture, RenderProgress, Renderer};
 
-/// Noise at which no more frames are needed: the relative error that 95 % of the blocks of a picture stay below.
+/// Noise at which no more frames are needed: the relative error that 95 % of the blocks of a
+/// picture stay below.
 const ENOUGH: f32 = 0.04;
-/// The edge of a block, pixels: noise is seen over some pixels together.
+/// The edge of a block, pixels: viewers see noise over several pixels together.
 const BLOCK: usize = 8;
-/// The share of the median block's luminance below which errors count by that, not by the block's own luminance: nobody sees noise in
-/// the dark.
+/// Blocks darker than this share of the median block's luminance count as that bright: noise in the
+/// dark is invisible.
 const DARK: f32 = 0.1;
 
-/// Renders the frames of the settings, or fewer if it may stop at little noise, which is then returned with the picture. `None` if
-/// `tell` breaks between two frames.
+/// Renders the frames of the settings, or fewer if `may_stop` and the noise is low; the noise is
+/// returned only in that case. `None` if `tell` breaks between two frames.
 ///
 /// # Errors
 /// When the device fails.
@@ -44,16 +45,17 @@ pub fn render(
     Ok(pollster::block_on(renderer.render_until(tell))?.map(|picture| (picture, None)))
 }
 
-/// Measures noise by how far a mean of frames is from the mean of the first half of them: the variance of that difference is the
-/// variance of the mean itself.
+/// Measures noise by the difference between a mean of frames and the mean of the first half of
+/// them: the variance of that difference is the variance of the mean itself.
 #[derive(Debug, Default)]
 struct NoiseMeter {
-    /// The mean after 2, 4, 8, ... frames, of which each but the first is compared with the one before.
+    /// The luminance of the last mean, after 2, 4, 8, ... frames, to compare the next one with.
     half: Option<Vec<f32>>,
 }
 
 impl NoiseMeter {
-    /// The noise of the mean of `frames` frames; `None` unless their number is a power of two from 4 on.
+    /// The noise of the mean of `frames` frames, which must double at each call; `None` at the
+    /// first call and below 4 frames.
     fn measure(&mut self, frames: u32, mean: &[[f32; 4]], size: UVec2) -> Option<f32> {
         // ITU-R BT.709-6, section 3.2.
         let luminance = |&[r, g, b, _]: &[f32; 4]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
@@ -68,7 +70,7 @@ impl NoiseMeter {
 fn errors_of_blocks(mean: &[f32], half: &[f32], width: usize) -> Vec<f32> {
     let columns = width.div_ceil(BLOCK);
     let rows = (mean.len() / width.max(1)).div_ceil(BLOCK);
-    // Count, luminance, squared difference.
+    // Sums in each block: count, luminance, squared difference.
     let mut blocks = vec![[0.0_f32; 3]; columns * rows];
     for (pixel, (now, before)) in mean.iter().zip(half).enumerate() {
         let block = &mut blocks[pixel / width / BLOCK * columns + pixel % width / BLOCK];
@@ -103,7 +105,7 @@ mod tests {
         let mut means = Vec::new();
         for frame in 1..=counts.iter().copied().max().unwrap_or(0) {
             for sum in &mut sums {
-                // A linear congruential generator; the sum of twelve even numbers is nearly normal.
+                // Linear congruential generator; twelve uniform numbers sum to a nearly normal one.
                 let normal: f32 = (0..12)
                     .map(|_| {
                         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -134,7 +136,7 @@ mod tests {
         for (noise, frames) in measured[1..].iter().zip(&counts[1..]) {
             let expected = 0.3 / (*frames as f32).sqrt();
             let noise = noise.expect("noise") / expected;
-            // The 95th percentile over blocks of 64 pixels is a little more than the root mean square.
+            // The 95th percentile over blocks of 64 pixels is a little above the root mean square.
             assert!((1.0..1.4).contains(&noise), "{frames} frames: {noise} of {expected}");
         }
     }

@@ -28,10 +28,10 @@ pub struct Report {
     renderer: RendererReport,
     /// Wall-clock times.
     seconds: Seconds,
-    /// Noise of the picture, by which it needed no more frames: the relative error that 95 % of its blocks stay below. `None` if it has
-    /// all frames.
+    /// Noise at which rendering stopped early: the relative error that 95 % of the picture's blocks
+    /// stay below. `None` if all frames were rendered.
     noise: Option<f32>,
-    /// Exposure in stops; with `auto` the one that was found. `None` for views without exposure.
+    /// Exposure in stops; with `auto` the metered one. `None` for views without exposure.
     exposure: Option<f32>,
     /// Notes on what was chosen for the scene, and on problems with its light.
     notes: Vec<NoteReport>,
@@ -43,7 +43,7 @@ pub struct Report {
 /// A note about a picture for the user.
 #[derive(Clone, Debug, Serialize)]
 pub struct NoteReport {
-    /// `camera`, `light` or `warning`.
+    /// `camera`, `light`, `grid`, `shadows` or `warning`.
     about: &'static str,
     text: String,
     /// The option that overrides the choice; `None` for warnings, which name it themselves.

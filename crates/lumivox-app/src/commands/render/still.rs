@@ -11,7 +11,7 @@ use super::noise::render;
 use super::report::Report;
 use crate::progress::words;
 
-/// Renders the present scene from `camera`, writes and reports.
+/// Renders the current scene from `camera`, writes and reports.
 ///
 /// # Errors
 /// When the device or the disk fails.

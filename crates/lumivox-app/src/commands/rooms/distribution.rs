@@ -5,7 +5,7 @@ use lumivox_scene::rooms::{Kind, RoomLight};
 
 use super::RoomFigures;
 
-/// The groups of walls by thickness: a name, and from which thickness to below which, m.
+/// The groups of walls by thickness: a name, the least thickness, and the one it is below, m.
 const WALLS: [(&str, f32, f32); 4] = [
     ("sheets", 0.0, 0.005),
     ("walls of 1 to 5 cm", 0.005, 0.07),
@@ -13,8 +13,8 @@ const WALLS: [(&str, f32, f32); 4] = [
     ("walls of 30 to 60 cm", 0.25, 1.0),
 ];
 
-/// The least percentage that a share of the values does not exceed (the nearest rank), by absolute
-/// value; `None` without values.
+/// The least absolute value that a share of the values does not exceed (the nearest rank); `None`
+/// without values.
 fn percentile(values: &[f64], share: f64) -> Option<f64> {
     let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
@@ -30,7 +30,7 @@ pub fn at<'a>(
     rooms.into_iter().filter(|room| room.resolution == resolution).collect()
 }
 
-/// The head of a table whose rows are [`row`]s: a name of the first column.
+/// The head of a table of [`row`]s; `of` names the first column.
 pub fn heading(of: &str) -> String {
     format!(
         "| {of} | rooms | error: median | 90 % | worst | picture: bias | RMSE | 90 % | dark rooms | leak: median | worst |\n\

@@ -6,9 +6,9 @@ use lumivox_render::reference::Reading;
 use lumivox_scene::rooms::{Room, SKY_RADIANCE};
 use serde::{Deserialize, Serialize};
 
-/// A mean of the truth below this share of the illuminance outside is darkness.
+/// A room is dark if the mean of its truth is below this share of the illuminance outside.
 const DARK_SHARE: f64 = 1e-3;
-/// A mean of the truth below this, in lux, is darkness where there is no light outside.
+/// A room is always dark if the mean of its truth is below this, in lux.
 const DARK_LUX: f64 = 1e-6;
 
 /// The errors of one room at one resolution.
@@ -24,20 +24,21 @@ pub struct RoomFigures {
     /// Whether the room is turned against the grid.
     pub is_turned: bool,
     pub light: String,
-    /// Whether there is a window or another way out.
+    /// Whether there is a window or another opening.
     pub is_open: bool,
     /// Voxels along the longest axis.
     pub resolution: u32,
-    /// The sensors by cones, lux; `None` is not finite.
+    /// Readings of the sensors by cones, lux; `None` if not finite.
     pub cones: Vec<Option<f32>>,
-    /// The sensors by paths, lux.
+    /// Readings of the sensors by paths, lux.
     pub paths: Vec<f32>,
-    /// The mean of the sensors by cones over that by paths, less 1, in per cent; `None` in darkness,
-    /// or if a reading is not finite.
+    /// The mean of the sensors by cones over that by paths, less 1, in per cent; `None` in
+    /// darkness, or if a reading is not finite.
     pub error_percent: Option<f64>,
     /// The standard error of the mean by paths, in per cent of it; `None` in darkness.
     pub noise_percent: Option<f64>,
-    /// In darkness: the brightest sensor by cones, in per cent of the illuminance outside.
+    /// The brightest sensor by cones, in per cent of the illuminance outside; `None` if the room is
+    /// lit, a reading is not finite, or there is no light outside.
     pub leak_percent: Option<f64>,
     /// The bias of the picture of all bounces, in per cent of the mean of its truth; `None` in
     /// darkness, or if a pixel is not finite.
@@ -46,7 +47,7 @@ pub struct RoomFigures {
     pub rmse_percent: Option<f64>,
     /// Pixels of it that are negative or not finite.
     pub faulty_pixels: usize,
-    /// Seconds that the cones took, and the paths.
+    /// Seconds of the cones, and of the paths.
     pub cone_seconds: f64,
     pub path_seconds: f64,
 }

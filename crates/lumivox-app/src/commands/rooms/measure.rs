@@ -17,9 +17,9 @@ use crate::progress::ProgressDisplay;
 
 /// The most bounces of paths.
 const BOUNCES: u32 = 16;
-/// How many times fewer samples a pixel has than a sensor, ...
+/// The samples of a sensor, over those of a pixel.
 const FEWER: u32 = 64;
-/// ... but at least two batches, so that their noise is known.
+/// The fewest samples of a pixel: two batches, so that their noise is known.
 const FEWEST: u32 = 32;
 
 /// Measures rooms with the same settings.
@@ -31,7 +31,7 @@ pub struct Meter<'a> {
 }
 
 impl<'a> Meter<'a> {
-    /// Measures by cones with these settings and so many frames, by paths with so many samples.
+    /// Measures by cones with these settings and `frames`, and by paths with `samples`.
     pub fn new(
         gpu: &'a Gpu,
         progress: &'a ProgressDisplay,
@@ -43,8 +43,8 @@ impl<'a> Meter<'a> {
         Self { gpu, progress, settings, samples }
     }
 
-    /// Measures a room at each resolution; `number` is its own, and that of all rooms. Stopped by the
-    /// user it returns early.
+    /// Measures a room at each resolution; `index` is its number among `count` rooms. Returns early
+    /// if the user stops it.
     ///
     /// # Errors
     /// When the device fails.
@@ -113,7 +113,7 @@ impl<'a> Meter<'a> {
                 .iter_mut()
                 .for_each(|part| *part *= std::f32::consts::PI);
             let full = truth.layer(&truth.full);
-            // In darkness there is only noise; what is not finite has no figures.
+            // Dark rooms have only noise; pictures that are not finite have no figures.
             let compared = ErrorFigures::new(&full, Some(&truth.full_variance), &picture).ok();
             let compared = compared.filter(|_| !figures.is_dark());
             figures.bias_percent = compared.map(|compared| compared.bias_percent);

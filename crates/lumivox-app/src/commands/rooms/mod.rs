@@ -1,4 +1,4 @@
-//! `lumivox rooms`: the errors of light in rooms at random, which nobody tuned it for.
+//! `lumivox rooms`: the errors of light in random rooms, for which nothing was tuned.
 //!
 //! | file | is |
 //! | --- | --- |
@@ -61,12 +61,12 @@ impl KindChoice {
     }
 }
 
-/// A seed that no run had before: the milliseconds of the clock, which wrap after 49 days.
+/// A fresh seed: the milliseconds of the clock, which wrap after 49 days.
 pub fn fresh_seed() -> u32 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_millis() as u32)
 }
 
-/// The room of a seed, whose kind is one of these.
+/// The room of a seed, which also selects one of these kinds.
 ///
 /// # Errors
 /// As [`room`].
@@ -161,7 +161,7 @@ struct Report {
     /// Frames of the cones.
     frames: u32,
     rooms: Vec<RoomFigures>,
-    /// Wall-clock time of everything.
+    /// Wall-clock time of everything, s.
     seconds: f64,
     adapter: AdapterReport,
 }

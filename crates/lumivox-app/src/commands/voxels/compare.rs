@@ -116,7 +116,7 @@ impl Found {
             let work = voxelizer.voxelize(device, queue, &mut scene, geometry, Timing::Off);
             match pollster::block_on(work) {
                 Ok((stats, _)) => Ok(Some((scene, stats))),
-                // If all triangles are small, they may miss all pixels' centres.
+                // Small triangles may all miss the centres of pixels.
                 Err(GiError::NothingToVoxelize { .. }) => Ok(None),
                 Err(error) => Err(error),
             }

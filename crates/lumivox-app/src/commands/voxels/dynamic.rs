@@ -20,7 +20,7 @@ use serde::Serialize;
 use crate::host::Host;
 use crate::progress::ProgressDisplay;
 
-/// The distance of the moves, in voxels.
+/// The distance of moved instances from their place, in voxels.
 const REACH_VOXELS: f32 = 1.5;
 
 /// Marks a share of the triangles as dynamic, and all others as static: small instances first,
@@ -38,7 +38,7 @@ pub fn mark(scene: &mut Scene, share: f32) {
             (Bounds::from_points(points).size().length(), hasher.finish(), index)
         })
         .collect();
-    // Sizes of equal things differ by rounding.
+    // Sizes of equal instances differ by rounding.
     order.sort_by_key(|&(size, mix, _)| ((size * 1e3) as u64, mix));
     for (_, _, index) in order {
         let triangles = scene.meshes[scene.instances[index].mesh].triangle_count();
@@ -80,7 +80,7 @@ fn moved(geometry: &Geometry, offset: Vec3) -> Geometry {
     geometry
 }
 
-/// One of the two ways to follow moves.
+/// One of the two ways to update the voxels after a move.
 struct Way {
     gi: Gi,
     lights: Lights,
@@ -100,7 +100,7 @@ impl Way {
             pollster::block_on(self.gi.voxelize(geometry, timing))?
         };
         gpu.wait("voxelizing")?;
-        // At the first time nothing is kept yet.
+        // The first step has no static surface to reuse.
         let has_static =
             geometry.batches.iter().flat_map(|batch| &batch.draws).any(|d| d.is_static);
         let must_reuse = self.keeps_static && self.steps > 0 && has_static;
@@ -127,7 +127,7 @@ impl Way {
         Ok(())
     }
 
-    /// The voxel list and its light.
+    /// The voxel list and its light, as words.
     fn bits(&self, gpu: &Gpu) -> anyhow::Result<Vec<Vec<u32>>> {
         let Some((voxels, light)) = self.gi.voxels().zip(self.gi.face_radiance()) else {
             anyhow::bail!("there are no voxels");

@@ -45,7 +45,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     let scene = scene;
     let bounds = scene.voxel_bounds();
     let centre = match settings.volume {
-        // Around the camera that pictures are seen from.
+        // Cascades are centred on the default camera.
         VolumeKind::Cascades => resolve(None, &scene, 16.0 / 9.0)?.position,
         VolumeKind::Dense | VolumeKind::Octree(_) => Vec3::ZERO,
     };
@@ -65,7 +65,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     gpu.wait("uploading the scene")?;
 
     progress.set("voxelizing", 0, 1);
-    // First untimed, since timing may slow it down, then timed.
+    // First without timing passes, which may slow it down, then with.
     let start = Instant::now();
     let voxelized = pollster::block_on(gi.voxelize(&uploaded.geometry, Timing::Off));
     let voxelized = voxelized.map_err(|error| RenderError::of_scene(error, &scene))?;
@@ -86,7 +86,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     host.print(&report.text())
 }
 
-/// The row of the ways from triangles to voxels.
+/// The setting `voxelizer`.
 fn voxelizers() -> &'static Parameter {
     find_parameter("voxelizer").unwrap_or_else(|| unreachable!("this program has the classics"))
 }
@@ -98,9 +98,9 @@ struct Report {
     voxelizer: &'static str,
     /// Triangles given to the voxelizer.
     triangles: u64,
-    /// Of those, the ones without an area.
+    /// Those of them that are left out: without an area, or with non-finite coordinates.
     skipped: u64,
-    /// Of those, the ones outside the grid.
+    /// Those of them outside the grid.
     outside: u64,
     /// Tiles of triangles: the threads of each walk.
     work_items: u64,
@@ -114,7 +114,7 @@ struct Report {
     /// Memory that stays on the GPU.
     memory: Vec<MemoryReport>,
     memory_bytes: u64,
-    /// The same, with the memory that only the voxelization needs.
+    /// Memory of the voxelization, including buffers that only it needs.
     voxelization_memory: Vec<MemoryReport>,
     /// Wall-clock time of one whole voxelization without timing of passes, ms.
     wall_ms: f64,

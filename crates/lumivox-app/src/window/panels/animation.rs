@@ -1,4 +1,4 @@
-//! What plays: a bar below the picture.
+//! The animation bar below the picture.
 
 use egui::{ComboBox, Slider, Ui};
 use lumivox_scene::AnimationChoice;
@@ -9,7 +9,7 @@ use crate::window::lines::quoted;
 use crate::window::model::Model;
 use crate::window::theme;
 
-/// Play and pause, the moment, which animation.
+/// Draws the play button, the choice of animations, and the time.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     let playback = &model.playback;
     let Some(scene) = model.scene.clone() else { return };

@@ -1,4 +1,4 @@
-//! The console: what was said, and a line to type into.
+//! The console: its lines, and an input line.
 
 use egui::{Event, EventFilter, Id, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui};
 use lumivox_console::complete::complete;
@@ -7,15 +7,15 @@ use crate::window::app::App;
 use crate::window::model::{LogKind, Model};
 use crate::window::theme;
 
-/// Lines that are remembered for the arrow keys.
+/// Maximum lines of the history, for the arrow keys.
 const HISTORY: usize = 500;
 
-/// The line that is being typed.
+/// State of the input line.
 #[derive(Debug, Default)]
 pub struct State {
     text: String,
     history: Vec<String>,
-    /// Which line of the history is shown, and what was typed before.
+    /// Index of the shown history line, and the text typed before; `None` if none is shown.
     at: Option<(usize, String)>,
     candidates: Vec<String>,
 }
@@ -55,7 +55,7 @@ impl State {
         }
     }
 
-    /// Completes the last word as far as it is clear, and lists what is possible.
+    /// Completes the last word as far as the candidates agree; lists them if there are several.
     fn complete(&mut self, start: usize, candidates: Vec<String>) {
         if let Some(first) = candidates.first() {
             let common = candidates.iter().skip(1).fold(first.as_str(), |common, other| {
@@ -75,12 +75,12 @@ impl State {
     }
 }
 
-/// The line to type into.
+/// The id of the input line.
 pub fn line() -> Id {
     Id::unique("console line")
 }
 
-/// The lines, and one to type into.
+/// Draws the lines and the input line.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     let id = line();
     let mut focus = false;
@@ -134,7 +134,7 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
         app.console.candidates.clear();
     }
     if focus {
-        // The cursor goes to the end of what came.
+        // Move the cursor to the end of the new text.
         let mut state = output.state;
         let end = egui::text::CCursor::new(app.console.text.chars().count());
         state.cursor.set_char_range(Some(egui::text::CCursorRange::one(end)));

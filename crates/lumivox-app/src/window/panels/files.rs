@@ -1,14 +1,14 @@
-//! Dialogs of the system for files, each on a thread of its own.
+//! The system's file dialogs, each on its own thread.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{self, Receiver, TryRecvError};
 
 use crate::window::lines::quoted;
 
-/// Dialogs that are open; at most one is.
+/// The open dialog, if any.
 #[derive(Debug, Default)]
 pub struct Dialogs {
-    /// The command that goes before the file's name, and where the name comes from.
+    /// The command for the file, and the receiver of its path.
     waiting: Option<(&'static str, Receiver<Option<PathBuf>>)>,
 }
 
@@ -47,18 +47,18 @@ impl Dialogs {
         }
         let (sender, receiver) = mpsc::channel();
         std::thread::spawn(move || {
-            // Nobody waits when the window is closed.
+            // The receiver is gone if the window was closed.
             let _ = sender.send(ask());
         });
         self.waiting = Some((command, receiver));
     }
 
-    /// Whether one is open.
+    /// Whether a dialog is open.
     pub fn are_open(&self) -> bool {
         self.waiting.is_some()
     }
 
-    /// The line for a file that was chosen.
+    /// The line for the chosen file; `None` until one is chosen.
     pub fn chosen(&mut self) -> Option<String> {
         let (command, receiver) = self.waiting.as_ref()?;
         let answer = match receiver.try_recv() {

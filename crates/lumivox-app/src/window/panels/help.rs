@@ -1,11 +1,11 @@
-//! All keys.
+//! The help on keys and mouse.
 
 use egui::{Grid, Id, Modal, RichText, ScrollArea, Ui};
 
 use crate::window::app::App;
 use crate::window::theme;
 
-/// What does what.
+/// Keys and their effects, by section.
 pub const KEYS: [(&str, &[(&str, &str)]); 4] = [
     (
         "Camera",
@@ -46,7 +46,7 @@ pub const KEYS: [(&str, &[(&str, &str)]); 4] = [
     ),
 ];
 
-/// A window over all else.
+/// Shows the help in a modal window.
 pub fn show(ui: &mut Ui, app: &mut App) {
     let shown = Modal::new(Id::unique("help")).show(ui.ctx(), |ui| {
         ui.set_max_width(ui.ctx().content_rect().width().min(560.0) - 40.0);

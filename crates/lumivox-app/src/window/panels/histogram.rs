@@ -1,4 +1,4 @@
-//! How bright the picture's pixels are, and what the exposure makes of them.
+//! Luminance histogram of the picture, relative to its exposure.
 
 use egui::{Align2, Color32, FontId, Sense, Stroke, Ui, pos2, vec2};
 use lumivox_render::Histogram;
@@ -11,8 +11,8 @@ const HEIGHT: f32 = 64.0;
 /// Stops that are shown below middle grey, and above it.
 const AROUND_GREY: [f32; 2] = [10.0, 7.0];
 
-/// Bars for the pixels of a quarter of a stop each, around what is a middle grey at the present exposure: they move as the
-/// exposure does.
+/// Draws a bar for each quarter of a stop, around middle grey at the current exposure, so that the
+/// bars move with the exposure.
 pub fn show(ui: &mut Ui, model: &Model) {
     let Some((histogram, stops)) = &model.histogram else { return };
     let size = vec2(ui.available_width() - 8.0, HEIGHT + 14.0);
@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, model: &Model) {
     let white = Histogram::white(*stops);
     let most = histogram.bins.iter().max().copied().unwrap_or(0).max(1) as f32;
     for (bin, count) in histogram.bins.iter().enumerate().filter(|(_, count)| **count > 0) {
-        // A square root lets few pixels be seen beside many.
+        // The square root keeps low bars visible beside high ones.
         let height = HEIGHT * (*count as f32 / most).sqrt();
         let (left, right) = (x(bin as f32), x(bin as f32 + 1.0));
         let bar = egui::Rect::from_min_max(pos2(left, bottom - height), pos2(right, bottom));

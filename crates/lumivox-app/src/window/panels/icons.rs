@@ -1,27 +1,27 @@
-//! Small signs, drawn: not every font has them.
+//! Small icons, drawn because not every font has them.
 
 use egui::{Color32, Pos2, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 use crate::window::theme;
 
-/// A sign.
+/// An icon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Icon {
     /// Something is shown.
     Shown,
     /// Something is hidden.
     Hidden,
-    /// Away with it.
+    /// Close or remove.
     Cross,
-    /// Back to what it was.
+    /// Reset.
     Back,
-    /// Let it play.
+    /// Start the animation.
     Play,
-    /// Let it stand still.
+    /// Stop the animation.
     Pause,
 }
 
-/// A button with a sign and a name for screen readers, which is its tooltip as well.
+/// A button with an icon; `name` is its tooltip, and its name for screen readers.
 pub fn button(ui: &mut Ui, icon: Icon, color: Color32, name: &str) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(16.0, 16.0), Sense::click());
     let color = if response.hovered() { Color32::WHITE } else { color };

@@ -11,7 +11,7 @@ use crate::window::lines::quoted;
 use crate::window::model::{SceneModel, Selected};
 use crate::window::theme;
 
-/// All lights, what can be set of the chosen one, and the surroundings.
+/// Draws all lights, the properties of the selected one, and the surroundings.
 pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
     for (name, light) in &scene.lights {
         let is_chosen = matches!(&app.selected, Some(Selected::Light(other)) if other == name);
@@ -107,7 +107,7 @@ fn three(ui: &mut Ui, app: &mut App, title: &str, key: &str, now: Vec3, speed: f
     let changed = ui.push_id(key, |ui| {
         ui.horizontal(|ui| vector(ui, &mut numbers, speed, 3, ["x", "y", "z"])).inner
     });
-    // A direction must be one.
+    // A direction must not be zero.
     let is_zero = numbers.iter().all(|number| *number == 0.0);
     if changed.inner && !(is_zero && key.ends_with(" direction")) {
         let [x, y, z] = numbers;
@@ -120,7 +120,7 @@ fn surroundings(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
         weak(ui, format!("Surroundings: {panorama}"));
         return;
     }
-    // A colour and a strength: fields of cd/m² go far beyond a colour button's range.
+    // A colour and a strength, since values in cd/m² exceed a colour button's range.
     row(ui, "Surroundings", "Radiance from all around, cd/m\u{b2}", |ui| {
         let now = app.numbers("environment", scene.environment.to_array());
         let peak = Vec3::from(now).max_element();
@@ -141,7 +141,7 @@ fn surroundings(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
     });
 }
 
-/// What a lamp is.
+/// The kind of a light.
 fn kind_name(light: &Light) -> &'static str {
     match light.kind {
         LightKind::Directional { .. } => "Sun",
@@ -150,7 +150,7 @@ fn kind_name(light: &Light) -> &'static str {
     }
 }
 
-/// A linear colour of any strength as a screen shows it at full brightness.
+/// The screen colour of a linear colour, scaled to full brightness.
 pub fn screen_color(color: Vec3) -> egui::Color32 {
     let peak = color.max_element().max(1e-6);
     egui::Rgba::from_rgb(color.x / peak, color.y / peak, color.z / peak).into()

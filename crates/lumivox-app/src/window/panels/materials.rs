@@ -8,10 +8,10 @@ use crate::window::app::App;
 use crate::window::lines::quoted;
 use crate::window::model::{SceneModel, Selected};
 
-/// Materials beyond this many are only listed for the chosen object.
+/// Maximum number of listed materials, besides the selected object's.
 const MOST: usize = 60;
 
-/// All materials; that of the chosen object first.
+/// Draws the materials, that of the selected object first.
 pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
     let chosen = match &app.selected {
         Some(Selected::Object(name)) => scene.objects.iter().find(|object| object.name == *name),
@@ -87,7 +87,7 @@ fn slider(ui: &mut Ui, app: &mut App, title: &str, key: &str, now: f32, high: f3
     });
 }
 
-/// A colour, and its strength in cd/m².
+/// Draws the emission as a colour and its strength in cd/m².
 fn emission(ui: &mut Ui, app: &mut App, key: &str, material: &Material) {
     row(ui, "Emission", "Radiance that the surface emits, cd/m\u{b2}", |ui| {
         let now = app.numbers(key, material.emissive.to_array());

@@ -1,4 +1,4 @@
-//! The bar at the top.
+//! The menu bar.
 
 use egui::{Button, MenuBar, RichText, Ui};
 use lumivox_explorer::FRAME_BUDGET_MS;
@@ -9,7 +9,7 @@ use crate::window::model::Model;
 use crate::window::orders::Order;
 use crate::window::theme;
 
-/// Menus, and what is used most.
+/// Draws the menus, the scene's name, and the panels' switches.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file(ui, model, app));

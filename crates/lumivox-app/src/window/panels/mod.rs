@@ -1,4 +1,4 @@
-//! What is in the window.
+//! The window's panels.
 
 pub mod animation;
 pub mod console;
@@ -26,7 +26,7 @@ use super::app::App;
 use super::model::Model;
 use super::theme;
 
-/// A part of a side panel that opens and closes; whether it is open.
+/// A collapsible section of a side panel; returns whether it is open.
 fn section(ui: &mut Ui, title: &str, is_open: bool, contents: impl FnOnce(&mut Ui)) -> bool {
     let title = RichText::new(title).size(13.0).strong().color(theme::ACCENT);
     let header = CollapsingHeader::new(title).default_open(is_open).show_unindented(ui, |ui| {
@@ -36,7 +36,8 @@ fn section(ui: &mut Ui, title: &str, is_open: bool, contents: impl FnOnce(&mut U
     header.openness > 0.0
 }
 
-/// A panel's contents, which never make it wider: what is a point too wide would push its edge on with every frame.
+/// Draws a panel's contents without letting them widen it: contents that are a point too wide would
+/// widen it again in every frame.
 fn fixed<T>(ui: &mut Ui, contents: impl FnOnce(&mut Ui) -> T) -> T {
     let rect = ui.available_rect_before_wrap();
     let _ = ui.allocate_rect(rect, egui::Sense::hover());
@@ -45,7 +46,7 @@ fn fixed<T>(ui: &mut Ui, contents: impl FnOnce(&mut Ui) -> T) -> T {
     contents(&mut inside)
 }
 
-/// The scene: objects, materials, lights.
+/// Draws the left panel: objects, lights, materials.
 pub fn left(ui: &mut Ui, model: &Model, app: &mut App) {
     fixed(ui, |ui| scene(ui, model, app));
 }
@@ -68,7 +69,7 @@ fn scene(ui: &mut Ui, model: &Model, app: &mut App) {
     });
 }
 
-/// Everything about the picture; whether times of stages are to be taken.
+/// Draws the right panel: settings; returns whether to measure stage times.
 pub fn right(ui: &mut Ui, model: &Model, app: &mut App) -> bool {
     fixed(ui, |ui| settings(ui, model, app))
 }

@@ -1,4 +1,4 @@
-//! The scene's objects: a list to choose from, and what can be set of the chosen one.
+//! The scene's objects: a list, and the properties of the selected one.
 
 use egui::{RichText, ScrollArea, Ui};
 use glam::Vec3;
@@ -15,7 +15,7 @@ use crate::window::theme;
 /// Height of the list, rows.
 const ROWS: f32 = 9.0;
 
-/// The list, and the chosen object.
+/// Draws the list and the selected object.
 pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
     let hint = RichText::new("Filter by name").color(theme::WEAK);
     let width = ui.available_width();
@@ -148,9 +148,9 @@ impl Part {
     }
 }
 
-/// Where an object stands, or will stand.
+/// An object's pending placement, or else its current one.
 pub fn held(app: &App, key: &str, placement: &Placement) -> Placement {
-    // What comes from a matrix has zeros with signs.
+    // Matrices yield -0.0, which adding zero turns into 0.0.
     let [p, r, s] =
         [placement.position, placement.rotation_deg, placement.scale].map(|v| v + Vec3::ZERO);
     let n = app.numbers(key, [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z]);
@@ -161,7 +161,7 @@ pub fn held(app: &App, key: &str, placement: &Placement) -> Placement {
     }
 }
 
-/// Puts an object somewhere.
+/// Sends an object's new placement.
 pub fn place(app: &mut App, name: &str, placement: &Placement) {
     let Placement { position: p, rotation_deg: r, scale: s } = *placement;
     let key = format!("place {}", quoted(name));

@@ -1,4 +1,4 @@
-//! Rows for the settings of `lumivox_explorer::parameters`: name, unit, meaning, and a way back.
+//! Rows for the settings of `lumivox_explorer::parameters`: name, unit, meaning, and reset.
 
 use egui::{ComboBox, DragValue, Slider, Ui};
 use glam::Vec3;
@@ -11,14 +11,14 @@ use crate::window::model::Model;
 /// Numbers in a range at most this wide have a slider.
 const WIDEST_SLIDER: f32 = 64.0;
 
-/// All settings of a group.
+/// Draws all settings of a group.
 pub fn group(ui: &mut Ui, group: Group, model: &Model, app: &mut App) {
     for parameter in PARAMETERS.iter().filter(|parameter| parameter.group == group) {
         show(ui, parameter, model, app);
     }
 }
 
-/// The setting of a name.
+/// Draws the setting of a name.
 pub fn named(ui: &mut Ui, name: &str, model: &Model, app: &mut App) {
     if let Some(parameter) = find_parameter(name) {
         show(ui, parameter, model, app);
@@ -44,7 +44,7 @@ fn show(ui: &mut Ui, parameter: &'static Parameter, model: &Model, app: &mut App
     }
 }
 
-/// A name as a panel has it.
+/// A setting's name as a title.
 fn title(name: &str) -> String {
     let words = name.replace('_', " ");
     let mut letters = words.chars();
@@ -122,7 +122,7 @@ fn field(
                 .accessible_name(title);
             (name != before).then_some(Value::Choice(name))
         }
-        // A kind and a value that do not belong together: the table's tests forbid them.
+        // The value does not match the kind, which the table's tests rule out.
         _ => None,
     }
 }
@@ -163,7 +163,7 @@ fn number_field(
         };
         let is_changed = response.on_hover_text(tip).accessible_name(title).changed();
         if is_changed && !is_rounded(number, before, 3) {
-            // Between what stands for "off" and the range there is nothing.
+            // Values between "off" and the range are invalid.
             let number = match off {
                 Some(off) if number < low.max(0.0) => off,
                 _ => number,

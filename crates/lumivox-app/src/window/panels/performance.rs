@@ -1,4 +1,4 @@
-//! Where the time goes.
+//! Times of frames and stages.
 
 use egui::{RichText, Ui, vec2};
 use egui_plot::{FilledArea, Plot};
@@ -7,7 +7,7 @@ use super::widgets::weak;
 use crate::window::model::{FrameTime, KEPT_FRAMES, Model, STAGES};
 use crate::window::theme;
 
-/// Times of the last frames, stacked, and in numbers.
+/// Draws the times of the last frames, as a stacked plot and in numbers.
 pub fn show(ui: &mut Ui, model: &Model) {
     let Some(last) = model.frames.last() else {
         weak(ui, "No frame yet.");
@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, model: &Model) {
     weak(ui, "Times of stages are taken while this is open; that itself takes some time.");
 }
 
-/// The budget, and how coarse the picture is.
+/// The frame budget and the picture's scale, as a line of text.
 fn in_motion(model: &Model, mean_ms: f32) -> String {
     let pacing = &model.pacing;
     if pacing.budget_ms <= 0.0 {
@@ -86,7 +86,7 @@ fn plot(ui: &mut Ui, shown: &[FrameTime]) {
         }
         low = high;
     }
-    // What no stage accounts for, and everything while stages are not timed.
+    // Time outside the stages; all of it while stages are not timed.
     let total: Vec<f64> =
         low.iter().zip(shown).map(|(low, frame)| f64::from(frame.total_ms).max(*low)).collect();
     areas.push(

@@ -1,4 +1,4 @@
-//! The picture: what is rendered, what it is compared with, handles, and the mouse.
+//! The picture: the rendering, its comparison, handles, and mouse input.
 
 use std::time::{Duration, Instant};
 
@@ -19,18 +19,18 @@ use crate::window::model::{Comparand, Model, ObjectModel, SceneModel, Selected};
 use crate::window::orders::Order;
 use crate::window::{camera, theme};
 
-/// A drag over the picture's height turns by this, rad.
+/// Rotation by a drag over the picture's height, rad.
 const TURN_RAD: f32 = std::f32::consts::PI;
-/// A notch of the wheel comes nearer by this factor.
+/// Factor on the distance per notch of the wheel.
 const DOLLY: f32 = 0.88;
-/// How much of the scene's radius is flown through in a second.
+/// Flying speed, in radii of the scene per second.
 const FLIGHT: f32 = 0.6;
-/// SHIFT flies this much faster.
+/// Factor on the speed while Shift is held.
 const FAST: f32 = 4.0;
-/// How near the pointer must come to a light or the split, points.
+/// Maximum distance of the pointer to a light or the split, points.
 const REACH: f32 = 9.0;
 
-/// The picture with all that is drawn over it.
+/// Draws the picture and its overlays, and handles its input.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneModel, app: &mut App) {
     let area = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(area, Sense::click_and_drag());
@@ -53,13 +53,13 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneModel, app: &mut App) {
     }
 }
 
-/// The picture's place: as large as there is room for, in its own proportions.
+/// The largest rectangle in `area` with the picture's aspect ratio.
 fn fitted(area: Rect, app: &App) -> Rect {
     let Some(shown) = &app.published.picture else { return area };
     let size = vec2(shown.size.x as f32, shown.size.y as f32);
     let scale = (area.width() / size.x).min(area.height() / size.y);
     let fitted = Rect::from_center_size(area.center(), size * scale);
-    // A rounded size is no reason for a rim.
+    // Leave no rim if the sizes differ only by rounding.
     if (fitted.width() - area.width()).abs() < 6.0 && (fitted.height() - area.height()).abs() < 6.0
     {
         area
@@ -68,7 +68,7 @@ fn fitted(area: Rect, app: &App) -> Rect {
     }
 }
 
-/// One picture or two; where the split is.
+/// Draws one picture or two; returns the split's x coordinate.
 fn images(ui: &Ui, rect: Rect, model: &Model, app: &App) -> Option<f32> {
     let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
     let [first, other] = app.textures;
@@ -118,12 +118,12 @@ fn hint(ui: &Ui, rect: Rect, text: &str) {
     ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, font, theme::WEAK);
 }
 
-/// The least time between two questions about the light under the pointer.
+/// Minimum time between two light probes.
 const PROBE_EVERY: Duration = Duration::from_millis(100);
-/// The same while the pointer rests, for a picture that gets better.
+/// The same while the pointer rests and the picture converges.
 const PROBE_AGAIN: Duration = Duration::from_millis(500);
 
-/// Asks for the light under the pointer: while no button is held, and not too often.
+/// Probes the light under the pointer at intervals, while no button is held.
 fn probe(ui: &Ui, response: &Response, rect: Rect, app: &mut App) {
     let is_held = ui.input(|input| input.pointer.any_down());
     let at = response.hover_pos().filter(|at| rect.contains(*at) && !is_held);
@@ -149,7 +149,7 @@ fn probe(ui: &Ui, response: &Response, rect: Rect, app: &mut App) {
     }
 }
 
-/// A note at the picture's lower edge, with what helps and a cross.
+/// Draws a note at the picture's lower edge, with buttons for a remedy and to close it.
 fn explain(ui: &Ui, rect: Rect, scene: u64, app: &mut App) {
     let frame = egui::Frame::new().fill(theme::PANEL).corner_radius(4).inner_margin(8);
     let area = egui::Area::new(Id::unique("hint"))
@@ -177,10 +177,10 @@ fn explain(ui: &Ui, rect: Rect, scene: u64, app: &mut App) {
 const EMISSION_ALONE: &str =
     "Lit by its own emission alone: if that is too little, add a light or choose surroundings.";
 
-/// Light for what has little of its own: a sun that is neither low nor at noon.
+/// The command that lights such a scene: a sun that is neither low nor at noon.
 const SKY: &str = "sky 40,120";
 
-/// Box, handles, lamps.
+/// Draws lights, the selected object's box, and the handles.
 fn decorate(ui: &Ui, view: &Projection, rect: Rect, scene: &SceneModel, app: &App) {
     let painter = ui.painter().with_clip_rect(rect);
     for (name, light) in &scene.lights {
@@ -234,7 +234,7 @@ fn decorate(ui: &Ui, view: &Projection, rect: Rect, scene: &SceneModel, app: &Ap
     }
 }
 
-/// The edges of an object's box.
+/// Draws the edges of an object's box.
 fn outline(painter: &egui::Painter, view: &Projection, object: &ObjectModel) {
     if object.local_bounds.is_empty() {
         return;
@@ -264,7 +264,7 @@ fn chosen_object<'a>(scene: &'a SceneModel, app: &App) -> Option<&'a ObjectModel
     scene.objects.iter().find(|object| object.name == *name)
 }
 
-/// What the handles hold, and what they can do with it.
+/// The placement and mode of the handles; `None` if the selection has no handles.
 fn handles(scene: &SceneModel, app: &App) -> Option<(Placement, Mode)> {
     match app.selected.as_ref()? {
         Selected::Object(name) => {
@@ -282,7 +282,7 @@ fn handles(scene: &SceneModel, app: &App) -> Option<(Placement, Mode)> {
     }
 }
 
-/// Puts what the handles hold somewhere.
+/// Sends the selection's new placement.
 fn put(app: &mut App, placement: &Placement) {
     match app.selected.clone() {
         Some(Selected::Object(name)) => objects::place(app, &name, placement),
@@ -295,7 +295,7 @@ fn put(app: &mut App, placement: &Placement) {
     }
 }
 
-/// What the camera turns about.
+/// The point that the camera orbits.
 pub fn pivot(app: &App) -> Vec3 {
     let model = &app.published.model;
     let Some(scene) = &model.scene else { return Vec3::ZERO };
@@ -314,7 +314,7 @@ pub fn pivot(app: &App) -> Vec3 {
     chosen.unwrap_or(scene.bounds.center())
 }
 
-/// Shows all of what is chosen, or of the scene.
+/// Moves the camera so that the selection, or else the scene, fills the picture.
 pub fn frame_selection(app: &mut App, model: &Model) {
     let Some(scene) = &model.scene else { return };
     let bounds = match &app.selected {
@@ -334,7 +334,7 @@ pub fn frame_selection(app: &mut App, model: &Model) {
     }
 }
 
-/// Orbit, look, pan, dolly, the split, handles, clicks.
+/// Handles the mouse: orbit, look, pan, dolly, the split, handles, clicks.
 fn mouse(
     ui: &Ui,
     response: &Response,
@@ -380,7 +380,7 @@ fn mouse(
             app.move_camera(camera::orbit(&app.camera(), pivot(app), turn));
         }
     } else if response.dragged_by(PointerButton::Secondary) && delta != egui::Vec2::ZERO {
-        // The picture follows the hand.
+        // The picture follows the pointer.
         app.move_camera(camera::look(&app.camera(), turn * 0.5));
     } else if response.dragged_by(PointerButton::Middle) && delta != egui::Vec2::ZERO {
         pan(app, delta, rect);
@@ -409,7 +409,7 @@ fn pan(app: &mut App, delta: egui::Vec2, rect: Rect) {
     }
 }
 
-/// Chooses what is there; `false` where the worker has to find it.
+/// Selects a light there and returns `true`, or else asks the worker to pick an object.
 fn click(view: &Projection, at: Pos2, rect: Rect, scene: &SceneModel, app: &mut App) -> bool {
     let lamp = scene.lights.iter().filter(|(_, light)| is_lamp(light)).find(|(_, light)| {
         view.project(light.position).is_some_and(|there| there.distance(at) < REACH)
@@ -446,7 +446,7 @@ fn wheel(ui: &Ui, app: &mut App) {
     }
 }
 
-/// Flight.
+/// Handles the keys of flight.
 fn keys(ui: &Ui, scene: &SceneModel, app: &mut App) {
     if ui.ctx().egui_wants_keyboard_input() {
         return;

@@ -1,4 +1,4 @@
-//! The line at the bottom: how things are, what is under way, what went wrong.
+//! The status bar: errors, jobs, and figures.
 
 use std::time::{Duration, Instant};
 
@@ -12,12 +12,13 @@ use crate::window::model::{Model, RENDERING};
 use crate::window::orders::Order;
 use crate::window::theme;
 
-/// How often times are told anew. What turns by itself would be painted all the time, with the cores that are waited for.
+/// Interval at which times are updated. A spinner would repaint constantly, and take CPU time from
+/// the renderer.
 const TICK: Duration = Duration::from_millis(250);
-/// What takes no longer need not be told.
+/// Activities that are shorter are not shown.
 const SOON: Duration = Duration::from_millis(400);
 
-/// The line.
+/// Draws the status bar.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     if let Some((number, text)) = &model.error {
         ui.horizontal(|ui| {
@@ -76,12 +77,12 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     });
 }
 
-/// What the worker is busy with, for how long, and how much of it is done.
+/// Draws the worker's activity, its duration, and its progress.
 fn doing(ui: &mut Ui, model: &Model, app: &App) {
     let Some(doing) = &app.published.doing else { return };
-    // The time goes on without news.
+    // The time changes without a new model.
     ui.ctx().request_repaint_after(TICK);
-    // What can be cancelled says how far it is.
+    // Jobs show their own progress.
     if doing.since.elapsed() < SOON || !model.jobs.is_empty() {
         return;
     }
@@ -104,7 +105,7 @@ fn with_time(words: &str, since: Option<Instant>) -> String {
     }
 }
 
-/// Lux and cd/m², as far as they are known.
+/// Lux, if known, and cd/m².
 fn light_words(light: Photometry) -> String {
     let luminance = format!("{} cd/m²", digits(light.luminance_cd_m2));
     match light.illuminance_lux {
@@ -113,7 +114,7 @@ fn light_words(light: Photometry) -> String {
     }
 }
 
-/// Three digits of a number: the mean over a picture's frames is not known better.
+/// A number with three digits: the mean over a picture's frames is not more precise.
 fn digits(value: f32) -> String {
     match value {
         value if value <= 0.0 => "0".to_owned(),

@@ -1,4 +1,4 @@
-//! What is shown: view, level, what it is compared with, cameras; presets and cones.
+//! Settings of the view: level, comparison, cameras; presets, cones, and the picture.
 
 use egui::{ComboBox, Ui};
 use lumivox_explorer::FRAME_BUDGET_MS;
@@ -11,7 +11,7 @@ use crate::window::app::App;
 use crate::window::lines::quoted;
 use crate::window::model::{Comparand, Model};
 
-/// View, comparison, camera.
+/// Draws the view, comparison and camera.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     parameters::named(ui, "view", model, app);
     parameters::named(ui, "level", model, app);
@@ -66,7 +66,7 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     });
 }
 
-/// What stands behind the split slider.
+/// Draws the choice of the picture behind the split slider.
 fn compare(ui: &mut Ui, model: &Model, app: &mut App) {
     let name = match model.comparand {
         Comparand::Nothing => "nothing",
@@ -92,7 +92,7 @@ fn compare(ui: &mut Ui, model: &Model, app: &mut App) {
     });
 }
 
-/// Presets and cones.
+/// Draws the presets and cones.
 pub fn cones(ui: &mut Ui, model: &Model, app: &mut App) {
     let name = model.preset.name();
     row(ui, "Preset", "Cones, and what goes with them", |ui| {
@@ -109,13 +109,13 @@ pub fn cones(ui: &mut Ui, model: &Model, app: &mut App) {
             .response
             .accessible_name("Preset");
     });
-    // The looks have cones of their own.
+    // Each look has its own cone settings.
     let look = model.settings.look.as_ref();
     let group = look.map_or(Group::Cones, |look| Group::Look(look.name()));
     parameters::group(ui, group, model, app);
 }
 
-/// Frames, exposure, curve, size.
+/// Draws frames, exposure, tone curve and size.
 pub fn picture(ui: &mut Ui, model: &Model, app: &mut App) {
     histogram::show(ui, model);
     parameters::group(ui, Group::Picture, model, app);

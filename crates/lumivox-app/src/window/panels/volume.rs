@@ -1,4 +1,4 @@
-//! The voxels: how they are made and stored, and what they take.
+//! The voxels: their settings, figures, and memory.
 
 use egui::{ComboBox, Ui};
 use lumivox_explorer::Revoxelize;
@@ -10,10 +10,10 @@ use crate::window::app::App;
 use crate::window::model::Model;
 use crate::window::theme;
 
-/// Settings, what was voxelized, memory.
+/// Draws the settings, figures and memory.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     parameters::group(ui, Group::Volume, model, app);
-    // It is among the settings of light as well.
+    // It is also among the light settings, hence the id.
     ui.push_id("volume", |ui| parameters::named(ui, "injection", model, app));
     revoxelize(ui, model, app);
     let voxels = &model.voxels;
@@ -62,7 +62,7 @@ fn revoxelize(ui: &mut Ui, model: &Model, app: &mut App) {
     });
 }
 
-/// A bar for each thing that takes memory, the largest first.
+/// Draws a bar for each use of memory, the largest first.
 fn memory(ui: &mut Ui, model: &Model) {
     let mut uses: Vec<_> = model.memory.iter().filter(|usage| usage.bytes > 0).collect();
     uses.sort_by_key(|usage| std::cmp::Reverse(usage.bytes));

@@ -1,4 +1,4 @@
-//! What an empty window offers.
+//! The start page of a window without a scene.
 
 use egui::{Align, Layout, RichText, ScrollArea, Ui, vec2};
 use lumivox_scene::builtin;
@@ -8,7 +8,7 @@ use crate::window::app::App;
 use crate::window::model::Model;
 use crate::window::theme;
 
-/// Built-in scenes, recent files, a dialog.
+/// Draws a button for the dialog, built-in scenes, and recent files.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.with_layout(Layout::top_down(Align::Center), |ui| {

@@ -1,4 +1,4 @@
-//! Rows of a panel: a name on the left, what can be set on the right.
+//! Rows of a panel: a name on the left, a control on the right.
 
 use egui::{Align, Layout, Response, RichText, Ui, vec2};
 
@@ -10,7 +10,7 @@ const NAME_WIDTH: f32 = 104.0;
 /// Width that is kept free on the right for the reset arrow.
 const RESET_WIDTH: f32 = 20.0;
 
-/// A row with a name, a tooltip and a place for what can be set.
+/// A row with a name, a tooltip and a control.
 pub fn row<T>(ui: &mut Ui, name: &str, tip: &str, contents: impl FnOnce(&mut Ui) -> T) -> T {
     ui.horizontal(|ui| {
         let size = vec2(NAME_WIDTH, ui.spacing().interact_size.y);
@@ -27,12 +27,12 @@ pub fn row<T>(ui: &mut Ui, name: &str, tip: &str, contents: impl FnOnce(&mut Ui)
     .inner
 }
 
-/// The width of what fills a row, but for the place of the reset arrow.
+/// The width of a control that fills the row up to the reset arrow.
 pub fn rest_width(ui: &Ui) -> f32 {
     (ui.available_width() - RESET_WIDTH).max(40.0)
 }
 
-/// An arrow that brings a default back, where there is something to bring back.
+/// A reset arrow, shown only if `is_changed`; returns whether it was clicked.
 pub fn reset(ui: &mut Ui, is_changed: bool, tip: &str) -> bool {
     if !is_changed {
         return false;
@@ -40,7 +40,7 @@ pub fn reset(ui: &mut Ui, is_changed: bool, tip: &str) -> bool {
     icons::button(ui, Icon::Back, theme::ACCENT, tip).clicked()
 }
 
-/// Three numbers in a row; whether one was changed.
+/// Three numbers in a row; returns whether one has changed.
 pub fn vector(
     ui: &mut Ui,
     numbers: &mut [f32; 3],
@@ -65,7 +65,7 @@ pub fn vector(
     is_changed
 }
 
-/// A line of a list, which fills the width that is left but for some of it.
+/// A line of a list, which fills the remaining width except `spare`.
 pub fn item(ui: &mut Ui, is_chosen: bool, text: RichText, spare: f32) -> Response {
     let size = vec2((ui.available_width() - spare).max(20.0), 18.0);
     let layout =
@@ -77,17 +77,17 @@ pub fn item(ui: &mut Ui, is_chosen: bool, text: RichText, spare: f32) -> Respons
     .inner
 }
 
-/// Whether a slider has done no more than to round what was there to its decimals.
+/// Whether a slider has only rounded the previous value to its decimals.
 pub fn is_rounded(now: f32, before: f32, decimals: i32) -> bool {
     (now - before).abs() <= 0.5001 * 10.0_f32.powi(-decimals)
 }
 
-/// Text that explains.
+/// Explanatory text.
 pub fn weak(ui: &mut Ui, text: impl Into<String>) -> Response {
     ui.label(RichText::new(text).color(theme::WEAK))
 }
 
-/// A number of bytes, of things.
+/// A number of bytes, as text.
 pub fn bytes(bytes: u64) -> String {
     match bytes {
         0..1024 => format!("{bytes} B"),

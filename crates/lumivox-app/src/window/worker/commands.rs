@@ -1,4 +1,4 @@
-//! Commands that only the window has, and what it does around those of the console.
+//! The window's own commands, and its reactions to the console's.
 
 use anyhow::bail;
 use glam::Vec2;
@@ -10,11 +10,11 @@ use crate::window::lines::{self, quoted};
 use crate::window::model::{Comparand, LogKind, Selected};
 use crate::window::orders::WindowRequest;
 
-/// Samples of a reference where nobody says otherwise.
+/// Default samples of a reference.
 const SAMPLES: u32 = 256;
 
 impl Worker {
-    /// Runs a command of the window; `None` where it is none.
+    /// Runs a command of the window; `None` if the line is not one.
     pub(super) fn run_own(&mut self, line: &str) -> Option<anyhow::Result<String>> {
         let words = lines::words(line)?;
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
@@ -46,7 +46,7 @@ impl Worker {
                 self.lines.wait_for_screen();
                 Ok(String::new())
             }
-            // For tests of what happens when a driver goes.
+            // For tests of lost devices.
             "lose_device" => {
                 if arguments == ["window"] {
                     self.publisher
@@ -61,7 +61,7 @@ impl Worker {
         Some(done)
     }
 
-    /// `select [[object|light] NAME]`: an object or a light; without a name nothing.
+    /// `select [[object|light] NAME]`: selects an object or a light; without a name, nothing.
     fn select(&mut self, arguments: &[&str]) -> anyhow::Result<String> {
         let selected = match arguments {
             [] => None,
@@ -72,12 +72,12 @@ impl Worker {
                  quote it if it has spaces"
             )),
         };
-        // The camera turns about what is chosen, not about what was clicked before.
+        // The camera orbits the selection, not an earlier clicked point.
         self.session.selection.choose(selected, None);
         Ok(String::new())
     }
 
-    /// What has a name: of one kind, or whatever it is.
+    /// Finds an object or a light by name; `kind` is `object`, `light`, or empty for both.
     fn find(&mut self, name: &str, kind: &str) -> anyhow::Result<Selected> {
         let model = self.session.view.model(&self.console);
         let objects =
@@ -136,7 +136,7 @@ impl Worker {
         Ok(String::new())
     }
 
-    /// Chooses what is at a place of the picture.
+    /// Selects the object at a place of the picture.
     pub(super) fn pick(&mut self, at: Vec2) {
         let explorer = &self.console.explorer;
         let Some(scene) = explorer.scene() else { return };
@@ -155,7 +155,7 @@ impl Worker {
         self.session.selection.choose(selected, pick.map(|pick| pick.position));
     }
 
-    /// Remembers what a line has made untrue.
+    /// Invalidates what a line has changed.
     pub(super) fn note_edits(&mut self, line: &str) {
         let edits = LineInfo::of(line).edits;
         if edits != Edits::Nothing {
@@ -164,7 +164,7 @@ impl Worker {
         self.session.has_edits |= edits == Edits::Look;
     }
 
-    /// The command line that reproduces the picture, from the console's `script`.
+    /// Publishes the command line that reproduces the picture, from the console's `script`.
     pub(super) fn tell_command_line(&mut self) {
         self.set_size(self.pictures.full_size());
         let script = match pollster::block_on(self.console.run("script")) {

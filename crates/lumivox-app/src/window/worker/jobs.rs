@@ -1,5 +1,4 @@
-//! Work of other threads that the worker waits for: a scene that is read, a reference that is
-//! traced, files that are watched.
+//! Jobs on other threads: reading a scene, tracing a reference, watching files.
 
 use std::sync::mpsc::Sender;
 
@@ -12,7 +11,7 @@ use crate::window::model::{Job, JobModel};
 use crate::window::orders::Order;
 use crate::window::reload::{self, Watched};
 
-/// Work of other threads.
+/// Jobs on other threads.
 pub struct Jobs {
     orders: Sender<Order>,
     loading: Option<Loading>,
@@ -20,29 +19,29 @@ pub struct Jobs {
     /// The picture of the reference so far.
     pub reference: Option<Reference>,
     watched: Option<Watched>,
-    /// Files have changed while a scene was read.
+    /// `true` if files have changed while a scene was being read.
     has_changed: bool,
     count: u64,
 }
 
 impl Jobs {
-    /// Nothing yet; results are sent as orders.
+    /// No jobs; results will be sent to `orders`.
     pub fn new(orders: Sender<Order>) -> Self {
         let (loading, tracing, reference, watched) = (None, None, None, None);
         Self { orders, loading, tracing, reference, watched, has_changed: false, count: 0 }
     }
 
-    /// Whether there are some, or results of some.
+    /// Whether a scene is being read, or there is a reference, complete or not.
     pub fn are_there(&self) -> bool {
         self.loading.is_some() || self.tracing.is_some()
     }
 
-    /// Whether there is progress to be shown.
+    /// Whether a job is in progress.
     pub fn are_under_way(&self) -> bool {
         self.loading.is_some() || self.is_tracing()
     }
 
-    /// Begins to read a scene, in the place of the one that is being read.
+    /// Starts reading a scene, in place of one that is being read.
     pub fn load(&mut self, opening: SceneRequest, is_reload: bool) {
         self.count += 1;
         // Files may change while the scene is read.
@@ -67,17 +66,17 @@ impl Jobs {
         self.loading.as_ref().is_some_and(|loading| !loading.is_reload)
     }
 
-    /// Ends the reading of this number, or whichever there is.
+    /// Takes the loading of this number, or any if `number` is `None`.
     pub fn take_loading(&mut self, number: Option<u64>) -> Option<Loading> {
         self.loading.take_if(|loading| number.is_none_or(|number| loading.number == number))
     }
 
-    /// Remembers that files have changed while a scene is read.
+    /// Notes that files have changed while a scene is being read.
     pub fn note_change(&mut self) {
         self.has_changed = true;
     }
 
-    /// Whether they had; asked once.
+    /// Whether that was noted; clears the note.
     pub fn take_change(&mut self) -> bool {
         std::mem::take(&mut self.has_changed)
     }
@@ -85,7 +84,7 @@ impl Jobs {
     /// Watches the files of the scene that is shown.
     ///
     /// # Errors
-    /// When the system does not watch files; with a sentence on it.
+    /// A message, when the system cannot watch the files.
     pub fn watch(&mut self, console: &Console) -> Result<(), String> {
         let before = self.watched.take();
         let opening = console.scene_request();
@@ -101,20 +100,20 @@ impl Jobs {
         }
     }
 
-    /// Whether a reference gets more samples.
+    /// Whether a reference is being traced.
     pub fn is_tracing(&self) -> bool {
         self.tracing.as_ref().is_some_and(|tracing| !tracing.is_over)
     }
 
-    /// Traces a reference of what the explorer shows, unless it is there already; whether another
-    /// one has begun.
+    /// Starts tracing a reference of the explorer's picture, unless the current one matches;
+    /// returns whether it has started one.
     pub fn trace(&mut self, explorer: &Explorer, samples: u32) -> bool {
         let Some(scene) = explorer.scene() else { return false };
         let key = ReferenceKey::new(scene, explorer.camera(), explorer.settings(), samples);
         if self.tracing.as_ref().is_some_and(|tracing| tracing.key == key) {
             return false;
         }
-        // The old one goes first: its memory and its time are for the new one.
+        // Drop the old one first, to free its memory and time.
         self.forget_reference();
         self.count += 1;
         let (gpu, scene, orders) = (explorer.gpu().clone(), scene.clone(), self.orders.clone());
@@ -122,7 +121,7 @@ impl Jobs {
         true
     }
 
-    /// Whether a reference is of another state than the explorer's, in pictures of this size.
+    /// Whether there is a reference of another state than the explorer's at this size.
     pub fn is_reference_old(&self, explorer: &Explorer, size: UVec2) -> bool {
         let is_of = |tracing: &Tracing| {
             let is_of = |scene| tracing.key.is_of(scene, explorer.camera(), size);
@@ -131,20 +130,20 @@ impl Jobs {
         self.tracing.as_ref().is_some_and(|tracing| !is_of(tracing))
     }
 
-    /// Takes news of the reference that is traced; `None` where they are of another one.
+    /// Applies a result of the current reference; `None` if it is of another one.
     pub fn take_traced(&mut self, traced: Traced) -> Option<anyhow::Result<()>> {
         let tracing = self.tracing.as_mut().filter(|tracing| tracing.number == traced.number)?;
         tracing.is_over = traced.is_last;
         Some(traced.result.map(|reference| self.reference = Some(reference)))
     }
 
-    /// Stops what is traced.
+    /// Stops tracing, and drops the reference.
     pub fn forget_reference(&mut self) {
         self.tracing = None;
         self.reference = None;
     }
 
-    /// The scene that is read, for the window.
+    /// The job of reading a scene, for the panels.
     pub fn loading_model(&self) -> Option<JobModel> {
         self.loading.as_ref().map(|loading| JobModel {
             words: format!("{}: {}", loading.title, loading.watch.words()),
@@ -154,7 +153,7 @@ impl Jobs {
         })
     }
 
-    /// The reference that is traced, for the window.
+    /// The job of tracing a reference, for the panels.
     pub fn tracing_model(&self) -> Option<JobModel> {
         let tracing = self.tracing.as_ref().filter(|tracing| !tracing.is_over)?;
         let (samples, total) = (tracing.samples(), tracing.total());

@@ -1,19 +1,19 @@
-//! Lines that wait for their turn.
+//! The queue of lines.
 
 use lumivox_console::{Line as ScriptLine, Queue};
 use lumivox_explorer::ChangeQueue;
 
 use crate::window::lines::{Line, Origin};
 
-/// Lines that wait for their turn: for a scene, for frames, or for a script before them.
+/// Lines that wait for a scene, for frames, or for a script.
 #[derive(Debug, Default)]
 pub struct Lines {
     waiting: ChangeQueue<Line>,
-    /// Lines of scripts, which go before those.
+    /// Lines of scripts, which run before those.
     script: Queue,
     script_goes_on: bool,
-    /// A line whose frames are being rendered before it is run, and whether the present one was
-    /// such.
+    /// A line that runs once its frames are rendered; `is_prepared`: `true` if the current line was
+    /// one.
     pending: Option<Line>,
     is_prepared: bool,
     frames_to_wait: u32,
@@ -23,13 +23,13 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Adds a line, which supersedes one that sets the same.
+    /// Adds a line, which supersedes a waiting one with the same target.
     pub fn push(&mut self, line: Line) {
         self.waiting.push(line.target(), line);
     }
 
-    /// The next line that need not wait. While a scene is read, lines of the terminal and of
-    /// scripts wait for it; while frames or the screen are waited for, all but those of the panels do.
+    /// The next line that can run. While a scene is being read, lines of the terminal and of
+    /// scripts wait; while waiting for frames or the screen, all lines do except those of panels.
     pub fn next(&mut self, is_loading: bool) -> Option<Line> {
         let is_waiting = self.frames_to_wait > 0 || self.waits_for_screen;
         if !is_loading && !is_waiting {
@@ -42,7 +42,7 @@ impl Lines {
                 return Some(Line { text, origin: Origin::Script, serial: 0, gesture: 0 });
             }
             self.script_goes_on = false;
-            // The next script is no deeper for this one.
+            // Reset the depth of nested scripts.
             self.script = Queue::default();
         }
         self.waiting.take_first(|line| match line.origin {
@@ -57,7 +57,7 @@ impl Lines {
         self.script_goes_on || self.pending.is_some() || !self.waiting.is_empty()
     }
 
-    /// Whether the frames of the present line were rendered before it; asked once for each line.
+    /// Whether the frames of the current line were rendered before it; clears the flag.
     pub fn take_prepared(&mut self) -> bool {
         std::mem::take(&mut self.is_prepared)
     }
@@ -68,12 +68,12 @@ impl Lines {
         self.pending = Some(line);
     }
 
-    /// Lets lines wait for frames.
+    /// Makes lines wait for this number of frames.
     pub fn wait_for(&mut self, frames: u32) {
         self.frames_to_wait = frames;
     }
 
-    /// Holds lines back until the window shows the newest picture.
+    /// Makes lines wait until the window shows the newest picture.
     pub fn wait_for_screen(&mut self) {
         self.waits_for_screen = true;
     }
@@ -83,42 +83,42 @@ impl Lines {
         self.waits_for_screen
     }
 
-    /// The window shows the last picture.
+    /// Ends the wait for the screen.
     pub fn screen_is_current(&mut self) {
         self.waits_for_screen = false;
     }
 
-    /// Frames that are still waited for.
+    /// Frames left to wait for.
     pub fn frames_to_wait(&self) -> u32 {
         self.frames_to_wait
     }
 
-    /// A frame was rendered.
+    /// Counts a rendered frame.
     pub fn frame_rendered(&mut self) {
         self.frames_to_wait = self.frames_to_wait.saturating_sub(1);
     }
 
-    /// There are no more frames to wait for.
+    /// Ends the wait for frames.
     pub fn frames_are_over(&mut self) {
         self.frames_to_wait = 0;
     }
 
-    /// Whether lines of a script, frames or the screen are waited for.
+    /// Whether lines wait for a script, frames or the screen.
     pub fn are_under_way(&self) -> bool {
         self.frames_to_wait > 0 || self.waits_for_screen || self.script_goes_on
     }
 
-    /// Lines of a script go before all that wait.
+    /// Puts lines of a script before all waiting lines.
     ///
     /// # Errors
-    /// When scripts run scripts without end.
+    /// When scripts are nested too deeply.
     pub fn interpose(&mut self, lines: Vec<ScriptLine>) -> anyhow::Result<()> {
         self.script.interpose(lines)?;
         self.script_goes_on = true;
         Ok(())
     }
 
-    /// Forgets the rest of a script, and what is waited for.
+    /// Drops the rest of a script, the pending line, and all waits.
     pub fn abandon(&mut self) {
         self.script = Queue::default();
         self.script_goes_on = false;
@@ -127,7 +127,7 @@ impl Lines {
         self.waits_for_screen = false;
     }
 
-    /// A line is done.
+    /// Marks a line as done.
     pub fn finish(&mut self, line: &Line) {
         self.done = self.done.max(line.serial);
     }
@@ -137,7 +137,7 @@ impl Lines {
         self.done
     }
 
-    /// Whether a line begins a step of its own for `undo`: it is not of the last one's gesture.
+    /// Whether a line begins another step for `undo`, as its gesture is not the last line's.
     pub fn begins_gesture(&mut self, line: &Line) -> bool {
         let is_other = line.gesture == 0 || line.gesture != self.gesture;
         self.gesture = line.gesture;
@@ -202,7 +202,7 @@ mod tests {
         assert!(lines.next(false).is_none() && lines.are_under_way());
         lines.screen_is_current();
         assert_eq!(lines.next(false).map(|line| line.serial), Some(1));
-        // Whoever cancels does not wait for a window that is minimized.
+        // Cancelling ends the wait for a minimized window, too.
         lines.wait_for_screen();
         lines.abandon();
         assert!(!lines.are_under_way());

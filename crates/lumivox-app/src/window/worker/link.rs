@@ -1,4 +1,4 @@
-//! The worker's ends: orders that come in, and what it publishes.
+//! The worker's side of the communication: its inbox and its publisher.
 
 use std::collections::VecDeque;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crate::window::model::Doing;
 use crate::window::orders::{Order, Published, Shared, Wake};
 
-/// Orders that wait.
+/// The inbox of orders.
 #[derive(Debug)]
 pub struct Inbox {
     sender: Sender<Order>,
@@ -15,14 +15,14 @@ pub struct Inbox {
     waiting: VecDeque<Order>,
 }
 
-/// The end of a wait.
+/// The result of a wait.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Waited {
     /// There are orders.
     Orders,
-    /// The time is over.
+    /// The time has passed.
     Timeout,
-    /// No order can come any more.
+    /// No sender is left.
     Closed,
 }
 
@@ -37,12 +37,12 @@ impl Inbox {
         self.sender.clone()
     }
 
-    /// Fetches the orders that are there.
+    /// Fetches the orders that have arrived.
     pub fn fetch(&mut self) {
         self.waiting.extend(self.orders.try_iter());
     }
 
-    /// Sleeps until there is an order, or for a time.
+    /// Sleeps until there is an order, at most for `timeout`.
     pub fn sleep(&mut self, timeout: Option<Duration>) -> Waited {
         if !self.waiting.is_empty() {
             return Waited::Orders;
@@ -72,7 +72,7 @@ impl Inbox {
     }
 }
 
-/// Publishes what the window shows, and wakes it.
+/// Publishes state for the window, and wakes it.
 #[derive(Clone)]
 pub struct Publisher {
     shared: Shared,
@@ -84,18 +84,18 @@ impl Publisher {
         Self { shared, wake }
     }
 
-    /// Publishes something that the window need not show at once.
+    /// Changes the published state without waking the window.
     pub fn change(&self, change: impl FnOnce(&mut Published)) {
         self.shared.change(change);
     }
 
-    /// Publishes something.
+    /// Changes the published state, and wakes the window.
     pub fn publish(&self, change: impl FnOnce(&mut Published)) {
         self.change(change);
         (self.wake)();
     }
 
-    /// Something begins that may take long, unless it is still the same.
+    /// Publishes the worker's activity, unless it is still the same.
     pub fn begin(&self, words: String) {
         let mut is_new = false;
         self.change(|published| {
@@ -109,7 +109,7 @@ impl Publisher {
         }
     }
 
-    /// Nothing is under way any more.
+    /// Publishes that the worker is idle.
     pub fn rest(&self) {
         let mut was_busy = false;
         self.change(|published| was_busy = published.doing.take().is_some());

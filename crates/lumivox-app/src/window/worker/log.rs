@@ -13,32 +13,31 @@ use crate::window::lines::Line;
 use crate::window::model::{LogKind, LogLine};
 use crate::window::terminal::Terminal;
 
-/// Lines that are kept.
+/// Maximum number of kept lines.
 const KEPT: usize = 2000;
 
-/// The console's lines. They go to stdout, too, so that what is done with the mouse can be read
-/// there.
+/// The console's lines. They are printed to stdout, too, so that mouse actions can be read there.
 #[derive(Debug, Default)]
 pub struct Log {
     lines: VecDeque<LogLine>,
     snapshot: Option<Arc<Vec<LogLine>>>,
-    /// The target of the last line, if it is a panel's command; and whether stdout has it already.
+    /// The last line's target, if it is a panel's command, and whether it is printed already.
     last: Option<(Option<String>, bool)>,
-    /// The thread that writes them to stdout as well.
+    /// The thread that prints them to stdout.
     printer: Option<(Sender<Printed>, JoinHandle<()>)>,
 }
 
-/// For the thread that writes.
+/// A message to the printing thread.
 enum Printed {
     Text(String),
     Names(Names),
 }
 
-/// At the end, a reader that has stopped reading is waited for this long.
+/// Maximum wait at the end for a reader of stdout that does not read.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 impl Log {
-    /// Lines go to a terminal from now on, by a thread of their own: its reader may be slow.
+    /// Prints lines to a terminal from now on, on a thread: the terminal's reader may be slow.
     pub fn print_to(&mut self, mut terminal: Terminal) {
         let (sender, lines) = mpsc::channel();
         let thread = std::thread::spawn(move || {
@@ -53,15 +52,16 @@ impl Log {
         self.printer = Some((sender, thread));
     }
 
-    /// Sets the names that are completed from now on.
+    /// Sets the terminal's names for completion.
     pub fn set_names(&self, names: &Names) {
         if let Some((printer, _)) = &self.printer {
-            // It ends with this.
+            // The thread ends only after the sender is dropped.
             let _ = printer.send(Printed::Names(names.clone()));
         }
     }
 
-    /// A line that is run. Of a panel's lines that set the same thing, the last stays.
+    /// Adds a line that is run. It replaces the last line if both are a panel's with the same
+    /// target.
     pub fn add_command(&mut self, line: &Line) {
         let target = line.target();
         let replaces =
@@ -79,7 +79,7 @@ impl Log {
         }
     }
 
-    /// Other words; none for an empty text.
+    /// Adds other text, unless it is empty.
     pub fn add(&mut self, kind: LogKind, text: &str) {
         if text.is_empty() {
             return;
@@ -90,12 +90,12 @@ impl Log {
         self.settle();
     }
 
-    /// Whether a command waits for others like it before it is written to stdout.
+    /// Whether the last command is not printed yet, since another may replace it.
     pub fn is_pending(&self) -> bool {
         self.last.as_ref().is_some_and(|(_, is_written)| !is_written)
     }
 
-    /// Writes what waits, and lets nothing replace it.
+    /// Prints the last line if it is pending, and makes it final.
     pub fn settle(&mut self) {
         let Some((_, is_written)) = self.last.take() else { return };
         if let (false, Some(line)) = (is_written, self.lines.back()) {
@@ -106,13 +106,13 @@ impl Log {
             };
             let text = format!("{mark}{}", line.text);
             if let Some((printer, _)) = &self.printer {
-                // It ends with this.
+                // The thread ends only after the sender is dropped.
                 let _ = printer.send(Printed::Text(text));
             }
         }
     }
 
-    /// The same at the end.
+    /// The same at the end; waits for the printing thread.
     pub fn flush(&mut self) {
         self.settle();
         let Some((printer, thread)) = self.printer.take() else { return };
@@ -128,7 +128,7 @@ impl Log {
         self.snapshot = None;
     }
 
-    /// The lines that are kept.
+    /// The kept lines.
     pub fn snapshot(&mut self) -> Arc<Vec<LogLine>> {
         let lines = &self.lines;
         self.snapshot.get_or_insert_with(|| Arc::new(lines.iter().cloned().collect())).clone()
@@ -141,7 +141,7 @@ pub struct Messages {
     pub log: Log,
     /// The last error, with its number.
     error: Option<(u64, String)>,
-    /// The command line that was asked for last, with its number.
+    /// The last requested command line, with its number.
     command_line: Option<(u64, String)>,
 }
 
@@ -162,12 +162,12 @@ impl Messages {
         self.error = Some((number, text));
     }
 
-    /// The error of this number was read.
+    /// Closes the error of this number.
     pub fn close_error(&mut self, number: u64) {
         self.error = self.error.take().filter(|(other, _)| *other != number);
     }
 
-    /// The error that was not read.
+    /// The error that was not closed, with its number.
     pub fn error(&self) -> Option<(u64, String)> {
         self.error.clone()
     }
@@ -179,7 +179,7 @@ impl Messages {
         self.command_line = Some((number, line));
     }
 
-    /// The last such line.
+    /// The last such command line, with its number.
     pub fn command_line(&self) -> Option<(u64, String)> {
         self.command_line.clone()
     }

@@ -1,14 +1,15 @@
-//! The thread that owns the console and in it the explorer: runs lines, renders frames, and publishes the results.
+//! The worker thread: owns the console and its explorer, runs lines, renders frames, and publishes
+//! the results.
 //!
-//! It drains all orders that are there, runs their lines, publishes the model, renders one frame, publishes the
-//! picture, and looks for orders again; once the picture is complete it sleeps until one comes. So a line waits for one
-//! frame at most, and the window for nothing at all.
+//! It drains all orders, runs their lines, publishes the model, renders one frame, publishes the
+//! picture, and repeats; once the picture is complete, it sleeps until an order comes. So a line
+//! waits for at most one frame, and the window never waits.
 //!
 //! | file | is |
 //! | --- | --- |
-//! | `link.rs` | orders that come in, and publishing |
-//! | `lines.rs`, `running.rs`, `commands.rs` | lines that wait; running them; commands that only the window has |
-//! | `jobs.rs`, `scenes.rs` | scenes and references that other threads make; taking them over |
+//! | `link.rs` | the inbox of orders, and publishing |
+//! | `lines.rs`, `running.rs`, `commands.rs` | the queue; running lines; the window's commands |
+//! | `jobs.rs`, `scenes.rs` | scenes and references from other threads; applying them |
 //! | `pictures.rs`, `totals.rs` | the pictures on the screen, and the times of their frames |
 //! | `model.rs`, `log.rs`, `session.rs` | the state that the panels show |
 
@@ -44,11 +45,11 @@ use log::Messages;
 use pictures::Pictures;
 use session::Session;
 
-/// How often progress is shown while nothing else happens.
+/// Interval of progress updates while nothing else happens.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
-/// Starts the worker; `wake` is called when something was published. It ends at [`Order::Quit`] or a command that asks
-/// for it.
+/// Starts the worker, which calls `wake` when it has published something. It ends at
+/// [`Order::Quit`] or a command to quit.
 pub fn start(
     console: Console,
     options: GpuOptions,
@@ -70,7 +71,7 @@ pub fn start(
     (sender, shared, thread)
 }
 
-/// Publishes that the worker has ended, after a panic as well.
+/// Publishes when dropped that the worker has ended, even by a panic.
 struct End(Publisher);
 
 impl Drop for End {
@@ -81,7 +82,7 @@ impl Drop for End {
 
 struct Worker {
     console: Console,
-    /// How another device is opened.
+    /// Options for opening another device.
     options: GpuOptions,
     inbox: Inbox,
     publisher: Publisher,
@@ -90,7 +91,7 @@ struct Worker {
     pictures: Pictures,
     session: Session,
     messages: Messages,
-    /// Lines of the terminal are typed, not piped.
+    /// `true` if stdin is a terminal: its lines are typed, not piped.
     is_terminal: bool,
     is_over: bool,
 }
@@ -154,7 +155,7 @@ impl Worker {
         self.messages.log.flush();
     }
 
-    /// Fetches orders; sleeps until there are some where there is nothing to do.
+    /// Fetches orders; if there is nothing to do, sleeps until there are some.
     fn wait(&mut self, is_busy: bool) {
         if !is_busy {
             let timeout = if self.jobs.are_under_way()
@@ -190,7 +191,7 @@ impl Worker {
                         }
                     }
                 },
-                // A hand that is still in the last scene.
+                // Motion that began in the last scene.
                 Order::Camera(_, scene) if scene != self.session.opened => {}
                 Order::Camera(camera, _) => {
                     self.console.explorer.pacing.camera_dragged();
@@ -221,13 +222,14 @@ impl Worker {
         }
     }
 
-    /// Whether there are lines whose turn is now.
+    /// Whether there are lines that can run now.
     fn has_work(&self) -> bool {
         let is_held = self.jobs.is_opening() || self.lines.is_waiting_for_screen();
         self.lines.are_left() && !is_held
     }
 
-    /// Whether a line goes before all others. What is piped in is a script, in which `quit` has its turn.
+    /// The urgency of a line that runs before all others. Piped input is a script, in which `quit`
+    /// waits for its turn.
     fn urgency(&self, line: &Line) -> Option<Urgency> {
         let is_piped = line.origin == Origin::Terminal && !self.is_terminal;
         let urgency = LineInfo::of(&line.text).urgency;
@@ -235,8 +237,8 @@ impl Worker {
     }
 }
 
-/// Forwards lines of the terminal, until the window is closed or there are no more. The end of them is not the end of the
-/// window.
+/// Forwards lines of the terminal, until the window is closed or the input ends, which does not
+/// close the window.
 fn hear_terminal(orders: Sender<Order>, shared: Shared, is_terminal: bool) -> Option<Terminal> {
     let (sender, lines) = mpsc::channel();
     let terminal = terminal::spawn(sender).ok()?;

@@ -8,7 +8,7 @@ use super::Worker;
 use crate::window::model::{Model, voxel_model};
 
 impl Worker {
-    /// Lets the window know how things are.
+    /// Publishes a new model.
     pub(super) fn publish(&mut self) {
         let jobs = self.job_models();
         let Self { session, messages, pictures, .. } = self;

@@ -20,31 +20,32 @@ use crate::window::screen::{Pixels, Screen};
 
 /// The pictures on the screen, and which frame is next.
 pub struct Pictures {
-    /// The picture's size when nothing moves.
+    /// The picture's size at rest.
     full_size: UVec2,
     pub meter: ExposureMeter,
     pub comparand: Comparand,
     pub screen: Screen,
     split: SplitSchedule,
-    /// A picture of the present state was published.
+    /// `true` if a picture of the current state was published.
     is_current: bool,
-    /// Counts pictures.
+    /// The number of the last picture.
     serial: u64,
     /// The number of the newest picture that the window shows.
     on_screen: u64,
-    /// Rendering failed: nothing more is tried until something changes.
+    /// `true` after rendering has failed; nothing is rendered until something changes.
     pub has_failed: bool,
     /// Devices that were lost since the last frame.
     pub losses: u32,
-    /// The place where light is to be measured.
+    /// The place to measure the light at, if requested.
     pub probe: Option<Vec2>,
     pub times: FrameLog,
-    /// Cone samples and length of the history of the last frame, while the panel that shows them is open.
+    /// Cone samples and length of the history of the last frame; `None` while the panel that shows
+    /// them is closed.
     pub figures: Option<TraceFigures>,
 }
 
 impl Pictures {
-    /// Nothing yet, in this size.
+    /// The initial state, with this size.
     pub fn new(full_size: UVec2) -> Self {
         Self {
             full_size,
@@ -63,12 +64,12 @@ impl Pictures {
         }
     }
 
-    /// The picture's size when nothing moves.
+    /// The picture's size at rest.
     pub fn full_size(&self) -> UVec2 {
         self.full_size
     }
 
-    /// Lets pictures have another size.
+    /// Sets the picture's size at rest.
     pub fn set_full_size(&mut self, size: UVec2) {
         self.full_size = size.max(UVec2::ONE);
     }
@@ -79,13 +80,13 @@ impl Pictures {
         self.show_again();
     }
 
-    /// What is there is published once more.
+    /// Publishes the current pictures again.
     pub fn show_again(&mut self) {
         self.split.start_again();
         self.is_current = false;
     }
 
-    /// The window shows the pictures up to this number.
+    /// Sets the number of the newest picture that the window shows.
     pub fn set_on_screen(&mut self, serial: u64) {
         self.on_screen = serial;
     }
@@ -97,12 +98,12 @@ impl Pictures {
 }
 
 impl Worker {
-    /// Whether the window shows the last picture, and no other is to come of itself.
+    /// Whether the window shows the last picture, and no reference is being traced.
     pub(super) fn is_screen_current(&self) -> bool {
         !self.jobs.is_tracing() && self.pictures.on_screen >= self.publisher.shared().newest()
     }
 
-    /// Something has changed: what is shown is no longer true.
+    /// Restarts the pictures after a change.
     pub(super) fn start_again(&mut self) {
         self.pictures.start_again();
         self.publisher.change(|published| {
@@ -113,14 +114,14 @@ impl Worker {
         self.check_reference();
     }
 
-    /// Gives a reference up that is of another state.
+    /// Drops a reference of another state.
     fn check_reference(&mut self) {
         if self.jobs.is_reference_old(&self.console.explorer, self.pictures.full_size) {
             self.forget_reference();
         }
     }
 
-    /// Lets pictures have a size.
+    /// Sets the size of the explorer's pictures, up to the device's limit.
     pub(super) fn set_size(&mut self, size: UVec2) {
         let explorer = &mut self.console.explorer;
         if explorer.size() != size {
@@ -129,21 +130,21 @@ impl Worker {
                 size: size.min(UVec2::splat(most)),
                 ..explorer.settings().clone()
             };
-            // Sizes within the limit are always allowed.
+            // Cannot fail: the size is within the limit.
             let _ = explorer.set_settings(settings);
         }
     }
 
-    /// Renders a frame of what is next; whether there is more to do.
+    /// Renders the next frame; returns whether there is more to do.
     pub(super) fn render_some(&mut self) -> anyhow::Result<bool> {
         if self.pictures.has_failed || self.console.explorer.scene().is_none() {
             self.lines.frames_are_over();
             return Ok(false);
         }
-        // The window may have seen it first.
+        // The window may have noticed the loss first.
         anyhow::ensure!(!self.console.explorer.gpu().is_lost(), "the GPU was lost");
         self.advance_time()?;
-        // Frames that come on demand are those of the picture.
+        // Frames on demand have no first look.
         let explorer = &mut self.console.explorer;
         if explorer.is_single_frame {
             explorer.pacing.first_shown();
@@ -154,7 +155,7 @@ impl Worker {
         if self.console.explorer.is_single_frame {
             return self.show_what_is_there();
         }
-        // A coarse picture waits for the scene to come to rest.
+        // A coarse picture is followed by a full one once the scene is at rest.
         let is_changing = is_coarse || self.console.explorer.playback().is_playing;
         let Comparand::View(view) = self.pictures.comparand else {
             let has_rendered = self.render_frame()?;
@@ -178,7 +179,7 @@ impl Worker {
         Ok(self.pictures.split.next().is_some())
     }
 
-    /// Lets animations play and voxels follow.
+    /// Advances animations and updates voxels.
     fn advance_time(&mut self) -> anyhow::Result<()> {
         if self.console.explorer.tick_clock()? {
             self.pictures.meter.start_again();
@@ -191,13 +192,13 @@ impl Worker {
         Ok(())
     }
 
-    /// One frame more of the picture; whether there was one to render.
+    /// Renders the next frame of the picture; returns whether there was one.
     fn render_frame(&mut self) -> anyhow::Result<bool> {
         let start = Instant::now();
         let is_first = self.console.explorer.renderer().is_none();
         self.publisher.begin(RENDERING.to_owned());
         let publisher = self.publisher.clone();
-        // Voxels, light and pipelines take long enough to tell.
+        // Voxels, light and pipelines take long enough to report.
         let mut tell = |step: RenderProgress| {
             let words = if step.done < step.total { words(step.stage) } else { RENDERING };
             publisher.begin(words.to_owned());
@@ -205,7 +206,7 @@ impl Worker {
         let explorer = &mut self.console.explorer;
         let asked = explorer.settings().clone();
         if explorer.pacing.is_first() {
-            // Settings for a first look that are refused are done without.
+            // If the settings of the first look are refused, render without them.
             let _ = explorer.set_settings(first_look(&asked));
         }
         let rendered = pollster::block_on(explorer.frame(&mut tell));
@@ -263,8 +264,8 @@ impl Worker {
         Ok(())
     }
 
-    /// Measures the light where somebody points. Beside another view, whose frames take turns with the picture's, there is
-    /// nothing to be measured.
+    /// Measures the light at the probed place. Measures nothing beside another view, whose frames
+    /// alternate with the picture's.
     pub(super) fn measure_light(&mut self) {
         let Some(at) = self.pictures.probe.take() else { return };
         let explorer = &self.console.explorer;
@@ -273,7 +274,7 @@ impl Worker {
             (None, _) | (_, Comparand::View(_)) => None,
             (Some(size), _) => {
                 let pixel = (at * size.as_vec2()).as_uvec2().min(size - UVec2::ONE);
-                // A device that is lost is noticed by the next frame.
+                // Ignore errors: the next frame notices a lost device.
                 pollster::block_on(explorer.probe(pixel)).ok().flatten()
             }
         };
@@ -288,8 +289,8 @@ impl Worker {
         Ok(pixels.map(|pixels| Arc::new(Shown { serial, size, pixels, frames })))
     }
 
-    /// One frame more of another view, which is published; whether there was one to render. A view that is refused is
-    /// given up, and the picture goes on without it.
+    /// Renders and publishes the next frame of another view; returns whether there was one. If the
+    /// view is refused, ends the comparison.
     fn render_other(&mut self, view: View) -> anyhow::Result<bool> {
         let settings = self.console.explorer.settings().clone();
         let other = RenderSettings { view, ..settings.clone() };
@@ -297,7 +298,7 @@ impl Worker {
             Ok(()) => self.render_frame_of_other(settings.view),
             Err(error) => Err(error.into()),
         };
-        // Not one that is refused: it was there before.
+        // Cannot fail: these were the settings before.
         let _ = self.console.explorer.set_settings(settings);
         match done {
             Err(error) if !self.has_lost_device() => {
@@ -315,7 +316,7 @@ impl Worker {
         if !pollster::block_on(explorer.frame(&mut |_| {}))? {
             return Ok(false);
         }
-        // These are not times of the picture.
+        // Discard the times: they are not the picture's.
         let _ = explorer.take_stage_times();
         let stops = pollster::block_on(self.pictures.meter.beside(explorer, first))?;
         let shown = self.shown(stops)?;
@@ -330,7 +331,7 @@ impl Worker {
         }
     }
 
-    /// More of the reference is there.
+    /// Applies a result of tracing the reference.
     pub(super) fn take_reference(&mut self, traced: Traced) {
         let is_last = traced.is_last;
         match self.jobs.take_traced(traced) {
@@ -349,7 +350,7 @@ impl Worker {
         }
     }
 
-    /// Publishes the reference, exposed and toned as the picture is, unless it is there like this already.
+    /// Publishes the reference with the picture's exposure and tone curve, unless it already was.
     fn show_reference(&mut self) -> anyhow::Result<()> {
         let Some(reference) = &mut self.jobs.reference else { return Ok(()) };
         let explorer = &self.console.explorer;

@@ -1,4 +1,4 @@
-//! Running lines, and what becomes of the rest when something goes wrong.
+//! Running lines, and handling their effects and errors.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -10,10 +10,10 @@ use super::Worker;
 use crate::window::lines::{Line, Origin};
 use crate::window::model::{Comparand, Job, JobModel, LogKind};
 
-/// A command that takes longer tells how far it is, this often.
+/// Interval at which long commands report their progress.
 const TELL_EVERY: Duration = Duration::from_millis(100);
 
-/// A line's beginning, as much as there is room for beside other words.
+/// A line's beginning, short enough for the status bar.
 fn shortened(line: &str) -> String {
     const MOST: usize = 40;
     let mut letters = line.trim().chars();
@@ -22,10 +22,10 @@ fn shortened(line: &str) -> String {
 }
 
 impl Worker {
-    /// Runs lines until one has to wait for something; whether there was one.
+    /// Runs lines until one has to wait; returns whether it ran any.
     pub(super) fn run_lines(&mut self) -> bool {
         let mut has_run = false;
-        // What somebody wants to end or to break off is not begun.
+        // Start no line after a request to quit or to stop.
         while !self.is_over && !self.publisher.shared().is_stopped() {
             let Some(line) = self.lines.next(self.jobs.is_opening()) else { break };
             if !has_run {
@@ -43,7 +43,7 @@ impl Worker {
         has_run
     }
 
-    /// Whether the frames are to be rendered first that a command is about to ask for.
+    /// Whether a line needs frames that must be rendered first.
     fn waits_for_frames(&mut self, line: &Line) -> bool {
         let explorer = &self.console.explorer;
         let is_prepared = self.lines.take_prepared();
@@ -81,7 +81,7 @@ impl Worker {
                 }
             }
         }
-        // The window knows of its own.
+        // The window knows the moves of its own lines.
         if line.origin != Origin::Panel && *self.console.explorer.camera() != camera {
             self.session.camera_moves += 1;
         }
@@ -94,7 +94,7 @@ impl Worker {
         match effect {
             Effect::Nothing => {}
             Effect::Open(opening) => {
-                // What a script would have done to the scene that nobody waits for any more.
+                // Drop the rest of a script that waits for the scene being replaced.
                 if self.jobs.is_loading() && origin != Origin::Script {
                     self.lines.abandon();
                 }
@@ -110,7 +110,7 @@ impl Worker {
         }
     }
 
-    /// Stops what somebody does not want any more; without a name, all of it.
+    /// Cancels a job; all jobs if `which` is `None`.
     pub(super) fn cancel(&mut self, which: Option<Job>) {
         self.publisher.shared().go_on();
         let is_meant = |job: Job| which.is_none_or(|which| which == job);
@@ -134,7 +134,7 @@ impl Worker {
         }
     }
 
-    /// Hears how far long commands are, tells it to the window, and breaks them off when somebody wants that.
+    /// A listener that publishes the progress of long commands, and stops them on request.
     pub(super) fn progress_listener(&self) -> Box<dyn ProgressListener> {
         let publisher = self.publisher.clone();
         let mut told = Instant::now();

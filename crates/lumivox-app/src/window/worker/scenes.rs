@@ -1,4 +1,4 @@
-//! Scenes that come and go, devices that are lost, and what is under way.
+//! Applying scenes, replacing lost devices, and the jobs in progress.
 
 use lumivox_render::Gpu;
 
@@ -6,12 +6,12 @@ use super::Worker;
 use crate::window::jobs::Loaded;
 use crate::window::model::{Comparand, Job, JobModel, LogKind};
 
-/// Devices that may be lost one after the other without a frame between them. A workload that kills each is not tried
-/// again before something changes.
+/// Losses of devices without a frame in between after which rendering stops until something
+/// changes: the workload may kill every device.
 const MOST_LOSSES: u32 = 3;
 
 impl Worker {
-    /// A scene is there, or an error; unless nobody waits for it any more.
+    /// Applies the result of reading a scene, unless that was cancelled.
     pub(super) fn take_scene(&mut self, loaded: Loaded) {
         let Some(loading) = self.jobs.take_loading(Some(loaded.number)) else { return };
         let opened = match loaded.result {
@@ -61,7 +61,7 @@ impl Worker {
         if let Err(text) = self.jobs.watch(&self.console) {
             self.messages.log.add(LogKind::Note, &text);
         }
-        // No sooner: what has changed in between is heard of twice rather than never.
+        // Drop its watcher only now: a change in between is reported twice rather than never.
         drop(loading);
         self.session.view.open(&self.console);
         self.start_again();
@@ -70,7 +70,7 @@ impl Worker {
         }
     }
 
-    /// Reads the scene again; where another is being read, that one once it is there.
+    /// Reloads the scene; if another is being opened, reloads that one afterwards.
     pub(super) fn reload(&mut self) {
         if self.jobs.is_opening() {
             self.jobs.note_change();
@@ -79,7 +79,7 @@ impl Worker {
         }
     }
 
-    /// Compares the picture with something else.
+    /// Sets what the picture is compared with.
     pub(super) fn compare(&mut self, comparand: Comparand) {
         if comparand != self.pictures.comparand {
             self.pictures.comparand = comparand;
@@ -87,7 +87,7 @@ impl Worker {
         }
     }
 
-    /// Stops what is traced, and shows nothing of it any more.
+    /// Stops tracing, and drops the reference or other view.
     pub(super) fn forget_reference(&mut self) {
         self.jobs.forget_reference();
         self.publisher.change(|published| published.other = None);
@@ -96,12 +96,13 @@ impl Worker {
     /// Whether a failure of rendering is a loss of the device.
     pub(super) fn has_lost_device(&self) -> bool {
         let gpu = self.console.explorer.gpu();
-        // A loss is told once the queue is empty, and the window may draw.
+        // A loss is reported once the queue is empty, and the window may be drawing.
         let _ = gpu.wait("finding out whether the device is lost");
         gpu.is_lost()
     }
 
-    /// After a failure of rendering: another device where this one is lost; whether there is something to do.
+    /// Handles a failure of rendering: opens another device if this one is lost. Returns whether
+    /// there is something to do.
     pub(super) fn mend(&mut self, error: &anyhow::Error) -> bool {
         if !self.has_lost_device() {
             self.messages.fail(error);
@@ -134,7 +135,8 @@ impl Worker {
         }
     }
 
-    /// Tries nothing more until something changes; whether there are lines, which wait for no frames any more.
+    /// Stops rendering until something changes. Returns whether lines can run, which no longer wait
+    /// for frames.
     fn give_up(&mut self) -> bool {
         self.pictures.has_failed = true;
         self.lines.frames_are_over();
@@ -142,7 +144,7 @@ impl Worker {
         self.has_work()
     }
 
-    /// What is under way, for the window.
+    /// The jobs in progress, for the panels.
     pub(super) fn job_models(&self) -> Vec<JobModel> {
         let frames = self.lines.frames_to_wait();
         let waiting = (frames > 1).then(|| JobModel {

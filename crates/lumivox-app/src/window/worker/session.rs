@@ -1,4 +1,4 @@
-//! State of the scene that is shown: the selection, and the model that the panels show.
+//! State of the open scene: the selection, and the panels' model of it.
 
 use std::sync::Arc;
 
@@ -8,14 +8,14 @@ use lumivox_scene::{Bounds, Picker, Scene};
 
 use crate::window::model::{SceneModel, Selected, mesh_bounds, scene_model};
 
-/// The scene that is shown, as the window knows it.
+/// State of the open scene.
 #[derive(Default)]
 pub struct Session {
-    /// Scenes that were opened.
+    /// Number of scenes opened so far.
     pub opened: u64,
-    /// Lines that have moved the camera.
+    /// Number of lines that have moved the camera.
     pub camera_moves: u64,
-    /// Materials, lights or surroundings were changed since the scene was read.
+    /// `true` if materials, lights or surroundings were changed since the scene was read.
     pub has_edits: bool,
     pub selection: Selection,
     pub view: SceneView,
@@ -25,21 +25,21 @@ pub struct Session {
 #[derive(Default)]
 pub struct Selection {
     pub selected: Option<Selected>,
-    /// Counts selections.
+    /// Number of changes of the selection.
     pub changes: u64,
-    /// The point that was clicked: the camera turns about it.
+    /// The clicked point, which the camera orbits.
     pub picked_at: Option<Vec3>,
 }
 
 impl Selection {
-    /// Chooses something, by a click at a point or otherwise.
+    /// Sets the selection, and the point if it was clicked.
     pub fn choose(&mut self, selected: Option<Selected>, picked_at: Option<Vec3>) {
         self.selected = selected;
         self.picked_at = picked_at;
         self.changes += 1;
     }
 
-    /// Objects and lights may be gone.
+    /// Clears the selection if its object or light no longer exists.
     pub fn check(&mut self, scene: Option<&SceneModel>) {
         let is_there = |selected: &Selected| {
             scene.is_some_and(|scene| match selected {
@@ -54,7 +54,7 @@ impl Selection {
     }
 }
 
-/// A cache of what is computed from the scene, until it changes.
+/// A cache of data that is computed from the scene.
 pub struct SceneView {
     mesh_bounds: Vec<Bounds>,
     model: Option<Arc<SceneModel>>,
@@ -71,26 +71,26 @@ impl Default for SceneView {
 }
 
 impl SceneView {
-    /// Another scene is shown.
+    /// Resets the cache for another scene.
     pub fn open(&mut self, console: &Console) {
         self.mesh_bounds = mesh_bounds(&console.explorer);
         self.forget();
         self.names_are_old = true;
     }
 
-    /// Objects, materials or lights have changed, maybe also their names.
+    /// Invalidates the cache and the names, after a change of objects, materials or lights.
     pub fn change(&mut self) {
         self.forget();
         self.names_are_old = true;
     }
 
-    /// Drops what is computed from the scene's state.
+    /// Invalidates the cache, except the names.
     pub fn forget(&mut self) {
         self.picker = None;
         self.model = None;
     }
 
-    /// The scene as the panels see it.
+    /// The panels' model of the scene.
     pub fn model(&mut self, console: &Console) -> Option<Arc<SceneModel>> {
         if self.model.is_none() {
             self.model = scene_model(console, &self.mesh_bounds).map(Arc::new);
@@ -98,12 +98,12 @@ impl SceneView {
         self.model.clone()
     }
 
-    /// Finds what is along a ray.
+    /// The picker, which finds the object along a ray.
     pub fn picker(&mut self, scene: &Scene) -> &Picker {
         self.picker.get_or_insert_with(|| Picker::new(scene))
     }
 
-    /// Looks up names again if they may have changed, and returns them then.
+    /// Updates and returns the names if they may have changed.
     pub fn renew_names(&mut self, console: &Console) -> Option<&Names> {
         if !std::mem::take(&mut self.names_are_old) {
             return None;
@@ -112,7 +112,7 @@ impl SceneView {
         Some(&self.names)
     }
 
-    /// Names that can be completed.
+    /// The names for completion.
     pub fn names(&self) -> &Names {
         &self.names
     }

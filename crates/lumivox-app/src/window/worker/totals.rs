@@ -1,4 +1,4 @@
-//! Times of frames for the panels, and sums of the times of stages: `times` prints their mean.
+//! Times of frames for the panels, and sums of stage times: `times` prints their mean.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -9,7 +9,7 @@ use lumivox_console::report::TimesReport;
 
 use crate::window::model::{FrameTime, KEPT_FRAMES};
 
-/// Times of the last frames, and of the stages of all.
+/// Times of the last frames, and totals of the stages of all frames.
 #[derive(Debug, Default)]
 pub struct FrameLog {
     frames: VecDeque<FrameTime>,
@@ -17,7 +17,7 @@ pub struct FrameLog {
 }
 
 impl FrameLog {
-    /// Adds a frame. The first one of a renderer, which is made for it, is not kept.
+    /// Adds a frame. A renderer's first one, which includes its creation, only counts in totals.
     pub fn add(&mut self, total: Duration, stages: &[StageTime], is_first: bool) {
         self.totals.add(stages);
         if is_first {
@@ -39,7 +39,7 @@ impl FrameLog {
     }
 }
 
-/// Sums of the times of passes, with how many frames had them.
+/// Sums of the times of passes, and how many frames had each.
 #[derive(Debug, Default)]
 pub struct StageTotals(Vec<(StageTime, u32)>);
 
@@ -60,12 +60,12 @@ impl StageTotals {
         }
     }
 
-    /// Forgets them.
+    /// Clears the sums.
     pub fn clear(&mut self) {
         self.0.clear();
     }
 
-    /// Whether there are none.
+    /// Whether there are no times.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -78,10 +78,10 @@ impl StageTotals {
         self.0.iter().map(mean).collect()
     }
 
-    /// What `times [passes]` says.
+    /// The output of `times [passes]`.
     ///
     /// # Errors
-    /// When the arguments are others.
+    /// When the arguments are different.
     pub fn table(&self, arguments: &[&str]) -> anyhow::Result<String> {
         let mut times = TimesReport::new(&self.means());
         match arguments {

@@ -1,4 +1,4 @@
-//! Runs of the program, and scenes to feed it.
+//! Runs of the program, and scenes for it.
 
 mod runner;
 
@@ -18,7 +18,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// The run, if it went well.
+    /// The run; panics if it failed.
     #[track_caller]
     pub fn expect_ok(self) -> Self {
         assert_eq!(self.code, 0, "{}", self.stderr);
@@ -38,7 +38,7 @@ pub const USAGE: i32 = 2;
 pub const INPUT: i32 = 3;
 pub const GPU: i32 = 4;
 pub const OUTPUT: i32 = 5;
-/// The exit code of what Ctrl-C ends.
+/// The exit code after Ctrl-C.
 #[cfg(unix)]
 pub const STOPPED: i32 = 130;
 
@@ -59,13 +59,13 @@ pub fn expect_error(folder: &Path, line: &str, code: i32, needles: &[&str]) {
     assert_eq!(names(folder), before, "lumivox {line}");
 }
 
-/// Presses Ctrl-C for a process.
+/// Sends a process the signal of Ctrl-C.
 #[cfg(unix)]
 pub fn interrupt(child: &std::process::Child) {
     signal(child, "-INT");
 }
 
-/// Stops a process where it is, until it is killed.
+/// Suspends a process until it is killed.
 #[cfg(unix)]
 pub fn freeze(child: &std::process::Child) {
     signal(child, "-STOP");
@@ -81,7 +81,7 @@ pub fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
 }
 
-/// The names of all that is in a folder, hidden files included.
+/// The sorted names of all files in a folder, including hidden ones.
 pub fn names(folder: &Path) -> Vec<String> {
     let entries = folder.read_dir().unwrap();
     let mut names: Vec<_> =
@@ -125,7 +125,7 @@ pub fn glb(positions: &[[f32; 3]]) -> Vec<u8> {
     container(&document.to_string(), &bin)
 }
 
-/// The container of glTF 2.0, section 4.4.
+/// A binary glTF container (glTF 2.0, section 4.4).
 pub fn container(json: &str, bin: &[u8]) -> Vec<u8> {
     let mut chunks = Vec::new();
     for (kind, padding, content) in [(b"JSON", b' ', json.as_bytes()), (b"BIN\0", 0, bin)] {
@@ -157,9 +157,9 @@ pub const CORNER: [[f32; 3]; 12] = [
     [-1.0, 2.0, -1.0],
 ];
 
-/// A `.glb` file of two scenes: "room", where a plate slides over [`CORNER`] within two seconds and a
-/// camera and a lamp look on; and "plate", the plate alone. Two animations: "slide" (2 s) along x by
-/// 1.5 m, and "rise" (1 s) along y by 1 m.
+/// A `.glb` file of two scenes: "room" with [`CORNER`], a plate that slides over it, a lamp and a
+/// camera; "plate" with only the plate and the lamp. Two animations: "slide" (2 s) along x by 1.5
+/// m, and "rise" (1 s) along y by 1 m.
 pub fn moving_glb() -> Vec<u8> {
     let mut bin: Vec<u8> = Vec::new();
     let mut views = Vec::new();

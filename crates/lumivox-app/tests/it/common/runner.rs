@@ -1,14 +1,15 @@
-//! Runs of the program: in a process of its own, or within this one on a GPU that all tests share.
+//! Runs of the program: in a separate process, or within this one on a GPU that all tests share.
 //!
-//! A process opens a device and compiles its shaders, which takes longer than most of what is tested. So tests call the
-//! program's library; what is about the process itself (signals, pipes, exit codes) starts it.
+//! A process opens a device and compiles its shaders, which takes longer than most of what is
+//! tested. So tests call the program's library; only tests of the process itself (signals, pipes,
+//! exit codes) start one.
 //!
-//! Scenes and pictures are named relative to the working directory, and tests run side by side. On Linux the working
-//! directory belongs to what `clone(2)` calls the filesystem information of a thread, which `unshare(2)` makes a thread's
-//! own without any privilege; Samba's file server works so. Threads that the thread starts share it: the workers that
-//! decode textures are those of a pool made in it, and whatever the driver starts there looks for no relative paths. The
-//! program itself need not know of any of this, as it would if it took a folder to resolve all paths against. Where there
-//! is no such thing (other systems, sandboxes that forbid it), the runs are processes.
+//! Scenes and pictures are named relative to the working directory, and tests run in parallel. On
+//! Linux, `unshare(2)` gives a thread its own working directory (part of what `clone(2)` calls
+//! filesystem information) without any privilege; Samba's file server does the same. Threads that
+//! it starts share that directory: the workers that decode textures belong to a pool created on it,
+//! and the driver's threads use no relative paths. So the program needs no option for a base
+//! folder. Where this is not possible (other systems, sandboxes), runs are processes.
 
 use std::ffi::OsString;
 use std::io::{Cursor, Write};
@@ -31,7 +32,7 @@ pub fn lumivox_with(folder: &Path, words: &[&str], stdin: &str) -> Run {
     in_this_process(folder, words, stdin).unwrap_or_else(|| process(folder, words, stdin))
 }
 
-/// The program in a process of its own.
+/// A command that runs the program in a separate process.
 pub fn command(folder: &Path, words: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lumivox"));
     command
@@ -42,7 +43,7 @@ pub fn command(folder: &Path, words: &[&str]) -> Command {
     command
 }
 
-/// As [`lumivox_with`], in a process of its own.
+/// As [`lumivox_with`], in a separate process.
 pub fn process(folder: &Path, words: &[&str], stdin: &str) -> Run {
     let mut command = command(folder, words);
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -63,7 +64,8 @@ impl From<Output> for Run {
     }
 }
 
-/// The library on a thread whose working directory is `folder`; `None` where threads have none of their own.
+/// Runs the library on a thread whose working directory is `folder`; `None` if threads cannot have
+/// their own.
 fn in_this_process(folder: &Path, words: &[&str], stdin: &str) -> Option<Run> {
     let args: Vec<OsString> = ["lumivox"].iter().chain(words).map(Into::into).collect();
     let input = Cursor::new(stdin.to_owned());
@@ -85,13 +87,13 @@ fn in_this_process(folder: &Path, words: &[&str], stdin: &str) -> Option<Run> {
     });
     let exit = match thread {
         Ok(exit) => exit?,
-        // What fails in there fails here.
+        // Propagate panics of the run.
         Err(panic) => std::panic::resume_unwind(panic),
     };
     Some(Run { code: exit as i32, stdout: output.text(), stderr: errors.text() })
 }
 
-/// Gives this thread a working directory of its own; whether it has one now.
+/// Gives this thread its own working directory; returns whether that succeeded.
 #[cfg(target_os = "linux")]
 fn enter(folder: &Path) -> bool {
     use nix::sched::{CloneFlags, unshare};
@@ -107,7 +109,7 @@ fn enter(_: &Path) -> bool {
     false
 }
 
-/// One device for all runs that ask for nothing, and one for those that ask for portable limits.
+/// One device for default runs, one for portable limits; a new one if a run names an adapter.
 fn open_gpu(options: &GpuOptions) -> Result<Gpu, RenderError> {
     static USUAL: OnceLock<Gpu> = OnceLock::new();
     static PORTABLE: OnceLock<Gpu> = OnceLock::new();
@@ -122,7 +124,7 @@ fn open_gpu(options: &GpuOptions) -> Result<Gpu, RenderError> {
     Ok(shared.get_or_init(|| open(options).unwrap()).clone())
 }
 
-/// What was written, to be read at the end.
+/// Collects what is written.
 #[derive(Clone, Default)]
 struct Kept(Arc<Mutex<Vec<u8>>>);
 

@@ -1,4 +1,4 @@
-//! What goes wrong, and how it is told.
+//! Error messages of the console.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use crate::common::{INPUT, OUTPUT, USAGE, folder, lumivox, lumivox_with};
 const SMALL: [&str; 8] =
     ["--size", "24x18", "--resolution", "16", "--frames", "1", "--scene", "builtin:cornell"];
 
-/// Lines that fail, each with words of its message.
+/// Lines that fail, each with parts of its message.
 const WRONG: &[(&str, &[&str])] = &[
     ("transalte a 1 2 3", &["there is no command \"transalte\"", "did you mean \"translate\"?"]),
     ("xyzzy", &["there is no command \"xyzzy\"", "`help` lists them"]),
@@ -78,7 +78,7 @@ const WRONG: &[(&str, &[&str])] = &[
 #[test]
 fn mistakes_are_told_with_what_would_be_right() {
     let folder = folder();
-    // One by one, since an open quotation mark spoils its script as a whole.
+    // Without the open quotation mark, which would make the run fail before any line.
     let mut words = vec!["run"];
     for (line, _) in WRONG.iter().filter(|(line, _)| !line.contains("'open")) {
         words.extend(["-c", line]);
@@ -103,11 +103,11 @@ fn mistakes_are_told_with_what_would_be_right() {
     assert_eq!(told.len(), expected.len(), "{}", run.stderr);
     let summary = format!("error: {} commands failed", expected.len());
     assert!(run.stderr.contains(&summary), "{}", run.stderr);
-    // Nothing has changed, and what comes after errors is done.
+    // Nothing has changed, and lines after errors run.
     assert_eq!(run.stdout, "bounces 16\n");
 }
 
-/// Settings that the GPU cannot have fail at their own line and take nothing along.
+/// Settings that the GPU cannot satisfy fail at their own line, and do not revert other settings.
 #[test]
 fn what_is_refused_is_taken_back_alone() {
     let folder = folder();
@@ -128,7 +128,7 @@ fn what_is_refused_is_taken_back_alone() {
     );
     let run = lumivox_with(folder.path(), &words, &lines.join("\n"));
     let failed = |line: u32| run.stderr.contains(&format!("error: stdin:{line}: "));
-    // Without a picture yet it fails where one is asked for.
+    // Before the first picture, a setting fails only at the screenshot.
     let failing: Vec<u32> = (1..=8).filter(|line| failed(*line)).collect();
     assert_eq!(failing, [2, 6], "{}", run.stderr);
     let said: Vec<&str> = run.stdout.lines().filter(|line| !line.contains(".png")).collect();
@@ -136,7 +136,7 @@ fn what_is_refused_is_taken_back_alone() {
     assert!(folder.path().join("c.png").exists());
 }
 
-/// What a command would make of an object is what `matrix` takes.
+/// Commands are refused if `matrix` would not accept their result.
 #[test]
 fn objects_stay_within_their_numbers() {
     let folder = folder();

@@ -53,16 +53,16 @@ pub fn animations_play() {
     session.says("animation", &["0 \"slide\", 2 s, on", "1 \"rise\", 1 s, off"]);
     session.says("time", &["time 0 of 2 s, paused"]);
     let start = session.picture();
-    // The grid has room for all of the way.
+    // The grid contains the whole motion.
     session.says("grid_bounds", &["-1,0,-1 1.2,2,1"]);
     let middle = session.changes("time 1");
     session.changes("animation rise; time 0.5");
     session.equals("animation 0; time 1", middle);
-    // The end is shown.
+    // The end does not wrap to the start.
     session.does("time 2");
     session.says("time", &["time 2 of 2 s"]);
     session.equals("time 0", start);
-    // What is done to an object goes along.
+    // Edits of an object move along with the animation.
     let moved = session.changes("translate 'node 1' 0 0.3 0");
     session.changes("time 1");
     session.equals("time 0", moved);

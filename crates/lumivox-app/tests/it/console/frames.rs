@@ -15,7 +15,7 @@ pub fn frames_come_on_demand_and_are_timed() {
     let picture = session.picture();
     session.does("clearf");
     session.says("lastframes 2", &["no frame has been rendered yet"]);
-    // Frames go on while somebody measures, and the picture stays.
+    // Measuring renders more frames, but does not change the picture.
     session.says("avgf", &[" ms, mean of "]);
     session.equals("echo", picture);
     session.says("draw_block", &["draw_block off"]);
@@ -53,7 +53,7 @@ pub fn voxels_follow_or_wait() {
     session.says("vox_freq", &["vox_freq 0.5"]);
     session.does("vox_freq 0.1");
     session.says("revoxelize", &["every 0.1"]);
-    // 0.1 s are three frames of a script and a bit.
+    // 0.1 s is slightly more than three frames of a script.
     session.equals("translate 'tall block' 0.1 0.1 0; wait 2", start);
     session.does("wait 2");
     session.equals("echo", moved);
@@ -73,7 +73,7 @@ pub fn voxels_follow_or_wait() {
     session.changes("grid_bounds -3,-3,-3 3,3,3");
     session.says("grid_bounds", &["-3,-3,-3 3,3,3"]);
     session.changes("grid_bounds auto");
-    // A box that is asked for stays, though the scene is larger.
+    // A requested box stays, although the scene is larger.
     let small = session.changes("grid_bounds -0.2,0,-0.2 0.2,0.4,0.2");
     session.equals("exposure 1; exposure auto", small);
     session.says("grid_bounds", &["-0.2,0,-0.2 0.2,0.4,0.2"]);

@@ -1,4 +1,4 @@
-//! The console through `lumivox run`: each command by its effect on the picture or by what it prints.
+//! The console through `lumivox run`: each command's effect on the picture, or its output.
 
 mod errors;
 mod files;
@@ -17,7 +17,7 @@ use std::collections::HashSet;
 use crate::common::{folder, lumivox};
 use session::rehearse;
 
-/// The tests that tell a command by what it does.
+/// The tests that give commands to the console.
 const SESSIONS: [fn(); 25] = [
     files::scenes_are_loaded_by_path_and_by_name,
     files::pictures_are_written_and_compared,
@@ -46,7 +46,7 @@ const SESSIONS: [fn(); 25] = [
     vxct::a_script_that_goes_on,
 ];
 
-/// A command is covered when a session gives it to the console, by each of its names.
+/// A command is covered if sessions give it to the console by each of its names.
 #[test]
 fn every_command_has_a_test() {
     let folder = folder();
@@ -60,7 +60,7 @@ fn every_command_has_a_test() {
     let mut count = 0;
     for line in list.lines() {
         let (form, _) = line.split_once(": ").unwrap();
-        // Settings are all given by the tests of their table.
+        // The tests of the settings' table cover all settings.
         if form.contains("[VALUE]") {
             continue;
         }

@@ -16,7 +16,7 @@ pub fn objects_move_and_hide() {
     session.equals("matrix 'tall block' 1 0 0 0 1 0 0 0 1 0 0 0", start);
     session.changes("place 'short block' 0.2 0.5 0.1 0 45 0 1.5");
     session.says("place 'short block'", &["position 0.2,0.5,0.1 m", "scale 1.5"]);
-    // The order of turns is the same everywhere.
+    // All commands use the same order of rotations.
     session.does("place 'short block' 0 0 0 0 0 0 1; rotate 'short block' 20.5 30.5 0");
     session.says("place 'short block'", &["rotation 20.", ",30."]);
     session.does("matrix 'short block' 1 0 0 0 1 0 0 0 1 0 0 0");
@@ -57,7 +57,7 @@ pub fn materials_have_the_names_of_vxct() {
     session.changes("setmat TallBlock diffuse_str 0.5");
     session.changes("setmat TallBlock ambient_str 0.9");
     let bright = session.changes("setmat TallBlock ambient_str 0.4");
-    // Nothing is lost on the way, and what was changed otherwise stays.
+    // Setting it to 0 and back loses nothing, and the other changes stay.
     session.changes("setmat TallBlock diffuse_str 0");
     session.equals("setmat TallBlock diffuse_str 0.5", bright);
     session.changes("setmat LeftWall specular_str 1");
@@ -92,12 +92,13 @@ pub fn the_camera_goes_about() {
     // Forward is where it looks, here -z.
     session.does("move 0.25 0.5 0.75");
     session.says("camera", &["camera 0.25,1.3,0.75,0.25,1.3,-0.25"]);
-    // To the right round what it looks at: to +x. There, its right is -z.
+    // Orbit its target to the right, to +x. From there, its right is -z.
     session.does("orbit 90 0 0.25,1.3,-0.25");
     session.says("camera", &["camera 1.2"]);
     session.does("turn 90 0; move 0 0 5");
     session.says("camera", &[",-5.2"]);
-    // A turn upwards ends at the vertical, whence half a right angle leads back to where it came from.
+    // Turning up stops at the vertical; 45 degrees down from there, it faces its original
+    // direction.
     session.does("camera_axes 0 0 0 0 0 -1 0 1 0 55; turn 0 170; turn 0 -45; move 0 0 2");
     session.says("camera", &[",-1.4"]);
     session.does("store 'window seat'");
@@ -115,7 +116,7 @@ pub fn cameras_are_stored_under_names() {
     session.equals("camera 'window seat'", start);
     session.says("camera", &["(\"window seat\""]);
     session.equals("camera corner", second);
-    // What is stored later under a name takes its place.
+    // Storing a camera again under a name replaces it.
     session.equals("camera 0; store corner; camera framing; camera corner", start);
     session.finish();
 }
@@ -140,7 +141,7 @@ pub fn changes_are_taken_back_and_done_again() {
     session.says("redo", &["redone: object \"tall block\""]);
     session.equals("echo", moved);
     session.equals("redo; redo; redo; redo", dark);
-    // Of two settings in two lines one is taken back, and what is printed or refused is no step.
+    // `undo` reverts only the last of two settings; printing is not a step.
     session.does("frames 3; frames 2; frames; undo");
     session.says("frames", &["frames 3"]);
     session.finish();

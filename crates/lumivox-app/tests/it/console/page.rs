@@ -1,4 +1,4 @@
-//! The page in the docs.
+//! The page of the console's commands in the docs.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! A script with expectations: what is printed, and what becomes of the picture.
+//! Scripts of the console, with expectations on their output and pictures.
 
 use std::cell::RefCell;
 use std::fs;
@@ -8,16 +8,16 @@ use tempfile::TempDir;
 
 use crate::common::{Run, folder, lumivox_with};
 
-/// A small picture, quickly made.
+/// Options of a small, quick picture.
 pub const SMALL: &str = "--size 48x36 --resolution 32 --frames 1";
 
 thread_local! {
-    /// What this thread's sessions would run, while it rehearses them.
+    /// The script of this thread's sessions in a rehearsal; `None` otherwise.
     static REHEARSED: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// The lines that a test gives to its sessions, none of which is run. What the test looks at after a session is not there,
-/// so that it may fail from there on.
+/// The lines that a test gives to its sessions, without running them. The test may fail after a
+/// session, since there are no results.
 pub fn rehearse(test: fn()) -> String {
     REHEARSED.set(Some(String::new()));
     let _ = std::panic::catch_unwind(test);
@@ -33,19 +33,19 @@ pub fn run_script(folder: &Path, script: &str, options: &str) -> Option<Run> {
     (!is_rehearsal).then(|| lumivox_with(folder, &words, script))
 }
 
-/// What is expected of a line.
+/// An expectation.
 enum Check {
-    /// Its words are among what it prints.
+    /// The line's output contains these words.
     Says(Vec<String>),
-    /// Its picture differs from another one, by its number.
+    /// The line's picture differs from the picture of this number.
     Differs(usize),
-    /// Its picture is another one, to the bit.
+    /// The line's picture is the one of this number, to the bit.
     Equals(usize),
-    /// Two pictures are not the same.
+    /// Two pictures differ.
     Differ(usize, usize),
 }
 
-/// One run, and what is expected of its lines.
+/// One run, and the expectations on its lines.
 pub struct Session {
     pub folder: TempDir,
     options: String,
@@ -70,12 +70,12 @@ impl Session {
         }
     }
 
-    /// A line of which nothing is expected but that it works.
+    /// Adds a line that must succeed.
     pub fn does(&mut self, line: &str) {
         self.script.extend([line, "\n"]);
     }
 
-    /// A line that prints all of `needles`.
+    /// Adds a line that must print all of `needles`.
     pub fn says(&mut self, line: &str, needles: &[&str]) {
         let number = self.checks.len();
         for line in [&format!("echo '<<{number}'"), line, &format!("echo '>>{number}'")] {
@@ -85,14 +85,14 @@ impl Session {
         self.checks.push((line.to_owned(), Check::Says(needles)));
     }
 
-    /// Takes a picture; its number.
+    /// Adds a screenshot; returns its number.
     pub fn picture(&mut self) -> usize {
         self.does(&format!("screenshot {}.png", self.pictures));
         self.pictures += 1;
         self.pictures - 1
     }
 
-    /// A line after which the picture is another; its number.
+    /// Adds a line that must change the picture; returns the new picture's number.
     pub fn changes(&mut self, line: &str) -> usize {
         let before = self.pictures - 1;
         self.does(line);
@@ -102,7 +102,7 @@ impl Session {
         after
     }
 
-    /// A line after which the picture is that of a number, to the bit.
+    /// Adds a line after which the picture must be the one of a number, to the bit.
     pub fn equals(&mut self, line: &str, picture: usize) {
         self.does(line);
         let after = self.picture();
@@ -114,7 +114,7 @@ impl Session {
         self.checks.push((format!("pictures {one} and {other}"), Check::Differ(one, other)));
     }
 
-    /// Runs it all, and checks.
+    /// Runs the script, and checks all expectations.
     #[track_caller]
     pub fn finish(self) -> Run {
         let Some(run) = run_script(self.folder.path(), &self.script, &self.options) else {

@@ -1,4 +1,4 @@
-//! What is shown.
+//! Views and overlays.
 
 use super::session::Session;
 
@@ -12,7 +12,7 @@ pub fn surfaces_voxels_and_wires() {
     session.says("objsW", &["objsW on"]);
     let wires = session.changes("echo");
     session.equals("objsw off", start);
-    // Each switch is on or off by itself.
+    // The switches are independent.
     session.equals("objsW; overlayW; overlayW; objsW", start);
     let over = session.changes("overlayW on");
     session.changes("wireframe through");
@@ -39,7 +39,7 @@ pub fn surfaces_voxels_and_wires() {
     session.changes("show_grid off; ray 10 10");
     session.equals("ray off", start);
     session.says("ray 0,1,10 0,0.1,1", &["the ray hits nothing"]);
-    // Lines that are gone leave wires alone.
+    // Removing the ray's lines keeps the wires.
     session.changes("overlayW; ray; ray off");
     session.equals("overlayW", start);
     session.says("ray 0,0.5,0 0,-1,0", &["floor, ceiling, back wall"]);

@@ -1,4 +1,4 @@
-//! VXCT's own numbers and switches, in its look.
+//! VXCT's parameters and switches, in its look.
 
 use super::session::{Session, project};
 
@@ -34,7 +34,7 @@ pub fn switches() {
         session.equals(back, start);
     }
     session.says("side_cones", &["side_cones on"]);
-    // The parts of light are switches of their own: one alone, and others added to it.
+    // The parts of light are independent switches: one only, and others added to it.
     session.does("all; side_cones off; phong off; vspec off");
     let both = session.changes("echo");
     session.equals("shadows_only; vdiff", both);
@@ -44,7 +44,7 @@ pub fn switches() {
     session.finish();
 }
 
-/// A script in the words of VXCT's own documentation, from its start to its end: each command there and back.
+/// A script of the commands in VXCT's documentation, in their order, each followed by its inverse.
 #[test]
 pub fn a_script_of_its_own() {
     let mut session = session();
@@ -106,12 +106,12 @@ pub fn a_script_of_its_own() {
     ] {
         session.says(print, &[value]);
     }
-    // A turn by 90 degrees and back leaves f32's last bits.
+    // A rotation by 45 degrees and back changes the last bits of f32.
     session.changes("rotate TallBlock y 45");
     session.does("rotate TallBlock y -45");
     let turned = session.picture();
 
-    // Levels, at any resolution, and wires that wait for their voxels.
+    // Levels of voxels, and their wires.
     let solid = session.changes("voxs");
     session.changes("lod 6");
     session.equals("lod 0", solid);
@@ -121,14 +121,14 @@ pub fn a_script_of_its_own() {
     session.finish();
 }
 
-/// Commands that take time: voxels that follow or not, frames, their times, other scenes.
+/// Commands about time: revoxelization, frames and their times, other scenes.
 #[test]
 pub fn a_script_that_goes_on() {
     let mut session = session();
     session.does("pos2");
     session.picture();
     session.does("vox");
-    // `vox_freq` says how often, `dynamic` whether.
+    // `vox_freq` sets how often voxels are rebuilt, `dynamic` whether.
     session.does("vox_freq 1");
     session.says("dynamic", &["dynamic on: revoxelize every 1"]);
     session.says("dynamic", &["dynamic off"]);
@@ -141,7 +141,7 @@ pub fn a_script_that_goes_on() {
     session.says("lastframes 2", &["\n"]);
     session.says("ray", &["normal"]);
     session.does("ray off");
-    // Another scene, from the same place.
+    // Another scene keeps the camera.
     session.says("camera", &["at 0,0,1.8, looking along 0,0,-1"]);
     session.changes("load gallery");
     session.says("camera", &["at 0,0,1.8, looking along 0,0,-1"]);
@@ -152,7 +152,7 @@ pub fn a_script_that_goes_on() {
 #[test]
 pub fn numbers() {
     let mut session = session();
-    // Highlights have a use for the shininess falloff, and mirrors for cones that are as sharp.
+    // Without specular reflection, shininess falloff and specular cones would have no effect.
     session.does("setmat TallBlock specular_str 1");
     let start = session.picture();
     for (name, alias, other) in [

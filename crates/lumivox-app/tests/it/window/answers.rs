@@ -4,13 +4,13 @@ use std::time::{Duration, Instant};
 
 use super::support::{Display, Window};
 
-/// Who uses a window notices no delay up to here (Miller 1968, "Response time in man-computer conversational
-/// transactions", topic 1).
+/// The longest delay that users do not notice (Miller 1968, "Response time in man-computer
+/// conversational transactions", topic 1).
 const AT_ONCE: Duration = Duration::from_millis(100);
 /// Inputs of each kind.
 const INPUTS: usize = 40;
 
-/// The time from an input to the first change in a part of the window that only it can change.
+/// The time from an input to the first change in a part of the window that nothing else changes.
 fn answer(
     window: &Window,
     part: ((i16, i16), (u16, u16)),
@@ -39,8 +39,9 @@ fn told(name: &str, times: &mut [Duration]) -> Duration {
     at(1.0)
 }
 
-/// The pointer comes to a menu and leaves it, clicks open and close it: the bar at the top and the list below it
-/// change by nothing else. All the time the default scene is rendered with its default settings, frame after frame.
+/// Moves the pointer onto a menu and off, and opens and closes it by clicks: nothing else changes
+/// the menu bar and the list below it. Meanwhile the Cornell box is rendered with default settings,
+/// frame after frame.
 #[test]
 #[ignore = "a measurement, for a machine that does nothing else, of the release build"]
 fn inputs_are_answered_at_once_by_hand() {

@@ -1,4 +1,4 @@
-//! The window with a device of its own, and with the worker's.
+//! The window with its own device, and with the worker's.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::{home, is_cornell};
 const OWN: &str = "own";
 const SHARED: &str = "shared";
 
-/// The Cornell box, once it is complete. Pictures of one frame come in one step.
+/// Opens the Cornell box, and waits until its picture, of only one frame, is complete.
 fn open(display: &Display, home: &Path, device: &str) -> (Window, Seen) {
     let line =
         "builtin:cornell --preset fast --resolution 32 --frames 1 --bounces 1 --window-device";
@@ -22,7 +22,8 @@ fn right(seen: &Seen) -> Seen {
     seen.part((seen.width / 2 + 20, 30), (seen.width, seen.height))
 }
 
-/// All ways to a picture on the screen: the picture, another view beside, one from main memory, and both in another size.
+/// All ways of a picture to the screen: the picture, another view beside it, one from main memory,
+/// and the picture in another size.
 fn all_pictures(display: &Display, device: &str) -> Vec<Seen> {
     let home = home();
     let (mut window, first) = open(display, home.path(), device);
@@ -62,14 +63,14 @@ fn one_device_shows_what_two_show() {
 
 const WORKER_LOST: &str = "going on with a new device";
 
-/// Waits for the picture of before.
+/// Waits until the picture is as before.
 fn wait_for(window: &mut Window, before: &Seen) {
     window.wait("picture on another device", |window| {
         Some(()).filter(|()| window.picture().distance(before) < 1.0)
     });
 }
 
-/// The worker and the window both still work.
+/// Checks that the worker and the window both still work.
 fn try_both(window: &mut Window, before: &Seen) {
     window.tell("view albedo");
     window.wait_change("picture of albedo", before);
@@ -89,7 +90,7 @@ fn two_devices_are_lost_one_at_a_time() {
     window.wait_rest();
     window.tell("lose_device window");
     window.wait_error("the window's device was lost");
-    // Nothing else is asked of it.
+    // The picture returns without other input.
     wait_for(&mut window, &first);
     try_both(&mut window, &first);
     let said = window.lines();
@@ -103,7 +104,7 @@ fn one_device_is_lost_for_both() {
     let (display, home) = (Display::start(), home());
     let (mut window, first) = open(&display, home.path(), SHARED);
     let mut lines = 0;
-    // After each loss, the two share another device.
+    // After each loss, the two share a new device.
     for loss in ["lose_device", "lose_device window", "lose_device window"] {
         window.tell(loss);
         lines = window.wait_line(lines, WORKER_LOST);

@@ -1,4 +1,4 @@
-//! What people know from other programs: undo, double clicks, the light under the pointer, a note where one is needed.
+//! Habits from other programs: undo, double clicks, the light under the pointer, and notes.
 
 use super::support::Window;
 use super::{Display, QUICK, Seen, home, open_cornell};
@@ -35,7 +35,7 @@ fn what_was_changed_is_taken_back() {
     let lines = window.wait_line(lines, "undone: ");
     window.control('z' as u32);
     window.wait_line(lines, "error: there is nothing to undo");
-    // Without a window manager nobody makes it larger, but nothing goes wrong either.
+    // Without a window manager, it does not become larger, but nothing fails.
     window.key(F11);
     window.wait_line(lines, "> fullscreen");
     assert_eq!(window.close(), 0);
@@ -67,7 +67,7 @@ fn the_light_under_the_pointer_is_told() {
     let status = |window: &Window| {
         let seen = window.see();
         let bottom = seen.height;
-        // Without the words on the left, which say for how long something has been done.
+        // Without the left part, which shows how long an activity takes.
         seen.part((seen.width - 200, bottom - 22), (seen.width, bottom))
     };
     window.point(320, 10);
@@ -87,7 +87,7 @@ fn the_light_under_the_pointer_is_told() {
     assert_eq!(window.close(), 0);
 }
 
-/// A scene that only glows says so, until the note is closed.
+/// A scene that only glows shows a note; another scene does not.
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
 fn a_scene_that_only_glows_says_so() {

@@ -1,5 +1,5 @@
-//! The window, worked with as a person would: by mouse and keys, and looked at. Under Xvfb, on whatever Vulkan driver there
-//! is.
+//! The window, used as by a person: with mouse and keys, and by its pixels. Runs under Xvfb, on any
+//! Vulkan driver.
 
 mod answers;
 mod devices;
@@ -14,7 +14,7 @@ use tempfile::TempDir;
 
 use support::{Display, ESCAPE, F2, RETURN, Seen, Window, command};
 
-/// A folder with settings for a small window without panels, so that the picture is where it is looked for.
+/// A folder with settings for a small window without panels, so that the picture's place is known.
 fn home() -> TempDir {
     let home = tempfile::tempdir().unwrap();
     let folder = home.path().join("config/lumivox");
@@ -24,7 +24,7 @@ fn home() -> TempDir {
     home
 }
 
-/// Small and quick.
+/// Options of a small, quick picture.
 const QUICK: &str = "--preset fast --resolution 32 --frames 1 --bounces 1";
 
 fn is_red([r, g, b]: [f32; 3]) -> bool {
@@ -56,8 +56,8 @@ fn mouse_and_keys_do_what_they_say() {
     let mut window = open_cornell(&display, home.path());
     let first = window.wait_rest();
 
-    // Orbit: the picture follows the hand, and the camera is told once it rests. The hand does not come back to where it
-    // began: pictures lag behind it.
+    // Orbit: the picture follows the pointer, and the camera's line is sent once it rests. The
+    // pointer does not return to its start, since pictures lag behind it.
     let lines = window.lines().len();
     window.point(320, 200);
     window.press();
@@ -72,7 +72,7 @@ fn mouse_and_keys_do_what_they_say() {
     let turned = window.wait_rest();
     assert!(turned.distance(&first) > 4.0);
 
-    // The camera of the file again, by typing into the window.
+    // Back to the file's camera, by typing into the window.
     window.key(F2);
     window.write("camera 0");
     let lines = window.lines().len();
@@ -84,7 +84,7 @@ fn mouse_and_keys_do_what_they_say() {
         Some(window.picture()).filter(|now| now.distance(&first) < 1.0)
     });
 
-    // A click chooses what is there, H hides it.
+    // A click selects an object, H hides it.
     let lines = window.lines().len();
     window.click(250, 300);
     let lines = window.wait_line(lines, "> select 'tall block'");
@@ -96,7 +96,7 @@ fn mouse_and_keys_do_what_they_say() {
     let lines = window.wait_line(lines, "> show 'tall block'");
     window.wait_change("picture with the block", &hidden);
 
-    // Nothing is chosen any more.
+    // Esc clears the selection.
     window.key(ESCAPE);
     window.wait_line(lines, "> select");
     assert_eq!(window.close(), 0);
@@ -108,7 +108,7 @@ fn it_survives_what_happens_to_windows() {
     let (display, home) = (Display::start(), home());
     let mut window = open_cornell(&display, home.path());
 
-    // A new size is a new picture, in pixels.
+    // After resizing, the picture has the new size in pixels.
     let lines = window.lines().len();
     window.resize(800, 520);
     window.wait("Cornell box of another size", |window| {
@@ -121,7 +121,7 @@ fn it_survives_what_happens_to_windows() {
 
     let shown = window.wait_rest();
 
-    // Minimized, it goes on working; restored, it shows what is.
+    // Minimized, it runs lines; restored, it shows their result.
     window.unmap();
     let lines = window.lines().len();
     window.tell("hide 'short block'");
@@ -142,7 +142,7 @@ fn it_survives_what_happens_to_windows() {
     assert_eq!(window.close(), 0);
 }
 
-/// A scene whose file takes much longer to be read than a key to be pressed.
+/// Writes a scene that takes much longer to read than a key press.
 fn write_slow(folder: &Path) {
     let mut text = String::new();
     for vertex in 1..=1_500_000_u32 {
@@ -163,7 +163,8 @@ fn what_takes_long_holds_nobody_up() {
     let mut window = open_cornell(&display, home.path());
     let shown = window.wait_rest();
 
-    // While a scene is read, the mouse and the keys work on the one that is there; the terminal's lines wait.
+    // While a scene is being read, mouse and keys work on the open one; lines of the terminal
+    // wait.
     let lines = window.lines().len();
     window.click(250, 300);
     let lines = window.wait_line(lines, "> select 'tall block'");
@@ -178,7 +179,7 @@ fn what_takes_long_holds_nobody_up() {
     let lines = window.wait_line(lines, "no longer waiting for slow.obj");
     let lines = window.wait_line(lines, "later");
 
-    // A script goes with what it waits for.
+    // A script ends if its scene is cancelled or cannot be read.
     window.tell("load slow.obj; echo never");
     let lines = window.wait_line(lines, "> load slow.obj");
     window.tell("cancel");
@@ -198,7 +199,7 @@ fn what_takes_long_holds_nobody_up() {
     let said = window.lines();
     assert!(!said.iter().any(|line| line == "never"), "{said:?}");
 
-    // The end comes at once.
+    // Quitting does not wait for the scene.
     window.tell("load slow.obj");
     window.wait_line(lines, "> load slow.obj");
     window.control('q' as u32);
@@ -234,7 +235,7 @@ fn pictures_are_compared_and_saved() {
     assert!(left(&many).distance(&left(&alone)) < 1.0);
     assert!(is_cornell(&many));
 
-    // It goes with the state that it was of, and another is traced.
+    // After a change, the reference is dropped, and another is traced.
     let lines = window.lines().len();
     window.tell("hide 'tall block'");
     window.wait_line(lines, "complete: 4 samples");
@@ -246,7 +247,7 @@ fn pictures_are_compared_and_saved() {
     window.wait("picture of before", |window| {
         Some(()).filter(|()| window.picture().distance(&alone) < 1.0)
     });
-    // What the volume does not have is refused, and the picture goes on.
+    // A view that the volume does not have is refused, and the picture still updates.
     let lines = window.lines().len();
     window.tell("compare_with nodes");
     window.wait_line(lines, "error: ");
@@ -270,7 +271,7 @@ fn pictures_are_compared_and_saved() {
 fn settings_are_kept_between_runs() {
     let (display, home) = (Display::start(), home());
     let mut window = Window::open(&display, home.path(), "");
-    // An empty window offers scenes, and opens what the console says.
+    // A window without a scene runs lines, too.
     window.tell("resolution 40");
     window.tell("bounces 3");
     window.tell("frames 1");
@@ -290,11 +291,11 @@ fn settings_are_kept_between_runs() {
         assert_eq!(window.ended(), 0);
     };
     ask("", &["resolution", "bounces"], &["resolution 40", "bounces 3"]);
-    // The command line goes before what was kept, this once.
+    // The command line overrides saved settings, but only for this run.
     ask("--bounces 5", &["resolution", "bounces"], &["resolution 40", "bounces 5"]);
     ask("", &["resolution", "bounces"], &["resolution 40", "bounces 3"]);
     ask("--fresh", &["resolution"], &["resolution 128"]);
-    // A file that nobody can read is a warning.
+    // A broken file is a warning.
     let file = home.path().join("config/lumivox/window.json");
     let kept = std::fs::read_to_string(&file).unwrap();
     assert!(kept.contains("builtin:cornell"), "{kept}");
@@ -302,7 +303,7 @@ fn settings_are_kept_between_runs() {
     ask("", &["resolution"], &["window.json: cannot be read"]);
 }
 
-/// A square in the colour of its name, lit from the front.
+/// Writes a square of a colour.
 fn write_scene(folder: &Path, name: &str, color: [f32; 3]) {
     let square = "mtllib a.mtl\nusemtl m\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
     std::fs::write(folder.join(format!("{name}.obj")), square).unwrap();
@@ -322,7 +323,7 @@ fn files_are_read_again_when_they_change() {
     };
     window.wait("red square", share(is_red));
 
-    // A file that the scene's file names.
+    // A change of a file that the scene's file names.
     let lines = window.lines().len();
     write_scene(home.path(), "square", [0.05, 0.8, 0.05]);
     window.wait_line(lines, "again");
@@ -335,7 +336,7 @@ fn files_are_read_again_when_they_change() {
     window.wait_rest();
     assert!(window.picture().share(is_green) > 0.1);
 
-    // Mended, it comes.
+    // Once repaired, it is read again.
     write_scene(home.path(), "square", [0.8, 0.05, 0.05]);
     window.wait_line(lines, "again");
     window.wait("red square", share(is_red));

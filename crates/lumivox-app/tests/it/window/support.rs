@@ -1,4 +1,4 @@
-//! A display without a screen, the program in it, and synthetic hands and eyes.
+//! A display without a screen, the program in it, synthetic input, and screenshots.
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
@@ -14,7 +14,7 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
-/// A software GPU that others use as well takes its time.
+/// A software GPU that other tests use, too, is slow.
 pub const DEADLINE: Duration = Duration::from_mins(5);
 const POLL: Duration = Duration::from_millis(60);
 
@@ -24,14 +24,14 @@ const BUTTON_PRESS: u8 = 4;
 const BUTTON_RELEASE: u8 = 5;
 const MOTION: u8 = 6;
 
-/// Keys that are no letters, by the names of X (`keysymdef.h`).
+/// Keys other than letters, by X's names (`keysymdef.h`).
 pub const RETURN: u32 = 0xff0d;
 pub const ESCAPE: u32 = 0xff1b;
 pub const F2: u32 = 0xffbf;
 const SHIFT: u32 = 0xffe1;
 const CONTROL: u32 = 0xffe3;
 
-/// An X server that shows nothing.
+/// An X server without a screen.
 pub struct Display {
     server: Child,
     pub name: String,
@@ -70,7 +70,7 @@ impl Drop for Display {
     }
 }
 
-/// What is on the screen, row by row.
+/// A screenshot, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seen {
     pub width: usize,
@@ -79,7 +79,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Part of it: from and to, in pixels.
+    /// A part, from its top left to its bottom right corner, px.
     pub fn part(&self, (left, top): (usize, usize), (right, bottom): (usize, usize)) -> Self {
         let (right, bottom) = (right.min(self.width), bottom.min(self.height));
         let rows =
@@ -87,13 +87,13 @@ impl Seen {
         Self { width: right - left, height: bottom - top, pixels: rows.copied().collect() }
     }
 
-    /// The share of pixels that are like something.
+    /// The share of pixels for which `is_like` is `true`.
     pub fn share(&self, is_like: impl Fn([f32; 3]) -> bool) -> f32 {
         let count = self.pixels.iter().filter(|pixel| is_like(pixel.map(f32::from))).count();
         count as f32 / self.pixels.len() as f32
     }
 
-    /// How far another picture is, 0 to 255 in the mean; infinitely where it has another size.
+    /// The mean difference to another picture, 0 to 255; infinite if its size differs.
     pub fn distance(&self, other: &Self) -> f32 {
         if (self.width, self.height) != (other.width, other.height) {
             return f32::INFINITY;
@@ -129,7 +129,7 @@ fn collect(stream: impl std::io::Read + Send + 'static) -> Arc<Mutex<Vec<String>
     lines
 }
 
-/// The program with its files in a folder.
+/// A command for the program, with its files in a folder.
 pub fn command(display: &str, home: &Path) -> Command {
     let mut command = crate::common::command(home, &[]);
     command
@@ -144,7 +144,7 @@ pub fn command(display: &str, home: &Path) -> Command {
 }
 
 impl Window {
-    /// `lumivox view` with the words of a line, and with the device that the environment asks for.
+    /// Starts `lumivox view` with the words of a line, and the device that the environment names.
     pub fn open(display: &Display, home: &Path, line: &str) -> Self {
         let mut command = command(&display.name, home);
         command.arg("view").args(line.split_whitespace());
@@ -189,7 +189,7 @@ impl Window {
         })
     }
 
-    /// Keys go to the window; without a window manager nobody else sees to it.
+    /// Gives the window the keyboard focus, as there is no window manager.
     pub fn focus(&self) {
         let _ = self
             .x
@@ -198,7 +198,8 @@ impl Window {
             .check();
     }
 
-    /// Looks until there is something, and fails with all that was said when there is nothing in time.
+    /// Calls `look` until it returns something; panics with the program's output if it does not in
+    /// time.
     #[track_caller]
     pub fn wait<T>(&mut self, what: &str, mut look: impl FnMut(&mut Self) -> Option<T>) -> T {
         let start = Instant::now();
@@ -219,7 +220,7 @@ impl Window {
         }
     }
 
-    /// Waits for a line on stdout, after a number of others; returns how many there are then.
+    /// Waits for a line on stdout after the first `after`; returns the number of lines up to it.
     #[track_caller]
     pub fn wait_line(&mut self, after: usize, needle: &str) -> usize {
         self.wait(&format!("line with \"{needle}\""), |window| {
@@ -242,12 +243,12 @@ impl Window {
         self.lines.lock().unwrap().clone()
     }
 
-    /// Types into the terminal.
+    /// Writes a line to the program's stdin.
     pub fn tell(&mut self, line: &str) {
         writeln!(self.stdin.as_mut().unwrap(), "{line}").unwrap();
     }
 
-    /// What the window shows.
+    /// A screenshot of the window.
     pub fn see(&self) -> Seen {
         let place = self.x.get_geometry(self.id).unwrap().reply().unwrap();
         let (width, height) = (place.width, place.height);
@@ -258,7 +259,7 @@ impl Window {
         Seen { width: width.into(), height: height.into(), pixels }
     }
 
-    /// Pixels of a part of it: from its left and top edge, and its width and height.
+    /// The pixels of a part of the window, from its left, top, width and height.
     pub fn part(&self, (left, top): (i16, i16), (width, height): (u16, u16)) -> Vec<u8> {
         let format = ImageFormat::Z_PIXMAP;
         let image = self.x.get_image(format, self.id, left, top, width, height, !0).unwrap();
@@ -272,21 +273,21 @@ impl Window {
         seen.part((10, 40), (width - 10, height - 40))
     }
 
-    /// Waits until the picture is another one.
+    /// Waits until the picture differs from `before`.
     #[track_caller]
     pub fn wait_change(&mut self, what: &str, before: &Seen) -> Seen {
         self.wait(what, |window| Some(window.picture()).filter(|now| now.distance(before) > 2.0))
     }
 
-    /// Waits until the picture is complete: all its frames are there, and the window has drawn the last, in the size that the
-    /// worker knows of. Then until the display has it.
+    /// Waits until the picture is complete: all frames are rendered, and the window has drawn the
+    /// last one in the worker's size. Then waits until the display shows it.
     #[track_caller]
     pub fn wait_rest(&mut self) -> Seen {
         let before = self.lines().len();
         self.tell("wait 1000");
         self.tell("wait_shown");
         self.tell("echo complete");
-        // Not as a part of another line: "the reference is complete" comes when it likes.
+        // Not as a part of another line: "the reference is complete" may come at any time.
         self.wait("end of waiting", |window| {
             window.lines().iter().skip(before).any(|line| line == "complete").then_some(())
         });
@@ -318,7 +319,7 @@ impl Window {
 
     pub fn click(&self, x: i16, y: i16) {
         self.point(x, y);
-        // A hand rests before it presses.
+        // Rest before the press, as a hand does.
         std::thread::sleep(POLL);
         self.press();
         std::thread::sleep(POLL);
@@ -339,7 +340,7 @@ impl Window {
         std::thread::sleep(POLL);
     }
 
-    /// A key while CTRL is held.
+    /// Presses a key while Ctrl is held.
     pub fn control(&self, symbol: u32) {
         let code = |symbol| self.keys.iter().find(|(_, _, other)| *other == symbol).unwrap().0;
         self.fake(KEY_PRESS, code(CONTROL), 0, 0);
@@ -348,7 +349,7 @@ impl Window {
         self.fake(KEY_RELEASE, code(CONTROL), 0, 0);
     }
 
-    /// Characters of Latin 1 are their own names.
+    /// Types text; characters of Latin 1 are their own key symbols.
     pub fn write(&self, text: &str) {
         for letter in text.chars() {
             self.key(letter as u32);
@@ -360,7 +361,7 @@ impl Window {
         self.x.configure_window(self.id, &size).unwrap().check().unwrap();
     }
 
-    /// As a window manager does when it minimizes a window.
+    /// Minimizes the window, as a window manager does.
     pub fn unmap(&self) {
         self.x.unmap_window(self.id).unwrap().check().unwrap();
     }
@@ -369,7 +370,7 @@ impl Window {
         self.x.map_window(self.id).unwrap().check().unwrap();
     }
 
-    /// As a window manager does when its cross is clicked. Returns the exit code.
+    /// Closes the window, as a window manager does. Returns the exit code.
     #[track_caller]
     pub fn close(mut self) -> i32 {
         let atom = |name: &[u8]| self.x.intern_atom(false, name).unwrap().reply().unwrap().atom;
@@ -380,7 +381,7 @@ impl Window {
         self.ended()
     }
 
-    /// Waits for the end; the exit code.
+    /// Waits for the end; returns the exit code.
     #[track_caller]
     pub fn ended(&mut self) -> i32 {
         let start = Instant::now();

@@ -2,8 +2,8 @@
 //!
 //! | file | is |
 //! | --- | --- |
-//! | `table.rs` | what can be read and set by name |
-//! | `setmat.rs` | the same by VXCT's names |
+//! | `table.rs` | the properties that can be read and set by name |
+//! | `setmat.rs` | the command `setmat`, with VXCT's names of properties |
 
 mod setmat;
 mod table;
@@ -70,8 +70,8 @@ fn list(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::say(table.text().trim_end()))
 }
 
-/// Brings back the file's textures that other kinds of shading do not have, when a material returns
-/// to its original shading.
+/// Restores the file's textures that a change of shading dropped, if the material has its original
+/// kind of shading again.
 fn bring_textures_back(material: &mut Material, original: &Material) {
     match (&mut material.shading, &original.shading) {
         (Shading::MetallicRoughness(now), Shading::MetallicRoughness(was)) => {

@@ -12,7 +12,7 @@ use crate::{Console, Failure, Reply, nothing_to_show};
 
 const PROPERTIES: [&str; 5] = ["shininess", "specular_str", "diffuse_str", "ambient_str", "color"];
 
-/// VXCT has no limits; this range leaves room for sums.
+/// The range of values. VXCT has no limits; this range keeps sums finite.
 const ANY: std::ops::RangeInclusive<f32> = -1e12..=1e12;
 
 /// The command.
@@ -78,7 +78,7 @@ fn setmat(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::default())
 }
 
-/// Gives a material strengths, and the closest physical surface.
+/// Sets a material's strengths, and from them its physical surface or, if it emits, its emission.
 pub fn set_strengths(material: &mut Material, strengths: Strengths) {
     material.strengths = Some(strengths);
     if material.emissive == Vec3::ZERO {

@@ -276,8 +276,8 @@ pub const PROPERTIES: &[P] = &[
     },
 ];
 
-/// Sets the strengths, which describe the surface only in VXCT's look; setting a physical property
-/// removes them.
+/// Sets the strengths, which describe the surface only in VXCT's look. The command `material`
+/// removes them when the physical surface changes.
 fn set_strengths(material: &mut Material, words: &[&str]) -> Result<(), Failure> {
     if words == ["none"] {
         material.strengths = None;

@@ -8,24 +8,24 @@ import { Messages } from "./messages.mjs";
 /** @typedef {import("./browser.mjs").Session} Session */
 /** @typedef {import("./picture.mjs").Picture} Picture */
 
-/** The longest time, ms, that anything may take beside another browser on a software GPU: what waits longer waits in vain. */
+/** The longest that anything takes beside another browser on a software GPU, ms. */
 const LONGEST_MS = 120_000;
 
-/** At a quarter of the pixels each way the picture has 96x72. */
+/** The size of the window; at a scale of 1/4 the picture has SIZE. */
 export const VIEWPORT = { width: 384, height: 288 };
 export const SIZE = { width: 96, height: 72 };
-/** Mean FLIP that pictures of two software GPUs, SwiftShader here and lavapipe there, may have between them: an edge that
- * goes through the middle of a row of pixels falls to either side, and so do cones that begin beside it; and the last bit
- * decides which point of a lamp a pixel draws. Measured: 0.0019 to 0.025, 0.047 (glow) and 0.069 (atrium); a picture that was
- * wrong had 0.12 and more. */
+/** The largest mean FLIP between pictures of two software GPUs, SwiftShader and lavapipe. Edges at
+ * pixel centres fall to either side, and so do cones beside them; rounding decides which point of a
+ * lamp a pixel samples. Measured: 0.0019 to 0.025, 0.047 (glow) and 0.069 (atrium); a wrong picture
+ * had 0.12 and more. */
 export const BOUND = 0.1;
-/** Small and quick; the native program's words for it are in `NATIVE`. */
+/** Small and quick; `NATIVE` is the same for the native program. */
 export const QUICK = { resolution: 32, frames: 4, bounces: 1 };
 export const NATIVE = ["--size", "96x72", "--resolution", "32", "--frames", "4", "--bounces", "1"];
 /** The same in a link. */
 export const LINK = "scale=0.25&resolution=32&frames=4&bounces=1";
 
-/** What a promise gives, unless it takes too long: a worker that stopped answers no more.
+/** The result of a promise; fails after LONGEST_MS, since a stopped worker never answers.
  * @template T @param {Promise<T>} promise @param {string} what @returns {Promise<T>} */
 function within(promise, what) {
     /** @type {NodeJS.Timeout | undefined} */
@@ -69,8 +69,9 @@ export class App {
         await this.page.context().close();
     }
 
-    /** Opens another built-in scene in the same tab, by its list: objects, lights, surroundings and steps to undo are as in a new
-     * tab then, and nothing is compiled again. Settings stay. @param {string} scene */
+    /** Opens another built-in scene in the same tab, by the page's list. Objects, lights,
+     * surroundings and undo are as in a new tab, and nothing is compiled again. Settings stay.
+     * @param {string} scene */
     async load(scene) {
         await this.inPanel("Scene", () => this.page.locator("#scene").selectOption(scene));
     }
@@ -84,17 +85,17 @@ export class App {
 
     /** Waits for the finished picture. */
     async complete() {
-        // A page that failed would wait in vain.
+        // A failed page is never complete.
         const ends = ["complete", "failed", "empty", "unsupported"].map((state) => `html[data-state=${state}]`);
         await this.page.waitForSelector(ends.join(), { state: "attached", timeout: LONGEST_MS });
         const state = await this.page.evaluate(() => document.documentElement.dataset.state);
         assert.equal(state, "complete", `the page says: ${(await this.errors()).join(" | ")} ${this.messages.take().join(" | ")}`);
     }
 
-    /** Waits for the finished picture after something that the page hears of with a later frame: input, or its size. */
+    /** Waits for the finished picture after input or a resize, which the page sees frames later. */
     async settled() {
         await this.page.evaluate(() => new Promise((resolve) => {
-            // Held keys and resized boxes are looked at once a frame, and the camera rests for a moment at the end.
+            // Held keys and resizes are handled once a frame; then the camera rests for a moment.
             let frames = 0;
             const next = () => ((frames += 1) < 3 ? requestAnimationFrame(next) : setTimeout(resolve, 300));
             requestAnimationFrame(next);
@@ -121,8 +122,8 @@ export class App {
         this.messages.check();
     }
 
-    /** Does something in the panel, with one of its sections open; it takes a part of a small window, so that it is
-     * closed again. @param {string} section @param {() => Promise<unknown>} work */
+    /** Works in the panel with a section open, then closes it, since it covers a part of small
+     * windows. @param {string} section @param {() => Promise<unknown>} work */
     async inPanel(section, work) {
         const show = async (/** @type {string} */ expanded) => {
             const toggle = this.page.locator("#panel-toggle");
@@ -179,7 +180,7 @@ export class App {
         return result;
     }
 
-    /** Renders until nothing is left to do. The page's own loop sleeps: what it is not told of, it does not render. */
+    /** Renders until nothing is left to do. The page's own loop does not notice direct calls. */
     async render() {
         return within(this.worker.evaluate(async () => {
             // @ts-ignore
@@ -190,7 +191,7 @@ export class App {
         }), "rendering");
     }
 
-    /** What the canvas shows. @returns {Promise<Picture>} */
+    /** The canvas's pixels. @returns {Promise<Picture>} */
     async pixels() {
         const { width, height, base64 } = await this.worker.evaluate(async () => {
             // @ts-ignore
@@ -202,7 +203,7 @@ export class App {
         return { width, height, data: Buffer.from(base64, "base64") };
     }
 
-    /** The picture of other settings. @param {Record<string, unknown>} settings */
+    /** The picture with some settings. @param {Record<string, unknown>} settings */
     async pictureWith(settings) {
         await this.call("set", settings);
         await this.render();

@@ -8,7 +8,7 @@ import { createInterface } from "node:readline";
 import { chromium } from "playwright-core";
 import * as environment from "./environment.mjs";
 
-/** Chromium has WebGPU only on GPUs that it trusts; SwiftShader, its software GPU, is asked for by name. */
+/** Chromium has WebGPU only on trusted GPUs; SwiftShader, its software GPU, must be named. */
 const WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--ignore-gpu-blocklist"];
 
 /** @param {string[]} gpu */
@@ -17,12 +17,12 @@ function launch(gpu) {
         executablePath: environment.chromium(),
         // The new headless mode is the whole browser; Playwright's own one has no GPU process.
         headless: false,
-        // A container has no right to Chromium's sandbox.
+        // Containers do not permit Chromium's sandbox.
         args: ["--headless=new", "--no-sandbox", "--use-angle=gl-egl", "--js-flags=--expose-gc", ...gpu],
     });
 }
 
-/** Serves a folder; gives the address and how to end it.
+/** Serves a folder; returns its address and a function that ends it.
  * @param {string} folder @returns {Promise<{ address: string, end: () => void }>} */
 export async function serve(folder) {
     const server = spawn(environment.server(), [folder, "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
@@ -77,7 +77,7 @@ export class Session {
         await devtools.detach();
     }
 
-    /** Main memory in use by the browser's processes of a kind, bytes: what is theirs alone.
+    /** Private memory of the browser's processes of a kind, bytes.
      * @param {"GPU" | "renderer"} type */
     async memory(type) {
         const devtools = await this.browser.newBrowserCDPSession();

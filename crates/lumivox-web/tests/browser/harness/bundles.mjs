@@ -1,4 +1,4 @@
-// Pages that bundlers make of the package as npm would install it: packed, with nothing that is not in its list of files.
+// Bundles pages with the package as npm would install it: packed, with only its listed files.
 
 import { execFile } from "node:child_process";
 import { cp, mkdir, mkdtemp, readFile, readdir, symlink, writeFile } from "node:fs/promises";
@@ -14,7 +14,8 @@ const here = dirname(dirname(fileURLToPath(import.meta.url)));
 const installed = join(here, "node_modules");
 const example = resolve(here, "../../../lumivox-three/example");
 
-/** A project with the package installed, three.js beside it, and the pages to bundle. @returns {Promise<string>} its folder */
+/** A project with the package installed, three.js beside it, and the pages to bundle.
+ * @returns {Promise<string>} its folder */
 export async function project() {
     const folder = await mkdtemp(join(tmpdir(), "lumivox-bundled-"));
     const { stdout } = await run("npm", ["pack", "--json", "--ignore-scripts", "--pack-destination", folder], { cwd: join(pageFolder(), "lumivox") });
@@ -28,22 +29,23 @@ export async function project() {
     return folder;
 }
 
-/** Bundles a page with Vite, without settings. @param {string} root @returns {Promise<string>} the folder of the bundle */
+/** Bundles a page with Vite, without settings.
+ * @param {string} root @returns {Promise<string>} the folder of the bundle */
 export async function vite(root) {
     const out = join(root, "dist");
     await run(process.execPath, [join(installed, "vite/bin/vite.js"), "build", root, "--base", "./", "--outDir", out, "--logLevel", "warn"], { cwd: root });
     return out;
 }
 
-/** Bundles a module with webpack, without settings, and puts it into a page. @param {string} root @param {string} entry
- * @returns {Promise<string>} the folder of the bundle */
+/** Bundles a module with webpack, without settings, and puts it into a page.
+ * @param {string} root @param {string} entry @returns {Promise<string>} the folder of the bundle */
 export async function webpack(root, entry) {
     const out = join(root, "webpack", entry);
     /** @type {import("webpack").Stats | undefined} */
     const stats = await new Promise((resolve, reject) => {
         bundler({ mode: "production", context: root, entry: join(root, entry), output: { path: out } }, (error, stats) => (error ? reject(error) : resolve(stats)));
     });
-    // Its advice on sizes is none that the WebAssembly could follow.
+    // Warnings are ignored: advice on sizes does not apply to WebAssembly.
     const { errors = [] } = stats?.toJson({ all: false, errors: true }) ?? {};
     if (errors.length > 0) throw new Error(errors.map((error) => error.message).join("\n"));
     await writeFile(join(out, "index.html"), '<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><canvas width="64" height="36"></canvas><p></p><script type="module" src="main.js"></script>');

@@ -1,12 +1,13 @@
-// What the tests are run with, by environment variables:
+// Environment variables of the tests:
 //
-// LUMIVOX_PAGE   the built page, as `./lumivox web --no-serve` leaves it
-// LUMIVOX_SERVE  the program lumivox-serve, which hands it out
-// LUMIVOX        the native program, whose pictures the browser's are held against
-// CHROMIUM       the browser [default: the first of chromium, chromium-browser and google-chrome on the PATH]
-// LUMIVOX_RELEASE  what only a release needs is tested, too, if it is set
+// LUMIVOX_PAGE   the built page, from `./lumivox web --no-serve`
+// LUMIVOX_SERVE  the program lumivox-serve, which serves the page
+// LUMIVOX        the native program, whose pictures are compared with the browser's
+// CHROMIUM       the browser [default: the first of chromium, chromium-browser and google-chrome on
+//                the PATH]
+// LUMIVOX_RELEASE  if set, also tests what only a release needs
 //
-// What is missing is an error: a test that is left out looks like one that passes.
+// A missing variable is an error: a skipped test would look like one that passes.
 
 import { existsSync } from "node:fs";
 import { delimiter, join } from "node:path";

@@ -11,7 +11,7 @@ export async function glb(name) {
 }
 
 /** A GLB file as a .gltf and the .bin that it names (Khronos, glTF 2.0, section 4).
- * @param {Buffer} glb @param {string} name @param {string} [bin] what the .gltf calls the other, without its extension */
+ * @param {Buffer} glb @param {string} name @param {string} [bin] the .bin's name in the .gltf */
 export function separate(glb, name, bin = name) {
     const length = glb.readUInt32LE(12);
     const json = JSON.parse(glb.toString("utf8", 20, 20 + length));

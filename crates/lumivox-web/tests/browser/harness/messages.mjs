@@ -1,13 +1,13 @@
-// Everything that a page and its workers say on the console, by themselves or through the browser: a test that leaves
-// an error or a warning there fails, if it did not expect it. What WebGPU's validation finds comes as a warning.
+// Console messages of a page, its workers and the browser. A test fails if it leaves unexpected
+// errors or warnings. WebGPU's validation errors are reported as warnings.
 
 import assert from "node:assert/strict";
 
 /** @typedef {import("playwright-core").Page} Page */
 
-/** Says nothing about the page. */
+/** Messages that are not about the page. */
 const HARMLESS = [
-    // SwiftShader's own, when a canvas is read back by the screenshots of these tests.
+    // From SwiftShader, when a screenshot of these tests reads a canvas back.
     /GPU stall due to ReadPixels/,
 ];
 
@@ -29,13 +29,13 @@ export class Messages {
         return messages;
     }
 
-    /** Playwright hears what workers say themselves, but not what the browser says of them.
+    /** Playwright reports workers' own messages, but not the browser's about them.
      * @param {Page} page */
     async #listenToWorkers(page) {
         const devtools = await page.context().newCDPSession(page);
         devtools.on("Target.attachedToTarget", ({ sessionId }) => {
             const message = JSON.stringify({ id: 1, method: "Log.enable" });
-            // A worker may be gone already.
+            // A worker may have ended.
             devtools.send("Target.sendMessageToTarget", { sessionId, message }).catch(() => {});
         });
         devtools.on("Target.receivedMessageFromTarget", ({ message }) => {
@@ -52,23 +52,23 @@ export class Messages {
         if (![...HARMLESS, ...this.#expected].some((pattern) => pattern.test(text))) this.#bad.push(text);
     }
 
-    /** Lets messages of a kind pass from now on. @param {RegExp} pattern */
+    /** Ignores messages of a kind from now on. @param {RegExp} pattern */
     expect(pattern) {
         this.#expected.push(pattern);
     }
 
-    /** What was said since the last time, and should not have been. */
+    /** The unexpected messages since the last call. */
     take() {
         return this.#bad.splice(0);
     }
 
-    /** The next message that should not have been said; waits until there is one. */
+    /** Waits for the next unexpected message. */
     async next() {
         while (this.#bad.length === 0) await new Promise((resolve) => setTimeout(resolve, 20));
         return /** @type {string} */ (this.#bad.shift());
     }
 
-    /** Fails if anything was said. */
+    /** Fails if there were unexpected messages. */
     check() {
         assert.deepEqual(this.take(), [], "the console must be free of errors and warnings");
     }

@@ -1,7 +1,8 @@
-// A panorama as a file, Radiance without compression (Ward 1991, "Real pixels", Graphics Gems II), and what it shows where.
+// A panorama as an uncompressed Radiance file (Ward 1991, "Real pixels", Graphics Gems II), and its
+// luminance.
 
-/** What a direction shows, cd/m2: bright above, dim and brown below, with a red and a blue side, so that turns and
- * directions can be told apart.
+/** The radiance in a direction, cd/m2: bright above, dim brown below, with a red and a blue side,
+ * so that rotations are visible.
  * @param {number} around from 0 to 1, from the left edge @param {boolean} isAbove @returns {[number, number, number]} */
 function color(around, isAbove) {
     const side = 0.5 + 0.5 * Math.sin(2 * Math.PI * around);
@@ -21,7 +22,7 @@ export function panorama(height = 32) {
     return Buffer.concat([Buffer.from(`#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y ${height} +X ${width}\n`), texels]);
 }
 
-/** The luminance that a camera sees of it at a place of the picture, cd/m2 (ITU-R BT.709-6, section 3.2).
+/** Its luminance at a place of a picture from this camera, cd/m2 (ITU-R BT.709-6, section 3.2).
  * @param {any} camera @param {[number, number]} place from 0 to 1 @param {number} aspect @param {number} turned degrees */
 export function luminance(camera, [x, y], aspect, turned) {
     const axes = [0, 1, 2];
@@ -33,7 +34,7 @@ export function luminance(camera, [x, y], aspect, turned) {
     const tangent = Math.tan((camera.vertical_fov_deg * Math.PI) / 360);
     const [dx, dy, dz] = axes.map((axis) => forward[axis] + ((2 * x - 1) * aspect * right[axis] + (1 - 2 * y) * above[axis]) * tangent);
     const [sin, cos] = [Math.sin((turned * Math.PI) / 180), Math.cos((turned * Math.PI) / 180)];
-    // Back by the turn; the middle of the file lies at -z, and what is right of it at +x.
+    // Undo the rotation. The middle of the file is at -z, and +x is to its right.
     const around = 0.5 + Math.atan2(cos * dx - sin * dz, -(sin * dx + cos * dz)) / (2 * Math.PI);
     const [red, green, blue] = color(around, dy > 0);
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue;

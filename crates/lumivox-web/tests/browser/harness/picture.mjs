@@ -1,4 +1,4 @@
-// Pictures, and how far two are from each other.
+// Pictures and their differences.
 
 import { execFile } from "node:child_process";
 import { mkdtemp, writeFile } from "node:fs/promises";
@@ -15,7 +15,7 @@ const run = promisify(execFile);
 let folder;
 let count = 0;
 
-/** A path that nothing has yet. @param {string} name */
+/** A path that does not exist yet. @param {string} name */
 export async function freshPath(name) {
     folder ??= process.env.LUMIVOX_PICTURES ? Promise.resolve(process.env.LUMIVOX_PICTURES) : mkdtemp(join(tmpdir(), "lumivox-"));
     count += 1;
@@ -28,7 +28,7 @@ export async function native(...args) {
     return stdout;
 }
 
-/** Files of pictures by what they were asked for. @type {Map<string, Promise<string>>} */
+/** Files of native pictures by scene and options. @type {Map<string, Promise<string>>} */
 const natives = new Map();
 
 /** The native picture of a scene, which is rendered once.
@@ -57,7 +57,7 @@ export async function flipOfFiles(reference, ours) {
     return JSON.parse(await native("compare", "--json", "--images", reference, ours)).final.flip;
 }
 
-/** How many pixels are not the same. @param {Picture} a @param {Picture} b */
+/** The number of pixels that differ. @param {Picture} a @param {Picture} b */
 export function different(a, b) {
     if (a.width !== b.width || a.height !== b.height) return Infinity;
     let pixels = 0;
@@ -65,7 +65,7 @@ export function different(a, b) {
     return pixels;
 }
 
-/** Colours in a picture: one, if nothing is shown. @param {Picture} picture */
+/** The number of colours: 1 if nothing is shown. @param {Picture} picture */
 export function colors({ data }) {
     const seen = new Set();
     for (let at = 0; at < data.length; at += 4) seen.add(data.readUInt32LE(at));

@@ -27,12 +27,12 @@ const MOST_ROWS: usize = 50;
 pub struct Report {
     #[serde(flatten)]
     counts: SceneCounts,
-    /// Triangles that are static: they stay while others move.
+    /// Static triangles, which do not move.
     static_triangles: usize,
     static_instances: usize,
     dynamic_triangles: usize,
     dynamic_instances: usize,
-    /// Hidden instances. No other count includes them.
+    /// Hidden instances. Of the other counts of instances, only those of `mesh_list` include them.
     hidden_instances: usize,
     /// Instances that are drawn but not in the voxels.
     unvoxelized_instances: usize,
@@ -64,7 +64,7 @@ pub struct Report {
     cameras: Vec<CameraReport>,
     /// The camera that is used by default.
     default_camera: CameraReport,
-    /// The light that is added if the scene's own is not enough; `None` if it is.
+    /// The light that is added; `None` if the scene's own is enough.
     default_light: Option<String>,
     /// The view and the light that were chosen, with the reasons.
     sight: Vec<String>,
@@ -92,7 +92,7 @@ struct MeshReport {
     name: String,
     triangles: usize,
     vertices: usize,
-    /// Instances that show it.
+    /// Instances of it, hidden ones included.
     instances: usize,
     texture_coordinates: u32,
     has_colors: bool,

@@ -1,7 +1,7 @@
-//! One renderer that goes from moment to moment.
+//! One renderer for all pictures of a sequence.
 //!
-//! With [`History::Kept`] it changes as the window's renderer does: what has moved is followed by the next frame, and light of
-//! earlier frames stays. With [`History::None`] there is a cut before each picture.
+//! With [`History::Kept`] it works like the window's renderer: the next frame shows what has moved,
+//! and reuses light of earlier frames. With [`History::None`] there is a cut before each picture.
 
 use lumivox_render::{Exposure, Picture, RenderProgress, RenderSettings, Renderer};
 use lumivox_scene::{Camera, Places};
@@ -27,8 +27,8 @@ pub struct Step<'a> {
 }
 
 impl Film {
-    /// Shows the job's scene as it is posed, from a camera. The first scene is prepared, later ones may differ only by their
-    /// pose.
+    /// Shows the job's scene in its current pose, from a camera. The first scene is prepared; later
+    /// ones may differ only in their pose.
     ///
     /// # Errors
     /// When something does not fit the device, or the device fails.
@@ -51,7 +51,7 @@ impl Film {
         if moved.shapes {
             pollster::block_on(renderer.set_scene(scene, tell))?;
         } else if moved.lights || !moved.instances.is_empty() {
-            // Takes the lights along. The unit of radiance stays, as it must between pictures.
+            // Also updates the lights. The unit of radiance must not change between pictures.
             pollster::block_on(renderer.move_instances(scene, &moved.instances, tell))?;
         }
         *places = Places::of(scene);
@@ -64,8 +64,8 @@ impl Film {
         Ok(())
     }
 
-    /// Renders the picture: of [`History::Kept`] as many frames more as the settings ask for. Returns `None` if the user
-    /// stopped it; a later run then renders it again.
+    /// Renders the picture; with [`History::Kept`], all frames of the settings in addition to
+    /// earlier ones. Returns `None` if the user stopped it; a later run then renders it again.
     ///
     /// # Errors
     /// When nothing is shown, or the device fails.
@@ -116,8 +116,8 @@ impl Film {
     }
 }
 
-/// The settings of the renderer. A picture of one frame samples the middles of pixels, and so would all that go on from it: two
-/// frames have samples elsewhere, by which edges become smooth over the pictures.
+/// The settings of the renderer. With [`History::Kept`] there are at least two frames: with one,
+/// every picture would sample the middles of pixels, and edges would never become smooth.
 fn film_settings(job: &RenderJob<'_>, history: History) -> RenderSettings {
     let frames = job.settings.frames;
     let frames = if history == History::Kept { frames.max(2) } else { frames };
@@ -125,7 +125,7 @@ fn film_settings(job: &RenderJob<'_>, history: History) -> RenderSettings {
 }
 
 impl Step<'_> {
-    /// Tells the progress of a preparation; only that of the first picture takes long.
+    /// Reports the progress of a preparation; only that of the first picture takes long.
     fn prepares(&self, progress: RenderProgress) {
         match self.done {
             0 => self.progress.set(words(progress.stage), progress.done, progress.total),

@@ -2,7 +2,7 @@
 //!
 //! | file | is |
 //! | --- | --- |
-//! | `film.rs` | one renderer that goes from moment to moment |
+//! | `film.rs` | one renderer for all pictures |
 //! | `report.rs` | what is printed at the end |
 
 mod film;
@@ -81,7 +81,8 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
         film = begun(&mut stage, &moments)?;
     }
     let mut metering: Option<Metering> = None;
-    // Light of earlier frames has come through all of them, so an interrupted sequence begins again at the first.
+    // With kept light, a picture depends on all before it, so a stopped sequence starts again at
+    // the first.
     let numbers: Vec<u32> = match (history, missing.last()) {
         (History::Kept, Some(&last)) => (0..=last).collect(),
         _ => missing.clone(),
@@ -174,8 +175,8 @@ fn meter(stage: &mut RenderJob<'_>, moments: &Moments) -> anyhow::Result<Option<
     Ok(Some((film, median(stops))))
 }
 
-/// A film that has shown the first picture's scene, wherever it goes on: the unit of radiance is that of the scene that a
-/// renderer begins with, and must be the same in all runs.
+/// A film that has shown the first picture's scene, whichever picture is rendered next: a renderer
+/// takes its unit of radiance from its first scene, and all runs must have the same unit.
 fn begun(stage: &mut RenderJob<'_>, moments: &Moments) -> anyhow::Result<Film> {
     let time_s = moments.time_s(0);
     stage.schedule.pose(&mut stage.scene, time_s)?;
@@ -192,7 +193,7 @@ fn median(mut values: Vec<f32>) -> f32 {
     values.get(values.len() / 2).copied().unwrap_or_default()
 }
 
-/// Whether pictures depend on those before them. Without light of earlier frames none does, whatever was asked for.
+/// Whether pictures depend on those before them; they never do without temporal tracing.
 fn history_of(stage: &RenderJob<'_>) -> History {
     if stage.settings.trace.temporal { stage.args.timeline.history } else { History::None }
 }

@@ -22,7 +22,7 @@ pub struct Report {
     pub pictures: u32,
     /// Pictures that were rendered now; the others existed.
     pub rendered: usize,
-    /// Pictures that existed and were rendered again, since later ones have light of them.
+    /// Pictures that existed and were rendered again, since later ones reuse their light.
     pub rendered_again: usize,
     /// Exposure in stops, if all pictures have the same.
     pub exposure: Option<f32>,

@@ -1,4 +1,4 @@
-// The example's hall, closed and matte, lit by Lumivox and by three.js's VXGINode: what a frame takes, and its picture.
+// The example's hall, closed and matte, by Lumivox and by three.js's VXGINode: times and pictures.
 
 import * as THREE from "three/webgpu";
 import { builtinGIContext, mrt, normalView, pass, vec4 } from "three/tsl";
@@ -8,7 +8,7 @@ import { createDevice, createGi } from "lumivox/three";
 import { createHall } from "../example/hall.js";
 
 const TIME = 1.5;
-/** Frames until light has settled, and those whose mean is the picture. */
+/** Numbers of frames: until light has settled, in the picture's mean, and timed. */
 const [SETTLING, AVERAGED, TIMED] = [48, 16, 6];
 
 const median = (values) => [...values].sort((a, b) => a - b)[values.length >> 1];
@@ -26,7 +26,7 @@ function hallOf(width, height) {
     return hall;
 }
 
-/** The hall as a file, and its camera as the program takes it. */
+/** The hall as a GLB file, and its camera as an option of the program. */
 async function exported(width, height) {
     const { scene, camera } = hallOf(width, height);
     const glb = await new GLTFExporter().parseAsync(scene, { binary: true });
@@ -51,7 +51,7 @@ function ofThree(bounces) {
         const node = vxgi(prepass.getTextureNode("depth"), prepass.getTextureNode(), scene, camera, resolution);
         node.bounces = bounces;
         view.contextNode = builtinGIContext(node.getAONode().r, node.getGINode().rgb);
-        // Drawn first: it cannot be drawn amid the other pass.
+        // Drawn first: passes cannot be nested.
         const output = prepass.getTextureNode().rgba.mul(0).add(view);
         return { output, memory: () => renderer.info.memory.total - before, rebuild: () => (node.needsUpdate = true) };
     };
@@ -59,7 +59,8 @@ function ofThree(bounces) {
 
 const METHODS = { "Lumivox, `realtime`": lumivox, "`VXGINode`, 1 bounce": ofThree(1), "`VXGINode`, 2 bounces": ofThree(2) };
 
-/** What a method takes: milliseconds of a frame in which nothing, the lamp, or objects move; bytes; and its picture in linear light. */
+/** Measures a method: ms a frame while nothing, the lamp, or objects move; bytes; its picture in
+ * linear light. */
 async function measured(name, resolution, width, height) {
     const renderer = new THREE.WebGPURenderer({ canvas: document.createElement("canvas"), device: await createDevice() });
     await renderer.init();
@@ -97,7 +98,7 @@ async function measured(name, resolution, width, height) {
     }
     const place = hall.lamp.position.x;
     const lamp = median(await times(TIMED, (at) => (hall.lamp.position.x = place + 0.05 * (at + 1))));
-    // In the first of them what has begun to move is told from what has not.
+    // The first frames, which separate moving from static objects, are not counted.
     const moving = await times(TIMED + 8, (at) => {
         hall.animate(TIME + 0.05 * at);
         rebuild();

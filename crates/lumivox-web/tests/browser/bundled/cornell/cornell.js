@@ -1,4 +1,4 @@
-/** The package's example, with the module that it is given; where the address ends with #init, what its WebAssembly tells alone.
+/** Runs the package's example with a module; if the address ends with #init, counts its scenes.
  * @param {typeof import("lumivox")} lumivox */
 export async function show({ default: init, builtinScenes, createRenderer }) {
     const say = (text) => (document.querySelector("p").textContent = text);

@@ -1,4 +1,4 @@
-// Scenes of three.js whose light has a closed form, and what Lumivox gathers in them.
+// three.js scenes whose light has a closed form, as Lumivox renders them.
 
 import * as THREE from "three/webgpu";
 import { mrt, output, pass, vec4, velocity } from "three/tsl";
@@ -6,7 +6,7 @@ import { createGi } from "lumivox/three";
 
 const SIZE = 16;
 
-// The renderer's own device; the example has one of ours.
+// The renderer creates its own device; the example uses ours.
 const renderer = new THREE.WebGPURenderer();
 await renderer.init();
 renderer.setSize(SIZE, SIZE, false);
@@ -20,13 +20,13 @@ const pipeline = new THREE.RenderPipeline(renderer, view);
 pipeline.outputColorTransform = false;
 const target = new THREE.RenderTarget(SIZE, SIZE, { type: THREE.FloatType });
 
-/** Means of red, green, blue over the picture, after so many frames; over the last half of them. */
+/** Mean red, green and blue of the picture, over the last half of the frames. */
 async function picture(frames = 24, move = () => {}) {
     const sum = [0, 0, 0];
     for (let frame = 0; frame < frames; frame += 1) {
         move();
         renderer.setRenderTarget(target);
-        // What the animation loop does.
+        // As the animation loop does.
         renderer._nodes.nodeFrame.update();
         pipeline.render();
         renderer.setRenderTarget(null);
@@ -61,7 +61,7 @@ function halfSky(dark, bright) {
     const [width, height] = [32, 16];
     const data = new Float32Array(4 * width * height);
     for (let at = 0; at < width * height; at += 1) {
-        // As three.js reads it, +x is in the middle.
+        // three.js maps the middle to +x.
         const isBright = Math.abs((at % width) + 0.5 - width / 2) < width / 4;
         data.fill(isBright ? bright : dark, 4 * at, 4 * at + 3);
         data[4 * at + 3] = 1;
@@ -87,7 +87,7 @@ const wall = (turn, color = 0xffffff) => {
     return made;
 };
 
-/** Radiance of a wall that faces +x (turn 90°) or -z (turn 180°), from half a metre before it. */
+/** Radiance of a wall that faces +x (turn 90°) or -z (turn 180°), from a metre before it. */
 async function wallIn(sky, turn, environmentTurn) {
     const made = wall(turn);
     const normal = new THREE.Vector3(0, 0, 1).applyAxisAngle(new THREE.Vector3(0, 1, 0), turn);
@@ -106,7 +106,7 @@ const forms = {
         const room = new THREE.Mesh(new THREE.BoxGeometry(2, 2, 2), matte({ color: new THREE.Color(0.5, 0.5, 0.5), emissive: 0xffffff, side: THREE.BackSide }));
         return during([room], () => picture());
     },
-    /** The same, mirrored, with colours at its vertices that its material does not ask for. */
+    /** The same room, mirrored, with vertex colours that its material does not use. */
     async mirrored() {
         look([0.3, 0.2, 0.1], [-1, -0.4, -0.7]);
         const box = new THREE.BoxGeometry(2, 2, 2);
@@ -115,19 +115,19 @@ const forms = {
         room.scale.x = -1;
         return during([room], () => picture());
     },
-    /** A transparent sheet that shines blue, before a wall. */
+    /** A transparent blue sheet in front of a wall. */
     async sheet() {
         look([0, 0, 0.9], [0, 0, 0]);
         const sheet = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), new THREE.MeshBasicMaterial({ color: 0x0000ff, transparent: true }));
         return during([wall(0), sheet], () => picture(8)).finally(() => sheet.material.dispose());
     },
-    /** A metal wall with a map of its own, in no other surroundings. */
+    /** A metal wall with its own environment map, in a scene without one. */
     async ownMap() {
         look([0, 0, 0.5], [0, 0, 0]);
         const metal = new THREE.MeshStandardMaterial({ metalness: 1, roughness: 1, envMap: halfSky(1, 1) });
         return during([new THREE.Mesh(new THREE.PlaneGeometry(2, 2), metal)], () => picture(8));
     },
-    /** What a pass of the page's has as velocity of a wall that moves, after Lumivox has drawn it, too. */
+    /** The velocity of a moving wall in a pass of the page, which Lumivox must not change. */
     async velocity() {
         look([0, 0, 0.9], [0, 0, 0]);
         const moving = pass(scene, camera, { samples: 0 });
@@ -142,7 +142,7 @@ const forms = {
         moving.dispose();
         return sum;
     },
-    /** A picture of no size, a light that is given up twice, and a number that is none: nothing of it is thrown into three.js. */
+    /** A picture of size 0, a second `dispose`, NaN and infinity: none of them throws in frames. */
     async misuse() {
         const own = await createGi(renderer, { scene, camera, bounds, resolution: 16 });
         own.dispose();
@@ -158,15 +158,17 @@ const forms = {
         await during([made, new THREE.PointLight(0xffffff, 1, Infinity)], () => picture(2));
         return gi.notes.filter((note) => !before.includes(note));
     },
-    /** A ball from within, which reflects half, with a lamp of pi candela in its middle: its radiance is 0.5 (direct) + 0.5. */
+    /** A ball from within, which reflects half, with a lamp of pi candela in its middle: radiance
+     * 0.5 (direct) + 0.5. */
     async ball() {
         look([0, 0, 0.02], [-1, 0.3, -0.7]);
         const ball = new THREE.Mesh(new THREE.SphereGeometry(1, 48, 32), matte({ color: new THREE.Color(0.5, 0.5, 0.5), side: THREE.BackSide }));
         return during([ball, new THREE.PointLight(0xffffff, Math.PI)], () => picture(48));
     },
-    /** A white wall under a sky of radiance 3: it has that of the sky. */
+    /** A white wall under a uniform sky of radiance 3: it has the same. */
     sky: () => wallIn(halfSky(3, 3), Math.PI / 2, 0),
-    /** Under half a sky towards +x: walls that face it, and -z, before and after a quarter turn about y. */
+    /** Walls that face +x and -z, under a sky that is bright towards +x, before and after it is
+     * turned by 90° about y. */
     async turnedSky() {
         const sky = halfSky(0, 1);
         return { toX: await wallIn(sky, Math.PI / 2, 0), toZ: await wallIn(sky, Math.PI, 0), turnedToX: await wallIn(sky, Math.PI / 2, Math.PI / 2), turnedToZ: await wallIn(sky, Math.PI, Math.PI / 2) };
@@ -185,7 +187,7 @@ const forms = {
         cube.dispose();
         return seen;
     },
-    /** What three.js shows of the turned sky towards -z: the convention of the turn. */
+    /** three.js's own picture of the turned sky towards -z: the sign of a turn. */
     async background() {
         look([0, 0, 0], [0, 0, -1]);
         const sky = halfSky(0, 1);
@@ -195,7 +197,7 @@ const forms = {
         scene.background = null;
         return red;
     },
-    /** A sheet on a bone that shines on a wall, before and after the bone has turned it away. */
+    /** Light on a floor from a sheet, before and after a bone has moved the sheet closer. */
     async bone() {
         const floor = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), matte({ color: 0xffffff }));
         floor.rotation.x = -Math.PI / 2;
@@ -218,7 +220,7 @@ const forms = {
             return { before, after };
         });
     },
-    /** A wall whose image is red, and the same in green once it was changed: light that a white wall beside it gets. */
+    /** Light on a white wall from an emissive image that is red, and then changed to green. */
     async image() {
         const texture = new THREE.DataTexture(new Uint8Array(Array(16).fill([255, 0, 0, 255]).flat()), 4, 4);
         texture.colorSpace = THREE.SRGBColorSpace;
