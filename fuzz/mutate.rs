@@ -140,7 +140,7 @@ fn nudge(value: &mut Value, choices: &mut Choices<'_>) {
     }
 }
 
-/// What programs trip over.
+/// A value that programs often mishandle.
 fn interesting(choices: &mut Choices<'_>) -> Value {
     let all = [
         json!(0),

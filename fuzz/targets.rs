@@ -1,8 +1,8 @@
-//! What is done with each input, shared by the fuzz targets and by the test that runs the committed
+//! Processing of each input, shared by the fuzz targets and by the test that runs the committed
 //! corpus (`crates/lumivox-scene/tests/it/corpus`).
 //!
-//! Whatever the bytes, a loader may refuse them with an error or give a scene that keeps its promises;
-//! it may not panic, run for long, or take memory out of proportion.
+//! Whatever the bytes, a loader may refuse them with an error or give a scene that keeps its
+//! promises; it may not panic, run for long, or take memory out of proportion.
 
 // Each target uses its part of this.
 #![allow(dead_code)]
@@ -132,7 +132,7 @@ fn scene_with(name: &str, data: &[u8], files: &HashMap<String, Vec<u8>>) {
     assert!(again.to_glb().expect("it can be saved again") == saved, "saved again, it differs");
 }
 
-/// What the crate promises of every scene.
+/// Checks the crate's promises for every scene.
 fn promises(scene: &Scene) {
     assert!(scene.triangle_count() > 0 || scene.grid_bounds.is_some());
     assert!(scene.bounds().size().is_finite());

@@ -1,4 +1,4 @@
-//! glTF documents around compressed data, so that a fuzzer's bytes go to the decoders alone.
+//! glTF documents around compressed data, so that a fuzzer's bytes go only to the decoders.
 
 use serde_json::{Value, json};
 

@@ -8,7 +8,7 @@
 
 : "${root:?set root to the repository root before sourcing deny.sh}"
 
-# Older versions lack options that are used here.
+# Older versions do not have the options that are used here.
 deny_version=0.20.2
 
 # Astral's build of that release installs in two seconds; compiling it takes two minutes of

@@ -34,7 +34,7 @@ OPENING = re.compile(r"<!--\s*[Ff]igure\b")
 # A generated table, with its stamp, in a page written by hand.
 TABLE = re.compile(r"(?<=<!-- made by scripts/figures.sh -->\n).*?(?=<!-- end -->)", re.S)
 
-# --- where figures come from; `read` returns the text of a file -------------------------------------
+# --- where figures come from; `read` returns the text of a file -----------------------------------
 
 
 def rows(read, page, heading):

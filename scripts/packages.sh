@@ -29,7 +29,7 @@ scene_features() {
     sed -n '/^\[features\]/,/^\[dependencies\]/ s/^default = \[\(.*\)\]$/\1/p' "$root/crates/lumivox-scene/Cargo.toml" | tr -d '",'
 }
 
-# check_scene_features [OPTIONS]: lints lumivox-scene without features, and with each one alone.
+# check_scene_features [OPTIONS]: lints lumivox-scene without features, and with each by itself.
 check_scene_features() (
     cd "$root" || exit
     local feature names
@@ -41,7 +41,7 @@ check_scene_features() (
     done
 )
 
-# --- the packages for npm and Python, for scripts/release.sh --------------------------------------------
+# --- the packages for npm and Python, for scripts/release.sh --------------------------------------
 
 # check_npm_package FOLDER: builds the page, packs its npm package into FOLDER, checks it, tries
 # `npm publish --dry-run`, and installs it in an empty folder.

@@ -7,7 +7,7 @@
 : "${root:?set root to the repository root before sourcing python.sh}"
 
 python_package=crates/lumivox-python
-# What the tests need besides the package.
+# Packages that the tests need besides this one.
 python_tools=(numpy==2.* pytest==9.* mypy==2.* trimesh==5.* ray==2.* mitsuba==3.*
     nbclient==0.* nbformat==5.* ipykernel==7.* matplotlib==3.*)
 # It needs VTK, which is larger than all others.

@@ -19,7 +19,7 @@ pub enum Group {
     Camera,
     /// Voxels.
     Voxels,
-    /// What is shown: surfaces, voxels, wires.
+    /// The view: surfaces, voxels, wires.
     View,
     /// Lamps and surroundings.
     Light,

@@ -32,7 +32,7 @@ pub struct Comparison {
     /// light in the room next door.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub leak_percent: Option<f64>,
-    /// The same after all bounces.
+    /// `leak_percent` after all bounces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub leak_full_percent: Option<f64>,
 }

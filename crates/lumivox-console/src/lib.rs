@@ -22,7 +22,7 @@
 //! | `help.rs`, `page.rs` | the help, and the generated page `docs/console.md` |
 //! | `opening/`, `outside.rs` | requests to open a scene, and access to files and the network |
 //! | `values/` | values shared with command-line options |
-//! | `report.rs`, `comparison.rs`, `shown.rs` | output: tables, comparisons, text without control characters |
+//! | `report.rs`, `comparison.rs`, `shown.rs` | output: tables, comparisons, printable text |
 //! | `classify.rs` | properties of a line known before it runs |
 
 #![allow(clippy::format_push_string, reason = "output is assembled once for each command")]

@@ -1,6 +1,6 @@
 //! Lines of the console's language, split into commands and words.
 //!
-//! Words are separated by white space. Single quotes keep everything between them as it is. Within
+//! Words are separated by white space. Single quotes keep everything between them unchanged. Within
 //! double quotes `\"` and `\\` mean the mark and the backslash, and `\u{1b}` the character of that
 //! number, so that names with line feeds or control characters can be written. Elsewhere a
 //! backslash is an ordinary character, so that paths of Windows need no quotes. A semicolon or a
@@ -100,7 +100,7 @@ pub fn text<'a>(line: &'a str, words: &[Word]) -> &'a str {
     line.get(first.range.start..last.range.end).unwrap_or_default()
 }
 
-/// Quotes a word so that a line reads it as it is, in printable characters.
+/// Quotes a word so that a line reads it unchanged, in printable characters.
 pub fn quote(word: &str) -> String {
     if word.contains(is_obeyed) {
         let mut quoted = String::from("\"");

@@ -24,7 +24,7 @@ impl Table {
         Self { rows: vec![heading], is_left: false }
     }
 
-    /// The same with all columns left-aligned, for words.
+    /// A table with a heading and all columns left-aligned, for words.
     pub fn left(heading: &[&str]) -> Self {
         Self { is_left: true, ..Self::new(heading) }
     }
@@ -137,7 +137,7 @@ impl AdapterReport {
 pub struct SceneCounts {
     /// Its name.
     pub name: String,
-    /// Triangles, each as often as it is shown.
+    /// Triangles, each counted once for every instance that shows it.
     pub triangles: usize,
     /// Meshes, each once.
     pub meshes: usize,
@@ -261,11 +261,11 @@ impl GridReport {
 pub struct GeometryReport {
     /// Bytes of all vertices and indices.
     pub bytes: u64,
-    /// Those on the GPU.
+    /// Bytes of vertices and indices on the GPU.
     pub resident_bytes: u64,
     /// Triangles of all meshes, each counted once.
     pub triangles: u64,
-    /// Those on the GPU: the nearest to the camera.
+    /// Triangles on the GPU, the nearest to the camera; each counted once.
     pub resident_triangles: u64,
 }
 

@@ -1,7 +1,9 @@
-//! What a frame costs the CPU in a large scene of which one object moves: 10 000 objects, 2 000 000 triangles.
+//! CPU time of a frame in a large scene in which one object moves: 10 000 objects, 2 000 000
+//! triangles.
 //!
-//! `cargo bench -p lumivox-explorer` prints the time of this thread alone, ms a frame: a software GPU computes on threads of
-//! its own. `still` is a frame in which nothing has moved, `moving` one after a move, whose steps stand below it.
+//! `cargo bench -p lumivox-explorer` prints the time of this thread only, ms a frame: a software
+//! GPU computes on threads of its own. `still` is a frame in which nothing has moved, `moving` one
+//! after a move; the lines below it are its steps.
 
 use std::time::Duration;
 
@@ -73,7 +75,7 @@ fn scene() -> Scene {
     scene
 }
 
-/// What this thread has computed so far.
+/// CPU time of this thread so far.
 #[cfg(target_os = "linux")]
 fn cpu_time() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);

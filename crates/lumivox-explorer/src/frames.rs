@@ -71,7 +71,8 @@ impl Explorer {
             renderer.render_overlay_frame().await?;
         } else if let Err(error) = renderer.render_frame().await {
             if matches!(error, RenderError::Gi(_)) {
-                // As after a change that was refused: the next renderer is made from the present scene.
+                // As after a change that was refused: the next renderer is made from the present
+                // scene.
                 self.renderer = None;
             }
             return Err(error.into());
@@ -83,7 +84,7 @@ impl Explorer {
         Ok(true)
     }
 
-    /// Renders a frame only for its time: the picture stays as it is.
+    /// Renders a frame only for its time: the picture does not change.
     ///
     /// # Errors
     /// When the device fails.
@@ -140,7 +141,7 @@ impl Explorer {
         Ok(Some(renderer.screen(stops).await?))
     }
 
-    /// The same as [`Self::screen`], left on the device in [`Self::screen_texture`].
+    /// Like [`Self::screen`], but leaves the pixels on the device in [`Self::screen_texture`].
     ///
     /// # Errors
     /// When the device fails.

@@ -84,7 +84,7 @@ fn all_that_changes_is_taken_back_and_done_again() {
     }
     assert!(picture(&mut explorer) == fresh(&explorer));
     assert_eq!(explorer.redo().unwrap_err().to_string(), "there is nothing to redo");
-    // The camera, the window's size and what stays as it was are no steps.
+    // Changes of the camera or the window's size, and changes to the current value, are not steps.
     explorer.set_camera(Camera::default());
     explorer
         .set_settings(RenderSettings { size: UVec2::new(8, 8), ..explorer.settings().clone() })
@@ -117,7 +117,7 @@ fn a_gesture_is_one_step() {
     assert_eq!(values, [7.0, 6.0, 6.0, 5.0, first]);
     explorer.redo().unwrap();
     assert_eq!(seen(&explorer), 5.0);
-    // What is done now is done instead of what came next.
+    // A new change replaces the steps that could be redone.
     bright(&mut explorer, 8.0);
     assert!(explorer.redo().is_err());
     undone(&mut explorer);

@@ -38,7 +38,7 @@
 //! | `history.rs` | undo and redo |
 //! | `names.rs` | unique names of objects, materials and lights |
 //! | `suggest.rs` | suggestions for misspelled names |
-//! | `original.rs` | the scene as it was opened |
+//! | `original.rs` | the scene when it was opened |
 //! | `animation.rs` | which animation plays |
 //! | `clock.rs` | advancing the time of the scene |
 //! | `update.rs` | bringing the renderer up to date |

@@ -136,7 +136,7 @@ mod tests {
             }
         }
         assert_eq!(due, [1, 2, 4, 8, 16, 23]);
-        // The same picture is not measured twice.
+        // An unchanged picture is not measured again.
         assert!(!meter.is_due(23, true));
         meter.start_again();
         assert!(meter.is_due(23, true));

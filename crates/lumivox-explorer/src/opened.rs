@@ -12,10 +12,11 @@ use crate::names::names_of_objects;
 use crate::objects::{Edit, Marks};
 use crate::original::Original;
 
-/// A scene that is ready for [`Explorer::open`](crate::Explorer::open), with the changes made to it since.
+/// A scene that is ready for [`Explorer::open`](crate::Explorer::open), with the changes made to it
+/// since.
 #[derive(Debug)]
 pub struct PreparedScene {
-    /// The scene as it is shown.
+    /// The displayed scene.
     pub(crate) scene: Scene,
     pub(crate) camera: Camera,
     /// The box that the grid is fitted to.
@@ -50,7 +51,8 @@ impl PreparedScene {
         Self::surveyed(scene, options, &OnceCell::new(), progress)
     }
 
-    /// The same for a scene that was surveyed before, if its triangles have not changed since.
+    /// As [`PreparedScene::new`], for a scene that was surveyed before and whose triangles have not
+    /// changed since.
     ///
     /// # Errors
     /// As [`PreparedScene::new`].
@@ -116,7 +118,7 @@ fn bounds_of_all_poses(
 const FIRST_RESOLUTION: u32 = 32;
 
 /// Settings for a scene's first picture, which is shown while the requested one takes its time: at
-/// most 32 voxels along the longest axis, and one bounce. Where the view shows voxels instead of
+/// most 32 voxels along the longest axis, and one bounce. If the view shows voxels instead of
 /// light, the requested settings are returned. The size is left as requested.
 pub fn first_look(asked: &RenderSettings) -> RenderSettings {
     if !asked.view.is_light() {

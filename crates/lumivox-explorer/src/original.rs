@@ -4,7 +4,7 @@ use lumivox_scene::{Camera, Environment, Light, Material, Scene};
 
 use crate::Explorer;
 
-/// Lights and materials of the scene as it was opened.
+/// Lights and materials of the scene when it was opened.
 #[derive(Clone, Debug)]
 pub struct Original {
     /// The lights.
@@ -26,7 +26,7 @@ impl Original {
 }
 
 impl Explorer {
-    /// Lights and materials of the scene as it was opened.
+    /// Lights and materials of the scene when it was opened.
     pub fn original(&self) -> Option<&Original> {
         self.opened.as_ref().map(|opened| &opened.original)
     }

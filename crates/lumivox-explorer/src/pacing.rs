@@ -80,8 +80,8 @@ impl Pacing {
         self.note_change(true);
     }
 
-    /// Notes that the camera, lights, objects or time have changed. A motion is a change that
-    /// follows another one within [`REST`].
+    /// Notes that the camera, lights, objects or time have changed. A motion is a change within
+    /// [`REST`] of the previous one.
     pub fn scene_changed(&mut self) {
         self.note_change(self.has_just_changed());
     }
@@ -182,7 +182,7 @@ mod tests {
 
     const FULL: UVec2 = UVec2::new(640, 2);
 
-    /// The widths of pictures in a motion whose frames take so many milliseconds at full size.
+    /// The widths of pictures in a motion, from the time of each frame at full size, ms.
     fn widths(pacing: &mut Pacing, full_ms: impl IntoIterator<Item = f32>) -> Vec<u32> {
         let frames = full_ms.into_iter().map(|ms| {
             pacing.camera_dragged();

@@ -9,7 +9,7 @@
 pub enum Side {
     /// The picture itself.
     Left,
-    /// What it is compared with.
+    /// The picture that it is compared with.
     Right,
 }
 

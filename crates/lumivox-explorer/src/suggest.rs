@@ -3,8 +3,8 @@
 /// The least similarity of a suggestion, 0 to 1.
 const ALIKE: f64 = 0.7;
 
-/// The similarity of names of three or more letters that differ by one slip: a letter too many, too
-/// few, another one, or two swapped.
+/// The similarity of names of three or more letters that differ by one slip: an additional, missing
+/// or wrong letter, or two letters swapped.
 const ONE_SLIP: f64 = 0.9;
 
 /// The known name most similar to a wrong one, by the measure of Jaro and Winkler (Winkler 1990) or

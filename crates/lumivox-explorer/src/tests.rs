@@ -22,7 +22,7 @@ fn placements_go_there_and_back() {
     assert!(back.scale.abs_diff_eq(placement.scale, 1e-5), "{back:?}");
 }
 
-/// The device of all tests: each that opened one of its own would make every pipeline anew.
+/// The device of all tests: a test with its own device would have to create every pipeline again.
 fn gpu() -> Gpu {
     static GPU: OnceLock<Gpu> = OnceLock::new();
     let open = || {
@@ -62,7 +62,7 @@ pub(crate) fn picture(explorer: &mut Explorer) -> lumivox_render::Picture {
     shown(explorer).expect("something to show")
 }
 
-/// What a renderer makes of the same scene, camera and settings at once.
+/// The picture of a new renderer with the same scene, camera and settings.
 pub(crate) fn fresh(explorer: &Explorer) -> lumivox_render::Picture {
     let (scene, camera) = (explorer.scene().unwrap(), explorer.camera());
     let settings = explorer.settings().clone();
@@ -123,8 +123,9 @@ fn what_the_renderer_refuses_is_taken_back() {
     assert!(picture(&mut explorer) == first);
 }
 
-/// Where light of earlier frames is kept, voxels follow within frames, also while they are late: nothing is voxelized as a
-/// whole, and a picture of one frame is complete once voxels are in time.
+/// If light of earlier frames is kept, voxels are updated within frames, even if they are late:
+/// nothing is voxelized as a whole, and a picture of one frame is complete once the voxels are up
+/// to date.
 #[test]
 fn what_moves_in_realtime_is_followed_frame_by_frame() {
     for frames in [1, 64] {
@@ -147,7 +148,8 @@ fn what_moves_in_realtime_is_followed_frame_by_frame() {
     }
 }
 
-/// A triangle on the ground, and a lamp above it that slides in the only animation, with a camera on it.
+/// A triangle on the ground, and a lamp above it that slides in the only animation, with a camera
+/// on it.
 fn sliding_lamp() -> Scene {
     const GLTF: &str = r#"{
         "asset": { "version": "2.0" },
@@ -283,7 +285,7 @@ fn objects_have_names_of_their_own() {
     assert!(wrong.contains("`objects` lists"), "{wrong}");
 }
 
-/// Many objects of the same name are named, found and hidden without counting from the start for each.
+/// Naming, finding and hiding many objects of the same name does not count from the start for each.
 #[test]
 fn many_objects_of_a_name_are_told_apart() {
     let mut explorer = explorer("cornell");
@@ -353,7 +355,8 @@ fn cameras_are_stored_under_names() {
     assert_eq!(explorer.stored_cameras().count(), 0);
 }
 
-/// A scene that is dark is lit unless that is not wanted, and says by what; one that shines is left alone.
+/// A dark scene is lit unless that is disabled, and a note says by what; a scene that shines is not
+/// changed.
 #[test]
 fn dark_scenes_are_lit_and_say_so() {
     let mut dark = lumivox_scene::builtin::scene("cornell").unwrap();
@@ -390,7 +393,7 @@ fn cameras_are_the_wanted_ones_or_found() {
     assert_eq!(found, scene.default_camera(1.0));
 }
 
-/// Messages are those of the crates below, to the letter, and so is what stands behind them.
+/// Messages are those of the crates below, to the letter, and errors keep their types.
 #[test]
 fn errors_keep_their_words() {
     let mut explorer = explorer("cornell");
@@ -403,7 +406,8 @@ fn errors_keep_their_words() {
     assert_eq!(ExplorerError::from(unknown.clone()).to_string(), unknown.to_string());
 }
 
-/// What was asked for together with what is refused stays as it was; what is taken is there at once.
+/// If one setting is refused, all requested together are left unchanged; accepted settings take
+/// effect at once.
 #[test]
 fn settings_are_tried_at_once() {
     let mut explorer = explorer("cornell");

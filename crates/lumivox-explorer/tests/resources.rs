@@ -1,4 +1,4 @@
-//! What the classics hold on the GPU goes when other settings are taken, and with the renderer.
+//! The classics free their GPU resources when other settings are chosen, and with the renderer.
 //!
 //! Alone in a program of its own: the count is of the whole process.
 

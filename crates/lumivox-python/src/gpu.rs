@@ -17,7 +17,8 @@ struct Opened {
 
 static OPENED: Mutex<Vec<Opened>> = Mutex::new(Vec::new());
 
-/// The process's device of an adapter; `None` takes the fastest. A device that was lost is opened again.
+/// The process's device of an adapter; `None` takes the fastest. A device that was lost is opened
+/// again.
 ///
 /// # Errors
 /// When there is no such adapter, and in a process that was forked after a device was opened.

@@ -1,8 +1,9 @@
 //! The Python extension `lumivox._lumivox`: scenes, renderings and light as numbers, for the
 //! package in `python/lumivox`.
 //!
-//! The package checks arrays and has all types and documentation; this crate does the work. Arrays come as bytes of 32-bit
-//! numbers and leave as `bytearray`s, which numpy views without a copy. Records (a camera, a light) are dictionaries.
+//! The package checks arrays and has all types and documentation; this crate does the work. Arrays
+//! come as bytes of 32-bit numbers and leave as `bytearray`s, which numpy views without a copy.
+//! Records (a camera, a light) are dictionaries.
 //!
 //! Work runs without Python's global lock, under a lock of its object. That lock is only taken
 //! while the global lock is released, so the two cannot deadlock.

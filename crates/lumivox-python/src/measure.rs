@@ -1,4 +1,5 @@
-//! Light at points and along rays by the path tracer, the figures of workplanes, and their pictures.
+//! Light at points and along rays by the path tracer, the figures of workplanes, and their
+//! pictures.
 
 use std::ops::ControlFlow;
 

@@ -15,7 +15,8 @@ pub struct Shot<'a> {
     pub camera: &'a Camera,
 }
 
-/// The motion of each pixel, x to the right and y down; NaN where the point was not in front of the earlier camera.
+/// The motion of each pixel, x to the right and y down; NaN where the point was not in front of the
+/// earlier camera.
 pub fn motion(now: Shot<'_>, before: Shot<'_>, picker: &Picker, size: UVec2) -> Vec<f32> {
     let parts = Parts::new(now.scene, before.scene);
     let eyes = [now.camera, before.camera].map(Eye::new);

@@ -1,4 +1,5 @@
-//! Cameras, lights, materials and instances as dictionaries, whose keys are the fields of the package's classes.
+//! Cameras, lights, materials and instances as dictionaries, whose keys are the fields of the
+//! package's classes.
 
 use glam::{Mat4, Vec3, Vec4};
 use lumivox_scene::{Camera, Instance, Light, LightKind, Material, MetallicRoughness, Shading};

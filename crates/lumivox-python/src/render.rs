@@ -1,4 +1,5 @@
-//! A scene on the device: pictures from any number of cameras, with layers, and irradiance at points.
+//! A scene on the device: pictures from any number of cameras, with layers, and irradiance at
+//! points.
 
 use std::sync::{Arc, Mutex};
 
@@ -20,7 +21,8 @@ use crate::work::{Progress, array, detached, lock, numbers};
 /// The most points at which irradiance is gathered in one call.
 const POINTS_AT_ONCE: usize = 1 << 18;
 
-/// The bytes of a picture's arrays by name, each with its number of channels; the type is `f4` or `i4`.
+/// The bytes of a picture's arrays by name, each with its number of channels; the type is `f4` or
+/// `i4`.
 type Arrays<'py> = Vec<(String, Bound<'py, PyByteArray>, usize, &'static str)>;
 
 /// A scene on the device.

@@ -52,7 +52,7 @@ pub fn camera(argument: CameraArgument, scene: &Scene, aspect: f32) -> Result<Ca
     }
 }
 
-/// Finds the camera, and adds the surroundings that are asked for: `auto`, `studio`, `sky` or `none`.
+/// Finds the camera, and adds the requested surroundings: `auto`, `studio`, `sky` or `none`.
 ///
 /// # Errors
 /// When there are no such surroundings or camera, and for a scene without triangles.

@@ -170,7 +170,8 @@ def test_the_reference_has_its_noise(cornell: Scene, tmp_path: Path) -> None:
     assert (truth.radiance == again.radiance).all()
     assert (truth.radiance != other.radiance).any()
     assert truth.samples == 32 and truth.layers["irradiance"].shape == (16, 24, 3)
-    # Two means differ by their noise: the mean square of the difference is the sum of the variances.
+    # Two means differ by their noise: the mean square of the difference is the sum of the
+    # variances.
     difference = ((truth.radiance - other.radiance) ** 2).mean()
     variance = (truth.standard_error**2 + other.standard_error**2).mean()
     assert 0.3 < difference / variance < 3

@@ -19,7 +19,7 @@ from conftest import SMALL, floor, quad
 from moving import VIEW, moving
 
 SIZE = (64, 48)
-#: The same as `VIEW`.
+#: `VIEW` as a camera.
 EYE = Camera.look_at((0, 1, 5), (0, 1, 0), 40)
 #: Pixels a metre at a distance of 5 m.
 SCALE = SIZE[1] / (2 * 5 * np.tan(np.radians(20)))
@@ -40,7 +40,7 @@ def test_a_scene_shows_its_animation(tmp_path: Path) -> None:
     assert scene.instances[0].world_from_local[0][3] == pytest.approx(1)
     low, high = scene.bounds_over([0, 1], "all")
     assert (low[1], high[1]) == pytest.approx((-2, 6)) and scene.lights[0].position[1] == pytest.approx(2)
-    # Added lights stand still, and so do lights that replace the file's.
+    # Added lights do not move, nor do lights that replace the file's.
     scene.lights += (Light(intensity=1, position=(5, 5, 5), name="mine"),)
     scene.pose(0)
     assert [light.position for light in scene.lights] == [(0, 1, 3), (5, 5, 5)]
@@ -78,7 +78,7 @@ def test_one_time_is_that_of_the_command_line(tmp_path: Path) -> None:
     view = ["--size=32x24", f"--camera={VIEW}", "--time=0.5"]
     program("render", str(file), *values, *view, "-o", str(tmp_path / "a.exr"))
     assert (tmp_path / "a.exr").read_bytes() == small.to_exr()
-    # The path tracer shows the scene as it is posed.
+    # The path tracer shows the posed scene.
     program("reference", str(file), "--samples=16", *view, "-o", str(tmp_path / "b.exr"))
     scene.pose(0.5)
     truth = lumivox.reference(scene, VIEW, (32, 24), samples=16)
@@ -139,7 +139,8 @@ def test_motion_is_that_of_the_camera() -> None:
     expected = np.stack([x, y], -1) - former / 2
     motion = second.layers["motion"]
     assert np.abs(motion).max() > 2 and (~is_surface).sum() > 50
-    # One frame samples the middles; the depth is rounded, and at an edge the two may see different things.
+    # One frame samples the middles of pixels. The depth is rounded, and at an edge the two may see
+    # different things.
     close = np.abs(motion - expected).max(-1) < 0.02
     assert close.mean() > 0.99
 

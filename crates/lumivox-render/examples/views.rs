@@ -1,5 +1,6 @@
 //! Renders views of a built-in scene to PNG files:
-//! `cargo run --example views -- SCENE FOLDER [VIEW[,VIEW...]] [FRAMES] [RESOLUTION] [VOXEL_LEVEL] [WIDTHxHEIGHT]`.
+//! `cargo run --example views -- SCENE FOLDER [VIEW[,VIEW...]] [FRAMES] [RESOLUTION] [VOXEL_LEVEL]
+//! [WIDTHxHEIGHT]`.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What a renderer holds on the GPU goes with it, and a change leaves nothing of what was before.
+//! A dropped renderer frees its GPU resources, and a change frees those that it replaces.
 //!
 //! Alone in a program of its own: the count is of the whole process.
 
@@ -56,13 +56,13 @@ fn variants() -> Vec<(&'static str, RenderSettings)> {
         ("a view of voxels", RenderSettings { view: View::Voxels, ..small() }),
         ("wire voxels", RenderSettings { view: View::WireVoxels, ..small() }),
         ("an overlay", RenderSettings { overlay, ..small() }),
-        // A volume keeps the cells that a view had it make: another one has none.
+        // A volume keeps the cells that were created for a view; a new volume has none.
         ("more voxels", RenderSettings { resolution: 32, ..small() }),
         ("the first ones", small()),
     ]
 }
 
-/// What a new renderer holds once it has rendered.
+/// The resources of a new renderer once it has rendered.
 fn held_by_a_new_one(gpu: &Gpu, scene: &Scene, settings: &RenderSettings) -> LiveResources {
     let mut renderer = renderer(gpu, scene, settings.clone());
     picture(&mut renderer);
@@ -75,14 +75,15 @@ fn set(renderer: &mut Renderer, settings: &RenderSettings) {
     pollster::block_on(change).expect("other settings");
 }
 
-/// Bytes of the process in memory; `None` where the system does not tell.
+/// Bytes of the process in memory; `None` if the system does not report them.
 fn resident_bytes() -> Option<u64> {
     let pages = std::fs::read_to_string("/proc/self/statm").ok()?;
     Some(4096 * pages.split(' ').nth(1)?.parse::<u64>().ok()?)
 }
 
-/// A driver may keep something of each draw: with uniforms that decide branches, Mesa 22.3 kept 10 MB of a frame of this scene.
-/// It did so with all features of the device that the command line asks for, and not within WebGPU's limits.
+/// A driver may keep some memory for each draw: with uniforms that decide branches, Mesa 22.3 kept
+/// 10 MB for a frame of this scene. It did so with all features of the device that the command line
+/// enables, and not within WebGPU's limits.
 fn frames_leave_nothing_in_memory() {
     let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a GPU adapter");
     for view in [View::Final, View::Normal] {
@@ -155,7 +156,7 @@ fn nothing_outlives_its_owner_and_changes_leave_nothing_behind() {
         let now = LiveResources::now();
         assert_eq!((now.buffers, now.textures), (once.buffers, once.textures), "step {step}");
     }
-    // All that the device has was counted: what is not, nobody would destroy.
+    // All resources of the device were counted: others would never be destroyed.
     gpu.wait("rendering").expect("a device");
     let live = LiveResources::now();
     if let Some(allocated) = allocations(&gpu) {
@@ -178,7 +179,8 @@ fn nothing_outlives_its_owner_and_changes_leave_nothing_behind() {
     gpu.check("testing").expect("nothing was refused");
 }
 
-/// The names of all buffers and textures that the device has, but for wgpu's own, where it keeps a list (Vulkan and DX12).
+/// The names of all buffers and textures of the device, except wgpu's own, if it keeps a list
+/// (Vulkan and DX12).
 fn allocations(gpu: &Gpu) -> Option<Vec<String>> {
     let report = gpu.device.generate_allocator_report()?;
     let names = report.allocations.into_iter().map(|allocation| allocation.name);

@@ -5,8 +5,9 @@
 //! candela. This crate has no GPU code; renderers upload its scenes.
 //!
 //! A [`Scene`] comes from [`Scene::load`] (a glTF, OBJ, PLY, STL or VXCT file), from
-//! [`builtin::scene`] (made in code, see [`builtin::names`]), from [`rooms::room`] (made at random), or
-//! from hand-filled fields followed by [`Scene::validate`]. In each case the same promises hold afterwards:
+//! [`builtin::scene`] (made in code, see [`builtin::names`]), from [`rooms::room`] (made at
+//! random), or from hand-filled fields followed by [`Scene::validate`]. In each case the same
+//! promises hold afterwards:
 //!
 //! - every index points at something, every number is finite, no triangle has zero area;
 //! - triangles wind counter-clockwise seen from their front *after* the instance's transform, also
@@ -30,7 +31,7 @@
 //! | `gltf` | [`Scene::load`] of `.gltf` and `.glb`, with Draco, meshopt and KTX2; animations |
 //! | `obj` | `.obj` with `.mtl` and textures |
 //! | `ply`, `stl` | `.ply`, `.stl` |
-//! | `vxct` | `.scene`, `.vxct` and `.txt` of the program VXCT; brings `obj`, the format of its models |
+//! | `vxct` | `.scene`, `.vxct` and `.txt` of the program VXCT; brings `obj` for its models |
 //! | `panoramas` | `EnvironmentMap::load` and `from_memory`: Radiance, OpenEXR, PNG, JPEG |
 //! | `save` | `Scene::save_glb` and `to_glb` |
 //!

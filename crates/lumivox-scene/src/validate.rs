@@ -15,9 +15,9 @@ use crate::{
 
 impl Scene {
     /// Checks a hand-made scene, and removes things without extent: triangles of zero area (counted
-    /// in [`Scene::notes`]), meshes that have none left, and instances whose transform leaves a line
-    /// or a point (with a warning). A transform that flattens gets a thickness of a millionth, since
-    /// normals need its inverse. Normals are normalised. Calling it again changes nothing.
+    /// in [`Scene::notes`]), meshes that have none left, and instances whose transform leaves a
+    /// line or a point (with a warning). A transform that flattens gets a thickness of a millionth,
+    /// since normals need its inverse. Normals are normalised. Calling it again changes nothing.
     ///
     /// Areas are computed in local space, in f64, and only exact zeros count: thin triangles stay.
     /// After the transform, f32 may still round a tiny triangle to nothing.
@@ -122,7 +122,8 @@ fn retain_instances(scene: &mut Scene, mut keep: impl FnMut(&mut Instance) -> bo
 /// time.
 pub(crate) fn invertible(world_from_local: Mat4, mirrors: bool) -> Option<Mat4> {
     let mut made = world_from_local;
-    // Rounding may take some of the thickness away again, where columns are of very different lengths.
+    // Rounding may take some of the thickness away again, where columns are of very different
+    // lengths.
     for _ in 0..8 {
         let Some(thicker) = thickened(made, mirrors) else { break };
         made = thicker;

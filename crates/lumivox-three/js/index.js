@@ -33,7 +33,8 @@ export async function createDevice(options = {}) {
     return adapter.requestDevice({ requiredLimits, requiredFeatures: wanted.filter((name) => adapter.features.has(name)) });
 }
 
-/** Global illumination for what a camera sees of a scene. The declarations (`index.d.ts`) have all options. */
+/** Global illumination for what a camera sees of a scene. The declarations (`index.d.ts`) have all
+ * options. */
 export async function createGi(renderer, options) {
     const { scene, camera } = options ?? {};
     if (!scene?.isScene || !camera?.isCamera) {

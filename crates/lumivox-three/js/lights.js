@@ -1,4 +1,5 @@
-// Lights of three.js as rows of numbers (`src/input.rs`). Both have the same units: lux, candela, cd/m².
+// Lights of three.js as rows of numbers (`src/input.rs`). Both have the same units: lux, candela,
+// cd/m².
 
 import { Vector3 } from "three/webgpu";
 

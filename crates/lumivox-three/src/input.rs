@@ -118,7 +118,7 @@ fn light(row: &[f32; LIGHT]) -> Result<Light, PageError> {
 pub struct CameraRow {
     /// From the world to clip space, with reversed z.
     pub clip_from_world: Mat4,
-    /// The same matrix of the previous frame.
+    /// `clip_from_world` of the previous frame.
     pub previous_clip_from_world: Mat4,
     /// The camera's position, m.
     pub position: Vec3,
@@ -183,7 +183,8 @@ mod tests {
 
     #[test]
     fn a_camera_of_three_gets_reversed_depth() {
-        // near 1, far 10, as three.js has it for WebGPU: z / w is 0 at the near plane and 1 at the far one.
+        // Near 1, far 10, as three.js has it for WebGPU: z / w is 0 at the near plane and 1 at the
+        // far one.
         let clip = glam::camera::rh::proj::directx::perspective(1.0, 1.0, 1.0, 10.0);
         let mut row = [0.0; CAMERA];
         row[..16].copy_from_slice(&clip.to_cols_array());

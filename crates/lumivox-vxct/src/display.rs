@@ -56,7 +56,8 @@ pub(super) fn display_of(scene: &LookScene) -> VxctDisplay {
     VxctDisplay { white, exposure, tone_map: ToneMap::Linear }
 }
 
-/// The mean radiance of the surroundings; without any, the strongest emission; in a scene without light 1 cd/m².
+/// The mean radiance of the surroundings; without any, the strongest emission; in a scene without
+/// light 1 cd/m².
 fn white_without_lamps(materials: &[Material], environment: &Environment) -> f32 {
     let emission = materials.iter().map(|material| material.emissive.max_element());
     let emission = emission.filter(|radiance| radiance.is_finite()).fold(0.0, f32::max);

@@ -1,4 +1,5 @@
-//! Rust's and WGSL's structs have the same layout, as naga reflects it, and every shader is valid: without a GPU.
+//! Rust's and WGSL's structs have the same layout, as naga reflects it, and every shader is valid:
+//! without a GPU.
 
 use lumivox::gpu::ShaderLibrary;
 use lumivox::shaders::library_with_volume;

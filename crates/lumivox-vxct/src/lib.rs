@@ -1,5 +1,5 @@
-//! The look of VXCT: Phong's light, and a few fixed cones for shadows, reflections and diffuse light
-//! (docs/vxct-look.md), as a [`Look`] for [`RenderSettings::look`].
+//! The look of VXCT: Phong's light, and a few fixed cones for shadows, reflections and diffuse
+//! light (docs/vxct-look.md), as a [`Look`] for [`RenderSettings::look`].
 //!
 //! It has voxels of its own, a cube of them around the scene in one texture with 8 bits per channel
 //! (`voxels.rs`), and draws the scene's triangles with one fragment shader that does everything

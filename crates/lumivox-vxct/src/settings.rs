@@ -7,11 +7,11 @@ use lumivox::settings::{Kind, Redoes, Setting, Value};
 pub struct ConeShape {
     /// The whole angle, radians, 0.001 to 2. Wider: blurrier, and cheaper.
     pub aperture_rad: f32,
-    /// Where sampling starts, along the cone, in VXCT's units (half the longest edge of the grid's box), 0 to 4.
-    /// Higher passes over what is near; lower lets surfaces see themselves.
+    /// The start of sampling along the cone, in VXCT's units (half the longest edge of the grid's
+    /// box), 0 to 4. Higher passes over what is near; lower lets surfaces see themselves.
     pub offset: f32,
-    /// Step as a share of the cone's diameter, 0.001 to 4. Opacity is not corrected for it: finer steps are darker
-    /// shadows, and cost more.
+    /// Step as a share of the cone's diameter, 0.001 to 4. Opacity is not corrected for it: finer
+    /// steps are darker shadows, and cost more.
     pub distance_factor: f32,
 }
 
@@ -54,7 +54,8 @@ pub struct VxctSettings {
     pub occlusion_cone: ConeShape,
     /// Default: 0.02 rad, from 0.15, steps of 0.3.
     pub specular_cone: ConeShape,
-    /// How far above the surface, along its normal, diffuse cones begin, in VXCT's units, 0 to 1. Default: 0.05.
+    /// How far above the surface, along its normal, diffuse cones begin, in VXCT's units, 0 to 1.
+    /// Default: 0.05.
     pub diffuse_origin_offset: f32,
     /// How fast an occluder casts a full shadow, 0 to 16. Default: 1.5. At the distance d from the
     /// surface, with the light at the distance D, a sample counts with smoothstep(0, D, strength

@@ -24,7 +24,7 @@ fn nothing_outlives_the_look() {
         frames: 2,
         ..RenderSettings::default()
     };
-    // A volume keeps the cells that a look had it make: another one has none.
+    // A volume keeps the cells that were created for a look; a new volume has none.
     let look = RenderSettings {
         look: Some(Arc::new(VxctSettings::default())),
         resolution: 32,

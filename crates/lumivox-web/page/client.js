@@ -16,7 +16,8 @@ export class WorkerError extends Error {
     }
 }
 
-/** @typedef {{ resolve: (result: any) => void, reject: (error: Error) => void, onProgress?: (p: Progress) => void }} Call */
+/** @typedef {{ resolve: (result: any) => void, reject: (error: Error) => void,
+ *   onProgress?: (p: Progress) => void }} Call */
 
 export class Client {
     /** @type {Map<number, Call>} */
@@ -42,7 +43,8 @@ export class Client {
 
     /** Calls a method of the worker.
      * @template T
-     * @param {string} call @param {unknown} [data] @param {(progress: Progress) => void} [onProgress]
+     * @param {string} call @param {unknown} [data]
+     * @param {(progress: Progress) => void} [onProgress]
      * @param {Transferable[]} [transfer] @returns {Promise<T>} */
     call(call, data, onProgress, transfer = []) {
         const id = (this.#last += 1);

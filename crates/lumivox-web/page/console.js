@@ -21,7 +21,8 @@ export class Console {
     #run;
     #complete;
 
-    /** @param {(line: string) => Promise<void>} run @param {(line: string) => Promise<Completion>} complete */
+    /** @param {(line: string) => Promise<void>} run
+     * @param {(line: string) => Promise<Completion>} complete */
     constructor(run, complete) {
         this.#run = run;
         this.#complete = complete;

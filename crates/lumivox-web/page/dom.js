@@ -1,7 +1,8 @@
 // @ts-check
 // Small helpers for elements, and the rows that settings and lights are made of.
 
-/** @typedef {Record<string, string | number | boolean | EventListener | ((event: any) => void)>} Attributes */
+/** @typedef {Record<string,
+ *   string | number | boolean | EventListener | ((event: any) => void)>} Attributes */
 
 /** Makes an element. Functions become listeners; false attributes are left out. Text is never
  * parsed as HTML.
@@ -76,7 +77,8 @@ export function number(value, change, attributes = {}) {
 }
 
 /** A slider with a number field beside it.
- * @param {string} label @param {number} value @param {{ min?: number, max: number, step?: number }} range
+ * @param {string} label @param {number} value
+ * @param {{ min?: number, max: number, step?: number }} range
  * @param {(value: number) => void} change */
 export function slider(label, value, { min = 0, max, step = 0.01 }, change) {
     const range = h("input", { type: "range", min, max, step: "any", "aria-label": label });
@@ -93,14 +95,16 @@ export function slider(label, value, { min = 0, max, step = 0.01 }, change) {
 }
 
 /** Fills a list with options, and selects one.
- * @param {HTMLSelectElement} select @param {{ value: string, label: string }[]} options @param {string} chosen */
+ * @param {HTMLSelectElement} select @param {{ value: string, label: string }[]} options
+ * @param {string} chosen */
 export function fillSelect(select, options, chosen) {
     select.replaceChildren(...options.map(({ value, label }) => h("option", { value }, label)));
     select.value = chosen;
 }
 
 /** A row of name and field.
- * @param {string} label @param {string} unit @param {HTMLElement} field @param {HTMLElement[]} more */
+ * @param {string} label @param {string} unit @param {HTMLElement} field
+ * @param {HTMLElement[]} more */
 export function row(label, unit, field, ...more) {
     // The label names the number field, if any; other fields have their own.
     const named = field.querySelector(`input[type="number"]:not([aria-label])`) ?? field;

@@ -43,7 +43,8 @@ export function showSteps({ undo, redo }) {
 }
 
 /** Listens to the buttons, and to their keys while no field has the focus.
- * @param {{ picture: () => void, link: () => void, undo: () => void, redo: () => void, "console-toggle": () => void }} actions */
+ * @param {{ picture: () => void, link: () => void, undo: () => void, redo: () => void,
+ *   "console-toggle": () => void }} actions */
 export function listenToTools(actions) {
     const keys = byId("keys", HTMLDialogElement);
     let hadPanel = true;

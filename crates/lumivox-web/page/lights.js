@@ -30,7 +30,8 @@ export function newLight(kind, camera, count) {
 }
 
 /** Fields for all lights. A change sends the whole light.
- * @param {Light[]} lights @param {(index: number, light: Light) => void} change @param {(index: number) => void} remove */
+ * @param {Light[]} lights @param {(index: number, light: Light) => void} change
+ * @param {(index: number) => void} remove */
 export function showLights(lights, change, remove) {
     const list = byId("lights");
     const open = new Set([...list.querySelectorAll("details[open]")].map((details) => details.getAttribute("data-name")));
@@ -55,7 +56,8 @@ const NUMBERS = [
     ["inner_cone_deg", "Inner cone", "°"], ["outer_cone_deg", "Outer cone", "°"],
 ];
 
-/** @param {Light} light @param {boolean} open @param {(changes: Partial<Light>) => void} change @param {() => void} remove */
+/** @param {Light} light @param {boolean} open @param {(changes: Partial<Light>) => void} change
+ * @param {() => void} remove */
 function lightFields(light, open, change, remove) {
     const { kind = "point", name = "", color: shown = [1, 1, 1], intensity = 0, position, direction } = light;
     const dot = h("i", { class: "dot" });
@@ -85,7 +87,8 @@ function lightFields(light, open, change, remove) {
     return h("details", { "data-name": name, open }, h("summary", {}, dot, name, " ", h("small", {}, KINDS[kind])), fields);
 }
 
-/** @param {string} label @param {string} unit @param {Vec3} vector @param {(vector: Vec3) => void} change */
+/** @param {string} label @param {string} unit @param {Vec3} vector
+ * @param {(vector: Vec3) => void} change */
 function three(label, unit, vector, change) {
     const now = /** @type {Vec3} */ ([...vector]);
     const inputs = ["x", "y", "z"].map((axis, index) => {

@@ -96,7 +96,8 @@ let waitedSince = 0;
 
 /** Sends a change to the worker. Until it is answered and rendered, no picture is complete.
  * @template T
- * @param {string} call @param {unknown} data @param {(progress: Progress) => void} [onProgress] @returns {Promise<T>} */
+ * @param {string} call @param {unknown} data @param {(progress: Progress) => void} [onProgress]
+ * @returns {Promise<T>} */
 function ask(call, data, onProgress) {
     asked += 1;
     if (state() === "complete") {
@@ -106,7 +107,7 @@ function ask(call, data, onProgress) {
     return client.call(call, data, onProgress).finally(() => (asked -= 1));
 }
 
-// --- Errors --------------------------------------------------------------------------------------------------------
+// --- Errors --------------------------------------------------------------------------------------
 
 /** @param {unknown} error */
 function fail(error) {
@@ -133,14 +134,15 @@ function startAgain() {
     location.reload();
 }
 
-// --- Scene and camera ----------------------------------------------------------------------------------------------
+// --- Scene and camera ----------------------------------------------------------------------------
 
 const surroundings = byId("surroundings", HTMLSelectElement);
 
 /** Shows the progress of a load that can be cancelled; returns its result, or undefined if the
  * previous scene stays.
  * @template T
- * @param {string} name @param {(onProgress: (progress: Progress) => void) => Promise<T>} load @returns {Promise<T | undefined>} */
+ * @param {string} name @param {(onProgress: (progress: Progress) => void) => Promise<T>} load
+ * @returns {Promise<T | undefined>} */
 async function opening(name, load) {
     const mine = (openings += 1);
     const busy = loading(`Loading ${name}`, () => void client.call("cancel"));
@@ -338,7 +340,7 @@ async function addLight(/** @type {string | null} */ kind) {
     if (lights) showAllLights(/** @type {Light[]} */ (lights));
 }
 
-// --- Settings ------------------------------------------------------------------------------------------------------
+// --- Settings ------------------------------------------------------------------------------------
 
 /** @param {Settings} now */
 function showSettings(now) {
@@ -401,7 +403,7 @@ async function savePicture() {
     if (picture) download(picture, opened?.scene.name ?? "");
 }
 
-// --- Size -------------------------------------------------------------------------------------------------------------
+// --- Size ----------------------------------------------------------------------------------------
 
 function resize() {
     const { clientWidth, clientHeight } = canvas;
@@ -416,7 +418,7 @@ function resize() {
     if (isUpright || aspect < 1) sendCamera(false);
 }
 
-// --- Events of the worker ------------------------------------------------------------------------------------------
+// --- Events of the worker ------------------------------------------------------------------------
 function listenToWorker() {
     /** @type {{ end: () => void } | null} */
     let restoring = null;
@@ -477,7 +479,7 @@ function listenToWorker() {
     });
 }
 
-// --- Start ---------------------------------------------------------------------------------------------------------
+// --- Start ---------------------------------------------------------------------------------------
 
 function fillPanel() {
     fields = new Parameters(catalogue.parameters, (name, value) => void set({ [name]: value }));

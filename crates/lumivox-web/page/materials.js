@@ -34,7 +34,8 @@ export function showMaterials(materials, chosen, change) {
     if (more > 0) list.append(h("p", { class: "weak" }, `and ${more} more: double-click an object`));
 }
 
-/** @param {Material} material @param {number} index @param {boolean} open @param {(change: MaterialChange) => void} change */
+/** @param {Material} material @param {number} index @param {boolean} open
+ * @param {(change: MaterialChange) => void} change */
 function one(material, index, open, change) {
     const name = material.name || `material ${index + 1}`;
     const dot = h("i", { class: "dot" });

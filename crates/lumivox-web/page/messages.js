@@ -23,7 +23,9 @@ const STAGES = /** @type {Record<string, string>} */ ({
 });
 
 /** Shows a message until it is closed. An equal message replaces the first.
- * @param {string} text @param {{ kind?: "error" | "note", action?: { label: string, run: () => void }, link?: string }} options */
+ * @param {string} text
+ * @param {{ kind?: "error" | "note", action?: { label: string, run: () => void },
+ *   link?: string }} options */
 export function say(text, { kind = "error", action, link } = {}) {
     const list = byId("messages");
     for (const old of [...list.children]) if (old.getAttribute("data-text") === text) old.remove();

@@ -150,7 +150,8 @@ function viewList(info, change) {
 }
 
 /** Radio buttons that look like chips.
- * @param {string} name @param {string} label @param {{ name: string, title: string, summary?: string }[]} choices
+ * @param {string} name @param {string} label
+ * @param {{ name: string, title: string, summary?: string }[]} choices
  * @param {(name: string) => void} change @param {HTMLElement} group */
 export function radios(name, label, choices, change, group = h("div", { class: "chips", role: "radiogroup", "aria-label": label })) {
     const inputs = choices.map((choice) => {

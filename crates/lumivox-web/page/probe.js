@@ -29,7 +29,8 @@ export class Probe {
     #isDue = false;
     #ask;
 
-    /** @param {HTMLElement} canvas @param {(place: { x: number, y: number }) => Promise<LightHere | undefined>} ask */
+    /** @param {HTMLElement} canvas
+     * @param {(place: { x: number, y: number }) => Promise<LightHere | undefined>} ask */
     constructor(canvas, ask) {
         this.#ask = ask;
         canvas.addEventListener("pointermove", (event) => {

@@ -16,7 +16,8 @@ import { say } from "./messages.js";
 /** The content of a link. It has only the settings set by hand: VXCT's own settings change with the
  * volume, and setting them would select its look. Defaults are left out unless there is a preset,
  * which has its own.
- * @param {{ source: Source | null, panorama?: Source | null, environment?: Environment, preset?: string, camera: Camera | null, split?: Split | null, scale?: number,
+ * @param {{ source: Source | null, panorama?: Source | null, environment?: Environment,
+ *   preset?: string, camera: Camera | null, split?: Split | null, scale?: number,
  *   settings: Settings, touched: Set<string> }} now
  * @param {ParameterInfo[]} parameters @returns {LinkState} */
 export function linkState({ source, panorama, environment, preset, camera, split, scale, settings, touched }, parameters) {

@@ -33,7 +33,8 @@ export function statusText({ frame, frames, frame_ms, complete, reference_sample
 }
 
 /** The line of times, budget, scale and figures.
- * @param {FrameReport} report the last frame's @param {number} count of frames @param {number} mean of their times, ms */
+ * @param {FrameReport} report the last frame's @param {number} count of frames
+ * @param {number} mean of their times, ms */
 export function timesText({ frame_ms, budget_ms, scale, samples_per_pixel, history_frames }, count, mean) {
     const parts = [`Frame ${milliseconds(frame_ms)}, mean of ${count} ${milliseconds(mean)}`];
     if (budget_ms > 0) parts.push(`budget ${milliseconds(budget_ms)}, scale ${Math.round(100 * scale)} %`);

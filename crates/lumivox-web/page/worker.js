@@ -45,7 +45,7 @@ let loading = new AbortController();
 /** @param {string} event @param {unknown} data */
 const tell = (event, data) => self.postMessage({ event, data });
 
-// --- Frames --------------------------------------------------------------------------------------------------------
+// --- Frames --------------------------------------------------------------------------------------
 
 /** Wakes the loop, if it sleeps. */
 let wake = () => {};
@@ -90,7 +90,7 @@ async function frames() {
     }
 }
 
-// --- A lost device -------------------------------------------------------------------------------------------------
+// --- A lost device -------------------------------------------------------------------------------
 
 /** Waits for the loss of the present device. */
 const listen = () => void renderer.lost().then(lost);
@@ -113,7 +113,7 @@ async function restore() {
     changed();
 }
 
-// --- Calls ---------------------------------------------------------------------------------------------------------
+// --- Calls ---------------------------------------------------------------------------------------
 
 /** @param {Source} source @returns {string | File | File[]} */
 function sourceFor(source) {
@@ -161,8 +161,8 @@ const calls = {
         return { scenes: builtinScenes(), presets: presets(), parameters: parameters(), settings };
     },
     /** Loads a scene, with a panorama around it if one is named. Earlier loading is cancelled.
-     * @param {{ source: Source, panorama?: Source, camera?: Camera, options?: SceneOptions }} data @param {OnProgress} onProgress
-     * @returns {Promise<Opened>} */
+     * @param {{ source: Source, panorama?: Source, camera?: Camera, options?: SceneOptions }} data
+     * @param {OnProgress} onProgress @returns {Promise<Opened>} */
     async load(data, onProgress) {
         const signal = another();
         const panorama = data.panorama && /** @type {string | File} */ (sourceFor(data.panorama));

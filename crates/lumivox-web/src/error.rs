@@ -60,7 +60,7 @@ impl WebError {
         Self { code, message: in_words_of_a_page(&message.into()) }
     }
 
-    /// The same error in a line of a script; the place is empty for typed lines.
+    /// Adds the place in a script to the message; the place is empty for typed lines.
     #[must_use]
     pub fn at(self, place: &str) -> Self {
         if place.is_empty() {

@@ -30,7 +30,7 @@ impl Listener {
         Self { function, signal: JsValue::UNDEFINED }
     }
 
-    /// The same listener with the signal of `options`.
+    /// Adds the signal of `options` to the listener.
     ///
     /// # Errors
     /// When `signal` is not an AbortSignal.
@@ -66,7 +66,7 @@ impl Listener {
         is_aborted(&self.signal)
     }
 
-    /// Lets the browser process messages; one of them may cancel the work.
+    /// Yields to the browser's messages; one of them may cancel the work.
     ///
     /// # Errors
     /// When the work was cancelled.

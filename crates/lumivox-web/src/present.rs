@@ -173,8 +173,8 @@ impl Presenter {
         self.surface.configure(&gpu.device, &configuration);
     }
 
-    /// Shows a picture of the canvas's size, and optionally another one to the right of a share of
-    /// the width.
+    /// Shows a picture of the canvas's size, and optionally a second picture to the right of a
+    /// share of the width.
     ///
     /// # Errors
     /// When the canvas is lost.

@@ -56,7 +56,7 @@ pub struct LinkedShader {
     lines: u32,
 }
 
-/// Where a declaration is from.
+/// The origin of a declaration.
 #[derive(Clone, Debug)]
 struct Place {
     /// Its first line in the linked source, from 1.
@@ -279,8 +279,8 @@ impl LinkedShader {
         self.lines += text.matches('\n').count() as u32 + 1;
     }
 
-    /// The module that a line of [`Self::source`] is from, and the line in the module's source, from
-    /// 1, if the module was added at run time.
+    /// The module that a line of [`Self::source`] is from, and the line in the module's source,
+    /// from 1, if the module was added at run time.
     pub fn place_of(&self, line: u32) -> Option<(&str, Option<u32>)> {
         let after = self.places.partition_point(|place| place.line <= line);
         let place = self.places.get(after.checked_sub(1)?)?;

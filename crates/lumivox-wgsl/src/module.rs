@@ -56,7 +56,7 @@ pub struct EntryPoint {
 pub struct ParseError {
     /// The line of the source, from 1.
     pub line: u32,
-    /// What is wrong.
+    /// The description of the error.
     pub message: String,
 }
 
@@ -411,7 +411,7 @@ fn declare(
     })
 }
 
-/// The arguments of `@workgroup_size`, as they are written.
+/// The arguments of `@workgroup_size`, as written.
 fn workgroup_size(text: &str) -> Cow<'static, [Cow<'static, str>]> {
     let all = tokens(text);
     let attributes = all.iter().filter(|token| token.is_code());

@@ -23,19 +23,20 @@ pub enum GiError {
         limit: &'static str,
         /// The device's limit.
         available: u64,
-        /// What would fit, or help.
+        /// A size that would fit, or another remedy.
         remedy: String,
     },
-    /// Something would take more memory than the caller allows ([`crate::GiConfig::memory_budget`]).
+    /// Something would take more memory than the caller allows
+    /// ([`crate::GiConfig::memory_budget`]).
     #[error("{what} needs {needed} bytes, but {budget} are allowed; {remedy}")]
     Budget {
         /// The thing that does not fit.
         what: String,
         /// How much it needs, bytes.
         needed: u64,
-        /// What is allowed, bytes.
+        /// The allowed number of bytes.
         budget: u64,
-        /// What would help.
+        /// A remedy.
         remedy: String,
     },
     /// A setting lies outside its range.
@@ -43,9 +44,9 @@ pub enum GiError {
     Setting {
         /// The name of the setting.
         name: &'static str,
-        /// What it was set to.
+        /// The value of the setting.
         value: String,
-        /// What is allowed.
+        /// The allowed values.
         expected: String,
     },
     /// The geometry contradicts its buffers or materials.
@@ -53,7 +54,7 @@ pub enum GiError {
     Geometry {
         /// Which batch, draw or material.
         place: String,
-        /// What is wrong, and what would be right.
+        /// The fault, and how to correct it.
         problem: String,
     },
     /// There is nothing to voxelize: no triangle, or none with an area.

@@ -1,5 +1,5 @@
-//! Frames that never wait: what is recorded equals what the waiting calls give, late at most, and light goes on from frame
-//! to frame.
+//! Frames that never wait: recorded results equal those of the waiting calls, late at most, and
+//! light continues from frame to frame.
 
 mod octree;
 
@@ -24,7 +24,8 @@ struct Stage {
     gi: Gi,
 }
 
-/// Faces with the radiance that they send out, in an order that depends on nothing else: by cell and lobe.
+/// Faces with the radiance that they send out, in an order that depends on nothing else: by cell
+/// and lobe.
 type Lit = Vec<([u32; 2], [u32; 4])>;
 
 impl Stage {
@@ -84,7 +85,7 @@ impl Stage {
     fn catch_up(&mut self, geometry: &Geometry) -> u32 {
         for frame in 1..16 {
             self.voxelize(geometry);
-            // The next one hears what the last one found.
+            // The next call reports what the last one found.
             if !self.voxelize(geometry).is_late {
                 return frame;
             }
@@ -144,8 +145,9 @@ impl Stage {
         sum / radiance.len() as f64
     }
 
-    /// Compares voxels, light and the volume with those of a new object. Without cones where it is an octree: the places of
-    /// bricks, which decide the last bits of what they see, depend on what was there before.
+    /// Compares voxels, light and the volume with those of a new object. Without cones if it is an
+    /// octree: the places of bricks, which decide the last bits of what cones see, depend on what
+    /// was there before.
     fn assert_fresh(&mut self, geometry: &Geometry, what: &str) {
         let is_octree = self.is_octree();
         let (shadow, bounces) = if is_octree { (Shadow::None, 1) } else { (Shadow::Cone, 2) };
@@ -184,7 +186,8 @@ fn volumes() -> [VolumeKind; 3] {
     [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default()), VolumeKind::Octree(others)]
 }
 
-/// From nothing, through walls, out of the grid and back; without what moves, without what stays, with nothing at all.
+/// From nothing, through walls, out of the grid and back; without the moving box, without the
+/// static room, with nothing at all.
 #[test]
 fn frames_have_the_bits_of_a_new_object() {
     for volume in volumes() {
@@ -231,8 +234,8 @@ fn check_frames(volume: VolumeKind) {
     stage.assert_fresh(&geometry, "after nothing");
 }
 
-/// A moving object grows a hundredfold at once: there is no room, the former voxels stay as they were, and a few frames later
-/// there is.
+/// A moving object grows a hundredfold at once and overflows the buffers: the former voxels are
+/// kept, and a few frames later the buffers are large enough.
 #[test]
 fn a_frame_without_room_is_late_and_never_wrong() {
     for volume in &volumes()[..2] {
@@ -264,15 +267,15 @@ fn check_late(volume: VolumeKind) {
     assert!(stage.lit() == before, "what has no room changes nothing");
     assert!(stage.voxelize(&grown).is_late, "it is told");
     let frames = stage.catch_up(&grown);
-    // The octree hears what it needs once the voxels have their room.
+    // The octree reports its own needs only once the buffers of the voxels are large enough.
     assert!(frames <= if stage.is_octree() { 6 } else { 4 }, "it took {frames} frames");
     stage.assert_fresh(&grown, "grown");
     stage.catch_up(&sized(0.05));
     stage.assert_fresh(&sized(0.05), "small again");
 }
 
-/// A call returns what is known of earlier calls. Whoever records nothing more hears all the same that there was no room, and a
-/// frame that does not know it yet does not say that it is known.
+/// A call returns what is known of earlier calls. An overflow is reported even if nothing more is
+/// recorded, and a frame whose result is not known yet is reported as pending.
 #[test]
 fn a_frame_without_room_is_told_though_nothing_is_recorded_any_more() {
     for volume in &volumes()[..2] {
@@ -310,15 +313,15 @@ fn check_told(volume: VolumeKind) {
     assert!(!stage.voxelize(&grown).is_late, "what was told is so");
     assert_eq!(stage.gi.voxels().expect("a list").voxel_count(), voxels);
     stage.assert_fresh(&grown, "grown");
-    // What is not submitted is not shown.
+    // A recording that is not submitted is not shown.
     drop(stage.record(&sized(0.05)));
     assert_eq!(told(&stage), (true, false), "the encoder was dropped");
     stage.catch_up(&sized(0.05));
     stage.assert_fresh(&sized(0.05), "small again");
 }
 
-/// Something that moves comes into a scene of which nothing was kept, since all of it stood still: until static surface is
-/// collected again, the voxels stay as they were.
+/// A moving object enters a scene of which nothing was kept, since all of it was static: until
+/// static surface is collected again, the voxels do not change.
 #[test]
 fn what_stood_alone_stays_until_it_is_there_again() {
     let mut stage = Stage::new(Vec3::new(1.0, 0.7, 0.9), 32);
@@ -393,8 +396,8 @@ fn cornell(device: &wgpu::Device) -> Geometry {
         .build(device)
 }
 
-/// The share of a change of indirect light that is there after each frame, 0 to 1; what it settles to, and what a solve
-/// with 24 bounces gives.
+/// The share of a change of indirect light that is there after each frame, 0 to 1; what it settles
+/// to, and what a solve with 24 bounces gives.
 fn response(faces: impl Fn(u32) -> Option<u32>, frames: u32) -> (Vec<f64>, [f64; 2]) {
     let mut stage = Stage::new(Vec3::ONE, 32);
     let geometry = cornell(&stage.device);
@@ -434,8 +437,9 @@ fn light_follows_a_switch_within_frames() {
     assert!(quarter.iter().all(|share| *share <= 1.01), "it overshoots: {quarter:?}");
 }
 
-/// A lamp far too bright for half floats lights what is near as bright as they hold, and its light goes when it is dimmed.
-/// (Mesa's software driver rounds towards zero, so that it never made infinities; other devices do.)
+/// A lamp far too bright for half floats lights what is near as bright as they hold, and its light
+/// goes when it is dimmed. (Mesa's software driver rounds towards zero, so that it never made
+/// infinities; other devices do.)
 #[test]
 fn light_beyond_half_floats_is_no_infinity() {
     for volume in volumes() {
@@ -459,7 +463,8 @@ fn light_beyond_half_floats_is_no_infinity() {
     }
 }
 
-/// Where walls reflect 95 %, light that feeds itself neither runs away nor drifts; when the lamp is gone, it dies.
+/// If walls reflect 95 %, light that feeds itself neither runs away nor drifts; when the lamp is
+/// gone, it dies.
 #[test]
 fn light_that_feeds_itself_stays_and_dies() {
     let mut stage = Stage::new(Vec3::ONE, 16);
@@ -523,8 +528,8 @@ fn what_has_settled_costs_nothing() {
     assert!(passes(&mut stage, &other) > 0, "a move");
 }
 
-/// The same frames give the same bits in every run. The places of an octree's bricks depend on when there was room, so that it
-/// has room from the start.
+/// Repeated frames give the same bits in every run. The places of an octree's bricks depend on when
+/// its buffers grew, so they are large enough from the start.
 #[test]
 fn frames_have_the_same_bits_in_every_run() {
     for volume in volumes() {

@@ -92,9 +92,9 @@ pub struct Draw {
     pub material: u32,
     /// Transform of positions into the world (affine; a mirroring one flips the front side).
     pub world_from_local: Mat4,
-    /// `true` if its triangles stay as they are while others move: the voxelizer may reuse its
-    /// results for them ([`Gi::voxelize_dynamic`](crate::Gi::voxelize_dynamic)). If all draws have
-    /// the same value, it costs nothing and gains nothing.
+    /// `true` if its triangles do not change while others move: the voxelizer may reuse its results
+    /// for them ([`Gi::voxelize_dynamic`](crate::Gi::voxelize_dynamic)). If all draws have the same
+    /// value, it costs nothing and gains nothing.
     pub is_static: bool,
     /// The opposite corners of a box around its positions, before the transform; `None` (the
     /// default): not known. With cascades, triangles are skipped if their box is outside of what is
@@ -215,7 +215,7 @@ impl GeometryBatch {
     }
 }
 
-/// Where the positions of vertices are stored in a buffer.
+/// The place of vertex positions in a buffer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VertexPositions {
     /// The buffer, with `BufferUsages::STORAGE`.
@@ -233,7 +233,7 @@ impl From<wgpu::Buffer> for VertexPositions {
     }
 }
 
-/// Where indices are stored in a buffer, tightly packed.
+/// The place of indices in a buffer, tightly packed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Indices {
     /// The buffer, with `BufferUsages::STORAGE`.
@@ -251,7 +251,7 @@ impl From<wgpu::Buffer> for Indices {
     }
 }
 
-/// Where the texture coordinates and colours of vertices are stored in a buffer: the caller's own
+/// The place of the texture coordinates and colours of vertices in a buffer: the caller's own
 /// layout, as long as numbers are aligned to four bytes.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]

@@ -44,10 +44,12 @@ pub struct Voxelized {
 /// use glam::Vec3;
 /// use lumivox::gpu::{Recorder, Timing, upload};
 /// use lumivox::{
-///     Draw, GatherSettings, Geometry, GeometryBatch, Gi, GiConfig, Grid, SurfaceMaterial, TraceSettings,
+///     Draw, GatherSettings, Geometry, GeometryBatch, Gi, GiConfig, Grid, SurfaceMaterial,
+///     TraceSettings,
 /// };
 ///
-/// // A triangle that reflects half of the light, and emits none, as it lies in an engine's buffers.
+/// // A triangle that reflects half of the light, and emits none, as it lies in an engine's
+/// // buffers.
 /// let corners = [[0.0_f32, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
 /// let positions = upload(&device, "positions", &corners);
 /// let indices = upload(&device, "indices", &[0_u32, 1, 2]);
@@ -67,7 +69,7 @@ pub struct Voxelized {
 /// gi.light(&mut recorder, &lights, 2, &TraceSettings::default())?;
 /// recorder.submit();
 ///
-/// // What a lux meter above it reads that looks down: less than the sky's pi.
+/// // The reading of a lux meter above it that looks down: less than the sky's pi.
 /// let settings = GatherSettings::default();
 /// let above = Vec3::new(0.3, 0.2, 0.3);
 /// let down = gi.gather(&[above], &[Vec3::NEG_Y], &lights, &settings).await?;
@@ -199,7 +201,9 @@ impl Gi {
     /// # let (device, queue) = lumivox::gpu::open_device().await?;
     /// # use glam::Vec3;
     /// # use lumivox::gpu::{Timing, upload};
-    /// # use lumivox::{Draw, Geometry, GeometryBatch, Gi, GiConfig, GiError, Grid, SurfaceMaterial};
+    /// # use lumivox::{
+    /// #     Draw, Geometry, GeometryBatch, Gi, GiConfig, GiError, Grid, SurfaceMaterial,
+    /// # };
     /// # let corners = [[0.1_f32, 0.1, 0.1], [0.1, 0.1, 0.9], [0.9, 0.1, 0.1]];
     /// # let positions = upload(&device, "positions", &corners);
     /// # let indices = upload(&device, "indices", &[0_u32, 1, 2]);

@@ -109,7 +109,8 @@ mod tests {
 
     use super::*;
 
-    /// The BRDF of `trace/brdf.wgsl` with its cosine, in f64, for light and view in the frame of the normal.
+    /// The BRDF of `trace/brdf.wgsl` with its cosine, in f64, for light and view in the frame of
+    /// the normal.
     fn brdf_times_cosine(light: glam::DVec3, view: glam::DVec3, alpha: f64, f0: f64) -> f64 {
         let half = (light + view).normalize();
         let a2 = alpha * alpha;

@@ -18,9 +18,10 @@ const MARGIN: f32 = 1.5;
 
 /// A grid of cubic voxels.
 ///
-/// World space is right-handed with y up, in metres. *Grid space* has its origin at the grid's corner and a
-/// voxel as its unit, so voxel `(x, y, z)` fills `[x, x + 1) × [y, y + 1) × [z, z + 1)`.
-/// Level `l` of the pyramid has cells of `2^l` voxels; every level halves exactly.
+/// World space is right-handed with y up, in metres. *Grid space* has its origin at the grid's
+/// corner and a voxel as its unit, so voxel `(x, y, z)` fills
+/// `[x, x + 1) × [y, y + 1) × [z, z + 1)`. Level `l` of the pyramid has cells of `2^l` voxels;
+/// every level halves exactly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     /// The corner with the smallest coordinates, in the world.
@@ -37,11 +38,12 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Fits a grid of `resolution` voxels along the longest axis to bounds, with a margin of 1.5 voxels.
+    /// Fits a grid of `resolution` voxels along the longest axis to bounds, with a margin of 1.5
+    /// voxels.
     ///
-    /// `offset` (in voxels, each component in [0, 1)) shifts the grid against the bounds: errors of voxel
-    /// methods depend on where walls fall, so tests and measurements try several. The other axes get as many
-    /// voxels as they need, rounded up so that every level halves exactly.
+    /// `offset` (in voxels, each component in [0, 1)) shifts the grid against the bounds: errors of
+    /// voxel methods depend on where walls fall, so tests and measurements try several. The other
+    /// axes get as many voxels as they need, rounded up so that every level halves exactly.
     ///
     /// ```
     /// use glam::Vec3;
@@ -56,8 +58,8 @@ impl Grid {
     /// ```
     ///
     /// # Errors
-    /// [`GiError::Setting`] when the resolution is out of range or not a multiple of 8, or the bounds are
-    /// empty or not finite.
+    /// [`GiError::Setting`] when the resolution is out of range or not a multiple of 8, or the
+    /// bounds are empty or not finite.
     pub fn fit(min: Vec3, max: Vec3, resolution: u32, offset: Vec3) -> Result<Self, GiError> {
         if !(MIN_RESOLUTION..=MAX_RESOLUTION).contains(&resolution) || !resolution.is_multiple_of(8)
         {
@@ -118,7 +120,8 @@ impl Grid {
         self.dimensions.as_u64vec3().element_product()
     }
 
-    /// The corner of the grid with the smallest coordinates, in the world, m. With cascades, that of the outermost one.
+    /// The corner of the grid with the smallest coordinates, in the world, m. With cascades, that
+    /// of the outermost one.
     pub fn min_in_world(&self) -> Vec3 {
         self.cascades.map_or(self.origin_in_world, |_| self.boxes_in_world()[self.last_box()].0)
     }

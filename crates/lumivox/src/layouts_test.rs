@@ -1,4 +1,5 @@
-//! Every struct that Rust and WGSL share lies in memory alike, and every shader is valid, without a GPU.
+//! Every struct that Rust and WGSL share lies in memory alike, and every shader is valid, without a
+//! GPU.
 
 use lumivox_reflect::{check_modules, check_struct};
 

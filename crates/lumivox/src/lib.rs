@@ -1,4 +1,5 @@
-//! Voxel cone tracing on the caller's `wgpu::Device`: dynamic global illumination in physical units.
+//! Voxel cone tracing on the caller's `wgpu::Device`: dynamic global illumination in physical
+//! units.
 //!
 //! Triangles are voxelized on the GPU into a compact list of occupied voxels ([`voxels`]), each
 //! with a face for every side that has surface. Light is computed on that list: direct light,

@@ -1,4 +1,4 @@
-//! What the tests inside the crate share: a device, simple geometry, textures read back.
+//! Shared by the tests inside the crate: a device, simple geometry, textures read back.
 
 #[path = "../tests/it/common/mod.rs"]
 mod common;
@@ -102,8 +102,8 @@ pub(crate) fn lambert(reflectance: f32, emission: f32) -> SurfaceMaterial {
     }
 }
 
-/// A box-shaped room with walls of different colour, a tilted panel that glows, and a tilted plate in it: every
-/// lobe is there, tilted or not, with radiance that differs from place to place.
+/// A box-shaped room with walls of different colour, a tilted panel that glows, and a tilted plate
+/// in it: every lobe is there, tilted or not, with radiance that differs from place to place.
 pub(crate) fn busy_room() -> SceneBuilder {
     let tinted = |r, g, b, emission| SurfaceMaterial {
         reflectance: Vec3::new(r, g, b).extend(1.0),
@@ -151,10 +151,10 @@ pub(crate) fn moved(geometry: &Geometry, place: Mat4) -> Geometry {
     geometry
 }
 
-/// Waits until the GPU has told of the last recorded voxelization.
+/// Waits until the result of the last recorded voxelization is known.
 ///
-/// That the device was polled until its work was done is not enough: all tests share the device, and another test's thread may
-/// have polled it first, and may still be about to call the callback.
+/// It is not enough to poll the device until its work is done: all tests share the device, and
+/// another test's thread may have polled it first, and may still be about to call the callback.
 pub(crate) fn wait_told(device: &wgpu::Device, gi: &Gi) {
     while gi.frame_voxels().is_pending {
         device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");

@@ -1,5 +1,5 @@
-//! Frames of an animation make nothing and wait for nothing. In a program of its own, since what is made is counted for
-//! all that runs in it.
+//! Frames of an animation create nothing and wait for nothing. In a program of its own, since
+//! created resources are counted for all that runs in it.
 
 #[path = "it/common/mod.rs"]
 mod common;
@@ -20,7 +20,8 @@ fn lamp(position: Vec3) -> Light {
     Light { source, shadow: Shadow::Cone }
 }
 
-/// 300 frames: a lamp and a plate move; each is recorded into an encoder of the caller's, and none is waited for.
+/// 300 frames: a lamp and a plate move; each frame is recorded into an encoder of the caller's, and
+/// none is waited for.
 #[test]
 fn a_steady_frame_makes_nothing() {
     for volume in [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())] {
@@ -60,7 +61,7 @@ fn check_steady(volume: VolumeKind) {
         gi.light_frame(&mut recorder, &lights, Some(200), &settings).expect("valid");
         drop(recorder);
         queue.submit([encoder.finish()]);
-        // The first frames may find that there is too little room, which the next ones have to hear.
+        // The first frames may overflow buffers; later frames must have the result of that.
         while frame < 20 && gi.frame_voxels().is_pending {
             device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
         }

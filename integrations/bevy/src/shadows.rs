@@ -30,7 +30,8 @@ struct ShadowLayer {
 }
 
 impl ShadowLayer {
-    /// The layer of a depth texture that a light's view draws into; `width` is the texture's, in texels.
+    /// The layer of a depth texture that a light's view draws into; `width` is the texture's, in
+    /// texels.
     fn of(view: &ExtractedView, layer: u32, width: u32) -> Self {
         Self {
             clip_from_world: view.clip_from_view * view.world_from_view.to_matrix().inverse(),

@@ -191,7 +191,8 @@ mod tests {
         // 100 km of air.
         let expected = (-Vec3::new(1e-5, 1e-5, 0.0) * 50e3).exp();
         assert!((up - expected).abs().max_element() < 2e-3, "{up}, not {expected}");
-        // At 60 degrees from above the way is nearly twice as long, and near the horizon far longer.
+        // At 60 degrees from above the path is nearly twice as long, and near the horizon far
+        // longer.
         let aslant = left(Vec3::new(3.0_f32.sqrt(), 1.0, 0.0));
         assert!((aslant.x / expected.x.powi(2) - 1.0).abs() < 0.03, "{aslant}");
         assert!(left(Vec3::new(1.0, 0.01, 0.0)).x < 0.05);

@@ -30,7 +30,7 @@ use crate::voxels::{Frame, Made, Voxels, make};
 
 /// Frames that an unused volume is kept.
 const FRAMES_TO_KEEP: u32 = 120;
-/// The same, if it has never been shown.
+/// Frames that an unused volume is kept if it has never been shown.
 const FRAMES_TO_WAIT: u32 = 30;
 /// Frames for which the light of an unused volume may still be shown.
 const FRAMES_TO_TRUST: u32 = 8;

@@ -269,7 +269,7 @@ struct Report {
     camera: String,
     /// Samples of each pixel.
     samples: u32,
-    /// Those of them that come from the checkpoint.
+    /// Samples of each pixel that come from the checkpoint.
     samples_before: u32,
     /// `true` if all requested samples were traced.
     is_complete: bool,

@@ -99,7 +99,7 @@ impl ReferenceKey {
 /// A reference that is being traced.
 #[derive(Debug)]
 pub struct Tracing {
-    /// What it depends on.
+    /// The inputs of the reference.
     pub key: ReferenceKey,
     /// The job's number.
     pub number: u64,

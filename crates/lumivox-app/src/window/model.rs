@@ -59,7 +59,7 @@ pub struct Model {
     pub selections: u64,
     /// World position of the last click on the scene.
     pub picked_at: Option<Vec3>,
-    /// What the picture is compared with.
+    /// The picture's counterpart behind the split slider.
     pub comparand: Comparand,
     /// Figures of the voxels.
     pub voxels: VoxelModel,
@@ -105,7 +105,7 @@ impl Selected {
     }
 }
 
-/// What the picture is compared with, behind the split slider.
+/// The picture's counterpart behind the split slider.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Comparand {
     /// Nothing.

@@ -331,7 +331,7 @@ impl Parts {
         self.is_broken || self.gpu.is_lost()
     }
 
-    /// Calls the device. Counts a lack of memory and a driver's failure as its loss.
+    /// Calls the device. Counts out-of-memory errors and driver failures as its loss.
     fn guarded<T>(&mut self, call: impl FnOnce(&mut Self) -> T) -> T {
         let device = self.gpu.device.clone();
         let (done, is_broken) = guarded(&device, || call(self));

@@ -5,7 +5,7 @@ use egui::{Color32, Context, CornerRadius, FontFamily, FontId, Stroke, TextStyle
 
 /// Active and selected items.
 pub const ACCENT: Color32 = Color32::from_rgb(0xf2, 0xa9, 0x3b);
-/// The same, for backgrounds.
+/// Active and selected items, as a background.
 pub const ACCENT_DARK: Color32 = Color32::from_rgb(0x6e, 0x4c, 0x16);
 /// Errors.
 pub const ERROR: Color32 = Color32::from_rgb(0xff, 0x7b, 0x72);

@@ -129,7 +129,7 @@ fn shade_that_shadow_maps_lose_is_told() {
     let far = 5000.0;
     let mut corners = vec![[-far, 0.0, -far], [-far, 0.0, far], [far, 0.0, far]];
     corners.extend([[-far, 0.0, -far], [far, 0.0, far], [far, 0.0, -far]]);
-    // The side that faces the sun, which stands towards +z.
+    // The side that faces the sun, which is towards +z.
     let (a, b, c, d) = ([0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]);
     corners.extend([a, b, c, a, c, d]);
     fs::write(path.join("block.glb"), glb(&corners)).unwrap();

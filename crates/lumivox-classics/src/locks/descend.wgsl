@@ -3,10 +3,10 @@
 // The first octree builders on GPUs worked like this (Crassin and Green 2012, "Octree-based sparse
 // voxelization using the GPU hardware rasterizer", OpenGL Insights chapter 22). A thread creates
 // one node: it descends from the root, and at a node without children it takes the node's lock,
-// allocates a group of eight and goes on. If another thread has the lock, it does not wait: it adds
-// itself to the list for the next pass. A lock is never released, and a node whose lock is taken
-// has its children at the end of the pass. So every pass brings a deferred thread down by a level
-// at least, and as many passes as there are levels are enough.
+// allocates a group of eight and descends further. If another thread has the lock, it does not
+// wait: it adds itself to the list for the next pass. A lock is never released, and a node whose
+// lock is taken has its children at the end of the pass. So every pass brings a deferred thread
+// down by a level at least, and as many passes as there are levels are enough.
 
 import package::constants::{COUNT_BLOCK_WORDS, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
@@ -18,7 +18,8 @@ import package::voxels::list::Node;
 import package::voxels::morton::{morton_decode, morton_encode};
 
 struct LockPass {
-    // 0 for the first: there the items are all pairs of a cell and one of the eight nodes that may hold it.
+    // 0 for the first: there the items are all pairs of a cell and one of the eight nodes that may
+    // hold it.
     pass_number: u32,
     padding_0: u32,
     padding_1: u32,

@@ -24,8 +24,8 @@ use crate::with_modules;
 /// [`lumivox::GiConfig::octree_builder`]. A thread that fails to take a lock tries again in the
 /// next pass. The order of nodes differs in every run, that of bricks does not.
 ///
-/// [`lumivox::OctreeStats::counts`] has `lock_passes`, the last of which deferred nothing, and `deferred`, the threads of
-/// all passes that had to come again.
+/// [`lumivox::OctreeStats::counts`] has `lock_passes`, the number of passes, the last of which
+/// deferred nothing, and `deferred`, the number of threads in all passes that had to try again.
 pub fn locks() -> Arc<dyn OctreeBuilding> {
     Arc::new(Locks)
 }

@@ -17,10 +17,12 @@
 //!
 //! Fluxes are summed up as integers, light after light. The sum of a face is bounded:
 //!
-//! - by the light's solid angle, 4 pi for a point light: `incident_light` only takes away from there;
-//! - for parallel light by what a voxel shows of the beam, at most sqrt(3) of its sides (a cube across its diagonal),
-//!   and by the texels at the outline: those whose centre falls into an area A of perimeter P are at most
-//!   `A + P d + pi d^2`, d half a texel's diagonal (Steiner's formula), all in texels.
+//! - by the light's solid angle, 4 pi for a point light: `incident_light` only takes away from
+//!   there;
+//! - for parallel light by what a voxel shows of the beam, at most sqrt(3) of its sides (a cube
+//!   across its diagonal), and by the texels at the outline: those whose centre falls into an area
+//!   A of perimeter P are at most `A + P d + pi d^2`, d half a texel's diagonal (Steiner's
+//!   formula), all in texels.
 //!
 //! `counts_per_flux` maps that bound to 2^31, half of what a word holds.
 
@@ -41,14 +43,15 @@ use lumivox::{Gi, GiError, Grid, LightSource, ShadowLayer};
 
 use crate::with_modules;
 
-/// Photons, as [`lumivox::GiConfig::injection`]: each texel of a light's shadow map is a bundle of photons that carries
-/// its flux to the voxel that it shows. Lights without a map, and faces that the map shows in too few texels, are
-/// evaluated directly.
+/// Photons, as [`lumivox::GiConfig::injection`]: each texel of a light's shadow map is a bundle of
+/// photons that carries its flux to the voxel that it shows. Lights without a map, and faces that
+/// the map shows in too few texels, are evaluated directly.
 pub fn photons() -> Arc<dyn Injection> {
     Arc::new(PhotonInjection)
 }
 
-/// The fates of the photons of the last call of [`Gi::light`]: one [`PhotonFates`]. `None` without photons.
+/// The fates of the photons of the last call of [`Gi::light`]: one [`PhotonFates`]. `None` without
+/// photons.
 pub fn photon_fates(gi: &Gi) -> Option<&Buffer> {
     let injector: &dyn Any = gi.injector()?;
     injector.downcast_ref::<Photons>().map(|photons| &photons.fates)

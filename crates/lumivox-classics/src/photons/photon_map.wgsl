@@ -1,8 +1,9 @@
 // Shared by the two photon kernels: the light whose maps are inserted.
 //
-// A texel of a light's depth map is a bundle of photons (Crassin et al. 2011, "Interactive indirect illumination
-// using voxel cone tracing", section 5). It carries irradiance across the beam times the bundle's cross-section:
-// the texel's area for parallel light, its solid angle times the squared distance for the other lights.
+// A texel of a light's depth map is a bundle of photons (Crassin et al. 2011, "Interactive indirect
+// illumination using voxel cone tracing", section 5). It carries irradiance across the beam times
+// the bundle's cross-section: the texel's area for parallel light, its solid angle times the
+// squared distance for the other lights.
 
 // Layers of a point light.
 const MAX_LAYERS: u32 = 6u;
@@ -26,6 +27,7 @@ struct PhotonMap {
 struct Taken {
     // The flux, in counts.
     flux: u32,
-    // The flux times how far in front of the face's middle it arrived, in counts times two voxels: a signed number.
+    // The flux times how far in front of the face's middle it arrived, in counts times two voxels:
+    // a signed number.
     lead: u32,
 }

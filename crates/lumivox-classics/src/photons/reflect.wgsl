@@ -23,7 +23,8 @@ import package::voxels::list::Face;
 
 const PI: f32 = 3.14159265359;
 
-// A 32nd of a voxel, as `Taken` counts it: a hidden layer half a voxel behind that makes up a sixteenth of the face.
+// A 32nd of a voxel, as `Taken` counts it: a hidden layer half a voxel behind that makes up a
+// sixteenth of the face.
 const LEAD: f32 = 0.015625;
 
 // Two along an edge: as many as a whole side has in the coarsest map that is allowed.

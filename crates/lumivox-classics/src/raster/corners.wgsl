@@ -1,8 +1,9 @@
-// The corners of triangles for the rasterizer. A pixel is a column of voxels: the picture is the grid seen along
-// an axis, in walk order (footprint.wgsl), with the column (u, v) at the pixel (u, v).
+// The corners of triangles for the rasterizer. A pixel is a column of voxels: the picture is the
+// grid seen along an axis, in walk order (footprint.wgsl), with the column (u, v) at the pixel
+// (u, v).
 //
-// Vertices are pulled from storage buffers by their number. Corners are the same bits in all three walks, so
-// that these see the same fragments.
+// Vertices are pulled from storage buffers by their number. Corners are the same bits in all three
+// walks, so that these see the same fragments.
 
 import package::constants::{RASTER_CONSERVATIVE, RASTER_METHOD, RASTER_THREE_PLANE};
 import package::grid::grid;

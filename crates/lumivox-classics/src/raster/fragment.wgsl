@@ -94,8 +94,9 @@ fn fragment_begin(walk: ptr<function, Walk>, position: vec2f, index: u32, axis: 
     return Fragment(is_there, Piece(stands_for, point - vec3f((*walk).base)));
 }
 
-// Whether the current voxel counts as touched. A sliver's plane is uncertain by rounding, and its range of depth
-// may be all of its box: there the edges seen along the two other axes decide, as in the exact walk.
+// Whether the current voxel counts as touched. A sliver's plane is uncertain by rounding, and its
+// range of depth may be all of its box: there the edges seen along the two other axes decide, as in
+// the exact walk.
 fn is_touched(walk: ptr<function, Walk>, tests: SideTests) -> bool {
     let uncertainty = (*walk).widening - 0.5 * (abs((*walk).slope.x) + abs((*walk).slope.y));
     return !IS_CONSERVATIVE || uncertainty < LARGEST_UNCERTAINTY || touches(walk, tests);

@@ -38,10 +38,10 @@ pub enum Raster {
     /// The triangle is drawn along its normal's dominant axis. Each pixel centre that it covers
     /// gives the voxel at its depth there, with an area of 1. Thin parts fall between the centres.
     DominantAxis,
-    /// As before, but for every pixel that the triangle touches, with all voxels that its plane
-    /// passes there within the triangle's box (Hasselgren, Akenine-Möller and Ohlsson 2005; Crassin
-    /// and Green 2012). Misses nothing; the area covered in a pixel is exact, its distribution
-    /// along the depth is an estimate.
+    /// As [`Self::DominantAxis`], except that every pixel that the triangle touches counts, with
+    /// all voxels that its plane passes there within the triangle's box (Hasselgren, Akenine-Möller
+    /// and Ohlsson 2005; Crassin and Green 2012). Misses nothing; the area covered in a pixel is
+    /// exact, its distribution along the depth is an estimate.
     Conservative,
     /// The triangle is drawn along all three axes, at pixel centres only: less falls between them.
     /// The three planes share one area.

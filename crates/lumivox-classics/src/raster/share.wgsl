@@ -10,7 +10,8 @@
 import package::voxelize::piece::{Piece, integrals};
 import package::voxelize::walk::Walk;
 
-// Below this, two steps of the depth's distribution are too close for the difference of their integrals.
+// Below this, two steps of the depth's distribution are too close for the difference of their
+// integrals.
 const SMALLEST_SLOPE = 1.0 / 1024.0;
 
 // The integral of clamp(x / width + 0.5, 0, 1).
@@ -69,7 +70,8 @@ fn share_of_pixel(walk: ptr<function, Walk>) -> Piece {
     let box_high = clamp(most, corner, corner + 1.0);
     let is_whole = all(least.xy >= corner.xy) && all(most.xy <= corner.xy + 1.0);
 
-    // Relative to a point near the piece: the integrals of a tiny piece are then sums of tiny numbers.
+    // Relative to a point near the piece: the integrals of a tiny piece are then sums of tiny
+    // numbers.
     let origin = box_low.xy;
     let low = corner.xy - origin;
     let high = low + 1.0;

@@ -1,7 +1,8 @@
-// Conservative rasterization without hardware for it: a triangle whose edges are shifted outwards covers the
-// centre of every pixel that the triangle itself touches (Hasselgren, Akenine-Möller and Ohlsson 2005,
-// "Conservative rasterization", GPU Gems 2, chapter 42; Crassin and Green 2012, OpenGL Insights, chapter 22).
-// Beyond its acute corners it covers more, which the fragments cut off at the triangle's box.
+// Conservative rasterization without hardware for it: a triangle whose edges are shifted outwards
+// covers the centre of every pixel that the triangle itself touches (Hasselgren, Akenine-Möller and
+// Ohlsson 2005, "Conservative rasterization", GPU Gems 2, chapter 42; Crassin and Green 2012,
+// OpenGL Insights, chapter 22). Beyond its acute corners it covers more, which the fragments cut
+// off at the triangle's box.
 
 import package::voxelize::footprint::Footprint;
 
@@ -10,8 +11,8 @@ import package::voxelize::footprint::Footprint;
 // added. Pixels that are added by this fail the fragments' own test of the edges.
 const HALF_PIXEL = 0.5 + 1.0 / 16.0;
 
-// Farther out than this, in voxels, a corner is clipped with rounding errors of more than 2^-11 voxels. The
-// edges of a sliver meet that far out when they are shifted.
+// Farther out than this, in voxels, a corner is clipped with rounding errors of more than 2^-11
+// voxels. The edges of a sliver meet that far out when they are shifted.
 const FARTHEST = 4096.0;
 
 struct ShiftedCorner {
@@ -19,7 +20,8 @@ struct ShiftedCorner {
     is_near: bool,
 }
 
-// The corner `here` between two edges, shifted with them. `cross` is twice the triangle's area, with its sign.
+// The corner `here` between two edges, shifted with them. `cross` is twice the triangle's area,
+// with its sign.
 fn shifted(before: vec2f, here: vec2f, after: vec2f, cross: f32) -> ShiftedCorner {
     let enter = (here - before) * sign(cross);
     let leave = (after - here) * sign(cross);
@@ -35,7 +37,8 @@ fn shifted(before: vec2f, here: vec2f, after: vec2f, cross: f32) -> ShiftedCorne
     return ShiftedCorner(position, is_near);
 }
 
-// One of the corners, by its number, of a triangle that covers the centres of all pixels that a, b, c touches.
+// One of the corners, by its number, of a triangle that covers the centres of all pixels that a, b,
+// c touches.
 fn widened(a: vec2f, b: vec2f, c: vec2f, area: Footprint, number: u32) -> vec2f {
     let shifted_a = shifted(c, a, b, area.normal.z);
     let shifted_b = shifted(a, b, c, area.normal.z);

@@ -89,7 +89,7 @@ pub struct LoadArgs {
 }
 
 impl LoadArgs {
-    /// The same options for the scene crate.
+    /// Converts the options to those of the scene crate.
     pub fn options(&self) -> LoadOptions<'static> {
         LoadOptions {
             allow_outside: self.allow_outside,

@@ -49,7 +49,7 @@ pub fn sun(text: &str) -> Result<Light, Refused> {
 /// The surroundings of the scene as the command line names them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surroundings {
-    /// The same radiance from everywhere, cd/m².
+    /// A constant radiance from all directions, cd/m².
     Uniform(Vec3),
     /// A panorama.
     File(PathBuf),

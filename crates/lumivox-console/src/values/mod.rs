@@ -1,7 +1,7 @@
 //! Values as text, for the console's commands and the options of a command line.
 //!
 //! A value can be wrong in two ways: it may not have the expected form (`big` for a size), or it
-//! may be out of range (`0x0`). [`Refused`] tells the two apart, and is the only error here.
+//! may be out of range (`0x0`). [`Refused`] distinguishes the two, and is the only error here.
 
 #![allow(clippy::missing_errors_doc, reason = "said once for all readers of values")]
 

@@ -1,7 +1,8 @@
 //! The settings and presets of `lumivox-classics` and `lumivox-vxct`. Nothing else in this crate
 //! depends on them.
 //!
-//! Each is a hook of the library or of the renderer, and settings name it. `None` is Lumivox's own way.
+//! Each is a hook of the library or of the renderer, and settings name it. `None` is Lumivox's own
+//! way.
 
 use std::sync::Arc;
 

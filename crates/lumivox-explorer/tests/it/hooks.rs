@@ -1,4 +1,5 @@
-//! The classics among other settings: pictures do not depend on what was there before, nor on the order of threads.
+//! The classics among other settings: pictures do not depend on what was there before, nor on the
+//! order of threads.
 
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 
@@ -84,7 +85,8 @@ fn cones_out_of_range_are_refused_by_their_names() {
     assert!(matches!(error, RenderError::Setting { name: "level_gain", .. }), "{error}");
 }
 
-/// Whoever builds an octree's nodes, pictures have the same bits, in every run; only the builder with locks has counts.
+/// Pictures have the same bits in every run, whichever builder builds the octree's nodes; only the
+/// builder with locks has counts.
 #[test]
 fn locks_give_the_bits_of_ranks() {
     let gpu = gpu();
@@ -105,7 +107,8 @@ fn locks_give_the_bits_of_ranks() {
     }
 }
 
-/// A dense volume has no nodes: whoever chooses it, by name or by a preset, no longer has a builder for them.
+/// A dense volume has no nodes: choosing one, by name or by a preset, removes the builder of the
+/// nodes.
 #[test]
 fn the_builder_goes_with_the_octree() {
     let mut settings = small();
@@ -143,7 +146,8 @@ fn photons_repeat_to_the_bit() {
     assert!(bits() == bits());
 }
 
-/// Settings that link other shaders are gone through twice; the second time there is nothing to compile.
+/// Settings that link other shaders are all chosen twice; the second time there is nothing to
+/// compile.
 #[test]
 fn a_second_round_asks_for_nothing_new() {
     let gpu = own_gpu();

@@ -1,8 +1,9 @@
-//! Photons from the shadow maps against the direct evaluation, in whole scenes: a lamp in the Cornell box, the sun
-//! in the atrium, a spot light.
+//! Photons from the shadow maps against the direct evaluation, in whole scenes: a lamp in the
+//! Cornell box, the sun in the atrium, a spot light.
 //!
-//! They differ where a face is partly in shadow: photons are true to the texel, the direct evaluation asks at the
-//! middle of the face, moved out of its own shadow. So it lets through a little more.
+//! They differ where a face is partly in shadow: photons are true to the texel; the direct
+//! evaluation samples the middle of the face, moved out of its own shadow. So it lets through a
+//! little more.
 
 use glam::{UVec2, Vec3};
 use lumivox::gpu::read_buffer;
@@ -18,7 +19,7 @@ fn read<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer, count: usize) -> Vec
     pollster::block_on(read_buffer(&gpu.device, &gpu.queue, buffer, bytes)).expect("a buffer")
 }
 
-/// What all faces reflect of the lights, radiance times area, without what they emit.
+/// The light that all faces reflect, radiance times area, without what they emit.
 fn reflected(gpu: &Gpu, renderer: &Renderer) -> f64 {
     let voxels = renderer.gi().voxels().expect("there are voxels");
     let count = voxels.face_count as usize;
@@ -48,7 +49,8 @@ fn with_spot(mut scene: Scene) -> Scene {
 #[test]
 fn photons_bring_the_light_that_the_direct_evaluation_finds() {
     let gpu = gpu();
-    // llvmpipe: -0.4, -0.7, +0.2 and 0.0 % of the reflected light; -0.5, -2.3, -0.7 and 0.0 % of the indirect light.
+    // llvmpipe: -0.4, -0.7, +0.2 and 0.0 % of the reflected light; -0.5, -2.3, -0.7 and 0.0 % of
+    // the indirect light.
     for (scene, name) in [
         (builtin("cornell"), "cornell"),
         (builtin("atrium"), "atrium"),
@@ -83,7 +85,8 @@ fn photons_bring_the_light_that_the_direct_evaluation_finds() {
             100.0 * in_picture
         );
         assert!(none.is_none() && direct > 0.0);
-        // Turned walls have small faces where they cross a voxel's edge, which the direct evaluation asks at one point.
+        // Turned walls have small faces where they cross a voxel's edge, which the direct
+        // evaluation samples at one point.
         assert!(in_voxels.abs() < 0.045, "{name}: {in_voxels} more light in the voxels");
         assert!(in_picture.abs() < 0.04, "{name}: {in_picture} more indirect light");
         assert!(fates.kept > 100_000, "{name}: {fates:?}");

@@ -7,7 +7,7 @@ fn grid() -> ProbeGrid {
     ProbeGrid { min: Vec3::ZERO, size: Vec3::new(2.0, 3.0, 4.0), cells: UVec3::new(2, 3, 4) }
 }
 
-/// Light that tells the probe and the direction.
+/// Light that encodes the probe and the direction.
 fn numbered(probe: usize) -> [Vec3; 6] {
     std::array::from_fn(|side| std::f32::consts::PI * Vec3::new(probe as f32, side as f32, 7.0))
 }

@@ -96,8 +96,9 @@ pub struct ReferenceSettings {
     /// The number of the first batch of 16 samples, 0 to 1 048 575. Default 0. If several machines
     /// trace parts of a reference, each part has its own batch numbers ([`ReferencePart`]).
     pub first_batch: u32,
-    /// The most bounces of a path, counted as [`RenderSettings::bounces`](crate::RenderSettings::bounces);
-    /// `None`, the default, sets no limit.
+    /// The most bounces of a path, counted as
+    /// [`RenderSettings::bounces`](crate::RenderSettings::bounces); `None`, the default, sets no
+    /// limit.
     pub bounces: Option<u32>,
     /// Reach of ambient occlusion, m. Infinite by default.
     pub occlusion_distance_m: f32,

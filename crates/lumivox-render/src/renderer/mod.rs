@@ -93,7 +93,8 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Prepares a scene: uploads it, fits the grid to its bounds, voxelizes it and lights the voxels.
+    /// Prepares a scene: uploads it, fits the grid to its bounds, voxelizes it and lights the
+    /// voxels.
     ///
     /// The camera is `camera`, or the scene's first, or one that frames the whole scene. `progress`
     /// is called with the stages `upload`, `compile` (if some pipelines are missing), `voxelize`

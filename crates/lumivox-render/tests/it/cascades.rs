@@ -1,4 +1,5 @@
-//! Cascades in pictures: they follow the camera, and what they show is that of a new renderer there.
+//! Cascades in pictures: they follow the camera, and what they show is that of a new renderer
+//! there.
 
 use glam::{Mat4, UVec2, Vec3};
 use lumivox::{CascadeOptions, TraceSettings, VolumeKind};
@@ -48,7 +49,8 @@ fn a_moved_camera_sees_what_a_new_renderer_shows() {
     assert!(shown.hdr == new_picture(&gpu, &scene, &camera, &settings).hdr);
 }
 
-/// In motion the boxes follow frame by frame, and the light settles at that of a new renderer; on the way it is never far off.
+/// In motion the boxes follow frame by frame, and the light settles at that of a new renderer; it
+/// is never far from it on the way.
 #[test]
 fn boxes_follow_a_camera_in_motion() {
     let gpu = gpu();
@@ -82,8 +84,9 @@ fn boxes_follow_a_camera_in_motion() {
     assert!(darkest / expected > 0.95 && brightest / expected < 1.05, "not near {expected}");
 }
 
-/// Fences of a metre, 1 km apart, on a ground of 4 km, with a sun behind them: a texel of the map of all of it is as large as 4 m. Places
-/// in the shade of each, whose boxes move with the camera, have no sun.
+/// Fences of a metre, 1 km apart, on a ground of 4 km, with a sun behind them: a texel of the map
+/// of the whole ground is as large as 4 m. Places in the shade of each fence have no sun if the
+/// finest boxes, which move with the camera, are there.
 #[test]
 fn shade_on_a_wide_ground_follows_a_camera_in_motion() {
     let mut scene = Scene::default();
@@ -168,8 +171,8 @@ fn seen_places(scene: &Scene, camera: &Camera, farthest_m: f32) -> (Vec<Vec3>, V
     picks.map(|met| (met.position, met.normal)).unzip()
 }
 
-/// The means of indirect light at places from two cameras, and what the light at each differs by as a share of the mean: on
-/// average, and at the 95th percentile.
+/// The means of indirect light at places from two cameras: the relative change of the mean, and the
+/// difference at each place as a share of the mean, on average and at the 95th percentile.
 fn change(before: &[f32], after: &[f32]) -> [f32; 3] {
     let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
     let both = before.iter().zip(after);
@@ -179,8 +182,8 @@ fn change(before: &[f32], after: &[f32]) -> [f32; 3] {
     [mean(after) / mean(before) - 1.0, mean(&differences), p95]
 }
 
-/// Where boxes move, and where places go from one box to another, the light at them stays nearly what it was.
-/// `./test --full` has the Cornell box (`boxes_follow_a_camera_in_motion`).
+/// When boxes move, and places change from one box to another, the light at these places hardly
+/// changes. `./test --full` has the Cornell box (`boxes_follow_a_camera_in_motion`).
 #[test]
 #[ignore = "release: a city of a kilometre"]
 fn moved_boxes_do_not_change_the_light_of_a_city_at_release() {
@@ -208,8 +211,9 @@ fn moved_boxes_do_not_change_the_light_of_a_city_at_release() {
     };
     let places = seen_places(&scene, &scene.cameras[0], 120.0);
     let (before, grid) = light(0.0, &places);
-    // llvmpipe: 0.4 % of the mean and p95 3.8 % where places stay in their boxes, all but a few; 0.9 % and 9.3 % where most of
-    // those within 30 m go over to another. The 95th percentile is of single places, on which a voxel's edge falls or not.
+    // llvmpipe: 0.4 % of the mean and p95 3.8 % if all but a few places stay in their boxes; 0.9 %
+    // and 9.3 % if most of those within 30 m change to another box. The 95th percentile is that of
+    // single places, on which a voxel's edge falls or not.
     let moves =
         [(1.05, "one move of the finest box", 1.0, 5.0), (8.1, "moves of four boxes", 3.0, 15.0)];
     for (along_m, name, most_of_mean, most_of_p95) in moves {
@@ -245,8 +249,9 @@ fn a_kilometre_away_nothing_new_leaks() {
     assert!((far - near).abs() < 0.002, "{near} near the origin, {far} far away");
 }
 
-/// What it costs to follow a camera of 10 m/s through a city, at 30 frames a second: milliseconds by stage, the mean of frames,
-/// beside those of voxels and eight bounces made anew.
+/// The cost of following a camera of 10 m/s through a city, at 30 frames a second: milliseconds by
+/// stage, the mean of frames, beside the cost of voxelizing everything and computing eight bounces
+/// from the start.
 #[test]
 #[ignore = "a measurement"]
 fn following_a_camera_costs_by_hand() {

@@ -1,4 +1,4 @@
-//! Changes to a renderer at work: what it shows afterwards is what a new one would show, to the bit.
+//! Changes to a renderer at work: afterwards it shows what a new one would show, to the bit.
 
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 
@@ -73,7 +73,7 @@ fn settings_may_change_in_any_order() {
     }
 }
 
-/// What frames do not depend on keeps them; what they do depend on starts the mean anew.
+/// Changes that do not affect frames keep them; other changes restart the mean.
 #[test]
 fn the_mean_starts_anew_only_where_the_picture_changes() {
     let gpu = gpu();
@@ -235,7 +235,7 @@ fn what_was_traced_for_another_view_does_not_show() {
     assert!(!traces(&fresh));
 }
 
-/// A scene with a grid of its own may be empty, or stand outside of it.
+/// A scene with a grid of its own may be empty, or lie outside of it.
 #[test]
 fn nothing_in_the_grid_is_a_picture_where_it_may_be() {
     let gpu = gpu();

@@ -1,6 +1,6 @@
-//! Two complete renderings, each with a device, voxels and shadow maps of its own, are the same to the bit:
-//! whatever many threads write at once is an integer sum or a bit set, and nothing depends on who comes
-//! first.
+//! Two complete renderings, each with a device, voxels and shadow maps of its own, are the same to
+//! the bit: everything that many threads write at once is an integer sum or a bit set, and nothing
+//! depends on which thread comes first.
 
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 

@@ -1,5 +1,5 @@
-//! Surroundings from maps: what lies where in the background and in mirrors, and how much light a floor
-//! gets, against sums over the map on the CPU.
+//! Surroundings from maps: what lies where in the background and in mirrors, and how much light a
+//! floor gets, against sums over the map on the CPU.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -29,7 +29,7 @@ fn colors(direction: Vec3) -> Vec3 {
     1000.0 * (Vec3::splat(1.3) + Vec3::new(direction.x, direction.y, direction.z))
 }
 
-/// A disc that gives so many lux.
+/// A disc that gives an illuminance of `lux`.
 fn disc(to: Vec3, radius_rad: f32, lux: f32) -> impl Fn(Vec3) -> Vec3 {
     let radiance = lux / (PI * radius_rad.sin().powi(2));
     let inside = move |d: Vec3| d.dot(to.normalize()) > radius_rad.cos();
@@ -102,7 +102,7 @@ fn at(picture: &Picture, x: u32, y: u32) -> Vec3 {
     Vec3::new(r, g, b)
 }
 
-/// The direction in the map that stands for one in the world.
+/// The direction in the map that corresponds to one in the world.
 fn in_map(direction: Vec3, rotation_rad: f32) -> Vec3 {
     Mat3::from_rotation_y(-rotation_rad) * direction
 }
@@ -112,8 +112,8 @@ fn close(actual: Vec3, expected: Vec3, share: f32, what: &str) {
     assert!(error <= share, "{what}: {actual}, not {expected} (off by {error})");
 }
 
-/// The background is upright, not mirrored, and turned as told: middle, right and top of the picture, for
-/// a camera that looks anywhere.
+/// The background is upright, not mirrored, and turned by the given angle: middle, right and top of
+/// the picture, for a camera that looks anywhere.
 #[test]
 fn the_background_shows_the_map_where_it_is() {
     let fov = 1.2_f32;
@@ -136,7 +136,8 @@ fn the_background_shows_the_map_where_it_is() {
             let scale = 2.0 * (0.5 * fov).tan() / 65.0;
             let (across, above) = ((x as f32 - 32.0) * scale, (32.0 - y as f32) * scale);
             let direction = (forward + across * right + above * up).normalize();
-            // Half floats and the map's texels, a degree and a half wide; the jitter is half a pixel.
+            // Half floats and the map's texels, a degree and a half wide; the jitter is half a
+            // pixel.
             let expected = colors(in_map(direction, rotation_rad));
             close(at(&picture, x, y), expected, 0.02, &format!("{forward} {rotation_rad} {x} {y}"));
         }
@@ -170,7 +171,8 @@ fn a_mirror_shows_the_map_where_it_is() {
     close(at(&picture, 32, 32), expected, 0.03, "mirror");
 }
 
-/// On an open floor, E / pi is what a white surface sends back, whatever part of it comes as a light.
+/// On an open floor, E / pi is what a white surface sends back, whatever part of it comes as a
+/// light.
 #[test]
 fn an_open_floor_gets_the_maps_irradiance() {
     let to_sun = Vec3::new(0.5, 0.7, 0.3).normalize();
@@ -222,7 +224,8 @@ fn shadows_fall_away_from_the_sun() {
     }
 }
 
-/// The sun of a map is reflected once: by its light's highlight on what is rough, as itself in a mirror.
+/// The sun of a map is reflected once: by its light's highlight on what is rough, as itself in a
+/// mirror.
 #[test]
 fn the_sun_is_reflected_once() {
     let radius_rad = 0.06_f32;
@@ -250,8 +253,9 @@ fn the_sun_is_reflected_once() {
     let lit = sum(&mirror) / radiance;
     let expected = PI * (radius_rad / pixel_rad).powi(2);
     assert!((lit / expected - 1.0).abs() < 0.06, "{lit} pixels of sun, not {expected}");
-    // Just above the limit of half the radius, the same light comes as a highlight: as much of it as the
-    // disc, within what a wider lobe sheds beyond the picture and the gap between a disc and a point.
+    // Just above the limit of half the radius, the same light comes as a highlight: as much of it
+    // as the disc, within what a wider lobe sheds beyond the picture and the gap between a disc and
+    // a point.
     let rough = reflected(0.25);
     let share = sum(&rough) / sum(&mirror);
     assert!((0.75..1.1).contains(&share), "the highlight has {share} of the disc's light");

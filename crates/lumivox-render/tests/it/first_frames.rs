@@ -28,7 +28,8 @@ fn noise(picture: &Picture, mean: &Picture) -> [f32; 2] {
     [0.5, 0.95].map(|share| apart[(apart.len() as f32 * share) as usize])
 }
 
-/// Nine rays a pixel alone leave 10 % in Cornell and 25 % in the atrium; edges of one sample a pixel 94 and 40 % in the first frame.
+/// Only nine rays a pixel leave 10 % in Cornell and 25 % in the atrium; edges of one sample a pixel
+/// 94 and 40 % in the first frame.
 #[test]
 fn a_first_frame_is_smooth() {
     for name in ["cornell", "atrium"] {
@@ -40,7 +41,8 @@ fn a_first_frame_is_smooth() {
     }
 }
 
-/// The Cornell box as modelling programs export it: its lamp alone shines, on surfaces with a default's gloss.
+/// The Cornell box as modelling programs export it: only its lamp shines, on surfaces with a
+/// default's gloss.
 fn glossy_box() -> Scene {
     let mut scene = builtin("cornell");
     scene.lights.clear();
@@ -59,7 +61,8 @@ fn glossy_box() -> Scene {
     scene
 }
 
-/// The share of pixels that reflect more than twice as much as the brightest of the eight around them.
+/// The share of pixels that reflect more than twice as much as the brightest of the eight around
+/// them.
 fn stars(picture: &Picture) -> f64 {
     let UVec2 { x: width, y: height } = picture.size;
     let green = |x: u32, y: u32| picture.hdr[(y * width + x) as usize][1];
@@ -71,7 +74,8 @@ fn stars(picture: &Picture) -> f64 {
     f64::from(stars) / f64::from(width * height)
 }
 
-/// Where only rays of the lobe find a lamp, 1.6 % of the pixels of such a box are stars, in a first frame and after sixteen.
+/// If only rays of the lobe find a lamp, 1.6 % of the pixels of such a box are stars, in a first
+/// frame and after sixteen.
 #[test]
 fn a_lamp_leaves_no_stars_on_gloss() {
     let mut pictures = [1, 16].map(|frames| {
@@ -92,8 +96,8 @@ fn a_lamp_leaves_no_stars_on_gloss() {
     assert!((first / few - 1.0).abs() < 0.06, "{first} is not {few}");
 }
 
-/// All that a metal wall shows is gloss. 8 % too bright on llvmpipe; 13 % where only rays of the lobe find the lamp, whose faces are
-/// larger than it is.
+/// All that a metal wall shows is gloss. 8 % too bright on llvmpipe; 13 % if only rays of the lobe
+/// find the lamp, whose faces are larger than it is.
 #[test]
 #[ignore = "slow: traces paths"]
 fn a_metal_wall_reflects_the_lamp_as_it_is() {

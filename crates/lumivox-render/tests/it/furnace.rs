@@ -9,7 +9,8 @@ use lumivox_scene::{Camera, Material, MetallicRoughness, Scene, Shading};
 
 use crate::common::{builtin, gpu, mean_luminance, picture, renderer, zoo};
 
-/// In a closed cube that emits 1 cd/m² and reflects a half everywhere, the radiance is 2 cd/m² everywhere.
+/// In a closed cube that emits 1 cd/m² and reflects a half everywhere, the radiance is 2 cd/m²
+/// everywhere.
 #[test]
 fn the_white_furnace_glows_with_two() {
     let settings = RenderSettings {
@@ -25,24 +26,25 @@ fn the_white_furnace_glows_with_two() {
     let values = || picture.hdr.iter().map(|pixel| f64::from(pixel[0]));
     let (low, high) = (values().fold(f64::MAX, f64::min), values().fold(0.0, f64::max));
     println!("furnace: mean {mean:.4}, from {low:.4} to {high:.4}, of 2 cd/m²");
-    // llvmpipe: 1.988, from 1.77 to 2.26. Cones keep 98 % of the light (oblique walls are sampled unevenly, and near
-    // corners cones start inside the neighbour's voxels), the emitters' own light all. Above 2 there would be light from
-    // nowhere; the 1 % is for noise, of which a pixel has more: the walls all around are drawn by eight points a frame.
+    // llvmpipe: 1.988, from 1.77 to 2.26. Cones keep 98 % of the light (oblique walls are sampled
+    // unevenly, and near corners cones start inside the neighbour's voxels), the emitters' own
+    // light all. Above 2 there would be light from nowhere; the 1 % is for noise, of which a pixel
+    // has more: the walls all around are drawn by eight points a frame.
     assert!((1.94..2.02).contains(&mean), "the furnace glows with {mean}, not 2");
     assert!(low > 1.6 && high < 2.4, "the furnace glows unevenly: from {low} to {high}");
 }
 
-/// The part of a view from a differential area that a rectangle fills which is parallel to it, `height`
-/// above, and has one corner right over it and edges of x and z: Howell, "A catalog of radiation heat
-/// transfer configuration factors", B-4. Negative where one of the edges is.
+/// The part of a view from a differential area that a rectangle fills which is parallel to it,
+/// `height` above, and has one corner right over it and edges of x and z: Howell, "A catalog of
+/// radiation heat transfer configuration factors", B-4. Negative where one of the edges is.
 fn corner_factor(x: f64, z: f64, height: f64) -> f64 {
     let (a, b) = (x / height, z / height);
     let (edge_a, edge_b) = (a.hypot(1.0), b.hypot(1.0));
     (a / edge_a * (b / edge_a).atan() + b / edge_b * (a / edge_b).atan()) / (2.0 * PI)
 }
 
-/// Irradiance at a point on the floor of `panel`: pi times 1 cd/m² times the form factor, which is put
-/// together from four rectangles with a corner over the point.
+/// Irradiance at a point on the floor of `panel`: pi times 1 cd/m² times the form factor, which is
+/// put together from four rectangles with a corner over the point.
 fn panel_irradiance_lux(point: DVec3) -> f64 {
     let [x0, x1] = [-2.0 - point.x, 2.0 - point.x];
     let [z0, z1] = [-2.0 - point.z, 2.0 - point.z];
@@ -50,8 +52,8 @@ fn panel_irradiance_lux(point: DVec3) -> f64 {
     PI * (factor(x1, z1) - factor(x0, z1) - factor(x1, z0) + factor(x0, z0))
 }
 
-/// `panel`, with a ceiling that many voxels above it, of the floor's size or only a scrap in a corner, for which the voxels
-/// lie where they do for a whole one. It faces down like the panel.
+/// `panel`, with a ceiling that many voxels above it, of the floor's size or only a scrap in a
+/// corner, for which the voxels lie where they do for a whole one. It faces down like the panel.
 fn panel_below_ceiling(resolution: u32, gap_voxels: f32, is_whole: bool) -> Scene {
     let mut scene = builtin("panel");
     let height = Vec3::Y * (1.0 + gap_voxels * 6.0 / resolution as f32);
@@ -66,8 +68,8 @@ fn panel_below_ceiling(resolution: u32, gap_voxels: f32, is_whole: bool) -> Scen
 
 /// Bias and root mean square error of the floor's irradiance under a `panel`, relative to its mean.
 fn panel_error(scene: &Scene, resolution: u32, preset: Preset) -> (f64, f64) {
-    // From above, where the panel is not seen because it faces down, all pixels take the same share of the
-    // floor: its 6 m fill the picture from edge to edge.
+    // From above, where the panel is not seen because it faces down, all pixels take the same share
+    // of the floor: its 6 m fill the picture from edge to edge.
     let edge_pixels = 64;
     let above = Camera::look_at(Vec3::Y * 6.0, Vec3::ZERO, 2.0 * 0.5_f32.atan());
     let settings = RenderSettings {
@@ -115,8 +117,9 @@ fn panel_error(scene: &Scene, resolution: u32, preset: Preset) -> (f64, f64) {
 
 #[test]
 fn the_panel_lights_the_floor_by_its_form_factor() {
-    // llvmpipe: biases below 0.1 %, errors of 0.9 and 0.8 % from 16 frames of drawn points. Six cones that find the panel had 8.7 %,
-    // and 13.8 % at half resolution. Points are drawn on the panel itself, of whatever size voxels are.
+    // llvmpipe: biases below 0.1 %, errors of 0.9 and 0.8 % from 16 frames of drawn points. Six
+    // cones that find the panel had 8.7 %, and 13.8 % at half resolution. Points are drawn on the
+    // panel itself, of whatever size voxels are.
     for (preset, most_rmse) in [(Preset::Fast, 0.02), (Preset::Balanced, 0.02)] {
         let (bias, rmse) = panel_error(&builtin("panel"), 64, preset);
         assert!(bias.abs() < 0.01, "{preset:?}: bias {bias}");
@@ -156,8 +159,9 @@ fn a_panel_just_below_a_ceiling_keeps_its_light_in_fine_voxels_at_release() {
     }
 }
 
-/// A mirror below the panel shows it, as bright as it is, and a diffuse floor in its place gets no light twice: glossy cones find
-/// emission, diffuse ones leave it to those who draw it.
+/// A mirror below the panel shows it at its own brightness, and a diffuse floor in its place gets
+/// no light twice: glossy cones find emission, diffuse cones leave it to the points drawn on
+/// emitters.
 #[test]
 fn a_mirror_shows_the_panel() {
     let mut scene = builtin("panel");
@@ -181,12 +185,13 @@ fn a_mirror_shows_the_panel() {
     renderer.set_camera(Camera::look_at(Vec3::Y * 6.0, Vec3::ZERO, 0.2));
     let mean = mean_luminance(&picture(&mut renderer));
     println!("the panel in a mirror: {mean:.3} of 1 cd/m²");
-    // Cells of the panel alone are seen: what cones lose of them is rounding.
+    // Only cells of the panel are seen: the loss in cones is rounding.
     assert!((0.97..1.02).contains(&mean), "the panel in a mirror: {mean} of 1 cd/m²");
 }
 
-/// The closed form, at a point where it is known otherwise: right below the centre of a square of twice the
-/// height, the factor is 0.554 (four corners of a square as long as it is high, 0.1385 each).
+/// The closed form, at a point where it is known otherwise: right below the centre of a square of
+/// twice the height, the factor is 0.554 (four corners of a square as long as it is high, 0.1385
+/// each).
 #[test]
 fn the_form_factor_has_its_tabulated_value() {
     assert!((corner_factor(1.0, 1.0, 1.0) - 0.138_53).abs() < 1e-5);

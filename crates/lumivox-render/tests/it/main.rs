@@ -1,4 +1,5 @@
-//! The renderer from outside, in one program: the shaders that its tests share are linked and compiled once.
+//! The renderer from outside, in one program: the shaders that its tests share are linked and
+//! compiled once.
 
 mod cascades;
 mod changes;

@@ -46,7 +46,7 @@ fn assert_no_leak(travelling: &Renderer, fresh: &Renderer) {
     assert!((0.9 * was..1.3 * was).contains(&is), "{is} bytes, a fresh renderer has {was}");
 }
 
-/// The renderer that goes from pose to pose gives what a fresh one gives for each, to the bit: nothing of an
+/// A renderer that goes from pose to pose gives the bits of a new one for each pose: nothing of an
 /// earlier pose is left in voxels, light, shadows or the mean.
 #[test]
 fn a_pose_does_not_depend_on_the_one_before() {
@@ -66,7 +66,8 @@ fn a_pose_does_not_depend_on_the_one_before() {
     }
 }
 
-/// Instances of one mesh are drawn in one call; those that move are found in it, and what is more than a move, too.
+/// Instances of one mesh are drawn in one call; those that move are found in it, and so are those
+/// with other changes.
 #[test]
 fn moved_instances_give_the_picture_of_a_fresh_renderer() {
     let gpu = gpu();
@@ -107,7 +108,8 @@ fn moved_instances_give_the_picture_of_a_fresh_renderer() {
     step(&scene, &[last - 3, last - 1], "one that is mirrored, and one that is back");
 }
 
-/// What is marked as static is not voxelized again while it is what it was; the pictures are a fresh renderer's.
+/// Static instances are not voxelized again while they are unchanged; the pictures are those of a
+/// new renderer.
 #[test]
 fn what_is_static_is_kept_from_pose_to_pose() {
     let gpu = gpu();
@@ -175,7 +177,8 @@ fn another_scene_is_refused() {
     assert!(error.to_string().contains("materials"), "{error}");
 }
 
-/// Frames that wait for nothing find the voxels and the shadows of a fresh renderer at once, and its light in some frames.
+/// Frames that wait for nothing have the voxels and shadows of a new renderer at once, and its
+/// light after some frames.
 #[test]
 fn moved_frames_come_to_the_picture_of_a_fresh_renderer() {
     let gpu = gpu();
@@ -219,8 +222,9 @@ fn moved_frames_come_to_the_picture_of_a_fresh_renderer() {
     );
 }
 
-/// A block grows twentyfold in a single step, for which there is no room. That is known a frame later, when nothing changes any
-/// more; the picture is not complete before the voxels have followed.
+/// A block grows twentyfold in a single step and overflows the buffers. That is known a frame
+/// later, when nothing changes any more; the picture is not complete before the voxels are up to
+/// date.
 #[test]
 fn a_single_change_without_room_is_followed() {
     let gpu = gpu();

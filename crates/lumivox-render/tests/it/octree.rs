@@ -1,5 +1,5 @@
-//! The octree shows what the dense volume shows: the same voxels, the same light, look-ups that differ in their last
-//! bits alone.
+//! The octree shows what the dense volume shows: the same voxels, the same light, look-ups that
+//! differ only in their last bits.
 
 use glam::{UVec2, Vec3};
 use lumivox::{Directionality, Duplication, Mipmapping, OctreeOptions, VolumeKind};
@@ -9,12 +9,14 @@ use lumivox_scene::{Bounds, Camera, Instance, Material, Scene};
 use crate::common::zoo::quad;
 use crate::common::{builtin, gpu, picture, renderer};
 
-/// The most that the mean of a picture may differ, as a share of it (measured: up to 0.0016). Values are rounded to
-/// half floats level by level, by the texture unit in one and by `pack2x16float` in the other; and right at the grid's
-/// border the octree's masks are those of a cell farther in.
+/// The most that the mean of a picture may differ, as a share of it (measured: up to 0.0016).
+/// Values are rounded to half floats level by level, by the texture unit in one and by
+/// `pack2x16float` in the other; and right at the grid's border the octree's masks are those of a
+/// cell farther in.
 const MAX_BIAS: f64 = 0.003;
-/// The most that its pixels may differ, as the root of their mean square over the mean, after two noisy frames
-/// (measured: up to 0.011): a ray that meets a wall's edge in one volume and, by a rounding, not in the other.
+/// The most that its pixels may differ, as the root of their mean square over the mean, after two
+/// noisy frames (measured: up to 0.011): a ray that meets a wall's edge in one volume and, by a
+/// rounding, not in the other.
 const MAX_RMS: f64 = 0.02;
 
 fn settings(volume: VolumeKind) -> RenderSettings {
@@ -37,8 +39,8 @@ fn rendered(gpu: &Gpu, scene: &str, settings: RenderSettings) -> Picture {
     picture(&mut renderer(gpu, &builtin(scene), settings))
 }
 
-/// Bias and root mean square of the difference, over the mean of light; visibility, of which closed rooms have next to
-/// none, is a share as it is.
+/// Bias and root mean square of the difference, as shares of the mean light; for visibility, of
+/// which closed rooms have next to none, they are not divided.
 fn difference(view: View, a: &Picture, b: &Picture) -> (f64, f64) {
     let luminance = |pixel: &[f32; 4]| f64::from(pixel[0] + pixel[1] + pixel[2]) / 3.0;
     let count = a.hdr.len() as f64;
@@ -139,8 +141,8 @@ fn extent(picture: &Picture, is_of_it: impl Fn(&[f32; 4]) -> bool) -> (UVec2, UV
     places.fold((picture.size, UVec2::ZERO), |(low, high), at| (low.min(at), high.max(at)))
 }
 
-/// Around a single voxel, nodes without cells of their own stand on all sides of the one that has some; no others are
-/// there, however many voxels the grid has room for.
+/// Around a single voxel, nodes without cells of their own are on all sides of the one that has
+/// some; there are no others, however many voxels the grid has room for.
 #[test]
 fn nodes_of_neighbours_stand_around_those_with_cells() {
     let mut seen = Vec::new();

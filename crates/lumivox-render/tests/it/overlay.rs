@@ -1,4 +1,5 @@
-//! What is drawn over pictures is where it should be, hidden where it should be, and never in the radiance.
+//! Overlays are drawn where they should be, hidden where they should be, and never change the
+//! radiance.
 
 #![allow(clippy::float_cmp)] // Corners of cells, and full coverage, are told exactly.
 
@@ -94,7 +95,7 @@ fn is_near(color: [u8; 3], other: [u8; 3]) -> bool {
     color.iter().zip(other).all(|(a, b)| a.abs_diff(b) <= 2)
 }
 
-/// Where a place in the world is seen, in pixels.
+/// The position in the picture of a place in the world, in pixels.
 fn pixel_of(camera: &Camera, size: UVec2, place: Vec3) -> DVec2 {
     let clip = clip_from_world(camera, size, Vec2::ZERO).as_dmat4();
     let ndc = clip.project_point3(place.as_dvec3());
@@ -134,7 +135,8 @@ fn a_triangles_wires_are_exactly_near_its_edges() {
             let mut on = 0;
             for (pixel, color) in colors(&picture) {
                 let distance = nearest(pixel, &lines);
-                // Between the two, a pixel may fall to either side: f32 places lines to a thousandth of a pixel.
+                // Between the two, a pixel may fall to either side: f32 places lines to a
+                // thousandth of a pixel.
                 if (distance - HALF_WIRE).abs() > 1e-3 {
                     let is_wire = distance < HALF_WIRE;
                     assert_eq!(is_near(color, WIRE), is_wire, "{pixel}: {color:?}, {distance}");
@@ -161,7 +163,8 @@ fn hidden_lines_are_hidden() {
     let lower_edge = pixel_of(&camera(), size, Vec3::Z).y;
     let lit = |mode| {
         let picture = shown(&gpu, &scene, settings(wireframe(mode)));
-        // Of the triangle's wires alone, above and below the lower edge of what hides it.
+        // Only the triangle's own wires, above and below the lower edge of the screen that hides
+        // it.
         let own_wires = colors(&picture).filter(|(pixel, color)| {
             is_near(*color, WIRE) && nearest(*pixel, &own) < 0.6 && nearest(*pixel, &others) > 1.0
         });
@@ -177,7 +180,7 @@ fn hidden_lines_are_hidden() {
     assert_eq!(seen, also_seen);
 }
 
-/// Of a sphere's edges, those of the visible side are unbroken, however steep it is towards its rim.
+/// Edges on the visible side of a sphere are unbroken, however steep the side is towards its rim.
 #[test]
 fn edges_of_visible_surfaces_do_not_stitch() {
     let gpu = gpu();
@@ -279,7 +282,8 @@ fn radiance_never_meets_the_overlay() {
     assert!(first.ldr != plain.ldr, "nothing is drawn");
     assert!(first == shown(&gpu, &scene, drawn.clone()), "two runs differ");
 
-    // A renderer on which it comes and goes gives the same bits at each time. It has the cells that wires are coloured by.
+    // A renderer that shows and hides the overlay gives the same bits each time. It has the cells
+    // that wires are coloured by.
     let mut changing = renderer(&gpu, &scene, drawn.clone());
     let set = |changing: &mut Renderer, settings: &RenderSettings| {
         block_on(changing.set_settings(settings.clone(), &mut |_| {})).expect("few lines");
@@ -299,7 +303,7 @@ fn radiance_never_meets_the_overlay() {
         assert!(picture(&mut changing) == first, "drawn over a finished picture");
         assert_eq!(changing.overlay_frame_count(), 3);
     }
-    // Another camera starts both anew.
+    // Another camera restarts both.
     let moved = Camera { position: changing.camera().position * 0.9, ..changing.camera().clone() };
     changing.set_camera(moved.clone());
     let seen = picture(&mut changing);
@@ -308,7 +312,8 @@ fn radiance_never_meets_the_overlay() {
     assert!(seen == picture(&mut fresh), "something of the earlier camera is left");
 }
 
-/// A tiny triangle in the middle of each cell of a block, that many along each edge, from the origin on.
+/// A tiny triangle in the middle of each cell of a block of `edge` cells along each edge, starting
+/// at the origin.
 fn voxels(edge: u32) -> (Scene, RenderSettings) {
     let mut scene = Scene { cameras: vec![oblique_camera()], ..Scene::default() };
     let bounds = lumivox_scene::Bounds { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) };
@@ -339,7 +344,8 @@ fn cells(edge: u32) -> impl Iterator<Item = Vec3> {
         .map(move |i| UVec3::new(i % edge, (i / edge) % edge, i / edge.pow(2)).as_vec3())
 }
 
-/// 16 voxels with a margin of 1.5 on each side over an edge of 2 m: the origin is a corner of cells.
+/// 16 voxels with a margin of 1.5 on each side over an edge of 2 m: the origin is a corner of
+/// cells.
 fn cell_size() -> f32 {
     2.0 / 13.0
 }
@@ -368,8 +374,8 @@ fn is_amber(color: [u8; 3]) -> bool {
     color[0] > 180 && color[2] < 100
 }
 
-/// One cell has twelve edges; of a block of eight the six edges that meet in its middle are between faces that
-/// nobody sees, and are not drawn.
+/// One cell has twelve edges. In a block of eight, the six edges that meet in its middle are
+/// between hidden faces, and are not drawn.
 #[test]
 fn wire_cubes_are_the_edges_of_faces_that_are_seen() {
     let gpu = gpu();
@@ -402,7 +408,7 @@ fn wire_cubes_are_the_edges_of_faces_that_are_seen() {
         for at in lines.iter().copied().flat_map(along) {
             assert!(is_drawn(at), "nothing is drawn at {at}");
         }
-        // Where edges within the block would be seen, far from others, nothing is.
+        // Nothing is drawn along the edges within the block, at places far from other edges.
         let within = inner.iter().map(on_screen).flat_map(along);
         let free: Vec<DVec2> =
             within.filter(|at| lines.iter().all(|(a, b)| distance_to(*at, *a, *b) > 3.0)).collect();
@@ -411,7 +417,8 @@ fn wire_cubes_are_the_edges_of_faces_that_are_seen() {
     }
 }
 
-/// Over surfaces the wires that lie behind are hidden, those in front are not; wires and cubes are of one level.
+/// Over surfaces the wires that lie behind are hidden, those in front are not; wires and cubes are
+/// of one level.
 #[test]
 fn wire_voxels_are_those_of_the_level_and_end_at_surfaces() {
     let gpu = gpu();
@@ -431,8 +438,8 @@ fn wire_voxels_are_those_of_the_level_and_end_at_surfaces() {
     assert!(over[1] > 2 * over[2]);
 }
 
-/// An emissive wall along the grid, the left half of it twice as bright: on it the volume's light is what a CPU
-/// interpolates between the cells' middles.
+/// An emissive wall along the grid, the left half of it twice as bright: on it the volume's light
+/// is what a CPU interpolates between the cells' middles.
 #[test]
 fn the_light_of_a_level_is_interpolated_on_surfaces() {
     let gpu = gpu();
@@ -459,7 +466,7 @@ fn the_light_of_a_level_is_interpolated_on_surfaces() {
         let grid = *renderer.gi().grid();
         let picture = picture(&mut renderer);
         let edge = f64::from(1 << voxel_level);
-        // What a cell of the level holds: the share of the bright half in it.
+        // The light in a cell of the level, from the share of the bright half in it.
         let boundary = f64::from(grid.grid_from_world(Vec3::ZERO).x);
         let in_cell = |index: f64| {
             let bright = (boundary - index * edge).clamp(0.0, edge) / edge;

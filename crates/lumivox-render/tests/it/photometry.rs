@@ -49,8 +49,8 @@ fn a_lamp_lights_the_floor_by_the_inverse_square() {
     assert_eq!(measured(&renderer, 48, 0), None, "beyond the picture");
 }
 
-/// In the furnace 2 cd/m² come from everywhere, so pi times as much arrives; what the surface adds to its own 1 cd/m² is its
-/// albedo over pi of that.
+/// In the furnace 2 cd/m² come from everywhere, so pi times as much arrives; what the surface adds
+/// to its own 1 cd/m² is its albedo over pi of that.
 #[test]
 fn indirect_light_counts_and_is_the_mean_of_all_frames() {
     let settings = RenderSettings { bounces: 12, ..small() };

@@ -1,4 +1,4 @@
-//! What a device's second renderer costs: its pipelines are those of the first.
+//! The cost of a device's second renderer: its pipelines are those of the first.
 
 use std::time::Instant;
 

@@ -1,5 +1,5 @@
-//! Whole renderings on a GPU (a software driver does; no adapter is a failure), against closed forms and
-//! plain CPU formulas.
+//! Whole renderings on a GPU (a software driver does; no adapter is a failure), against closed
+//! forms and plain CPU formulas.
 
 #![allow(clippy::float_cmp)] // Zeros and ones that must be exact.
 
@@ -60,7 +60,7 @@ fn square(height_m: f32) -> Mesh {
     }
 }
 
-/// A white floor under a sun that stands 60 degrees from the zenith, seen from above.
+/// A white floor under a sun 60 degrees from the zenith, seen from above.
 fn floor_in_the_sun() -> Scene {
     let mut scene = Scene { name: "floor".to_owned(), ..Scene::default() };
     scene.meshes.push(square(0.0));
@@ -172,7 +172,8 @@ fn alpha_masks_cut_holes_into_pictures_and_shadows() {
 #[test]
 fn the_screen_shows_what_the_formulas_say() {
     let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
-    // A thousand times as bright, and exposed by as much less: on the GPU, radiance is in another unit.
+    // A thousand times as bright, and exposed by as much less: on the GPU, radiance is in another
+    // unit.
     let mut bright = scene.clone();
     bright.lights.iter_mut().for_each(|light| light.color *= 1024.0);
     bright.materials.iter_mut().for_each(|material| material.emissive *= 1024.0);
@@ -200,7 +201,8 @@ fn the_screen_shows_what_the_formulas_say() {
     }
 }
 
-/// The cost goes from dark violet to yellow: the green of viridis (van der Walt and Smith 2015) at 0, 1/4, 1/2, 3/4, 1.
+/// The cost goes from dark violet to yellow: the green of viridis (van der Walt and Smith 2015) at
+/// 0, 1/4, 1/2, 3/4, 1.
 #[test]
 fn cost_is_shown_as_a_heat_map() {
     let green = [1.0, 82.0, 145.0, 201.0, 231.0];

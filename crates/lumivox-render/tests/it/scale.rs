@@ -1,5 +1,5 @@
-//! A scene in millimetres and one in kilometres give the picture of the one in metres: light that is given as
-//! radiance or illuminance does not know how long a metre is.
+//! A scene in millimetres and one in kilometres give the picture of the one in metres: light that
+//! is given as radiance or illuminance does not know how long a metre is.
 
 use glam::{Mat4, UVec2, Vec3};
 use lumivox_render::{Gpu, Picture, RenderSettings, View};
@@ -7,7 +7,7 @@ use lumivox_scene::{Camera, Light, LightKind, Material, Scene};
 
 use crate::common::{builtin, gpu, picture, renderer, zoo};
 
-/// The atrium, which has a sun, a sky and textures, so many times as large.
+/// The atrium, which has a sun, a sky and textures, enlarged by `scale`.
 fn atrium(scale: f32) -> Scene {
     let mut scene = builtin("atrium");
     for instance in &mut scene.instances {
@@ -32,8 +32,9 @@ fn render(gpu: &Gpu, scene: &Scene) -> Picture {
 fn millimetres_and_kilometres_look_like_metres() {
     let gpu = gpu();
     let metres = render(&gpu, &atrium(1.0));
-    // Powers of two round nothing, so walls that lie on the voxels' borders stay there; by a factor of 1000 some
-    // fall to the other side, which changes the mean as a shift of the grid does (by 1.5 % at 32 voxels).
+    // Powers of two round nothing, so walls that lie on the voxels' borders stay there; by a factor
+    // of 1000 some fall to the other side, which changes the mean as a shift of the grid does (by
+    // 1.5 % at 32 voxels).
     for scale in [1.0 / 1024.0, 1024.0] {
         let other = render(&gpu, &atrium(scale));
         let mean = |picture: &Picture| -> f64 {
@@ -42,8 +43,8 @@ fn millimetres_and_kilometres_look_like_metres() {
         };
         let bias = mean(&other) / mean(&metres) - 1.0;
         assert!(bias.abs() < 0.001, "at {scale}: {:.3} % off", 100.0 * bias);
-        // Near planes and shadow maps follow the size with a rounding of their own: hardly a pixel of the
-        // screen may differ by more than a just visible step.
+        // Near planes and shadow maps follow the size with a rounding of their own: hardly a pixel
+        // of the screen may differ by more than a just visible step.
         let differing = other
             .ldr
             .iter()
@@ -54,8 +55,8 @@ fn millimetres_and_kilometres_look_like_metres() {
     }
 }
 
-/// A board of 40 cm, a metre above 200 m of ground, under a sun at the zenith: its shadow is as large as a texel of a map of the
-/// whole ground, which would blur it to a ramp.
+/// A board of 40 cm, a metre above 200 m of ground, under a sun at the zenith: its shadow is as
+/// large as a texel of a map of the whole ground, which would blur it to a ramp.
 #[test]
 fn a_small_thing_on_a_wide_ground_has_its_shadow() {
     let mut scene = Scene::default();

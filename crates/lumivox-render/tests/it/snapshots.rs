@@ -1,11 +1,11 @@
-//! Pictures as they were when somebody last looked at them, compared by FLIP.
+//! Pictures compared by FLIP with references that a person has checked.
 //!
-//! The references are `tests/snapshots/NAME.png`. A missing one fails, and so does one of another size or one
-//! that nothing renders any more: no picture becomes a reference by itself. `LUMIVOX_BLESS=1` writes
-//! them anew; look at each before it is committed.
+//! The references are `tests/snapshots/NAME.png`. A missing reference fails, and so does one of
+//! another size or one that is no longer rendered: no picture becomes a reference by itself.
+//! `LUMIVOX_BLESS=1` writes them all; look at each before it is committed.
 //!
-//! What a failing comparison rendered, and where it differs, is left in the `snapshots` folder that the
-//! message names.
+//! The rendered picture of a failing comparison, and the picture of its differences, are left in
+//! the `snapshots` folder that the message names.
 
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -20,7 +20,8 @@ use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 use crate::common::kept::MAX_MEAN_FLIP;
 use crate::common::{builtin, gpu, picture, renderer, zoo};
 
-/// Small enough to render all of them in a minute on a software driver, large enough to see what is wrong.
+/// Small enough to render all of them in a minute on a software driver, large enough to see what is
+/// wrong.
 fn small() -> RenderSettings {
     RenderSettings {
         size: UVec2::new(160, 90),
@@ -43,7 +44,8 @@ impl Snapshot {
     }
 }
 
-/// Every built-in scene; of the rotated ones, which look the same but for the voxels' errors, one.
+/// Every built-in scene, but only one of the rotated ones, which look the same except for the
+/// voxels' errors.
 fn scenes() -> Vec<Snapshot> {
     let names = lumivox_scene::builtin::names().iter().copied();
     names
@@ -60,8 +62,8 @@ fn materials() -> Vec<Snapshot> {
     vec![Snapshot::new("materials", "materials", settings)]
 }
 
-/// Views other than the final one. Normals along an axis have components of 0, which lie right between two
-/// codes of 8 bits, so the normals are those of the rotated scene.
+/// Views other than the final one. Normals along an axis have components of 0, which lie right
+/// between two codes of 8 bits, so the normals are those of the rotated scene.
 fn views() -> Vec<Snapshot> {
     let views = [
         ("cornell", View::Direct),
@@ -79,7 +81,7 @@ fn views() -> Vec<Snapshot> {
         .into()
 }
 
-/// What is drawn over pictures, and wires alone.
+/// Overlays over pictures, and only wires.
 fn overlays() -> Vec<Snapshot> {
     let overlay = Overlay::default;
     let voxel_level = 2;
@@ -165,7 +167,8 @@ fn every_reference_is_in_use() {
     assert!(unused.is_empty(), "no test reads these files; delete them: {unused:?}");
 }
 
-/// The comparison itself: it sees a shift of a pixel and a share of the light, and nothing in equal pictures.
+/// The comparison itself: it sees a shift of a pixel and a share of the light, and nothing in equal
+/// pictures.
 #[test]
 fn the_comparison_sees_small_changes() {
     let size = UVec2::new(160, 90);
@@ -184,8 +187,8 @@ fn the_comparison_sees_small_changes() {
     }
 }
 
-/// Renders all of them and holds each against its reference, or makes it the reference where that is asked
-/// for.
+/// Renders all of them and compares each with its reference, or makes it the reference if that is
+/// requested.
 fn check(snapshots: Vec<Snapshot>) {
     let gpu = gpu();
     let mut failures = Vec::new();
@@ -228,7 +231,7 @@ fn reference_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots").join(format!("{name}.png"))
 }
 
-/// Where a failure leaves its pictures: below cargo's target folder, which git ignores.
+/// Saves a picture of a failure below cargo's target folder, which git ignores; returns its path.
 fn leave_behind(name: &str, image: &RgbImage) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("snapshots").join(format!("{name}.png"));
     save(image, &path);
@@ -277,8 +280,9 @@ fn compare(name: &str, actual: &RgbImage, path: &Path) -> Result<(), String> {
     ))
 }
 
-/// The mean FLIP error, 0 to 1 (Andersson et al. 2020, "FLIP: A difference evaluator for alternating
-/// images"), and a picture of it: black where nothing differs, over red to bright yellow.
+/// The mean FLIP error, 0 to 1 (Andersson et al. 2020, "FLIP: A difference evaluator for
+/// alternating images"), and a picture of it: black where nothing differs, over red to bright
+/// yellow.
 fn flip(reference: &RgbImage, actual: &RgbImage) -> (f32, RgbImage) {
     let [reference, actual] = [reference, actual]
         .map(|image| FlipImageRgb8::with_data(image.width(), image.height(), image));

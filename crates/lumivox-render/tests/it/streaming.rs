@@ -13,7 +13,7 @@ const TILES: u32 = 24;
 const TILE_M: f32 = 4.0;
 /// Quads along each edge of a tile: its vertices fill most of a part.
 const QUADS: u32 = 64;
-/// What a few tiles take.
+/// The size of a few tiles, bytes.
 const BUDGET: u64 = 2 << 20;
 
 /// A way of hilly tiles along x, each a mesh of its own, with a red post on every fourth of them.
@@ -86,8 +86,9 @@ fn new_at(gpu: &Gpu, scene: &Scene, camera: &Camera, settings: RenderSettings) -
     pollster::block_on(new).expect("a renderer")
 }
 
-/// The nearest geometry is there, no more than the budget, and what lacks is told. Where it is not seen the picture is
-/// nearly that of the whole scene, and with room for all it is that one.
+/// The nearest geometry is resident, within the budget, and the missing part is reported. If that
+/// part is not visible, the picture is nearly that of the whole scene; if all fits the budget, it
+/// is that picture.
 #[test]
 fn what_is_near_is_there_and_the_rest_is_told() {
     let (gpu, scene) = (gpu(), way());
@@ -124,7 +125,8 @@ fn a_moved_camera_finds_what_a_new_renderer_has() {
     assert!(mean_luminance(&shown) > 1.0, "nothing is there");
 }
 
-/// In motion no frame fails, none has more than the budget, and the ground under the camera is always there.
+/// In motion no frame fails, none has more than the budget, and the ground under the camera is
+/// always there.
 #[test]
 fn geometry_follows_a_camera_in_motion() {
     let (gpu, scene) = (gpu(), way());

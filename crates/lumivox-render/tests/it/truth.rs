@@ -1,10 +1,12 @@
-//! The renderer against the path tracer, small and fast: a guard for what docs/quality.md publishes.
+//! The renderer against the path tracer, small and fast: a guard for what docs/quality.md
+//! publishes.
 //!
-//! 48 x 36 pixels, 64 voxels, the default preset, 16 frames; 128 samples a pixel for the reference, whose mean is then
-//! certain to 0.5 % in the noisiest scene. Half the published resolution and few frames cost some accuracy, so the
-//! bounds are those of this setting: what was measured on llvmpipe, rounded away from zero, and a margin of one point
-//! for other drivers. They reach from there to one point beyond zero, so that a change which comes nearer to the truth
-//! passes, and one that is farther from it by two points fails, whatever snapshots say.
+//! 48 x 36 pixels, 64 voxels, the default preset, 16 frames; 128 samples a pixel for the reference,
+//! whose mean is then certain to 0.5 % in the noisiest scene. Half the published resolution and few
+//! frames cost some accuracy, so the bounds are those of this setting: what was measured on
+//! llvmpipe, rounded away from zero, and a margin of one point for other drivers. They reach from
+//! there to one point beyond zero, so that a change which comes nearer to the truth passes, and one
+//! that is farther from it by two points fails, whatever snapshots say.
 
 use std::ops::ControlFlow;
 
@@ -57,7 +59,7 @@ fn assert_true(
 fn the_cornell_box_is_as_bright_as_it_is() {
     let truth = truth("cornell");
     assert_true("cornell", &figures("cornell", &truth), [-3.0..=3.0, -3.0..=3.0], 12.0);
-    // The same picture, turned against the grid.
+    // Turned against the grid, the scene gives the same picture.
     let turned = figures("cornell-rotated", &truth);
     assert_true("cornell-rotated", &turned, [-3.0..=3.0, -3.0..=3.0], 11.0);
 }
@@ -66,8 +68,9 @@ fn the_cornell_box_is_as_bright_as_it_is() {
 #[ignore = "slow: traces paths"]
 fn a_furnace_is_as_bright_as_it_is() {
     let truth = truth("furnace");
-    // Every wall shines, and a pixel draws one point of all of them in a frame: where walls are as near as they are large,
-    // the tree over emitters guesses worse than their power alone did (11.8 % of noise, 7 % before).
+    // Every wall shines, and a pixel draws one point of all of them in a frame: if the distance of
+    // walls equals their size, the tree over emitters guesses worse than a choice by power only did
+    // (11.8 % of noise, 7 % before).
     assert_true("furnace", &figures("furnace", &truth), [-2.5..=1.0, -4.0..=1.0], 13.0);
 }
 
@@ -89,7 +92,7 @@ fn a_doorway_lets_in_what_it_lets_in() {
 #[ignore = "slow: traces paths"]
 fn sun_and_sky_reach_the_atrium() {
     let truth = truth("atrium");
-    // llvmpipe: +2.3 and +4.4 %. Parapets that share voxels with the columns behind them are lit by the sun here as they
-    // should be; when they were not, +0.1 and +2.2 %.
+    // llvmpipe: +2.3 and +4.4 %. Parapets that share voxels with the columns behind them are lit by
+    // the sun here as they should be; when they were not, +0.1 and +2.2 %.
     assert_true("atrium", &figures("atrium", &truth), [-1.0..=3.0, -1.0..=5.0], 23.0);
 }

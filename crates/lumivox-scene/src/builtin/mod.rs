@@ -6,19 +6,20 @@
 //! | `two-rooms` | a wall thinner than a voxel with a doorway: leaking against bleeding |
 //! | `two-rooms-closed` | the same without the doorway: the dark room must stay black |
 //! | `atrium` | a two-storey hall under sun and sky: large contrasts, columns, cloths |
-//! | `furnace` | a closed cube of uniform emission e and albedo a: radiance e / (1 - a) everywhere |
+//! | `furnace` | a closed cube of emission e and albedo a: radiance e / (1 - a) everywhere |
 //! | `panel` | a large emitter over a floor: form factors in closed form |
 //! | `spheres` | roughness from 0.05 to 1, metal and dielectric, over a textured floor |
 //! | `furnished` | a furnished room: things thinner than a voxel, one lamp |
 //! | `window` | a low sun and a sky through one window |
 //! | `glow` | a closed room without lamps, lit by what glows in it |
 //! | `clutter` | three hundred small things under a lamp and a sky |
-//! | `lacquer` | deep colours and black that mirror more than they scatter, checkered floor and ceiling |
+//! | `lacquer` | deep colours and black, more glossy than diffuse; checkered floor and ceiling |
 //! | `city`, `city-night` | a kilometre of streets, houses with rooms, a stadium; a fly-through |
 //! | `interior`, `interior-night` | the same, seen from a furnished room in it |
 //!
-//! Each but the last two also exists as `NAME-rotated`: rotated by [`ROTATION_RAD`] about the centre of its bounds,
-//! so that no wall is aligned with a voxel grid. Nothing else may change in the picture.
+//! Each but the last two also exists as `NAME-rotated`: rotated by [`ROTATION_RAD`] about the
+//! centre of its bounds, so that no wall is aligned with a voxel grid. Nothing else may change in
+//! the picture.
 
 mod atrium;
 pub(crate) mod build;

@@ -67,8 +67,8 @@ const LOOKS: usize = 96;
 /// The result of the survey of a scene, for a default camera and default lights. It borrows
 /// nothing: make it once and use it for both.
 ///
-/// For a million triangles it takes 1.3 s, 260 MB, and 130 MB afterwards; for ten million, which are
-/// simplified first, 1.9 s and 100 MB (debug build, one core of a busy machine).
+/// For a million triangles it takes 1.3 s, 260 MB, and 130 MB afterwards; for ten million, which
+/// are simplified first, 1.9 s and 100 MB (debug build, one core of a busy machine).
 pub struct Framing {
     unit: Unit,
     soup: Soup,
@@ -148,11 +148,11 @@ impl Framing {
         self.place(&outside::view(&self.rays, &subject, aspect))
     }
 
-    /// A view along a place, from the free spot that shows the most of it; for a hollow thing, the
-    /// same of its inside. `None` if there is no space for a camera.
+    /// A view along a place, from the free spot that shows the most of it; for a hollow thing, such
+    /// a view of its inside. `None` if there is no space for a camera.
     ///
-    /// The height of the eye over the floor follows from the free height and width: 1.6 m in a living
-    /// room of 3 m, about a third of a hall.
+    /// The height of the eye over the floor follows from the free height and width: 1.6 m in a
+    /// living room of 3 m, about a third of a hall.
     pub fn inside(&self, aspect: f32) -> Option<Camera> {
         let survey = self.survey.seen_from_within(&self.rays);
         let inside = inside::view(&self.rays, &survey, sane(aspect))?;

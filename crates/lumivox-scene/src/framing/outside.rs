@@ -1,9 +1,9 @@
 //! The view of a thing: all of it from outside, as large as it fits.
 //!
-//! Of some eighty directions the best is the one that shows most of the surface: of points all over
-//! it, each visible one counts by the root of the cosine at which it is seen. So a board is viewed
-//! along its thin axis, a cube from over a corner, a thing in front of a wall from the other side,
-//! and an open box through its opening.
+//! The best of some eighty directions is the one that shows most of the surface: points all over it
+//! are tested, and each visible one counts by the root of the cosine at which it is seen. So a
+//! board is viewed along its thin axis, a cube from over a corner, a thing in front of a wall from
+//! the other side, and an open box through its opening.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -24,7 +24,7 @@ const ELEVATION_RAD: f32 = 0.412;
 /// Other elevations, and their penalties as a share of the greatest visibility.
 const ELEVATIONS_RAD: [(f32, f32); 5] =
     [(ELEVATION_RAD, 0.0), (0.17, 0.05), (0.87, 0.1), (0.0, 0.05), (-ELEVATION_RAD, 0.2)];
-/// The same for a view into an opening, which is level.
+/// Elevations and penalties for a view into an opening, which is level.
 const LEVEL_RAD: [(f32, f32); 5] =
     [(0.0, 0.0), (0.17, 0.12), (ELEVATION_RAD, 0.15), (0.87, 0.2), (-ELEVATION_RAD, 0.35)];
 /// Straight from above and from below.
@@ -148,10 +148,10 @@ fn visible(rays: &Rays, patches: &[Patch], eye: Vec3, worth: impl Fn(f32) -> f32
 
 /// The nearest eye in a direction that sees every corner.
 ///
-/// In the camera's axes (x right, y up, z backwards) a point p lies left of the frustum's right plane
-/// when `p.x + t * p.z <= eye.x + t * eye.z`, with t the tangent of half the field of view, and so on
-/// for the other planes. The largest left sides of all points thus bound the eye, and solving the two
-/// equations of opposite planes puts the scene in the middle between them.
+/// In the camera's axes (x right, y up, z backwards) a point p lies left of the frustum's right
+/// plane when `p.x + t * p.z <= eye.x + t * eye.z`, with t the tangent of half the field of view,
+/// and so on for the other planes. The largest left sides of all points thus bound the eye, and
+/// solving the two equations of opposite planes puts the scene in the middle between them.
 fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> Viewpoint {
     let camera = Camera::look_at(towards_eye, Vec3::ZERO, VERTICAL_FOV_RAD);
     let world_from_camera = Mat3::from_mat4(camera.world_from_camera());

@@ -113,8 +113,8 @@ impl Soup {
         if count <= most {
             return Self::exact(&parts);
         }
-        // Each halving of the grid leaves about a quarter of the surface's cells; a single cell leaves
-        // nothing.
+        // Each halving of the grid leaves about a quarter of the surface's cells; a single cell
+        // leaves nothing.
         let mut cells = Self::FINEST;
         while cells > 1 {
             if let Some(soup) = Self::clustered(&parts, unit, cells, most) {
@@ -125,7 +125,7 @@ impl Soup {
         Self::of_parts(&parts)
     }
 
-    /// The same with vertices clustered in this many cells along the longest edge.
+    /// The triangles, with vertices clustered in this many cells along the longest edge.
     pub(super) fn in_cells(scene: &Scene, unit: Unit, cells: u32) -> Self {
         let parts = Self::parts(scene, unit);
         let soup = Self::clustered(&parts, unit, cells, Self::MOST);
@@ -198,7 +198,7 @@ impl Soup {
                 if a == b || b == c || c == a {
                     continue;
                 }
-                // The same triangle may come again, starting at another corner.
+                // A triangle may come again, starting at another corner.
                 let turned = if a < b && a < c {
                     [a, b, c]
                 } else if b < c {

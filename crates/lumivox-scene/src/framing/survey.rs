@@ -33,16 +33,16 @@ const OUTSIDE: [usize; 2] = [64, 64];
 
 /// A point is in the air if more than this share of the surfaces it sees are fronts.
 const IN_AIR: f32 = 0.75;
-/// The same for files that wind half of their walls the wrong way round. Fronts must then only be
+/// `IN_AIR` for files that wind half of their walls the wrong way round. Fronts must then only be
 /// more than a solid would show, but the air must be free up to this distance, in unit space: a
 /// bush of double-sided leaves is not a hall.
 const MUDDLED: f32 = 0.35;
 const FREE: f32 = 0.03;
 /// Share of the directions in which a roughly surrounded point sees a surface.
 const SURROUNDED: f32 = 0.7;
-/// The same under a roof with a window.
+/// `SURROUNDED` for a point under a roof with a window.
 const ROOFED: f32 = 0.95;
-/// The same in a room that lacks a wall.
+/// `SURROUNDED` for a point in a room that lacks a wall.
 const WALLED: f32 = 0.85;
 
 /// The least extent of a place along an axis, in unit space: 0.6 in Sponza, 0.3 in a helmet on a
@@ -119,7 +119,7 @@ struct Shares {
     /// Points in the air with few gaps around them; `roofed` counts those with fewer.
     walled: usize,
     roofed: usize,
-    /// Of the roofed ones, those without any gap.
+    /// Roofed points without any gap.
     sealed: usize,
     /// Points surrounded by double-sided backs, but with something else in view.
     furnished: usize,

@@ -18,7 +18,7 @@ use crate::{SceneError, check_regular, read_regular};
 pub(super) struct Reach<'a> {
     /// Whether any file may be read, or only those in `folders` and below.
     pub(super) anywhere: bool,
-    /// The scene's own folder, and for some formats another one.
+    /// The scene's own folder, and for some formats a second one.
     pub(super) folders: &'a [PathBuf],
     /// The source that replaces the disk, if any.
     pub(super) source: Option<&'a dyn FileSource>,
@@ -188,7 +188,7 @@ fn check_path(path: &str, anywhere: bool) -> Result<PathBuf, String> {
 }
 
 /// Replaces `%41` by `A` and so on (RFC 3986, section 2.1). A percent sign without two hexadecimal
-/// digits stays as it is.
+/// digits is not changed.
 pub(super) fn decode_percent(text: &str) -> Vec<u8> {
     let text = text.as_bytes();
     let digit = |at: usize| text.get(at).and_then(|&byte| char::from(byte).to_digit(16));

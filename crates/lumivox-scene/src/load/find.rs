@@ -2,10 +2,10 @@
 //!
 //! Names are often written on another machine: with backslashes, in another case or encoding, or
 //! with the full path of a folder that does not exist here. The search tries, in this order: the
-//! path as it is; the same path in any case; and the path without its leading folders, down to the
-//! bare name, below each of some folders, such as those of the file that names it and of the scene.
-//! All of this is then repeated without quotation marks and without a comment after the name, and
-//! with URI escapes (`%20`) decoded.
+//! unchanged path; the path in any case; and the path without its leading folders, down to the bare
+//! name, below each of some folders, such as those of the file that names it and of the scene. All
+//! of this is then repeated without quotation marks and without a comment after the name, and with
+//! URI escapes (`%20`) decoded.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -111,8 +111,8 @@ fn decode(name: &[u8]) -> String {
     }
 }
 
-/// The file whose name has the same bytes as one that is not UTF-8, beside `base`: both were written
-/// in the same other encoding. Only Unix has such names.
+/// The file whose name has the same bytes as one that is not UTF-8, beside `base`: both were
+/// written in the same other encoding. Only Unix has such names.
 fn same_bytes(base: &Path, name: &[u8], reach: Reach<'_>) -> Option<PathBuf> {
     if std::str::from_utf8(name).is_ok() || reach.source.is_some() {
         return None;

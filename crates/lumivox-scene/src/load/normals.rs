@@ -156,8 +156,8 @@ impl Fan {
     }
 }
 
-/// The most copies of a vertex that are compared before another one is made: a vertex in thousands
-/// of triangles must not take quadratic time.
+/// The most copies of a vertex that are compared before a new one is made: a vertex in thousands of
+/// triangles must not take quadratic time.
 const LONGEST_CHAIN: usize = 32;
 
 /// Sets one normal per corner, splitting vertices whose corners differ.

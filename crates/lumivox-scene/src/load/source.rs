@@ -16,7 +16,10 @@ use std::path::{Component, Path};
 /// # use lumivox_scene::{LoadOptions, Scene, Shading};
 /// // Dropped on a page, say: a scene with its files.
 /// let files = HashMap::from([
-///     ("room.obj".to_owned(), b"mtllib room.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n".to_vec()),
+///     (
+///         "room.obj".to_owned(),
+///         b"mtllib room.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n".to_vec(),
+///     ),
 ///     ("room.mtl".to_owned(), b"newmtl red\nKd 1 0 0\n".to_vec()),
 /// ]);
 /// let mut options = LoadOptions { files: Some(&files), ..LoadOptions::default() };
@@ -25,9 +28,8 @@ use std::path::{Component, Path};
 /// # Ok::<(), lumivox_scene::SceneError>(())
 /// ```
 pub trait FileSource {
-    /// The bytes of the file at `path`: the scene's own path as it was given, or that of a file
-    /// which it names, in the scene's folder. Folders are separated by `/`, and the path has no `.`
-    /// in it.
+    /// The bytes of the file at `path`: the scene's own path as given, or that of a file which it
+    /// names, in the scene's folder. Folders are separated by `/`, and the path has no `.` in it.
     ///
     /// # Errors
     /// [`io::ErrorKind::NotFound`], or another error, which the loader's message quotes.

@@ -31,7 +31,7 @@ pub(super) struct ImageId(usize);
 /// The sources of a texture.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Recipe {
-    /// An image as it is.
+    /// An unchanged image.
     Image(ImageId),
     /// A new image out of several.
     Mixed {

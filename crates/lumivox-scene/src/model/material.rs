@@ -101,8 +101,8 @@ pub enum Shading {
     MetallicRoughness(MetallicRoughness),
     /// Phong's (1975) model, for scenes made for it.
     Phong(Phong),
-    /// The colour is shown as it is, without lighting (`KHR_materials_unlit`): for scans with baked
-    /// light.
+    /// The colour is shown unchanged, without lighting (`KHR_materials_unlit`): for scans with
+    /// baked light.
     Unlit(Unlit),
 }
 

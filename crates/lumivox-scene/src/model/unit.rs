@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 /// The vector at unit length; `None` if it has no direction.
 ///
-/// A vector that has unit length up to rounding stays as it is, to the bit: normalising again would
+/// A vector that has unit length up to rounding is unchanged, to the bit: normalising again would
 /// change its last digits each time that a scene is saved and loaded. 1e-5 is some 80 units in the
 /// last place, more than the error of normalising itself.
 pub(crate) fn to_unit(v: Vec3) -> Option<Vec3> {

@@ -117,7 +117,6 @@ impl Picker {
     /// Whether a point is inside something solid: of 14 rays in all directions, at least 11 first
     /// hit the back of a single-sided surface, or at least 8 if all rays hit something: below a
     /// thing on a ground, rays hit the front of the ground.
-    /// 8 where all meet something: below what stands on a ground is the front of the ground.
     pub fn is_inside(&self, at: Vec3) -> bool {
         let steps = [-1, 0, 1];
         let all = steps.iter().flat_map(|x| steps.iter().map(move |y| (x, y)));

@@ -81,7 +81,7 @@ fn assert_agrees(scene: &Scene, picker: &Picker, origin: Vec3, direction: Vec3) 
     assert!(at.abs_diff_eq(found.position, 1e-4 * (1.0 + found.distance_m)), "{found:?}");
 }
 
-/// A mesh of so many triangles all over a cube, with a material for each side rule.
+/// A mesh of `count` triangles all over a cube, with a material for each side rule.
 fn clutter(seed: u64, count: usize) -> Scene {
     let mut state = seed | 1;
     let mut random = || {
@@ -244,7 +244,8 @@ fn points_inside_of_solids_are_told_from_those_in_rooms() {
     assert!(!Picker::new(&two_sided).is_inside(block(&scene)), "in a block of sheets");
 }
 
-/// The middle of a block: half way down from the highest point below the lamp that a ray meets beside the floor.
+/// The middle of a block: half way down from the highest point below the lamp that a ray meets
+/// beside the floor.
 fn block(scene: &Scene) -> Vec3 {
     let picker = Picker::new(scene);
     let (low, size) = (scene.bounds().min, scene.bounds().size());
@@ -273,8 +274,8 @@ fn rays_pass_what_is_hidden() {
     assert_eq!(meet(&scene), None);
 }
 
-/// Of surfaces in one place the first counts, so that an answer does not depend on how boxes are
-/// built.
+/// The first of several surfaces in one place counts, so that an answer does not depend on how
+/// boxes are built.
 #[test]
 fn of_what_lies_in_one_place_the_first_is_met() {
     let mut scene = square(false, Mat4::IDENTITY);

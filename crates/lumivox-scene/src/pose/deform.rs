@@ -300,7 +300,7 @@ fn drop_flat(mesh: &mut Mesh) {
     mesh.indices = triangles.flat_map_iter(|t| t.iter().copied()).collect();
 }
 
-/// The same as [`has_area`], which decides where f32 cannot.
+/// As [`has_area`], which decides only where f32 cannot.
 fn has_area_fast(corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners;
     let (u, v) = (b - a, c - a);

@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn rotations_take_the_shorter_way_at_constant_speed() {
         let quarter = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
-        // The same rotation with the other sign, and longer than one: both must not matter.
+        // An equal rotation with the other sign, and longer than one: neither must matter.
         let far = (-quarter * 3.0).to_array();
         let values = [Quat::IDENTITY.to_array(), far];
         let track = track(&[0.0, 1.0], values.as_flattened(), 4, Interpolation::Linear);

@@ -1,8 +1,8 @@
 //! The solids of a room under construction, its surfaces, and what is free between them.
 //!
-//! A room is made of convex prisms: slabs, posts, steps, boards. Their planes tell whether a point
-//! is inside a solid, so that sensors, lamps and cameras are placed in the air. Everything of one
-//! material is one mesh.
+//! A room is made of convex prisms: slabs, posts, steps, boards. Their planes decide whether a
+//! point is inside a solid, so that sensors, lamps and cameras are placed in the air. Everything of
+//! one material is one mesh.
 
 use glam::{Vec2, Vec3};
 
@@ -172,8 +172,8 @@ impl Build {
         self.cuboid(self.walls, low.into(), high.into());
     }
 
-    /// A wall from the floor to a height that faces z, with a hole or without: its x, z, height, and
-    /// the hole's x and y.
+    /// A wall from the floor to a height that faces z, with a hole or without: its x, z, height,
+    /// and the hole's x and y.
     pub(super) fn wall(
         &mut self,
         x: [f32; 2],
@@ -253,8 +253,8 @@ impl Build {
         self.prism(glow, &corners.map(|corner| at + corner), Vec3::Y * thick_m);
     }
 
-    /// Free places and directions of sensors: five usual ones, and random ones in rooms that are not
-    /// plain or where fewer are free.
+    /// Free places and directions of sensors: five usual ones, and random ones in rooms that are
+    /// not plain or where fewer are free.
     pub(super) fn sensors(&mut self) -> Vec<(Vec3, Vec3)> {
         let Vec3 { x, z, .. } = self.half;
         let height_m = self.size_m.y;

@@ -1,9 +1,9 @@
 //! Random rooms, to measure light in scenes that nothing was tuned for.
 //!
 //! A room is 3 to 8 m wide, with walls of 1 to 60 cm, single- or double-sided, along the axes or
-//! turned by any rotation, lit by a lamp, a glowing panel, a sky through a window, or a lamp by day;
-//! or closed and dark under a bright sky. Sensors are on the floor, at a desk, near a wall, in a
-//! corner and under the ceiling, and a camera looks across the room.
+//! turned by any rotation, lit by a lamp, a glowing panel, a sky through a window, or a lamp by
+//! day; or closed and dark under a bright sky. Sensors are on the floor, at a desk, near a wall, in
+//! a corner and under the ceiling, and a camera looks across the room.
 //!
 //! | file | is |
 //! | --- | --- |

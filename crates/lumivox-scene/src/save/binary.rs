@@ -24,9 +24,9 @@ pub(super) enum Source<'a> {
     Vec3(&'a [Vec3]),
     /// Quadruples of floats.
     Vec4(&'a [Vec4]),
-    /// Tangents of unit length with a sign, of the mesh as it is or with its winding reversed.
+    /// Tangents of unit length with a sign, of the unchanged mesh or with its winding reversed.
     Tangents { tangents: &'a [Vec4], normals: &'a [Vec3], turned: bool },
-    /// Vertex numbers, as they are or with each triangle's winding reversed.
+    /// Vertex numbers, unchanged or with each triangle's winding reversed.
     Indices { indices: &'a [u32], short: bool, turned: bool },
     /// Linear RGB.
     Texels(&'a [[f32; 3]]),

@@ -14,7 +14,8 @@ const FLOAT: u32 = 5126;
 const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 
-/// The largest vertex number that 16 bits hold: 65 535 restarts primitives (glTF 2.0, section 3.7.2.1).
+/// The largest vertex number that 16 bits hold: 65 535 restarts primitives (glTF 2.0, section
+/// 3.7.2.1).
 const LAST_SHORT: u32 = 65_534;
 
 impl<'a> Writer<'a> {

@@ -10,7 +10,8 @@
 //! and equal things once; so saving what was loaded gives the same bytes, and the order of unused
 //! or repeated things in memory does not matter. This *normal form* leaves out:
 //!
-//! - meshes, materials and textures that no instance uses, and instances of meshes without triangles;
+//! - meshes, materials and textures that no instance uses, and instances of meshes without
+//!   triangles;
 //! - the second of two equal meshes, samplers or textures;
 //! - the part of a camera's up that is along its line of sight, and the scale of a missing normal
 //!   texture: they have no effect;
@@ -41,8 +42,8 @@ use container::Container;
 use document::Document;
 
 impl Scene {
-    /// Writes the scene to a `.glb` file (glTF 2.0, everything in one file), which loads as the same
-    /// scene again, and which other programs read.
+    /// Writes the scene to a `.glb` file (glTF 2.0, everything in one file), which loads as the
+    /// same scene again, and which other programs read.
     ///
     /// The file is written under a temporary name in the same folder first and renamed at the end:
     /// a reader finds the old file or the whole new one. Needs little memory beyond the scene's

@@ -136,7 +136,7 @@ fn convert_camera(camera: &Camera) -> Value {
 fn axes(camera: &Camera) -> (Vec3, Vec3) {
     let forward = to_unit(camera.forward).unwrap_or(Vec3::NEG_Z);
     let (f, u) = (forward.as_dvec3(), camera.up.as_dvec3());
-    // Rounding to f32 leaves some 1e-7; vectors that are orthogonal already stay as they are.
+    // Rounding to f32 leaves some 1e-7; vectors that are orthogonal already are not changed.
     if f.dot(u).abs() < 1e-6
         && let Some(up) = to_unit(camera.up)
     {

@@ -102,7 +102,8 @@ fn no_pose_depends_on_the_poses_before() {
 #[test]
 fn each_use_of_a_mesh_deforms_on_its_own() {
     let mut made = tube();
-    // The same mesh on the same bones, without swelling; and unskinned, swollen for good.
+    // Another use of the mesh on the same bones, without swelling; and one unskinned, swollen for
+    // good.
     made.file.node(json!({ "mesh": 0, "skin": 0, "name": "thin" }), true);
     made.file.node(json!({ "mesh": 0, "weights": [1], "translation": [9, 0, 0] }), true);
     // A mesh that nothing deforms is shared as ever.
@@ -354,7 +355,7 @@ fn triangles_without_area_at_rest_have_one_later() {
     assert_eq!(scene.meshes[0].normals[3], Vec3::Y);
 }
 
-/// Where one corner moves, its triangle's plane turns, and with it the frames of the corners that
+/// If one corner moves, its triangle's plane turns, and with it the frames of the corners that
 /// stay.
 #[test]
 fn frames_of_flat_triangles_turn_with_a_single_corner() {

@@ -184,7 +184,7 @@ fn an_empty_scene_names_the_others() {
     assert!(!fault(&file).contains("--scene-in-file"));
 }
 
-/// A number that is none costs the place where it is, and is told.
+/// A number that is not finite costs only the place where it is, and gives a warning.
 #[test]
 fn numbers_that_are_none_are_replaced() {
     let sound = textured_cube().load().unwrap();
@@ -217,7 +217,7 @@ fn numbers_that_are_none_are_replaced() {
             }
         }
     }
-    // A place that no triangle uses matters to nobody.
+    // A place that no triangle uses does not matter.
     let mut file = File::triangle();
     let positions =
         file.vectors(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [f32::NAN, 0.0, 0.0]]);
@@ -285,7 +285,7 @@ fn nodes_name_cameras_and_lights() {
     }
 }
 
-/// What others read although it is against the letter of the format.
+/// Faults that other programs accept, although they are against the letter of the format.
 #[test]
 fn small_faults_cost_nothing() {
     let sound = File::triangle().load().unwrap();

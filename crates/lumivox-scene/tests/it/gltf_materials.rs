@@ -19,7 +19,7 @@ fn painted(material: Value, texels: &[[u8; 4]]) -> File {
     file
 }
 
-/// The same, loaded without a warning.
+/// Loads a [`painted`] triangle without a warning.
 fn paint(material: Value, texels: &[[u8; 4]]) -> Scene {
     let scene = painted(material, texels).load().unwrap();
     assert!(scene.notes.warnings.is_empty(), "{:?}", scene.notes.warnings);
@@ -80,7 +80,7 @@ fn two_specular_textures_become_one() {
     // The channels of the other texture are 1.
     assert_eq!(specular(json!({ "specularColorTexture": color })), [10, 20, 30, 255]);
     assert_eq!(specular(json!({ "specularTexture": strength })), [255, 255, 255, 80]);
-    // One image for both is used as it is.
+    // One image for both is used unchanged.
     let same = json!({ "specularColorTexture": color, "specularTexture": color });
     assert_eq!(specular(same), [10, 20, 30, 40]);
 }

@@ -1,5 +1,5 @@
-//! Files that are no glTF by the letter: they are read as they are meant, with a warning, or say what
-//! they are.
+//! Files that are not glTF by the letter: they are read as intended, with a warning, or the error
+//! says what they are.
 
 use lumivox_scene::Scene;
 use serde_json::json;

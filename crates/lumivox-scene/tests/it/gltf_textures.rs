@@ -66,7 +66,7 @@ fn webp_comes_before_what_the_core_format_gives() {
     assert_eq!(scene.textures.len(), 1);
     assert_eq!(scene.textures[0].rgba8[..4], [40, 50, 60, 255]);
     assert!(scene.notes.warnings.is_empty(), "{:?}", scene.notes.warnings);
-    // Where the extension's image is broken or missing, the core format's is used.
+    // If the extension's image is broken or missing, the core format's is used.
     for broken in [json!({ "uri": "gone.webp" }), json!({ "uri": "data:;base64,AAAA" })] {
         let mut file = file.clone();
         file.json["images"][1] = broken;

@@ -13,7 +13,7 @@ fn at(offset: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|axis| PLACE[axis] + offset[axis])
 }
 
-/// The triangle of [`File::triangle`] at [`PLACE`], to a tenth of a millimetre, and told.
+/// The triangle of [`File::triangle`] at [`PLACE`], to a tenth of a millimetre, with a warning.
 #[track_caller]
 fn is_in_place(scene: &Scene) {
     let corners = world_triangles(scene)[0].0;
@@ -60,7 +60,8 @@ fn nodes_keep_their_places_at_rest_and_in_motion() {
     by_matrix.json["nodes"][0]["matrix"] = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1]);
     is_in_place(&by_matrix.load().unwrap());
 
-    // As exporters of files in millimetres with z up write it: a root that turns and scales, and the place below.
+    // As exporters of files in millimetres with z up write it: a root that turns and scales, and
+    // the place below.
     let mut below = File::triangle();
     let turn = json!([-0.707_106_781_186_547_5, 0, 0, 0.707_106_781_186_547_5]);
     below.json["nodes"][0]["translation"] = json!([1e3 * x, -1e3 * z, 1e3 * y]);

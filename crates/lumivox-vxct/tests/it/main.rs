@@ -1,4 +1,5 @@
-//! The look of VXCT, held to its own pictures, and to closed forms where it is shown what it was not made for.
+//! The look of VXCT compared with its own pictures, and with closed forms for scenes that it was
+//! not made for.
 
 mod changes;
 #[allow(dead_code, unused_imports)] // The renderer's own tests use the rest.
@@ -37,7 +38,7 @@ fn look(vxct: VxctSettings) -> RenderSettings {
     }
 }
 
-/// Those of 64 voxels.
+/// The settings for 64 voxels.
 fn usual() -> VxctSettings {
     VxctSettings::for_resolution(64)
 }
@@ -210,7 +211,7 @@ fn lamps_of_other_scenes_fade_as_vxcts() {
     let settings = RenderSettings { grid_bounds: None, ..look(phong_alone()) };
     let shown = middle(&render(&scene, settings)).x;
     let color = 5.0 / PI * 1.6 / 16.0;
-    // What is not VXCT's has its ambient strength.
+    // Materials of other scenes have VXCT's ambient strength.
     let expected = 1.08 * color / (1.0 + 0.15 * 0.5 + 0.45 * 0.25);
     assert!((shown / expected - 1.0).abs() < 0.01, "{shown} is not {expected}");
     let display = vxct_display(&scene);
@@ -233,8 +234,8 @@ fn display_values_reach_the_screen_as_they_are() {
     assert_eq!((display.exposure, display.tone_map), (Exposure::Stops(0.0), ToneMap::Raw));
 }
 
-/// Only what turns its front to the camera is there, even where both sides are surfaces for the physical look; what a
-/// matrix mirrors shows its inside.
+/// Only surfaces that turn their front to the camera are there, even if both sides are surfaces for
+/// the physical look; a mirroring matrix shows the inside.
 #[test]
 fn one_side_is_seen() {
     let mut scene = floor(0.0, matte(), vxct_light(Vec3::Y, Vec3::ONE));
@@ -277,8 +278,8 @@ fn suns_shine_as_bright_as_they_are() {
     }
 }
 
-/// What shines in a scene that was not made for VXCT is in its voxels; what is lit by its surroundings alone
-/// is not black.
+/// Emitters in a scene that was not made for VXCT are in its voxels; a scene lit only by its
+/// surroundings is not black.
 #[test]
 fn other_scenes_have_light() {
     let mut scene = floor(-1.0, Material::diffuse("white", Vec3::ONE), Light::default());
@@ -299,7 +300,7 @@ fn other_scenes_have_light() {
     assert!((lit - 1.0).abs() < 0.1, "{lit}");
 }
 
-/// Shadows alone are grey: what all lights leave, added up.
+/// A picture of only shadows is grey: the sum over all lights of the share that is not blocked.
 #[test]
 fn shadows_alone_are_grey() {
     let mut scene = room(&matte(), vxct_light(Vec3::new(0.0, 0.5, 0.0), Vec3::X));

@@ -1,8 +1,8 @@
 //! Our pictures beside those of the program itself.
 //!
-//! `tests/vxct` has what VXCT (2019-10-07, 64 voxels, on a software GPU) showed of `scenes/cornell.scene` and
-//! `scenes/gallery.scene`, from its start camera and its positions 1 and 2, with one component or another: pictures of
-//! 640x360, each 2x2 pixels averaged.
+//! `tests/vxct` has what VXCT (2019-10-07, 64 voxels, on a software GPU) showed of
+//! `scenes/cornell.scene` and `scenes/gallery.scene`, from its start camera and its positions 1 and
+//! 2, with one component or another: pictures of 640x360, each 2x2 pixels averaged.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -21,10 +21,10 @@ use crate::common::{builtin, camera, gpu, picture, renderer};
 /// Mean absolute difference of a channel that is allowed, of 255.
 const MOST: f64 = 3.0;
 
-/// Of the pictures of 640x360.
+/// The size of VXCT's pictures before averaging.
 const SIZE: UVec2 = UVec2::new(640, 360);
 
-/// What the console had set when a picture was taken.
+/// The console's settings when a picture was taken.
 fn settings(what: &str) -> RenderSettings {
     let usual = VxctSettings::for_resolution(64);
     let nothing =

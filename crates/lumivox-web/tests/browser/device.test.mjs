@@ -30,7 +30,7 @@ test("what WebGPU's validation says is heard by these tests", async () => {
     app.messages.expect(/MapRead/);
 });
 
-/** Loses the device, and waits for the picture on another one. @param {App} app */
+/** Loses the device, and waits for the picture on a new device. @param {App} app */
 async function lose(app) {
     const before = await app.pixels();
     await app.worker.evaluate(async () => {

@@ -1,8 +1,8 @@
 //! Baking with Lumivox: light maps and an irradiance volume of a room, by irradiance at points.
 //!
-//! `cargo run --release -p lumivox --example bake -- [name]` writes `name.png`, a look at both, and `name.json`, the
-//! volume: for each probe the irradiance of six sides, as engines store in ambient cubes ("Half-Life 2 / Valve
-//! Source Shading", GDC 2004).
+//! `cargo run --release -p lumivox --example bake -- [name]` writes `name.png`, a look at both, and
+//! `name.json`, the volume: for each probe the irradiance of six sides, as engines store in ambient
+//! cubes ("Half-Life 2 / Valve Source Shading", GDC 2004).
 
 mod picture;
 mod room;

@@ -18,8 +18,8 @@ const TEXEL: u32 = 4;
 const BALL: u32 = 32;
 
 impl Picture {
-    /// The light maps in a row, and below them the probes of the slice in the middle, as balls that show the light from
-    /// all sides.
+    /// The light maps in a row, and below them the probes of the slice in the middle, as balls that
+    /// show the light from all sides.
     pub fn of(maps: &[(&Quad, Vec<Vec3>)], texels: &[[u32; 2]], slice: &[Vec<&Probe>]) -> Self {
         let map_width: u32 = texels.iter().map(|[width, _]| TEXEL * width + GAP).sum();
         let map_height = texels.iter().map(|[_, height]| TEXEL * height).max().unwrap_or(0);

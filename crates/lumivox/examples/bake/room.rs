@@ -26,7 +26,8 @@ impl Quad {
 /// Opposite corners of the room.
 pub const BOUNDS: (Vec3, Vec3) = (Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 2.0, 1.0));
 
-/// A closed room with a red and a blue wall, and a screen that keeps the lamp's light off its right half.
+/// A closed room with a red and a blue wall, and a screen that keeps the lamp's light off its right
+/// half.
 pub fn quads() -> Vec<Quad> {
     let white = Vec3::splat(0.75);
     let (red, blue) = (Vec3::new(0.7, 0.1, 0.08), Vec3::new(0.1, 0.2, 0.7));

@@ -1,8 +1,11 @@
-//! Lumivox in an engine of its own: own triangles, own G-buffer, own shading, no other crate of the project.
+//! Lumivox in a custom engine: own triangles, own G-buffer, own shading, no other crate of the
+//! project.
 //!
-//! `cargo run --release -p lumivox --example own_engine -- [picture.png] [--json]` renders 300 frames of a room in which a
-//! lamp and a screen move, and saves the mean of the last ones, in which they rest. The engine records each frame into an encoder of its own and never
-//! waits. Then it prints what a frame took, what it made (nothing), and the time of each stage of one more frame.
+//! `cargo run --release -p lumivox --example own_engine -- [picture.png] [--json]` renders 300
+//! frames of a room in which a lamp and a screen move, and saves the mean of the last ones, in
+//! which they rest. The engine records each frame into an encoder of its own and never waits. Then
+//! it prints what a frame took, what it created (nothing), and the time of each stage of one more
+//! frame.
 
 mod raster;
 
@@ -191,7 +194,8 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
     let frame_ms = start.elapsed().as_secs_f64() * 1e3 / f64::from(FRAMES);
     let pixels = picture.iter().flat_map(|pixel| [pixel[0], pixel[1], pixel[2]].map(srgb));
 
-    // The time of each stage, of a frame that a recorder of its own submits: an engine's encoder has none.
+    // The time of each stage, of a frame that a recorder of its own submits: an engine's encoder
+    // has none.
     lights.update(&queue, &[lamp_at(FRAMES as f32 / 60.0)], Vec3::ZERO, None);
     let mut recorder = Recorder::with_timing(&device, &queue, Timing::for_device(&device));
     gi.voxelize_frame(&mut recorder, &geometry)?;
@@ -226,7 +230,8 @@ fn srgb(linear: f32) -> u8 {
     (encoded.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// A white room with a red and a blue wall, and a screen that keeps the lamp's light off its right half.
+/// A white room with a red and a blue wall, and a screen that keeps the lamp's light off its right
+/// half.
 fn room() -> Mesh {
     let white = Vec3::splat(0.75);
     let (red, blue) = (Vec3::new(0.7, 0.1, 0.08), Vec3::new(0.1, 0.2, 0.7));

@@ -48,6 +48,7 @@ fn octahedral_encode(normal: vec3f) -> vec2f {
 @fragment
 fn fragment(varyings: Varyings) -> GBuffer {
     let normal = octahedral_encode(normalize(varyings.normal));
-    // This engine has flat Lambert surfaces: both normals are the same, nothing is glossy, nothing glows.
+    // This engine has flat Lambert surfaces: both normals are the same, nothing is glossy, nothing
+    // glows.
     return GBuffer(vec4f(normal, normal), vec4f(varyings.albedo, 1.0), vec4f(0.0), vec4f(0.0));
 }

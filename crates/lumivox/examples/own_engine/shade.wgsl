@@ -1,5 +1,5 @@
-// The engine's own shading: it links against Lumivox's modules for its lights, their shadows and the G-buffer,
-// adds the traced irradiance, and keeps a running mean over frames.
+// The engine's own shading: it links against Lumivox's modules for its lights, their shadows and
+// the G-buffer, adds the traced irradiance, and keeps a running mean over frames.
 
 import package::environment::environment_background;
 import package::light::lights::{incident_light, light_globals, lights};

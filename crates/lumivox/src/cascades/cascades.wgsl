@@ -71,7 +71,7 @@ fn wrapped(cell: vec3i, edge: i32) -> vec3i {
     return (cell % edge + edge) % edge;
 }
 
-// Where a cascade's cells begin in the store, in units of its edge.
+// The first cell of a cascade in the store, in units of its edge.
 fn block_of(cascade: u32) -> vec3u {
     let row = cascade / CASCADE_COLUMNS;
     return vec3u(cascade % CASCADE_COLUMNS, row % CASCADE_ROWS, row / CASCADE_ROWS);
@@ -86,7 +86,7 @@ fn cascade_of(stored: vec3u) -> u32 {
     return block.x + CASCADE_COLUMNS * (block.y + CASCADE_ROWS * block.z);
 }
 
-// Where a cascade's cell is stored. `up` is the cell's level minus the cascade's number.
+// The place of a cascade's cell in the store. `up` is the cell's level minus the cascade's number.
 fn stored_cell(cell: vec3i, up: u32, cascade: u32) -> vec3u {
     if CASCADES == 0u {
         return vec3u(cell);
@@ -184,8 +184,8 @@ fn lowest_cell(level: u32) -> vec3i {
     return lowest_voxel(cascade) >> vec3u(level - cascade);
 }
 
-// Where a cell is stored that is given relative to its box's corner, `up` levels above the voxels
-// of the cascade.
+// The place in the store of a cell that is given relative to its box's corner, `up` levels above
+// the voxels of the cascade.
 fn stored_from_corner(cell: vec3u, up: u32, cascade: u32) -> vec3u {
     return stored_cell((lowest_voxel(cascade) >> vec3u(up)) + vec3i(cell), up, cascade);
 }

@@ -1,4 +1,5 @@
-//! Cascades: a clipmap of boxes around the camera, each with voxels twice as large as the one within it.
+//! Cascades: a clipmap of boxes around the camera, each with voxels twice as large as the one
+//! within it.
 //!
 //! The boxes of the clipmap are stored side by side. Cascade *k* is a cube of 2^k times coarser
 //! voxels, with as many of them as every other cascade. All cubes share one store, so there is one

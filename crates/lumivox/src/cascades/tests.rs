@@ -16,7 +16,7 @@ use crate::{
     Shadow, TraceSettings, VolumeKind,
 };
 
-/// Where the room stands: the seam of the store, the multiples of 64 voxels, goes through it.
+/// The corner of the room: the seam of the store, the multiples of 64 voxels, goes through it.
 const ROOM: Vec3 = Vec3::new(1.0, 0.9, 0.8);
 const VOXEL_M: f32 = 1.0 / 48.0;
 
@@ -63,7 +63,8 @@ impl Lit {
         voxels
     }
 
-    /// Records frames until the boxes are around a place, and all is known of their voxels. How many is returned.
+    /// Records frames until the boxes are around a place and all their voxels are known; returns
+    /// the number of frames.
     fn follow(&mut self, geometry: &Geometry, to: Vec3) -> u32 {
         for frame in 1..20 {
             assert!(self.gi.center_on(to).is_ok());
@@ -76,7 +77,7 @@ impl Lit {
         panic!("the boxes do not arrive");
     }
 
-    /// The faces by their voxels and lobes, as they are stored.
+    /// The stored faces, by their voxels and lobes.
     fn faces(&self) -> BTreeMap<([u32; 3], u32), FaceRecord> {
         let (device, queue) = device();
         let list = self.gi.voxels().expect("there is a list");
@@ -136,7 +137,8 @@ fn mean(values: &[f32]) -> f32 {
     values.iter().sum::<f32>() / values.len() as f32
 }
 
-/// The voxels of every cascade are those of a dense grid over its box, face by face, cut at its border.
+/// The voxels of every cascade are those of a dense grid over its box, face by face, cut at its
+/// border.
 #[test]
 fn each_cascade_has_the_voxels_of_its_box() {
     let grid = cascades(ROOM + Vec3::new(0.2, 0.3, 0.4), 3, 32);
@@ -175,8 +177,9 @@ fn cascade_of(own: &crate::Cascades, stored: UVec3) -> usize {
     (block.x + own.blocks.x * (block.y + own.blocks.y * block.z)) as usize
 }
 
-/// A room inside the finest cascade is lit as in a dense volume of the same voxels. Faces draw the directions of their cones by
-/// where they are stored, which scatters the mean by 0.3 %: that of dense volumes moved by whole voxels does as much.
+/// A room inside the finest cascade is lit as in a dense volume of the same voxels. Faces draw the
+/// directions of their cones by where they are stored, which scatters the mean by 0.3 %: that of
+/// dense volumes moved by whole voxels does as much.
 #[test]
 fn within_a_cascade_light_is_that_of_a_dense_volume() {
     let grid = cascades(ROOM + Vec3::new(0.5, 0.35, 0.45), 3, 96);
@@ -200,8 +203,8 @@ fn within_a_cascade_light_is_that_of_a_dense_volume() {
     }
 }
 
-/// A cascade stores on both sides of its seam what a dense volume has there: light that was not reflected, so that
-/// nothing of it is drawn by a face, is the same within rounding.
+/// A cascade stores on both sides of its seam what a dense volume has there: light that was not
+/// reflected, so that nothing of it is drawn by a face, is the same within rounding.
 #[test]
 fn the_seam_of_the_store_is_not_seen() {
     let points = scattered(96);
@@ -223,7 +226,7 @@ fn the_seam_of_the_store_is_not_seen() {
     }
 }
 
-/// Light goes on where a cascade ends in a room.
+/// Light continues across a cascade's border in a room.
 #[test]
 fn across_a_border_light_goes_on() {
     let points = scattered(96);
@@ -258,7 +261,8 @@ fn moving_cascades_leave_the_light_of_what_they_hold() {
     assert!(bias.abs() < 0.001, "{bias}");
 }
 
-/// Over a kilometre of ground under an even sky: what a lamp meter reads that looks up, and down from different heights.
+/// The reading of a light meter over a kilometre of ground under an even sky: looking up, and
+/// looking down from different heights.
 #[test]
 fn a_kilometre_of_ground_reflects_the_sky() {
     let half = 600.0;
@@ -289,8 +293,8 @@ fn a_kilometre_of_ground_reflects_the_sky() {
     }
 }
 
-/// Emitters near each other follow one another, wherever the world's origin is and the boxes are: a draw among many is good
-/// only if neighbours in the list are neighbours in the world.
+/// Emitters near each other follow one another, wherever the world's origin is and the boxes are: a
+/// draw among many is good only if neighbours in the list are neighbours in the world.
 #[test]
 fn emitters_follow_a_curve_on_all_sides_of_the_origin() {
     let places: Vec<Vec3> = scattered(128).into_iter().map(|(place, _)| place - ROOM).collect();
@@ -363,7 +367,7 @@ fn impossible_sizes_are_refused() {
     assert!(error.to_string().contains("a grid made by Grid::cascades"), "{error}");
 }
 
-/// Memory is known beforehand, and walls at round places stand in the middle of voxels.
+/// Memory is known beforehand, and walls at round coordinates are in the middle of voxels.
 #[test]
 fn boxes_are_stored_tightly_and_stand_well() {
     let options = CascadeOptions::default();
@@ -393,8 +397,8 @@ fn boxes_are_stored_tightly_and_stand_well() {
     }
 }
 
-/// Cascades that follow a camera without waiting arrive at what a new clipmap there has, keep the light of what stays, and
-/// show the same light on the way.
+/// Cascades that follow a camera without waiting arrive at what a new clipmap there has, keep the
+/// light of what stays, and show the same light on the way.
 #[test]
 fn moved_boxes_arrive_at_those_of_a_new_clipmap() {
     let (device, queue) = device();
@@ -443,8 +447,8 @@ fn moved_boxes_arrive_at_those_of_a_new_clipmap() {
     assert!(against(&on_arrival, &before).abs() < 0.01);
 }
 
-/// Where a box has moved by its whole edge, other voxels are stored in the places of the former ones. They take nothing of
-/// their light: a closed room without any stays dark.
+/// When a box has moved by its whole edge, other voxels are stored in the places of the former
+/// ones. They do not inherit their light: a closed room without any light stays dark.
 #[test]
 fn another_voxel_in_the_same_place_has_no_light_of_the_former_one() {
     let (device, _) = device();
@@ -461,7 +465,8 @@ fn another_voxel_in_the_same_place_has_no_light_of_the_former_one() {
     lit.follow(&geometry, center);
     assert!(lit.gather(&[(center, Vec3::Y)], 4)[0] > 1.0, "the bright room is dark");
     lit.follow(&geometry, center + apart);
-    // The rest leaks in from the bright room, which glows on outside of the box. With the former light it is 0.7.
+    // The rest leaks in from the bright room, which still glows outside of the box. With the former
+    // light it is 0.7.
     let left = lit.gather(&[(center + apart, Vec3::Y)], 4)[0];
     assert!(left < 0.005, "{left}");
 }

@@ -25,8 +25,8 @@ impl Walked {
         Self::over(grid, |cascades, cascade| Some(cascades.voxels_of(cascade)))
     }
 
-    /// What has entered the boxes since their positions in the grid `before`, and what is near
-    /// changed surfaces: `boxes` in the world, m.
+    /// The voxels that have entered the boxes since their positions in the grid `before`, and those
+    /// near changed surfaces: `boxes` in the world, m.
     pub(crate) fn changed(grid: &Grid, before: &Grid, boxes: &[[Vec3; 2]]) -> Self {
         Self::over(grid, |cascades, cascade| {
             let own = cascades.voxels_of(cascade);

@@ -37,7 +37,8 @@ fn cell_cone(cell: u32, cell_count: u32, jitter: vec2f) -> CellCone {
     return CellCone(direction, tan_half_angle);
 }
 
-// Columns: two tangents and the normal. Duff et al. 2017, "Building an orthonormal basis, revisited".
+// Columns: two tangents and the normal. Duff et al. 2017, "Building an orthonormal basis,
+// revisited".
 fn basis(normal: vec3f) -> mat3x3f {
     let side = select(-1.0, 1.0, normal.z >= 0.0);
     let a = -1.0 / (side + normal.z);

@@ -112,7 +112,8 @@ impl VolumeTwin {
         sum
     }
 
-    /// The lobes that the 2x2x2 cells of a look-up have, and the axes on which one of them is tilted.
+    /// The lobes that the 2x2x2 cells of a look-up have, and the axes on which one of them is
+    /// tilted.
     fn near(&self, position: Vec3, level: u32) -> ([bool; 6], [bool; 3]) {
         let cells = &self.levels[level as usize];
         let dimensions = cells.dimensions.as_ivec3();
@@ -126,7 +127,7 @@ impl VolumeTwin {
             let index = ((at.z * dimensions.y + at.y) * dimensions.x + at.x) as usize;
             for (lobe, present) in present.iter_mut().enumerate() {
                 *present |= cells.lobes[lobe][index][3] > 0.0;
-                // What survives rounding to 8 bits counts as tilted.
+                // A tilt counts if it survives rounding to 8 bits.
                 let tilt = Vec4::from_array(cells.tilts[lobe / 2][index]).abs().max_element();
                 tilted[lobe / 2] |= tilt > 0.5 / 127.0;
             }
@@ -139,9 +140,9 @@ impl VolumeTwin {
         self.near(position, level).0.iter().all(|is_present| !is_present)
     }
 
-    /// None where none of the 2x2x2 cells of a look-up has a lobe that may face against the direction: one whose
-    /// axis does, or a tilted one (or its opposite) where the direction leans more across the axis than along.
-    /// Else whether one of them is tilted.
+    /// `None` if none of the 2x2x2 cells of a look-up has a lobe that may face against the
+    /// direction: one whose axis does, or a tilted one (or its opposite) if the direction leans
+    /// more across the axis than along. Otherwise whether one of them is tilted.
     fn is_oblique(&self, position: Vec3, level: u32, direction: Vec3) -> Option<bool> {
         let (present, tilted) = self.near(position, level);
         let facing = (0..6).filter(|&lobe| {
@@ -338,7 +339,7 @@ fn rays_equal_their_twin() {
         faces: read(&device, &queue, &list.faces, count),
         radiance: read(&device, &queue, radiance, count),
     };
-    // Where a ray meets the border of what a face covers, rounding decides.
+    // Rounding decides where a ray meets the border of the part that a face covers.
     let (mut blocked, mut open, mut different) = (0, 0, 0);
     for (ray, traced) in cones.iter().zip(&traced) {
         let expected = twin.trace(ray);
@@ -398,7 +399,8 @@ fn assert_marches_like_its_twin(model: Arc<dyn ConeModel>, shown_share: ShownSha
     let (mut blocked, mut open, mut worst) = (0, 0, 0.0_f32);
     for (cone, traced) in cones.iter().zip(&traced) {
         let expected = twin.trace(cone, settings, shown_share);
-        // Worst on lavapipe: 1e-5. Other GPUs filter with weights of 8 bits, over up to 50 samples a cone.
+        // Worst on lavapipe: 1e-5. Other GPUs filter with weights of 8 bits, over up to 50 samples
+        // a cone.
         let error = (*traced - expected).abs().max_element();
         assert!(
             error < 0.01 * (1.0 + expected.max_element()),
@@ -430,8 +432,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     directions[id.x] = vec4f(basis(normal) * cone.direction, cone.tan_half_angle);
 }";
 
-/// Over the frames the directions have the cosine's density about the normal: the mean of the cosine is 2/3, of
-/// its square 1/2, and the mean direction is along the normal. The cells' solid angles add up to 2 pi.
+/// Over the frames the directions have the cosine's density about the normal: the mean of the
+/// cosine is 2/3, of its square 1/2, and the mean direction is along the normal. The cells' solid
+/// angles add up to 2 pi.
 #[test]
 fn cells_cover_the_hemisphere_by_cosine() {
     let (device, queue) = device();

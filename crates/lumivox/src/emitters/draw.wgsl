@@ -61,7 +61,7 @@ fn draw_emitter(place: vec3f, normal: vec3f, random: vec2f) -> Drawn {
     return drawn;
 }
 
-// The part of a unit vector perpendicular to another one, normalized.
+// The part of a unit vector perpendicular to another, normalized.
 fn away_from(vector: vec3f, base: vec3f) -> vec3f {
     let part = vector - dot(vector, base) * base;
     return part / max(length(part), 1e-12);

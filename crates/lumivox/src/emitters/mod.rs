@@ -20,7 +20,7 @@
 //! | --- | --- | --- |
 //! | `list.wgsl` | the emitters of a run of triangles | change of triangles |
 //! | `order.wgsl` | their order | change of triangles |
-//! | `tree.wgsl`, `cluster.wgsl` | the tree over them, and what a node may bring to a place | change of triangles |
+//! | `tree.wgsl`, `cluster.wgsl` | their tree, and a node's importance | change of triangles |
 //! | `draw.wgsl` | a point on an emitter | candidate |
 //! | `gather.wgsl` | the best of some points, and a ray to it | gather |
 

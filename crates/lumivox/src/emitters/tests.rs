@@ -67,8 +67,8 @@ impl Lab {
     }
 }
 
-/// Irradiance from a polygon of radiance 1 that is seen whole: Lambert 1760; corners in the order in which they go around
-/// counter-clockwise, seen from the point.
+/// Irradiance from a polygon of radiance 1 that is seen whole: Lambert 1760; corners in the order
+/// in which they go around counter-clockwise, seen from the point.
 fn polygon_irradiance(point: Vec3, normal: Vec3, corners: &[Vec3]) -> f32 {
     let sides = (0..corners.len()).map(|i| {
         let [a, b] =
@@ -104,8 +104,9 @@ fn errors(gathered: &[Vec3], expected: impl Fn(Vec3, Vec3) -> f32) -> [f32; 2] {
     [mean, errors.iter().fold(0.0, |largest, error| largest.max(error.abs()))]
 }
 
-/// However coarse the voxels, and however near the ceiling hangs behind the lamp, nothing of its light is lost: in the same
-/// voxel, in the next one, far away. Over 64 frames the points drawn leave errors of a few thousandths.
+/// However coarse the voxels, and however near the ceiling hangs behind the lamp, nothing of its
+/// light is lost: in the same voxel, in the next one, far away. Over 64 frames the points drawn
+/// leave errors of a few thousandths.
 #[test]
 fn a_lamp_below_a_ceiling_sends_out_all_its_light() {
     for resolution in [16, 64] {
@@ -174,7 +175,7 @@ fn plates_shade_lamps() {
     let points = [0.1, 0.25, 0.5, 0.8].map(|x| Vec3::new(x, 0.1, 0.5));
     let gathered = lab.gather(&points.map(|point| (point, Vec3::Y)), 256);
     let whole = points.map(|point| quad_irradiance(point, Vec3::Y, lamp(0.9)));
-    // Of the lamp, the point below the plate's edge sees the half beyond it.
+    // The point below the plate's edge sees the half of the lamp beyond it.
     let [corner, u, v] = lamp(0.9);
     let half = quad_irradiance(points[2], Vec3::Y, [corner + 0.5 * u, 0.5 * u, v]);
     assert!(gathered[0].y < 0.01 * whole[0], "{gathered:?}");
@@ -218,8 +219,9 @@ fn ten_thousand_emitters_add_up() {
     assert!((ratio - Vec3::ONE).abs().max_element() < 0.06, "{sum} of {expected}");
 }
 
-/// The noise of places a few centimetres from a ceiling of five thousand tiny lamps, in no order: whoever draws by power alone seldom
-/// finds the nearest ones, and has an error of 12 %; here it is 2.5 %.
+/// The noise at places a few centimetres from a ceiling of five thousand tiny lamps, in no order:
+/// a choice by power only would seldom find the nearest ones, and has an error of 12 %; here it is
+/// 2.5 %.
 #[test]
 fn the_nearest_of_many_lamps_are_found() {
     const SIZE: f32 = 0.002;
@@ -291,7 +293,7 @@ fn half_red(device: &Pipelines, queue: &wgpu::Queue) -> (Geometry, [Buffer; 3]) 
     (geometry, [positions, texcoords, indices])
 }
 
-/// Where a texture is bright, its surface shines, and nowhere else.
+/// A textured surface shines where its texture is bright, and nowhere else.
 #[test]
 fn textures_shine_where_they_are_bright() {
     let mut lab = Lab::empty(VolumeKind::Dense, 32);
@@ -349,8 +351,8 @@ fn walls_that_shine_light_each_other() {
     assert!(worst < 0.15, "worst {worst}");
 }
 
-/// Two runs have the same bits, with dense volumes and octrees, and so has a lamp that has moved to where it stands from
-/// elsewhere: but for the last ones in octrees, whose bricks are elsewhere then.
+/// Two runs have the same bits, with dense volumes and octrees. So has a lamp that has moved to its
+/// place from elsewhere, except for the last bits in octrees, whose bricks are elsewhere then.
 #[test]
 fn lamps_have_the_same_bits_wherever_they_come_from() {
     for volume in [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())] {

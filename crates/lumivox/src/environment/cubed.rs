@@ -15,7 +15,8 @@ use crate::gpu::{
 /// Maximum number of samples along an edge of a texel; finer cubes are undersampled.
 const MAX_SAMPLES: u32 = 16;
 
-/// An [`EnvironmentMap`] that is filled from cube textures on the GPU, while the caller records a frame.
+/// An [`EnvironmentMap`] that is filled from cube textures on the GPU, while the caller records a
+/// frame.
 ///
 /// Peaks are not cut out: a sun belongs in the lights, not in the cube.
 #[derive(Debug)]

@@ -46,8 +46,8 @@ fn cube_edge(size: vec2u) -> u32 {
     return (2u * size.x - 24u) / 9u;
 }
 
-// Where a direction meets the cube: the number of the face, and the position on it, 0 to 1 from its
-// left and top edge.
+// The point at which a direction meets the cube: the number of the face, and the position on it, 0
+// to 1 from its left and top edge.
 struct CubePlace {
     face: u32,
     place: vec2f,

@@ -120,7 +120,7 @@ fn large_panoramas_are_reduced_without_loss() {
     close(sum(&small), sum(&image), 1e-5, "light");
 }
 
-/// What is cut out and what stays add up, texel by texel and for surfaces that face both.
+/// The parts that are cut out and the rest add up, texel by texel and for surfaces that face both.
 #[test]
 fn a_sun_becomes_a_light_and_nothing_is_lost() {
     // From under a pole to a seam of the panorama.
@@ -146,12 +146,13 @@ fn a_sun_becomes_a_light_and_nothing_is_lost() {
             for normal in [to_sun, (to_sun + Vec3::new(0.2, -0.1, 0.3)).normalize()] {
                 let parts = irradiance(rest.panorama(), normal)
                     + peak.irradiance * peak.direction.dot(normal);
-                // Normals that do not face the light's own direction differ by the colours' centres.
+                // Normals that do not face the light's own direction differ by the colours'
+                // centres.
                 close(parts, irradiance(panorama, normal), 1e-4, "irradiance");
             }
             let facing = irradiance(rest.panorama(), peak.direction) + peak.irradiance;
             close(facing, irradiance(panorama, peak.direction), 1e-6, "irradiance");
-            // What stays is as dark as what is around.
+            // The rest is as dark as its surroundings.
             let most = rest.rgb.iter().flatten().fold(0.0_f32, |a, b| a.max(*b));
             assert!(most < 3.5, "{most}");
         }
@@ -182,7 +183,8 @@ fn what_is_no_compact_peak_stays() {
     assert_eq!(cut(&image(256, star)), 0, "a star");
 }
 
-/// What gives as much as a cone of the rest's radiance, pi / 12 of it, is cut out; what gives less stays.
+/// A peak with as much light as a cone of the rest's radiance, pi / 12 of it, is cut out; a weaker
+/// one stays.
 #[test]
 fn a_peak_is_held_against_the_rest_without_it() {
     let disc = |lux| image(256, with_disc(Vec3::new(0.4, 0.5, 0.6), 0.03, lux, |_| Vec3::ONE));
@@ -222,7 +224,7 @@ fn the_strongest_few_are_cut_out() {
     assert_eq!(chosen, [5, 4, 3, 2]);
 }
 
-/// The same panorama gives the same bits, and a turned one the same lights turned.
+/// Equal panoramas give the same bits, and a turned one the same lights turned.
 #[test]
 fn peaks_depend_on_nothing_else() {
     let scene = with_disc(Vec3::new(0.3, 0.4, -0.5), 0.05, 40.0, gradient);

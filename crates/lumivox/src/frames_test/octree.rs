@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// The voxels have room and the octree has none: it shows what it showed, whatever light comes, and makes up for all that it has
-/// missed.
+/// The buffers of the voxels are large enough and those of the octree are not: it shows what it
+/// showed, whatever light comes, and makes up for all that it has missed.
 #[test]
 fn an_octree_without_room_shows_what_it_showed() {
     let volume = VolumeKind::Octree(OctreeOptions::default());
@@ -38,7 +38,8 @@ fn an_octree_without_room_shows_what_it_showed() {
     stage.assert_fresh(&last, "in the end");
 }
 
-/// Moves for which there is room leave the same bits whether somebody waits for them or not, what cones see included.
+/// Moves that overflow nothing leave the same bits with and without waiting for them, including
+/// what cones see.
 #[test]
 fn an_octree_is_the_same_whether_somebody_waits_or_not() {
     let volume = VolumeKind::Octree(OctreeOptions::default());

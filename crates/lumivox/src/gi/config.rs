@@ -12,11 +12,11 @@ use crate::voxelize::Voxelization;
 /// Settings that a [`Gi`](super::Gi) is created with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GiConfig {
-    /// Where the voxels are.
+    /// The grid of the voxels.
     pub grid: Grid,
     /// Six lobes (the default) or one value a voxel.
     pub directionality: Directionality,
-    /// Where cells are stored.
+    /// How cells are stored.
     pub volume: VolumeKind,
     /// `true` to store the light of the faces also in cells and filter it into a pyramid, for views
     /// of them. Default: false. Octrees and [`Self::cones`], which march through cells, have cells
@@ -28,13 +28,14 @@ pub struct GiConfig {
     /// Maximum bytes of the cells; `None` (the default): as many as the device allows. While an
     /// octree grows, its old buffers exist in addition.
     pub memory_budget: Option<u64>,
-    /// How triangles become voxels; `None` (the default): every voxel that they touch, by the exact walk.
+    /// How triangles become voxels; `None` (the default): every voxel that they touch, by the exact
+    /// walk.
     pub voxelizer: Option<Arc<dyn Voxelization>>,
     /// How the light of lamps and suns gets into the voxels; `None` (the default): each face
     /// evaluates each light.
     pub injection: Option<Arc<dyn Injection>>,
-    /// Where cones start and point, and what their samples show; `None` (the default): physically
-    /// based cones.
+    /// The start and direction of cones, and what their samples show; `None` (the default):
+    /// physically based cones.
     pub cones: Option<Arc<dyn ConeModel>>,
     /// Reads the caller's G-buffer in its own format: a module that replaces
     /// `package::trace::gbuffer`, with its functions `load_surface`, `load_specular` and

@@ -53,7 +53,8 @@ impl Gi {
     /// let mut late = 0;
     /// for frame in 0..16 {
     ///     let height = 0.02 * frame as f32;
-    ///     geometry.batches[0].draws[0].world_from_local = Mat4::from_translation(height * Vec3::Y);
+    ///     geometry.batches[0].draws[0].world_from_local =
+    ///         Mat4::from_translation(height * Vec3::Y);
     ///     let mut encoder = device.create_command_encoder(&Default::default());
     ///     let mut recorder = Recorder::on(&device, &queue, &mut encoder);
     ///     let voxels = gi.voxelize_frame(&mut recorder, &geometry)?;
@@ -69,10 +70,9 @@ impl Gi {
     /// # }).unwrap();
     /// ```
     ///
-    /// # Errors
     /// [`GiError::Geometry`] if draws and buffers contradict each other, [`GiError::Limit`] if the
     /// needed buffers do not fit the device, [`GiError::Budget`] if an octree exceeds the memory
-    /// budget. What is shown stays as it was.
+    /// budget. The shown voxels then do not change.
     pub fn voxelize_frame(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -184,7 +184,8 @@ impl Gi {
     /// gi.voxelize(&geometry, Timing::Off).await?;
     /// let mut lights = gi.bind_lights(&[], Vec3::ONE, None);
     /// let settings = TraceSettings::default();
-    /// // The first frame lights a new floor as a whole. Then its sky turns brighter, and ten faces a frame find that out.
+    /// // The first frame lights a new floor as a whole. Then its sky turns brighter, and ten faces
+    /// // a frame find that out.
     /// let mut seen = Vec::new();
     /// for frame in 0..12 {
     ///     lights.update(&queue, &[], Vec3::splat(if frame == 0 { 1.0 } else { 2.0 }), None);

@@ -16,7 +16,7 @@ impl Gi {
     /// is in progress is finished before the next one starts.
     ///
     /// # Errors
-    /// The same as [`Grid::center_on`](crate::Grid::center_on).
+    /// As [`Grid::center_on`](crate::Grid::center_on).
     pub fn center_on(&mut self, place: glam::Vec3) -> Result<bool, GiError> {
         let mut grid = *self.scene.grid();
         grid.center_on(place)?;

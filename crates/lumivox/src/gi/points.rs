@@ -17,8 +17,9 @@ impl Gi {
     /// its number of bounces *n* the points get *n* bounces. The result of a point does not depend
     /// on the others.
     ///
-    /// Points may be on surfaces or in the air. Cones start [`crate::TraceSettings::normal_offset_voxels`] above them. The
-    /// future waits for the GPU, without blocking in browsers; [`Self::record_gather`] does not.
+    /// Points may be on surfaces or in the air. Cones start
+    /// [`crate::TraceSettings::normal_offset_voxels`] above them. The future waits for the GPU,
+    /// without blocking in browsers; [`Self::record_gather`] does not.
     ///
     /// ```
     /// # pollster::block_on(async {

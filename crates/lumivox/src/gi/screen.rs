@@ -171,7 +171,8 @@ impl Gi {
     ///     view.frame = frame;
     ///     gbuffer.set_camera(&queue, view);
     ///     let mut encoder = device.create_command_encoder(&Default::default());
-    ///     // The engine's G-buffer pass, then the cones, then its shading, which reads the targets.
+    ///     // The engine's G-buffer pass, then the cones, then its shading, which reads the
+    ///     // targets.
     ///     let mut recorder = Recorder::on(&device, &queue, &mut encoder);
     ///     gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
     ///     drop(recorder);

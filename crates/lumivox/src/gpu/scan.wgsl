@@ -1,7 +1,8 @@
 // Exclusive prefix sum (Blelloch 1990, "Prefix sums and their applications"), in place, in blocks.
 //
-// Each workgroup scans a block of SCAN_BLOCK elements and leaves the block's total in `totals`; the totals
-// are scanned in turn, and `add` adds each block's offset to its elements. Sums wrap modulo 2^32.
+// Each workgroup scans a block of SCAN_BLOCK elements and leaves the block's total in `totals`; the
+// totals are scanned in turn, and `add` adds each block's offset to its elements. Sums wrap modulo
+// 2^32.
 
 import package::constants::{SCAN_WORKGROUP_SIZE, SCAN_ITEMS};
 

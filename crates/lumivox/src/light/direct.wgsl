@@ -1,4 +1,5 @@
-// Direct light and emission into the voxels: the radiance that each face sends out before any bounce.
+// Direct light and emission into the voxels: the radiance that each face sends out before any
+// bounce.
 //
 // A face's radiance is the same in all directions: L = Le + sum over lights of irradiance times its
 // reflected share (reflected.wgsl) / pi.

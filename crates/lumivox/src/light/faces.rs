@@ -334,7 +334,7 @@ impl Faces {
         let faces = Self::bound(&device, kernels, settings, (list, moving), has_emission);
         let Some(earlier) = earlier else { return faces };
         let Some(old) = replaced else {
-            // The same list, reallocated.
+            // The list was only reallocated.
             for (from, to) in
                 [(&earlier.irradiance, &faces.irradiance), (&earlier.held, &faces.held)]
             {

@@ -42,16 +42,17 @@ impl PartialEq for dyn Injection {
     }
 }
 
-/// What an [`Injection`] can use to create its [`Injector`].
+/// Parts that an [`Injection`] can use to create its [`Injector`].
 #[derive(Clone, Copy, Debug)]
 pub struct InjectionParts<'a> {
     /// The device, with its pipelines.
     pub device: &'a Pipelines,
     /// All of Lumivox's modules, `package::volume` among them; add your own to a clone.
     pub shaders: &'a ShaderLibrary,
-    /// Where the voxels are.
+    /// The grid of the voxels.
     pub grid: &'a Grid,
-    /// The layout of bind group 0: the grid, the volume and the emitters ([`crate::Gi::globals_layout`]).
+    /// The layout of bind group 0: the grid, the volume and the emitters
+    /// ([`crate::Gi::globals_layout`]).
     pub globals: &'a wgpu::BindGroupLayout,
     /// The layout of bind group 2: lights and shadow maps ([`crate::Gi::lights_layout`]).
     pub lights: &'a wgpu::BindGroupLayout,
@@ -72,7 +73,7 @@ pub trait Injector: Any + Debug + wgpu::WasmNotSendSync {
     }
 }
 
-/// Where an [`Injector`] reads lights from and writes faces to.
+/// The lights that an [`Injector`] reads, and the faces that it writes.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceLight<'a> {
     /// Bind group 0: the grid and the volume, which already has this list's opacities if a light

@@ -114,7 +114,8 @@ pub struct ShadowLayer {
     /// `true` if the projection is a perspective one (point and spot lights), `false` if it is
     /// parallel.
     pub is_perspective: bool,
-    /// Edge of a texel: in metres per metre of distance for a perspective layer, in metres for a parallel one.
+    /// Edge of a texel: in metres per metre of distance for a perspective layer, in metres for a
+    /// parallel one.
     pub texel_size: f32,
     /// `true` if the next layer belongs to the same parallel light, lies within this one and has
     /// smaller texels (cascaded shadow maps: Engel 2006). The last such layer around a point is
@@ -122,7 +123,8 @@ pub struct ShadowLayer {
     pub has_finer: bool,
 }
 
-/// Depth maps of the lights: a `Depth32Float` array, all layers of one size, reversed z, cleared to 0.
+/// Depth maps of the lights: a `Depth32Float` array, all layers of one size, reversed z, cleared
+/// to 0.
 #[derive(Clone, Debug)]
 pub struct ShadowMaps {
     /// A `D2Array` view of the depth texture.

@@ -1,4 +1,5 @@
-// Lights and the environment: group 2 of every pass that evaluates direct light or looks at the sky.
+// Lights and the environment: group 2 of every pass that evaluates direct light or looks at the
+// sky.
 
 import package::constants::{LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_SPOT};
 
@@ -65,7 +66,8 @@ fn incident_light(light: Light, position_in_world: vec3f) -> Incident {
     let direction = to_light / distance_m;
     var irradiance = light.intensity / squared;
     if light.range_m > 0.0 {
-        // The window that glTF's KHR_lights_punctual recommends; Karis 2013, "Real shading in Unreal Engine 4".
+        // The window that glTF's KHR_lights_punctual recommends; Karis 2013, "Real shading in
+        // Unreal Engine 4".
         let ratio = distance_m / light.range_m;
         irradiance *= clamp(1.0 - ratio * ratio * ratio * ratio, 0.0, 1.0);
     }

@@ -1,4 +1,5 @@
-// Visibility from shadow maps: layers of one depth array, reversed z (1 near, 0 far), greater is nearer.
+// Visibility from shadow maps: layers of one depth array, reversed z (1 near, 0 far), greater is
+// nearer.
 //
 // A caller's own module (`GiConfig::shadow_maps`) replaces it as `package::light::shadow_map`, with
 // its own bindings from 8 on and the function shadow_map_visibility.
@@ -8,7 +9,8 @@ import package::light::lights::Light;
 
 struct ShadowLayer {
     clip_from_world: mat4x4f,
-    // Edge of a texel in the world: per metre of distance for a perspective layer, outright for a parallel one.
+    // Edge of a texel in the world: per metre of distance for a perspective layer, outright for a
+    // parallel one.
     texel_size: f32,
     is_perspective: u32,
     // Whether the next layer lies within this one and has smaller texels.
@@ -32,7 +34,8 @@ fn cube_face(direction: vec3f) -> u32 {
     return select(4u, 5u, direction.z < 0.0);
 }
 
-// The share of the light that reaches a surface point, 0 to 1, filtered over 2x2 bilinear comparisons.
+// The share of the light that reaches a surface point, 0 to 1, filtered over 2x2 bilinear
+// comparisons.
 fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) -> f32 {
     var layer_index = light.shadow_layer;
     if light.kind == LIGHT_POINT {
@@ -72,9 +75,10 @@ fn place_in_layer(
     position_in_world: vec3f,
     normal: vec3f,
 ) -> vec3f {
-    // Within the filter's reach of 2 texels a plane tilted against the light changes its depth by at most
-    // 2 texels times the tangent of the tilt; moving the receiver along its normal by 2 texels undoes that at
-    // any tilt, since the move's share towards the light is the cosine and its share across is the sine.
+    // Within the filter's reach of 2 texels a plane tilted against the light changes its depth by
+    // at most 2 texels times the tangent of the tilt; moving the receiver along its normal by 2
+    // texels undoes that at any tilt, since the move's share towards the light is the cosine and
+    // its share across is the sine.
     let receiver = position_in_world + normal * (2.0 * texel_m);
     let clip = clip_from_world * vec4f(receiver, 1.0);
     if clip.w <= 0.0 {

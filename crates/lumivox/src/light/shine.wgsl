@@ -45,7 +45,8 @@ fn main(
     }
 }
 
-// Faces that have never gathered and whose turn it is not: of voxels that dynamic surface touches, or of a new list.
+// Faces that have never gathered and whose turn it is not: of voxels that dynamic surface touches,
+// or of a new list.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn fresh(
     @builtin(global_invocation_id) invocation: vec3u,

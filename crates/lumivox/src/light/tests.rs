@@ -1,7 +1,7 @@
 //! Light in the voxels against closed forms, and its conservation.
 //!
-//! All numbers are face radiances of the voxel list, so these tests see injection, filter, cones and bounces
-//! at once, without a picture.
+//! All numbers are face radiances of the voxel list, so these tests see injection, filter, cones
+//! and bounces at once, without a picture.
 
 use std::f32::consts::PI;
 
@@ -81,7 +81,8 @@ fn candle(position: Vec3, shadow: Shadow) -> Light {
     Light { source, shadow }
 }
 
-/// In a closed box that emits e and reflects the share r everywhere, the radiance is e / (1 - r) everywhere.
+/// In a closed box that emits e and reflects the share r everywhere, the radiance is e / (1 - r)
+/// everywhere.
 #[test]
 fn furnace_converges_to_its_closed_form() {
     let bounds = (Vec3::ZERO, Vec3::ONE);
@@ -101,16 +102,16 @@ fn furnace_converges_to_its_closed_form() {
         increase = mean - last;
         last = mean;
     }
-    // A gather at 64 voxels misses 2 % (oblique walls are sampled unevenly, and near corners cones start inside
-    // the neighbour's voxels), which the bounces add up: e / (1 - 0.98 r) = 1.96.
+    // A gather at 64 voxels misses 2 % (oblique walls are sampled unevenly, and near corners cones
+    // start inside the neighbour's voxels), which the bounces add up: e / (1 - 0.98 r) = 1.96.
     let high = bench.light_with(&[], Vec3::ZERO, 10, Preset::High).mean(|_| true);
     println!("furnace: {last}, high {high}, of 2");
     assert!((1.94..2.02).contains(&last), "the furnace glows with {last}, not 2");
     assert!((1.94..2.02).contains(&high), "with the high preset it glows with {high}, not 2");
 }
 
-/// Walls oblique to the grid leak no more than walls along it: the same box, turned. A gather of e = 1 by
-/// surfaces that reflect one half adds one half.
+/// Walls oblique to the grid leak no more than walls along it: the same box, turned. A gather of
+/// e = 1 by surfaces that reflect one half adds one half.
 #[test]
 fn a_turned_furnace_keeps_its_light() {
     for angles in [[0.5, 0.35, 0.4], [0.17, 0.61, 0.09], [0.3, -0.58, 0.89]] {
@@ -144,8 +145,9 @@ fn no_face_sends_out_less_than_nothing() {
     assert!(black > 100, "only {black} faces are black");
 }
 
-/// E = L / 2 pi * sum of (a / sqrt(1 + a^2) * atan(b / sqrt(1 + a^2)) + ...) for each quarter of a rectangle
-/// above a point, parallel to it: Howell, "A catalog of radiation heat transfer configuration factors", B-4.
+/// E = L / 2 pi * sum of (a / sqrt(1 + a^2) * atan(b / sqrt(1 + a^2)) + ...) for each quarter of a
+/// rectangle above a point, parallel to it: Howell, "A catalog of radiation heat transfer
+/// configuration factors", B-4.
 fn rectangle_above(point: Vec3, corner: Vec3, size_x: f32, size_z: f32, radiance: f32) -> f32 {
     let height = corner.y - point.y;
     let quarter = |x: f32, z: f32| {
@@ -207,8 +209,9 @@ fn direct_light_follows_the_inverse_square() {
     }
 }
 
-/// Lamps end at their range, by a window of the fourth power, and spot lights fade between their two angles as the
-/// square: `KHR_lights_punctual`, sections "Range Property" and "Inner and Outer Cone Angles".
+/// Lamps end at their range, by a window of the fourth power, and spot lights fade between their
+/// two angles as the square: `KHR_lights_punctual`, sections "Range Property" and "Inner and Outer
+/// Cone Angles".
 #[test]
 fn ranges_and_cones_of_lamps_are_those_of_gltf() {
     let bounds = (Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9));
@@ -252,8 +255,8 @@ fn ranges_and_cones_of_lamps_are_those_of_gltf() {
     }
 }
 
-/// A plate between the light and the floor: dark below it, full light beside it, nothing from the plate's own
-/// surroundings.
+/// A plate between the light and the floor: dark below it, full light beside it, nothing from the
+/// plate's own surroundings.
 #[test]
 fn cone_shadow_falls_below_the_plate() {
     let plate = crate::SurfaceMaterial { double_sided: true, ..lambert(0.0, 0.0) };
@@ -291,8 +294,8 @@ fn environment_lights_what_is_open() {
     );
 }
 
-/// What lacquer mirrors goes out from its faces with what it scatters: of a sky its mean, of a lamp what it is at the
-/// lamp's angle.
+/// Light that lacquer mirrors leaves its faces with the light that it scatters: from a sky its
+/// mean, from a lamp the value at the lamp's angle.
 #[test]
 fn lacquer_sends_out_what_it_mirrors() {
     let gloss = Gloss { mean: 0.08, grazing: 0.6, kept_out: 0.04 };
@@ -334,8 +337,9 @@ fn closed_room(high: Vec3, wall: f32, resolution: u32, offset: Vec3) -> Lit {
     Bench::new((low, high), resolution, offset, scene).light(&[], Vec3::ONE, 2)
 }
 
-/// The walls inside a closed hall have less than 0.9 % of the light outside. They had 1.8 %, which is more than a window
-/// lets into a dark corner, while cones took for open what coarse steps and cells leave open.
+/// The walls inside a closed hall have less than 0.9 % of the light outside. They had 1.8 %, which
+/// is more than a window lets into a dark corner, while cones treated as open what coarse steps and
+/// cells leave open.
 #[test]
 fn no_sky_shines_into_a_closed_hall() {
     let high = Vec3::new(4.6, 3.3, 5.6);
@@ -352,8 +356,8 @@ fn no_sky_shines_into_a_closed_hall() {
     }
 }
 
-/// A closed room in walls of a quarter of a metre under a bright sky is dark, at its edges too, wherever its walls fall
-/// in the grid.
+/// A closed room in walls of a quarter of a metre under a bright sky is dark, at its edges too,
+/// wherever its walls fall in the grid.
 #[test]
 fn no_sky_shines_in_at_the_edges_of_a_room() {
     for step in 0..8 {
@@ -373,8 +377,8 @@ fn no_sky_shines_in_at_the_edges_of_a_room() {
     }
 }
 
-/// A black box with a white floor under a sky, closed by a cover; the mean radiance of the floor, lit by the sky
-/// and by a lamp outside whose shadow is a cone.
+/// A black box with a white floor under a sky, closed by a cover; the mean radiance of the floor,
+/// lit by the sky and by a lamp outside whose shadow is a cone.
 fn light_below(cover: Option<crate::SurfaceMaterial>, resolution: u32, offset: Vec3) -> [f32; 2] {
     let black = lambert(0.0, 0.0);
     let (x, y, z) = (Vec3::X, Vec3::Y * 0.6, Vec3::Z);
@@ -397,7 +401,8 @@ fn light_below(cover: Option<crate::SurfaceMaterial>, resolution: u32, offset: V
     [floor(&[], 1.0), floor(&[lamp], 0.0)]
 }
 
-/// What covers a share of a plane blocks that share of the light, for cones of any width and voxels of any size.
+/// A cover of a share of a plane blocks that share of the light, for cones of any width and voxels
+/// of any size.
 #[test]
 fn a_cover_lets_light_through_in_proportion() {
     let cover = |alpha: f32, transmission: f32, double_sided| crate::SurfaceMaterial {
@@ -426,15 +431,17 @@ fn a_cover_lets_light_through_in_proportion() {
                 "{resolution}: alpha {alpha}, transmission {transmission}: of the sky {sky:.4}, of \
                  the lamp {lamp:.4} are blocked, of {expected}"
             );
-            // Each ray passes or does not; of the lamp there is one for each of 1000 faces, with a deviation of 0.016.
+            // Each ray passes or does not; for the lamp there is one for each of 1000 faces, with a
+            // deviation of 0.016.
             assert!((sky - expected).abs() < 0.04, "of the sky's light {sky}, not {expected}");
             assert!((lamp - expected).abs() < 0.04, "of the lamp's light {lamp}, not {expected}");
         }
     }
 }
 
-/// Two rooms with a wall thinner than a voxel between them and no doorway: what arrives in the dark one is a
-/// leak. Leaks depend on where the wall falls in the coarser levels, so several grid offsets are tried.
+/// Two rooms with a wall thinner than a voxel between them and no doorway: what arrives in the dark
+/// one is a leak. Leaks depend on where the wall falls in the coarser levels, so several grid
+/// offsets are tried.
 #[test]
 fn a_thin_wall_keeps_the_dark_room_dark() {
     let wall = 0.005;
@@ -457,8 +464,8 @@ fn a_thin_wall_keeps_the_dark_room_dark() {
     assert!(worst < 0.015, "the dark room has {worst} of the lit one's light");
 }
 
-/// Walls of a sheet on a ground that goes on: the ground inside is not lit by the sky outside, whichever side of a voxel the
-/// walls are on.
+/// Walls made of sheets on a ground that continues outside: the ground inside is not lit by the sky
+/// outside, whichever side of a voxel the walls are on.
 #[test]
 fn a_house_on_the_ground_keeps_the_sky_out() {
     let bounds = (Vec3::new(-2.0, -0.1, -2.0), Vec3::new(2.0, 1.1, 2.0));

@@ -78,7 +78,7 @@ pub(super) struct Turns {
     shines: u64,
     is_disturbed: bool,
     rays: Rays,
-    /// The list has replaced another one, or is the first.
+    /// The list is the first, or has replaced an earlier one.
     is_list_new: bool,
     /// There are cascades.
     has_cascades: bool,

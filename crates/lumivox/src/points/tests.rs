@@ -54,17 +54,20 @@ fn scattered(count: u32) -> Vec<(Vec3, Vec3)> {
         .collect()
 }
 
-/// In a closed box that emits 1 and reflects a half everywhere, the radiance is 2, and the irradiance 2 pi, everywhere.
+/// In a closed box that emits 1 and reflects a half everywhere, the radiance is 2, and the
+/// irradiance 2 pi, everywhere.
 #[test]
 fn points_in_a_furnace_have_the_irradiance_of_its_closed_form() {
     let room = SceneBuilder::default().room(Vec3::ZERO, Vec3::ONE, &lambert(0.5, 1.0));
     let lab = Lab::new(room, 32, (&[], Vec3::ZERO), 10);
-    // Walls all around are drawn by eight points a frame, whose noise is 14 % at the worst point after 16 frames.
+    // Walls all around are drawn by eight points a frame, whose noise is 14 % at the worst point
+    // after 16 frames.
     let settings = GatherSettings { frames: 128, ..GatherSettings::default() };
     let gathered = lab.gather(&scattered(64), &settings);
     let mean = gathered.iter().map(|point| point.indirect.y).sum::<f32>() / 64.0;
     println!("furnace: {} of 2 pi", mean / PI);
-    // The bounces at 32 voxels miss up to 4 % (`light/tests.rs`), and gathers in the middle of the room nothing more.
+    // The bounces at 32 voxels miss up to 4 % (`light/tests.rs`), and gathers in the middle of the
+    // room nothing more.
     assert!((1.90..2.03).contains(&(mean / PI)), "{} pi, not 2 pi", mean / PI);
     for point in gathered {
         assert!((point.indirect.y / mean - 1.0).abs() < 0.1, "{point:?} beside a mean of {mean}");
@@ -73,7 +76,8 @@ fn points_in_a_furnace_have_the_irradiance_of_its_closed_form() {
     }
 }
 
-/// A lamp of 1 cd over a floor: cos / d^2 in the open, nothing below a plate; and only if it is asked for.
+/// A lamp of 1 cd over a floor: cos / d^2 in the open, nothing below a plate; and only if it is
+/// asked for.
 #[test]
 fn direct_light_at_points_follows_the_inverse_square() {
     let plate = SceneBuilder::default().quad(
@@ -103,7 +107,7 @@ fn direct_light_at_points_follows_the_inverse_square() {
     assert_eq!(lab.gather(&points, &without)[0].direct, Vec3::ZERO);
 }
 
-/// Half of the sky's light comes to a wall, and the open share tells it.
+/// A wall gets half of the sky's light, and its open share equals that.
 #[test]
 fn sky_lights_points_by_what_is_open() {
     let floor = SceneBuilder::default().quad(
@@ -125,7 +129,8 @@ fn sky_lights_points_by_what_is_open() {
     assert!((aside.openness - aside.indirect.y / PI).abs() < 0.02, "{aside:?}");
 }
 
-/// A few frames at a time give the mean that all at once give, and the order of points does not matter.
+/// A few frames at a time give the mean that all at once give, and the order of points does not
+/// matter.
 #[test]
 fn frames_add_up_whatever_the_order() {
     let room = SceneBuilder::default().room(Vec3::ZERO, Vec3::ONE, &lambert(0.5, 1.0));
@@ -146,7 +151,7 @@ fn frames_add_up_whatever_the_order() {
         lab.gi.record_gather(recorder, &uploaded, &lab.lights, &part).expect("valid settings");
     };
     let mut recorder = Recorder::new(&lab.device, &lab.queue);
-    // What is forgotten does not count.
+    // Frames before a restart do not count.
     record(&mut recorder);
     uploaded.restart(&mut recorder);
     (0..3).for_each(|_| record(&mut recorder));
@@ -157,7 +162,8 @@ fn frames_add_up_whatever_the_order() {
     assert!(in_parts == at_once);
 }
 
-/// Every frame that is asked for is gathered, however many there are, where a frame takes long: among many emitters.
+/// Every requested frame is gathered, however many there are, even if a frame takes long: among
+/// many emitters.
 #[test]
 fn no_frame_is_left_out() {
     let rooms = (0..8).fold(SceneBuilder::default(), |scene, index| {

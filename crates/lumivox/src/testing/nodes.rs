@@ -1,4 +1,5 @@
-//! The nodes of octrees: which there have to be, which there are, and scenes made to trip whoever builds them.
+//! The nodes of octrees: the expected ones, the existing ones, and scenes that are difficult for
+//! their builder.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,8 +13,8 @@ use super::{SceneBuilder, busy_room, lambert, morton_decode, read};
 /// The level and the coordinates of a node.
 pub(crate) type NodeAt = (u32, [u32; 3]);
 
-/// The nodes that the definition asks for (`tree.wgsl`): those with an occupied cell among their 27, and the way to
-/// them from the root.
+/// The nodes that the definition requires (`tree.wgsl`): those with an occupied cell among their
+/// 27, and the way to them from the root.
 pub(crate) fn expected_nodes(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -52,8 +53,9 @@ pub(crate) fn expected_nodes(
 /// The words of a node.
 pub(crate) const NODE_WORDS: u32 = 6;
 
-/// The places of all nodes, found by going down from the root, from the words of the octree, of which so many are the
-/// table's, and the sites; panics if a node is where it does not belong.
+/// The places of all nodes, found by descending from the root, from the words of the octree (the
+/// first `table_words` are the table's) and the sites. Panics if a node is where it does not
+/// belong.
 pub(crate) fn walk_nodes(
     (words, table_words): (&[u32], u32),
     sites: &[[u32; 2]],
@@ -84,7 +86,7 @@ pub(crate) fn walk_nodes(
     places
 }
 
-/// A grid that is no cube, and whose levels do not halve to powers of two.
+/// A grid that is not a cube, and whose levels do not halve to powers of two.
 pub(crate) fn odd_grid() -> Grid {
     Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), 48, Vec3::new(0.3, 0.6, 0.1)).expect("fits")
 }

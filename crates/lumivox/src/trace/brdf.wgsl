@@ -1,5 +1,6 @@
-// The microfacet BRDF: Trowbridge-Reitz (GGX) distribution, height-correlated Smith masking and shadowing,
-// Schlick's Fresnel term. alpha is the square of the perceptual roughness (Burley 2012, section 5.4).
+// The microfacet BRDF: Trowbridge-Reitz (GGX) distribution, height-correlated Smith masking and
+// shadowing, Schlick's Fresnel term. alpha is the square of the perceptual roughness (Burley 2012,
+// section 5.4).
 
 const PI: f32 = 3.14159265359;
 
@@ -56,8 +57,8 @@ fn mirrored_density(n_dot_v: f32, n_dot_h: f32, alpha: f32) -> f32 {
     return ggx_masking(n_dot_v, alpha) * ggx_distribution(n_dot_h, alpha) / (4.0 * n_dot_v);
 }
 
-// A half vector from the distribution of visible normals, in the frame whose z is the normal: Dupuy and
-// Benyoub 2023, "Sampling visible GGX normals with spherical caps", listing 3.
+// A half vector from the distribution of visible normals, in the frame whose z is the normal: Dupuy
+// and Benyoub 2023, "Sampling visible GGX normals with spherical caps", listing 3.
 fn sample_visible_normal(view: vec3f, alpha: f32, random: vec2f) -> vec3f {
     let stretched = normalize(vec3f(view.xy * alpha, view.z));
     let phi = 6.28318530718 * random.x;

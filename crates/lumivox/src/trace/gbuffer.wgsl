@@ -8,7 +8,8 @@ import package::trace::view::{camera_motion, position_from_depth, view};
 
 // Reversed z: 1 at the near plane, 0 at infinity and where there is no surface.
 @group(3) @binding(1) var gbuffer_depth: texture_depth_2d;
-// Octahedral unit vectors in [-1, 1]: shading normal in xy, geometric normal in zw; both face the camera.
+// Octahedral unit vectors in [-1, 1]: shading normal in xy, geometric normal in zw; both face the
+// camera.
 @group(3) @binding(2) var gbuffer_normals: texture_2d<f32>;
 // Diffuse albedo in rgb; in a 1 - the strength of a clear coat.
 @group(3) @binding(3) var gbuffer_diffuse: texture_2d<f32>;

@@ -1,4 +1,5 @@
-// A glossy cone from each pixel: reflected radiance in rgb, the pixel's samples (diffuse ones included) in a.
+// A glossy cone from each pixel: reflected radiance in rgb, the pixel's samples (diffuse ones
+// included) in a.
 //
 // Every frame draws one half vector from the distribution of visible normals and traces a cone
 // along the mirrored direction. The cone's solid angle is share / pdf, a share of what the draw

@@ -356,7 +356,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     motion[id.y * view.size.x + id.x] = load_motion(id.xy, load_surface(id.xy).position_in_world);
 }";
 
-/// What `load_motion` gives for each pixel, row by row.
+/// The result of `load_motion` for each pixel, row by row.
 fn motion_of(room: &Room, gbuffer: &GBuffer) -> Vec<Vec2> {
     let Room { device, queue, gi, .. } = room;
     let mut shaders = gi.shaders().clone();
@@ -374,7 +374,8 @@ fn motion_of(room: &Room, gbuffer: &GBuffer) -> Vec<Vec2> {
     read(device, queue, &output, pixels as usize)
 }
 
-/// By the camera alone, against where the frame before shows what a pixel shows; then by a texture.
+/// Motion by only the camera, against the place of the pixel's surface in the previous frame; then
+/// motion by a texture.
 #[test]
 fn motion_is_where_the_surface_is_minus_where_it_was() {
     let room = Room::new();
@@ -402,7 +403,7 @@ fn motion_is_where_the_surface_is_minus_where_it_was() {
         }
     }
 
-    // A camera that stood still gives none.
+    // A camera that did not move gives no motion.
     with_previous.previous_clip_from_world = view.clip_from_world;
     gbuffer.set_camera(&room.queue, with_previous);
     let still = motion_of(&room, &gbuffer);
@@ -422,7 +423,7 @@ fn motion_is_where_the_surface_is_minus_where_it_was() {
     let motion_at = |i: u32| i as f32 / SIZE.element_product() as f32;
     let mut content: Vec<[f32; 2]> =
         (0..SIZE.element_product()).map(|i| [motion_at(i), -motion_at(i)]).collect();
-    // One that stands still in the world, as the camera does.
+    // One that is static in the world: it moves as the camera does.
     content[7] = [AS_THE_CAMERA, 0.0];
     let layout = wgpu::TexelCopyBufferLayout {
         offset: 0,

@@ -44,8 +44,8 @@ fn ray_direction(pixel: vec2u) -> vec3f {
     return normalize(far.xyz - far.w * view.position_in_world);
 }
 
-// How far the camera alone has moved a static point in the picture since the previous frame: as a
-// share of the picture, x to the right, y down.
+// The motion of a static point in the picture since the previous frame, caused only by the camera:
+// as a share of the picture, x to the right, y down.
 fn camera_motion(pixel: vec2u, position_in_world: vec3f) -> vec2f {
     let clip = view.previous_clip_from_world * vec4f(position_in_world, 1.0);
     let ndc = clip.xy / clip.w;

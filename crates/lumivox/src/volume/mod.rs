@@ -42,8 +42,7 @@ pub enum VolumeKind {
     /// 3D textures over the whole grid: the fastest look-ups; memory grows with the third power of
     /// the resolution.
     Dense,
-    /// The same textures for the boxes of a clipmap around the camera; only for a
-    /// [`Grid::cascades`].
+    /// 3D textures for the boxes of a clipmap around the camera; only for a [`Grid::cascades`].
     Cascades,
     /// A sparse octree with bricks: memory grows with the surface.
     Octree(OctreeOptions),

@@ -37,7 +37,8 @@ fn unpack_offset(packed: u32) -> f32 {
     return (f32(packed & 0xfffffu) / OFFSET_STEPS * 2.0 - 1.0) * MOST_OFFSET;
 }
 
-// Octahedral (Cigolle et al. 2014, "A survey of efficient representations for independent unit vectors").
+// Octahedral (Cigolle et al. 2014, "A survey of efficient representations for independent unit
+// vectors").
 fn pack_normal(normal: vec3f) -> u32 {
     let size = abs(normal.x) + abs(normal.y) + abs(normal.z);
     let flat = normal.xy / size;

@@ -89,7 +89,7 @@ pub(super) struct GroupDispatch {
 }
 
 impl GroupDispatch {
-    /// What its kernel has to sample.
+    /// The detail that its kernel samples.
     pub fn detail(&self) -> Detail {
         self.group.detail
     }

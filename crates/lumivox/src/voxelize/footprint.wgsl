@@ -75,7 +75,8 @@ fn footprint_in(triangle: Triangle, cascade: u32) -> Footprint {
     result.is_degenerate = !(is_finite(triangle.a) && is_finite(triangle.b) && is_finite(triangle.c)
         && is_finite(cross) && abs(result.normal.z) > SMALLEST_CROSS);
 
-    // Voxels are closed boxes here: what touches a boundary belongs to the voxels on both sides of it.
+    // Voxels are closed boxes here: what touches a boundary belongs to the voxels on both sides of
+    // it.
     let low = min(triangle.a, min(triangle.b, triangle.c));
     let high = max(triangle.a, max(triangle.b, triangle.c));
     let lowest = vec3f(walked_low(cascade));

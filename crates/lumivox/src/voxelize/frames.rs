@@ -239,7 +239,7 @@ impl Voxelizer {
         Ok(Some(Fixed { key, share: Some(share), faces, counts }))
     }
 
-    /// Replaces the static surface by another one, or by none, with a new list.
+    /// Replaces the static surface and the list; `None` removes the static surface.
     fn replace(
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,

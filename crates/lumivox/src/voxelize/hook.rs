@@ -38,7 +38,7 @@ impl PartialEq for dyn Voxelization {
     }
 }
 
-/// What a [`Voxelization`] can use to create its [`Walker`].
+/// Parts that a [`Voxelization`] can use to create its [`Walker`].
 #[derive(Clone, Copy, Debug)]
 pub struct VoxelizationShares<'a> {
     /// The device, with its pipelines.
@@ -75,11 +75,11 @@ pub enum WalkStep {
     Accumulate,
 }
 
-/// What has to be sampled for a run of triangles: `UNIFORM`, `VARIED` and `PIERCED` of
+/// The detail to sample for a run of triangles: `UNIFORM`, `VARIED` and `PIERCED` of
 /// `package::voxelize::surface`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Detail {
-    /// The same appearance everywhere.
+    /// Constant appearance.
     Uniform,
     /// Textures or colours.
     Varied,
@@ -97,7 +97,7 @@ pub trait Walker: Debug + wgpu::WasmNotSendSync {
 /// All triangles, for one step.
 #[derive(Clone, Copy, Debug)]
 pub struct Walk<'a> {
-    /// Where the voxels are.
+    /// The grid of the voxels.
     pub grid: &'a Grid,
     /// The pass's name in timings.
     pub label: &'static str,
@@ -109,7 +109,7 @@ pub struct Walk<'a> {
 /// Triangles that are walked together, since they share textures.
 #[derive(Clone, Debug)]
 pub struct WalkRun<'a> {
-    /// What has to be sampled.
+    /// The detail to sample.
     pub detail: Detail,
     /// Their range in the numbering of their batch.
     pub triangles: Range<u32>,

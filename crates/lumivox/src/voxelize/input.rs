@@ -73,7 +73,7 @@ pub(crate) const OPEN_BEHIND: u32 = 64;
 pub(crate) struct DrawGroup {
     /// The material of one of its draws, for the textures.
     pub material: u32,
-    /// What has to be sampled.
+    /// The detail to sample.
     pub detail: Detail,
     /// Its triangles, in the batch's numbering.
     pub triangles: std::ops::Range<u32>,
@@ -120,7 +120,7 @@ impl<'a> ShareInput<'a> {
     /// The share of all emissive draws, static or dynamic.
     ///
     /// # Errors
-    /// The same as [`Self::new`].
+    /// As [`Self::new`].
     pub(crate) fn of_emitters(
         geometry: &'a Geometry,
         grid: &Grid,
@@ -296,7 +296,7 @@ fn color_flags(batch: &GeometryBatch) -> u32 {
         }
 }
 
-/// What has to be sampled for a material on a batch's vertices.
+/// The detail to sample for a material on a batch's vertices.
 fn detail(material: &SurfaceMaterial, batch: &GeometryBatch) -> Detail {
     let varies = material.reflectance_texture.is_some() || has_colors(batch);
     let has_holes = material.alpha_is_coverage && (varies || material.reflectance.w < 1.0);

@@ -22,6 +22,6 @@ fn structs_lie_in_memory_alike() {
     check_struct::<UnitedVoxel>(library, "voxelize::unite", "UnitedVoxel");
     check_struct::<Room>(library, "voxelize::verdict", "Room");
     check_struct::<Verdict>(library, "voxelize::verdict", "Verdict");
-    // The sums of a face stand where the face's means will be.
+    // The sums of a face are stored in the place of the face's means.
     check_struct::<FaceRecord>(library, "voxelize::face_sums", "FaceSlot");
 }

@@ -1,5 +1,5 @@
-// The exact overlap of a triangle and a voxel, by separating axes (Schwarz and Seidel 2010, "Fast parallel
-// surface and solid voxelization on GPUs", section 3.1).
+// The exact overlap of a triangle and a voxel, by separating axes (Schwarz and Seidel 2010, "Fast
+// parallel surface and solid voxelization on GPUs", section 3.1).
 //
 // The axes are the box's (the footprint's rectangle and the range of depth), the triangle's normal
 // (the range of the plane's depth over the column), and the nine products of their edges: three

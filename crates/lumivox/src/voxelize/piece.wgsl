@@ -1,4 +1,5 @@
-// The piece of a triangle inside a voxel: its area and its centroid, without building the clipped polygon.
+// The piece of a triangle inside a voxel: its area and its centroid, without building the clipped
+// polygon.
 //
 // Seen along the dominant axis w, the piece is the triangle's projection, cut to the voxel's square
 // and to the slab between the voxel's lower and upper depth. Green's theorem turns area and first
@@ -94,7 +95,7 @@ fn piece_in_voxel(walk: ptr<function, Walk>) -> Piece {
         + integrals(bc.start, bc.end, low.xy, high.xy)
         + integrals(ca.start, ca.end, low.xy, high.xy);
 
-    // Where the boundary leaves through an end of the slab, and where it comes back.
+    // The lines that close the boundary where it leaves through an end of the slab and comes back.
     let below = vec3<bool>(a.z < low.z, b.z < low.z, c.z < low.z);
     let next_below = below.yzx;
     if any(below) {

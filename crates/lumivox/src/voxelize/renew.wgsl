@@ -1,4 +1,4 @@
-// A list replaces another one: marks all cells of the old and the new list as changed.
+// A new list replaces the old one: marks all cells of both lists as changed.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -14,7 +14,7 @@ import package::voxelize::walk::Walk;
 @group(3) @binding(6) var transmission_sampler: sampler;
 
 struct Surface {
-    // Of the covered part.
+    // Reflectance of the covered part.
     reflectance: vec3f,
     // The covered share, which blocks light.
     coverage: f32,
@@ -42,8 +42,8 @@ struct SurfaceMap {
     color_along_ac: vec4f,
 }
 
-// What a kernel samples: constants, since a software GPU samples even in branches that are not
-// taken.
+// The detail that a kernel samples: constants, since a software GPU samples even in branches that
+// are not taken.
 //
 // UNIFORM: the same appearance everywhere, and no holes. VARIED: textures or colours. PIERCED:
 // textures, colours, and light that passes through.
@@ -107,7 +107,8 @@ fn sample_at(image: texture_2d<f32>, image_sampler: sampler, map: TexcoordMap, a
     return textureSampleLevel(image, image_sampler, texcoord, mip);
 }
 
-// The surface at a point of the triangle, in the walk's coordinates. `detail` is UNIFORM, VARIED or PIERCED.
+// The surface at a point of the triangle, in the walk's coordinates. `detail` is UNIFORM, VARIED or
+// PIERCED.
 fn surface_at(walk: ptr<function, Walk>, map: SurfaceMap, point: vec3f, detail: u32) -> Surface {
     // Barycentric coordinates, seen along the dominant axis.
     let p = point.xy - (*walk).a.xy;
@@ -118,7 +119,7 @@ fn surface_at(walk: ptr<function, Walk>, map: SurfaceMap, point: vec3f, detail: 
     return surface_of((*walk).draw, map, vec2f(of_b, of_c), detail);
 }
 
-// The same at barycentric coordinates: the weights of b and c.
+// The surface at barycentric coordinates: the weights of b and c.
 fn surface_of(draw: u32, map: SurfaceMap, at: vec2f, detail: u32) -> Surface {
     var reflectance = draws[draw].reflectance;
     var emission = draws[draw].emission;
@@ -131,7 +132,7 @@ fn surface_of(draw: u32, map: SurfaceMap, at: vec2f, detail: u32) -> Surface {
     }
     reflectance = clamp(reflectance, vec4f(0.0), vec4f(1.0));
     if detail == PIERCED {
-        // Of the light that enters, the share t passes through, coloured by the reflectance r; the
+        // The share t of the light that enters passes through, coloured by the reflectance r; the
         // rest is reflected. Voxels block all colours alike, so the luminance Y passes through, and
         // the remaining, blocking part reflects r (1 - t) / (1 - t Y): no more than arrives.
         let share = draws[draw].transmission

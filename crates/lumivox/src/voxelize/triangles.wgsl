@@ -31,8 +31,8 @@ struct Draw {
     // index.
     first_index: u32,
     base_vertex: u32,
-    // Bits named in package::constants: DOUBLE_SIDED, OPEN_BEHIND, ALPHA_IS_COVERAGE, HAS_COLORS, HAS_FLOAT_COLORS,
-    // HAS_BYTE_COLORS, HAS_SHORT_INDICES.
+    // Bits named in package::constants: DOUBLE_SIDED, OPEN_BEHIND, ALPHA_IS_COVERAGE, HAS_COLORS,
+    // HAS_FLOAT_COLORS, HAS_BYTE_COLORS, HAS_SHORT_INDICES.
     flags: u32,
     transmission: f32,
     reflectance_place: TexturePlace,

@@ -132,7 +132,7 @@ struct Taking {
     inner: BoundInner,
 }
 
-/// What lighting needs to move light to a list that is about to be committed.
+/// The data that lighting needs to move light to a list that is about to be committed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moving<'a> {
     /// [`Verdict`].
@@ -392,7 +392,7 @@ impl Union {
         kernels.compare.run_linear(recorder, &[globals, &taking.compare], count);
     }
 
-    /// What lighting needs before the list is committed.
+    /// The data that lighting needs before the list is committed.
     pub fn moving(&self) -> Option<Moving<'_>> {
         let (united, taking) = self.united.as_ref().zip(self.taking.as_ref())?;
         Some(Moving {

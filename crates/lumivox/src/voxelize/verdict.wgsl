@@ -38,7 +38,7 @@ struct Verdict {
 
 @group(1) @binding(0) var<uniform> room: Room;
 @group(1) @binding(1) var<storage, read> list_ranks: array<u32>;
-// Of the dynamic share; the last one is the number of its voxels.
+// Ranks of the dynamic share; the last one is the number of its voxels.
 @group(1) @binding(2) var<storage, read> moving_ranks: array<u32>;
 @group(1) @binding(3) var<storage, read> own_faces: array<u32>;
 @group(1) @binding(4) var<storage, read> united_faces: array<u32>;

@@ -14,8 +14,8 @@ import package::voxelize::footprint::{
 import package::voxelize::items::{Item, run};
 import package::voxelize::triangles::{Triangle, draws, load_triangle};
 
-// A sum of three products of numbers up to m, each off by its own rounding (2^-24) and by that of its factors,
-// is off by less than 8 * 2^-24 m.
+// A sum of three products of numbers up to m, each off by its own rounding (2^-24) and by that of
+// its factors, is off by less than 8 * 2^-24 m.
 const ROUNDING = 1.0 / 2097152.0;
 
 // Farther than any voxel, but `f32` still represents every integer up to it.

@@ -43,14 +43,14 @@ pub(crate) struct Cells {
     group: BindGroup,
 }
 
-/// What [`ListBuilder::fill_nodes`] binds.
+/// Bindings of [`ListBuilder::fill_nodes`].
 #[derive(Debug)]
 pub(crate) struct BoundNodes {
     words: u64,
     group: BindGroup,
 }
 
-/// What [`ListBuilder::inner_lobes`] binds.
+/// Bindings of [`ListBuilder::inner_lobes`].
 #[derive(Debug)]
 pub(crate) struct BoundInner {
     /// One for each level except the finest.
@@ -165,7 +165,7 @@ impl ListBuilder {
         self.cells.run_linear(recorder, &[globals, &cells.group], cells.words);
     }
 
-    /// What [`Self::fill_nodes`] binds.
+    /// Creates the bindings of [`Self::fill_nodes`].
     pub fn bind_nodes(
         &self,
         device: &wgpu::Device,
@@ -180,7 +180,7 @@ impl ListBuilder {
         self.list.run_linear(recorder, &[globals, &bound.group], bound.words);
     }
 
-    /// What [`Self::inner_lobes`] binds.
+    /// Creates the bindings of [`Self::inner_lobes`].
     pub fn bind_inner(&self, device: &wgpu::Device, grid: &Grid, list: &VoxelList) -> BoundInner {
         let group = |level| {
             BindGroupBuilder::new(&self.inner_layout)

@@ -1,4 +1,5 @@
-// What a face covers of its voxel, seen along its lobe's axis (computed in voxelize/cover.wgsl).
+// The part of its voxel that a face covers, seen along its lobe's axis (computed in
+// voxelize/cover.wgsl).
 
 // A surface is hit up to this far beyond its voxel, in voxels, so that rounding leaves no gap
 // between neighbours.

@@ -116,7 +116,7 @@ pub struct FaceRecord {
 /// [`crate::Gi::voxelize_frame`].
 #[derive(Debug)]
 pub struct VoxelList {
-    /// Where each level's nodes start in `nodes`, and the total at the end.
+    /// The start of each level's nodes in `nodes`, and the total at the end.
     pub level_starts: Vec<u32>,
     /// The number of faces.
     pub face_count: u32,

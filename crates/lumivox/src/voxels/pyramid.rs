@@ -29,7 +29,7 @@ pub(crate) fn level_first_word(grid: &Grid, level: u32) -> u64 {
     (0..level).map(|finer| level_words(grid, finer)).sum()
 }
 
-/// Where a level's bits are in their buffer.
+/// The place of a level's bits in their buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BitLevel {
     pub first_word: u32,

@@ -1,4 +1,4 @@
-//! A device that is lost in the middle of a frame: nothing panics, and a new device goes on.
+//! A device that is lost in the middle of a frame: nothing panics, and a new device works.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use lumivox::{Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, SurfaceMaterial
 use lumivox::{OctreeOptions, VolumeKind};
 use wgpu::util::{BufferInitDescriptor, DeviceExt as _};
 
-/// A floor that stands still, and one that moves.
+/// A static floor, and one that moves.
 fn geometry(device: &wgpu::Device) -> Geometry {
     let corners = [[0.0_f32, 0.1, 0.0], [0.0, 0.1, 1.0], [1.0, 0.1, 1.0], [1.0, 0.1, 0.0]];
     let buffer = |contents: &[u8]| {
@@ -53,12 +53,12 @@ fn a_device_may_be_lost_in_the_middle_of_a_frame() {
                 lit.expect("valid settings");
             }
         }
-        // What is made on a lost device goes to the engine's handler of errors.
+        // Errors of resources created on a lost device go to the engine's handler of errors.
         device.on_uncaptured_error(Arc::new(|_| {}));
         let waited = pollster::block_on(gi.voxelize(&geometry, Timing::Off));
         assert!(waited.is_err(), "who waits is told");
 
-        // The scene goes on with a new device.
+        // The scene continues with a new device.
         let (device, queue) = pollster::block_on(open_device()).expect("another device");
         let mut gi = Gi::new(&device, &queue, config).expect("a volume");
         let geometry = self::geometry(&device);

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use lumivox_scene::{self as lumivox, LightKind, Scene, Shading};
 
-/// What was spawned.
+/// The spawned entities.
 pub struct Spawned {
     /// An entity for each instance, in the scene's order.
     pub instances: Vec<Entity>,

@@ -302,7 +302,7 @@ fn cameras_come_resize_and_go() {
     let _alone = alone();
     let mut stage = Stage::cornell();
     let whole = stage.settled();
-    // The same view at the right of a wider picture.
+    // A second camera with this view, at the right of a wider picture.
     let (image, target) = headless::target(&mut stage.app, UVec2::new(112, 36));
     let world = stage.app.world_mut();
     let camera = world.entity(stage.camera);

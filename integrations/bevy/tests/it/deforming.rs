@@ -12,7 +12,7 @@ use bevy::prelude::*;
 use crate::common::headless::Shot;
 use crate::stage::{Stage, alone, difference};
 
-/// Where the screen is at rest, and how far it is moved.
+/// The screen's position at rest, and the displacement of its moves.
 const REST: Vec3 = Vec3::new(-0.5, 0.7, 0.2);
 const MOVE: Vec3 = Vec3::new(0.9, 0.1, 0.0);
 

@@ -16,7 +16,7 @@ fn looks_right(name: &str) {
     looks_right_on(None, name, FRAMES);
 }
 
-/// The same on the Vulkan driver of a manifest.
+/// `looks_right` on the Vulkan driver of a manifest.
 #[track_caller]
 fn looks_right_on(driver: Option<&str>, name: &str, frames: u32) {
     let _alone = alone();

@@ -45,7 +45,7 @@ fn through_bevy(mut stage: Stage, name: &str) -> LinearPicture {
     difference_of(&lit, &direct, exposure)
 }
 
-/// What `lit` adds to `direct`, cd/m².
+/// The light that `lit` adds to `direct`, cd/m².
 pub fn difference_of(
     lit: &headless::Shot,
     direct: &headless::Shot,

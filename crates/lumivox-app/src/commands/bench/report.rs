@@ -1,4 +1,4 @@
-//! The report: its figures, as they are stored.
+//! The report's figures in their stored layout.
 
 use serde::{Deserialize, Serialize};
 

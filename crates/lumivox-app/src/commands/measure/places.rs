@@ -131,7 +131,7 @@ impl Places {
         if self.is_luminance() {
             return Vec::new();
         }
-        // Of the finer maps, only those around cascades light sensors.
+        // Finer maps light sensors only if they surround cascades.
         let squares = if maps.reach_m.is_some() { maps.squares } else { 0 };
         let maps = ShadowMapFineness { squares, ..maps };
         let (bounds, middle) = (scene.bounds(), middle(&self.at));

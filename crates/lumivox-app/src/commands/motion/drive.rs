@@ -87,7 +87,7 @@ impl Drive {
         &self.start
     }
 
-    /// The scene as it is now, and its camera.
+    /// The current scene and its camera.
     pub fn now(&self) -> (&Scene, &Camera) {
         (self.explorer.scene().unwrap_or(&self.start.scene), self.explorer.camera())
     }

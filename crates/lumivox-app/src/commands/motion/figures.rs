@@ -132,7 +132,7 @@ pub fn flicker_on_screen(
 pub struct DisplayError {
     /// The root mean square over pixels and channels, the truth's noise taken out.
     pub rmse: f64,
-    /// The same with that noise.
+    /// `rmse` with the truth's noise left in.
     pub rmse_with_noise: f64,
     /// Our mean minus the truth's, in percent of the truth's; 0 if that is black.
     pub bias_percent: f64,
@@ -323,7 +323,7 @@ mod tests {
         let flicker = flicker([&still, &still], known, false).unwrap();
         let expected = (2.0 / std::f64::consts::PI).sqrt() * f64::from(deviation) * 2_f64.sqrt();
         assert!((flicker.noise - expected).abs() < 1e-3 * expected, "{flicker:?}");
-        // What is left is the error of the noise's estimate.
+        // The rest is the error of the estimated noise.
         assert!(flicker.value < 0.2 * flicker.noise, "{flicker:?}");
         assert!((flicker.with_noise / flicker.noise - 1.0).abs() < 0.02, "{flicker:?}");
         let on_screen = flicker_on_screen([&still, &still], known, false, -2.0);

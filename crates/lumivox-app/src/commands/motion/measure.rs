@@ -38,7 +38,7 @@ const DARKEST_SHARE: f64 = 0.01;
 /// The largest picture for which the truth is traced at every step, px.
 pub const SMALL_PIXELS: u32 = 128 * 72;
 
-/// What is measured.
+/// A sequence to measure, with its scene and settings.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
     pub gpu: &'a Gpu,
@@ -58,7 +58,7 @@ pub struct Task<'a> {
 #[derive(Debug)]
 pub struct Measured {
     pub report: SequenceReport,
-    /// What was shown at each step.
+    /// The pictures shown at each step.
     pub shown: Vec<Shown>,
     /// The truth at the steps that have one.
     pub truths: Vec<Option<Rc<Truth>>>,

@@ -1,4 +1,5 @@
-//! What the camera sees at one step, and which of it was hidden or off screen the step before.
+//! The surfaces that the camera sees at one step, and which of them were hidden or off screen one
+//! step before.
 
 use glam::{UVec2, Vec2, Vec3};
 use lumivox_scene::{Camera, Pick, Picker, Scene};

@@ -25,7 +25,7 @@ pub enum Home {
     Figure,
 }
 
-/// What happens in a phase.
+/// Whether anything moves in a phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Something moves in every step; the last step shows the end of the motion.

@@ -68,7 +68,7 @@ const BEND_M: f32 = 0.06;
 /// Makes the scene.
 ///
 /// # Errors
-/// Those of the loader; none is expected.
+/// The loader's errors; none is expected.
 pub fn scene() -> Result<Scene, SceneError> {
     let mut gltf = Gltf::default();
     let document = gltf.document();

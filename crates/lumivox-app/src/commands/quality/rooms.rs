@@ -92,7 +92,8 @@ impl Rooms {
              plain --resolutions {coarse},{fine}` measures the same rooms again, with `--kinds all` the others, and \
              with `--keep FOLDER` it writes them as files. Preset `balanced`, {frames} frames; the truth has {SAMPLES} \
              samples at a sensor. \
-             *Error* is how far the mean of a lit room's sensors is off, in per cent; *picture* is the irradiance of \
+             *Error* is how far the mean of a lit room's sensors is off, in per cent; *truth's noise* is the standard error \
+             of that truth, below which no error can be seen; *picture* is the irradiance of \
              all bounces in {width} x {height} pixels from within the room, its median bias and its RMSE; *leak* is \
              what the brightest sensor reads in rooms whose truth is below a thousandth of the illuminance outside, in \
              per cent of that. Signs are left out.\n\n{}",

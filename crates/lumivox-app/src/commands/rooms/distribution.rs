@@ -33,18 +33,20 @@ pub fn at<'a>(
 /// The head of a table of [`row`]s; `of` names the first column.
 pub fn heading(of: &str) -> String {
     format!(
-        "| {of} | rooms | error: median | 90 % | worst | picture: bias | RMSE | 90 % | dark rooms | leak: median | worst |\n\
-         | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n"
+        "| {of} | rooms | error: median | 90 % | worst | truth's noise: median | 90 % | picture: bias | RMSE | 90 % \
+         | dark rooms | leak: median | worst |\n\
+         | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n"
     )
 }
 
-/// The row of some rooms: errors of lit rooms, the median bias and RMSE of pictures, leaks of dark
-/// ones.
+/// The row of some rooms: errors of lit rooms and the standard error of their truth, the median
+/// bias and RMSE of pictures, leaks of dark ones.
 pub fn row(name: &str, rooms: &[&RoomFigures]) -> String {
     let values = |of: fn(&RoomFigures) -> Option<f64>| -> Vec<f64> {
         rooms.iter().filter_map(|room| of(room)).collect()
     };
     let errors = values(|room| room.error_percent);
+    let noises = values(|room| room.noise_percent);
     let biases = values(|room| room.bias_percent);
     let rmses = values(|room| room.rmse_percent);
     let leaks = values(|room| room.leak_percent);
@@ -56,6 +58,8 @@ pub fn row(name: &str, rooms: &[&RoomFigures]) -> String {
         figure(&errors, 0.5),
         figure(&errors, 0.9),
         figure(&errors, 1.0),
+        figure(&noises, 0.5),
+        figure(&noises, 0.9),
         figure(&biases, 0.5),
         figure(&rmses, 0.5),
         figure(&rmses, 0.9),
@@ -126,9 +130,9 @@ mod tests {
         let dark = RoomFigures::example("plain", None, Some(0.25));
         let table = by_group(&[&lit, &dark]);
         for line in [
-            "| all | 2 | 30.0 | 30.0 | 30.0 | 4.0 | 5.0 | 5.0 | 1 | 0.2 | 0.2 |",
-            "| plain | 1 | - | - | - | 4.0 | 5.0 | 5.0 | 1 | 0.2 | 0.2 |",
-            "| tent | 1 | 30.0 | 30.0 | 30.0 | 4.0 | 5.0 | 5.0 | 0 | - | - |",
+            "| all | 2 | 30.0 | 30.0 | 30.0 | 0.5 | 0.5 | 4.0 | 5.0 | 5.0 | 1 | 0.2 | 0.2 |",
+            "| plain | 1 | - | - | - | - | - | 4.0 | 5.0 | 5.0 | 1 | 0.2 | 0.2 |",
+            "| tent | 1 | 30.0 | 30.0 | 30.0 | 0.5 | 0.5 | 4.0 | 5.0 | 5.0 | 0 | - | - |",
             "| walls of 10 to 20 cm | 2 |",
             "| two-sided | 2 |",
         ] {

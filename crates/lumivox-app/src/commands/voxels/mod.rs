@@ -98,9 +98,9 @@ struct Report {
     voxelizer: &'static str,
     /// Triangles given to the voxelizer.
     triangles: u64,
-    /// Those of them that are left out: without an area, or with non-finite coordinates.
+    /// Given triangles that are left out: without an area, or with non-finite coordinates.
     skipped: u64,
-    /// Those of them outside the grid.
+    /// Given triangles outside the grid.
     outside: u64,
     /// Tiles of triangles: the threads of each walk.
     work_items: u64,

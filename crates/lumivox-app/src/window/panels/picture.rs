@@ -120,7 +120,7 @@ fn hint(ui: &Ui, rect: Rect, text: &str) {
 
 /// Minimum time between two light probes.
 const PROBE_EVERY: Duration = Duration::from_millis(100);
-/// The same while the pointer rests and the picture converges.
+/// Minimum time between two light probes while the pointer rests and the picture converges.
 const PROBE_AGAIN: Duration = Duration::from_millis(500);
 
 /// Probes the light under the pointer at intervals, while no button is held.

@@ -130,7 +130,7 @@ impl Jobs {
         self.tracing.as_ref().is_some_and(|tracing| !is_of(tracing))
     }
 
-    /// Applies a result of the current reference; `None` if it is of another one.
+    /// Applies a result of the current reference; `None` if it belongs to a different reference.
     pub fn take_traced(&mut self, traced: Traced) -> Option<anyhow::Result<()>> {
         let tracing = self.tracing.as_mut().filter(|tracing| tracing.number == traced.number)?;
         tracing.is_over = traced.is_last;

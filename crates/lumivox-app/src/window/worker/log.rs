@@ -112,7 +112,7 @@ impl Log {
         }
     }
 
-    /// The same at the end; waits for the printing thread.
+    /// Calls `settle` at the end, and waits for the printing thread.
     pub fn flush(&mut self) {
         self.settle();
         let Some((printer, thread)) = self.printer.take() else { return };

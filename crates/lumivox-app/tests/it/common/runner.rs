@@ -9,7 +9,7 @@
 //! filesystem information) without any privilege; Samba's file server does the same. Threads that
 //! it starts share that directory: the workers that decode textures belong to a pool created on it,
 //! and the driver's threads use no relative paths. So the program needs no option for a base
-//! folder. Where this is not possible (other systems, sandboxes), runs are processes.
+//! folder. If this is not possible (other systems, sandboxes), runs are processes.
 
 use std::ffi::OsString;
 use std::io::{Cursor, Write};

@@ -1,4 +1,5 @@
-//! Nodes by locks against their definition and against those by ranks: the same nodes, masks and bricks.
+//! Nodes built by locks against their definition and against those built by ranks: the same nodes,
+//! masks and bricks.
 
 mod moves;
 mod read;
@@ -50,7 +51,8 @@ fn radiance((device, queue): &(Pipelines, wgpu::Queue), gi: &Gi) -> Vec<[u32; 4]
     read(device, queue, gi.face_radiance().expect("it is lit"), faces)
 }
 
-/// Locks make the nodes of the definition, and with them the masks and, bit for bit, the bricks that ranks lead to.
+/// Nodes built by locks are those of the definition; their masks and bricks equal those built by
+/// ranks, to the bit.
 fn assert_built_alike(gpu: &(Pipelines, wgpu::Queue), grid: Grid, geometry: &Geometry) -> Gi {
     let ranked = lit(gpu, by_ranks(grid), geometry);
     let watched = Watched::new(locks());
@@ -113,7 +115,7 @@ fn the_same_bits_in_every_run() {
     assert!(first.iter().any(|texel| texel[0] != 0), "there is no light");
 }
 
-/// Whoever waits for the voxels hears at once that nodes are missing, whoever does not a frame later.
+/// `voxelize` reports missing nodes at once, `voxelize_frame` a frame later.
 #[test]
 fn missing_nodes_are_an_error() {
     let gpu = device();
@@ -142,7 +144,8 @@ fn missing_nodes_are_an_error() {
     assert_told(frames.expect("a group is missing"));
 }
 
-/// The builder's buffers are in the octree's account while the octree may change, and go once nothing moves.
+/// The builder's buffers count as the octree's memory while the octree may change, and are freed
+/// once nothing moves.
 #[test]
 fn its_memory_is_counted() {
     let gpu = device();
@@ -165,6 +168,6 @@ fn its_memory_is_counted() {
     let (moving, nodes) = bytes(false);
     // Children, a lock and a site for each place, and two lists of threads.
     assert!(moving > 16 * nodes, "{moving} bytes for {nodes} nodes");
-    // The counters alone: twelve words at most.
+    // Only the counters: twelve words at most.
     assert!(bytes(true).0 <= 48, "{} bytes stay", bytes(true).0);
 }

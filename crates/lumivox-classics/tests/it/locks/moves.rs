@@ -1,7 +1,7 @@
 //! Octrees that follow what moves, by locks and by ranks through the same moves.
 //!
-//! Lumivox's own tests hold an octree by ranks against a new one after each move. One by locks that equals it to the bit
-//! needs no other proof.
+//! Lumivox's own tests compare an octree built by ranks with a new one after each move. One built
+//! by locks that equals it to the bit needs no other proof.
 
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{Pipelines, Recorder, Timing};
@@ -91,8 +91,8 @@ fn at(x: f32, y: f32, z: f32) -> Mat4 {
     Mat4::from_translation(Vec3::new(x, y, z))
 }
 
-/// In the air, a little on, into a wall, onto the plate, half outside, far outside (gone), and back. Cones see the same,
-/// as bricks have the same places.
+/// In the air, a little farther, into a wall, onto the plate, half outside, far outside (gone), and
+/// back. Cones see the same, as bricks have the same places.
 #[test]
 fn moves_that_are_waited_for_leave_the_bits_of_ranks() {
     let mut pair = Pair::new(OctreeOptions::default());
@@ -113,8 +113,9 @@ fn moves_that_are_waited_for_leave_the_bits_of_ranks() {
     }
 }
 
-/// From nothing, through walls, out of the grid and back; without what moves, without what stays, with nothing at all.
-/// Without cones: which lists a late octree leaves out, and with it the places of bricks, is nobody's promise.
+/// From nothing, through walls, out of the grid and back; without the moving box, without the
+/// static room, with nothing at all. Without cones: which lists a late octree skips, and therefore
+/// the places of bricks, are not guaranteed.
 #[test]
 fn moves_within_frames_leave_the_bits_of_ranks() {
     let options = OctreeOptions { duplication: Duplication::Pointers, ..Default::default() };

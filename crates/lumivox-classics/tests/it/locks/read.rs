@@ -91,7 +91,7 @@ pub(super) fn read_bricks(gpu: &(Pipelines, wgpu::Queue), gi: &Gi) -> BTreeMap<N
     there.iter().map(|at| (at.w, at.truncate().to_array())).zip(content).collect()
 }
 
-/// Runs a kernel that writes so many words for each node that is asked for.
+/// Runs a kernel that writes `words` words for each of the `asked` nodes.
 fn run(
     (device, queue): &(Pipelines, wgpu::Queue),
     gi: &Gi,

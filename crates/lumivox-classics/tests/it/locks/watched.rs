@@ -1,4 +1,4 @@
-//! A builder that lets another one build, and remembers where.
+//! A builder that passes all work to another builder, and remembers the buffers of the octree.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
@@ -14,7 +14,7 @@ use crate::testing::read;
 #[derive(Debug)]
 pub(super) struct Watched {
     inner: Arc<dyn OctreeBuilding>,
-    /// Groups of nodes that it is told to have missed.
+    /// Groups of nodes to report as missed.
     missed: u32,
     /// The octree and its sites, of the last binding.
     seen: Arc<Mutex<Option<[Buffer; 2]>>>,

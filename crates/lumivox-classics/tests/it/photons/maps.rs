@@ -1,4 +1,5 @@
-//! Depth maps for the tests, as a renderer makes them: the triangles of a geometry drawn from a light.
+//! Depth maps for the tests, as a renderer makes them: the triangles of a geometry drawn from a
+//! light.
 
 use glam::camera::rh::proj::directx::{orthographic, perspective_infinite_reverse};
 use glam::camera::rh::view::look_to_mat4;

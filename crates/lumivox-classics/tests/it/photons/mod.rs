@@ -1,9 +1,10 @@
 //! Photons against closed forms and against the direct evaluation.
 //!
-//! What a light sends out must arrive: the flux that the faces took up, irradiance times area, is summed up from
-//! their radiance. A map's texels catch the outline of a surface to half a texel, so the flux on a surface of area
-//! A and outline P, seen in texels of edge t, is true within `P t / sqrt(2) / A` at worst (as if the whole outline
-//! erred to one side); a closed room has no outline.
+//! All light that is sent out must arrive: the flux that the faces received, irradiance times area,
+//! is summed up from their radiance. A map's texels catch the outline of a surface to half a texel,
+//! so the flux on a surface of area A and outline P, seen in texels of edge t, is true within
+//! `P t / sqrt(2) / A` at worst (as if the whole outline erred to one side); a closed room has no
+//! outline.
 
 mod maps;
 
@@ -48,7 +49,7 @@ struct LitFace {
 struct Lit {
     faces: Vec<LitFace>,
     fates: Option<PhotonFates>,
-    /// Of the map, as in [`ShadowLayer`].
+    /// [`ShadowLayer::texel_size`] of the map.
     texel_size: f32,
 }
 
@@ -169,9 +170,9 @@ fn assert_flux(what: &str, lit: &Lit, expected: f32, tolerance: f32) {
     assert!(error.abs() < tolerance, "{what}: {} of {expected}", lit.flux());
 }
 
-/// A sun's flux on a floor is its irradiance times the area that it sees, wherever the floor falls in the grid: with
-/// an offset of one half it lies on a border of voxels, where rounding decides. Texels of 1.6 mm and an outline of
-/// 4 m: 0.6 % at worst, over the sine of the sun's height.
+/// A sun's flux on a floor is its irradiance times the area that it sees, wherever the floor falls
+/// in the grid: with an offset of one half it lies on a border of voxels, where rounding decides.
+/// Texels of 1.6 mm and an outline of 4 m: 0.6 % at worst, over the sine of the sun's height.
 #[test]
 fn a_floor_takes_up_the_suns_irradiance_times_its_area() {
     for direction in [Vec3::NEG_Y, Vec3::new(0.4, -1.0, 0.7), Vec3::new(0.9, -0.25, -0.2)] {
@@ -187,8 +188,8 @@ fn a_floor_takes_up_the_suns_irradiance_times_its_area() {
     }
 }
 
-/// Nothing is lost to rounding, and no sum overflows, with texels from a twentieth of a voxel to seven of them; where
-/// they are coarser than half a voxel all faces are evaluated directly.
+/// Nothing is lost to rounding, and no sum overflows, with texels from a twentieth of a voxel to
+/// seven of them; where they are coarser than half a voxel all faces are evaluated directly.
 #[test]
 fn every_texel_counts() {
     for size in [16, 64, 256, 1024] {
@@ -221,15 +222,16 @@ fn a_tilted_plate_takes_up_what_it_covers_of_the_beam() {
         let direction = Vec3::new(0.2, -1.0, 0.3).normalize();
         let expected = 0.48 * -(turn * Vec3::Y).dot(direction);
         let photons = lit(plate(), bounds, Vec3::ZERO, sun(direction), Injection::Photons);
-        // Texels of 4.2 mm (the map sees the bounds' sphere), an outline of 2.8 m: 1.7 % at worst, seen upright.
+        // Texels of 4.2 mm (the map sees the bounds' sphere), an outline of 2.8 m: 1.7 % at worst,
+        // seen upright.
         assert_flux(&format!("plate turned by {angles:?}"), &photons, expected, 0.02);
         assert_eq!(photons.fates.expect("there are photons").lost, 0);
     }
 }
 
-/// All that a lamp sends out arrives in a closed room, 4 pi times its intensity, whatever stands in the way. The
-/// texels of its maps tile the sphere, so only faces that are evaluated directly (at edges of the plate and the room)
-/// are left to differ.
+/// All light of a lamp, 4 pi times its intensity, arrives in a closed room, with or without a plate
+/// in the way. The texels of its maps tile the sphere, so only faces that are evaluated directly
+/// (at edges of the plate and the room) can differ.
 #[test]
 fn a_closed_room_takes_up_all_of_a_lamps_flux() {
     for has_plate in [false, true] {
@@ -242,7 +244,8 @@ fn a_closed_room_takes_up_all_of_a_lamps_flux() {
     }
 }
 
-/// A spot light's flux: 2 pi times the integral of its falloff over the cosine, (1 - inner) + (inner - outer) / 3.
+/// A spot light's flux: 2 pi times the integral of its falloff over the cosine, (1 - inner) +
+/// (inner - outer) / 3.
 #[test]
 fn a_closed_room_takes_up_all_of_a_spot_lights_flux() {
     let (inner, outer) = (0.25_f32.cos(), 0.6_f32.cos());
@@ -253,8 +256,8 @@ fn a_closed_room_takes_up_all_of_a_spot_lights_flux() {
     }
 }
 
-/// Far out in a wide cone, where it has faded to less than a hundredth, a texel brings a few counts and parts of one.
-/// These add up: texels of a quarter of the edge bring as much.
+/// Far out in a wide cone, where it has faded to less than a hundredth, a texel brings a few counts
+/// and parts of one. These add up: texels of a quarter of the edge bring as much.
 #[test]
 fn parts_of_a_count_add_up() {
     let position = Vec3::new(0.5, 0.35, 0.45);
@@ -304,8 +307,9 @@ fn what_a_blocker_takes_is_missing_below_it() {
     assert!((floor / 0.88 - 1.0).abs() < 0.012, "the floor takes up {floor}");
 }
 
-/// Face by face: where all is in the light, photons find what the direct evaluation computes. A face of a voxel's
-/// size is seen by n texels along an edge, so that it scatters by up to 1 / n along each.
+/// Face by face: where all is in the light, photons find what the direct evaluation computes. A
+/// face of a voxel's size is seen by n texels along an edge, so that it scatters by up to 1 / n
+/// along each.
 #[test]
 fn faces_get_what_the_direct_evaluation_gives_them() {
     let lamp_place = Vec3::new(0.45, 0.35, 0.4);
@@ -322,7 +326,8 @@ fn faces_get_what_the_direct_evaluation_gives_them() {
         let brightest = direct.faces.iter().map(|face| face.irradiance).fold(0.0, f32::max);
         let (mut squares, mut worst, mut count) = (0.0, 0.0_f32, 0);
         for (ours, theirs) in photons.faces.iter().zip(&direct.faces) {
-            // Well lit, a whole side, and alone in its voxel: faces that share one share its photons.
+            // Well lit, a whole side, and the only face in its voxel: faces of one voxel share its
+            // photons.
             let [x, y, z] = ours.face.position_in_world;
             let inside = |at: f32, end: f32| usize::from(at > 0.05 && at < end - 0.05);
             let is_alone =

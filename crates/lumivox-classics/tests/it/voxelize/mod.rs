@@ -1,4 +1,5 @@
-//! The rasterizer's ways from triangles to voxels, with the scenes and the twin of Lumivox's own tests.
+//! The rasterizer's ways from triangles to voxels, with the scenes and the twin of Lumivox's own
+//! tests.
 
 #[path = "../../../../lumivox/tests/it/voxelize/panels.rs"]
 mod panels;

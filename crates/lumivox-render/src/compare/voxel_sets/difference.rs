@@ -13,7 +13,8 @@ pub struct SetDifference {
     pub missing_touched: u32,
     /// Voxels found that are not in the exact set.
     pub extra: u32,
-    /// Share of the exact set's surface (the areas along the lobes) that is in missing voxels, 0 to 1.
+    /// Share of the exact set's surface (the areas along the lobes) that is in missing voxels, 0
+    /// to 1.
     pub missing_area: f64,
     /// The surface of all voxels found, divided by that of the exact set.
     pub area: f64,

@@ -90,7 +90,8 @@ fn pictures_tell_missing_and_extra_apart() {
     assert!(at(0).iter().all(|channel| *channel < 40), "{:?}", at(0));
 }
 
-/// A ray meets the nearest of the cells on it, from within the grid and from outside, along each axis.
+/// A ray meets the nearest of the cells on it, from within the grid and from outside, along each
+/// axis.
 #[test]
 fn rays_meet_the_nearest_voxel() {
     for axis in 0..3 {

@@ -8,8 +8,8 @@
 //!
 //! | file | draws |
 //! | --- | --- |
-//! | `segment.wgsl` | a line as a quad with a width in pixels, hidden behind the G-buffer's surfaces |
-//! | `edges.rs`, `edges.wgsl` | all edges of the scene's triangles, pulled from the buffers of rasterizer and voxelizer |
+//! | `segment.wgsl` | a line as a quad with a width in pixels, hidden behind surfaces |
+//! | `edges.rs`, `edges.wgsl` | all edges of triangles, from rasterizer and voxelizer buffers |
 //! | `lines.rs`, `lines.wgsl` | the caller's lines, and the grid's box |
 //! | `voxels.rs`, `voxels.wgsl` | wire cubes, by a walk through the occupancy bits |
 //!

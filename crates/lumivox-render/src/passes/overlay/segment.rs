@@ -48,7 +48,8 @@ impl SegmentView {
     }
 }
 
-/// Bindings 0 to 4 of group 0: the view, the draws, depth and normals of surfaces, the draws' triangles.
+/// Bindings 0 to 4 of group 0: the view, the draws, depth and normals of surfaces, the draws'
+/// triangles.
 pub(super) fn layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     LayoutBuilder::new(wgpu::ShaderStages::VERTEX_FRAGMENT)
         .uniform()

@@ -58,8 +58,8 @@ fn a_panel_lights_a_floor_by_lamberts_formula() {
     // The floor reflects a half of it.
     Estimate::radiance(&layers).assert_is("radiance", 0.5 * mean / PI);
     // Each pixel by itself, too: the squares of its errors in standard deviations are 1 on average,
-    // within the spread of a chi squared of so many degrees, and a tenth since deviations are
-    // estimated themselves.
+    // within the spread of a chi squared with as many degrees of freedom as there are pixels, and a
+    // tenth, since the deviations are themselves estimates.
     let squares = layers.full.iter().zip(&layers.full_variance).zip(&expected).map(
         |(([value, ..], variance), expected)| {
             (f64::from(*value) - expected).powi(2) / f64::from(*variance)

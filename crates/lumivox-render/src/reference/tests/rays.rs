@@ -230,7 +230,7 @@ fn no_ray_slips_through_an_edge() {
     let mut mesh = Mesh::default();
     for ring in 0..=rings {
         for segment in 0..=segments {
-            // The same bits where the seam closes and at the poles.
+            // Equal to the bit where the seam closes and at the poles.
             let polar = f64::from(ring) / f64::from(rings) * std::f64::consts::PI;
             let azimuth =
                 f64::from(segment % segments) / f64::from(segments) * std::f64::consts::TAU;

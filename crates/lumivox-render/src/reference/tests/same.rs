@@ -1,4 +1,4 @@
-//! The same to the bit, however it is traced; and the same picture at any scale.
+//! Results are equal to the bit, however they are traced; and pictures are equal at any scale.
 
 use std::ops::ControlFlow;
 
@@ -100,8 +100,8 @@ fn a_checkpoint_of_anything_else_is_refused() {
     assert!(refused(&painted, &small()));
 }
 
-/// A power of two changes only exponents, so all that does not depend on the unit of radiance stays
-/// as it is.
+/// A power of two changes only exponents, so all that does not depend on the unit of radiance is
+/// unchanged.
 #[test]
 fn millimetres_and_kilometres_are_the_same() {
     let scene = zoo();

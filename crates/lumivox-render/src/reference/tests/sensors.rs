@@ -26,7 +26,8 @@ fn assert_reads(reading: &Reading, expected: f64) {
     Estimate { mean: reading.value.into(), error }.assert_is("a reading", expected);
 }
 
-/// A black floor below a lamp: the inverse square times the cosine, without noise; nothing from below.
+/// A black floor below a lamp: the inverse square times the cosine, without noise; nothing from
+/// below.
 #[test]
 fn a_lamp_reads_as_its_distance_and_cosine_say() {
     let mut scene = stage();
@@ -116,7 +117,7 @@ fn sensors_agree_with_pictures() {
     }
 }
 
-/// Other seeds differ by the standard error that is told.
+/// Other seeds differ by the reported standard error.
 #[test]
 fn the_standard_error_is_that_of_repetitions() {
     let scene = builtin("cornell");
@@ -132,7 +133,8 @@ fn the_standard_error_is_that_of_repetitions() {
             each.iter().map(|seed| f64::from(seed[number].standard_error).powi(2)).sum::<f64>()
                 / 12.0;
         println!("spread {} told {}", spread.sqrt(), told.sqrt());
-        // The ratio of two variances with 11 and 180 degrees of freedom is within these bounds 999 times of 1000.
+        // The ratio of two variances with 11 and 180 degrees of freedom is within these bounds 999
+        // times of 1000.
         assert!((0.2..3.0).contains(&(spread / told)), "{spread} {told}");
     }
 }

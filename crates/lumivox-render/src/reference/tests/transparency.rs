@@ -43,7 +43,7 @@ fn leaf(scene: &mut Scene) -> Material {
     leaf
 }
 
-/// Where the middle of a cell is, of cells of one metre around the origin; x to the right, y up.
+/// The middle of a cell, of cells of one metre around the origin; x to the right, y up.
 fn middle(cell: u32) -> Vec3 {
     let at = |index: u32| index as f32 - 0.5 * (CELLS - 1) as f32;
     Vec3::new(at(cell % CELLS), -at(cell / CELLS), 0.0)

@@ -132,7 +132,7 @@ fn fields(settings: &RenderSettings) -> Vec<String> {
     format!("{settings:#?}").lines().map(str::to_owned).collect()
 }
 
-/// A field that no row writes would be redone by nothing and set by nobody.
+/// A field that no row writes could not be set, and a change of it would redo nothing.
 #[test]
 fn every_field_has_a_row() {
     let defaults = RenderSettings {
@@ -163,8 +163,8 @@ fn every_field_has_a_row() {
         .copied()
         .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()))
         .collect();
-    // The caller's: the picture's size, the box of the grid, hooks and the look, whose rows are where they are, lines that
-    // it draws, and whether it takes times.
+    // Fields of the caller: the picture's size, the box of the grid, hooks and the look (their rows
+    // are defined with them), the lines that it draws, and whether times are measured.
     let of_caller = [
         "grid_bounds",
         "octree_builder",

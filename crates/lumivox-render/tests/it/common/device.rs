@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use lumivox_render::{Gpu, GpuOptions};
 
-/// The device of all tests of this program: the shaders that they share are linked and compiled once. Its limits are
-/// WebGPU's defaults, so that what passes here runs in a browser.
+/// The device of all tests of this program: the shaders that they share are linked and compiled
+/// once. Its limits are WebGPU's defaults, so that what passes here runs in a browser.
 ///
 /// # Panics
 /// When there is no adapter.

@@ -1,4 +1,4 @@
-//! What the tests that render built-in scenes share: the device, a rendering, and means over pixels.
+//! Shared by the tests that render built-in scenes: the device, a rendering, and means over pixels.
 
 mod device;
 pub mod kept;

@@ -2,7 +2,8 @@
 
 use lumivox::hooks::ConeModel;
 
-/// Cones that point at the middle of their cells, the same in each frame, and show a share of the light.
+/// Cones that point at the middle of their cells, the same in each frame, and show a share of the
+/// light.
 #[derive(Clone, Copy, Debug)]
 pub struct StillCones {
     /// 1 is the physics.

@@ -71,7 +71,8 @@ pub fn scene() -> Scene {
         );
     }
 
-    // Behind: leaves, panes of coloured glass one before the other, arrows turned by their transforms.
+    // Behind: leaves, panes of coloured glass one before the other, arrows turned by their
+    // transforms.
     let upright = |x: f32, z: f32| quad(Vec3::new(x, 0.75, z), Vec3::X * 0.45, Vec3::Y * 0.75);
     let mut leaves = textured(Material::diffuse("leaves", Vec3::ONE), TextureRef::new(leaf));
     leaves.alpha = AlphaMode::Mask { cutoff: 0.5 };
@@ -221,8 +222,8 @@ pub fn place(scene: &mut Scene, mesh: Mesh, material: Material, world_from_local
     });
 }
 
-/// A rectangle of half the edges `u` and `v`, which faces `u` cross `v`; the image's right lies along `u`, its
-/// top along `v`.
+/// A rectangle of half the edges `u` and `v`, which faces `u` cross `v`; the image's right lies
+/// along `u`, its top along `v`.
 pub fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
     Mesh {
         positions: vec![center - u - v, center + u - v, center + u + v, center - u + v],

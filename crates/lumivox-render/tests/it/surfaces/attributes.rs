@@ -15,7 +15,8 @@ fn quarters(scene: &Scene, view: View) -> [Vec3; 4] {
         .map(|(x, y)| mean_of(&picture, UVec2::new(x, y), UVec2::new(x + 10, y + 10)))
 }
 
-/// Exactly what the camera sees of the plane z = 0: texture coordinates from 0 to 1 over the picture.
+/// Exactly what the camera sees of the plane z = 0: texture coordinates from 0 to 1 over the
+/// picture.
 fn screen() -> lumivox_scene::Mesh {
     let half = 4.0 * 0.15_f32.tan();
     quad(Vec3::ZERO, Vec3::X * half, Vec3::Y * half)
@@ -55,7 +56,7 @@ fn textures_are_read_through_their_transform_and_set() {
     let transform = Affine2::from_scale_angle_translation(Vec2::new(0.5, 1.0), 0.0, Vec2::X * 0.5);
     let halved = textured(TextureRef { transform, ..TextureRef::new(0) });
     assert_quarters("halved", quarters(&halved, View::Albedo), [GREEN, GREEN, WHITE, WHITE]);
-    // The second set is mirrored; without one, the first stands in.
+    // The second set is mirrored; without one, the first is used.
     let second = TextureRef { uv_set: 1, ..TextureRef::new(0) };
     let mut mirrored = textured(second);
     assert_quarters("one set", quarters(&mirrored, View::Albedo), [RED, GREEN, BLUE, WHITE]);
@@ -70,7 +71,8 @@ fn textures_are_read_through_their_transform_and_set() {
 #[test]
 fn vertex_colours_multiply_the_base_colour_and_nothing_else() {
     let mut scene = textured(TextureRef::new(0));
-    // The picture's corners in the order of the mesh: lower left, lower right, upper right, upper left.
+    // The picture's corners in the order of the mesh: lower left, lower right, upper right, upper
+    // left.
     let tint = Vec4::new(0.5, 0.25, 1.0, 1.0);
     scene.meshes[0].colors = vec![tint; 4];
     let tint = tint.truncate();
@@ -78,7 +80,8 @@ fn vertex_colours_multiply_the_base_colour_and_nothing_else() {
     assert_quarters("tinted", quarters(&scene, View::Albedo), expected);
     scene.materials[0].emissive = Vec3::ONE;
     assert_quarters("emission", quarters(&scene, View::Direct), [WHITE; 4]);
-    // Between vertices they vary evenly: the middles of the quarters lie at a quarter and three quarters.
+    // Between vertices they vary evenly: the middles of the quarters lie at a quarter and three
+    // quarters.
     let mut ramp = textured(TextureRef::new(0));
     ramp.textures[0] = texture(1, 1, |_, _| [255; 4]);
     ramp.meshes[0].colors = [0.0, 1.0, 1.0, 0.0].map(|x| Vec3::splat(x).extend(1.0)).to_vec();
@@ -97,8 +100,8 @@ fn normals_follow_uneven_scale() {
     assert_near("normal", shown, Vec3::new(0.0, 1.0, 3.0).normalize(), 0.002);
 }
 
-/// Red bends a normal along the tangent, green along normal x tangent times the tangent's sign: glTF 2.0, sections
-/// 3.7.2.1 and 3.9.3.
+/// Red bends a normal along the tangent, green along normal x tangent times the tangent's sign:
+/// glTF 2.0, sections 3.7.2.1 and 3.9.3.
 #[test]
 fn normal_textures_bend_along_tangent_and_bitangent() {
     // (0.6, 0, 0.8) and (0, 0.6, 0.8), in bytes.
@@ -132,7 +135,8 @@ fn masks_are_cut_at_their_own_coordinates() {
     };
     let mut mesh = screen();
     mesh.uvs1 = mesh.uvs.iter().map(|uv| Vec2::new(0.0, uv.x)).collect();
-    // Along the first set the mask is whole; along the second, turned by the transform, it ends in the middle.
+    // Along the first set the mask is whole; along the second, turned by the transform, it ends in
+    // the middle.
     mesh.uvs = vec![Vec2::splat(0.25); 4];
     add(&mut scene, mesh, mask);
     let transform = Affine2::from_cols(Vec2::Y, Vec2::X, Vec2::ZERO);
@@ -146,8 +150,8 @@ fn masks_are_cut_at_their_own_coordinates() {
     );
     let shown = quarters(&scene, View::Albedo);
     assert_quarters("mask", shown, [WHITE, Vec3::ZERO, WHITE, Vec3::ZERO]);
-    // From the side, the shadow of the left half lies on the right half of the wall, and only what the mask
-    // leaves free is lit.
+    // From the side, the shadow of the left half lies on the right half of the wall, and only what
+    // the mask leaves free is lit.
     scene.lights.push(Light {
         kind: LightKind::Directional { illuminance_lux: 1.0, angular_radius_rad: 0.0 },
         direction: Vec3::new(0.7, 0.0, -1.0).normalize(),

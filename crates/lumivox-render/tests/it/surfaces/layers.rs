@@ -32,8 +32,9 @@ fn fresnel(f0: f32, angle: f32) -> f32 {
     f0 + (1.0 - f0) * (1.0 - angle.cos()).powi(5)
 }
 
-/// The radiance of a dielectric of albedo 0.5 in a sky of radiance 1: diffuse light below the gloss, and gloss, integrated over
-/// the directions of light (GGX, height-correlated Smith, Schlick).
+/// The radiance of a dielectric of albedo 0.5 in a sky of radiance 1: diffuse light below the
+/// gloss, and gloss, integrated over the directions of light (GGX, height-correlated Smith,
+/// Schlick).
 fn dielectric_in_even_light(roughness: f32, angle: f32) -> f32 {
     const STEPS: u32 = 1024;
     let (alpha_2, view) = (roughness.powi(4), Vec3::new(angle.sin(), 0.0, angle.cos()));
@@ -79,8 +80,8 @@ fn coat(strength: f32, roughness: f32) -> Clearcoat {
     Clearcoat { strength, roughness, texture: None }
 }
 
-/// Varnished metal with a rough normal map, seen at a grazing angle in a sky of one: whatever a bent normal mirrors
-/// comes from above the surface, so that no pixel is black.
+/// Varnished metal with a rough normal map, seen at a grazing angle in a sky of one: whatever a
+/// bent normal mirrors comes from above the surface, so that no pixel is black.
 #[test]
 fn bent_normals_leave_no_dark_rim() {
     for angle in [1.2, 1.4, 1.5] {
@@ -107,8 +108,8 @@ fn bent_normals_leave_no_dark_rim() {
     }
 }
 
-/// White paint under varnish in a sky of one: what the coat takes from below it reflects itself. On black paint it
-/// is seen alone; on a mirror both lobes are drawn in turns.
+/// White paint under varnish in a sky of one: the coat reflects the light that it takes from the
+/// paint. On black paint only the coat is seen; on a mirror both lobes are drawn in turns.
 #[test]
 fn varnish_adds_what_it_takes() {
     for angle in ANGLES {
@@ -218,8 +219,8 @@ fn what_takes_no_light_shows_its_colour_beside_a_white_wall() {
     });
     let shown = mean(&render(&scene, RenderSettings { bounces: 2, ..settings(View::Final) }));
     assert_near("unlit", shown, color * (100.0 / PI), 0.01 * 100.0 / PI);
-    // It lights nothing itself, and reflects as its colour: the wall beside it takes no light but what the
-    // floor sends on from the sun.
+    // It lights nothing itself, and reflects as its colour: the wall beside it takes no light but
+    // what the floor sends on from the sun.
     let wall = quad(Vec3::new(-1.0, 1.0, 0.0), -Vec3::Z * 2.0, Vec3::Y);
     add(&mut scene, wall, Material::diffuse("wall", Vec3::ONE));
     scene.cameras = vec![Camera::look_at(Vec3::new(1.0, 0.5, 0.0), Vec3::new(-1.0, 0.5, 0.0), 0.2)];

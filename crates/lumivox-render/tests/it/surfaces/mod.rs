@@ -1,5 +1,5 @@
-//! Materials in pictures, shadows and voxels, against closed forms: layers, transparency, attributes of
-//! vertices, sides.
+//! Materials in pictures, shadows and voxels, against closed forms: layers, transparency,
+//! attributes of vertices, sides.
 
 mod attributes;
 mod layers;

@@ -29,8 +29,8 @@ fn black_box() -> Scene {
     scene
 }
 
-/// A pane under an open sky before the bottom of a deep black box, both facing the camera: over the edge between them
-/// neighbours have the same normal, but lie in another plane, and lend nothing.
+/// A pane under an open sky before the bottom of a deep black box, both facing the camera: over the
+/// edge between them neighbours have the same normal, but lie in another plane, and lend nothing.
 #[test]
 fn half_resolution_keeps_to_the_surface_of_a_pixel() {
     let mut scene = black_box();
@@ -57,8 +57,8 @@ fn half_resolution_keeps_to_the_surface_of_a_pixel() {
     }
 }
 
-/// A post as thin as a pixel before the bottom of such a box: the traced pixels beside it lie in the dark, and lend it
-/// nothing. So it is traced itself, in a single frame too.
+/// A post as thin as a pixel before the bottom of such a box: the traced pixels beside it lie in
+/// the dark, and lend it nothing. So it is traced itself, in a single frame too.
 #[test]
 fn half_resolution_traces_what_no_neighbour_fits() {
     let mut scene = black_box();

@@ -6,12 +6,12 @@ use lumivox_scene::{Camera, Light, LightKind, Material, Scene, TextureRef};
 
 use crate::surfaces::stage::*;
 
-/// In the middle of a voxel: where a wall of two sides stands at a voxel's edge, cones that start on it see its other
-/// side (6 % of its light).
+/// In the middle of a voxel: if a wall of two sides is at a voxel's edge, cones that start on it
+/// see its other side (6 % of its light).
 const WALL_X: f32 = 0.03;
 
-/// A white wall that faces +x, on a white floor, with a lamp at one side; the camera looks down at the
-/// floor on the side of +x or -x.
+/// A white wall that faces +x, on a white floor, with a lamp at one side; the camera looks down at
+/// the floor on the side of +x or -x.
 fn wall(double_sided: bool, lamp_x: f32, seen_x: f32) -> Scene {
     let mut scene = scene();
     let white = Material::diffuse("white", Vec3::splat(0.8));
@@ -28,7 +28,8 @@ fn wall(double_sided: bool, lamp_x: f32, seen_x: f32) -> Scene {
     scene
 }
 
-/// Both sides of every wall cast shadows, in maps and for cones: a wall of one side blocks from behind as well.
+/// Both sides of every wall cast shadows, in maps and for cones: a wall of one side blocks from
+/// behind as well.
 #[test]
 fn a_lamp_behind_a_wall_does_not_shine_through() {
     for double_sided in [false, true] {
@@ -71,7 +72,7 @@ fn an_open_back_lets_light_pass() {
     assert!(to_the_back < 0.01 * beside, "{to_the_back} of {beside}");
 }
 
-/// What the wall itself sends on: light on the side that the lamp is on, none from the other.
+/// Light that the wall itself reflects: light on the lamp's side, none on the other.
 #[test]
 fn a_wall_lit_from_behind_stays_dark_in_front() {
     for double_sided in [false, true] {
@@ -86,8 +87,8 @@ fn a_wall_lit_from_behind_stays_dark_in_front() {
     }
 }
 
-/// Walls of two sides that end where they meet: whatever half of its voxels a wall stands in, cones along it start in
-/// the room and not outside, where it is dark.
+/// Walls of two sides that end where they meet: whichever half of its voxels a wall is in, cones
+/// along it start in the room and not outside, where it is dark.
 #[test]
 fn a_room_of_two_sided_walls_has_no_dark_edges() {
     let mut room = scene();
@@ -134,8 +135,8 @@ fn both_sides_are_seen_in_the_light_that_falls_on_them() {
     }
 }
 
-/// However its normals are bent, a surface shows no light from behind its plane: not near its border either, where light
-/// that grazes it from behind meets nothing else.
+/// However its normals are bent, a surface shows no light from behind its plane: not near its
+/// border either, where light that grazes it from behind meets nothing else.
 #[test]
 fn bent_normals_catch_no_light_from_behind() {
     let lit_from = |z: f32| {

@@ -1,4 +1,4 @@
-//! What is behind shows through, in the picture and in shadows, in proportion.
+//! Things behind transparent surfaces show through, in the picture and in shadows, in proportion.
 
 use glam::{UVec2, Vec2, Vec3, Vec4};
 use lumivox_render::{RenderSettings, ShadowMethod, View};
@@ -43,8 +43,8 @@ fn panes_blend_whatever_their_order() {
         assert_near("one frame", mean(&one), expected, 0.05);
         let many = render(&scene, settings(View::Direct));
         assert_near("16 frames", mean(&many), expected, 0.02);
-        // The error of a pixel's only sample is that of coins, 0.47 here. A first frame has 8 samples, 16 frames have 42, and they are
-        // spread evenly.
+        // The error of a pixel's only sample is that of coins, 0.47 here. A first frame has 8
+        // samples, 16 frames have 42, and they are spread evenly.
         let (noise_of_one, noise) = (rms(&one, expected), rms(&many, expected));
         println!("noise: {noise_of_one} in one frame, {noise} in 16");
         assert!(noise_of_one < 0.13 && noise < 0.06, "16 frames leave {noise} of {noise_of_one}");
@@ -129,8 +129,8 @@ fn glass_shows_what_is_behind_in_its_own_colour() {
     assert_near("metal", mean(&render(&scene, settings(View::Direct))), Vec3::ZERO, 0.0);
 }
 
-/// Under a sky of one all around, clear glass cannot be seen: what it reflects and what it lets through add up to
-/// one. Before a black wall it shows the reflection alone.
+/// Under a sky of one all around, clear glass cannot be seen: the light that it reflects and the
+/// light that it lets through add up to one. In front of a black wall it shows only the reflection.
 #[test]
 fn glass_reflects_what_does_not_pass() {
     for angle in [0.0_f32, 1.1] {
@@ -142,8 +142,9 @@ fn glass_reflects_what_does_not_pass() {
         let lit = RenderSettings { bounces: 1, ..settings(View::Final) };
         let clear = mean(&render(&scene, lit.clone()));
         assert_near("clear glass under a sky", clear, Vec3::ONE, 0.02);
-        // Half of it diffuse, and tinted, over black: Schlick's term, and half of what enters. Of light from all around
-        // more enters: each direction meets the glass under half its angle to the camera.
+        // Half of it diffuse, and tinted, over black: Schlick's term, and half of what enters. Of
+        // light from all around more enters: each direction meets the glass under half its angle to
+        // the camera.
         scene.materials[0] = glass(Vec3::new(0.5, 1.0, 0.2), 0.5);
         add(&mut scene, quad(-Vec3::Z, Vec3::X * 1.2, Vec3::Y * 1.2), glowing(Vec3::ZERO));
         let fresnel = 0.04 + 0.96 * (1.0 - cosine).powi(5);
@@ -173,7 +174,7 @@ fn under_a_roof(roof: Material) -> Scene {
     let mut scene = scene();
     let white = Material::diffuse("floor", Vec3::ONE);
     add(&mut scene, quad(Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0), white);
-    // Of two sides: cones pass the back of a single one.
+    // Double-sided: cones pass the back of a single-sided surface.
     let roof = Material { double_sided: true, ..roof };
     add(&mut scene, quad(Vec3::Y * 1.5, Vec3::X * 2.0, Vec3::NEG_Z * 2.0), roof);
     scene.cameras = vec![Camera::look_at(Vec3::new(0.0, 0.9, 0.4), Vec3::ZERO, 0.4)];
@@ -213,7 +214,8 @@ fn shadows_are_as_deep_as_what_casts_them_is_solid() {
             let settings = RenderSettings { shadows, frames: 4, ..settings(View::Shadow) };
             let picture = render(&scene, settings);
             let what = format!("{what}, {shadows:?}");
-            // In voxels the glass reflects as under a sky, 9 % instead of 4, and each samples the leaf once.
+            // In voxels the glass reflects as under a sky, 9 % instead of 4, and each samples the
+            // leaf once.
             let is_even = what.starts_with("a blend") || what == "a whole roof";
             let tolerance = match shadows {
                 ShadowMethod::Cone if is_even => 0.005,
@@ -239,8 +241,8 @@ fn shadows_are_as_deep_as_what_casts_them_is_solid() {
     assert_near("two roofs", mean(&picture), Vec3::splat(0.25), 0.03);
 }
 
-/// Leaves of a quarter, a half and three quarters between the sky and a floor between black walls: as much of the
-/// sky's light arrives, gathered by cones through voxels of two sizes.
+/// Leaves of a quarter, a half and three quarters between the sky and a floor between black walls:
+/// as much of the sky's light arrives, gathered by cones through voxels of two sizes.
 #[test]
 fn leaves_let_the_skys_light_through_in_proportion() {
     let irradiance = |quarters: Option<u32>, resolution: u32| {
@@ -257,8 +259,8 @@ fn leaves_let_the_skys_light_through_in_proportion() {
         {
             add(&mut scene, quad(center + Vec3::Y * 0.5, u, Vec3::Y * 0.5), black.clone());
         }
-        // Four by four texels repeat 16 times along an edge of 32 or 64 voxels: as large as half a voxel or a
-        // whole one.
+        // Four by four texels repeat 16 times along an edge of 32 or 64 voxels: as large as half a
+        // voxel or a whole one.
         scene.textures.push(texture(2, 2, |x, y| {
             let is_there = quarters
                 .is_some_and(|quarters| [[0, 2], [3, 1]][y as usize][x as usize] < quarters);

@@ -6,8 +6,8 @@ use lumivox_render::{Exposure, RenderSettings, View};
 use crate::common::{gpu, picture, renderer, zoo};
 use crate::surfaces::stage::settings;
 
-/// Writes the picture that `tests/snapshots/materials.png` shows small, as large as is needed to look at it: one
-/// frame, and many.
+/// Writes the picture that `tests/snapshots/materials.png` shows small, as large as is needed to
+/// look at it: one frame, and many.
 #[test]
 #[ignore = "by hand: writes pictures to look at"]
 fn picture_to_look_at_by_hand() {

@@ -1,5 +1,5 @@
-//! Artifacts that light of earlier frames must not have: lag of direct light, boiling, patterns of the sampling, blurred
-//! contact shadows.
+//! Artifacts that light of earlier frames must not have: lag of direct light, boiling, patterns of
+//! the sampling, blurred contact shadows.
 
 use lumivox::Preset;
 use lumivox_render::{Picture, RenderSettings, Renderer, View};
@@ -19,8 +19,8 @@ fn lamp_at(scene: &Scene, x: f32) -> Scene {
     moved
 }
 
-/// Shadows of a lamp that moves are where they belong: its picture is better than a frame of one sample a pixel without a past, which
-/// leaves 0.31.
+/// Shadows of a lamp that moves are where they belong: its picture is better than a frame of one
+/// sample a pixel without a past, which leaves 0.31.
 #[test]
 fn direct_light_does_not_lag() {
     let scene = builtin("cornell");
@@ -60,7 +60,8 @@ fn still_pictures_do_not_boil() {
     assert!(changes[15] < 0.02 && changes[47] < 0.005, "{changes:?}");
 }
 
-/// Light that changes from frame to frame makes no rings about edges: where the truth is smooth, pixels do not alternate.
+/// Light that changes from frame to frame makes no rings about edges: where the truth is smooth,
+/// pixels do not alternate.
 #[test]
 fn light_that_moves_makes_no_rings() {
     let scene = builtin("cornell");
@@ -85,7 +86,8 @@ fn light_that_moves_makes_no_rings() {
         places.iter().map(|place| bend(*place, 1) + bend(*place, width)).sum()
     };
     let ratio = (bends(&ours) / bends(&light)).sqrt();
-    // Measured: 1.83, of what is near and drawn; 2.13 if the mean of frames is scaled by even means of 3x3 pixels.
+    // Measured: 1.83, of what is near and drawn; 2.13 if the mean of frames is scaled by even means
+    // of 3x3 pixels.
     assert!(ratio < 2.0, "{ratio}");
 }
 
@@ -111,7 +113,7 @@ fn rmse_where_smooth(picture: &Picture, truth: &Picture) -> f64 {
     (squares * places.len() as f64).sqrt() / sum
 }
 
-/// Where a picture is smooth its first frame is already near what many frames come to.
+/// In smooth parts of a picture, the first frame is already near the result of many frames.
 #[test]
 fn first_frames_are_worth_keeping() {
     // Measured: 4.5 and 10.6 %; with cones that marched 3.6 and 10.8.
@@ -124,7 +126,7 @@ fn first_frames_are_worth_keeping() {
     }
 }
 
-/// Where in blocks of 4x4 a pixel is makes no difference to its light.
+/// The light of a pixel does not depend on its place in its block of 4x4.
 #[test]
 fn blocks_of_traced_pixels_are_not_seen() {
     let scene = builtin("cornell");
@@ -146,8 +148,8 @@ fn blocks_of_traced_pixels_are_not_seen() {
     }
 }
 
-/// The darkest places, where things touch and walls meet, do not take the light around: a first frame's filter lets them have
-/// some, and it goes.
+/// The darkest places, where things touch and walls meet, do not take the light around: a first
+/// frame's filter lets them have some, and it goes.
 #[test]
 fn contact_shadows_are_not_blurred() {
     let scene = builtin("cornell");

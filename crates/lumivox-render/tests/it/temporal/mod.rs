@@ -1,4 +1,5 @@
-//! The light of earlier frames: what a moving camera gains by it, and that it neither lags nor stays.
+//! The light of earlier frames: what a moving camera gains by it, and that it neither lags nor
+//! stays.
 
 #![allow(clippy::float_cmp)] // Counts of frames.
 
@@ -19,7 +20,8 @@ fn settings(preset: Preset) -> RenderSettings {
     RenderSettings {
         size: UVec2::new(120, 68),
         resolution: 64,
-        // No more than one of them is rendered at once, but each samples another place within the pixels.
+        // No more than one of them is rendered at once, but each samples another place within the
+        // pixels.
         frames: 2,
         shadow_resolution: 128,
         view: View::Diffuse,
@@ -46,13 +48,13 @@ fn frame(renderer: &mut Renderer) -> Picture {
     .expect("a frame")
 }
 
-/// A picture of a camera that stands still, after so many frames.
+/// The picture of a still camera after `frames` frames.
 fn still(preset: Preset, scene: &Scene, camera: &Camera, frames: u32) -> Picture {
     let [picture] = stills(preset, scene, camera, [frames]);
     picture
 }
 
-/// Pictures of the same frames, after so many of them, fewest first.
+/// Pictures of one sequence of frames, after each of the counts, lowest count first.
 fn stills<const COUNT: usize>(
     preset: Preset,
     scene: &Scene,
@@ -69,8 +71,8 @@ fn stills<const COUNT: usize>(
     })
 }
 
-/// The Cornell box from its own camera, after many frames of a preset without a history: what several tests compare with, made
-/// once.
+/// The Cornell box from its own camera, after many frames of a preset without a history: what
+/// several tests compare with, made once.
 fn many_frames(preset: Preset, frames: u32) -> Arc<Picture> {
     type Known = BTreeMap<(String, u32), Arc<OnceLock<Arc<Picture>>>>;
     static KNOWN: Mutex<Known> = Mutex::new(BTreeMap::new());
@@ -158,7 +160,8 @@ fn a_switched_lamp_is_seen_at_once() {
     }
 }
 
-/// A lamp that dims by less than edges differ is followed all the same, and what is known of its light stays known.
+/// A lamp that dims by less than edges differ is followed nevertheless, and the history of its
+/// light is kept.
 #[test]
 fn a_dimmed_lamp_is_followed() {
     let lit = builtin("cornell");
@@ -188,8 +191,8 @@ fn a_still_picture_comes_to_that_without_earlier_frames() {
     assert!(errors[1] < 0.03 && errors[1] < 0.9 * errors[0], "{errors:?}");
 }
 
-/// A block that leaves the plane of its front takes what is known of it along: only at edges, which come and go with the
-/// samples within the pixels, is anything new.
+/// A block that leaves the plane of its front takes its history along: only edges, which come and
+/// go with the samples within the pixels, have new light.
 #[test]
 fn what_moves_takes_its_light_along() {
     let mut scene = builtin("cornell");
@@ -219,8 +222,8 @@ fn what_moves_takes_its_light_along() {
     );
 }
 
-/// Edges of a moving picture are smoother than those of one sample a pixel, which leave 0.22, and where nothing shines any more
-/// nothing is left.
+/// Edges of a moving picture are smoother than those of one sample a pixel, which leave 0.22, and
+/// where nothing shines any more nothing is left.
 #[test]
 fn edges_are_smooth_in_motion() {
     let scene = builtin("cornell");
@@ -258,7 +261,8 @@ fn edges_are_smooth_in_motion() {
     assert!(differ * 10 < seen.hdr.len(), "{differ} pixels of another view");
 }
 
-/// The history counts frames of what stays in sight, and starts where something comes into view: a view of each says which.
+/// The history counts frames of what stays in sight, and starts where something comes into view: a
+/// view of each says which.
 #[test]
 fn the_history_grows_until_something_is_uncovered() {
     let scene = builtin("cornell");
@@ -297,7 +301,7 @@ fn the_history_grows_until_something_is_uncovered() {
     assert!(moved.iter().all(|(frames, is_new)| !is_new || *frames == 2.0));
 }
 
-/// A picture of another size goes on from what the last one knew, in both directions.
+/// A picture of another size continues the history of the last one, in both directions.
 #[test]
 fn what_is_known_stays_known_in_another_size() {
     let scene = builtin("cornell");
@@ -326,7 +330,7 @@ fn what_is_known_stays_known_in_another_size() {
         let again = frame(&mut renderer);
         is_kept(&mut renderer);
 
-        // Other settings start anew, and so tell what a first frame is like.
+        // Other settings discard the history, and so show the error of a first frame.
         resize(&mut renderer, to, Preset::Fast);
         resize(&mut renderer, to, Preset::Realtime);
         let first = frame(&mut renderer);
@@ -349,7 +353,7 @@ fn figures_are_sums_of_the_views() {
     let figures =
         |renderer: &mut Renderer| pollster::block_on(renderer.trace_figures()).expect("figures");
     assert_eq!(figures(&mut renderer), None);
-    // A first frame has more cones than the others; a camera that is set starts the mean over frames anew.
+    // A first frame has more cones than the others; setting a camera restarts the mean over frames.
     drop(frame(&mut renderer));
     let first = figures(&mut renderer).expect("it was traced").samples_per_pixel;
     renderer.set_camera(orbit(&scene, 0));
@@ -383,8 +387,8 @@ fn figures_are_sums_of_the_views() {
     assert!((3.0..5.0).contains(&(full / samples)), "{full} at full resolution, {samples} at half");
 }
 
-/// Reflections of rooms are looked up where their images were: while a camera moves they are better than in a frame of one sample a
-/// pixel without a past, which leaves 0.34, and no darker.
+/// Reflections of rooms are looked up where their images were: while a camera moves they are better
+/// than in a frame of one sample a pixel without a past, which leaves 0.34, and no darker.
 #[test]
 #[ignore = "slow: 82 frames of 240x136 pixels"]
 fn reflections_are_kept_in_motion() {
@@ -412,8 +416,8 @@ fn reflections_are_kept_in_motion() {
     assert!(bias.abs() < 0.08, "{bias}");
 }
 
-/// After a cut the pictures are those of a new renderer, to the bit, whatever was shown before: other surfaces, other lamps, another
-/// camera, many frames; without a cut they are not.
+/// After a cut the pictures are those of a new renderer, to the bit, whatever was shown before:
+/// other surfaces, other lamps, another camera, many frames; without a cut they are not.
 #[test]
 fn after_a_cut_nothing_is_left() {
     let gpu = gpu();

@@ -64,7 +64,8 @@ pub(super) fn furniture() -> (Paint, Mesh) {
     }
     block(&mut paint, [2.0, 0.74, 0.8], [2.2, 0.96, 1.0], Vec3::new(0.12, 0.30, 0.50));
 
-    // Shelves with books at the wall on the right, a picture above the sofa, and a chest by the door.
+    // Shelves with books at the wall on the right, a picture above the sofa, and a chest by the
+    // door.
     let (low, high) = ([3.25, 0.0, -2.5], [3.6, 2.1, -0.6]);
     for board in 0..6 {
         let y = 0.05 + 0.4 * board as f32;
@@ -93,7 +94,7 @@ pub(super) fn furniture() -> (Paint, Mesh) {
     for x in [-3.45, 3.1] {
         block(&mut paint, [x, 0.05, 2.5], [x + 0.35, 2.6, 2.58], Vec3::new(0.62, 0.58, 0.48));
     }
-    // A plant, and a lamp whose ball stands on a pole.
+    // A plant, and a lamp with a ball on a pole.
     paint.stand(Vec3::new(0.6, 0.0, 2.2), Vec3::new(0.35, 0.4, 0.35), Vec3::new(0.45, 0.20, 0.12));
     for leaf in 0..9 {
         let (angle, lift) = (TAU * leaf as f32 / 9.0, 0.55 + 0.07 * (leaf % 4) as f32);

@@ -1,4 +1,4 @@
-//! The ground, and what stands on it: lamps, trees and cars.
+//! The ground, and the lamps, trees and cars on it.
 
 use glam::Vec3;
 
@@ -13,7 +13,8 @@ use crate::Mesh;
 const HOUSES_M: f32 = 40.0;
 const KERB_M: f32 = 44.0;
 
-/// The ground of a block: streets with their marks, pavement, and a green court; or the stones of a square.
+/// The ground of a block: streets with their marks, pavement, and a green court; or the stones of a
+/// square.
 pub(super) fn ground(seed: u32, is_square: bool) -> Paint {
     let mut paint = Paint::default();
     let half = 0.5 * BLOCK_M;

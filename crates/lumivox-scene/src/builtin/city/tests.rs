@@ -1,4 +1,4 @@
-//! The city as a whole: its size, its light, and cameras that stand free.
+//! The city as a whole: its size, its light, and cameras with free space around them.
 
 use super::*;
 use crate::{AnimationChoice, LightKind, Picker};
@@ -68,7 +68,7 @@ fn cameras_stand_free() {
     }
 }
 
-/// Nothing stands in the way of the flight, and it begins and ends where it says.
+/// The flight meets no obstacle, and it begins and ends where it says.
 #[test]
 fn the_flight_meets_nothing() {
     let mut scene = scene(false, false).unwrap();

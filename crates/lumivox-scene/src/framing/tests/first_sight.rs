@@ -1,4 +1,4 @@
-//! What lights a scene, and where it is seen from, if its file does not see to it.
+//! The light and the view of a scene whose file does not provide them.
 
 use super::*;
 use crate::{Environment, Light, Sampler, Texture, TextureRef};
@@ -34,7 +34,8 @@ fn what_glows_a_little_is_not_left_in_the_dark() {
     }
 }
 
-/// A studio for what emits is no brighter than that, so that it is seen to glow; in stated units all the same.
+/// A studio is not brighter than an emissive thing in it, which is therefore seen to glow; its
+/// units are stated nevertheless.
 #[test]
 fn what_glows_is_seen_to_glow() {
     let dimmed = |radiance: f32| {
@@ -164,7 +165,7 @@ fn choices_are_told_with_what_overrules_them() {
         told[0].starts_with("its own, ") && told[0].contains(" lux on what is seen"),
         "{told:?}"
     );
-    // What glows and is lit by nothing else looks dark for a reason.
+    // A scene that glows and has no other light looks dark for a reason.
     let furnace = builtin::scene("furnace").unwrap().stage(&SightOptions::default());
     assert!(furnace.notes[0].text.starts_with("its own emission alone, "), "{:?}", furnace.notes);
 }

@@ -1,11 +1,11 @@
-//! Hollow things are no rooms: nobody can stand in them.
+//! Hollow things are not rooms: they have no space to stand in.
 
 use std::f32::consts::{PI, TAU};
 
 use super::*;
 
-/// A surface of revolution about y through points (radius, height), seen from its right-hand side as
-/// the points go up: from outside.
+/// A surface of revolution about y through points (radius, height), seen from its right-hand side
+/// as the points go up: from outside.
 fn turned(profile: &[(f32, f32)]) -> Mesh {
     const STEPS: u32 = 32;
     let mut mesh = Mesh::default();
@@ -135,7 +135,8 @@ fn hollow_things_are_no_rooms() {
         ("ship", ship()),
     ];
     for (name, original) in all {
-        // As CAD and sketching programs write it, too: from both sides, and the round ones inside out.
+        // As CAD and sketching programs write it, too: from both sides, and the round ones inside
+        // out.
         let mut both = original.clone();
         both.materials[0].double_sided = true;
         let mut wrong = original.clone();

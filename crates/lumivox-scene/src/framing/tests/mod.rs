@@ -33,7 +33,7 @@ fn scene(meshes: impl IntoIterator<Item = Mesh>, is_double_sided: bool) -> Scene
     scene
 }
 
-/// Lights a scene where it needs it, and tells by what.
+/// Lights a scene if necessary, and returns the light that was added.
 fn lit(scene: &mut Scene, camera: Option<&Camera>) -> Option<DefaultLight> {
     let options =
         SightOptions { camera: camera.cloned(), aspect: ASPECT, ..SightOptions::default() };
@@ -54,7 +54,7 @@ fn room() -> Mesh {
     interior(Vec3::new(-3.0, 0.0, -2.0), Vec3::new(3.0, 3.0, 2.0))
 }
 
-/// The same with a window of 1 x 1 m at one end, walls without thickness.
+/// The room with a window of 1 x 1 m at one end, walls without thickness.
 fn room_with_window() -> Mesh {
     let mut walls = room();
     // The wall at +x gives way to four strips around the window.
@@ -140,7 +140,8 @@ fn assert_fits(scene: &Scene, camera: &Camera, aspect: f32) {
     assert!((0.85..=1.0).contains(&most), "fills {most} of the picture");
 }
 
-/// Fails unless the camera stands free in a place, with a near plane before all that it sees.
+/// Fails unless the camera has free space around it in a place, and a near plane before all that it
+/// sees.
 fn assert_stands_free(scene: &Scene, camera: &Camera, clearance_m: f32) {
     let framing = Framing::of(scene);
     let eye = framing.unit.unit_from_world(camera.position);
@@ -217,7 +218,8 @@ fn lamps_give_300_lux_in_the_mean() {
     }
 }
 
-/// Of a cube that lacks one wall a lamp in the middle loses a sixth of its flux, and is brighter by that.
+/// A lamp in the middle of a cube that lacks one wall loses a sixth of its flux, and is brighter by
+/// that.
 #[test]
 fn a_lamp_makes_up_for_what_leaves_the_room() {
     let mut walls = interior(Vec3::NEG_ONE, Vec3::ONE);

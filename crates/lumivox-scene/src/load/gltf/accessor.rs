@@ -19,8 +19,8 @@ impl<'a> Loader<'a> {
         self.read_vectors(accessor, what, &layout)
     }
 
-    /// The same, with all integers normalised, for values that can only be shares, such as a
-    /// colour, even if the accessor does not say so.
+    /// As [`Self::read_floats`], with all integers normalised, even if the accessor does not say
+    /// so: for values that can only be shares, such as a colour.
     pub(super) fn read_shares<const N: usize>(
         &self,
         accessor: usize,

@@ -24,7 +24,7 @@ impl Loader<'_> {
         let name = mesh_name(mesh, primitive);
         let part = format!("mesh \"{name}\"");
         let Some(mut read) = self.read(primitive, name, material)? else { return Ok(None) };
-        // It is stored twice: as it is in the file, and deformed.
+        // It is stored twice: as in the file, and deformed.
         let base_bytes = read.positions.len() * (12 + 12 + 16) + read.indices.len() * 4;
         self.spend_bytes(&part, base_bytes as u64)?;
         let sources = self.sources(&part, primitive, &read)?;

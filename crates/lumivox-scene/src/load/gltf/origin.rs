@@ -139,7 +139,8 @@ impl Loader<'_> {
         from_node: &[DMat4],
         origin: DVec3,
     ) -> bool {
-        // A child of an animated node cannot be moved by its rest transform: the animated node itself is moved.
+        // A child of an animated node cannot be moved by its rest transform: the animated node
+        // itself is moved.
         let moves = moving(&self.rig.nodes, &self.rig.animations);
         let mut have_far_keys = false;
         let mut has_moved = vec![false; from_node.len()];

@@ -12,8 +12,8 @@ use super::{Notes, dangling, name_or_index};
 use crate::load::files::shorten;
 
 /// Reads the document. Removes, with a warning, channels that animate something other than nodes
-/// (`KHR_animation_pointer`), malformed animations, numbers that are not finite, and data of morph targets for attributes other
-/// than positions, normals and tangents.
+/// (`KHR_animation_pointer`), malformed animations, numbers that are not finite, and data of morph
+/// targets for attributes other than positions, normals and tangents.
 pub(super) fn read_root(json: &[u8], notes: &mut Notes) -> Result<Root, Error> {
     let mut json = Cow::Borrowed(json);
     let mut root = match Root::from_slice(&json) {

@@ -367,7 +367,7 @@ fn convert_sampler(sampler: &gltf::texture::Sampler<'_>) -> Sampler {
             Some(MagFilter::Nearest) => Filter::Nearest,
             Some(MagFilter::Linear) | None => Filter::Linear,
         },
-        // Of a filter's two parts, the one within a mip level counts.
+        // Only the filter within a mip level counts, not the one between levels.
         minify: match sampler.min_filter() {
             Some(
                 MinFilter::Nearest

@@ -40,7 +40,7 @@ const PNG_END: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
 /// The first bytes, enough to detect a format and its size; KTX2's header is the longest.
 const START_BYTES: usize = 80;
 
-/// Where an image's bytes are.
+/// The place of an image's bytes.
 #[derive(Clone, Debug)]
 pub(super) enum Source<'a> {
     /// In memory.
@@ -309,7 +309,7 @@ mod tests {
             (&b""[..], BROKEN),
             (b"hello", OF_ANOTHER_KIND),
             (b"GIF89a no picture", OF_ANOTHER_KIND),
-            // It is a PNG: another one would be as broken.
+            // It is a PNG: saving it as a PNG is not the remedy.
             (b"\x89PNG\r\n\x1a\n", BROKEN),
         ] {
             let fault = header(&memory(bytes)).unwrap_err().to_string();

@@ -3,7 +3,7 @@
 //! A texel of the result is the mean of the rectangle that it covers; texels at the border count
 //! with the share that is inside (for edges of odd length). Colours are averaged as linear light,
 //! weighted by their alpha, so that invisible texels do not bleed into visible ones; data is
-//! averaged as it is.
+//! averaged without conversion.
 
 use super::Pixels;
 use crate::load::color::{linear_from_srgb, srgb_from_linear};

@@ -55,7 +55,7 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    /// Corners at one position that are compared before another one is made: more than real meshes
+    /// Corners at one position that are compared before a new one is made: more than real meshes
     /// have, and a bound on the cost of a hostile one.
     const LONGEST_CHAIN: usize = 32;
 

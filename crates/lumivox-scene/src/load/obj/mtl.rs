@@ -20,7 +20,7 @@ const MOST_WORDS: usize = 32;
 #[derive(Default)]
 pub(super) struct Library {
     materials: HashMap<Vec<u8>, Mtl>,
-    /// For each [`plain`] name, the name of a material as it was written first.
+    /// For each [`plain`] name, the first spelling of a material's name.
     plain_names: HashMap<Vec<u8>, Vec<u8>>,
 }
 
@@ -271,8 +271,8 @@ impl Mtl {
     }
 }
 
-/// The names of libraries in one line, each with blanks or without: the longest that are found, else
-/// up to the next `.mtl`.
+/// The names of libraries in one line, each with blanks or without: the longest that are found,
+/// else up to the next `.mtl`.
 fn split<T>(names: &[u8], find: &dyn Fn(&[u8]) -> Result<T, String>) -> Vec<Result<T, String>> {
     let ends: Vec<usize> = (1..=names.len())
         .filter(|&at| !names[at - 1].is_ascii_whitespace())

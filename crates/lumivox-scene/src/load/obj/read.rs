@@ -254,8 +254,8 @@ impl State {
         });
     }
 
-    /// Colours of the next vertices in a comment of `ZBrush`: two hexadecimal digits each for a mask,
-    /// red, green and blue.
+    /// Colours of the next vertices in a comment of `ZBrush`: two hexadecimal digits each for a
+    /// mask, red, green and blue.
     fn polypaint(&mut self, rest: &[u8]) {
         let Model { positions, colors, .. } = &mut self.model;
         for block in rest.chunks_exact(8) {

@@ -183,7 +183,7 @@ pub fn load(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
     Scene::load(write(folder.path(), name, bytes))
 }
 
-/// Loads the bytes as they are, for tests that load thousands of files.
+/// Loads the bytes from memory, for tests that load thousands of files.
 pub fn load_from_memory(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
     Scene::from_memory(name, bytes, &mut LoadOptions::default())
 }

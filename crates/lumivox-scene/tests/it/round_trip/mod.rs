@@ -50,7 +50,7 @@ proptest! {
 
     #[test]
     fn random_scenes_survive_to_the_bit(scene in strategy::scene()) {
-        // Where most places are far from zero, a file is counted from there, and others are rounded.
+        // If most places are far from zero, a file is counted from there, and others are rounded.
         prop_assume!(load(&scene.name, &scene.to_glb().unwrap()).origin == scene.origin);
         round_trip(&scene);
     }
@@ -58,7 +58,7 @@ proptest! {
 
 #[test]
 fn builtin_scenes_survive_to_the_bit() {
-    // Large ones have nothing that the others lack, but take as long as all of them.
+    // Large scenes add nothing new, but take as long as all of the others.
     for name in builtin::names().iter().filter(|name| !builtin::is_large(name)) {
         round_trip(&builtin::scene(name).unwrap());
     }

@@ -22,7 +22,7 @@ export const BOUND = 0.1;
 /** Small and quick; `NATIVE` is the same for the native program. */
 export const QUICK = { resolution: 32, frames: 4, bounces: 1 };
 export const NATIVE = ["--size", "96x72", "--resolution", "32", "--frames", "4", "--bounces", "1"];
-/** The same in a link. */
+/** `NATIVE` as the parameters of a link. */
 export const LINK = "scale=0.25&resolution=32&frames=4&bounces=1";
 
 /** The result of a promise; fails after LONGEST_MS, since a stopped worker never answers.
@@ -45,7 +45,8 @@ export class App {
 
     /** Opens the page in a tab of its own context.
      * @param {Session} session
-     * @param {{ link?: string, path?: string, context?: ContextOptions, before?: (page: Page) => Promise<unknown> }} options
+     * @param {{ link?: string, path?: string, context?: ContextOptions,
+     *   before?: (page: Page) => Promise<unknown> }} options
      *   `before` may prepare the tab */
     static async open(session, { link = "", path = "", context = {}, before } = {}) {
         const tab = await session.browser.newContext({ viewport: VIEWPORT, ...context });
@@ -58,7 +59,8 @@ export class App {
     }
 
     /** Opens it with a scene, and waits for the picture.
-     * @param {Session} session @param {string} scene @param {{ link?: string, context?: ContextOptions }} options */
+     * @param {Session} session @param {string} scene
+     * @param {{ link?: string, context?: ContextOptions }} options */
     static async show(session, scene, { link = "", context } = {}) {
         const app = await App.open(session, { link: [`scene=${scene}`, LINK, link].filter(Boolean).join("&"), context });
         await app.complete();
@@ -76,7 +78,7 @@ export class App {
         await this.inPanel("Scene", () => this.page.locator("#scene").selectOption(scene));
     }
 
-    // --- What the page shows ---
+    // --- State of the page ---
 
     /** Waits until the page is in a state. @param {string} state */
     async state(state) {

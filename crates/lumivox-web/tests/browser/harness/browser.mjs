@@ -34,8 +34,8 @@ export async function serve(folder) {
 
 /** A browser and the page's address. */
 export class Session {
-    /** @param {import("playwright-core").Browser} browser @param {{ address: string, end: () => void }} server
-     * @param {string} folder */
+    /** @param {import("playwright-core").Browser} browser
+     * @param {{ address: string, end: () => void }} server @param {string} folder */
     constructor(browser, server, folder) {
         this.browser = browser;
         this.server = server;

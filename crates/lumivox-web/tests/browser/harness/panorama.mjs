@@ -3,7 +3,8 @@
 
 /** The radiance in a direction, cd/m2: bright above, dim brown below, with a red and a blue side,
  * so that rotations are visible.
- * @param {number} around from 0 to 1, from the left edge @param {boolean} isAbove @returns {[number, number, number]} */
+ * @param {number} around from 0 to 1, from the left edge @param {boolean} isAbove
+ * @returns {[number, number, number]} */
 function color(around, isAbove) {
     const side = 0.5 + 0.5 * Math.sin(2 * Math.PI * around);
     return isAbove ? [200 * side, 120, 200 * (1 - side)] : [30, 20, 10];
@@ -23,7 +24,8 @@ export function panorama(height = 32) {
 }
 
 /** Its luminance at a place of a picture from this camera, cd/m2 (ITU-R BT.709-6, section 3.2).
- * @param {any} camera @param {[number, number]} place from 0 to 1 @param {number} aspect @param {number} turned degrees */
+ * @param {any} camera @param {[number, number]} place from 0 to 1 @param {number} aspect
+ * @param {number} turned degrees */
 export function luminance(camera, [x, y], aspect, turned) {
     const axes = [0, 1, 2];
     const unit = (/** @type {number[]} */ v) => v.map((part) => part / Math.hypot(...v));

@@ -8,7 +8,8 @@ import { promisify } from "node:util";
 import { deflateSync } from "node:zlib";
 import { program } from "./environment.mjs";
 
-/** @typedef {{ width: number, height: number, data: Buffer }} Picture four bytes a pixel, row by row from the top */
+/** @typedef {{ width: number, height: number, data: Buffer }} Picture four bytes a pixel, row by
+ * row from the top */
 
 const run = promisify(execFile);
 /** @type {Promise<string> | undefined} */
@@ -72,7 +73,8 @@ export function colors({ data }) {
     return seen.size;
 }
 
-/** Columns of a picture. @param {Picture} picture @param {number} from @param {number} to @returns {Picture} */
+/** Columns of a picture.
+ * @param {Picture} picture @param {number} from @param {number} to @returns {Picture} */
 export function columns({ width, height, data }, from, to) {
     const rows = Array.from({ length: height }, (_, y) => data.subarray(4 * (y * width + from), 4 * (y * width + to)));
     return { width: to - from, height, data: Buffer.concat(rows) };

@@ -1,4 +1,4 @@
-//! What is walked over again where boxes move, and where static draws come and go.
+//! The surface that is walked over again when boxes move, and when static draws come and go.
 
 use super::*;
 
@@ -14,7 +14,8 @@ fn assert_fresh(lit: &Lit, geometry: &Geometry, place: Vec3) {
     }
 }
 
-/// Of moved boxes only what has entered them is walked over. Whatever the way, the voxels are those of a new clipmap there.
+/// Only the surface that has entered moved boxes is walked over. Whatever the move, the voxels are
+/// those of a new clipmap there.
 #[test]
 fn only_what_enters_the_boxes_is_walked() {
     let (device, _) = device();
@@ -28,7 +29,7 @@ fn only_what_enters_the_boxes_is_walked() {
     let mut lit = Lit::new(floor(), cascades(start, 3, 32), &[], Vec3::ONE, 1);
     let geometry = floor().build(&device);
     pollster::block_on(lit.gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
-    // The first move walks over all, since nothing is kept of static surface that nobody asks for.
+    // The first move walks over everything, since static surface is not kept before.
     lit.follow(&geometry, start + stride * Vec3::X);
     let all = lit.gi.static_items();
     let offsets = [
@@ -61,7 +62,7 @@ fn plates() -> SceneBuilder {
         .fixed()
 }
 
-/// The same without some of its draws.
+/// The geometry without some of its draws.
 fn without(geometry: &Geometry, gone: &[usize]) -> Geometry {
     let mut geometry = geometry.clone();
     let mut number = 0..;
@@ -69,8 +70,8 @@ fn without(geometry: &Geometry, gone: &[usize]) -> Geometry {
     geometry
 }
 
-/// Where static draws come and go, and boxes move at the same time, only what is near them is walked, and the voxels are those of a
-/// new clipmap.
+/// If static draws come and go while boxes move, only what is near them is walked, and the voxels
+/// are those of a new clipmap.
 #[test]
 fn draws_that_come_and_go_are_walked_alone() {
     let geometry = plates().build(&device().0);
@@ -103,7 +104,7 @@ fn draws_that_come_and_go_are_walked_alone() {
     assert_fresh(&lit, &painted, start + 2.0 * stride * Vec3::X);
 }
 
-/// Where draws come and go in every frame, the voxels follow all the same, a few frames behind.
+/// If draws come and go in every frame, the voxels follow nevertheless, a few frames late.
 #[test]
 fn voxels_follow_draws_that_never_rest() {
     let geometry = plates().build(&device().0);
@@ -120,7 +121,8 @@ fn voxels_follow_draws_that_never_rest() {
     assert_fresh(&lit, &geometry, start);
 }
 
-/// Where a static draw goes and comes back before the voxels without it are there, those of before are the right ones.
+/// If a static draw is removed and added again before the voxels without it are ready, the earlier
+/// voxels are the right ones.
 #[test]
 fn voxels_stay_where_a_draw_comes_back_at_once() {
     let geometry = plates().build(&device().0);

@@ -1,4 +1,5 @@
-//! Maps on the GPU: what shaders find in them, and what cones sum up, against the integral over the panorama.
+//! Maps on the GPU: what shaders find in them, and what cones sum up, against the integral over the
+//! panorama.
 
 use half::f16;
 
@@ -35,7 +36,8 @@ impl Tile {
         Self { device, queue, gi }
     }
 
-    /// What a function of a shader, `fn answer(question: vec4f, index: u32) -> vec3f`, says in the light of a map.
+    /// The results of a shader function, `fn answer(question: vec4f, index: u32) -> vec3f`, in the
+    /// light of a map.
     fn ask(&self, map: &EnvironmentMap, answer: &str, questions: &[Vec4]) -> Vec<Vec3> {
         let mut shaders = self.gi.shaders().clone();
         shaders.add("test::ask", format!("{answer}{ASK_WGSL}"));
@@ -109,15 +111,15 @@ fn answer(question: vec4f, index: u32) -> vec3f {
     return environment_radiance(normalize(question.xyz), question.w);
 }";
 
-/// A sample is as wide wherever it falls on the cube: it blurs a step from black to white alike in the middle of a face
-/// and at an edge, where a texel has 0.35 of the solid angle.
+/// A sample is as wide wherever it falls on the cube: it blurs a step from black to white alike in
+/// the middle of a face and at an edge, where a texel has 0.35 of the solid angle.
 #[test]
 fn samples_of_the_map_are_as_wide_everywhere() {
     let tile = Tile::new(Vec3::Y);
     let step = image(512, |d| if d.y > 0.0 { Vec3::ONE } else { Vec3::ZERO });
     let map = EnvironmentMap::new(&tile.device, &tile.queue, step.panorama()).expect("a map");
     for width in [0.1, 0.2, 0.3] {
-        // What is seen of white below the step, over the angle.
+        // The white seen below the step, integrated over the angle.
         let blur = |place: Vec3| -> f32 {
             let angles = (1..200).map(|i| i as f32 / 200.0);
             let ways: Vec<Vec4> = angles
@@ -161,8 +163,8 @@ fn cube_texture(device: &wgpu::Device, queue: &wgpu::Queue, cube: &Cube) -> wgpu
     })
 }
 
-/// A cube texture gives the light of the panorama that it shows, at every width, with its factor, turned, and with light from
-/// everywhere added. Of a finer and of a coarser one.
+/// A cube texture gives the light of the panorama that it shows, at every width, with its factor,
+/// turned, and with light from everywhere added. Of a finer and of a coarser one.
 #[test]
 fn a_cube_texture_gives_the_light_of_its_panorama() {
     let tile = Tile::new(Vec3::Y);
@@ -230,8 +232,8 @@ fn answer(question: vec4f, index: u32) -> vec3f {
     return gather(vec3f(0.0), question.xyz, vec3f(0.0, 1.0, 0.0), 0u, 12u, start, index, settings).irradiance;
 }";
 
-/// Under a bent normal the part of the hemisphere that lies below the surface is folded up, as in a mirror: of a map of
-/// the radiance 1 + y, a direction d then finds 1 + |d.y|.
+/// Under a bent normal the part of the hemisphere that lies below the surface is folded up, as in a
+/// mirror: of a map of the radiance 1 + y, a direction d then finds 1 + |d.y|.
 #[test]
 fn what_a_bent_normal_looks_at_below_the_surface_is_folded_up() {
     let tile = Tile::new(Vec3::Y);
@@ -255,8 +257,8 @@ fn what_a_bent_normal_looks_at_below_the_surface_is_folded_up() {
     }
 }
 
-/// The cones of a hemisphere sum up to the irradiance: the mean over the jitter of some 4000 faces against
-/// the sum over the panorama, for smooth and for harsh maps.
+/// The cones of a hemisphere sum up to the irradiance: the mean over the jitter of some 4000 faces
+/// against the sum over the panorama, for smooth and for harsh maps.
 #[test]
 fn cones_sum_up_to_the_irradiance() {
     let half =
@@ -264,8 +266,8 @@ fn cones_sum_up_to_the_irradiance() {
     let below = |d: DVec3| if d.y < 0.0 { Vec3::splat(5.0) } else { Vec3::splat(1.0) };
     let sun = with_disc(Vec3::new(0.4, 0.8, 0.3), 0.04, 12.0, gradient);
     let lamp = with_disc(Vec3::new(0.3, 0.6, -0.5), 0.35, 12.0, gradient);
-    // Tolerances are what was found on lavapipe, and some: 0.9, 1.9, 1, 0.5 and 4.5 %. A cone's own width
-    // blurs the lamp against the cosine; the finest preset is within 1.5 % of it.
+    // Tolerances are what was found on lavapipe, and some: 0.9, 1.9, 1, 0.5 and 4.5 %. A cone's own
+    // width blurs the lamp against the cosine; the finest preset is within 1.5 % of it.
     let maps = [
         ("gradient", image(128, gradient), 0.01),
         ("half", image(128, half), 0.025),

@@ -1,4 +1,4 @@
-//! Lights that change without being bound anew, and shadow maps in a layout of the caller's.
+//! Lights that change without being bound again, and shadow maps in the caller's own layout.
 
 use glam::{Mat4, UVec2, Vec3};
 
@@ -74,7 +74,8 @@ fn updated_lights_are_as_those_bound_anew() {
     }
 }
 
-/// Parallel light from above, by a map whose left half is in shadow, in Lumivox's layout and in another.
+/// Parallel light from above, by a map whose left half is in shadow, in Lumivox's layout and in
+/// another.
 #[test]
 fn shadow_maps_of_another_layout_give_the_same_bits() {
     let size = UVec2::splat(16);
@@ -140,7 +141,8 @@ fn shadow_maps_of_another_layout_give_the_same_bits() {
     assert!(lab.faces(&lights) == expected, "after an update");
 }
 
-/// Maps of a caller's own that reach over a half of the room: the other half has the shadows of cones.
+/// The caller's own maps, which cover one half of the room: the other half has the shadows of
+/// cones.
 #[test]
 fn cones_answer_where_maps_do_not_reach() {
     let module = "
@@ -165,7 +167,8 @@ fn cones_answer_where_maps_do_not_reach() {
         lab.faces(&lights)
     };
     let mapped = Shadow::Map { first_layer: 0 };
-    // A map everywhere, and none anywhere. New voxels are asked first: without its opacities a cone would see nothing.
+    // First a map nowhere, on new voxels: without the volume's opacities a cone would see nothing.
+    // Then a map everywhere.
     let nowhere = lit(mapped, -1.0);
     assert!(nowhere == lit(Shadow::Cone, 0.0));
     let everywhere = lit(mapped, 2.0);

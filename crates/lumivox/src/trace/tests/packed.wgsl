@@ -1,4 +1,5 @@
-// A G-buffer of an engine's own: one texture of integers, two half floats a word, and reversed depth.
+// A G-buffer of an engine's own: one texture of integers, two half floats a word, and reversed
+// depth.
 
 import package::trace::surface::{octahedral_decode, Specular, Surface};
 import package::trace::view::{camera_motion, position_from_depth};

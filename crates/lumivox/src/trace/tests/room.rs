@@ -31,7 +31,8 @@ pub(crate) fn view(size: UVec2) -> CameraView {
     CameraView { frame: 1, ..CameraView::new(clip_from_view * view_from_world, position, size) }
 }
 
-/// Draws it with one of the fragment shaders of `room.wgsl`, into a depth texture and textures of the given formats.
+/// Draws it with one of the fragment shaders of `room.wgsl`, into a depth texture and textures of
+/// the given formats.
 pub(crate) fn draw(
     (device, queue): (&wgpu::Device, &wgpu::Queue),
     view: CameraView,
@@ -127,7 +128,7 @@ pub(crate) fn draw(
     (depth, colors)
 }
 
-/// Formats of Lumivox's own G-buffer, of half floats alone.
+/// Formats of Lumivox's own G-buffer: only half floats.
 pub(super) const FORMATS: [wgpu::TextureFormat; 4] = [
     wgpu::TextureFormat::Rgba16Float,
     wgpu::TextureFormat::Rgba16Float,

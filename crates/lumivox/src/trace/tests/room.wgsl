@@ -23,7 +23,8 @@ struct Hit {
     depth: f32,
 }
 
-// Where a ray from inside meets the box; a disc in the middle of the picture shows nothing.
+// The point at which a ray from inside meets the box; a disc in the middle of the picture shows
+// nothing.
 fn hit(pixel: vec2f) -> Hit {
     let uv = pixel / vec2f(camera.width, camera.height);
     if distance(uv, vec2f(0.5)) < 0.1 {
@@ -86,7 +87,8 @@ fn textures(@builtin(position) pixel: vec4f) -> GBuffer {
     );
 }
 
-// A shadow map that has something near the light in its left half and nothing in the other; reversed z, and not.
+// A shadow map that has something near the light in its left half and nothing in the other;
+// reversed z, and not.
 @fragment
 fn shadow(@builtin(position) pixel: vec4f) -> @builtin(frag_depth) f32 {
     return select(0.0, 1.0, pixel.x < 0.5 * camera.width);

@@ -1,5 +1,6 @@
-//! After any moves and lights, the volume equals a new one, to the bit. An octree keeps bricks where they are, and where they
-//! are decides the last bits of what cones see: there it equals, to the bit, one that has voxelized everything at each move.
+//! After any moves and lights, the volume equals a new one, to the bit. An octree keeps the places
+//! of its bricks, which decide the last bits of what cones see: there it equals, to the bit, one
+//! that has voxelized everything at each move.
 
 use glam::{Mat4, Vec3};
 
@@ -37,7 +38,7 @@ impl Stage {
         pollster::block_on(gi.voxelize_dynamic(&geometry, Timing::Off)).expect("there are voxels");
     }
 
-    /// A lamp that reaches no farther than `range_m`, so that much of the room stays as it is.
+    /// A lamp that reaches no farther than `range_m`, so that much of the room does not change.
     fn light(&self, gi: &mut Gi, bounces: u32, lamp: Vec3, shadow: Shadow) {
         let source = LightSource::Point {
             position: lamp,
@@ -71,7 +72,7 @@ impl Stage {
             let largest = fresh.iter().flatten().fold(0.0_f32, |a, b| a.max(*b));
             let pairs = || own.iter().flatten().zip(fresh.iter().flatten());
             let off = pairs().filter(|(a, b)| (*a - *b).abs() > 1e-5 * largest).count();
-            // A last bit may decide whether a cone goes on.
+            // A last bit may decide whether a cone continues.
             assert!(off * 100 < pairs().count(), "{what}: {off} values differ");
             let sum = |light: &[[f32; 4]]| light.iter().flatten().copied().map(f64::from).sum();
             let [a, b]: [f64; 2] = [sum(&own), sum(&fresh)];

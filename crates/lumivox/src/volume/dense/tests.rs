@@ -179,7 +179,7 @@ fn pyramid_equals_its_twin() {
 #[test]
 fn a_new_list_leaves_nothing_of_the_old_one() {
     let (device, queue, mut gi) = lit_room(32, Directionality::SixLobes);
-    // The same room, moved by some voxels: every trace of the first one must be gone.
+    // Moves the same room by some voxels: every trace of the first one must be gone.
     let shift = glam::Mat4::from_scale_rotation_translation(
         Vec3::splat(0.5),
         glam::Quat::IDENTITY,

@@ -107,7 +107,7 @@ pub(super) struct FollowKernels {
 struct Layouts {
     /// Group 0: the grid and the tree.
     tree: wgpu::BindGroupLayout,
-    /// The same, plus the tree's nodes.
+    /// As `tree`, plus the tree's nodes.
     search: wgpu::BindGroupLayout,
     mark: wgpu::BindGroupLayout,
     groups: wgpu::BindGroupLayout,

@@ -39,7 +39,8 @@ pub struct OctreeParts<'a> {
     pub shaders: &'a ShaderLibrary,
     /// The grid of the voxels.
     pub grid: &'a Grid,
-    /// The layout of bind group 0: `package::grid` and the uniform of `package::volume::octree::tree`.
+    /// The layout of bind group 0: `package::grid` and the uniform of
+    /// `package::volume::octree::tree`.
     pub globals: &'a wgpu::BindGroupLayout,
 }
 

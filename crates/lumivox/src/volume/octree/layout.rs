@@ -71,7 +71,7 @@ impl TreeLayout {
         self.levels[self.root_level as usize][0]
     }
 
-    /// Where the node bits of a level are stored.
+    /// The place of a level's node bits.
     pub fn bits(&self, level: u32) -> BitLevel {
         let cells = 1 << (3 * (self.root_level - level));
         BitLevel { first_word: self.levels[level as usize][0], words: (cells / 32).max(1) }

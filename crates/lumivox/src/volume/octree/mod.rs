@@ -8,10 +8,10 @@
 //!
 //! | step | once per | files |
 //! | --- | --- | --- |
-//! | which nodes exist, and which contain changed cells | voxel list | `mark.wgsl`, `renewals.wgsl` |
+//! | existing nodes, and those with changed cells | voxel list | `mark.wgsl`, `renewals.wgsl` |
 //! | masks of the latter, and whether everything fits | voxel list | `masks.wgsl`, `verdict.wgsl` |
 //! | places of their bricks | voxel list | `places.wgsl` |
-//! | groups of nodes, by ranks or by the caller's builder (`hook.rs`) | voxel list | `groups.wgsl`, `build_ranked.wgsl` |
+//! | node groups, by ranks or `hook.rs` | voxel list | `groups.wgsl`, `build_ranked.wgsl` |
 //! | bricks and masks of all nodes, and the table | voxel list | `inherit.wgsl` |
 //! | values that are still correct, and new bricks | voxel list | `carry.wgsl`, `refill.wgsl` |
 //! | values of the cells, filtered level by level | changed light | `store.wgsl`, `filter.wgsl` |
@@ -448,7 +448,8 @@ fn bind_globals(
         .build(device, "globals")
 }
 
-/// What is read back of a recording: the verdict, and the counters of the caller's builder.
+/// The buffers to read back after a recording: the verdict, and the counters of the caller's
+/// builder.
 fn verdict_sources<'a>(
     state: &'a State,
     builder: Option<&'a dyn OctreeBuilder>,

@@ -25,7 +25,7 @@ import package::voxels::morton::morton_decode;
 // The run length of each thread of the workgroup.
 var<workgroup> lengths: array<u32, LINEAR_WORKGROUP_SIZE>;
 
-// Where the stack of a length starts: there are never more runs of a length than fit behind one
+// The start of the stack of a length: there are never more runs of a length than fit behind one
 // another.
 fn stack_start(length: u32) -> u32 {
     var start = 0u;

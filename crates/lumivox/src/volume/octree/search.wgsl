@@ -29,7 +29,7 @@ fn find_node(node_cell: vec3u, level: u32) -> u32 {
     return node;
 }
 
-// The same, by a search from the root.
+// As `find_node`, by a search from the root.
 fn find_node_from_root(node_cell: vec3u, level: u32) -> u32 {
     var node = child_towards(0u, node_cell, tree.root_level - 1u - level);
     var below = tree.root_level - 1u - level;

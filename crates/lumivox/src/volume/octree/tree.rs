@@ -40,7 +40,7 @@ impl Room {
     /// Minimum capacities.
     pub const NONE: Self = Self { slots: 8, renewals: 1, bricks: 1 };
 
-    /// Where the stack of free runs of a length starts; `stack_start` of `places.wgsl`.
+    /// The start of the stack of free runs of a length; `stack_start` of `places.wgsl`.
     fn stack_start(self, length: u64) -> u64 {
         (1..length).map(|shorter| self.bricks / shorter).sum()
     }
@@ -225,7 +225,7 @@ impl Resettler {
         Ok(Self { tree_layout: tree_layout.clone(), layout, kernel })
     }
 
-    /// Copies an octree into another one with more capacity.
+    /// Copies an octree into one with more capacity.
     pub fn copy(
         &self,
         recorder: &mut Recorder<'_>,

@@ -19,10 +19,11 @@ fn a_face_covers_what_is_there() {
     assert_is(wall, WALL, 8.6, "the wall");
     assert!((panel.emission[0] - 8.0).abs() < 1e-3, "{panel:?}");
     assert!((panel.vector_area[1] + 0.25).abs() < 1e-3, "{panel:?}");
-    // Of x and z the lower halves, each with the part that the border touches.
+    // The lower halves of x and z, each with the part that the border touches.
     assert_eq!([panel.profiles[0], panel.profiles[1]], [0x1ffff; 2], "{panel:?}");
     assert_eq!([panel.mask_low, panel.mask_high], [0x1f1f_1f1f, 0x1f], "{panel:?}");
-    // A diagonal from corner to corner of the quarter: u + v up to a half, u - v up to a quarter to both sides.
+    // A diagonal from corner to corner of the quarter: u + v up to a half, u - v up to a quarter to
+    // both sides.
     assert_eq!(panel.profiles[2], 0x1ffff, "{panel:?}");
     assert_eq!(panel.profiles[3] & 0xff, 0x80, "{panel:?}");
 }

@@ -56,7 +56,7 @@ fn every_layout_gives_the_bits_of_the_packed_one() {
         let layout = format!("stride {stride}, offset {offset}, {format:?} after {before}");
         assert!(found.bits() == expected.bits(), "{layout}");
 
-        // A draw of the second half alone, by its place among the indices.
+        // A draw of only the second half, by its place among the indices.
         let half = |geometry: &Geometry| {
             let mut geometry = geometry.clone();
             let draw = &mut geometry.batches[0].draws[0];

@@ -46,8 +46,9 @@ fn a_texture_of_the_voxels_size_is_read_where_it_is() {
     let faces = columns(&lab, &wall().geometry(&lab.device, material));
     assert_eq!(faces.len(), 64);
     for ([x, y], face) in faces {
-        // In the diagonal's voxels there are two pieces, off the texel's centre towards the corners; what
-        // they miss on the one side they have on the other. The border texels wrap around.
+        // In the diagonal's voxels there are two pieces, off the texel's centre towards the
+        // corners; what they miss on the one side they have on the other. The border texels wrap
+        // around.
         if [x, y].iter().any(|i| [4, 11].contains(i)) {
             continue;
         }
@@ -75,7 +76,7 @@ fn alpha_halves_the_area() {
         assert!((along(&face) - 128.0 / 255.0).abs() < 1e-3, "{column:?}: {face:?}");
         assert!(face.reflectance[0] > 0.989, "{column:?}: {face:?}");
     }
-    // Alpha that is not coverage leaves the area alone.
+    // Alpha that is not coverage does not change the area.
     let opaque = SurfaceMaterial { alpha_is_coverage: false, ..material };
     for (column, face) in columns(&lab, &wall().geometry(&lab.device, opaque)) {
         assert!((along(&face) - 1.0).abs() < 1e-5, "{column:?}: {face:?}");
@@ -94,7 +95,8 @@ fn holes_are_not_occupied() {
     };
     let list = lab.voxelize(&unit_grid(16), &wall().geometry(&lab.device, material));
     for [x, y, _] in list.voxels() {
-        // Filtering reaches half a texel of the mip, that is half a voxel, over the edge and around.
+        // Filtering reaches half a texel of the mip, that is half a voxel, over the edge and
+        // around.
         assert!(x >= 7 || x == 4, "{x} {y} is occupied");
     }
     for x in 8..12 {
@@ -159,8 +161,8 @@ fn materials_with_and_without_textures_mix() {
     assert_eq!(seen, 6 * 64);
 }
 
-/// Positions of the square's corners, two sets of coordinates and a colour, laid out as an engine might: the
-/// colour first, then something of the engine's own, then the second set and the first.
+/// Positions of the square's corners, two sets of coordinates and a colour, laid out as an engine
+/// might: the colour first, then something of the engine's own, then the second set and the first.
 fn interleaved(lab: &Lab, second: [Vec2; 4], colors: [[u16; 4]; 4]) -> lumivox::VertexAttributes {
     let first = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
     let words: Vec<u32> = (0..4)
@@ -183,8 +185,8 @@ const WHITE: [u16; 4] = [u16::MAX; 4];
 fn every_texture_has_coordinates_and_a_transform_of_its_own() {
     let lab = Lab::new();
     let view = texture(&lab, 8, |x, y| [(x * 30) as u8, (y * 30) as u8, 7, 255]);
-    // The first set turned by a quarter: (u, v) becomes (v, 1 - u). The second set is mirrored along u, and
-    // the transform mirrors it back.
+    // The first set turned by a quarter: (u, v) becomes (v, 1 - u). The second set is mirrored
+    // along u, and the transform mirrors it back.
     let turned = glam::Affine2::from_cols(Vec2::new(0.0, -1.0), Vec2::X, Vec2::Y);
     let mirrored = glam::Affine2::from_cols(Vec2::NEG_X, Vec2::Y, Vec2::X);
     let material = SurfaceMaterial {
@@ -275,7 +277,8 @@ fn what_passes_does_not_block_and_what_blocks_reflects_the_rest() {
     };
     let passed = 0.8 * color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
     for ([x, y], face) in columns(&lab, &wall().geometry(&lab.device, material)) {
-        // Alpha that is not coverage leaves the area alone; the middle and the edges mix both halves.
+        // Alpha that is not coverage does not change the area; the middle and the edges mix both
+        // halves.
         let (blocked, reflectance) = match x {
             5 | 6 => (1.0 - passed, 0.2 * color / (1.0 - passed)),
             9 | 10 => (1.0, color),

@@ -1,5 +1,5 @@
-//! The voxelizer against a brute force in f64, and its promises: nothing lost, nothing counted twice, the
-//! same bits whatever the order.
+//! The voxelizer against a brute force in f64, and its promises: nothing lost, nothing counted
+//! twice, the same bits whatever the order.
 
 mod layers;
 mod layouts;

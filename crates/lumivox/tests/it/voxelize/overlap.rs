@@ -7,7 +7,8 @@ use crate::voxelize::read::Lab;
 use crate::voxelize::scenes::{Mesh, Random, unit_grid};
 use crate::voxelize::twin::{self, in_grid};
 
-/// Compares the occupied voxels with the twin's: those nearer than `epsilon` to touching may differ.
+/// Compares the occupied voxels with the twin's: those nearer than `epsilon` to touching may
+/// differ.
 fn compare(lab: &Lab, grid: &Grid, geometry: &Geometry, triangles: &[[Vec3; 3]], epsilon: f64) {
     let list = lab.voxelize(grid, geometry);
     let found = list.voxels();
@@ -34,8 +35,8 @@ fn compare_mesh(lab: &Lab, grid: &Grid, triangles: &[[Vec3; 3]], epsilon: f64) {
     compare(lab, grid, &geometry, triangles, epsilon);
 }
 
-/// Coordinates of up to 64 voxels are rounded by 64 * 2^-24 in f32, and by a few times that in the transform;
-/// the tests are widened by 8 such roundings (walk.wgsl).
+/// Coordinates of up to 64 voxels are rounded by 64 * 2^-24 in f32, and by a few times that in the
+/// transform; the tests are widened by 8 such roundings (walk.wgsl).
 const EPSILON: f64 = 16.0 * 64.0 / 16_777_216.0;
 
 #[test]
@@ -85,7 +86,8 @@ fn huge_triangles() {
             Vec3::new(10.0, 4000.0, 20.0),
         ],
     ];
-    // Rounding grows with the coordinates: by 5000 * 2^-24, times those of EPSILON and of the plane.
+    // Rounding grows with the coordinates: by 5000 * 2^-24, times those of EPSILON and of the
+    // plane.
     compare_mesh(&lab, &unit_grid(64), &triangles, f64::from(size) * 32.0 / f64::from(1 << 24));
 }
 
@@ -107,7 +109,8 @@ fn tiny_triangles_in_one_voxel() {
     assert_eq!(list.stats.fragments, 100_000);
 }
 
-/// Closed boxes: what lies in a boundary touches the voxels on both sides. All numbers are exact here.
+/// Closed boxes: what lies in a boundary touches the voxels on both sides. All numbers are exact
+/// here.
 #[test]
 fn on_boundaries() {
     let lab = Lab::new();
@@ -187,7 +190,7 @@ fn transforms_and_batches() {
     for mesh in [cube, sphere] {
         let mut batch = mesh.batch(&lab.device, 0);
         let whole = batch.draws[0];
-        // The second transform draws a part of the mesh alone, from the middle of the index buffer.
+        // The second transform draws only a part of the mesh, from the middle of the index buffer.
         batch.draws = transforms
             .iter()
             .enumerate()

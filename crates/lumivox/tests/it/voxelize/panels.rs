@@ -37,12 +37,13 @@ pub struct Layers {
     pub panel: Mesh,
     pub double_sided: bool,
     pub panel_first: bool,
-    /// Of the wall and the panel.
+    /// For the wall and the panel.
     pub is_static: [bool; 2],
 }
 
 impl Layers {
-    /// The wall fills the grid's cross-section; the panel is `gap` voxels below, from `panel.0` to `panel.1`.
+    /// The wall fills the grid's cross-section; the panel is `gap` voxels below, from `panel.0` to
+    /// `panel.1`.
     pub fn new(height: f32, gap: f32, panel: (f32, f32)) -> Self {
         Self {
             wall: ceiling(height, (0.0, EDGE), 1),

@@ -1,4 +1,5 @@
-//! Static and dynamic shares: what is kept and what is walked again give the bits of a whole voxelization.
+//! Static and dynamic shares: what is kept and what is walked again give the bits of a whole
+//! voxelization.
 
 use std::collections::BTreeMap;
 
@@ -10,8 +11,8 @@ use lumivox::{Draw, Geometry, GiError, Grid, SurfaceMaterial};
 use crate::voxelize::read::{Lab, ReadList};
 use crate::voxelize::scenes::{Mesh, Random, cornell_box};
 
-/// Two spheres, a soup of small triangles and a large plate that move in the Cornell box; half of the materials
-/// have two sides, one has holes, one emits.
+/// Two spheres, a soup of small triangles and a large plate that move in the Cornell box; half of
+/// the materials have two sides, one has holes, one emits.
 fn stage(lab: &Lab) -> Geometry {
     let mut random = Random(5);
     let soup: Vec<[Vec3; 3]> = (0..400)
@@ -88,7 +89,8 @@ fn moves_give_the_bits_of_a_whole_voxelization() {
     let lab = Lab::new();
     let (grid, mut geometry) = (room(), stage(&lab));
     let turned = Mat4::from_rotation_x(0.7);
-    // In the air; in walls and floor, so that voxels and lobes are shared with them; half outside; wholly outside.
+    // In the air; in walls and floor, so that voxels and lobes are shared with them; half outside;
+    // wholly outside.
     let moves = [
         ("in the air", [at(0.5, 1.5, 1.0), at(1.4, 1.5, 0.7), at(1.0, 1.7, 1.0) * turned]),
         ("in walls", [at(0.0, 1.5, 1.0), at(1.4, 0.0, 0.7), at(1.0, 1.0, 0.01)]),
@@ -127,7 +129,8 @@ fn draws_come_and_go() {
     }
     let draws: Vec<Vec<Draw>> = geometry.batches.iter().map(|b| b.draws.clone()).collect();
     let mut kept = lab.scene(&grid);
-    // Which meshes are drawn; all, fewer, none but the room, again; then no room; then nothing kept fits.
+    // Which meshes are drawn; all, fewer, none but the room, again; then no room; then nothing kept
+    // fits.
     let cases: [(&[usize], bool); 7] = [
         (&[0, 1, 2, 3, 4], false),
         (&[0, 3], true),
@@ -147,7 +150,7 @@ fn draws_come_and_go() {
     }
 }
 
-/// What is done to a geometry, and its name.
+/// A change to a geometry, and its name.
 type Change<'a> = (&'a str, &'a dyn Fn(&mut Geometry));
 
 /// A change of what is static is found, whoever forgot to say so.
@@ -209,7 +212,8 @@ fn what_is_left_is_walked_exactly() {
     assert_same(&own, &lab.voxelize(&grid, &geometry), "the exact walk");
 }
 
-/// What a lobe of a voxel has: the vector area of its faces, and reflectance and emission times the area along it.
+/// The sums of a voxel's lobe: the vector area of its faces, and reflectance and emission times the
+/// area along it.
 type Sums = BTreeMap<(u32, u32), [Vec3; 3]>;
 
 fn sums_by_lobe(list: &ReadList) -> Sums {
@@ -224,8 +228,9 @@ fn sums_by_lobe(list: &ReadList) -> Sums {
     sums
 }
 
-/// Two shares hold what one share would: the same voxels, and lobes whose sums differ by rounding alone, unless surface of
-/// both lies in one plane and there is more of it than a plane has room for.
+/// Two shares hold what one share would: the same voxels, and lobes whose sums differ only by
+/// rounding, unless surface of both lies in one plane and there is more of it than a plane has room
+/// for.
 #[test]
 fn two_parts_are_one_surface() {
     let lab = Lab::new();

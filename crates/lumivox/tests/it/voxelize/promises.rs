@@ -1,4 +1,4 @@
-//! The same bits in every run and for every order; errors that say what is wrong.
+//! Equal bits in every run and for every order; errors that say what is wrong.
 
 use glam::{Mat4, Vec3};
 use lumivox::gpu::Timing;
@@ -55,7 +55,7 @@ fn the_order_of_triangles_does_not_matter() {
     assert!(first.bits() == shared.bits());
 }
 
-/// What voxelizing is refused with.
+/// The error with which voxelizing fails.
 pub fn error_of(lab: &Lab, grid: &Grid, geometry: &Geometry) -> GiError {
     let (device, queue, mut scene) = (&lab.device, &lab.queue, lab.scene(grid));
     let voxelizing = lab.voxelizer.voxelize(device, queue, &mut scene, geometry, Timing::Off);

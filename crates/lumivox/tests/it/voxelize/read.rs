@@ -52,7 +52,7 @@ impl Lab {
         self.voxelize_into(grid, geometry, &mut self.scene(grid))
     }
 
-    /// The same, with what a scene has of static draws.
+    /// As [`Self::voxelize`], with the static draws that a scene has kept.
     pub fn voxelize_into(
         &self,
         grid: &Grid,
@@ -67,7 +67,7 @@ impl Lab {
             self.read(&list.nodes, u64::from(list.level_starts[grid.levels as usize]));
         let first_faces: Vec<u32> = self.read(&list.first_faces, u64::from(list.voxel_count()));
         let places: Vec<FaceRecord> = self.read(&list.faces, u64::from(list.face_count));
-        // Voxel by voxel, wherever their faces stand.
+        // Voxel by voxel, wherever their faces are stored.
         let faces = nodes.iter().zip(&first_faces).flat_map(|(node, &first)| {
             let count = node.faces();
             places[first as usize..(first + count) as usize].to_vec()
@@ -135,8 +135,8 @@ impl ReadList {
         ]
     }
 
-    /// The pyramid is the OR of children, ranks are bit counts, nodes stand in Morton order, inner lobes are
-    /// those of the children, faces belong to their voxels.
+    /// The pyramid is the OR of children, ranks are bit counts, nodes are in Morton order, inner
+    /// lobes are those of the children, faces belong to their voxels.
     fn check(&self) {
         let levels = self.grid.levels;
         let mut words = Vec::new();

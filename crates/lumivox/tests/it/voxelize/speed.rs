@@ -12,7 +12,8 @@ use crate::voxelize::scenes::{Mesh, cornell_box};
 /// Runs of which the best and the mean time are printed.
 const RUNS: u32 = 10;
 
-/// Processor time of this process so far: what a software driver takes, whatever else the machine does.
+/// Processor time of this process so far: what a software driver takes, whatever else the machine
+/// does.
 fn cpu_seconds() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     // Fields 14 and 15, in hundredths of a second; the name, in brackets, may hold blanks.

@@ -1,4 +1,4 @@
-//! What the faces hold, against clipping in f64.
+//! The contents of faces, against clipping in f64.
 
 use glam::{DVec3, Mat4, Vec3, Vec4};
 use lumivox::voxels::FaceRecord;
@@ -12,8 +12,8 @@ use crate::voxelize::twin::{self, in_grid};
 /// `PARTED` of `voxels/list.wgsl`.
 const PARTED: u32 = 4;
 
-/// Positions are rounded by up to 64 * 2^-24 voxels, and a piece's boundary, a few voxels long, moves with
-/// them; the sums' own rounding is far below.
+/// Positions are rounded by up to 64 * 2^-24 voxels, and a piece's boundary, a few voxels long,
+/// moves with them; the sums' own rounding is far below.
 const TOLERANCE: f64 = 5e-5;
 
 fn grey() -> SurfaceMaterial {
@@ -49,7 +49,8 @@ fn compare(
         } else {
             assert!(area.length() <= own.area.length() + tolerance, "{key:?}: {area}, {own:?}");
         }
-        // Positions are those of what no other face hides, on the side of other surface on which most is.
+        // Positions are those of what no other face hides, on the side of other surface on which
+        // most is.
         let is_seen = (double_sided && faces.iter().all(|face| face.flags & PARTED == 0))
             || in_voxel[&key.0] == 1;
         if own.weight > 0.01 && own.weight < 1.0 && is_seen {
@@ -127,7 +128,7 @@ fn planes_keep_their_area() {
         let list = lab.voxelize(&grid, &Mesh::from_triangles(&[t]).geometry(&lab.device, grey()));
         let [a, b, c] = t.map(DVec3::from);
         let area = 0.5 * (b - a).cross(c - a);
-        // Of the order of a rounding of the sum of hundreds of faces of f32.
+        // This is of the order of a rounding of the sum of hundreds of faces of f32.
         let error = (list.total_area() - area).length();
         assert!(error <= 2e-5 * area.length(), "{t:?}: {}, not {area}", list.total_area());
         let normal = area.normalize();
@@ -138,8 +139,8 @@ fn planes_keep_their_area() {
     }
 }
 
-/// Pieces in the plane between two voxels are counted once, in the voxel above: of large triangles, and of small ones
-/// that lie within a side.
+/// Pieces in the plane between two voxels are counted once, in the voxel above: of large triangles,
+/// and of small ones that lie within a side.
 #[test]
 fn boundary_planes_count_once() {
     let lab = Lab::new();
@@ -174,7 +175,8 @@ fn closed_surfaces_add_up_to_nothing() {
     let list =
         lab.voxelize(&grid, &Mesh::sphere(Vec3::ZERO, 1.0, 708).geometry(&lab.device, grey()));
     let radius = 1.0 / f64::from(grid.voxel_size_m);
-    // Along the lobes the unit sphere has the area of the projections, by symmetry six times one sixth.
+    // Along the lobes the unit sphere has the area of the projections, by symmetry six times one
+    // sixth.
     let sum = list.total_area();
     assert!(sum.length() < 1e-4 * radius * radius, "{sum}");
     // The lobe +y is the part with n.y above |n.x| and |n.z|; its area along y is
@@ -225,7 +227,8 @@ fn many_tiny_pieces_add_up() {
     assert!(error < 1e-3, "{}, not {area}", list.total_area());
 }
 
-/// More surface in a voxel than any sum of a fixed scale would hold: it is limited, not wrapped around.
+/// More surface in a voxel than any sum of a fixed scale would hold: it is limited, not wrapped
+/// around.
 #[test]
 fn full_voxels_do_not_overflow() {
     let lab = Lab::new();

@@ -1,5 +1,5 @@
-//! The voxelizer in f64, by brute force: every voxel in a triangle's box by separating axes, every piece by
-//! clipping. Slow, plain, and independent of the shaders.
+//! The voxelizer in f64, by brute force: every voxel in a triangle's box by separating axes, every
+//! piece by clipping. Slow, plain, and independent of the shaders.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ pub struct Separator(Vec<Axis>);
 
 struct Axis {
     direction: DVec3,
-    /// Where the triangle lies along it, widened by half a voxel as seen along it.
+    /// The triangle's range along it, widened by half a voxel as seen along it.
     low: f64,
     high: f64,
 }
@@ -37,8 +37,8 @@ impl Separator {
         Self::along(t, std::iter::once(edges[0].cross(edges[1])).chain(DVec3::AXES).chain(across))
     }
 
-    /// Without the edges as seen along two of the axes: what a conservative rasterizer along the third one and the
-    /// plane's range of depth over the pixel can tell.
+    /// Without the edges as seen along two of the axes: the tests of a conservative rasterizer
+    /// along the third axis, and of the plane's range of depth over the pixel.
     #[allow(dead_code)] // The tests of lumivox-classics use it.
     pub fn in_column(t: &Triangle, axis: usize) -> Self {
         let edges = edges(t);
@@ -57,8 +57,8 @@ impl Separator {
         Self(directions.filter_map(DVec3::try_normalize).map(axis).collect())
     }
 
-    /// By how much the triangle and the closed voxel are apart along the best axis (negative: by how much they would have
-    /// to move to be apart), in voxels; `None` if by more than `most`.
+    /// By how much the triangle and the closed voxel are apart along the best axis (negative: by
+    /// how much they would have to move to be apart), in voxels; `None` if by more than `most`.
     pub fn apart(&self, voxel: UVec3, most: f64) -> Option<f64> {
         let centre = voxel.as_dvec3() + 0.5;
         self.0.iter().try_fold(f64::MIN, |apart, axis| {
@@ -146,7 +146,7 @@ pub fn lobe_of(normal: DVec3) -> usize {
     2 * axis + usize::from(normal[axis] < 0.0)
 }
 
-/// What a face collects.
+/// The sums of a face.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Face {
     /// Vector area, not limited.
@@ -158,7 +158,8 @@ pub struct Face {
     pub pieces: u32,
 }
 
-/// All faces by voxel and lobe, with pieces that lie in the plane between two voxels in the upper one.
+/// All faces by voxel and lobe, with pieces that lie in the plane between two voxels in the upper
+/// one.
 pub fn faces(
     grid: &Grid,
     triangles: &[Triangle],
@@ -170,7 +171,8 @@ pub fn faces(
         let axis = lobe / 2;
         let separator = Separator::new(t);
         for voxel in candidates(grid, t, 0.0) {
-            // Most of a large triangle's box is far from it. What touches a voxel may be apart by a rounding.
+            // Most of a large triangle's box is far from it. What touches a voxel may be apart by a
+            // rounding.
             if separator.apart(voxel, 1e-9).is_none() {
                 continue;
             }

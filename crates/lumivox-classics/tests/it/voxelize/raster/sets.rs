@@ -12,7 +12,7 @@ use crate::voxelize::scenes::Random;
 use crate::voxelize::scenes::unit_grid;
 use crate::voxelize::twin::{self, Separator, Triangle, in_grid};
 
-/// By how much a rasterizer with 8 bits below the pixel, which all desktop drivers have, may put an edge off.
+/// How far a rasterizer with 8 bits below the pixel, as in all desktop drivers, may move an edge.
 const SUBPIXEL: f64 = 1.0 / 256.0;
 
 /// Rounding of coordinates of up to 64 voxels, as in overlap.rs.
@@ -30,7 +30,8 @@ fn triangles_of_all_sizes() -> Vec<[Vec3; 3]> {
         .collect()
 }
 
-/// The voxels that a triangle's pixels' centres along an axis stand for: with certainty, and perhaps.
+/// The voxels at the pixel centres that a triangle covers along an axis: those that are certain,
+/// and those that are possible.
 fn sampled(grid: &Grid, t: &Triangle, axis: usize, certain: &mut Cells, possible: &mut Cells) {
     let turned = t.map(|p| turn(p, axis));
     let normal = (turned[1] - turned[0]).cross(turned[2] - turned[0]);
@@ -49,7 +50,7 @@ fn sampled(grid: &Grid, t: &Triangle, axis: usize, certain: &mut Cells, possible
             let offset = centre - turned[0].truncate();
             let plane = turned[0].z - normal.truncate().dot(offset) / normal.z;
             let depth = plane.clamp(low.z, high.z);
-            // Where the plane is steep, a little to the side is a lot of depth.
+            // On a steep plane, a small shift to the side changes the depth a lot.
             let slope = normal.truncate().abs().element_sum() / normal.z.abs();
             let error = (1.0 + slope) * 32.0 * EPSILON;
             let cells = [-error, error]
@@ -66,7 +67,7 @@ fn sampled(grid: &Grid, t: &Triangle, axis: usize, certain: &mut Cells, possible
 }
 type Cells = BTreeSet<[u32; 3]>;
 
-/// What is found has all that must be there and nothing that cannot be.
+/// The voxels found include all that are certain, and only possible ones.
 fn is_between(found: &Cells, certain: &Cells, possible: &Cells) {
     assert!(certain.len() > 5000, "only {} voxels are certain", certain.len());
     println!("{} voxels, {} certain, {} possible", found.len(), certain.len(), possible.len());
@@ -111,8 +112,8 @@ fn centres_are_a_part_of_the_exact_set() {
     }
 }
 
-/// Each voxel whose column, plane and box the triangle meets, and no other. The dominant axis of a sliver is a
-/// matter of rounding: `axes` are those that it may be.
+/// Each voxel whose column, plane and box the triangle meets, and no other. The dominant axis of a
+/// sliver is a matter of rounding: `axes` are those that it may be.
 fn conservative_is_as_defined(
     grid: &Grid,
     triangles: &[[Vec3; 3]],
@@ -151,7 +152,8 @@ fn conservative_misses_nothing() {
     assert!(found > exact && found < 2 * exact, "{found} of {exact}");
 }
 
-/// Slivers, whose shifted edges meet far away, or nowhere. Their planes may be off by a part in 1024.
+/// Slivers, whose shifted edges meet far away, or nowhere. Their planes may be off by a part
+/// in 1024.
 #[test]
 fn conservative_finds_slivers() {
     let mut random = Random(32);

@@ -18,8 +18,8 @@ fn colored(reflectance: Vec3) -> SurfaceMaterial {
 const RED: Vec3 = Vec3::new(0.9, 0.1, 0.05);
 const BLUE: Vec3 = Vec3::new(0.15, 0.3, 0.8);
 
-/// A tilted plane, one half red and one half blue: each voxel has the colour of its side, both have the same
-/// area, and the area is that of the plane.
+/// A tilted plane, one half red and one half blue: each voxel has the colour of its side, both have
+/// the same area, and the area is that of the plane.
 #[test]
 fn a_plane_of_two_colours() {
     let p = Vec3::new;
@@ -47,7 +47,8 @@ fn a_plane_of_two_colours() {
 
         let (mut sum, mut weight, mut pure) = (Vec3::ZERO, 0.0, 0);
         for face in list.faces.iter().filter(|face| along(face) > 1e-3) {
-            // Along the middle between the halves, in the direction across, in units of half the plane.
+            // Along the middle between the halves, in the direction across, in units of half the
+            // plane.
             let position = Vec3::from(face.position_in_world);
             let normal = area.as_vec3().normalize();
             let across = p(-4.0, 42.0, 11.0).cross(normal).normalize();
@@ -79,7 +80,7 @@ fn a_plane_of_two_colours() {
     }
 }
 
-/// Where a pixel is covered as a whole, the shares of its voxels are their areas, and lie where those do.
+/// In a pixel that is wholly covered, the area and position of each voxel's share are exact.
 #[test]
 fn conservative_shares_are_exact_within_a_plane() {
     let p = Vec3::new;
@@ -115,7 +116,8 @@ fn conservative_shares_are_exact_within_a_plane() {
     }
 }
 
-/// Triangles smaller than voxels, most of which cover no centre at all: those that do stand for the others.
+/// Triangles smaller than voxels, most of which cover no pixel centre: those that do represent the
+/// others.
 #[test]
 fn small_triangles_keep_their_area_in_the_mean() {
     let grid = Grid::fit(Vec3::NEG_ONE, Vec3::ONE, 64, Vec3::ZERO).unwrap();
@@ -135,8 +137,8 @@ fn small_triangles_keep_their_area_in_the_mean() {
     }
 }
 
-/// A triangle that is alone in its voxel, and smaller, is found by few of the points that are looked at. Those weigh as
-/// much more: over many triangles the area is kept.
+/// A triangle that is smaller than its voxel, and the only one in it, is found by few of the
+/// sampled points. These weigh accordingly more: over many triangles the area is kept.
 #[test]
 fn lonely_triangles_keep_their_area_in_the_mean() {
     let mut random = Random(15);

@@ -3,7 +3,7 @@
 //! Its surface is a dielectric whose parts are independent: a diffuse colour, a reflectance at
 //! normal incidence for each of red, green and blue, and a glossiness. That is the core with no
 //! metal, an index of refraction of 0 (which leaves the reflectance to the specular colour), the
-//! specular colour as it is, a roughness of 1 - glossiness, and a base colour from which the
+//! unchanged specular colour, a roughness of 1 - glossiness, and a base colour from which the
 //! extension subtracts the reflected share: diffuse * (1 - max(specular)). If textures hold the
 //! numbers, new ones are made by the same formulas.
 

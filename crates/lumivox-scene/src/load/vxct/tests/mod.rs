@@ -365,7 +365,7 @@ fn strengths_become_reflectances() {
     assert_eq!(surface.shininess.to_bits(), 0);
     assert_eq!((surface.diffuse, surface.specular), (Vec3::ZERO, Vec3::ONE));
     assert_eq!(warnings.len(), 2, "{warnings:?}");
-    // The look of VXCT gets all of it as it is.
+    // The look of VXCT gets the unchanged values.
     let strengths = scene.materials[0].strengths.unwrap();
     assert_eq!(strengths.color, Vec3::new(-1.0, 1.0, 1.0));
     let numbers = [strengths.ambient, strengths.diffuse, strengths.specular, strengths.shininess];

@@ -106,7 +106,7 @@ const forms = {
         const room = new THREE.Mesh(new THREE.BoxGeometry(2, 2, 2), matte({ color: new THREE.Color(0.5, 0.5, 0.5), emissive: 0xffffff, side: THREE.BackSide }));
         return during([room], () => picture());
     },
-    /** The same room, mirrored, with vertex colours that its material does not use. */
+    /** The furnace's room, mirrored, with vertex colours that its material does not use. */
     async mirrored() {
         look([0.3, 0.2, 0.1], [-1, -0.4, -0.7]);
         const box = new THREE.BoxGeometry(2, 2, 2);

@@ -1,4 +1,4 @@
-//! What is in the bricks, and what cones see of it.
+//! The content of bricks, and what cones see of it.
 
 use glam::UVec3;
 
@@ -28,8 +28,8 @@ fn dense_part(level: &Level, cell: UVec3, part: u32, directionality: Directional
     }
 }
 
-/// Half floats keep 11 bits, and a GPU may round up or down (NVIDIA's round down): each of four levels errs by at most 2^-10 in
-/// one of the two volumes, in proportion.
+/// Half floats keep 11 bits, and a GPU may round up or down (NVIDIA's round down): each of four
+/// levels errs by at most 2^-10 in one of the two volumes, in proportion.
 fn is_near(a: [f32; 4], b: [f32; 4], absolute: f32) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= absolute + b.abs() * 2.0_f32.powi(-8))
 }

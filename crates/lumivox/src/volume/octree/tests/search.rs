@@ -21,8 +21,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     found[id.x] = vec4u(nodes, node_parts(nodes.x), node_parts(nodes.y));
 }";
 
-/// Searches from the table and from the root find the nodes that are there, and no parts elsewhere. In a grid of more than
-/// 128 voxels the table ends above the finest nodes.
+/// Searches from the table and from the root find the nodes that are there, and no parts elsewhere.
+/// In a grid of more than 128 voxels the table ends above the finest nodes.
 #[test]
 fn searches_find_the_nodes_and_nothing_else() {
     let gpu = device();
