@@ -86,7 +86,7 @@ pub struct Renderer {
     drawn: u32,
     /// Samples per pixel drawn so far, over all pictures.
     samples_drawn: u32,
-    /// The last frames of which each started a new mean.
+    /// The number of consecutive frames that each started a new mean.
     restarts: u32,
     /// The camera of the last frame.
     former_camera: Option<Camera>,

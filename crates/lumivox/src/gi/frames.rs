@@ -70,6 +70,7 @@ impl Gi {
     /// # }).unwrap();
     /// ```
     ///
+    /// # Errors
     /// [`GiError::Geometry`] if draws and buffers contradict each other, [`GiError::Limit`] if the
     /// needed buffers do not fit the device, [`GiError::Budget`] if an octree exceeds the memory
     /// budget. The shown voxels then do not change.
