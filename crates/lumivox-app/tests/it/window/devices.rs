@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::support::{Display, Seen, Window};
-use super::{home, is_cornell};
+use super::{is_cornell, small_home};
 
 const OWN: &str = "own";
 const SHARED: &str = "shared";
@@ -25,7 +25,7 @@ fn right(seen: &Seen) -> Seen {
 /// All ways of a picture to the screen: the picture, another view beside it, one from main memory,
 /// and the picture in another size.
 fn all_pictures(display: &Display, device: &str) -> Vec<Seen> {
-    let home = home();
+    let home = small_home();
     let (mut window, first) = open(display, home.path(), device);
     let mut seen = vec![first];
     for beside in ["albedo", "reference 1"] {
@@ -41,10 +41,10 @@ fn all_pictures(display: &Display, device: &str) -> Vec<Seen> {
         seen.push(window.wait_rest());
     }
     window.tell("compare_with nothing");
-    window.resize(700, 500);
+    window.resize(560, 400);
     window.wait("another size", |window| {
         window.tell("size");
-        window.lines().iter().any(|line| line.starts_with("size 700x")).then_some(())
+        window.lines().iter().any(|line| line.starts_with("size 560x")).then_some(())
     });
     seen.push(window.wait_rest());
     assert_eq!(window.close(), 0);
@@ -82,7 +82,7 @@ fn try_both(window: &mut Window, before: &Seen) {
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
 fn two_devices_are_lost_one_at_a_time() {
-    let (display, home) = (Display::start(), home());
+    let (display, home) = (Display::start(), small_home());
     let (mut window, first) = open(&display, home.path(), OWN);
     window.tell("lose_device");
     let lines = window.wait_line(0, WORKER_LOST);
@@ -101,7 +101,7 @@ fn two_devices_are_lost_one_at_a_time() {
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
 fn one_device_is_lost_for_both() {
-    let (display, home) = (Display::start(), home());
+    let (display, home) = (Display::start(), small_home());
     let (mut window, first) = open(&display, home.path(), SHARED);
     let mut lines = 0;
     // After each loss, the two share a new device.

@@ -14,14 +14,26 @@ use tempfile::TempDir;
 
 use support::{Display, ESCAPE, F2, RETURN, Seen, Window, command};
 
-/// A folder with settings for a small window without panels, so that the picture's place is known.
-fn home() -> TempDir {
+/// A folder with settings for a window of a size, without panels, so that the picture's place is
+/// known.
+fn home_for([width, height]: [u32; 2]) -> TempDir {
     let home = tempfile::tempdir().unwrap();
     let folder = home.path().join("config/lumivox");
     std::fs::create_dir_all(&folder).unwrap();
-    let config = r#"{"window": [640, 480], "left": false, "right": false, "console": false}"#;
+    let config = format!(
+        r#"{{"window": [{width}, {height}], "left": false, "right": false, "console": false}}"#
+    );
     std::fs::write(folder.join("window.json"), config).unwrap();
     home
+}
+
+fn home() -> TempDir {
+    home_for([640, 480])
+}
+
+/// For the smallest window, where nobody clicks: a software GPU renders its picture.
+fn small_home() -> TempDir {
+    home_for([480, 320])
 }
 
 /// Options of a small, quick picture.
@@ -216,7 +228,7 @@ fn png_size(file: &Path) -> [u32; 2] {
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
 fn pictures_are_compared_and_saved() {
-    let (display, home) = (Display::start(), home());
+    let (display, home) = (Display::start(), small_home());
     let mut window = open_cornell(&display, home.path());
     let alone = window.wait_rest();
 
@@ -269,7 +281,7 @@ fn pictures_are_compared_and_saved() {
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
 fn settings_are_kept_between_runs() {
-    let (display, home) = (Display::start(), home());
+    let (display, home) = (Display::start(), small_home());
     let mut window = Window::open(&display, home.path(), "");
     // A window without a scene runs lines, too.
     window.tell("resolution 40");
@@ -314,7 +326,7 @@ fn write_scene(folder: &Path, name: &str, color: [f32; 3]) {
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
 fn files_are_read_again_when_they_change() {
-    let (display, home) = (Display::start(), home());
+    let (display, home) = (Display::start(), small_home());
     write_scene(home.path(), "square", [0.8, 0.05, 0.05]);
     let line = format!("{QUICK} --environment 100,100,100 --camera 0,0,3,0,0,0");
     let mut window = Window::open(&display, home.path(), &format!("square.obj {line}"));
