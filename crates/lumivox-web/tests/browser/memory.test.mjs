@@ -8,10 +8,10 @@ import { isRelease } from "./harness/environment.mjs";
 import { glb } from "./harness/files.mjs";
 
 /** Scene loads. Memory is compared between load FIRST, when caches are filled, and the last. Each
- * of four scenes is loaded three times in between; a leaked one exceeds SLACK. A release also finds
+ * of four scenes is loaded twice in between; a leaked one exceeds SLACK. A release also finds
  * small leaks. */
-const LOADS = isRelease() ? 50 : 22;
-const FIRST = 10;
+const LOADS = isRelease() ? 50 : 16;
+const FIRST = 8;
 /** Tolerance for garbage collectors and caches, bytes; a scene of this test takes 28 MiB. */
 const SLACK = 24 << 20;
 

@@ -65,7 +65,7 @@ fn cornell_looks_right() {
 }
 
 #[test]
-fn torch_looks_right() {
+fn torch_looks_right_at_release() {
     looks_right("torch");
 }
 
@@ -81,6 +81,6 @@ fn terrain_looks_right_at_release() {
 }
 
 #[test]
-fn baked_looks_right() {
+fn baked_looks_right_at_release() {
     looks_right("baked");
 }

@@ -3,16 +3,15 @@
 use std::path::Path;
 
 use super::support::{Display, Seen, Window};
-use super::{is_cornell, small_home};
+use super::{QUICK, home, is_cornell};
 
 const OWN: &str = "own";
 const SHARED: &str = "shared";
 
-/// Opens the Cornell box, and waits until its picture, of only one frame, is complete.
-fn open(display: &Display, home: &Path, device: &str) -> (Window, Seen) {
-    let line =
-        "builtin:cornell --preset fast --resolution 32 --frames 1 --bounces 1 --window-device";
-    let mut window = Window::open(display, home, &format!("{line} {device}"));
+/// Opens the Cornell box, and waits until a view of it, of only one frame, is complete.
+fn open(display: &Display, home: &Path, device: &str, view: &str) -> (Window, Seen) {
+    let line = format!("builtin:cornell {QUICK} --view {view} --window-device {device}");
+    let mut window = Window::open(display, home, &line);
     window.wait("Cornell box", |window| Some(window.picture()).filter(is_cornell));
     let seen = window.wait_rest();
     (window, seen)
@@ -23,12 +22,12 @@ fn right(seen: &Seen) -> Seen {
 }
 
 /// All ways of a picture to the screen: the picture, another view beside it, one from main memory,
-/// and the picture in another size.
+/// and the picture in another size. Views without indirect light are quick, and take the same ways.
 fn all_pictures(display: &Display, device: &str) -> Vec<Seen> {
-    let home = small_home();
-    let (mut window, first) = open(display, home.path(), device);
+    let home = home();
+    let (mut window, first) = open(display, home.path(), device, "albedo");
     let mut seen = vec![first];
-    for beside in ["albedo", "reference 1"] {
+    for beside in ["normal", "reference 1"] {
         let before = right(seen.last().unwrap());
         let lines = window.lines().len();
         window.tell(&format!("compare_with {beside}"));
@@ -82,8 +81,8 @@ fn try_both(window: &mut Window, before: &Seen) {
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
 fn two_devices_are_lost_one_at_a_time() {
-    let (display, home) = (Display::start(), small_home());
-    let (mut window, first) = open(&display, home.path(), OWN);
+    let (display, home) = (Display::start(), home());
+    let (mut window, first) = open(&display, home.path(), OWN, "final");
     window.tell("lose_device");
     let lines = window.wait_line(0, WORKER_LOST);
     wait_for(&mut window, &first);
@@ -101,8 +100,8 @@ fn two_devices_are_lost_one_at_a_time() {
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
 fn one_device_is_lost_for_both() {
-    let (display, home) = (Display::start(), small_home());
-    let (mut window, first) = open(&display, home.path(), SHARED);
+    let (display, home) = (Display::start(), home());
+    let (mut window, first) = open(&display, home.path(), SHARED, "final");
     let mut lines = 0;
     // After each loss, the two share a new device.
     for loss in ["lose_device", "lose_device window", "lose_device window"] {

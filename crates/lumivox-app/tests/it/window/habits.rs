@@ -18,7 +18,7 @@ fn what_was_changed_is_taken_back() {
     let mut window = open_cornell(&display, home.path());
     let first = window.wait_rest();
     let lines = window.lines().len();
-    window.click(250, 300);
+    window.click(193, 200);
     let lines = window.wait_line(lines, "> select 'tall block'");
     window.key('h' as u32);
     let lines = window.wait_line(lines, "> hide 'tall block'");
@@ -48,7 +48,7 @@ fn a_double_click_shows_all_of_a_thing() {
     let mut window = open_cornell(&display, home.path());
     let first = window.wait_rest();
     let lines = window.lines().len();
-    window.click(250, 300);
+    window.click(193, 200);
     window.press();
     window.release();
     let lines = window.wait_line(lines, "> select 'tall block'");
@@ -70,16 +70,16 @@ fn the_light_under_the_pointer_is_told() {
         // Without the left part, which shows how long an activity takes.
         seen.part((seen.width - 200, bottom - 22), (seen.width, bottom))
     };
-    window.point(320, 10);
+    window.point(240, 10);
     window.wait_rest();
     let before = status(&window);
-    window.point(320, 300);
+    window.point(240, 200);
     let inside = window.wait("light in the status bar", |window| {
         Some(status(window)).filter(|now| *now != before)
     });
-    window.point(320, 10);
+    window.point(240, 10);
     window.wait("nothing again", |window| Some(()).filter(|()| status(window) == before));
-    window.point(320, 180);
+    window.point(240, 120);
     window.wait("another light", |window| {
         let now = status(window);
         (now != before && now != inside).then_some(())

@@ -14,26 +14,15 @@ use tempfile::TempDir;
 
 use support::{Display, ESCAPE, F2, RETURN, Seen, Window, command};
 
-/// A folder with settings for a window of a size, without panels, so that the picture's place is
+/// A folder with settings for the smallest window, without panels, so that the picture's place is
 /// known.
-fn home_for([width, height]: [u32; 2]) -> TempDir {
+fn home() -> TempDir {
     let home = tempfile::tempdir().unwrap();
     let folder = home.path().join("config/lumivox");
     std::fs::create_dir_all(&folder).unwrap();
-    let config = format!(
-        r#"{{"window": [{width}, {height}], "left": false, "right": false, "console": false}}"#
-    );
+    let config = r#"{"window": [480, 320], "left": false, "right": false, "console": false}"#;
     std::fs::write(folder.join("window.json"), config).unwrap();
     home
-}
-
-fn home() -> TempDir {
-    home_for([640, 480])
-}
-
-/// For the smallest window, where nobody clicks: a software GPU renders its picture.
-fn small_home() -> TempDir {
-    home_for([480, 320])
 }
 
 /// Options of a small, quick picture.
@@ -71,12 +60,12 @@ fn mouse_and_keys_do_what_they_say() {
     // Orbit: the picture follows the pointer, and the camera's line is sent once it rests. The
     // pointer does not return to its start, since pictures lag behind it.
     let lines = window.lines().len();
-    window.point(320, 200);
+    window.point(240, 130);
     window.press();
-    let mut x = 320;
+    let mut x = 240;
     window.wait("picture that turns", |window| {
-        x = if x >= 420 { 396 } else { x + 6 };
-        window.point(x, 210);
+        x = if x >= 340 { 316 } else { x + 6 };
+        window.point(x, 140);
         (window.picture().distance(&first) > 4.0).then_some(())
     });
     window.release();
@@ -98,7 +87,7 @@ fn mouse_and_keys_do_what_they_say() {
 
     // A click selects an object, H hides it.
     let lines = window.lines().len();
-    window.click(250, 300);
+    window.click(193, 200);
     let lines = window.wait_line(lines, "> select 'tall block'");
     window.key('h' as u32);
     window.wait_line(lines, "> hide 'tall block'");
@@ -122,14 +111,14 @@ fn it_survives_what_happens_to_windows() {
 
     // After resizing, the picture has the new size in pixels.
     let lines = window.lines().len();
-    window.resize(800, 520);
+    window.resize(640, 420);
     window.wait("Cornell box of another size", |window| {
-        Some(window.picture()).filter(|seen| seen.width == 780 && is_cornell(seen))
+        Some(window.picture()).filter(|seen| seen.width == 620 && is_cornell(seen))
     });
     window.wait_rest();
     window.tell("size");
-    let at = window.wait_line(lines, "size 8");
-    assert!(window.lines()[at - 1].starts_with("size 800x"), "{:?}", window.lines());
+    let at = window.wait_line(lines, "size 6");
+    assert!(window.lines()[at - 1].starts_with("size 640x"), "{:?}", window.lines());
 
     let shown = window.wait_rest();
 
@@ -178,7 +167,7 @@ fn what_takes_long_holds_nobody_up() {
     // While a scene is being read, mouse and keys work on the open one; lines of the terminal
     // wait.
     let lines = window.lines().len();
-    window.click(250, 300);
+    window.click(193, 200);
     let lines = window.wait_line(lines, "> select 'tall block'");
     window.tell("load slow.obj");
     window.tell("echo later");
@@ -228,7 +217,7 @@ fn png_size(file: &Path) -> [u32; 2] {
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
 fn pictures_are_compared_and_saved() {
-    let (display, home) = (Display::start(), small_home());
+    let (display, home) = (Display::start(), home());
     let mut window = open_cornell(&display, home.path());
     let alone = window.wait_rest();
 
@@ -281,7 +270,7 @@ fn pictures_are_compared_and_saved() {
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
 fn settings_are_kept_between_runs() {
-    let (display, home) = (Display::start(), small_home());
+    let (display, home) = (Display::start(), home());
     let mut window = Window::open(&display, home.path(), "");
     // A window without a scene runs lines, too.
     window.tell("resolution 40");
@@ -326,7 +315,7 @@ fn write_scene(folder: &Path, name: &str, color: [f32; 3]) {
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
 fn files_are_read_again_when_they_change() {
-    let (display, home) = (Display::start(), small_home());
+    let (display, home) = (Display::start(), home());
     write_scene(home.path(), "square", [0.8, 0.05, 0.05]);
     let line = format!("{QUICK} --environment 100,100,100 --camera 0,0,3,0,0,0");
     let mut window = Window::open(&display, home.path(), &format!("square.obj {line}"));
