@@ -64,7 +64,6 @@ export class Draws {
             const own = materials[group];
             if (!own || !hasSurface(own) || count < 3) continue;
             const mesh = this.#geometries.of(object, [isTurned(own) !== isMirrored, own.vertexColors === true], this.#frame);
-            if (mesh === null) continue;
             known.moves ||= mesh.changes || states[group].changes;
             const row = [mesh.id, start, count, states[group].index, known.moves ? 0 : 1];
             if (object.isInstancedMesh) this.#instances(object, row);

@@ -7,8 +7,8 @@ use lumivox::gpu::{
     ShaderLibrary, TextureView, storage_buffer,
 };
 
-/// `SPACING` of `figures.wgsl`.
-const SPACING: u32 = 8;
+/// Pixels from one that is counted to the next.
+pub(super) const FIGURE_SPACING: u32 = 8;
 
 /// Sums up the figures of a frame.
 #[derive(Debug)]
@@ -75,5 +75,5 @@ impl Sums {
 
 /// Sampled pixels along each edge.
 fn places(size: UVec2) -> UVec2 {
-    size.map(|pixels| pixels.div_ceil(SPACING))
+    size.map(|pixels| pixels.div_ceil(FIGURE_SPACING))
 }

@@ -1,5 +1,6 @@
 // Sums over one pixel of each 8x8: the cost of cones, and the age of the pixel's light.
 
+import package::constants::FIGURE_SPACING;
 import package::temporal::record::decode_record;
 
 // Cone samples; pixels that have a record; the frames in their means.
@@ -9,12 +10,10 @@ import package::temporal::record::decode_record;
 // One zero texel if there are no records.
 @group(0) @binding(2) var records: texture_2d<u32>;
 
-const SPACING: u32 = 8u;
-
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let size = textureDimensions(specular);
-    let pixel = SPACING * invocation.xy;
+    let pixel = FIGURE_SPACING * invocation.xy;
     if any(pixel >= size) {
         return;
     }

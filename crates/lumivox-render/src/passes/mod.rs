@@ -38,6 +38,7 @@ use crate::View;
 
 /// Defines the numbers of the views.
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
+    library.constant_u32("FIGURE_SPACING", figures::FIGURE_SPACING);
     for view in View::ALL {
         library.constant_u32(view.constant(), view as u32);
     }

@@ -12,12 +12,12 @@ use obvhs::bvh2::leaf_collapser::collapse;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::PlocBuilder;
 
-/// `LEAF` of `world.wgsl`.
-const LEAF: u32 = 1 << 31;
-/// `DOUBLE_SIDED` of `world.wgsl`.
-const DOUBLE_SIDED: u32 = 1 << 31;
-/// `SEE_THROUGH` of `world.wgsl`.
-const SEE_THROUGH: u32 = 1 << 30;
+/// In the link of a box: it is a leaf.
+pub(super) const LEAF: u32 = 1 << 31;
+/// In the first vertex of a triangle: it has two sides.
+pub(super) const DOUBLE_SIDED: u32 = 1 << 31;
+/// In the first vertex of a triangle: alpha or glass, through which light may pass.
+pub(super) const SEE_THROUGH: u32 = 1 << 30;
 /// The most triangles of a leaf: a leaf's link stores their number in three bits.
 const MOST_PER_LEAF: u32 = 4;
 /// The least ratio of a triangle's height to its longest edge: eight roundings of f32. A flatter

@@ -5,10 +5,10 @@
 // the same work at the same time. The triangle test is Moeller and Trumbore's (1997), widened by
 // the resolution of f32, so that no ray slips through the edge that two triangles share.
 
-import package::constants::REFERENCE_STACK;
-import package::render::reference::world::{
-    nodes, triangle_at, world, DOUBLE_SIDED, LEAF, SEE_THROUGH,
+import package::constants::{
+    REFERENCE_LEAF, REFERENCE_STACK, TRIANGLE_DOUBLE_SIDED, TRIANGLE_SEE_THROUGH,
 };
+import package::render::reference::world::{nodes, triangle_at, world};
 
 struct Ray {
     origin: vec3f,
@@ -64,7 +64,7 @@ fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
     var current = world.root;
     var is_done = false;
     loop {
-        while (current & LEAF) == 0u {
+        while (current & REFERENCE_LEAF) == 0u {
             let left = entry(current, ray.origin, inverse, hit.distance);
             let right = entry(current + 1u, ray.origin, inverse, hit.distance);
             let nearer = select(current, current + 1u, right < left);
@@ -99,14 +99,14 @@ fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
                 let lengths = sqrt(dot(from_corner, from_corner)
                     * max(dot(triangle.edge_1, triangle.edge_1), dot(triangle.edge_2, triangle.edge_2)));
                 let least = -EDGE_TOLERANCE * (1.0 + lengths * abs(inverse_determinant));
-                let is_back = determinant <= 0.0 && (triangle.vertex_0 & DOUBLE_SIDED) == 0u;
+                let is_back = determinant <= 0.0 && (triangle.vertex_0 & TRIANGLE_DOUBLE_SIDED) == 0u;
                 let counts = !is_back || sides == BOTH_SIDES
-                    || (sides == BLOCKING && (triangle.vertex_0 & SEE_THROUGH) == 0u);
+                    || (sides == BLOCKING && (triangle.vertex_0 & TRIANGLE_SEE_THROUGH) == 0u);
                 // Written so that NaN (from a determinant of zero) is not a hit.
                 if counts && u >= least && v >= least && u + v <= 1.0 - least
                     && distance > 0.0 && distance < hit.distance {
                     hit = Hit(distance, index, vec2f(u, v), is_back);
-                    is_done = is_done || (stops_early && (triangle.vertex_0 & SEE_THROUGH) == 0u);
+                    is_done = is_done || (stops_early && (triangle.vertex_0 & TRIANGLE_SEE_THROUGH) == 0u);
                 }
             }
             is_done = is_done || depth == 0u;

@@ -74,6 +74,9 @@ const MOST_EDGE: u32 = 16_384;
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library
         .constant_u32("REFERENCE_BATCH", BATCH)
+        .constant_u32("REFERENCE_LEAF", geometry::LEAF)
+        .constant_u32("TRIANGLE_DOUBLE_SIDED", geometry::DOUBLE_SIDED)
+        .constant_u32("TRIANGLE_SEE_THROUGH", geometry::SEE_THROUGH)
         .constant_u32("SENSOR_NONE", SENSOR_NONE)
         .constant_u32("SENSOR_RAY", SENSOR_RAY)
         .constant_u32("TILE_CLAMP", TILE_CLAMP)

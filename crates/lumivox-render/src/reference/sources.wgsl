@@ -2,7 +2,9 @@
 // weighted by its probability of finding that light, among all techniques (multiple importance
 // sampling: Veach 1997, section 9.2, the power heuristic).
 
-import package::constants::{REFERENCE_CANDIDATES, REFERENCE_HAS_LAYERS, REFERENCE_HAS_PANORAMA};
+import package::constants::{
+    REFERENCE_CANDIDATES, REFERENCE_HAS_LAYERS, REFERENCE_HAS_PANORAMA, TRIANGLE_DOUBLE_SIDED,
+};
 import package::light::lights::{incident_light, is_parallel, Incident, Light};
 import package::render::scene::material::TEXTURE_EMISSION;
 import package::render::reference::intersect::{Hit, Ray, BLOCKING, BOTH_SIDES};
@@ -11,7 +13,7 @@ import package::render::reference::random::{random, random_2};
 import package::render::reference::scatter::{cos_toward, scatter, Surface};
 import package::render::reference::surface::{meet, texture_at};
 import package::render::reference::world::{
-    emitters, lights, materials, triangle_at, vertices, world, DOUBLE_SIDED, VERTEX_INDEX,
+    emitters, lights, materials, triangle_at, vertices, world, VERTEX_INDEX,
 };
 import package::trace::brdf::PI;
 import package::trace::coat::below_coat;
@@ -219,7 +221,7 @@ fn ask_any_emitter(surface: Surface) -> Question {
     let distance = length(away);
     let direction = away / distance;
     let facing = -dot(direction, normalize(cross(corners.edge_1, corners.edge_2)));
-    let is_front = facing > 0.0 || (corners.vertex_0 & DOUBLE_SIDED) != 0u;
+    let is_front = facing > 0.0 || (corners.vertex_0 & TRIANGLE_DOUBLE_SIDED) != 0u;
     if !is_front || distance <= 0.0 {
         return NEVER;
     }

@@ -1,11 +1,11 @@
 // The surfaces between a point and a light.
 
-import package::constants::REFERENCE_SEE_THROUGH;
+import package::constants::{REFERENCE_SEE_THROUGH, TRIANGLE_SEE_THROUGH};
 import package::render::reference::intersect::{intersect, ray_from, NOTHING};
 import package::render::reference::scatter::Surface;
 import package::render::reference::sources::Question;
 import package::render::reference::surface::meet;
-import package::render::reference::world::{triangle_at, SEE_THROUGH};
+import package::render::reference::world::triangle_at;
 
 // The most panes and holes that a ray can pass.
 const MOST_LAYERS: u32 = 64u;
@@ -22,7 +22,7 @@ fn transmittance(question: Question, surface: Surface) -> vec3f {
         if hit.triangle == NOTHING {
             break;
         }
-        if (triangle_at(hit.triangle).vertex_0 & SEE_THROUGH) == 0u {
+        if (triangle_at(hit.triangle).vertex_0 & TRIANGLE_SEE_THROUGH) == 0u {
             return vec3f(0.0);
         }
         let met = meet(ray, hit, false);

@@ -10,8 +10,8 @@ import package::render::scene::material::Material;
 // A box of the hierarchy. The two children of an inner box are adjacent.
 struct Node {
     low: vec3f,
-    // Inner box: the first child. Leaf: LEAF, then the number of triangles minus one in the three
-    // bits below, then the first triangle.
+    // Inner box: the first child. Leaf: REFERENCE_LEAF, then the number of triangles minus one in
+    // the three bits below, then the first triangle.
     link: u32,
     high: vec3f,
     padding: u32,
@@ -19,7 +19,7 @@ struct Node {
 
 struct Triangle {
     corner: vec3f,
-    // The first vertex, with DOUBLE_SIDED and SEE_THROUGH in the highest bits.
+    // The first vertex, with TRIANGLE_DOUBLE_SIDED and TRIANGLE_SEE_THROUGH in the highest bits.
     vertex_0: u32,
     edge_1: vec3f,
     vertex_1: u32,
@@ -104,10 +104,6 @@ struct World {
     peaks: array<Peak, 4>,
 }
 
-const LEAF: u32 = 0x80000000u;
-const DOUBLE_SIDED: u32 = 0x80000000u;
-// Alpha or glass: light may pass through.
-const SEE_THROUGH: u32 = 0x40000000u;
 const VERTEX_INDEX: u32 = 0x3fffffffu;
 
 @group(0) @binding(0) var<uniform> world: World;

@@ -40,9 +40,9 @@ use crate::voxelize::input::{DrawGroup, PreparedBatch, ShareInput, emission_scal
 use crate::{Geometry, GeometryBatch, GiError, Grid, SurfaceMaterial, SurfaceTexture};
 
 use order::Order;
-pub(crate) use order::empty_list;
 #[cfg(test)]
 pub(crate) use order::{Sorting, TreePart};
+pub(crate) use order::{TREE_PASS_LEVELS, empty_list};
 
 /// `Emitter` of `emitter.wgsl`.
 #[repr(C)]

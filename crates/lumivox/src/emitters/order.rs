@@ -32,9 +32,10 @@ pub(crate) struct TreePart {
 /// Keys that one workgroup sorts.
 const BLOCK: u32 = 512;
 
-/// Levels of the tree that one pass builds, and the nodes of its first level per workgroup.
-const PASS_LEVELS: u32 = 9;
+/// Nodes of the first level that a workgroup builds in one pass.
 const PASS_NODES: u32 = 256;
+/// Levels of a pass: each has half as many nodes, down to one.
+pub(crate) const TREE_PASS_LEVELS: u32 = PASS_NODES.ilog2() + 1;
 
 /// Cells of the Morton curve along the longest edge of all boxes: 10 bits per axis.
 const MORTON_CELLS: f32 = 1024.0;
@@ -180,7 +181,7 @@ impl Order {
             run *= 2;
         }
         steps.push(step(&self.place, count.max(1), &sorting));
-        for level in (1..=levels_above(count)).step_by(PASS_LEVELS as usize) {
+        for level in (1..=levels_above(count)).step_by(TREE_PASS_LEVELS as usize) {
             let part = TreePart { count, level, padding: [0; 2] };
             let nodes = count.div_ceil(1 << level);
             let group = BindGroupBuilder::new(&self.tree_layout)

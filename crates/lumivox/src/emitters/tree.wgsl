@@ -1,6 +1,7 @@
 // Builds the binary tree over the emitters bottom-up: a workgroup builds the nodes of some levels
 // above a part of the list.
 
+import package::constants::TREE_PASS_LEVELS;
 import package::emitters::cluster::{cluster_of, no_cluster, pack, unite, unpack, Cluster};
 import package::emitters::emitter::{emitter_of, nodes_at, tree_levels, EmitterList, Record};
 
@@ -16,8 +17,6 @@ struct TreePart {
 @group(0) @binding(1) var<storage, read_write> list: EmitterList;
 
 const THREADS = 256u;
-// The levels of a pass: THREADS nodes, half of them, and so on down to one.
-const PASS_LEVELS = 9u;
 
 fn first_node(level: u32) -> u32 {
     var first = part.count;
@@ -40,7 +39,7 @@ fn cluster_at(level: u32, index: u32) -> Cluster {
 
 @compute @workgroup_size(THREADS)
 fn main(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
-    for (var above = 0u; above < PASS_LEVELS; above++) {
+    for (var above = 0u; above < TREE_PASS_LEVELS; above++) {
         let level = part.level + above;
         let own = THREADS >> above;
         let index = workgroup.x * own + local;

@@ -47,6 +47,7 @@ pub use lights::{
 };
 #[cfg(test)]
 pub(crate) use lights::{LightGlobals, LightRecord, ShadowLayerRecord};
+pub(crate) use turns::RAY_CLASSES;
 
 /// `BounceSettings` of `turn.wgsl`.
 #[repr(C)]

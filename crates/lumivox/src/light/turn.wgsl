@@ -45,9 +45,6 @@ const FROM_EMITTERS = FIRST_BESIDE + FACES_BESIDE;
 // Hits are stored plus this offset; zero is unknown.
 const HIT_OFFSET = 4u;
 
-// Rays are traced again in this many groups.
-const RAY_CLASSES = 4u;
-
 // A face's start in the jitter's sequence. It is the same for all bounces, so that they converge to
 // a fixed point.
 fn face_start(face: Face) -> vec2f {

@@ -11,7 +11,7 @@ const SETTLING_GATHERS: u32 = 32;
 const RAREST_CASCADE: u64 = 8;
 
 /// After surface has moved, rays are traced again in this many groups, one a frame.
-const RAY_CLASSES: u32 = 4;
+pub(crate) const RAY_CLASSES: u32 = 4;
 
 /// Numbers of gathers of every face after which the far light of pixels is updated: later gathers
 /// change less and less.

@@ -75,6 +75,9 @@ pub fn dense_volume_bytes(grid: &Grid, directionality: Directionality) -> u64 {
 /// Defines the constants that Rust and the shaders of volumes share.
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     octree::add_constants(library);
+    library
+        .constant_u32("BLOCK_LEVEL", surface::BLOCK_LEVEL)
+        .constant_u32("MASK_LEVELS", dense::MASK_LEVELS as u32);
 }
 
 /// Mounts a kind of volume as `package::volume` and `package::volume::cells`.

@@ -12,7 +12,7 @@ use crate::{GiError, Grid};
 const PATCH_BYTES: u64 = 48;
 
 /// The level of the blocks that rays skip at once (`voxels/index.wgsl`).
-const BLOCK_LEVEL: u32 = 3;
+pub(crate) const BLOCK_LEVEL: u32 = 3;
 
 /// All surfaces on the GPU.
 #[derive(Debug)]

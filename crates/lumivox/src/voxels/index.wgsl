@@ -4,7 +4,7 @@
 // 8 x 8 x 8 voxels, then for each voxel the index of its first face and, in the highest bits, its
 // number of faces. Group 0 is the grid.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{BLOCK_LEVEL, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::voxels::list::{Node, faces_of};
@@ -15,9 +15,6 @@ import package::voxels::lookup::{level_first_word, level_words};
 @group(1) @binding(2) var<storage, read> nodes: array<Node>;
 @group(1) @binding(3) var<storage, read> first_faces: array<u32>;
 @group(1) @binding(4) var<storage, read_write> index: array<u32>;
-
-// The level of the blocks.
-const BLOCK_LEVEL = 3u;
 
 // The low bits of an entry, which are the index of the first face.
 const FACE_BITS = 26u;

@@ -9,14 +9,14 @@ use crate::gpu::{
 use crate::voxels::{LIST_COUNT_BYTES, VoxelList, level_arguments, level_block};
 use crate::{GiError, Grid};
 
-/// `MAX_LEVELS` of `masks.wgsl`.
-const MAX_LEVELS: usize = 9;
+/// Number of levels that a grid can have: 1024 voxels down to 4.
+pub(crate) const MASK_LEVELS: usize = 9;
 
 /// `MaskLevels` of `masks.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct MaskLevels {
-    pub(crate) first_entry: [[u32; 4]; MAX_LEVELS],
+    pub(crate) first_entry: [[u32; 4]; MASK_LEVELS],
 }
 
 /// Number of entries of a level.

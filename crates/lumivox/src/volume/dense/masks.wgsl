@@ -6,14 +6,12 @@
 // 16 bits per entry, two entries per word. Skipping by them is exact.
 
 import package::cascades::{box_size, lowest_voxel, stored_cell};
+import package::constants::MASK_LEVELS;
 import package::grid::grid;
-
-// Number of levels that a grid can have: 1024 voxels down to 4.
-const MAX_LEVELS: u32 = 9u;
 
 struct MaskLevels {
     // The first entry of each level, in x.
-    first_entry: array<vec4u, MAX_LEVELS>,
+    first_entry: array<vec4u, MASK_LEVELS>,
 }
 
 @group(0) @binding(1) var<uniform> mask_levels: MaskLevels;

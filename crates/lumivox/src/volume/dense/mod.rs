@@ -24,6 +24,7 @@ use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
 use build::Build;
+pub(crate) use masks::MASK_LEVELS;
 #[cfg(test)]
 pub(crate) use masks::MaskLevels;
 use masks::Masks;

@@ -6,10 +6,10 @@ use glam::UVec3;
 use crate::Grid;
 use crate::voxels::{BitLevel, level_first_word};
 
-/// `MAX_NODE_LEVELS` of `tree.wgsl`.
-const MAX_NODE_LEVELS: usize = 12;
-/// `NODE_WORDS` of `tree.wgsl`.
-const NODE_WORDS: u32 = 6;
+/// Upper bound of the levels of nodes and cells: those of 1024 voxels are 0 to 10.
+pub(crate) const NODE_LEVELS: usize = 12;
+/// Words of a node in the buffer (`tree.wgsl`).
+pub(crate) const NODE_WORDS: u32 = 6;
 /// Nodes along an edge of the finest level of the table: a quarter of a million entries in that
 /// level.
 const TABLE_EDGE: u32 = 64;
@@ -26,7 +26,7 @@ pub(crate) struct TreeUniform {
     pub(crate) row_bits: u32,
     pub(crate) bricks: u32,
     pub(crate) padding: [u32; 3],
-    pub(crate) levels: [[u32; 4]; MAX_NODE_LEVELS],
+    pub(crate) levels: [[u32; 4]; NODE_LEVELS],
 }
 
 /// Layout that depends only on the grid.
@@ -35,7 +35,7 @@ pub(super) struct TreeLayout {
     pub root_level: u32,
     table_level: u32,
     table_words: u32,
-    levels: [[u32; 4]; MAX_NODE_LEVELS],
+    levels: [[u32; 4]; NODE_LEVELS],
 }
 
 impl TreeLayout {
@@ -43,7 +43,7 @@ impl TreeLayout {
         let edge = grid.morton_edge(0);
         let root_level = edge.ilog2();
         let table_level = (edge / TABLE_EDGE).max(2).ilog2();
-        let mut levels = [[0; 4]; MAX_NODE_LEVELS];
+        let mut levels = [[0; 4]; NODE_LEVELS];
         let mut table_words = 0;
         let before = level_first_word(grid, 1);
         for level in 1..=root_level {

@@ -9,8 +9,7 @@
 // Nodes are in groups of eight with one child pointer: the children of node n are 8 * children(n) +
 // octant, with x in the lowest bit of the octant. Group 0 contains only the root.
 
-// Upper bound of the levels of nodes and cells: those of 1024 voxels are 0 to 10.
-const MAX_NODE_LEVELS: u32 = 12u;
+import package::constants::{NODE_LEVELS, NODE_WORDS};
 
 struct Tree {
     // The root's level: its cube is the whole grid, rounded up to a power of two.
@@ -32,7 +31,7 @@ struct Tree {
     padding_2: u32,
     // For each level, x: the first word of its node bits; y: the first table entry of its nodes; z:
     // the first word of its cells' occupancy bits.
-    levels: array<vec4u, MAX_NODE_LEVELS>,
+    levels: array<vec4u, NODE_LEVELS>,
 }
 
 @group(0) @binding(1) var<uniform> tree: Tree;
@@ -45,7 +44,6 @@ const NONE: u32 = 0u;
 // look-up starting at the node's i-th cell can contain. All parts of the node (it has a brick for
 // each) are in the seven bits above the first mask and the two bits above the second. The root has
 // no bricks, so its masks are zero.
-const NODE_WORDS: u32 = 6u;
 const NODE_CHILDREN: u32 = 0u;
 const NODE_FIRST_BRICK: u32 = 1u;
 const NODE_MASKS: u32 = 2u;
