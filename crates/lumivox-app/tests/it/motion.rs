@@ -108,7 +108,7 @@ fn a_file_is_measured_in_its_own_animation() {
 }
 
 #[test]
-#[ignore = "slow: traces paths of three sequences, and renders each with all presets"]
+#[ignore = "release: traces paths of three sequences, and renders each with all presets"]
 fn the_page_has_all_tables_and_pictures_at_release() {
     let folder = folder();
     let small = SMALL.replace(" --preset fast", "");
