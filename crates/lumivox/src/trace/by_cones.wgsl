@@ -3,6 +3,20 @@
 import package::cones::cone::ConeSettings;
 import package::cones::gather::{gather, Gathered};
 
+struct Known {
+    radiance: vec3f,
+    openness: f32,
+    is_known: bool,
+}
+
+// Marched cones find all light themselves.
+fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
+}
+
+fn known_from(local: vec3f) -> Known {
+    return Known(vec3f(0.0), 0.0, false);
+}
+
 fn gather_surface(
     position_in_world: vec3f,
     shading_normal: vec3f,

@@ -30,12 +30,11 @@ fn cell_of(local: vec3f) -> u32 {
     return u32(select(INNER_CELLS, 0.0, is_inner) + min(floor(turn * ring), ring - 1.0));
 }
 
-// Radiance in rgb and openness in a of each cell; zero if nothing is known.
-var<private> known: array<vec4f, FAR_CELLS>;
-// Bit mask of the known cells.
-var<private> known_cells: u32;
+// The four faces around a surface, and their weights: 0 if a face is not part of it.
+var<private> faces_around: array<u32, 4>;
+var<private> weights_around: array<f32, 4>;
 
-// The mean of the four faces around a point, weighted bilinearly.
+// Finds the four faces around a point, with bilinear weights.
 fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
     let point = grid_from_world(position_in_world) * exp2(-f32(level));
     let size = abs(normal);
@@ -44,11 +43,7 @@ fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
     let along = vec2u((axis + 1u) % 3u, (axis + 2u) % 3u);
     let low = floor(vec2f(point[along.x], point[along.y]) - 0.5);
     let share = vec2f(point[along.x], point[along.y]) - 0.5 - low;
-    known_cells = 0u;
-    var faces = array<u32, 4>();
-    var weights = vec4f(0.0);
-    let cells = far_cells();
-    for (var i = 0u; i < cells / 4u; i++) {
+    for (var i = 0u; i < far_cells() / 4u; i++) {
         let side = vec2f(vec2u(i & 1u, i >> 1u));
         let parts = mix(1.0 - share, share, side);
         let away = low + side + 0.5 - vec2f(point[along.x], point[along.y]);
@@ -57,26 +52,40 @@ fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
         place[along.y] += away.y;
         place[axis] -= (normal[along.x] * away.x + normal[along.y] * away.y) / normal[axis];
         let spot = spot_at(place, lobe, normal, level);
-        faces[i] = spot.face;
+        faces_around[i] = spot.face;
         let is_there = spot.face != NOTHING && !is_parted(point, spot.start, normal, level);
-        weights[i] = select(0.0, parts.x * parts.y, is_there);
+        weights_around[i] = select(0.0, parts.x * parts.y, is_there);
     }
-    for (var cell = 0u; cell < cells; cell++) {
-        var sum = vec4f(0.0);
-        var weight = 0.0;
-        for (var i = 0u; i < cells / 4u; i++) {
-            if weights[i] > 0.0 {
-                let packed = far_light_of(faces[i], cell);
-                if packed != NO_FAR_LIGHT {
-                    let its = unpack_far_light(packed);
-                    sum += weights[i] * vec4f(its.radiance, its.openness);
-                    weight += weights[i];
-                }
+}
+
+// What is known of the light from a cell; zero if nothing is.
+struct Known {
+    radiance: vec3f,
+    openness: f32,
+    is_known: bool,
+}
+
+// The weighted mean of the faces around, after find_known.
+fn known_in(cell: u32) -> Known {
+    var sum = vec4f(0.0);
+    var weight = 0.0;
+    for (var i = 0u; i < far_cells() / 4u; i++) {
+        if weights_around[i] > 0.0 {
+            let packed = far_light_of(faces_around[i], cell);
+            if packed != NO_FAR_LIGHT {
+                let its = unpack_far_light(packed);
+                sum += weights_around[i] * vec4f(its.radiance, its.openness);
+                weight += weights_around[i];
             }
         }
-        known_cells |= select(0u, 1u << cell, weight > 0.0);
-        known[cell] = select(vec4f(0.0), sum / weight, weight > 0.0);
     }
+    let mean = select(vec4f(0.0), sum / weight, weight > 0.0);
+    return Known(mean.rgb, mean.a, weight > 0.0);
+}
+
+// `local` is in the frame whose z is the surface's normal.
+fn known_from(local: vec3f) -> Known {
+    return known_in(cell_of(local));
 }
 
 // Same contract as `gather` in package::cones::gather.
@@ -98,7 +107,8 @@ fn gather_surface(
     for (var cell = 0u; cell < cells; cell++) {
         let local = cell_cone(cell, FAR_CELLS, vec2f(0.5)).direction;
         let cosine = max(dot(world_from_cells * local, shading_normal), 0.0);
-        sum += known[cell] * (cosine / local.z / f32(FAR_CELLS));
+        let known = known_in(cell);
+        sum += vec4f(known.radiance, known.openness) * (cosine / local.z / f32(FAR_CELLS));
     }
     let origin = cone_start(position_in_world, geometric_normal, level, settings);
     let world_from_normal = basis(shading_normal);
@@ -115,18 +125,18 @@ fn gather_surface(
         // With a normal map, a part of the hemisphere is below the surface; mirror it up.
         let below = min(dot(direction, geometric_normal), 0.0);
         direction = direction - 2.0 * below * geometric_normal;
-        let cell = cell_of(cells_from_world * direction);
-        let is_known = (known_cells & (1u << cell)) != 0u;
-        let reach = select(3e38, least_reach, is_known);
+        let known = known_from(cells_from_world * direction);
+        let reach = select(3e38, least_reach, known.is_known);
         let hit = trace_ray(Ray(origin, direction, reach, level), &passed);
-        var found = known[cell];
-        if hit.face != NOTHING && (hit.distance < near || !is_known) {
+        let far = vec4f(known.radiance, known.openness);
+        var found = far;
+        if hit.face != NOTHING && (hit.distance < near || !known.is_known) {
             found = vec4f(shown_by(hit.face), 0.0);
-        } else if !is_known {
+        } else if !known.is_known {
             let growth = cone_growth(local.tan_half_angle, dot(direction, geometric_normal), settings);
             found = vec4f(environment_radiance(direction, growth), 1.0);
         }
-        sum += (found - known[cell]) / f32(cone_count);
+        sum += (found - far) / f32(cone_count);
         openness += select(1.0, 0.0, hit.face != NOTHING && hit.distance < settings.occlusion_distance);
     }
     sum = max(sum, vec4f(0.0));
