@@ -10,7 +10,9 @@ use lumivox::{GBuffer, Gi, Lights};
 use crate::gpu::textures::ScreenTextures;
 use crate::passes::near_shadows::NearShadows;
 
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+const DIFFUSE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// A highlight of a lamp may exceed the largest half float a hundred times.
+const SPECULAR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// Evaluates the analytic lights.
 #[derive(Debug)]
@@ -36,8 +38,8 @@ impl DirectPass {
     pub fn new(device: &Pipelines, shaders: &ShaderLibrary, gi: &Gi) -> Result<Self, ShaderError> {
         let d2 = wgpu::TextureViewDimension::D2;
         let layout = LayoutBuilder::compute()
-            .storage_texture(d2, FORMAT)
-            .storage_texture(d2, FORMAT)
+            .storage_texture(d2, DIFFUSE_FORMAT)
+            .storage_texture(d2, SPECULAR_FORMAT)
             .storage()
             .depth_2d_array()
             .build(device, "direct light");
@@ -47,8 +49,8 @@ impl DirectPass {
     }
 
     pub(crate) fn targets(textures: &mut ScreenTextures<'_>) -> DirectTargets {
-        let diffuse = textures.storage("direct diffuse light", FORMAT);
-        let specular = textures.storage("direct specular light", FORMAT);
+        let diffuse = textures.storage("direct diffuse light", DIFFUSE_FORMAT);
+        let specular = textures.storage("direct specular light", SPECULAR_FORMAT);
         DirectTargets { diffuse, specular }
     }
 

@@ -16,7 +16,7 @@ import package::trace::view::view;
 // Reflected radiance in rgb, visibility in a.
 @group(1) @binding(0) var direct_diffuse: texture_storage_2d<rgba16float, write>;
 // Reflected radiance in rgb, illuminance in a.
-@group(1) @binding(1) var direct_specular: texture_storage_2d<rgba16float, write>;
+@group(1) @binding(1) var direct_specular: texture_storage_2d<rgba32float, write>;
 
 // A square layer of a parallel light's shadow map around the camera.
 struct NearLayer {
@@ -33,8 +33,36 @@ struct NearLayer {
 @group(1) @binding(2) var<storage, read> near_layers: array<NearLayer>;
 @group(1) @binding(3) var near_maps: texture_depth_2d_array;
 
-// The largest half float: a mirror's highlight may exceed it.
+// The largest half float.
 const MAX_HALF: f32 = 65504.0;
+
+// Highlights smaller than a pixel are widened by the variation of the normal within it, so that
+// samples do not miss them (Tokuyoshi and Kaplanyan 2019, "Improved geometric specular
+// antialiasing", listing 1): twice the variance of the pixel's filter, and the maximum added to
+// alpha^2.
+const FILTER: f32 = 0.3183099;
+const MOST_ADDED: f32 = 0.18;
+
+const NO_NEIGHBOUR: f32 = 1e9;
+
+// The squared difference to the normal of another pixel.
+fn normal_difference(pixel: vec2u, step: vec2i, normal: vec3f) -> f32 {
+    let other = load_surface(vec2u(clamp(vec2i(pixel) + step, vec2i(0), vec2i(view.size) - 1)));
+    let difference = other.shading_normal - normal;
+    return select(NO_NEIGHBOUR, dot(difference, difference), other.depth > 0.0);
+}
+
+// Added to alpha^2. On each axis the more similar neighbour counts: the other one may be another
+// surface. Later frames of a mean add less, since samples of earlier ones lie between.
+fn added_variance(pixel: vec2u, normal: vec3f) -> f32 {
+    var sum = 0.0;
+    for (var axis = 0; axis < 2; axis++) {
+        let step = vec2i(1 - axis, axis);
+        let least = min(normal_difference(pixel, step, normal), normal_difference(pixel, -step, normal));
+        sum += select(0.0, least, least < NO_NEIGHBOUR);
+    }
+    return min(FILTER * sum, MOST_ADDED) / f32(view.frame + 1u);
+}
 
 fn luminance(color: vec3f) -> f32 {
     // ITU-R BT.709-6, section 3.2.
@@ -60,6 +88,10 @@ fn near_visibility(next: ptr<function, u32>, index: u32, position_in_world: vec3
     return found;
 }
 
+fn widened(alpha: f32, added: f32) -> f32 {
+    return sqrt(saturate(alpha * alpha + added));
+}
+
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let pixel = invocation.xy;
@@ -74,9 +106,11 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
     let albedo = textureLoad(gbuffer_diffuse, pixel, 0).rgb;
     let specular = textureLoad(gbuffer_specular, pixel, 0);
-    let alpha = alpha_from_roughness(specular.a);
-    let coat = load_coat(pixel);
     let normal = surface.shading_normal;
+    let coat = load_coat(pixel);
+    let added = added_variance(pixel, normal);
+    let alpha = widened(alpha_from_roughness(specular.a), added);
+    let varnish_alpha = widened(coat.alpha, added);
     let to_camera = normalize(view.position_in_world - surface.position_in_world);
     // Avoids grazing angles: the visibility term is 0 / 0 there.
     let n_dot_v = max(dot(normal, to_camera), 1e-4);
@@ -112,17 +146,17 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         let fresnel = fresnel_schlick(specular.rgb, dot(half_vector, to_camera));
         // Light that the gloss reflects does not reach the diffuse layer: glTF 2.0, appendix B.3.
         diffuse += irradiance * (1.0 - fresnel) * albedo / PI;
-        glossy += glossy_share(light, alpha) * irradiance * fresnel
+        glossy += glossy_share(light, alpha_from_roughness(specular.a)) * irradiance * fresnel
             * ggx_distribution(saturate(dot(normal, half_vector)), alpha)
             * ggx_visibility(n_dot_v, n_dot_l, alpha);
         varnish += glossy_share(light, coat.alpha) * irradiance * coat_fresnel(coat, dot(half_vector, to_camera))
-            * ggx_distribution(saturate(dot(normal, half_vector)), coat.alpha)
-            * ggx_visibility(n_dot_v, n_dot_l, coat.alpha);
+            * ggx_distribution(saturate(dot(normal, half_vector)), varnish_alpha)
+            * ggx_visibility(n_dot_v, n_dot_l, varnish_alpha);
     }
     let below = below_coat(coat, n_dot_v);
     diffuse *= below;
     glossy = below * glossy + varnish;
     let visibility = select(1.0, arriving / sent, sent > 0.0);
     textureStore(direct_diffuse, pixel, vec4f(min(diffuse, vec3f(MAX_HALF)), visibility));
-    textureStore(direct_specular, pixel, min(vec4f(glossy, illuminance), vec4f(MAX_HALF)));
+    textureStore(direct_specular, pixel, vec4f(glossy, illuminance));
 }

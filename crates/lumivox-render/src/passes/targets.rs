@@ -35,9 +35,9 @@ pub(crate) struct Targets {
     pub(crate) bytes: u64,
 }
 
-/// Bytes a pixel of everything in [`Targets`] except the cones: G-buffer 36, direct light 16,
+/// Bytes a pixel of everything in [`Targets`] except the cones: G-buffer 36, direct light 24,
 /// picture and mean 48, illuminance 4, traced surfaces 8, screen 4.
-pub(crate) const BYTES_PER_PIXEL: u64 = 116;
+pub(crate) const BYTES_PER_PIXEL: u64 = 124;
 
 /// Additional bytes a pixel for motion, if light of earlier frames is stored.
 const MOTION_BYTES_PER_PIXEL: u64 = 4;

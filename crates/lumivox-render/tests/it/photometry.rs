@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Mat4, UVec2, Vec3};
 use lumivox_render::{Exposure, Photometry, RenderSettings, Renderer, View};
-use lumivox_scene::{Camera, Light, LightKind, Material, Scene};
+use lumivox_scene::{Camera, Light, LightKind, Material, Scene, Shading};
 
 use crate::common::{builtin, gpu, picture, renderer, zoo};
 
@@ -88,5 +88,35 @@ fn where_nothing_is_lit_there_is_no_illuminance() {
         let here = measured(&renderer, 24, 16);
         assert_eq!(here.is_some(), is_light, "{view:?}");
         assert_eq!(here.and_then(|here| here.illuminance_lux), None, "{view:?}");
+    }
+}
+
+/// A mirroring ball of radius R scatters the light of a sun evenly: E R² / 4 per steradian. At this
+/// size the highlight covers a fifth of a pixel. Half floats had room for 30 % of it.
+#[test]
+fn a_highlight_smaller_than_a_pixel_keeps_its_energy() {
+    let mut scene = Scene::default();
+    let mut metal = Material::diffuse("metal", Vec3::ONE);
+    if let Shading::MetallicRoughness(shading) = &mut metal.shading {
+        (shading.metallic, shading.roughness) = (1.0, 0.1);
+    }
+    let radius_m = 0.1;
+    let scale = Mat4::from_scale(Vec3::splat(radius_m / zoo::RADIUS_M));
+    zoo::place(&mut scene, zoo::sphere(), metal, scale);
+    let kind = LightKind::Directional { illuminance_lux: 1000.0, angular_radius_rad: 0.0 };
+    let direction = Vec3::new(-0.3, -0.4, -1.0).normalize();
+    scene.lights.push(Light { kind, direction, ..Light::default() });
+    let (distance_m, fov) = (2.0, 0.12_f32);
+    scene.cameras.push(Camera::look_at(Vec3::Z * distance_m, Vec3::ZERO, fov));
+    let expected = 1000.0 * radius_m * radius_m / 4.0;
+    for (frames, tolerance) in [(1, 0.1), (8, 0.05)] {
+        let size = UVec2::splat(48);
+        let settings = RenderSettings { size, frames, view: View::Direct, ..small() };
+        let picture = picture(&mut renderer(&gpu(), &scene, settings));
+        let sum: f32 = picture.hdr.iter().map(|pixel| pixel[1]).sum();
+        let pixel_m = 2.0 * distance_m * (fov / 2.0).tan() / size.y as f32;
+        let ratio = sum * pixel_m * pixel_m / expected;
+        println!("the highlight in {frames} frames over the closed form: {ratio}");
+        assert!((ratio - 1.0).abs() < tolerance, "{frames}: {ratio}");
     }
 }

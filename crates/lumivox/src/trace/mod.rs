@@ -230,7 +230,9 @@ impl Tracer {
             let listed_turns = if known.is_some() { temporal::FIRST_TURNS } else { 1 };
             let [remembers, has_changed] = known.unwrap_or_default().map(u32::from);
             let turns = if remembers != 0 { 1 } else { listed_turns };
-            let own = ScreenSettings { remembers, has_changed, turns, listed_turns, ..*settings };
+            let shares = if known.is_some() { 0 } else { settings.shares };
+            let own =
+                ScreenSettings { remembers, has_changed, turns, listed_turns, shares, ..*settings };
             slot.set(recorder.queue(), &own);
             let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
             let UVec2 { x, y } = targets.traced_size();

@@ -19,7 +19,7 @@ struct ScreenSettings {
     // (`edges.wgsl`).
     turns: u32,
     listed_turns: u32,
-    // Whether pixels share the light that they have gathered.
+    // Whether the first frames of a mean share what pixels and faces have gathered.
     shares: u32,
     padding_0: u32,
     padding_1: u32,

@@ -103,7 +103,7 @@ fn trace_specular(pixel: vec2u, turn: u32, turns: u32, samples: f32) -> Reflecti
         expected,
     );
     for (var i = 0u; i < turns; i++) {
-        let traced = trace_turn(gloss, turn + i * TURNS_APART, turns);
+        let traced = trace_turn(gloss, turn + i * TURNS_APART);
         mean.light += vec4f(traced.light.rgb / f32(turns), traced.light.a);
         mean.distance += traced.distance / f32(turns);
     }
@@ -126,8 +126,8 @@ fn choose_lobe(gloss: Gloss, turn: u32) -> Lobe {
     return Lobe(gloss.view, alpha, is_coat, gloss.material.reflectance, gloss.coat, below, coat_share);
 }
 
-// `turn` is the index in the jitter sequence, one of `turns` in this frame.
-fn trace_turn(gloss: Gloss, turn: u32, turns: u32) -> Reflection {
+// `turn` is the index in the jitter sequence.
+fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
     let surface = gloss.surface;
     let start = gloss.start;
     let level = gloss.level;
@@ -135,7 +135,7 @@ fn trace_turn(gloss: Gloss, turn: u32, turns: u32) -> Reflection {
     let known_share = share_of_known(lobe.alpha);
     var reflected = vec3f(0.0);
     if known_share > 0.0 {
-        reflected = known_share * reflect_known(lobe, gloss.cells_from_normal, start.yx, turn, turns);
+        reflected = known_share * reflect_known(lobe, gloss.cells_from_normal, start.yx, turn);
     }
     let drawn = draw_direction(lobe, sequence_pair(start, turn));
     let direction = gloss.world_from_normal * drawn.direction;
