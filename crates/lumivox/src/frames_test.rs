@@ -422,7 +422,7 @@ fn response(faces: impl Fn(u32) -> Option<u32>, frames: u32) -> (Vec<f64>, [f64;
     (shares, [stage.mean(), all[0]])
 }
 
-/// moving.md, M4.
+/// In the share of light that docs/moving.md states.
 #[test]
 fn light_follows_a_switch_within_frames() {
     let (whole, [settled, solved]) = response(|_| None, 10);

@@ -50,7 +50,7 @@ struct Reflection {
     distance: f32,
 }
 
-// What the turns of a pixel share.
+// Shared by the turns of a pixel.
 struct Gloss {
     surface: Surface,
     material: Specular,
