@@ -2,12 +2,7 @@
 
 import package::cones::cone::ConeSettings;
 import package::cones::gather::{gather, Gathered};
-
-struct Known {
-    radiance: vec3f,
-    openness: f32,
-    is_known: bool,
-}
+import package::volume::far_light::Known;
 
 // Marched cones find all light themselves.
 fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {

@@ -7,7 +7,7 @@
 import package::gpu::random::sequence_pair;
 import package::trace::brdf::PI;
 import package::trace::lobe::{draw_direction, Lobe};
-import package::trace::screen::settings;
+import package::trace::screen::{settings, share_in_mean};
 import package::trace::view::view;
 import package::trace::way::known_from;
 import package::volume::far_light::FAR_CELLS;
@@ -15,17 +15,16 @@ import package::volume::far_light::FAR_CELLS;
 // Directions in which a frame looks up known light for a pixel.
 const DIRECTIONS: u32 = 8u;
 
-// Frames of a mean that take known light, and the frame number at which its share is a quarter.
+// Frames of a mean that take known light.
 const KNOWN_FRAMES: u32 = 12u;
-const QUARTER_FRAME: f32 = 2.0;
 
 // The share of known light in what a lobe reflects from afar. A lobe narrower than a cell of known
 // light takes none.
 fn share_of_known(alpha: f32) -> f32 {
     let lobe_solid_angle = 4.0 * PI * alpha * alpha;
     let wide = saturate(lobe_solid_angle / (2.0 * PI / f32(FAR_CELLS)) - 1.0);
-    let fade = QUARTER_FRAME / (QUARTER_FRAME + f32(view.frame));
-    return select(0.0, wide * fade * fade, settings.shares != 0u && view.frame < KNOWN_FRAMES);
+    let share = share_in_mean();
+    return select(0.0, wide * share * share, settings.shares != 0u && view.frame < KNOWN_FRAMES);
 }
 
 // The known light that a lobe reflects. `cells_from_normal` transforms to the frame whose z is the

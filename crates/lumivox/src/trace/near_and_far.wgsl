@@ -13,7 +13,7 @@ import package::cones::way::{cone_growth, cone_start};
 import package::environment::environment_radiance;
 import package::grid::grid_from_world;
 import package::volume::beside::{is_parted, spot_at};
-import package::volume::far_light::{unpack_far_light, FAR_CELLS, NEAR, NO_FAR_LIGHT};
+import package::volume::far_light::{unpack_far_light, Known, FAR_CELLS, NEAR, NO_FAR_LIGHT};
 import package::volume::patch::NOTHING;
 import package::volume::surface::{far_cells, far_light_of};
 
@@ -58,14 +58,7 @@ fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
     }
 }
 
-// What is known of the light from a cell; zero if nothing is.
-struct Known {
-    radiance: vec3f,
-    openness: f32,
-    is_known: bool,
-}
-
-// The weighted mean of the faces around, after find_known.
+// The far light from a cell: the weighted mean of the faces around. Call find_known before.
 fn known_in(cell: u32) -> Known {
     var sum = vec4f(0.0);
     var weight = 0.0;

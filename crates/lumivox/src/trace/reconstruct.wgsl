@@ -7,7 +7,7 @@ import package::trace::around::{traced_around, FITS};
 import package::trace::fit::fit;
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::trace::reflections::{brightness, filter_reflection};
-import package::trace::screen::{settings, traced_pixel, traced_share, traced_size};
+import package::trace::screen::{settings, share_in_mean, traced_pixel, traced_share, traced_size};
 import package::trace::surface::Surface;
 import package::trace::view::view;
 import package::voxelize::reproducible::is_finite;
@@ -20,9 +20,6 @@ import package::voxelize::reproducible::is_finite;
 @group(1) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
 // Pixel indices in row-major order, from the second element on.
 @group(1) @binding(6) var<storage, read_write> listed: array<u32>;
-
-// Frame number at which shared light has a weight of one half.
-const SHARED_FRAMES: f32 = 2.0;
 
 // Differences below this many times their noise are noise.
 const CERTAIN: f32 = 3.0;
@@ -119,7 +116,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         }
     }
     if settings.shares != 0u {
-        let share = SHARED_FRAMES / (SHARED_FRAMES + f32(view.frame));
+        let share = share_in_mean();
         let centre = pixel / settings.scale;
         irradiance = mix(irradiance, gathered_beside(centre, surface, irradiance), share);
         let material = load_specular(pixel);

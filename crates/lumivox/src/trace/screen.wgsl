@@ -54,6 +54,14 @@ fn traced_share() -> f32 {
     return 1.0 / f32(settings.scale * settings.scale);
 }
 
+// Frame number at which shared light has a weight of one half.
+const SHARED_FRAMES: f32 = 2.0;
+
+// The weight of shared light in this frame of a mean.
+fn share_in_mean() -> f32 {
+    return SHARED_FRAMES / (SHARED_FRAMES + f32(view.frame));
+}
+
 // The size of the textures that cones are traced into.
 fn traced_size() -> vec2u {
     return (view.size + settings.scale - 1u) / settings.scale;

@@ -17,6 +17,14 @@ struct FarLight {
     openness: f32,
 }
 
+// The far light of a surface from one direction: the mean of the direction's cell; zero if none of
+// the faces around has any.
+struct Known {
+    radiance: vec3f,
+    openness: f32,
+    is_known: bool,
+}
+
 const BRIGHTEST_FAR = 65280.0;
 
 fn pack_far_light(light: FarLight) -> u32 {
