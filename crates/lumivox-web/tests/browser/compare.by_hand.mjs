@@ -28,8 +28,9 @@ function radiance(texels) {
 }
 
 const folder = await project();
-const session = await Session.start({ beside: await filesOf(await vite(join(folder, "compare")), "compare") });
+const session = await Session.start();
 try {
+    await session.serve(await filesOf(await vite(join(folder, "compare")), "compare"));
     const page = await (await session.browser.newContext()).newPage();
     page.setDefaultTimeout(0);
     await page.goto(new URL("compare/index.html", session.address).href);

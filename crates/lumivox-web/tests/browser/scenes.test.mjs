@@ -18,7 +18,8 @@ let session;
 let app;
 const HALL = panorama();
 before(async () => {
-    session = await Session.start({ beside: [{ name: "hall.hdr", bytes: HALL }] });
+    session = await Session.start();
+    await session.serve([{ name: "hall.hdr", bytes: HALL }]);
     app = await App.show(session, "builtin:cornell");
 });
 after(() => session?.end());

@@ -18,10 +18,11 @@ before(async () => {
         await filesOf(await vite(join(folder, "cornell")), "vite"),
         await filesOf(await webpack(join(folder, "cornell"), "beside.js"), "webpack"),
         await filesOf(await webpack(join(folder, "cornell"), "inlined.js"), "inlined"),
-        await filesOf(await webpack(join(folder, "forms"), "forms.js"), "forms"),
+        await filesOf(await webpack(join(folder, "forms"), "forms.js", "development"), "forms"),
         await filesOf(await vite(join(folder, "example")), "hall"),
     ];
-    session = await Session.start({ beside: bundles.flat() });
+    session = await Session.start();
+    await session.serve(bundles.flat());
 });
 after(() => session?.end());
 
@@ -128,6 +129,9 @@ describe("scenes of three.js whose light is known, in a bundle of webpack", () =
         assert.deepEqual(await light("misuse"), ["a frame has no new light: number 7 of a material is NaN"]);
         assert.match(app.messages.take().join(), /number 7 of a material is NaN/);
         isNear((await light("furnace"))[0], 2, 0.05);
+        // What is freed is freed once.
+        await light("free");
+        app.messages.check();
     });
 });
 

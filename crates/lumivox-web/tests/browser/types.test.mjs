@@ -52,7 +52,7 @@ test("the page's modules compile", async () => {
 });
 
 test("these tests compile", async () => {
-    const modules = [here, join(here, "harness")].map(async (folder) =>
+    const modules = ["", "app", "harness"].map((name) => join(here, name)).map(async (folder) =>
         (await readdir(folder)).filter((name) => name.endsWith(".mjs")).map((name) => join(folder, name)));
     const options = { lib: ["esnext", "dom", "dom.iterable"], types: [webgpu, "node"], allowJs: true, checkJs: true };
     assert.equal(await compile(options, (await Promise.all(modules)).flat()), "");

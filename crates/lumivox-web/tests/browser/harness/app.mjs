@@ -20,10 +20,12 @@ export const SIZE = { width: 96, height: 72 };
  * had 0.12 and more. */
 export const BOUND = 0.1;
 /** Small and quick; `NATIVE` is the same for the native program. */
-export const QUICK = { resolution: 32, frames: 4, bounces: 1 };
-export const NATIVE = ["--size", "96x72", "--resolution", "32", "--frames", "4", "--bounces", "1"];
+export const QUICK = { resolution: 32, frames: 2, bounces: 1 };
+export const NATIVE = ["--size", "96x72", "--resolution", "32", "--frames", "2", "--bounces", "1"];
+/** How long keys are held to move, ms. */
+export const HELD = { delay: 150 };
 /** `NATIVE` as the parameters of a link. */
-export const LINK = "scale=0.25&resolution=32&frames=4&bounces=1";
+export const LINK = "scale=0.25&resolution=32&frames=2&bounces=1";
 
 /** The result of a promise; fails after LONGEST_MS, since a stopped worker never answers.
  * @template T @param {Promise<T>} promise @param {string} what @returns {Promise<T>} */
@@ -59,10 +61,9 @@ export class App {
     }
 
     /** Opens it with a scene, and waits for the picture.
-     * @param {Session} session @param {string} scene
-     * @param {{ link?: string, context?: ContextOptions }} options */
-    static async show(session, scene, { link = "", context } = {}) {
-        const app = await App.open(session, { link: [`scene=${scene}`, LINK, link].filter(Boolean).join("&"), context });
+     * @param {Session} session @param {string} scene */
+    static async show(session, scene) {
+        const app = await App.open(session, { link: `scene=${scene}&${LINK}` });
         await app.complete();
         return app;
     }
@@ -114,8 +115,14 @@ export class App {
     async error() {
         const message = this.page.locator("#messages .error").last();
         const text = (await message.locator("p").textContent()) ?? "";
-        await message.getByLabel("Close the message").click();
+        // The panel may cover the button.
+        await message.getByLabel("Close the message").press("Enter");
         return text.trim();
+    }
+
+    /** Waits for a note, and closes it. @param {string} text a part of it */
+    async note(text) {
+        await this.page.locator("#messages .note", { hasText: text }).getByLabel("Close the message").click();
     }
 
     /** Fails if there are errors, on the page or on the console. */

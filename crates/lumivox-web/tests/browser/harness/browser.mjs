@@ -42,21 +42,24 @@ export class Session {
         this.folder = folder;
     }
 
-    /** @param {{ webgpu?: boolean, beside?: { name: string, bytes: Buffer | string }[] }} options
-     *   whether the browser has WebGPU, and files that are served beside the page */
-    static async start({ webgpu = true, beside = [] } = {}) {
+    /** @param {{ webgpu?: boolean }} options whether the browser has WebGPU */
+    static async start({ webgpu = true } = {}) {
         const folder = await mkdtemp(join(tmpdir(), "lumivox-page-"));
         await cp(environment.pageFolder(), folder, { recursive: true });
-        for (const { name, bytes } of beside) {
-            await mkdir(dirname(join(folder, name)), { recursive: true });
-            await writeFile(join(folder, name), bytes);
-        }
         const server = await serve(folder);
         try {
             return new Session(await launch(webgpu ? WEBGPU : []), server, folder);
         } catch (error) {
             server.end();
             throw error;
+        }
+    }
+
+    /** Serves files beside the page. @param {{ name: string, bytes: Buffer | string }[]} files */
+    async serve(files) {
+        for (const { name, bytes } of files) {
+            await mkdir(dirname(join(this.folder, name)), { recursive: true });
+            await writeFile(join(this.folder, name), bytes);
         }
     }
 

@@ -38,12 +38,14 @@ export async function vite(root) {
 }
 
 /** Bundles a module with webpack, without settings, and puts it into a page.
- * @param {string} root @param {string} entry @returns {Promise<string>} the folder of the bundle */
-export async function webpack(root, entry) {
+ * @param {string} root @param {string} entry
+ * @param {"production" | "development"} [mode] production minifies; three.js takes 15 s
+ * @returns {Promise<string>} the folder of the bundle */
+export async function webpack(root, entry, mode = "production") {
     const out = join(root, "webpack", entry);
     /** @type {import("webpack").Stats | undefined} */
     const stats = await new Promise((resolve, reject) => {
-        bundler({ mode: "production", context: root, entry: join(root, entry), output: { path: out } }, (error, stats) => (error ? reject(error) : resolve(stats)));
+        bundler({ mode, context: root, entry: join(root, entry), output: { path: out } }, (error, stats) => (error ? reject(error) : resolve(stats)));
     });
     // Warnings are ignored: advice on sizes does not apply to WebAssembly.
     const { errors = [] } = stats?.toJson({ all: false, errors: true }) ?? {};

@@ -142,12 +142,14 @@ const forms = {
         moving.dispose();
         return sum;
     },
-    /** A picture of size 0, a second `dispose`, NaN and infinity: none of them throws in frames. */
+    /** The last: a second `dispose` and a later `update` do nothing. */
+    free() {
+        gi.dispose();
+        gi.dispose();
+        gi.update();
+    },
+    /** A picture of size 0, NaN and infinity: none of them throws in frames. */
     async misuse() {
-        const own = await createGi(renderer, { scene, camera, bounds, resolution: 16 });
-        own.dispose();
-        own.dispose();
-        own.update();
         renderer.setSize(0, 0, false);
         gi.update();
         renderer.setSize(SIZE, SIZE, false);

@@ -1,26 +1,11 @@
-// Using the page: links, the split, saving, sizes, camera, names for screen readers.
+// Using the page: the split, saving, sizes, camera, names for screen readers.
 
 import assert from "node:assert/strict";
 import { readFile, writeFile } from "node:fs/promises";
-import { after, before, test } from "node:test";
-import { App, LINK, VIEWPORT } from "./harness/app.mjs";
-import { Session } from "./harness/browser.mjs";
-import { columns, different, flip, flipOfFiles, freshPath, png } from "./harness/picture.mjs";
-
-/** How long keys are held to move, ms. */
-const HELD = { delay: 150 };
-
-/** @type {Session} */
-let session;
-/** @type {App} */
-let app;
-before(async () => {
-    session = await Session.start();
-    app = await App.show(session, "builtin:cornell", {
-        context: { acceptDownloads: true, hasTouch: true },
-    });
-});
-after(() => session?.end());
+import { test } from "node:test";
+import { HELD, VIEWPORT } from "../harness/app.mjs";
+import { columns, different, flip, flipOfFiles, freshPath, png } from "../harness/picture.mjs";
+import { app } from "../harness/viewer.mjs";
 
 const camera = () => app.call("camera");
 
@@ -38,64 +23,30 @@ const distance = (/** @type {any} */ { position, target }) => Math.hypot(...[0, 
 
 test("the canvas shows the picture", async () => {
     const size = { width: 120, height: 90 };
-    const sharp = await App.show(session, "builtin:cornell", { link: "view=albedo" });
-    await sharp.page.locator("#scale").evaluate((/** @type {HTMLInputElement} */ slider) => {
-        slider.value = "1";
+    await app.load("builtin:cornell");
+    await app.call("set", { view: "albedo" });
+    /** Hides or shows what covers the picture. @param {boolean} isBare @param {string} scale */
+    const lay = (isBare, scale) => app.page.evaluate(([isBare, scale]) => {
+        // Through the DOM: the page's policy blocks added style sheets.
+        for (const part of ["bar", "below", "split"]) document.getElementById(part)?.style.setProperty("visibility", isBare ? "hidden" : "");
+        const slider = /** @type {HTMLInputElement} */ (document.getElementById("scale"));
+        slider.value = scale;
         slider.dispatchEvent(new Event("input"));
-    });
-    await sharp.page.setViewportSize(size);
-    // Through the DOM: the page's policy blocks added style sheets.
-    await sharp.page.evaluate(() => {
-        for (const part of ["bar", "below", "split"]) document.getElementById(part)?.style.setProperty("visibility", "hidden");
-    });
-    await sharp.settled();
-    const picture = await sharp.pixels();
+    }, /** @type {const} */ ([isBare, scale]));
+    await app.page.setViewportSize(size);
+    await lay(true, "1");
+    await app.settled();
+    const picture = await app.pixels();
     assert.deepEqual([picture.width, picture.height], [size.width, size.height]);
     const [shown, read] = [await freshPath("shown.png"), await freshPath("read.png")];
-    await sharp.page.screenshot({ path: shown });
+    await app.page.screenshot({ path: shown });
     await writeFile(read, png(picture));
     const difference = await flipOfFiles(read, shown);
     assert.ok(difference < 0.002, `FLIP ${difference} between what is shown and what is read back`);
-    await sharp.check();
-    await sharp.close();
-});
-
-test("a link carries camera, settings, split and picture", async () => {
-    const app = await App.show(session, "builtin:cornell", { context: { permissions: ["clipboard-read", "clipboard-write"] } });
-    await app.page.locator("#canvas").focus();
-    await app.page.keyboard.press("ArrowLeft", HELD);
+    await lay(false, "0.25");
+    await app.page.setViewportSize(VIEWPORT);
+    await app.call("set", { view: "final" });
     await app.settled();
-    await app.inPanel("View", () => app.page.locator("#compare").selectOption("albedo"));
-    await app.inPanel("Volume", () => app.page.locator("#set-volume").selectOption("octree"));
-    await app.page.locator("#link").click();
-    await app.page.locator("#messages .note").waitFor();
-    const address = await app.page.evaluate(() => navigator.clipboard.readText());
-    assert.equal(address, app.page.url());
-    const other = await App.open(session, { link: new URL(address).hash.slice(1) });
-    await other.complete();
-    const [ours, theirs] = [await app.call("settings"), await other.call("settings")];
-    assert.deepEqual(theirs, ours);
-    assert.equal(theirs.volume, "octree");
-    assert.ok(!/grid_offset|tone_map/.test(address), `what is as usual needs no place in a link: ${address}`);
-    const [from, to] = [await app.call("camera"), await other.call("camera")];
-    for (const part of ["position", "target"]) {
-        for (const axis of [0, 1, 2]) assert.ok(Math.abs(from[part][axis] - to[part][axis]) < 1e-5, `${part} ${from[part]} and ${to[part]}`);
-    }
-    assert.equal(different(await app.pixels(), await other.pixels()), 0);
-    await other.check();
-    await other.close();
-    await app.check();
-    await app.close();
-});
-
-test("a link with errors tells them, and shows the rest", async () => {
-    const other = await App.open(session, { link: `scene=builtin:panel&${LINK}&bounces=many&nonsense=1&camera=1,2` });
-    await other.complete();
-    const text = await other.error();
-    for (const part of ["bounces", "nonsense", "camera"]) assert.match(text, new RegExp(part));
-    assert.equal((await other.call("scene")).name, "panel");
-    await other.check();
-    await other.close();
 });
 
 test("the split shows both views, each on its side", async () => {
@@ -118,7 +69,7 @@ test("the split shows both views, each on its side", async () => {
     assert.equal(different(await app.pixels(), direct), 0, "with the line at the right edge all is the left view");
     await app.inPanel("View", () => app.page.getByRole("button", { name: "direct | with indirect" }).click());
     assert.equal(different(await app.pixels(), final), 0, "without the line all is the view of all light");
-    await app.check();
+    await app.pictureWith({ exposure: "auto" });
 });
 
 test("the picture is saved as a PNG file", async () => {
@@ -128,7 +79,6 @@ test("the picture is saved as a PNG file", async () => {
     await download.saveAs(file);
     assert.equal((await readFile(file)).readUInt32BE(16), 96);
     assert.equal(await flip(file, await app.pixels()), 0);
-    await app.check();
 });
 
 test("the picture has the window's size", async () => {
@@ -140,7 +90,6 @@ test("the picture has the window's size", async () => {
     await app.page.setViewportSize(VIEWPORT);
     await app.settled();
     assert.equal(different(before, await app.pixels()), 0, "the same window has the same picture");
-    await app.check();
 });
 
 test("mouse, wheel, keys and fingers move the camera", async () => {
@@ -171,7 +120,6 @@ test("mouse, wheel, keys and fingers move the camera", async () => {
         await touch("touchMove", [{ x: x - 40, y }, { x: x + 40, y }]);
         await touch("touchEnd", []);
     });
-    await app.check();
 });
 
 test("lights and objects change the picture, and back", async () => {
@@ -193,27 +141,26 @@ test("lights and objects change the picture, and back", async () => {
         await app.page.locator("#lights").getByRole("button", { name: /Remove/ }).last().click();
     });
     assert.equal(different(before, await app.pixels()), 0);
-    await app.check();
 });
 
 test("a phone has room for it, and every control has a name", async () => {
-    const phone = await App.open(session, {
-        link: `scene=builtin:cornell&${LINK}`,
-        context: { viewport: { width: 360, height: 640 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true },
-    });
-    await phone.complete();
-    const width = () => phone.page.evaluate(() => document.documentElement.scrollWidth);
+    await app.page.setViewportSize({ width: 360, height: 640 });
+    const width = () => app.page.evaluate(() => document.documentElement.scrollWidth);
     assert.ok((await width()) <= 360);
-    assert.ok(await phone.page.locator("#panel").isHidden(), "a phone shows the picture first");
-    await phone.page.locator("#panel-toggle").tap();
-    await phone.page.evaluate(() => document.querySelectorAll("details").forEach((details) => (details.open = true)));
+    await app.page.locator("#panel-toggle").tap();
+    const open = (/** @type {boolean} */ isOpen) =>
+        app.page.evaluate((isOpen) => document.querySelectorAll("details").forEach((details) => (details.open = isOpen)), isOpen);
+    await open(true);
     assert.ok((await width()) <= 360);
-    const tree = await phone.page.locator("body").ariaSnapshot();
+    const tree = await app.page.locator("body").ariaSnapshot();
     const controls = tree.split("\n").filter((line) => /^\s*- (button|checkbox|combobox|textbox|searchbox|slider|radio|spinbutton)\b/.test(line));
     assert.ok(controls.length > 50, `${controls.length} controls`);
     assert.deepEqual(controls.filter((line) => !/^\s*- \w+ "/.test(line)), [], "controls without a name");
-    await phone.check();
-    await phone.close();
+    // An open histogram is measured in each frame.
+    await open(false);
+    await app.page.locator("#panel-toggle").tap();
+    await app.page.setViewportSize(VIEWPORT);
+    await app.settled();
 });
 
 test("ours | reference traces paths beside the picture", async () => {
@@ -225,5 +172,4 @@ test("ours | reference traces paths beside the picture", async () => {
         await toggle.click();
     });
     assert.ok(await app.page.locator("#split").isHidden());
-    await app.check();
 });

@@ -1,20 +1,11 @@
 // Devices that are lost, refuse a request, or do not exist.
 
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { App, LINK } from "./harness/app.mjs";
-import { Session } from "./harness/browser.mjs";
-import { different } from "./harness/picture.mjs";
-
-/** @type {Session} */
-let session;
-/** @type {App} */
-let app;
-before(async () => {
-    session = await Session.start();
-    app = await App.show(session, "builtin:cornell");
-});
-after(() => session?.end());
+import { test } from "node:test";
+import { App, LINK } from "../harness/app.mjs";
+import { Session } from "../harness/browser.mjs";
+import { different } from "../harness/picture.mjs";
+import { app, session } from "../harness/viewer.mjs";
 
 test("what WebGPU's validation says is heard by these tests", async () => {
     await app.worker.evaluate(async () => {
@@ -28,31 +19,6 @@ test("what WebGPU's validation says is heard by these tests", async () => {
     assert.match(await app.messages.next(), /warning \(rendering\): .*MapRead/);
     // The message may be repeated.
     app.messages.expect(/MapRead/);
-});
-
-/** Loses the device, and waits for the picture on a new device. @param {App} app */
-async function lose(app) {
-    const before = await app.pixels();
-    await app.worker.evaluate(async () => {
-        // @ts-ignore: the page leaves it there
-        (await self.renderer.device()).destroy();
-    });
-    await app.page.locator("#messages .note", { hasText: "was lost" }).waitFor();
-    await app.page.locator("#live", { hasText: "is restored" }).waitFor({ state: "attached" });
-    await app.complete();
-    assert.equal(different(before, await app.pixels()), 0);
-    assert.equal(await app.call("isLost"), false);
-    await app.page.getByLabel("Close the message").click();
-    await app.page.locator("#live").evaluate((live) => (live.textContent = ""));
-    await app.check();
-}
-
-test("a lost device is replaced as often as needed, and the picture is the same, with a split as well", async () => {
-    await lose(app);
-    const compareWith = (/** @type {string} */ view) => app.inPanel("View", () => app.page.locator("#compare").selectOption(view));
-    await compareWith("albedo");
-    await lose(app);
-    await compareWith("");
 });
 
 test("more than the device holds is refused with what to choose instead, and the picture stays", async (t) => {
@@ -129,13 +95,29 @@ test("a browser without an adapter for it is told so", async () => {
     }
 });
 
-test("a GPU process that crashes is survived", async () => {
-    // The browser's own message.
-    app.messages.expect(/external Instance reference no longer exists/);
+/** Loses the device, and waits for the picture on a new one.
+ * @param {() => Promise<unknown>} lose */
+async function survives(lose) {
     const before = await app.pixels();
-    await session.crashGpu();
+    await lose();
+    await app.note("was lost");
     await app.page.locator("#live", { hasText: "is restored" }).waitFor({ state: "attached" });
     await app.complete();
     assert.equal(different(before, await app.pixels()), 0);
+    assert.equal(await app.call("isLost"), false);
+    await app.page.locator("#live").evaluate((live) => (live.textContent = ""));
     await app.check();
+}
+
+test("a lost device is replaced as often as needed, and the picture is the same", async (t) => {
+    await t.test("a device that is destroyed", () => survives(() => app.worker.evaluate(async () => {
+        // @ts-ignore: the page leaves it there
+        (await self.renderer.device()).destroy();
+    })));
+    await t.test("a GPU process that crashes, with a split", async () => {
+        // The browser's own message.
+        app.messages.expect(/external Instance reference no longer exists/);
+        await app.inPanel("View", () => app.page.locator("#compare").selectOption("albedo"));
+        await survives(() => session.crashGpu());
+    });
 });

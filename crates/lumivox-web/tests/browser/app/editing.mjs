@@ -1,21 +1,10 @@
-// Editing on the page besides settings: materials, selection, undo, cancelling, stored views.
+// Editing on the page besides settings: materials, selection, undo, cancelling.
 
 import assert from "node:assert/strict";
-import { after, afterEach, before, test } from "node:test";
-import { App, VIEWPORT } from "./harness/app.mjs";
-import { Session } from "./harness/browser.mjs";
-import { colors, different } from "./harness/picture.mjs";
-
-/** @type {Session} */
-let session;
-/** The tab of most tests; each opens its own scene in it. @type {App} */
-let app;
-before(async () => {
-    session = await Session.start();
-    app = await App.show(session, "builtin:cornell");
-});
-after(() => session?.end());
-afterEach(() => app.check());
+import { test } from "node:test";
+import { VIEWPORT } from "../harness/app.mjs";
+import { colors, different } from "../harness/picture.mjs";
+import { app } from "../harness/viewer.mjs";
 
 test("materials are edited in the panel", async () => {
     await app.load("builtin:cornell");
@@ -93,7 +82,7 @@ test("a loading is cancelled, and the last scene stays", async () => {
         await app.page.locator("#loading-time", { hasText: /^\d\.[5-9] s$/ }).waitFor();
         assert.match((await app.page.locator("#loading-stage").textContent()) ?? "", /Loading endless\.glb/);
         await app.page.locator("#loading-cancel").click();
-        await app.page.locator("#messages .note", { hasText: "endless.glb was cancelled" }).waitFor();
+        await app.note("endless.glb was cancelled");
     });
     await app.complete();
     assert.equal((await app.call("scene")).name, "cornell");
@@ -155,31 +144,6 @@ test("changes are taken back and done again", async () => {
     await app.settled();
 });
 
-test("views are kept under names", async () => {
-    await app.load("builtin:cornell");
-    await app.page.locator("#canvas").focus();
-    await app.page.keyboard.press("ArrowLeft", { delay: 150 });
-    await app.settled();
-    const corner = await app.call("camera");
-    await app.inPanel("Scene", async () => {
-        await app.page.locator("#camera-name").fill("corner");
-        await app.page.locator("#camera-name").press("Enter");
-    });
-    await app.page.locator("#canvas").focus();
-    await app.page.keyboard.press("d", { delay: 150 });
-    await app.settled();
-    assert.notDeepEqual(await app.call("camera"), corner);
-    await app.page.reload();
-    await app.complete();
-    await app.inPanel("Scene", () => app.page.locator("#camera").selectOption({ label: "corner" }));
-    const back = await app.call("camera");
-    for (const part of ["position", "target"]) {
-        for (const axis of [0, 1, 2]) assert.ok(Math.abs(back[part][axis] - corner[part][axis]) < 1e-4, `${part} ${back[part]}`);
-    }
-    await app.inPanel("Scene", () => app.page.getByLabel("Forget this view").click());
-    assert.equal(await app.page.locator("#camera option", { hasText: "corner" }).count(), 0);
-});
-
 test("the light under the mouse and the histogram are those of the picture", async () => {
     await app.load("builtin:furnace");
     // A furnace has the same luminance everywhere.
@@ -209,11 +173,10 @@ test("the light under the mouse and the histogram are those of the picture", asy
 });
 
 test("a first, coarse picture comes before the one that was asked for", async () => {
-    await app.load("builtin:cornell");
     const seen = await app.worker.evaluate(async () => {
         // @ts-ignore
         const { renderer } = self;
-        await renderer.set({ resolution: 64 });
+        await renderer.set({ resolution: 40 });
         /** @type {string[]} */
         const events = [];
         const context = GPUCanvasContext.prototype;
@@ -229,9 +192,9 @@ test("a first, coarse picture comes before the one that was asked for", async ()
     console.log(seen.events.join(", "));
     const [first, last] = [seen.events.indexOf("picture"), seen.events.lastIndexOf("voxelize")];
     assert.ok(first > 0 && last > first, seen.events.join(", "));
-    assert.equal(seen.resolution, 64);
+    assert.equal(seen.resolution, 40);
     await app.render();
-    assert.equal((await app.call("render")).frame, 4);
+    assert.equal((await app.call("render")).frame, 2);
     await app.call("set", { resolution: 32 });
     await app.render();
 });

@@ -1,35 +1,22 @@
 // Panoramas around a scene, and scenes lit only by their own emission.
 
 import assert from "node:assert/strict";
-import { after, afterEach, before, test } from "node:test";
-import { App } from "./harness/app.mjs";
-import { Session } from "./harness/browser.mjs";
-import { OBJ } from "./harness/files.mjs";
-import { luminance, panorama } from "./harness/panorama.mjs";
-import { different } from "./harness/picture.mjs";
+import { test } from "node:test";
+import { OBJ } from "../harness/files.mjs";
+import { luminance, panorama } from "../harness/panorama.mjs";
+import { different } from "../harness/picture.mjs";
+import { app } from "../harness/viewer.mjs";
 
-/** @type {Session} */
-let session;
-/** The tab of most tests; each opens its own scene in it. @type {App} */
-let app;
 const HALL = panorama();
-before(async () => {
-    session = await Session.start({ beside: [{ name: "skies/hall.hdr", bytes: HALL }] });
-    app = await App.show(session, "builtin:cornell");
-});
-after(() => session?.end());
-afterEach(() => app.check());
 
 /** Waits until the page shows the panorama. */
-async function surrounded(tab = app) {
-    await tab.page.waitForSelector(`#panorama:has-text("hall")`, { state: "attached" });
-    await tab.settled();
-    await tab.check();
-    assert.equal((await tab.call("environment")).panorama, "hall");
+async function surrounded() {
+    await app.page.waitForSelector(`#panorama:has-text("hall")`, { state: "attached" });
+    await app.settled();
+    assert.equal((await app.call("environment")).panorama, "hall");
 }
 
 test("a panorama is dropped with a scene, turned and made brighter", async () => {
-    await app.load("builtin:panel");
     await app.drop([...OBJ, { name: "hall.hdr", bytes: HALL }]);
     await app.page.waitForSelector(`#title:text-is("corner")`, { state: "attached" });
     await surrounded();
@@ -64,31 +51,7 @@ test("a panorama is dropped with a scene, turned and made brighter", async () =>
     assert.ok(different(plain, await app.pixels()) > 1000);
 });
 
-test("a link brings a panorama, and a dropped one takes the place of what was put around a scene", async () => {
-    const app = await App.show(session, "builtin:spheres", { link: "environment=skies/hall.hdr&environment_rotation=90&environment_intensity=2" });
-    const { panorama: name, rotation_deg, radiance } = await app.call("environment");
-    assert.deepEqual([name, Math.round(rotation_deg), radiance], ["hall", 90, [2, 2, 2]]);
-    await app.page.locator("#link").click();
-    await app.page.locator("#messages .note").first().waitFor();
-    assert.match(app.page.url(), /environment=skies\/hall\.hdr&environment_intensity=2&environment_rotation=90/);
-    await app.inPanel("Scene", () => app.page.locator("#surroundings").selectOption("sky"));
-    const staged = await app.call("scene");
-    assert.ok(staged.lights.some((/** @type {any} */ { name }) => name === "default sun"));
-    await app.drop([{ name: "hall.hdr", bytes: HALL }]);
-    await surrounded(app);
-    const { lights, objects } = await app.call("scene");
-    assert.ok(!lights.some((/** @type {any} */ { name }) => name === "default sun"));
-    assert.deepEqual(objects.filter((/** @type {any} */ { hidden }) => hidden).length, staged.objects.length - objects.filter((/** @type {any} */ { hidden }) => !hidden).length);
-    assert.equal(await app.page.locator("#surroundings").inputValue(), "panorama");
-    // The automatic surroundings return.
-    await app.inPanel("Scene", () => app.page.locator("#surroundings").selectOption("auto"));
-    assert.notEqual((await app.call("environment")).panorama, "hall");
-    await app.check();
-    await app.close();
-});
-
 test("what is no panorama tells so, and the picture stays", async () => {
-    await app.load("builtin:cornell");
     const before = await app.pixels();
     for (const [name, bytes, message] of /** @type {[string, string | Buffer, RegExp][]} */ ([
         ["page.hdr", "<!doctype html>", /page\.hdr: it is a web page/],
@@ -114,4 +77,19 @@ test("a scene that is lit by its own emission alone says so, until something els
     await app.drop([{ name: "hall.hdr", bytes: HALL }]);
     await surrounded();
     assert.ok(await hint.isHidden());
+});
+
+test("a dropped panorama takes the place of what was put around a scene", async () => {
+    await app.inPanel("Scene", () => app.page.locator("#surroundings").selectOption("sky"));
+    const staged = await app.call("scene");
+    assert.ok(staged.lights.some((/** @type {any} */ { name }) => name === "default sun"));
+    await app.drop([{ name: "hall.hdr", bytes: HALL }]);
+    await surrounded();
+    const { lights, objects } = await app.call("scene");
+    assert.ok(!lights.some((/** @type {any} */ { name }) => name === "default sun"));
+    assert.equal(objects.length, staged.objects.length);
+    assert.equal(await app.page.locator("#surroundings").inputValue(), "panorama");
+    // The automatic surroundings return.
+    await app.inPanel("Scene", () => app.page.locator("#surroundings").selectOption("auto"));
+    assert.notEqual((await app.call("environment")).panorama, "hall");
 });

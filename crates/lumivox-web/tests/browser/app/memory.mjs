@@ -1,11 +1,10 @@
 // Memory does not grow from scene to scene.
 
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { App } from "./harness/app.mjs";
-import { Session } from "./harness/browser.mjs";
-import { isRelease } from "./harness/environment.mjs";
-import { glb } from "./harness/files.mjs";
+import { test } from "node:test";
+import { isRelease } from "../harness/environment.mjs";
+import { glb } from "../harness/files.mjs";
+import { app, session } from "../harness/viewer.mjs";
 
 /** Scene loads. Memory is compared between load FIRST, when caches are filled, and the last. Each
  * of four scenes is loaded twice in between; a leaked one exceeds SLACK. A release also finds
@@ -14,16 +13,6 @@ const LOADS = isRelease() ? 50 : 16;
 const FIRST = 8;
 /** Tolerance for garbage collectors and caches, bytes; a scene of this test takes 28 MiB. */
 const SLACK = 24 << 20;
-
-/** @type {Session} */
-let session;
-/** @type {App} */
-let app;
-before(async () => {
-    session = await Session.start();
-    app = await App.show(session, "builtin:cornell");
-});
-after(() => session?.end());
 
 async function memory() {
     const wasm = await app.worker.evaluate(async () => {
@@ -62,5 +51,4 @@ test(`memory is stable over ${LOADS} scene loads`, async () => {
     for (const what of /** @type {const} */ (["page", "gpu"])) {
         assert.ok(last[what] <= first[what] + SLACK, `the ${what} process has grown from ${first[what]} to ${last[what]} bytes`);
     }
-    await app.check();
 });

@@ -1,23 +1,10 @@
 // Animations that are dropped on the page.
 
 import assert from "node:assert/strict";
-import { after, afterEach, before, test } from "node:test";
-import { App } from "./harness/app.mjs";
-import { Session } from "./harness/browser.mjs";
-
-/** @type {Session} */
-let session;
-/** The tab of most tests; each opens its own scene in it. @type {App} */
-let app;
-before(async () => {
-    session = await Session.start();
-    app = await App.show(session, "builtin:cornell");
-});
-after(() => session?.end());
-afterEach(() => app.check());
+import { test } from "node:test";
+import { app } from "../harness/viewer.mjs";
 
 test("the slider of the time follows what plays", async () => {
-    await app.load("builtin:cornell");
     await app.drop([{ name: "swing.gltf", bytes: swing() }]);
     await app.page.waitForSelector(`#title:text-is("swing")`, { state: "attached" });
     await app.complete();
@@ -36,7 +23,6 @@ test("the slider of the time follows what plays", async () => {
 });
 
 test("a camera of the scene goes where the animation moves it", async () => {
-    await app.load("builtin:cornell");
     await app.drop([{ name: "swing.gltf", bytes: swing() }]);
     await app.page.waitForSelector(`#title:text-is("swing")`, { state: "attached" });
     await app.complete();
