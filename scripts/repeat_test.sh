@@ -19,8 +19,7 @@ and exits with 1 if one failed. It works in the current folder's workspace: for 
   --beside N      the number of runs beside each other [default: two for each core]
   --out FOLDER    the folder for what failed runs have said [default: repeated-tests in the target folder]
   CARGO OPTIONS   as for 'cargo test': -p, --features, --test, --lib, --release, --locked and so on
-  NAME            a part of the tests' names; without one, all tests of the packages run. Ignored tests run, too,
-                  but for those whose names have by_hand in them
+  NAME            a part of the tests' names; without one, all tests of the packages run, ignored ones, too
   -h, --help      show this text
 
 Example:
@@ -49,8 +48,6 @@ if on_linux && [[ -z ${LUMIVOX_TEST_ANY_ADAPTER:-} ]] && manifest=$(unset VK_DRI
 fi
 
 which=(--include-ignored ${names[@]+"${names[@]}"})
-# Tests named by_hand check nothing.
-if [[ ${names[*]-} != *by_hand* ]]; then which+=(--skip by_hand); fi
 
 # A line for each test program: the folder of its package, and its file.
 built=$(cargo test --no-run --message-format=json-render-diagnostics ${options[@]+"${options[@]}"} |

@@ -12,8 +12,8 @@ use crate::testing::{
 use crate::volume::{CellVolume, read_levels, read_nodes};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{
-    Duplication, FrameVoxels, Geometry, Gi, GiConfig, Grid, Light, LightSource, Lights,
-    OctreeOptions, Shadow, SurfaceMaterial, TraceSettings, VolumeKind,
+    FrameVoxels, Geometry, Gi, GiConfig, Grid, Light, LightSource, Lights, OctreeOptions, Shadow,
+    SurfaceMaterial, TraceSettings, VolumeKind,
 };
 
 /// A device with a scene in a grid.
@@ -180,10 +180,8 @@ fn at(x: f32, y: f32, z: f32) -> Mat4 {
     Mat4::from_translation(Vec3::new(x, y, z))
 }
 
-/// Both volumes, and the octree with another way to be filled.
-fn volumes() -> [VolumeKind; 3] {
-    let others = OctreeOptions { duplication: Duplication::Pointers, ..OctreeOptions::default() };
-    [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default()), VolumeKind::Octree(others)]
+fn volumes() -> [VolumeKind; 2] {
+    [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())]
 }
 
 /// From nothing, through walls, out of the grid and back; without the moving box, without the
@@ -238,8 +236,8 @@ fn check_frames(volume: VolumeKind) {
 /// kept, and a few frames later the buffers are large enough.
 #[test]
 fn a_frame_without_room_is_late_and_never_wrong() {
-    for volume in &volumes()[..2] {
-        check_late(*volume);
+    for volume in volumes() {
+        check_late(volume);
     }
 }
 
@@ -278,8 +276,8 @@ fn check_late(volume: VolumeKind) {
 /// recorded, and a frame whose result is not known yet is reported as pending.
 #[test]
 fn a_frame_without_room_is_told_though_nothing_is_recorded_any_more() {
-    for volume in &volumes()[..2] {
-        check_told(*volume);
+    for volume in volumes() {
+        check_told(volume);
     }
 }
 
@@ -312,12 +310,9 @@ fn check_told(volume: VolumeKind) {
     let voxels = stage.gi.frame_voxels().voxels;
     assert!(!stage.voxelize(&grown).is_late, "what was told is so");
     assert_eq!(stage.gi.voxels().expect("a list").voxel_count(), voxels);
-    stage.assert_fresh(&grown, "grown");
     // A recording that is not submitted is not shown.
     drop(stage.record(&sized(0.05)));
     assert_eq!(told(&stage), (true, false), "the encoder was dropped");
-    stage.catch_up(&sized(0.05));
-    stage.assert_fresh(&sized(0.05), "small again");
 }
 
 /// A moving object enters a scene of which nothing was kept, since all of it was static: until
@@ -478,7 +473,7 @@ fn light_that_feeds_itself_stays_and_dies() {
         stage.step(lights, None);
     };
     let mut means = Vec::new();
-    for _ in 0..100 {
+    for _ in 0..50 {
         for _ in 0..4 {
             step(&mut stage, &lamp);
         }
@@ -487,10 +482,10 @@ fn light_that_feeds_itself_stays_and_dies() {
     let settled = means[means.len() - 1];
     let highest = means.iter().copied().fold(0.0, f64::max);
     assert!(highest <= 1.01 * settled, "{highest} was above {settled}");
-    let drift = (means[49] / settled - 1.0).abs();
+    let drift = (means[37] / settled - 1.0).abs();
     assert!(drift < 1e-3, "it drifts by {drift}");
     let dark = stage.lamp(Vec3::new(0.3, 0.6, 0.4), Vec3::ZERO);
-    for _ in 0..200 {
+    for _ in 0..150 {
         step(&mut stage, &dark);
     }
     let left = stage.mean() / settled;

@@ -139,16 +139,6 @@ mod tests {
     }
 
     #[test]
-    fn every_builtin_scene_is_known() {
-        for name in builtin::names() {
-            let source = source(&format!("{BUILTIN}{name}"));
-            check(&source).unwrap();
-            let SceneSource::Builtin(known) = source else { panic!("a built-in scene") };
-            assert_eq!(builtin::scene(&known).unwrap().name, *name);
-        }
-    }
-
-    #[test]
     fn what_is_not_there_is_named() {
         let error = check(&source("builtin:corn")).unwrap_err().to_string();
         assert!(error.contains("\"corn\"") && error.contains("cornell"), "{error}");

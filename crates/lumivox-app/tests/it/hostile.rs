@@ -1,5 +1,5 @@
-//! Hostile or broken input: names with terminal escapes, pipes in place of files, links out of the
-//! folder, unknown extensions.
+//! Hostile or broken input: names with terminal escapes, pipes in place of files, unknown
+//! extensions.
 
 use std::fs;
 #[cfg(unix)]
@@ -205,9 +205,6 @@ fn pipes_are_refused_wherever_a_file_is_named() {
         fs::create_dir(path.join(name)).unwrap();
     }
     let pipes = [
-        "scene.glb",
-        "scene.obj",
-        "sky.hdr",
         "way.json",
         "script.txt",
         "truth.exr",
@@ -221,9 +218,6 @@ fn pipes_are_refused_wherever_a_file_is_named() {
     }
     let small = "--size 16x9";
     for (line, pipe) in [
-        ("info scene.glb".to_owned(), "scene.glb"),
-        (format!("render scene.obj -o a.png {small}"), "scene.obj"),
-        (format!("render corner.glb -o a.png {small} --environment sky.hdr"), "sky.hdr"),
         (format!("render corner.glb -o turn {small} --camera-path way.json"), "way.json"),
         (format!("render corner.glb -o turn {small} --orbit 9"), "index.json"),
         ("run script.txt".to_owned(), "script.txt"),
@@ -241,36 +235,6 @@ fn pipes_are_refused_wherever_a_file_is_named() {
     let run = ends(path, "render corner.glb -o a.png --environment /dev/zero");
     assert_eq!(run.code, INPUT, "{}", run.stderr);
     assert!(run.stderr.contains("it is a device, not a file"), "{}", run.stderr);
-}
-
-/// The error of a link out of the folder names the option that allows it.
-#[cfg(unix)]
-#[test]
-fn links_out_of_the_folder_are_refused_with_a_remedy() {
-    use crate::common::expect_error;
-    let folder = folder();
-    let path = folder.path();
-    fs::create_dir(path.join("scene")).unwrap();
-    let triangle: Vec<u8> = CORNER[..3].iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
-    fs::write(path.join("outside.bin"), &triangle).unwrap();
-    std::os::unix::fs::symlink("../outside.bin", path.join("scene/link.bin")).unwrap();
-    let document = json!({
-        "asset": { "version": "2.0" },
-        "scenes": [{ "nodes": [0] }],
-        "nodes": [{ "mesh": 0 }],
-        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
-        "accessors": [{
-            "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3,
-            "min": [-1, 0, -1], "max": [1, 0, 1],
-        }],
-        "bufferViews": [{ "buffer": 0, "byteLength": triangle.len() }],
-        "buffers": [{ "byteLength": triangle.len(), "uri": "link.bin" }],
-    });
-    fs::write(path.join("scene/a.gltf"), document.to_string()).unwrap();
-    let needles =
-        ["scene/a.gltf", "link.bin", "a link leads out of", "outside.bin", "--allow-outside"];
-    expect_error(path, "info scene/a.gltf", INPUT, &needles);
-    lumivox(path, "info scene/a.gltf --allow-outside").expect_ok();
 }
 
 /// A required but unsupported extension is an error that names the option to ignore it, in every

@@ -135,9 +135,9 @@ fn shade_that_shadow_maps_lose_is_told() {
     fs::write(path.join("block.glb"), glb(&corners)).unwrap();
     fs::write(path.join("points.csv"), "x,y,z\n0.5,0,2\n0.5,0,0.5\n0.5,0,-3\n").unwrap();
     let line = format!("measure block.glb --points points.csv {SMALL} --sky 30,180");
-    let report = lumivox(path, &format!("{line} --json")).expect_ok().json();
+    let text = lumivox(path, &format!("{line} -o lost.json")).expect_ok().stdout;
+    let report: Value = serde_json::from_slice(&fs::read(path.join("lost.json")).unwrap()).unwrap();
     assert_eq!(report["in_lost_shade"], serde_json::json!([1]), "{report}");
-    let text = lumivox(path, &line).expect_ok().stdout;
     assert!(text.contains("1 of them in shade") && text.contains("--method paths"), "{text}");
     for method in ["--method paths --samples 16", "--volume cascades"] {
         let report = lumivox(path, &format!("{line} {method} --json")).expect_ok().json();

@@ -4,20 +4,20 @@ use std::fs;
 
 use crate::common::{INPUT, USAGE, expect_error, folder, lumivox, names};
 
-/// A lamp by night, daylight through a window, and a lamp: errors of 1.2, 2.7 and 0.9 %, in
-/// pictures 1.4, 2.5 and 1.1 % (lavapipe).
+/// A lamp by night, and daylight through a window: errors of 1.2 and 2.7 %, in pictures 1.4 and
+/// 2.5 % (lavapipe).
 #[test]
 fn rooms_are_measured_within_six_percent() {
     let folder = folder();
-    let line = "rooms --seed 8 --count 3 --kinds plain --resolution 64 --samples 512 --frames 8 \
+    let line = "rooms --seed 8 --count 2 --kinds plain --resolution 64 --samples 512 --frames 8 \
                 --size 16x12 --keep kept --json rooms.json";
     let told = lumivox(folder.path(), line).expect_ok();
-    for part in ["| all | 3 |", "| plain | 3 |", "| light: day | 1 |", "--seed 8"] {
+    for part in ["| all | 2 |", "| plain | 2 |", "| light: day | 1 |", "--seed 8"] {
         assert!(told.stdout.contains(part), "{part} is missing in {}", told.stdout);
     }
     let report = fs::read_to_string(folder.path().join("rooms.json")).unwrap();
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
-    for (index, light) in ["lamp", "day", "lamp"].into_iter().enumerate() {
+    for (index, light) in ["lamp", "day"].into_iter().enumerate() {
         let room = &report["rooms"][index];
         assert_eq!(
             (room["seed"].as_u64(), room["light"].as_str()),
@@ -32,17 +32,7 @@ fn rooms_are_measured_within_six_percent() {
 
     // The written room gives the same readings.
     let files = names(&folder.path().join("kept"));
-    assert_eq!(
-        files,
-        [
-            "plain-10.csv",
-            "plain-10.glb",
-            "plain-8.csv",
-            "plain-8.glb",
-            "plain-9.csv",
-            "plain-9.glb"
-        ]
-    );
+    assert_eq!(files, ["plain-8.csv", "plain-8.glb", "plain-9.csv", "plain-9.glb"]);
     let line =
         "measure kept/plain-8.glb --points kept/plain-8.csv --resolution 64 --frames 8 --json";
     let again = lumivox(folder.path(), line).expect_ok().json();

@@ -121,18 +121,16 @@ fn a_film_goes_on_with_the_same_bits() {
     let film = || ["film_0.png", "film_1.png", "film_2.png"].map(read);
     let before = film();
     assert_eq!(index(path, "film_index.json")["settings"]["history"], "kept");
-    for (missing, again) in [(vec![2], 2), (vec![1], 1), (vec![0, 2], 1), (vec![0, 1, 2], 0)] {
-        for number in &missing {
-            fs::remove_file(path.join(format!("film_{number}.png"))).unwrap();
-        }
-        let report = lumivox(path, &format!("{line} --json")).expect_ok().json();
-        assert_eq!(report["rendered"], missing.len());
-        assert_eq!(report["rendered_again"], again, "{missing:?}");
-        assert!(film() == before, "{missing:?}: other pictures");
-    }
     fs::remove_file(path.join("film_2.png")).unwrap();
     let run = lumivox(path, &line).expect_ok();
     assert!(run.stdout.contains("2 rendered again"), "{}", run.stdout);
+    assert!(film() == before, "the last was missing: other pictures");
+    for file in ["film_0.png", "film_2.png"] {
+        fs::remove_file(path.join(file)).unwrap();
+    }
+    let report = lumivox(path, &format!("{line} --json")).expect_ok().json();
+    assert_eq!([&report["rendered"], &report["rendered_again"]], [2, 1]);
+    assert!(film() == before, "the first and the last were missing: other pictures");
 
     let alone = format!("{line} --history none").replace("film_#", "alone_#");
     let other = format!("{line} --history none");
@@ -181,23 +179,8 @@ fn pictures_without_light_of_earlier_frames_have_no_history() {
     assert!(fs::read(path.join("a_2.exr")).unwrap() == before);
 }
 
-#[cfg(unix)]
-#[test]
-fn a_run_that_is_killed_leaves_a_sequence_to_go_on_with() {
-    let folder = folder();
-    let mut child = started(folder.path(), "0002.png");
-    child.kill().unwrap();
-    child.wait().unwrap();
-    let turn = folder.path().join("turn");
-    let frames = index(&turn, "index.json")["frames"].as_array().unwrap().len();
-    assert!((2..40).contains(&frames), "{frames} were done");
-    let report = lumivox(folder.path(), &format!("{FORTY} --json")).expect_ok().json();
-    assert_eq!(report["pictures"], 40);
-    assert_eq!(report["rendered"], 40 - frames);
-    assert_eq!(index(&turn, "index.json")["frames"].as_array().unwrap().len(), 40);
-}
-
-/// Starts a sequence of forty pictures in `turn`, and waits until `picture` exists.
+/// Starts a sequence of forty pictures in `turn`, and waits until `picture` exists. The index must
+/// exist before the first picture, so that the sequence can be resumed.
 #[cfg(unix)]
 fn started(folder: &Path, picture: &str) -> std::process::Child {
     use std::process::Stdio;
@@ -209,7 +192,10 @@ fn started(folder: &Path, picture: &str) -> std::process::Child {
         .spawn()
         .unwrap();
     let start = Instant::now();
-    while !folder.join("turn").join(picture).exists() {
+    let turn = folder.join("turn");
+    while !turn.join(picture).exists() {
+        let has_picture = turn.join("0000.png").exists();
+        assert!(!has_picture || turn.join("index.json").exists(), "a picture without an index");
         assert!(child.try_wait().unwrap().is_none(), "it has ended without {picture}");
         assert!(start.elapsed() < Duration::from_mins(5), "{picture} does not come");
         std::thread::sleep(Duration::from_millis(2));
@@ -243,16 +229,14 @@ fn a_sequence_that_is_stopped_can_be_gone_on_with() {
     assert_eq!(report["rendered"], 40 - frames);
 }
 
-/// Each would overwrite the index of the other.
+/// Each would overwrite the index of the other. The second goes on after the first was killed.
 #[cfg(unix)]
 #[test]
 fn a_second_process_is_refused_until_the_first_has_ended() {
     let folder = folder();
-    let mut child = started(folder.path(), "0000.png");
+    let mut child = started(folder.path(), "0001.png");
     // Suspended, the first cannot end before the second has started.
     freeze(&child);
-    // The index exists before the first picture, so that the sequence can be resumed.
-    assert!(folder.path().join("turn/index.json").exists());
     let run = lumivox(folder.path(), FORTY);
     assert_eq!(run.code, OUTPUT, "{}", run.stderr);
     let needle = "turn/index.json: another process renders this sequence; wait until it has ended";
@@ -263,9 +247,16 @@ fn a_second_process_is_refused_until_the_first_has_ended() {
     // The lock file of a dead process is not locked.
     child.kill().unwrap();
     child.wait().unwrap();
-    let lock = folder.path().join("turn/.index.json.lock");
+    let turn = folder.path().join("turn");
+    let lock = turn.join(".index.json.lock");
     assert!(lock.exists());
-    lumivox(folder.path(), FORTY).expect_ok();
+    let frames = || index(&turn, "index.json")["frames"].as_array().unwrap().len();
+    let done = frames();
+    assert!((1..40).contains(&done), "{done} were done");
+    let report = lumivox(folder.path(), &format!("{FORTY} --json")).expect_ok().json();
+    assert_eq!(report["pictures"], 40);
+    assert_eq!(report["rendered"], 40 - done);
+    assert_eq!(frames(), 40);
     assert!(!lock.exists());
 }
 

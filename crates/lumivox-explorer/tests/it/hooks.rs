@@ -5,7 +5,7 @@
 
 use glam::UVec2;
 use lumivox_explorer::parameters::{find_parameter, find_preset};
-use lumivox_render::{MemoryEstimate, MemoryUse, Picture, RenderError, RenderSettings, Renderer};
+use lumivox_render::{MemoryEstimate, MemoryUse, RenderError, RenderSettings, Renderer};
 
 use crate::common::{builtin, gpu, own_gpu, picture, renderer};
 
@@ -121,29 +121,6 @@ fn the_builder_goes_with_the_octree() {
     assert!(settings.octree_builder.is_none());
     take(&mut settings, "volume", "octree");
     assert!(settings.octree_builder.is_none());
-}
-
-/// With all that belongs to the report's look.
-#[test]
-fn photons_repeat_to_the_bit() {
-    let report = find_preset("report").expect("a preset");
-    let settings = RenderSettings {
-        size: UVec2::new(75, 45),
-        resolution: 48,
-        frames: 3,
-        shadow_resolution: 256,
-        ..RenderSettings::default()
-    };
-    let RenderSettings { volume, bounces, .. } = settings;
-    let settings = RenderSettings { volume, bounces, ..settings.with_preset(report, None) };
-    let bits = || {
-        let mut renderer = renderer(&gpu(), &builtin("cornell"), settings.clone());
-        let Picture { hdr, ldr, .. } = picture(&mut renderer);
-        assert!(hdr.iter().any(|pixel| pixel[0] > 0.1), "the picture is black");
-        let hdr: Vec<_> = hdr.into_iter().map(|pixel| pixel.map(f32::to_bits)).collect();
-        (hdr, ldr)
-    };
-    assert!(bits() == bits());
 }
 
 /// Settings that link other shaders are all chosen twice; the second time there is nothing to

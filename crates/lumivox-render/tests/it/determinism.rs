@@ -34,11 +34,6 @@ fn assert_two_runs_agree(settings: &RenderSettings) {
 }
 
 #[test]
-fn six_lobes_repeat_to_the_bit() {
-    assert_two_runs_agree(&RenderSettings::default());
-}
-
-#[test]
 fn isotropic_voxels_repeat_to_the_bit() {
     let directionality = Directionality::Isotropic;
     assert_two_runs_agree(&RenderSettings { directionality, ..RenderSettings::default() });

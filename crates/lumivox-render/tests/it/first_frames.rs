@@ -33,7 +33,7 @@ fn noise(picture: &Picture, mean: &Picture) -> [f32; 2] {
 #[test]
 fn a_first_frame_is_smooth() {
     for name in ["cornell", "atrium"] {
-        let mean = irradiance(name, 64);
+        let mean = irradiance(name, 32);
         let [first, few] = [1, 8].map(|frames| noise(&irradiance(name, frames), &mean));
         println!("{name}: noise {first:?} in the first frame, {few:?} after eight");
         assert!(first[0] < 0.06 && few[0] < 0.03, "{name}: {first:?}, {few:?}");
@@ -121,7 +121,7 @@ fn a_metal_wall_reflects_the_lamp_as_it_is() {
     (red.metallic, red.base_color) = (1.0, glam::Vec4::ONE);
 
     let size = UVec2::new(48, 36);
-    let settings = ReferenceSettings { size, samples: 256, ..ReferenceSettings::default() };
+    let settings = ReferenceSettings { size, samples: 128, ..ReferenceSettings::default() };
     let mut tracer =
         pollster::block_on(PathTracer::new(&gpu, &scene, None, settings)).expect("a path tracer");
     pollster::block_on(tracer.render(&mut |_| ControlFlow::Continue(()))).expect("traced");

@@ -128,8 +128,8 @@ fn the_panel_lights_the_floor_by_its_form_factor() {
 }
 
 /// The floor's light does not depend on what is right behind the panel.
-fn assert_ceiling_takes_no_light(resolution: u32) {
-    for gap_voxels in [0.001, 0.1, 0.5, 1.0] {
+fn assert_ceiling_takes_no_light(resolution: u32, gaps_voxels: &[f32]) {
+    for &gap_voxels in gaps_voxels {
         let [with, without] = [true, false].map(|is_whole| {
             let scene = panel_below_ceiling(resolution, gap_voxels, is_whole);
             panel_error(&scene, resolution, Preset::Balanced).0
@@ -148,14 +148,14 @@ fn assert_ceiling_takes_no_light(resolution: u32) {
 
 #[test]
 fn a_panel_just_below_a_ceiling_keeps_its_light() {
-    assert_ceiling_takes_no_light(16);
+    assert_ceiling_takes_no_light(16, &[0.001, 0.5]);
 }
 
 #[test]
 #[ignore = "release: the same claim in 64, 128 and 256 voxels"]
 fn a_panel_just_below_a_ceiling_keeps_its_light_in_fine_voxels_at_release() {
     for resolution in [64, 128, 256] {
-        assert_ceiling_takes_no_light(resolution);
+        assert_ceiling_takes_no_light(resolution, &[0.001, 0.1, 0.5, 1.0]);
     }
 }
 
@@ -187,14 +187,4 @@ fn a_mirror_shows_the_panel() {
     println!("the panel in a mirror: {mean:.3} of 1 cd/m²");
     // Only cells of the panel are seen: the loss in cones is rounding.
     assert!((0.97..1.02).contains(&mean), "the panel in a mirror: {mean} of 1 cd/m²");
-}
-
-/// The closed form, at a point where it is known otherwise: right below the centre of a square of
-/// twice the height, the factor is 0.554 (four corners of a square as long as it is high, 0.1385
-/// each).
-#[test]
-fn the_form_factor_has_its_tabulated_value() {
-    assert!((corner_factor(1.0, 1.0, 1.0) - 0.138_53).abs() < 1e-5);
-    // A rectangle without end fills a quarter of the view.
-    assert!((corner_factor(1e6, 1e6, 1.0) - 0.25).abs() < 1e-5);
 }

@@ -46,26 +46,6 @@ fn assert_no_leak(travelling: &Renderer, fresh: &Renderer) {
     assert!((0.9 * was..1.3 * was).contains(&is), "{is} bytes, a fresh renderer has {was}");
 }
 
-/// A renderer that goes from pose to pose gives the bits of a new one for each pose: nothing of an
-/// earlier pose is left in voxels, light, shadows or the mean.
-#[test]
-fn a_pose_does_not_depend_on_the_one_before() {
-    let gpu = gpu();
-    let (rest, moved) = poses();
-    let settings = settings(&[&rest, &moved]);
-    let mut travelling = renderer(&gpu, &rest, settings.clone());
-    let first = picture(&mut travelling);
-    for (pose, is_first) in [(&moved, false), (&rest, true)] {
-        pollster::block_on(travelling.set_scene(pose, &mut |_| {})).expect("the same scene");
-        let seen = picture(&mut travelling);
-        let mut fresh = renderer(&gpu, pose, settings.clone());
-        assert!(seen == picture(&mut fresh), "something of the earlier pose is left");
-        assert_eq!(travelling.voxel_stats().voxels, fresh.voxel_stats().voxels);
-        assert_no_leak(&travelling, &fresh);
-        assert_eq!(seen == first, is_first, "the pose shows");
-    }
-}
-
 /// Instances of one mesh are drawn in one call; those that move are found in it, and so are those
 /// with other changes.
 #[test]
@@ -130,6 +110,7 @@ fn what_is_static_is_kept_from_pose_to_pose() {
         let mut travelling = renderer(&gpu, &rest, settings.clone());
         let poses =
             [(&moved, true), (&rest, true), (&hidden, true), (&moved, true), (&shifted, false)];
+        let poses = if bounces == 1 { vec![poses[0], poses[4]] } else { poses.to_vec() };
         for (step, (pose, is_kept)) in poses.into_iter().enumerate() {
             pollster::block_on(travelling.set_scene(pose, &mut |_| {})).expect("the same scene");
             assert_eq!(travelling.voxel_stats().static_reused, is_kept, "step {step}");
@@ -137,6 +118,11 @@ fn what_is_static_is_kept_from_pose_to_pose() {
             let mut fresh = renderer(&gpu, pose, settings.clone());
             assert!(!fresh.voxel_stats().static_reused);
             assert!(seen == picture(&mut fresh), "step {step}, {bounces} bounces: it differs");
+            assert_eq!(travelling.voxel_stats().voxels, fresh.voxel_stats().voxels, "step {step}");
+            // Hidden geometry keeps its room.
+            if pose.instances.len() == rest.instances.len() {
+                assert_no_leak(&travelling, &fresh);
+            }
         }
     }
 }

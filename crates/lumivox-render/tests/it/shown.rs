@@ -71,19 +71,22 @@ fn rays_of_the_reference_pass_what_is_hidden() {
 fn what_is_not_voxelized_is_drawn_all_the_same() {
     let gpu = gpu();
     let (all, unvoxelized, without) = marked(|instance| instance.is_voxelized = false);
-    for view in [View::Albedo, View::Direct] {
+    let [mut full, mut marked, mut bare] =
+        [&all, &unvoxelized, &without].map(|scene| renderer(&gpu, scene, settings()));
+    let show = |renderer: &mut Renderer, view| {
         let settings = RenderSettings { view, ..settings() };
-        let [full, seen] =
-            [&all, &unvoxelized].map(|scene| picture(&mut renderer(&gpu, scene, settings.clone())));
-        assert!(full == seen, "{view:?} shows it, with its shadow");
+        pollster::block_on(renderer.set_settings(settings, &mut |_| {})).expect("valid");
+        picture(renderer)
+    };
+    for view in [View::Albedo, View::Direct] {
+        let is_shown = show(&mut full, view) == show(&mut marked, view);
+        assert!(is_shown, "{view:?} shows it, with its shadow");
     }
-    let voxels = |scene: &Scene| renderer(&gpu, scene, settings()).voxel_stats().voxels;
-    assert_eq!(voxels(&unvoxelized), voxels(&without));
-    assert!(voxels(&all) > voxels(&without));
+    let voxels = |renderer: &Renderer| renderer.voxel_stats().voxels;
+    assert_eq!(voxels(&marked), voxels(&bare));
+    assert!(voxels(&full) > voxels(&bare));
     // Its light is that of the others.
-    let settings = RenderSettings { view: View::Voxels, ..settings() };
-    let [seen, expected] =
-        [&unvoxelized, &without].map(|scene| picture(&mut renderer(&gpu, scene, settings.clone())));
+    let [seen, expected] = [&mut marked, &mut bare].map(|renderer| show(renderer, View::Voxels));
     let closer = |(a, b): (&[f32; 4], &[f32; 4])| (a[3] - b[3]).abs() < 1e-6;
     assert!(seen.hdr.iter().zip(&expected.hdr).all(closer));
 }

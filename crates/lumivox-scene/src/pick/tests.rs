@@ -1,5 +1,3 @@
-use std::time::Instant;
-
 use glam::{DVec3, EulerRot, Quat};
 use proptest::prelude::*;
 
@@ -306,46 +304,4 @@ fn a_scene_of_nothing_is_met_nowhere() {
     assert_eq!(Picker::new(&broken).pick(Vec3::Z, Vec3::NEG_Z).map(|pick| pick.triangle), Some(1));
     broken.instances[0].mesh = 9;
     assert_eq!(Picker::new(&broken).pick(Vec3::Z, Vec3::NEG_Z), None);
-}
-
-/// Prints the figures in the documentation of `Picker::new`.
-#[test]
-fn a_million_triangles_are_taken_up_and_met() {
-    let edge = 708_u32;
-    let mut mesh = Mesh::default();
-    for y in 0..=edge {
-        for x in 0..=edge {
-            let at = glam::Vec2::new(x as f32, y as f32) / edge as f32;
-            mesh.positions.push(Vec3::new(
-                at.x,
-                at.y,
-                0.01 * (20.0 * at.x).sin() * (30.0 * at.y).cos(),
-            ));
-        }
-    }
-    mesh.normals = vec![Vec3::Z; mesh.positions.len()];
-    for y in 0..edge {
-        for x in 0..edge {
-            let first = y * (edge + 1) + x;
-            let above = first + edge + 1;
-            mesh.indices.extend([first, first + 1, above + 1, first, above + 1, above]);
-        }
-    }
-    let mut scene = square(false, Mat4::IDENTITY);
-    scene.meshes = vec![mesh];
-    let start = Instant::now();
-    let picker = Picker::new(&scene);
-    let built = start.elapsed();
-    let start = Instant::now();
-    for step in 0..100 {
-        let cell = glam::UVec2::new(7 * step + 3, 600 - 5 * step);
-        let at = (cell.as_vec2() + glam::Vec2::new(0.6, 0.3)) / edge as f32;
-        let pick = picker.pick(at.extend(1.0), Vec3::NEG_Z).unwrap();
-        assert_eq!(pick.triangle as u32 / 2, cell.y * edge + cell.x);
-    }
-    println!(
-        "{} triangles: {built:?}, then {:?} a ray",
-        scene.triangle_count(),
-        start.elapsed() / 100
-    );
 }

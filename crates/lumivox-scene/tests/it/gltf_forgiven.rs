@@ -41,6 +41,7 @@ fn painted(color: &Value, normal: &Value) -> File {
 }
 
 const LFS: &str = "image 0\" cannot be used: it is a pointer of Git LFS in the place of the file";
+const CUT: &str = "image \"wood\" cannot be used: it was cut off";
 const PAGE: &str = "image 0\" cannot be used: it is a web page";
 
 /// A PNG whose header is right and whose texels are cut off: that shows only while it is decoded.
@@ -63,7 +64,7 @@ fn a_bad_image_is_shown_as_a_missing_one_is() {
             LFS,
         ),
         (json!({ "uri": data_uri("image/png", b" <!DOCTYPE html><title>404</title>") }), PAGE),
-        (json!({ "name": "wood", "uri": data_uri("image/png", &cut_png()) }), "\"wood\""),
+        (json!({ "name": "wood", "uri": data_uri("image/png", &cut_png()) }), CUT),
         (json!({ "uri": data_uri("image/png", &wide) }), "scale it down"),
         (json!({ "uri": "data:image/png;base64,****" }), "base64"),
         (json!({ "uri": "../outside.png" }), "--allow-outside"),
@@ -120,10 +121,11 @@ fn a_bad_animation_does_not_cost_the_mesh() {
         good(&mut file);
         file
     };
-    let changes: [fn(&mut Value); 12] = [
+    let changes: [fn(&mut Value); 13] = [
         |a| a["channels"][0]["target"]["node"] = json!(99),
         |a| a["channels"][0]["sampler"] = json!(9),
         |a| a["samplers"][0]["input"] = json!(99),
+        |a| a["samplers"][0]["output"] = json!(99),
         |a| a["samplers"][0]["interpolation"] = json!("BOUNCE"),
         |a| a["samplers"][0] = json!({}),
         |a| a["channels"][0] = json!({ "sampler": 0 }),

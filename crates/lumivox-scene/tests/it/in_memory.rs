@@ -82,16 +82,6 @@ fn the_disk_is_left_alone() {
 }
 
 #[test]
-fn a_missing_image_has_a_stand_in() {
-    let file = textured();
-    let some = files(&[("data.bin", &file.binary)]);
-    let scene = load("scene.gltf", &file.naming("data.bin"), Some(&some)).unwrap();
-    assert_eq!(scene.notes.warnings.len(), 1);
-    assert!(scene.notes.warnings[0].contains("some%20wood.png"), "{:?}", scene.notes.warnings);
-    assert_eq!(scene.textures.len(), 1);
-}
-
-#[test]
 fn materials_and_their_images_are_found_in_another_case() {
     let obj = b"mtllib SCENE.MTL\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl wood\nf 1 2 3\n";
     let mtl = b"newmtl wood\nKd 1 1 1\nmap_Kd textures\\WOOD.png\n";

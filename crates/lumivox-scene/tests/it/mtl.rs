@@ -419,15 +419,3 @@ fn a_library_that_is_none_does_not_cost_the_scene() {
         assert!(warns(&scene, words), "{:?}", scene.notes.warnings);
     }
 }
-
-#[test]
-fn an_image_that_is_something_else_says_so() {
-    let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n".to_vec();
-    let scene = with("map_Kd a.png", &[("a.png", pointer)]);
-    let words = "an image cannot be shown, a magenta checkerboard replaces it: a.png cannot be decoded: \
-                 it is a pointer of Git LFS";
-    assert!(warns(&scene, words), "{:?}", scene.notes.warnings);
-    let whole = png(32, 32, &(0..32 * 32 * 4).map(|i| (i * 97 % 251) as u8).collect::<Vec<_>>());
-    let scene = with("map_Kd a.png", &[("a.png", whole[..whole.len() / 2].to_vec())]);
-    assert!(warns(&scene, "cannot be decoded: it was cut off"), "{:?}", scene.notes.warnings);
-}

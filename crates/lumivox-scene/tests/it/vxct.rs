@@ -92,7 +92,10 @@ fn scenes_on_the_disk_find_their_models() {
     let text = "scene { model { path = models/tri.obj } model { path = TRI.obj } }";
     assert_eq!(Scene::load(write("scenes/a.txt", text)).unwrap().instances.len(), 2);
     let elsewhere = write("rooms/a.scene", text);
-    assert_eq!(Scene::load(&elsewhere).unwrap().instances.len(), 0);
+    let refused = Scene::load(&elsewhere).unwrap();
+    assert_eq!(refused.instances.len(), 0);
+    let expected = "\"models/tri.obj\" does not exist; put it beside the scene";
+    assert!(refused.notes.warnings[0].ends_with(expected), "{:?}", refused.notes.warnings);
     let mut options = LoadOptions { allow_outside: true, ..LoadOptions::default() };
     assert_eq!(Scene::load_with(&elsewhere, &mut options).unwrap().instances.len(), 2);
     let missing = Scene::load(folder.path().join("no.vxct")).unwrap_err();

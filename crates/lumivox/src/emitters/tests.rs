@@ -104,28 +104,23 @@ fn errors(gathered: &[Vec3], expected: impl Fn(Vec3, Vec3) -> f32) -> [f32; 2] {
     [mean, errors.iter().fold(0.0, |largest, error| largest.max(error.abs()))]
 }
 
-/// However coarse the voxels, and however near the ceiling hangs behind the lamp, nothing of its
-/// light is lost: in the same voxel, in the next one, far away. Over 64 frames the points drawn
-/// leave errors of a few thousandths.
+/// However near the ceiling hangs behind the lamp, nothing of its light is lost: in the same voxel,
+/// in the next one, far away. Over 64 frames the points drawn leave errors of a few thousandths.
 #[test]
 fn a_lamp_below_a_ceiling_sends_out_all_its_light() {
-    for resolution in [16, 64] {
-        for gap_voxels in [0.05, 0.6, 1.0, 1.7, 3.0] {
-            let height = 0.93 - 0.4 / resolution as f32;
-            let ceiling = height + gap_voxels / resolution as f32;
-            let [corner, u, v] = lamp(height);
-            let scene = SceneBuilder::default()
-                .quad(Vec3::new(0.0, ceiling, 0.0), Vec3::X, Vec3::Z, lambert(0.0, 0.0))
-                .quad(corner, u, v, lambert(0.0, 3.0));
-            let lab = Lab::new(scene, resolution);
-            let gathered = lab.gather(&receivers(), 64);
-            let [bias, worst] = errors(&gathered, |point, normal| {
-                3.0 * quad_irradiance(point, normal, lamp(height))
-            });
-            println!("{resolution} voxels, gap {gap_voxels}: bias {bias:+.4}, worst {worst:.4}");
-            assert!(bias.abs() < 0.006, "{resolution} voxels, gap {gap_voxels}: bias {bias}");
-            assert!(worst < 0.02, "{resolution} voxels, gap {gap_voxels}: worst {worst}");
-        }
+    for gap_voxels in [0.05, 0.6, 1.0, 1.7, 3.0] {
+        let height = 0.93 - 0.4 / 16.0;
+        let ceiling = height + gap_voxels / 16.0;
+        let [corner, u, v] = lamp(height);
+        let scene = SceneBuilder::default()
+            .quad(Vec3::new(0.0, ceiling, 0.0), Vec3::X, Vec3::Z, lambert(0.0, 0.0))
+            .quad(corner, u, v, lambert(0.0, 3.0));
+        let gathered = Lab::new(scene, 16).gather(&receivers(), 64);
+        let [bias, worst] =
+            errors(&gathered, |point, normal| 3.0 * quad_irradiance(point, normal, lamp(height)));
+        println!("gap {gap_voxels}: bias {bias:+.4}, worst {worst:.4}");
+        assert!(bias.abs() < 0.006, "gap {gap_voxels}: bias {bias}");
+        assert!(worst < 0.02, "gap {gap_voxels}: worst {worst}");
     }
 }
 

@@ -104,7 +104,7 @@ fn one_device_is_lost_for_both() {
     let (mut window, first) = open(&display, home.path(), SHARED, "final");
     let mut lines = 0;
     // After each loss, the two share a new device.
-    for loss in ["lose_device", "lose_device window", "lose_device window"] {
+    for loss in ["lose_device", "lose_device window"] {
         window.tell(loss);
         lines = window.wait_line(lines, WORKER_LOST);
         wait_for(&mut window, &first);

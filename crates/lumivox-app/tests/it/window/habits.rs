@@ -1,62 +1,7 @@
-//! Habits from other programs: undo, double clicks, the light under the pointer, and notes.
+//! The window's own messages: the light under the pointer, and notes.
 
-use super::support::Window;
-use super::{Display, QUICK, Seen, home, open_cornell};
-
-const F11: u32 = 0xffc8;
-
-fn back(window: &mut Window, before: &Seen) {
-    window.wait("picture of before", |window| {
-        Some(()).filter(|()| window.picture().distance(before) < 1.0)
-    });
-}
-
-#[test]
-#[ignore = "slow: a window under Xvfb, in real time"]
-fn what_was_changed_is_taken_back() {
-    let (display, home) = (Display::start(), home());
-    let mut window = open_cornell(&display, home.path());
-    let first = window.wait_rest();
-    let lines = window.lines().len();
-    window.click(193, 200);
-    let lines = window.wait_line(lines, "> select 'tall block'");
-    window.key('h' as u32);
-    let lines = window.wait_line(lines, "> hide 'tall block'");
-    window.key(super::ESCAPE);
-    let lines = window.wait_line(lines, "> select");
-    let hidden = window.wait_change("picture without the block", &first);
-    window.control('z' as u32);
-    let lines = window.wait_line(lines, "undone: object \"tall block\"");
-    back(&mut window, &first);
-    window.control('y' as u32);
-    let lines = window.wait_line(lines, "redone: object \"tall block\"");
-    back(&mut window, &hidden);
-    window.control('z' as u32);
-    let lines = window.wait_line(lines, "undone: ");
-    window.control('z' as u32);
-    window.wait_line(lines, "error: there is nothing to undo");
-    // Without a window manager, it does not become larger, but nothing fails.
-    window.key(F11);
-    window.wait_line(lines, "> fullscreen");
-    assert_eq!(window.close(), 0);
-}
-
-#[test]
-#[ignore = "slow: a window under Xvfb, in real time"]
-fn a_double_click_shows_all_of_a_thing() {
-    let (display, home) = (Display::start(), home());
-    let mut window = open_cornell(&display, home.path());
-    let first = window.wait_rest();
-    let lines = window.lines().len();
-    window.click(193, 200);
-    window.press();
-    window.release();
-    let lines = window.wait_line(lines, "> select 'tall block'");
-    window.wait_line(lines, "> camera ");
-    window.wait_rest();
-    assert!(window.picture().distance(&first) > 4.0);
-    assert_eq!(window.close(), 0);
-}
+use super::support::{Display, Window};
+use super::{QUICK, home, is_cornell, open_cornell};
 
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
@@ -104,6 +49,6 @@ fn a_scene_that_only_glows_says_so() {
         (bright && note(window).share(is_dark) > 0.3).then_some(())
     });
     window.tell("load builtin:cornell");
-    window.wait("no note", |window| Some(()).filter(|()| super::is_cornell(&window.picture())));
+    window.wait("no note", |window| Some(()).filter(|()| is_cornell(&window.picture())));
     assert_eq!(window.close(), 0);
 }

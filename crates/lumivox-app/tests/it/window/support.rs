@@ -28,6 +28,7 @@ const MOTION: u8 = 6;
 pub const RETURN: u32 = 0xff0d;
 pub const ESCAPE: u32 = 0xff1b;
 pub const F2: u32 = 0xffbf;
+pub const F11: u32 = 0xffc8;
 const SHIFT: u32 = 0xffe1;
 const CONTROL: u32 = 0xffe3;
 
@@ -257,13 +258,6 @@ impl Window {
         let image = image.reply().unwrap();
         let pixels = image.data.chunks_exact(4).map(|p| [p[2], p[1], p[0]]).collect();
         Seen { width: width.into(), height: height.into(), pixels }
-    }
-
-    /// The pixels of a part of the window, from its left, top, width and height.
-    pub fn part(&self, (left, top): (i16, i16), (width, height): (u16, u16)) -> Vec<u8> {
-        let format = ImageFormat::Z_PIXMAP;
-        let image = self.x.get_image(format, self.id, left, top, width, height, !0).unwrap();
-        image.reply().unwrap().data
     }
 
     /// The picture in the middle, without bars.

@@ -104,17 +104,6 @@ fn a_full_grid() {
     assert!(deferred > 0 && passes > 1, "nobody had to wait: {passes} passes, {deferred} deferred");
 }
 
-#[test]
-fn the_same_bits_in_every_run() {
-    let gpu = device();
-    let geometry = turned_room(&gpu.0);
-    let of = |config| radiance(&gpu, &lit(&gpu, config, &geometry));
-    let first = of(by_locks(odd_grid()));
-    assert!(first == of(by_locks(odd_grid())), "two runs differ");
-    assert!(first == of(by_ranks(odd_grid())), "the builders differ");
-    assert!(first.iter().any(|texel| texel[0] != 0), "there is no light");
-}
-
 /// `voxelize` reports missing nodes at once, `voxelize_frame` a frame later.
 #[test]
 fn missing_nodes_are_an_error() {

@@ -171,18 +171,3 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     sum / count
 }
-
-#[test]
-fn the_twin_keeps_to_what_is_known() {
-    let smooth = Lobes { f0: 1.0, alpha: 0.001, ..Lobes::default() };
-    let white = Lobes { diffuse: 1.0, ..Lobes::default() };
-    for cosine in [1.0, 0.6, 0.2] {
-        assert!((smooth.albedo(cosine) - 1.0).abs() < 1e-4, "a mirror reflects all");
-        assert!((white.albedo(cosine) - 1.0).abs() < 1e-9, "white reflects all");
-    }
-    // Single scattering loses light between rough facets. From above, at alpha 1, the integral has
-    // a closed form: that of c / (1 + c) over the cosine c of the light.
-    let rough = Lobes { f0: 1.0, alpha: 1.0, ..Lobes::default() };
-    let expected = 1.0 - std::f64::consts::LN_2;
-    assert!((rough.albedo(1.0) - expected).abs() < 1e-4, "{}, not {expected}", rough.albedo(1.0));
-}

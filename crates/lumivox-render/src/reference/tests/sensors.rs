@@ -91,12 +91,12 @@ fn sensors_agree_with_pictures() {
     let irradiance = seen.map(|(_, _, at, normal)| Sensor::Irradiance { at, normal });
     let radiance = seen.map(|(at, direction, ..)| Sensor::Radiance { at, direction });
     let sensors = [irradiance, radiance].concat();
-    let settings = MeterSettings { samples: 2048, ..Default::default() };
+    let settings = MeterSettings { samples: 512, ..Default::default() };
     let readings = readings(&scene, &sensors, settings);
     for (number, (at, direction, ..)) in seen.into_iter().enumerate() {
         // A picture of one pixel that is a thousandth of a radian wide.
         let narrow = Camera::look_at(at, at + direction, 1e-3);
-        let settings = ReferenceSettings { size: UVec2::ONE, ..super::settings(1, 2048) };
+        let settings = ReferenceSettings { size: UVec2::ONE, ..super::settings(1, 512) };
         let gpu = gpu();
         let tracer = PathTracer::new(&gpu, &scene, Some(&narrow), settings);
         let layers = finish(pollster::block_on(tracer).expect("a path tracer"));

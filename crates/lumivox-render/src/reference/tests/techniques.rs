@@ -51,15 +51,15 @@ fn emitters_are_found_by_chance_and_by_asking() {
     add(&mut scene, quad(Vec3::new(0.0, 1.2, -0.2), Vec3::X * 0.2, Vec3::Z * 0.15), lamp);
     let both = Material { double_sided: true, ..glowing(Vec3::new(0.0, 3.0, 1.0)) };
     add(&mut scene, quad(Vec3::new(0.6, 0.3, 0.0), Vec3::Z * 0.2, Vec3::Y * 0.2), both);
-    let asked = traced(&scene, &settings(24, 64));
-    let settings = settings(24, 256);
+    let asked = traced(&scene, &settings(16, 64));
+    let settings = settings(16, 256);
     let by_chance =
         tracer_with(&scene, &settings, |features| Features { has_emitters: false, ..features });
     // Four times the samples: chance leaves more noise still.
     let by_chance = finish(by_chance);
     assert_better("emitters", &by_chance, &asked, 1.0);
     // The best of many points, as where emitters are thousands.
-    let best = tracer_with(&scene, &self::settings(24, 64), |features| Features {
+    let best = tracer_with(&scene, &self::settings(16, 64), |features| Features {
         candidates: 16,
         ..features
     });
@@ -79,8 +79,8 @@ fn the_panorama_is_found_by_chance_and_by_asking() {
     scene.environment.map = Some(map.into());
     scene.environment.radiance = Vec3::ONE;
     scene.environment.rotation_rad = 3.0;
-    let asked = traced(&scene, &settings(24, 64));
-    let by_chance = tracer_with(&scene, &settings(24, 256), |features| Features {
+    let asked = traced(&scene, &settings(16, 64));
+    let by_chance = tracer_with(&scene, &settings(16, 256), |features| Features {
         has_panorama: false,
         ..features
     });
@@ -103,7 +103,7 @@ fn a_round_lamp_is_a_glowing_sphere() {
     let intensity_cd = radiance * area / 4.0;
     // The sphere itself is above the picture, and is not hit by light from floor to wall: one
     // gather.
-    let settings = ReferenceSettings { bounces: Some(1), ..settings(24, 256) };
+    let settings = ReferenceSettings { bounces: Some(1), ..settings(24, 64) };
     // The floor's highlight is in the middle: there both asking and chance find the lamp.
     scene.cameras = vec![Camera::look_at(Vec3::new(0.3, 1.6, 2.2), Vec3::new(0.2, 0.0, 0.5), 0.35)];
     let mut by_mesh = scene.clone();

@@ -109,7 +109,7 @@ fn panes_show_what_is_behind_them_in_proportion() {
     let distance = 400.0_f32;
     let fov = 2.0 * (0.5 * CELLS as f32 / distance).atan();
     scene.cameras = vec![Camera::look_at(Vec3::Z * distance, Vec3::ZERO, fov)];
-    let layers = traced(&scene, &settings(CELL * CELLS, 256));
+    let layers = traced(&scene, &settings(CELL * CELLS, 64));
     let mixed = |share: f32| share * before + (1.0 - share) * behind;
     for (cell, (what, expected)) in [
         ("two of a half", mixed(0.75)),

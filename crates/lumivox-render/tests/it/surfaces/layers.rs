@@ -11,7 +11,7 @@ use lumivox_scene::{
 
 use crate::surfaces::stage::*;
 
-const ANGLES: [f32; 3] = [0.0, 0.7, 1.2];
+const ANGLES: [f32; 2] = [0.0, 1.2];
 
 /// A large plane seen under an angle against its normal.
 fn seen_under(angle: f32, material: Material) -> Scene {
@@ -36,7 +36,7 @@ fn fresnel(f0: f32, angle: f32) -> f32 {
 /// gloss, and gloss, integrated over the directions of light (GGX, height-correlated Smith,
 /// Schlick).
 fn dielectric_in_even_light(roughness: f32, angle: f32) -> f32 {
-    const STEPS: u32 = 1024;
+    const STEPS: u32 = 256;
     let (alpha_2, view) = (roughness.powi(4), Vec3::new(angle.sin(), 0.0, angle.cos()));
     let lambda = |z: f32| (alpha_2 + (1.0 - alpha_2) * z * z).sqrt();
     let mut sum = 0.0;
@@ -61,13 +61,13 @@ fn dielectric_in_even_light(roughness: f32, angle: f32) -> f32 {
 /// From the front to grazing angles, a floor in an even sky has the light that its BRDF gives it.
 #[test]
 fn a_dielectric_in_even_light_is_right_at_every_angle() {
-    for roughness in [0.3, 0.6, 1.0] {
+    for roughness in [0.3, 1.0] {
         let paint = MetallicRoughness {
             base_color: Vec4::new(0.5, 0.5, 0.5, 1.0),
             roughness,
             ..Default::default()
         };
-        for degrees in [0.0_f32, 60.0, 75.0, 83.0] {
+        for degrees in [0.0_f32, 75.0, 83.0] {
             let found = under_the_sky(degrees.to_radians(), metallic_roughness(paint));
             let expected = dielectric_in_even_light(roughness, degrees.to_radians());
             println!("roughness {roughness}, {degrees} degrees: {found}, expected {expected}");
@@ -84,7 +84,7 @@ fn coat(strength: f32, roughness: f32) -> Clearcoat {
 /// bent normal mirrors comes from above the surface, so that no pixel is black.
 #[test]
 fn bent_normals_leave_no_dark_rim() {
-    for angle in [1.2, 1.4, 1.5] {
+    for angle in [1.2, 1.5] {
         let mirror = MetallicRoughness { metallic: 1.0, roughness: 0.2, ..Default::default() };
         let material = Material {
             clearcoat: coat(1.0, 0.05),

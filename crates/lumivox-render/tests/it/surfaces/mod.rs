@@ -7,4 +7,3 @@ mod resolution;
 mod sides;
 mod stage;
 mod transparency;
-mod zoo;

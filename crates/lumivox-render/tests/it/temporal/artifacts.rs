@@ -33,7 +33,7 @@ fn direct_light_does_not_lag() {
     };
     let picture = (0..=8).map(|step| follow(&mut moving, step)).last().expect("at least one");
     let mut stood = renderer(&gpu(), &at(8), own(Preset::Balanced));
-    let truth = (0..48).map(|_| frame(&mut stood)).last().expect("at least one");
+    let truth = (0..16).map(|_| frame(&mut stood)).last().expect("at least one");
     // On the ceiling by the lamp light has no bounds.
     let [picture, truth] = [picture, truth].map(|mut picture| {
         picture.hdr.iter_mut().flatten().for_each(|value| *value = value.min(4.0));
@@ -116,14 +116,12 @@ fn rmse_where_smooth(picture: &Picture, truth: &Picture) -> f64 {
 /// In smooth parts of a picture, the first frame is already near the result of many frames.
 #[test]
 fn first_frames_are_worth_keeping() {
-    // Measured: 4.5 and 10.6 %; with cones that marched 3.6 and 10.8.
-    for (name, most) in [("spheres", 0.05), ("glow", 0.117)] {
-        let scene = builtin(name);
-        let camera = orbit(&scene, 0);
-        let truth = still(Preset::Balanced, &scene, &camera, 32);
-        let error = rmse_where_smooth(&still(Preset::Realtime, &scene, &camera, 1), &truth);
-        assert!(error < most, "{name}: {error}");
-    }
+    let scene = builtin("glow");
+    let camera = orbit(&scene, 0);
+    let truth = still(Preset::Balanced, &scene, &camera, 32);
+    let error = rmse_where_smooth(&still(Preset::Realtime, &scene, &camera, 1), &truth);
+    // Measured: 10.6 %; with cones that marched 10.8.
+    assert!(error < 0.117, "{error}");
 }
 
 /// The light of a pixel does not depend on its place in its block of 4x4.

@@ -218,19 +218,6 @@ fn open_boxes_are_looked_into_at_any_scale() {
 }
 
 #[test]
-fn units_make_no_difference_to_the_view() {
-    for original in [hall(), scene([room()], false)] {
-        let metres = original.default_camera(ASPECT);
-        for scale in [1e-3, 1e3] {
-            let camera = scaled(&original, scale).default_camera(ASPECT);
-            let size = original.bounds().radius_m();
-            assert!((camera.position / scale).abs_diff_eq(metres.position, 1e-3 * size));
-            assert!(camera.forward.abs_diff_eq(metres.forward, 1e-3), "{camera:?} {metres:?}");
-        }
-    }
-}
-
-#[test]
 fn boards_are_looked_at_along_their_thin_axis() {
     // A picture frame, a circuit board with its parts, a shelf's side.
     for (thin, half) in [

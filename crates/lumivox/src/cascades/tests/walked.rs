@@ -34,11 +34,9 @@ fn only_what_enters_the_boxes_is_walked() {
     let all = lit.gi.static_items();
     let offsets = [
         ([2.0, 0.0, 0.0], 4),
-        ([2.0, 0.0, 1.0], 4),
         ([-2.0, 1.0, 0.0], 1),
         ([-1.0, 0.0, -4.0], 1),
         ([14.0, 0.0, 0.0], 0),
-        ([0.0, 0.0, 0.0], 0),
     ];
     for (offset, less) in offsets {
         let place = start + stride * Vec3::from(offset);
@@ -81,13 +79,8 @@ fn draws_that_come_and_go_are_walked_alone() {
     let mut lit = Lit::of(&geometry, cascades(start, 3, 32), &[], Vec3::ONE, 1);
     lit.follow(&geometry, start + stride * Vec3::X);
     let all = lit.gi.static_items();
-    let moves: [(&[usize], f32, u64); 5] = [
-        (&[last], 1.0, 4),
-        (&[last, last - 3], 1.0, 4),
-        (&[], 1.0, 2),
-        (&[last - 5], 2.0, 1),
-        (&[], 2.0, 4),
-    ];
+    let moves: [(&[usize], f32, u64); 3] =
+        [(&[last], 1.0, 4), (&[], 1.0, 2), (&[last - 5], 2.0, 1)];
     for (gone, along, less) in moves {
         let place = start + along * stride * Vec3::X;
         let now = without(&geometry, gone);

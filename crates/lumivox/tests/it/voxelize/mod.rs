@@ -10,7 +10,6 @@ mod parts;
 mod promises;
 mod read;
 mod scenes;
-mod speed;
 mod sums;
 mod textures;
 mod twin;

@@ -64,7 +64,7 @@ fn dominant(t: &Triangle) -> Vec<usize> {
     axes_of(Some(Raster::DominantAxis), t)
 }
 #[test]
-fn runs_and_orders_give_the_same_bits() {
+fn orders_give_the_same_bits() {
     let grid = unit_grid(32);
     let material = SurfaceMaterial { double_sided: true, ..Default::default() };
     for method in RASTER {
@@ -74,10 +74,6 @@ fn runs_and_orders_give_the_same_bits() {
             Mesh::from_triangles(triangles).geometry(&lab.device, material.clone())
         };
         let first = lab.voxelize(&grid, &geometry(&triangles));
-        for _ in 0..2 {
-            let again = lab.voxelize(&grid, &geometry(&triangles));
-            assert!(first.bits() == again.bits(), "{method:?}");
-        }
         let mut random = Random(33);
         for i in (1..triangles.len()).rev() {
             triangles.swap(i, random.next() as usize % (i + 1));

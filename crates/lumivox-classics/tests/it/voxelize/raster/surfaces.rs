@@ -201,25 +201,26 @@ fn crowded_voxels_average() {
 #[test]
 fn surfaces_are_those_of_the_exact_method() {
     use crate::voxelize::textures::{columns, texture, textured, wall};
+    let material = |lab: &Lab, alpha_is_coverage, transmission| {
+        let shade = |x: u32, y: u32| [(x * 30) as u8, 200, 30, (255 - y * 30) as u8];
+        SurfaceMaterial {
+            reflectance: Vec4::new(1.0, 0.8, 0.5, 1.0),
+            reflectance_texture: Some(textured(lab, texture(lab, 8, shade))),
+            emission: Vec3::new(7.0, 3.0, 1.0),
+            alpha_is_coverage,
+            transmission,
+            ..Default::default()
+        }
+    };
+    let of = |lab: &Lab, (holes, transmission)| {
+        columns(lab, &wall().geometry(&lab.device, material(lab, holes, transmission)))
+    };
+    let exact = Lab::new();
+    let cases = [(false, 0.0), (true, 0.0), (false, 0.7)].map(|case| (case, of(&exact, case)));
     for method in RASTER {
         let lab = lab(method);
-        let exact = Lab::new();
-        let material = |lab: &Lab, alpha_is_coverage, transmission| {
-            let shade = |x: u32, y: u32| [(x * 30) as u8, 200, 30, (255 - y * 30) as u8];
-            SurfaceMaterial {
-                reflectance: Vec4::new(1.0, 0.8, 0.5, 1.0),
-                reflectance_texture: Some(textured(lab, texture(lab, 8, shade))),
-                emission: Vec3::new(7.0, 3.0, 1.0),
-                alpha_is_coverage,
-                transmission,
-                ..Default::default()
-            }
-        };
-        for (holes, transmission) in [(false, 0.0), (true, 0.0), (false, 0.7)] {
-            let of = |lab: &Lab| {
-                columns(lab, &wall().geometry(&lab.device, material(lab, holes, transmission)))
-            };
-            let (own, right) = (of(&lab), of(&exact));
+        for (case, right) in &cases {
+            let own = of(&lab, *case);
             // The border's texels wrap around; on the diagonal two triangles meet.
             let inner = |[x, y]: [u32; 2]| (5..11).contains(&x) && (5..11).contains(&y) && x != y;
             let mut compared = 0;

@@ -43,23 +43,6 @@ fn models_are_looked_for_where_vxct_and_others_do() {
 }
 
 #[test]
-fn more_is_read_where_that_is_allowed() {
-    let files = HashMap::from([("models/tri.obj".to_owned(), OBJ.to_vec())]);
-    let load = |allow_outside| {
-        let mut options =
-            LoadOptions { files: Some(&files), allow_outside, ..LoadOptions::default() };
-        let text = b"scene { model { path = models/tri.obj } }";
-        Scene::from_memory("stuff/a.scene", text, &mut options).unwrap()
-    };
-    assert_eq!(load(true).instances.len(), 1);
-    let scene = load(false);
-    assert_eq!(scene.instances.len(), 0);
-    let expected = "1:24: model \"model 1\" is not shown: \"models/tri.obj\" does not exist; put it \
-                    beside the scene";
-    assert_eq!(scene.notes.warnings, [expected]);
-}
-
-#[test]
 fn of_two_places_the_programs_own_goes_first() {
     let files = HashMap::from([
         ("models/tri.obj".to_owned(), OBJ.to_vec()),
