@@ -1,7 +1,6 @@
 //! Bevy's own irradiance volume, baked by Lumivox: light without the plugin.
 
 use bevy::asset::RenderAssetUsages;
-use bevy::camera::Exposure;
 use bevy::image::{CompressedImageFormats, ImageSampler, ImageType};
 use bevy::light::IrradianceVolume;
 use bevy::prelude::*;
@@ -34,30 +33,24 @@ fn baked(gpu: &Gpu, given: &Scene) -> (Vec<u8>, ProbeGrid) {
     (volume.to_ktx2().0, grid)
 }
 
-#[test]
-fn a_baked_volume_lights_the_cornell_box_of_bevy() {
-    let _alone = crate::stage::alone();
+/// In a stage without global illumination.
+pub fn a_baked_volume_lights_the_cornell_box_of_bevy(stage: &mut Stage) {
     let given = scene::builtin("cornell");
     let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
     let (file, grid) = baked(&gpu, &given);
-    let mut stage = Stage::of(&given, truth::SIZE);
-    let exposure = Exposure { ev100: 4.0 };
-    stage.app.world_mut().entity_mut(stage.camera).insert(exposure);
-    stage.frames(4);
-    let direct = truth::antialiased(&mut stage);
+    let direct = truth::antialiased(stage);
     let kind = ImageType::Extension("ktx2");
     let formats = CompressedImageFormats::NONE;
     let usage = RenderAssetUsages::RENDER_WORLD;
     let image = Image::from_buffer(&file, kind, formats, false, ImageSampler::linear(), usage);
-    let voxels =
-        stage.app.world_mut().resource_mut::<Assets<Image>>().add(image.expect("an image"));
+    let voxels = stage.add(image.expect("an image"));
     let place = Transform::from_translation(grid.center()).with_scale(grid.size);
     let volume = IrradianceVolume { voxels, intensity: 1.0, ..default() };
     stage.app.world_mut().spawn((volume, place));
     stage.frames(4);
-    let lit = truth::antialiased(&mut stage);
+    let lit = truth::antialiased(stage);
     lit.save("target/pictures/cornell-baked.png", 2.0);
-    let indirect = truth::difference_of(&lit, &direct, exposure);
+    let indirect = truth::difference_of(&lit, &direct);
     let truth::Expected { truth, variance, .. } = truth::Expected::of_cornell();
     let error = ErrorFigures::new(truth, Some(variance), &indirect).expect("comparable");
     println!("cornell, baked: {error:.2?}");

@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use bevy::camera::{Exposure, RenderTarget};
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy::light::{DirectionalLightShadowMap, GlobalAmbientLight, PointLightShadowMap};
 use bevy::prelude::*;
@@ -16,7 +17,8 @@ pub struct Stage {
     pub app: App,
     pub camera: Entity,
     pub image: Handle<Image>,
-    pub spawned: scene::Spawned,
+    spawned: scene::Spawned,
+    view: (Transform, Projection),
 }
 
 /// Runs tests one at a time: they count live GPU resources, and each uses all cores.
@@ -57,18 +59,28 @@ impl Stage {
         app.insert_resource(GlobalAmbientLight::NONE);
         headless::start(&mut app);
         let spawned = scene::spawn(app.world_mut(), given);
-        let (transform, projection) = scene::camera(given);
         let (image, target) = headless::target(&mut app, size);
-        let look =
-            (Tonemapping::None, DebandDither::Disabled, bevy::camera::Exposure { ev100: 4.0 });
-        let camera = (Camera3d::default(), target, transform, projection, look);
-        let camera = app.world_mut().spawn(camera).id();
-        Self { app, camera, image, spawned }
+        let (camera, view) = (Entity::PLACEHOLDER, scene::camera(given));
+        let mut stage = Self { app, camera, image, spawned, view };
+        stage.camera = stage.add_camera(target);
+        stage
+    }
+
+    /// Another camera at the scene's view, without global illumination.
+    pub fn add_camera(&mut self, target: RenderTarget) -> Entity {
+        let look = (Tonemapping::None, DebandDither::Disabled, Exposure { ev100: 4.0 });
+        let parts = (Camera3d::default(), target, self.view.clone(), look);
+        self.app.world_mut().spawn(parts).id()
     }
 
     /// The Cornell box with global illumination, ready.
     pub fn cornell() -> Self {
-        let mut stage = Self::of(&scene::builtin("cornell"), UVec2::new(48, 36));
+        Self::ready(&scene::builtin("cornell"))
+    }
+
+    /// A scene with global illumination, ready.
+    pub fn ready(given: &Scene) -> Self {
+        let mut stage = Self::of(given, UVec2::new(48, 36));
         stage.use_small_shadow_maps();
         stage.app.world_mut().entity_mut(stage.camera).insert(quick());
         headless::wait_until_ready(&mut stage.app);
@@ -81,10 +93,32 @@ impl Stage {
         self.app.insert_resource(DirectionalLightShadowMap { size: 256 });
     }
 
-    /// The entity of an instance of a scene, by its name.
-    pub fn instance(&self, given: &Scene, name: &str) -> Entity {
+    /// The entity of an instance of the Cornell box, by its name.
+    pub fn instance(&self, name: &str) -> Entity {
+        let given = scene::builtin("cornell");
         let index = given.instances.iter().position(|instance| instance.name == name);
         self.spawned.instances[index.expect("an instance of that name")]
+    }
+
+    /// Adds an asset.
+    pub fn add<A: Asset>(&mut self, asset: A) -> Handle<A> {
+        self.app.world_mut().resource_mut::<Assets<A>>().add(asset)
+    }
+
+    /// The camera's entity.
+    pub fn camera(&mut self) -> EntityWorldMut<'_> {
+        self.app.world_mut().entity_mut(self.camera)
+    }
+
+    /// The settings of the camera's global illumination.
+    pub fn gi(&mut self) -> Mut<'_, LumivoxGi> {
+        self.app.world_mut().get_mut(self.camera).expect("global illumination")
+    }
+
+    /// Moves an entity.
+    pub fn place(&mut self, entity: Entity, at: Vec3) {
+        let mut transform = self.app.world_mut().get_mut::<Transform>(entity);
+        transform.as_mut().expect("a transform").translation = at;
     }
 
     pub fn frames(&mut self, count: u32) {
@@ -106,8 +140,19 @@ impl Stage {
 
     /// The mean of some frames once light has settled.
     pub fn settled_over(&mut self, frames: u32) -> headless::Shot {
-        self.frames(20);
+        self.frames(16);
         headless::mean_shot(&mut self.app, &self.image.clone(), frames)
+    }
+
+    /// Pictures of the frames until another volume is lit and shown.
+    pub fn until_ready(&mut self) -> Vec<headless::Shot> {
+        let mut shots = Vec::new();
+        while !self.events().contains(&LumivoxEvent::Ready) {
+            assert!(shots.len() < 400, "no global illumination after 400 frames");
+            shots.push(self.next());
+        }
+        shots.extend((0..8).map(|_| self.next()));
+        shots
     }
 
     /// The events of the last frame.
