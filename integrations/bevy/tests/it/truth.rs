@@ -117,7 +117,7 @@ pub fn light_of_surroundings(radiance: f32) -> f32 {
     let [dark, lit] = [0.0, radiance].map(|radiance| {
         let mut given = scene::builtin("cornell");
         given.environment.radiance = Vec3::splat(radiance);
-        // Of which only the mean is compared.
+        // Only the mean is compared.
         let settings =
             ReferenceSettings { size: SIZE, samples: 32, ..ReferenceSettings::default() };
         let tracer = PathTracer::new(&gpu, &given, None, settings);
