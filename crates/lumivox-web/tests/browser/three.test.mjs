@@ -129,7 +129,7 @@ describe("scenes of three.js whose light is known, in a bundle of webpack", () =
         assert.deepEqual(await light("misuse"), ["a frame has no new light: number 7 of a material is NaN"]);
         assert.match(app.messages.take().join(), /number 7 of a material is NaN/);
         isNear((await light("furnace"))[0], 2, 0.05);
-        // What is freed is freed once.
+        // A second dispose does nothing.
         await light("free");
         app.messages.check();
     });

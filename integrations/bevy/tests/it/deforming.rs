@@ -60,7 +60,7 @@ fn deformed_and_coloured_meshes_light_as_plain_ones() {
     let plain = stage.settled();
     plain.save("target/pictures/screen-plain.png", 2.0);
 
-    // The same colour, by vertices.
+    // A white material with that colour at its vertices looks the same.
     let mut mesh = screen();
     let colors = vec![blue.to_linear().to_f32_array(); mesh.count_vertices()];
     mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, colors);
