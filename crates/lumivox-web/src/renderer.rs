@@ -71,11 +71,12 @@ fn start() {
 /// The built-in scenes, for `loadScene("builtin:NAME")`.
 #[wasm_bindgen(js_name = builtinScenes)]
 pub fn builtin_scenes() -> Result<Vec<Ts<Named>>, JsValue> {
-    let scenes = lumivox_scene::builtin::names().iter().filter(|name| !name.ends_with("-rotated"));
+    let scenes = lumivox_scene::builtin::names().iter();
     scenes
         .map(|name| {
             let title = name.replace('-', " ");
-            to_js(&Named { name: (*name).to_owned(), title, summary: String::new() })
+            let summary = lumivox_scene::builtin::about(name).unwrap_or_default().to_owned();
+            to_js(&Named { name: (*name).to_owned(), title, summary })
         })
         .collect()
 }

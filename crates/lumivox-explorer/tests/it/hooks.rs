@@ -150,7 +150,7 @@ fn a_second_round_asks_for_nothing_new() {
 /// The renderer's own account is the truth.
 #[test]
 fn the_memory_of_photons_is_estimated() {
-    let scene = builtin("two-rooms-rotated");
+    let scene = builtin("two-rooms");
     let mut settings = RenderSettings { resolution: 48, ..small() };
     let list_of = |settings: &RenderSettings| {
         let estimate = MemoryEstimate::new(&scene, settings).expect("an estimate");

@@ -12,7 +12,7 @@ use lumivox_classics::photons::{PhotonFates, photon_fates, photons};
 use lumivox_render::{Gpu, RenderSettings, Renderer, View};
 use lumivox_scene::{Light, LightKind, Scene};
 
-use crate::common::{builtin, gpu, mean_luminance, picture, renderer};
+use crate::common::{builtin, gpu, mean_luminance, picture, renderer, turned};
 
 fn read<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer, count: usize) -> Vec<T> {
     let bytes = 0..(count * size_of::<T>()) as u64;
@@ -54,7 +54,7 @@ fn photons_bring_the_light_that_the_direct_evaluation_finds() {
     for (scene, name) in [
         (builtin("atrium"), "atrium"),
         // Here the lamp's black panel shares voxels with the ceiling.
-        (builtin("cornell-rotated"), "cornell, turned"),
+        (turned("cornell"), "cornell, turned"),
         (with_spot(builtin("cornell")), "spot"),
     ] {
         let light = |injection| {

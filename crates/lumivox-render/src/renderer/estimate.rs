@@ -299,7 +299,7 @@ mod tests {
         let presets = [Preset::Balanced, Preset::Fast, Preset::Realtime];
         for ((name, resolution, bounces, moving, volume), preset) in [
             ("spheres", 64, 8, 0, VolumeKind::Dense),
-            ("two-rooms-rotated", 48, 1, 2, VolumeKind::Dense),
+            ("two-rooms", 48, 1, 2, VolumeKind::Dense),
             ("atrium", 96, 8, 0, octree),
         ]
         .into_iter()

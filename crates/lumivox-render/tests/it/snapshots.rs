@@ -18,7 +18,7 @@ use lumivox_render::{Exposure, Overlay, RenderSettings, Renderer, ShadowMethod, 
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 
 use crate::common::kept::MAX_MEAN_FLIP;
-use crate::common::{builtin, gpu, picture, renderer, zoo};
+use crate::common::{builtin, gpu, picture, renderer, turned, zoo};
 
 /// Small enough to render all of them in a minute on a software driver, large enough to see what is
 /// wrong.
@@ -44,13 +44,16 @@ impl Snapshot {
     }
 }
 
-/// Every built-in scene but the large ones, the rotated ones, which look the same except for the
-/// voxels' errors, and those whose light is compared with closed forms or has to be zero.
+/// The turned Cornell box.
+const TURNED: &str = "cornell-turned";
+
+/// Every built-in scene but the large ones, and those whose light is compared with closed forms or
+/// has to be zero.
 fn scenes() -> Vec<Snapshot> {
     let known = ["furnace", "panel", "two-rooms-closed"];
     let names = lumivox_scene::builtin::names().iter().copied();
     names
-        .filter(|name| !name.ends_with("-rotated") && !known.contains(name))
+        .filter(|name| !known.contains(name))
         .filter(|name| !lumivox_scene::builtin::is_large(name))
         .map(|scene| Snapshot::new(scene, scene, small()))
         .collect()
@@ -64,7 +67,7 @@ fn materials() -> Vec<Snapshot> {
 }
 
 /// Views other than the final one. Normals along an axis have components of 0, which lie right
-/// between two codes of 8 bits, so the normals are those of the rotated scene.
+/// between two codes of 8 bits, so the normals are those of the turned scene.
 fn views() -> Vec<Snapshot> {
     let views = [
         ("cornell", View::Direct),
@@ -72,7 +75,7 @@ fn views() -> Vec<Snapshot> {
         ("cornell", View::Occlusion),
         ("cornell", View::Voxels),
         ("cornell", View::Albedo),
-        ("cornell-rotated", View::Normal),
+        (TURNED, View::Normal),
     ];
     views
         .map(|(scene, view)| {
@@ -186,6 +189,7 @@ fn check(snapshots: Vec<Snapshot>) {
                 renderer
             }
             _ if scene == "materials" => renderer(&gpu, &zoo::scene(), settings),
+            _ if scene == TURNED => renderer(&gpu, &turned("cornell"), settings),
             _ => renderer(&gpu, &builtin(scene), settings),
         };
         let picture = picture(&mut renderer);

@@ -14,8 +14,9 @@ use glam::UVec2;
 use lumivox_render::RenderSettings;
 use lumivox_render::compare::{LayerFigures, render_layers};
 use lumivox_render::reference::{PathTracer, ReferenceLayers, ReferenceSettings};
+use lumivox_scene::Scene;
 
-use crate::common::{builtin, gpu};
+use crate::common::{builtin, gpu, turned};
 
 const SIZE: UVec2 = UVec2::new(48, 36);
 
@@ -28,12 +29,11 @@ fn truth(name: &str) -> ReferenceLayers {
     tracer.layers()
 }
 
-fn figures(name: &str, truth: &ReferenceLayers) -> LayerFigures {
+fn figures(scene: &Scene, truth: &ReferenceLayers) -> LayerFigures {
     let settings =
         RenderSettings { size: SIZE, resolution: 64, frames: 16, ..RenderSettings::default() };
-    let (gpu, scene) = (gpu(), builtin(name));
-    let camera = &scene.cameras[0];
-    let ours = pollster::block_on(render_layers(&gpu, &scene, camera, &settings, &mut |_| {}));
+    let (gpu, camera) = (gpu(), &scene.cameras[0]);
+    let ours = pollster::block_on(render_layers(&gpu, scene, camera, &settings, &mut |_| {}));
     let ours = ours.expect("rendered");
     LayerFigures::new(truth, &ours).expect("comparable")
 }
@@ -58,17 +58,22 @@ fn assert_true(
 #[ignore = "slow: traces paths"]
 fn the_cornell_box_is_as_bright_as_it_is() {
     let truth = truth("cornell");
-    assert_true("cornell", &figures("cornell", &truth), [-3.0..=3.0, -3.0..=3.0], 12.0);
+    assert_true("cornell", &figures(&builtin("cornell"), &truth), [-3.0..=3.0, -3.0..=3.0], 12.0);
     // Turned against the grid, the scene gives the same picture.
-    let turned = figures("cornell-rotated", &truth);
-    assert_true("cornell-rotated", &turned, [-3.0..=3.0, -3.0..=3.0], 11.0);
+    let figures = figures(&turned("cornell"), &truth);
+    assert_true("turned cornell", &figures, [-3.0..=3.0, -3.0..=3.0], 11.0);
 }
 
 #[test]
 #[ignore = "slow: traces paths"]
 fn a_doorway_lets_in_what_it_lets_in() {
     let truth = truth("two-rooms");
-    assert_true("two-rooms", &figures("two-rooms", &truth), [-1.0..=7.5, -1.0..=4.5], 20.0);
+    assert_true(
+        "two-rooms",
+        &figures(&builtin("two-rooms"), &truth),
+        [-1.0..=7.5, -1.0..=4.5],
+        20.0,
+    );
 }
 
 #[test]
@@ -77,5 +82,5 @@ fn sun_and_sky_reach_the_atrium() {
     let truth = truth("atrium");
     // llvmpipe: +2.3 and +4.4 %. Parapets that share voxels with the columns behind them are lit by
     // the sun here as they should be; when they were not, +0.1 and +2.2 %.
-    assert_true("atrium", &figures("atrium", &truth), [-1.0..=3.0, -1.0..=5.0], 23.0);
+    assert_true("atrium", &figures(&builtin("atrium"), &truth), [-1.0..=3.0, -1.0..=5.0], 23.0);
 }

@@ -1,26 +1,6 @@
 //! Scenes made in code: always available, exact, and small enough to reason about.
-//!
-//! | Name | Purpose |
-//! | --- | --- |
-//! | `cornell` | the Cornell box: colour bleeding, soft indirect shadows |
-//! | `two-rooms` | a wall thinner than a voxel with a doorway: leaking against bleeding |
-//! | `two-rooms-closed` | the same without the doorway: the dark room must stay black |
-//! | `atrium` | a two-storey hall under sun and sky: large contrasts, columns, cloths |
-//! | `furnace` | a closed cube of emission e and albedo a: radiance e / (1 - a) everywhere |
-//! | `panel` | a large emitter over a floor: form factors in closed form |
-//! | `spheres` | roughness from 0.05 to 1, metal and dielectric, over a textured floor |
-//! | `furnished` | a furnished room: things thinner than a voxel, one lamp |
-//! | `window` | a low sun and a sky through one window |
-//! | `glow` | a closed room without lamps, lit by what glows in it |
-//! | `clutter` | three hundred small things under a lamp and a sky |
-//! | `lacquer` | deep colours and black, more glossy than diffuse; checkered floor and ceiling |
-//! | `city`, `city-night` | a kilometre of streets, houses with rooms, a stadium; a fly-through |
-//! | `interior`, `interior-night` | the same, seen from a furnished room in it |
-//!
-//! Each but the last two also exists as `NAME-rotated`: rotated by [`ROTATION_RAD`] about the
-//! centre of its bounds, so that no wall is aligned with a voxel grid. Nothing else may change in
-//! the picture.
 
+mod arcade;
 mod atrium;
 pub(crate) mod build;
 mod city;
@@ -36,60 +16,121 @@ mod spheres;
 mod two_rooms;
 mod window;
 
-use glam::Vec3;
-
 use crate::{Scene, SceneError};
 
-/// The rotation of the `-rotated` scenes: Euler angles in radians about x, y and z (intrinsic, in
-/// that order).
-pub const ROTATION_RAD: Vec3 = Vec3::new(0.5, 0.35, 0.4);
+/// A built-in scene.
+struct Builtin {
+    name: &'static str,
+    /// What it is for, in a line.
+    about: &'static str,
+    /// A kilometre large.
+    is_large: bool,
+    make: fn() -> Result<Scene, SceneError>,
+}
 
-const ROTATED: &str = "-rotated";
+const fn small(
+    name: &'static str,
+    about: &'static str,
+    make: fn() -> Result<Scene, SceneError>,
+) -> Builtin {
+    Builtin { name, about, is_large: false, make }
+}
 
-const NAMES: [&str; 28] = [
-    "cornell",
-    "cornell-rotated",
-    "two-rooms",
-    "two-rooms-rotated",
-    "two-rooms-closed",
-    "two-rooms-closed-rotated",
-    "atrium",
-    "atrium-rotated",
-    "furnace",
-    "furnace-rotated",
-    "panel",
-    "panel-rotated",
-    "spheres",
-    "spheres-rotated",
-    "furnished",
-    "furnished-rotated",
-    "window",
-    "window-rotated",
-    "glow",
-    "glow-rotated",
-    "clutter",
-    "clutter-rotated",
-    "lacquer",
-    "lacquer-rotated",
-    "city",
-    "city-night",
-    "interior",
-    "interior-night",
+const fn large(
+    name: &'static str,
+    about: &'static str,
+    make: fn() -> Result<Scene, SceneError>,
+) -> Builtin {
+    Builtin { name, about, is_large: true, make }
+}
+
+const ALL: [Builtin; 17] = [
+    small("cornell", "the Cornell box: colour bleeding, soft indirect shadows", || {
+        Ok(cornell::scene())
+    }),
+    small(
+        "two-rooms",
+        "a wall thinner than a voxel with a doorway: bleeding against leaking",
+        || Ok(two_rooms::scene(true)),
+    ),
+    small(
+        "two-rooms-closed",
+        "the same without the doorway: the dark room must stay black",
+        || Ok(two_rooms::scene(false)),
+    ),
+    small(
+        "atrium",
+        "a two-storey hall under sun and sky: large contrasts, columns, cloths",
+        || Ok(atrium::scene()),
+    ),
+    small("arcade", "arches beside a sunny court: a sun patch, and sky between columns", || {
+        Ok(arcade::scene())
+    }),
+    small(
+        "furnace",
+        "a closed cube of emission e and albedo a: radiance e / (1 - a) everywhere",
+        || Ok(furnace::scene()),
+    ),
+    small("panel", "a large emitter over a floor: form factors in closed form", || {
+        Ok(panel::scene())
+    }),
+    small(
+        "spheres",
+        "roughness from 0.05 to 1, metal and dielectric, over a textured floor",
+        || Ok(spheres::scene()),
+    ),
+    small("furnished", "a furnished room: things thinner than a voxel, one lamp", || {
+        Ok(furnished::scene())
+    }),
+    small("window", "a low sun and a sky through one window", || Ok(window::scene())),
+    small("glow", "a closed room without lamps, lit by what glows in it", || Ok(glow::scene())),
+    small("clutter", "three hundred small things under a lamp and a sky", || Ok(clutter::scene())),
+    small(
+        "lacquer",
+        "deep colours and black, more glossy than diffuse; checkered floor and ceiling",
+        || Ok(lacquer::scene()),
+    ),
+    large("city", "a kilometre of streets, houses with rooms, a stadium; a fly-through", || {
+        city::scene(false, false)
+    }),
+    large("city-night", "the same by night: lamps in the streets and in rooms", || {
+        city::scene(true, false)
+    }),
+    large("interior", "a furnished room in the city by day", || city::scene(false, true)),
+    large("interior-night", "the same by night, by the light of its lamp", || {
+        city::scene(true, true)
+    }),
 ];
 
-/// The scenes that are a kilometre large.
-const LARGE: [&str; 4] = ["city", "city-night", "interior", "interior-night"];
+const NAMES: [&str; ALL.len()] = {
+    let mut names = [""; ALL.len()];
+    let mut i = 0;
+    while i < ALL.len() {
+        names[i] = ALL[i].name;
+        i += 1;
+    }
+    names
+};
+
+fn find(name: &str) -> Option<&'static Builtin> {
+    ALL.iter().find(|scene| scene.name == name)
+}
 
 /// The names that [`scene`] knows.
 pub fn names() -> &'static [&'static str] {
     &NAMES
 }
 
+/// What a built-in scene is for, in a line; `None` if the name is unknown.
+pub fn about(name: &str) -> Option<&'static str> {
+    Some(find(name)?.about)
+}
+
 /// `true` for scenes with millions of triangles over a kilometre. They open in seconds like the
 /// others, but take minutes to render on a CPU. Code that loops over all scenes should skip them,
 /// or it takes longer than for all the others together.
 pub fn is_large(name: &str) -> bool {
-    LARGE.contains(&name)
+    find(name).is_some_and(|scene| scene.is_large)
 }
 
 /// Makes the built-in scene of that name.
@@ -97,36 +138,12 @@ pub fn is_large(name: &str) -> bool {
 /// # Errors
 /// [`SceneError::UnknownBuiltin`], which lists the names, if the name is unknown.
 pub fn scene(name: &str) -> Result<Scene, SceneError> {
-    let plain = name.strip_suffix(ROTATED).filter(|plain| !is_large(plain)).unwrap_or(name);
-    let mut scene = match plain {
-        "cornell" => cornell::scene(),
-        "two-rooms" => two_rooms::scene(true),
-        "two-rooms-closed" => two_rooms::scene(false),
-        "atrium" => atrium::scene(),
-        "furnace" => furnace::scene(),
-        "panel" => panel::scene(),
-        "spheres" => spheres::scene(),
-        "furnished" => furnished::scene(),
-        "window" => window::scene(),
-        "glow" => glow::scene(),
-        "clutter" => clutter::scene(),
-        "lacquer" => lacquer::scene(),
-        "city" => city::scene(false, false)?,
-        "city-night" => city::scene(true, false)?,
-        "interior" => city::scene(false, true)?,
-        "interior-night" => city::scene(true, true)?,
-        _ => {
-            return Err(SceneError::UnknownBuiltin {
-                name: name.to_owned(),
-                known: NAMES.to_vec(),
-            });
-        }
+    let Some(builtin) = find(name) else {
+        return Err(SceneError::UnknownBuiltin { name: name.to_owned(), known: NAMES.to_vec() });
     };
+    let mut scene = (builtin.make)()?;
     name.clone_into(&mut scene.name);
     scene.validate()?;
-    if plain != name {
-        scene.rotate(ROTATION_RAD);
-    }
     Ok(scene)
 }
 

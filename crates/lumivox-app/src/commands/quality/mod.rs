@@ -118,13 +118,10 @@ fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, Into::into)
 }
 
-/// The names of the scenes to measure, without the rotated variants, which are made from them.
+/// The names of the scenes to measure.
 fn scene_names(asked: &[String]) -> anyhow::Result<Vec<String>> {
-    let known: Vec<&str> = builtin::names()
-        .iter()
-        .copied()
-        .filter(|name| !name.ends_with("-rotated") && !builtin::is_large(name))
-        .collect();
+    let known: Vec<&str> =
+        builtin::names().iter().copied().filter(|name| !builtin::is_large(name)).collect();
     if let Some(name) = asked.iter().find(|name| !known.contains(&name.as_str())) {
         let known = known.join(", ");
         return Err(Failure::input(format!(

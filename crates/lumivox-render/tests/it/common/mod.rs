@@ -18,6 +18,13 @@ pub fn builtin(name: &str) -> Scene {
     lumivox_scene::builtin::scene(name).expect("a built-in scene")
 }
 
+/// A built-in scene, turned so that no wall is aligned with the voxels.
+pub fn turned(name: &str) -> Scene {
+    let mut scene = builtin(name);
+    scene.rotate(glam::Vec3::new(0.5, 0.35, 0.4));
+    scene
+}
+
 /// A scene, lit and ready to be rendered from its first camera.
 ///
 /// # Panics
