@@ -285,7 +285,7 @@ pub(super) struct Faces {
 /// Far light.
 #[derive(Debug)]
 struct Far {
-    /// Far light: first of single faces, finally of 5 x 5; the second buffer is for rows of 5.
+    /// Far light: first of single faces, finally of 7 x 7; the second buffer is for rows of 7.
     light: [Buffer; 2],
     collect: BindGroup,
     rows: BindGroup,

@@ -1,10 +1,10 @@
-// Shares far light among adjacent faces: the mean over a row of 2 REACH + 1 faces along one axis of
-// their surface, and then over rows along the other axis. With turn.wgsl's rays these 5 x 5 faces
-// cover 400 evenly distributed directions. A row ends where other surface crosses it.
+// Shares far light among adjacent faces: the mean over a row of SHARING_FACES faces along one axis
+// of their surface, and then over rows along the other axis. With turn.wgsl's rays these 7 x 7 faces
+// cover 784 evenly distributed directions. A row ends where other surface crosses it.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::light::turn::{FIRST_BESIDE, HIT_OFFSET, HIT_WORDS};
+import package::light::turn::{FIRST_BESIDE, HIT_OFFSET, HIT_WORDS, SHARING_FACES};
 import package::volume::far_light::{
     pack_far_light, unpack_far_light, FarLight, FAR_CELLS, NO_FAR_LIGHT,
 };
@@ -15,8 +15,6 @@ import package::voxels::counts::ListCounts;
 @group(1) @binding(1) var<storage, read> beside: array<u32>;
 @group(1) @binding(2) var<storage, read> far: array<u32>;
 @group(1) @binding(3) var<storage, read_write> shared_far: array<u32>;
-
-const REACH = 2;
 
 // For each cell: sums of radiance (rgb) and openness (a), and the number of faces that contributed.
 var<private> light: array<vec4f, FAR_CELLS>;
@@ -44,7 +42,7 @@ fn share(face: u32, axis: u32) {
     add(face);
     for (var side = 0u; side < 2u; side++) {
         var next = face;
-        for (var i = 0; i < REACH && next < counts.faces; i++) {
+        for (var i = 0u; i < SHARING_FACES / 2u && next < counts.faces; i++) {
             next = beside[next * HIT_WORDS + FIRST_BESIDE + 2u * axis + side] - HIT_OFFSET;
             if next < counts.faces {
                 add(next);

@@ -51,13 +51,20 @@ fn face_start(face: Face) -> vec2f {
     return random_pair(face.cell, hash(face.lobe));
 }
 
-// The jitter of a face's rays within their cells. Any 5 x 5 faces of a plane have 25 evenly
-// distributed jitters: in a grid of 5 x 5, and along both of its sides.
+// The edge of the squares of faces that share far light.
+const SHARING_FACES = 7u;
+// Adjacent faces have jitters far apart, so that a square that ends at a border has well spread
+// ones, too.
+const JITTER_STEP = 3u;
+
+// The jitter of a face's rays within their cells. Any SHARING_FACES x SHARING_FACES faces of a plane
+// have evenly distributed jitters: in a grid, and along both of its sides.
 fn face_jitter(face: Face) -> vec2f {
     let voxel = vec3u(voxel_of(morton_decode(face.cell)).voxel + 0x400000);
     let axis = lobe_axis(face.lobe);
-    let square = vec2f(vec2u(voxel[(axis + 1u) % 3u], voxel[(axis + 2u) % 3u]) % 5u);
-    return (square + (square.yx + 0.5) / 5.0) / 5.0;
+    let along = vec2u(voxel[(axis + 1u) % 3u], voxel[(axis + 2u) % 3u]);
+    let square = vec2f(along % SHARING_FACES * JITTER_STEP % SHARING_FACES);
+    return (square + (square.yx + 0.5) / f32(SHARING_FACES)) / f32(SHARING_FACES);
 }
 
 fn from_emitters(face: u32) -> vec3f {

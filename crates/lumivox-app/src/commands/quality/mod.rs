@@ -2,6 +2,7 @@
 
 mod cases;
 mod glossy;
+mod noise;
 mod page;
 mod rooms;
 
@@ -79,9 +80,11 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     } else {
         None
     };
+    let noise = first_frames(args, &gpu, &progress, &names, rooms.as_ref())?;
     let chart = page::chart(&cases, &store)?;
     let machine = format!("{}, {} cores", describe(&gpu.adapter_info), cores());
-    let text = page::page(args, &machine, &cases, &store, rooms.as_ref(), glossy.as_deref());
+    let text =
+        page::page(args, &machine, &cases, &store, rooms.as_ref(), glossy.as_deref(), &noise);
     for (file, text) in
         [(pictures.join("error-against-cost.svg"), chart), (args.folder.join("quality.md"), text)]
     {
@@ -90,6 +93,44 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     }
     drop(progress);
     host.print(&format!("{}\n", args.folder.join("quality.md").display()))
+}
+
+/// Measures first frames of all scenes and, beside other rooms, of rooms with daylight.
+fn first_frames(
+    args: &QualityArgs,
+    gpu: &Gpu,
+    progress: &ProgressDisplay,
+    names: &[String],
+    rooms: Option<&rooms::Rooms>,
+) -> anyhow::Result<noise::Rows> {
+    let mut meter = noise::Meter::open(args, gpu, progress)?;
+    for name in names {
+        let scene = builtin::scene(name)?;
+        let truth = if args.kept { None } else { Some(truth_of(args, gpu, progress, &scene)?) };
+        meter.measure(name, &|| Ok(builtin::scene(name)?), truth.as_ref())?;
+    }
+    if let Some(rooms) = rooms {
+        meter.measure_rooms(rooms.seed())?;
+    }
+    Ok(meter.into_rows())
+}
+
+/// The reference of a built-in scene, traced or from the cache.
+fn truth_of(
+    args: &QualityArgs,
+    gpu: &Gpu,
+    progress: &ProgressDisplay,
+    scene: &Scene,
+) -> anyhow::Result<Truth> {
+    let settings = ReferenceSettings {
+        size: args.size,
+        samples: args.samples,
+        ..ReferenceSettings::default()
+    };
+    let file = args.cache.as_ref().map(|cache| cache.join(format!("{}.exr", scene.name)));
+    // All built-in scenes have a camera.
+    let camera = &scene.cameras[0];
+    reference(&Subject { gpu, scene, camera, progress }, settings, file.as_deref())
 }
 
 /// The failure that reports how much a stopped run has measured.
@@ -162,14 +203,7 @@ impl QualityRun<'_> {
         if !truths.contains_key(&case.scene) {
             // Cases are sorted by scene, so only one reference is needed at a time.
             truths.clear();
-            let settings = ReferenceSettings {
-                size: self.args.size,
-                samples: self.args.samples,
-                ..ReferenceSettings::default()
-            };
-            let file =
-                self.args.cache.as_ref().map(|cache| cache.join(format!("{}.exr", case.scene)));
-            let truth = reference(&subject(&straight), settings, file.as_deref())?;
+            let truth = truth_of(self.args, self.gpu, self.progress, &straight)?;
             truths.insert(case.scene.clone(), truth);
         }
         let truth = &truths[&case.scene];

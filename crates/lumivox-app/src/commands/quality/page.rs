@@ -8,6 +8,7 @@ use lumivox_render::compare::{ErrorFigures, LayerFigures};
 
 use super::cases::{Case, Rotation, middle};
 use super::glossy::Sphere;
+use super::noise;
 use super::rooms::Rooms;
 use super::{Entry, PICTURES, Store};
 use crate::cli::QualityArgs;
@@ -72,6 +73,7 @@ pub fn page(
     store: &Store,
     rooms: Option<&Rooms>,
     glossy: Option<&[Sphere]>,
+    noise: &noise::Rows,
 ) -> String {
     let page = Page { args, cases, store };
     let mut text = page.head(machine);
@@ -85,6 +87,7 @@ pub fn page(
     if let Some(spheres) = glossy {
         text += &reflections(spheres);
     }
+    text += &noise::section(noise);
     text += &page.scenes();
     text
 }

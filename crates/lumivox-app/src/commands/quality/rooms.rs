@@ -81,6 +81,11 @@ pub fn measure(
 }
 
 impl Rooms {
+    /// The seed of the first room.
+    pub fn seed(&self) -> u32 {
+        self.seed
+    }
+
     /// The section of the page.
     pub fn section(&self) -> String {
         let Self { seed, count, frames, .. } = self;
