@@ -1,5 +1,6 @@
 //! The quality of pictures: measurements, strips of pictures, animated pictures, and charts.
 
+mod block_noise;
 mod canvas;
 mod chart;
 mod false_color;
@@ -9,6 +10,7 @@ mod memory_chart;
 mod step_chart;
 mod strip;
 
+pub use block_noise::{BLOCK, BlockNoise};
 pub use canvas::{Align, Canvas};
 pub use chart::{Point, error_against_cost};
 pub use false_color::{FalseColor, false_color_png};

@@ -19,7 +19,7 @@ use super::seen::Seen;
 use super::sequences::{Kind, Phase, Pose, Sequence, Step, first_of, last_of, marked, steps};
 use super::truth::{Truth, Truths};
 use crate::progress::ProgressDisplay;
-use crate::quality::check_wish;
+use crate::quality::{BlockNoise, check_wish};
 
 /// Frames of a still picture.
 pub const STILL_FRAMES: u32 = 32;
@@ -356,6 +356,7 @@ impl Taken<'_> {
         if let Some(still) = still {
             figures.still_full = compare(truth.full(), &still.full)?;
             figures.still_picture = compare(truth.picture(), &still.picture)?;
+            figures.off_still = Some(BlockNoise::new(&shown.picture, &still.picture));
         }
         Ok(figures)
     }

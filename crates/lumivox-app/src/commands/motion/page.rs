@@ -75,18 +75,20 @@ fn rmse(figures: Option<ErrorFigures>) -> String {
 fn in_motion(cases: &[Case]) -> String {
     let mut text = "## Error in motion\n\n\
         The last columns set the RMSE in proportion to that of the same pose when it has stood still for 32 frames of `balanced`: \
-        that still RMSE, and the RMSE in motion divided by it, at the marked steps (the middle and the end of a motion).\n\n\
-        | sequence | preset | of | bias | RMSE | p95 | FLIP | noise | RMSE still | of still |\n\
-        | --- | --- | --- | --: | --: | --: | --: | --: | --: | --: |\n"
+        that still RMSE, and the RMSE in motion divided by it, at the marked steps (the middle and the end of a motion). \
+        *Off still* is the root mean square of the relative difference from that still picture in blocks of 8 x 8 pixels, for the median block and the one that 95 % of the blocks stay below.\n\n\
+        | sequence | preset | of | bias | RMSE | p95 | FLIP | noise | RMSE still | of still | off still: median | 95 % |\n\
+        | --- | --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n"
         .to_owned();
     for Case { preset, report, .. } in cases {
         for (of, spread) in [("full", report.in_motion.full), ("picture", report.in_motion.picture)]
         {
             let Some(spread) = spread else { continue };
+            let off_still = report.in_motion.off_still.filter(|_| of == "picture");
             let ErrorSpread { bias_percent, rmse_percent, p95_percent, flip, .. } = spread;
             let _ = writeln!(
                 text,
-                "| {} | {preset} | {of} | {} | {} | {} | {} | {} | {} | {} |",
+                "| {} | {preset} | {of} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
                 report.sequence,
                 pair(Some(bias_percent), |value| format!("{value:+.1}")),
                 pair(Some(rmse_percent), percent),
@@ -95,6 +97,8 @@ fn in_motion(cases: &[Case]) -> String {
                 spread.noise_percent.map_or("-".to_owned(), |noise| percent(noise.median)),
                 spread.still_rmse_percent.map_or("-".to_owned(), |still| percent(still.median)),
                 pair(spread.rmse_of_still, |ratio| format!("{ratio:.1}")),
+                pair(off_still.map(|both| both[0]), percent),
+                pair(off_still.map(|both| both[1]), percent),
             );
         }
     }

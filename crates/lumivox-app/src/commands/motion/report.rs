@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::drive::StepCost;
 use super::figures::{CostSpread, DisplayError, Flicker, Spread};
 use crate::commands::settings;
+use crate::quality::BlockNoise;
 
 /// One sequence with one set of settings.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -63,6 +64,9 @@ pub struct StepFigures {
     pub still_full: Option<ErrorFigures>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub still_picture: Option<ErrorFigures>,
+    /// The picture's difference from that still picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub off_still: Option<BlockNoise>,
 }
 
 /// Errors over the steps of motion.
@@ -74,6 +78,9 @@ pub struct InMotion {
     pub full: Option<ErrorSpread>,
     /// The picture.
     pub picture: Option<ErrorSpread>,
+    /// The picture's difference from still pictures, for the median block and the one that 95 % of
+    /// the blocks stay below.
+    pub off_still: Option<[Spread; 2]>,
 }
 
 /// The spread of each figure over steps.
@@ -198,8 +205,13 @@ impl InMotion {
     pub fn of(steps: &[StepFigures]) -> Self {
         let moving: Vec<&StepFigures> =
             steps.iter().filter(|step| step.is_moving && step.full.is_some()).collect();
+        let off_still = |of: fn(BlockNoise) -> f64| {
+            Spread::of(moving.iter().filter_map(|step| step.off_still).map(of))
+        };
+        let both = off_still(|noise| noise.median).zip(off_still(|noise| noise.p95));
         Self {
             steps: moving.len() as u32,
+            off_still: both.map(<[Spread; 2]>::from),
             full: ErrorSpread::of(moving.iter().map(|step| (step.full, step.still_full))),
             picture: ErrorSpread::of(moving.iter().map(|step| (step.picture, step.still_picture))),
         }

@@ -14,65 +14,21 @@ use crate::commands::kept::Kept;
 use crate::commands::rooms::room_of;
 use crate::commands::settings;
 use crate::progress::ProgressDisplay;
-use crate::quality::{Truth, check_wish};
+use crate::quality::{BLOCK, BlockNoise, Truth, check_wish};
 
 const PRESETS: [Preset; 2] = [Preset::Balanced, Preset::Realtime];
 /// Numbers of frames whose noise is measured.
 const FRAMES: [u32; 3] = [1, 4, 16];
 /// Frames of the mean that they are compared with.
 const MANY: u32 = 192;
-/// The edge of a block, in pixels.
-const BLOCK: usize = 8;
-/// Pixels darker than this share of the median luminance count as that bright.
-const DARK: f32 = 0.02;
-/// A pixel that is off by this share is a dot.
-const DOT: f32 = 0.5;
 /// Rooms with daylight.
 const ROOMS: usize = 8;
-
-/// The noise of a mean of frames, in percent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Noise {
-    /// The root mean square of the relative difference in blocks of 8 x 8 pixels: the median block,
-    /// and the one that 95 % of the blocks stay below.
-    median: f64,
-    p95: f64,
-    /// The share of the pixels that are half as bright again, or half as dark.
-    dots: f64,
-}
-
-impl Noise {
-    /// Compares the luminances of two pictures.
-    fn new(few: &[f32], many: &[f32], width: usize) -> Self {
-        let mut sorted = many.to_vec();
-        sorted.sort_by(f32::total_cmp);
-        let least = (DARK * sorted[sorted.len() / 2]).max(f32::MIN_POSITIVE);
-        let relative: Vec<f32> =
-            few.iter().zip(many).map(|(few, many)| (few - many) / many.max(least)).collect();
-        let height = relative.len() / width;
-        let mut blocks = Vec::new();
-        for top in (0..height / BLOCK).map(|row| row * BLOCK) {
-            for left in (0..width / BLOCK).map(|column| column * BLOCK) {
-                let rows = (top..top + BLOCK).flat_map(|y| &relative[y * width + left..][..BLOCK]);
-                let squares: f32 = rows.map(|error| error * error).sum();
-                blocks.push(f64::from(squares / (BLOCK * BLOCK) as f32).sqrt());
-            }
-        }
-        blocks.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            blocks.get((share * blocks.len() as f64) as usize).map_or(0.0, |error| 100.0 * error)
-        };
-        let dots = relative.iter().filter(|error| error.abs() > DOT).count();
-        let dots = 100.0 * dots as f64 / relative.len() as f64;
-        Self { median: at(0.5), p95: at(0.95), dots }
-    }
-}
 
 /// A scene with a preset.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FirstFrames {
     /// After each of [`FRAMES`].
-    noise: [Noise; 3],
+    noise: [BlockNoise; 3],
     /// The errors of the first frame and of the mean against paths; `None` without a reference.
     errors: Option<[ErrorFigures; 2]>,
 }
@@ -177,20 +133,21 @@ impl<'a> Meter<'a> {
                 means.push(pollster::block_on(renderer.read_mean())?);
             }
         }
-        // ITU-R BT.709-6, section 3.2.
-        let luminance = |&[r, g, b, _]: &[f32; 4]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
-        let luminances: Vec<Vec<f32>> =
-            means.iter().map(|mean| mean.iter().map(luminance).collect()).collect();
-        let noise = |index: usize| Noise::new(&luminances[index], &luminances[3], size.x as usize);
+        let pictures: Vec<LinearPicture> = means
+            .iter()
+            .map(|mean| LinearPicture {
+                size,
+                rgb: mean.iter().map(|&[r, g, b, _]| [r, g, b]).collect(),
+            })
+            .collect();
+        let noise = |index: usize| BlockNoise::new(&pictures[index], &pictures[3]);
         let errors = |truth: &Truth| {
             let layers = &truth.layers;
             let reference = layers.layer(&layers.radiance);
-            let error = |mean: &[[f32; 4]]| {
-                let rgb = mean.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
-                let ours = LinearPicture { size, rgb };
-                ErrorFigures::new(&reference, Some(&layers.radiance_variance), &ours)
+            let error = |ours: &LinearPicture| {
+                ErrorFigures::new(&reference, Some(&layers.radiance_variance), ours)
             };
-            anyhow::Ok([error(&means[0])?, error(&means[3])?])
+            anyhow::Ok([error(&pictures[0])?, error(&pictures[3])?])
         };
         Ok(FirstFrames {
             noise: [noise(0), noise(1), noise(2)],
@@ -243,28 +200,4 @@ pub fn section(rows: &Rows) -> String {
         );
     }
     text + "\n"
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Twelve blocks of brightness 2: one has an error of 10 % in all pixels, one a dot.
-    #[test]
-    fn noise_is_measured_by_blocks() {
-        let (width, height) = (32, 24);
-        let many = vec![2.0; width * height];
-        let mut few = many.clone();
-        for y in 0..BLOCK {
-            for pixel in &mut few[y * width..][..BLOCK] {
-                *pixel = 2.2;
-            }
-        }
-        few[width * height - 1] = 4.0;
-        let noise = Noise::new(&few, &many, width);
-        assert!(noise.median <= 0.0, "{noise:?}");
-        // The worst block: a dot of 100 % in one of 64 pixels.
-        assert!((noise.p95 - 12.5).abs() < 1e-3, "{noise:?}");
-        assert!((noise.dots - 100.0 / 768.0).abs() < 1e-6, "{noise:?}");
-    }
 }
