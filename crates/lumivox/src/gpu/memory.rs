@@ -65,6 +65,22 @@ impl<'a> Memory<'a> {
         stride: u64,
         remedy: Remedy,
     ) -> Result<Buffer, GiError> {
+        let bytes = self.check(label, count, stride, remedy)?;
+        self.bytes.push((label.to_owned(), bytes));
+        Ok(storage_buffer(self.device, label, bytes))
+    }
+
+    /// The bytes of a buffer that something else will create.
+    ///
+    /// # Errors
+    /// As [`Self::buffer`].
+    pub fn check(
+        &self,
+        label: &str,
+        count: u64,
+        stride: u64,
+        remedy: Remedy,
+    ) -> Result<u64, GiError> {
         let bytes = count * stride;
         let limits = self.device.limits();
         for (limit, available) in [
@@ -82,8 +98,7 @@ impl<'a> Memory<'a> {
                 });
             }
         }
-        self.bytes.push((label.to_owned(), bytes));
-        Ok(storage_buffer(self.device, label, bytes))
+        Ok(bytes)
     }
 
     /// Bytes by buffer, in the order of creation; equal labels are summed.

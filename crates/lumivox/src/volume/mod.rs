@@ -31,6 +31,7 @@ pub use octree::{
 };
 #[cfg(test)]
 pub(crate) use octree::{OldAtlas, TreeUniform, Verdict as TreeVerdict, read_nodes};
+pub(crate) use surface::SURFACE_BYTES;
 use surface::Surface;
 
 /// Format of the textures that store cells.

@@ -11,6 +11,9 @@ use crate::{GiError, Grid};
 /// Bytes of a patch.
 const PATCH_BYTES: u64 = 48;
 
+/// Bytes of all that rays know of a face: more than any other buffer has for one.
+pub(crate) const SURFACE_BYTES: u64 = PATCH_BYTES + FAR_BYTES;
+
 /// The level of the blocks that rays skip at once (`voxels/index.wgsl`).
 pub(crate) const BLOCK_LEVEL: u32 = 3;
 
@@ -67,7 +70,7 @@ impl Surface {
         let grid_uniform = grid.uniform(device);
         // A grid without voxels has an index, too.
         let index = storage_buffer(device, "index of voxels", index_bytes(grid, 1));
-        let patches = storage_buffer(device, "patches", PATCH_BYTES + FAR_BYTES);
+        let patches = storage_buffer(device, "patches", SURFACE_BYTES);
         Ok(Self {
             globals: bind_globals(
                 device,
@@ -117,8 +120,7 @@ impl Surface {
     pub(super) fn bind(&mut self, device: &wgpu::Device, (list, shown): (&VoxelList, &Buffer)) {
         let bytes = index_bytes(&self.cells, list.node_capacity());
         self.index = storage_buffer(device, "index of voxels", bytes);
-        self.patches =
-            storage_buffer(device, "patches", list.face_capacity() * (PATCH_BYTES + FAR_BYTES));
+        self.patches = storage_buffer(device, "patches", list.face_capacity() * SURFACE_BYTES);
         let index = BindGroupBuilder::new(&self.index_layout)
             .buffer(&list.occupancy)
             .buffer(&list.ranks)
@@ -153,7 +155,7 @@ impl Surface {
 
     /// Writes the light that faces get from far away, after the patches.
     pub(super) fn show_far(&self, recorder: &mut Recorder<'_>, far: &Buffer) {
-        let first = self.patches.size() / (PATCH_BYTES + FAR_BYTES) * PATCH_BYTES;
+        let first = self.patches.size() / SURFACE_BYTES * PATCH_BYTES;
         recorder.copy((far, 0), (&self.patches, first), far.size());
     }
 

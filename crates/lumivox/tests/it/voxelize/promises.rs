@@ -104,15 +104,21 @@ fn what_does_not_fit_names_the_limit_and_what_would() {
     assert_eq!(remedy, "a resolution of 512 would fit");
 
     // Faces, of which there are too many only once they are counted.
-    let mut mesh = Mesh::default();
-    for layer in 0..24 {
-        let z = layer as f32 / 24.0 * 1.9 + 0.01;
-        let corner = |x: f32, y: f32| Vec3::new(x, y, z);
-        mesh.quad([corner(0., 0.), corner(2., 0.), corner(2., 2.), corner(0., 2.)]);
+    // Buffers of the list, or only what rays know of its faces.
+    for (layers, what) in [(24, "the buffer of"), (2, "the buffer of the surface")] {
+        let mut mesh = Mesh::default();
+        for layer in 0..layers {
+            let z = layer as f32 / layers as f32 * 1.9 + 0.01;
+            let corner = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+            mesh.quad([corner(0., 0., z), corner(2., 0., z), corner(2., 2., z), corner(0., 2., z)]);
+            let z = z + 0.001;
+            mesh.quad([corner(0., 0., z), corner(0., 2., z), corner(2., 2., z), corner(2., 0., z)]);
+        }
+        let grid = Grid::fit(Vec3::ZERO, Vec3::splat(2.0), 512, Vec3::ZERO).unwrap();
+        let error = error_of(&lab, &grid, &mesh.geometry(&lab.device, SurfaceMaterial::default()));
+        assert!(matches!(error, GiError::Limit { .. }), "{error}");
+        assert!(error.to_string().starts_with(what), "{error}");
     }
-    let grid = Grid::fit(Vec3::ZERO, Vec3::splat(2.0), 512, Vec3::ZERO).unwrap();
-    let error = error_of(&lab, &grid, &mesh.geometry(&lab.device, SurfaceMaterial::default()));
-    assert!(matches!(error, GiError::Limit { .. }), "{error}");
 }
 
 /// More items than 32 bits number: an error, and no work on wrapped-around numbers.
