@@ -23,8 +23,9 @@ pub struct QualityArgs {
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
 
-    /// Names of the built-in scenes to measure, with all presets at all resolutions [default: cornell
-    /// and atrium so, and all others only at the middle resolution without the preset fast]
+    /// Names of the built-in scenes to measure, with all presets at all resolutions, or "materials"
+    /// for balls of all materials in all lights [default: materials, cornell and atrium so, and all
+    /// other scenes only at the middle resolution without the preset fast]
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
 

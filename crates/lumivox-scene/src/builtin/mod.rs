@@ -11,7 +11,7 @@ mod furnished;
 mod glow;
 mod lacquer;
 mod panel;
-pub(crate) mod shapes;
+pub mod shapes;
 mod spheres;
 mod two_rooms;
 mod window;

@@ -28,7 +28,7 @@ impl Faces {
 
 /// A rectangle: `u` and `v` are half its edges, it faces `u` cross `v`; the image's right lies
 /// along `u`, its top along `v`.
-pub(crate) fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
+pub fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
     let normal = u.cross(v).normalize();
     Mesh {
         name: String::new(),
@@ -64,7 +64,7 @@ pub(crate) fn cuboid(min: Vec3, max: Vec3, faces: Faces) -> Mesh {
 }
 
 /// The inside of an axis-aligned box: a cuboid seen from within.
-pub(crate) fn interior(min: Vec3, max: Vec3) -> Mesh {
+pub fn interior(min: Vec3, max: Vec3) -> Mesh {
     let mut mesh = cuboid(min, max, Faces::ALL);
     mesh.flip_winding();
     for normal in &mut mesh.normals {
@@ -126,7 +126,7 @@ pub(crate) fn frame(outer: Vec2, inner: Vec2, y: [f32; 2], faces: FrameFaces) ->
 
 /// A sphere around the origin with smooth normals: `segments` around the y axis, half as many
 /// rings.
-pub(crate) fn sphere(radius_m: f32, segments: u32) -> Mesh {
+pub fn sphere(radius_m: f32, segments: u32) -> Mesh {
     let rings = segments / 2;
     let mut mesh = Mesh::default();
     for ring in 0..=rings {

@@ -137,11 +137,20 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
     if known_share > 0.0 {
         reflected = known_share * reflect_known(lobe, gloss.cells_from_normal, start.yx, turn);
     }
+    var samples = 0.0;
+    let has_emitters = emitters.count > 0u && emitters.is_shown == 0u;
+    if has_emitters {
+        let numbers = fract(start.yx + fract(STEPS * f32(turn & 0xffffu)));
+        let from_emitters = reflect_emitters(
+            surface, lobe, transpose(gloss.world_from_normal), level, gloss.expected, numbers);
+        reflected += from_emitters.rgb;
+        samples = from_emitters.a;
+    }
     let drawn = draw_direction(lobe, sequence_pair(start, turn));
     let direction = gloss.world_from_normal * drawn.direction;
     let cos_plane = dot(direction, surface.geometric_normal);
     if drawn.direction.z <= 0.0 || cos_plane <= 0.0 {
-        return Reflection(vec4f(reflected, 0.0), 0.0);
+        return Reflection(vec4f(reflected, samples), 0.0);
     }
 
     let cos_half = max(1.0 - settings.specular_share / drawn.density / 6.28318530718, MIN_COS_HALF_ANGLE);
@@ -159,16 +168,11 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
     var radiance = max(traced.radiance + traced.transmittance * outside, vec3f(0.0));
 
     var emission = vec3f(0.0);
-    var samples = f32(traced.samples);
-    if emitters.count > 0u && emitters.is_shown == 0u {
-        let numbers = fract(start.yx + fract(STEPS * f32(turn & 0xffffu)));
-        let from_emitters = reflect_emitters(
-            surface, lobe, transpose(gloss.world_from_normal), level, gloss.expected, numbers);
+    samples += f32(traced.samples);
+    if has_emitters {
         let emitted = strength(traced.emission) * drawn.direction.z / gloss.expected;
         emission = share_of_lobe(drawn.density, emitted) * traced.emission;
         radiance = max(radiance - traced.emission, vec3f(0.0));
-        reflected += from_emitters.rgb;
-        samples += from_emitters.a;
     }
     // Near surfaces replace the known light in their direction.
     let known = known_from(gloss.cells_from_normal * drawn.direction);

@@ -1,7 +1,7 @@
 //! `lumivox quality`: the page on errors, made from the program's own measurements.
 
 mod cases;
-mod glossy;
+mod materials;
 mod noise;
 mod page;
 mod rooms;
@@ -28,6 +28,9 @@ use serde::{Deserialize, Serialize};
 
 /// The folder of the pictures, below the page's folder.
 const PICTURES: &str = "images/quality";
+
+/// What is measured under this name, beside the scenes: balls of all materials.
+const MATERIALS: &str = "materials";
 
 /// One measurement.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -70,24 +73,15 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
             store.put(case.key(), entry.with_context(|| case.to_string())?)?;
         }
     }
-    let glossy = if names.iter().any(|name| name == glossy::SCENE) {
-        let spheres = glossy::measure(args, &gpu, &progress);
-        if progress.is_stopped() {
-            let total = cases.len() as u32;
-            return Err(stopped(args, total, total).into());
-        }
-        Some(spheres?)
-    } else {
-        None
-    };
+    let is_asked = args.scenes.is_empty() || args.scenes.iter().any(|name| name == MATERIALS);
+    let materials = if is_asked { Some(materials::measure(args, &gpu, &progress)?) } else { None };
     let noise = first_frames(args, &gpu, &progress, &names, rooms.as_ref())?;
-    let chart = page::chart(&cases, &store)?;
+    let chart = if cases.is_empty() { None } else { Some(page::chart(&cases, &store)?) };
     let machine = format!("{}, {} cores", describe(&gpu.adapter_info), cores());
     let text =
-        page::page(args, &machine, &cases, &store, rooms.as_ref(), glossy.as_deref(), &noise);
-    for (file, text) in
-        [(pictures.join("error-against-cost.svg"), chart), (args.folder.join("quality.md"), text)]
-    {
+        page::page(args, &machine, &cases, &store, rooms.as_ref(), materials.as_ref(), &noise);
+    let chart = chart.map(|chart| (pictures.join("error-against-cost.svg"), chart));
+    for (file, text) in chart.into_iter().chain([(args.folder.join("quality.md"), text)]) {
         std::fs::write(&file, text)
             .map_err(|e| Failure::output(format!("{}: cannot be written: {e}", file.display())))?;
     }
@@ -163,15 +157,18 @@ fn cores() -> usize {
 fn scene_names(asked: &[String]) -> anyhow::Result<Vec<String>> {
     let known: Vec<&str> =
         builtin::names().iter().copied().filter(|name| !builtin::is_large(name)).collect();
-    if let Some(name) = asked.iter().find(|name| !known.contains(&name.as_str())) {
+    if asked.is_empty() {
+        return Ok(known.into_iter().map(str::to_owned).collect());
+    }
+    let scenes: Vec<String> = asked.iter().filter(|name| *name != MATERIALS).cloned().collect();
+    if let Some(name) = scenes.iter().find(|name| !known.contains(&name.as_str())) {
         let known = known.join(", ");
         return Err(Failure::input(format!(
-            "there is no built-in scene {name}; there are: {known}"
+            "there is no built-in scene {name}; there are: {known}; and {MATERIALS}"
         ))
         .into());
     }
-    let all = known.into_iter().map(str::to_owned).collect();
-    Ok(if asked.is_empty() { all } else { asked.to_vec() })
+    Ok(scenes)
 }
 
 /// A rotated scene; its camera rotates with it, so that the picture stays the same.

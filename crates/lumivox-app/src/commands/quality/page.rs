@@ -7,7 +7,7 @@ use lumivox_render::PresetChoice;
 use lumivox_render::compare::{ErrorFigures, LayerFigures};
 
 use super::cases::{Case, Rotation, middle};
-use super::glossy::Sphere;
+use super::materials;
 use super::noise;
 use super::rooms::Rooms;
 use super::{Entry, PICTURES, Store};
@@ -72,7 +72,7 @@ pub fn page(
     cases: &[Case],
     store: &Store,
     rooms: Option<&Rooms>,
-    glossy: Option<&[Sphere]>,
+    materials: Option<&materials::Rows>,
     noise: &noise::Rows,
 ) -> String {
     let page = Page { args, cases, store };
@@ -84,9 +84,7 @@ pub fn page(
     text += &page.turned();
     text += &page.leaks();
     text += &page.resolutions();
-    if let Some(spheres) = glossy {
-        text += &reflections(spheres);
-    }
+    text += &materials.map(materials::section).unwrap_or_default();
     text += &noise::section(noise);
     text += &page.scenes();
     text
@@ -351,27 +349,4 @@ fn noise(figures: &ErrorFigures) -> String {
 
 fn met(is_met: bool) -> &'static str {
     if is_met { "met" } else { "**missed**" }
-}
-
-fn reflections(spheres: &[Sphere]) -> String {
-    let mut text = "## Reflections by roughness\n\nIndirect light on each sphere of the scene `spheres`, reflections \
-                    included: on metal it is all reflection (GGX), on the dielectric mostly diffuse. In per cent of \
-                    the sphere's own mean. Where a lobe is narrower than the voxels that it meets, a cone shows \
-                    voxels in the place of things; what is mirrored reflects diffusely itself; and light that a metal \
-                    focuses is missing. Nothing else is done there: finer voxels help.\n\n| sphere | preset | bias | RMSE | noise | pixels |\n\
-                    | --- | --- | --: | --: | --: | --: |\n"
-        .to_owned();
-    for sphere in spheres {
-        let _ = writeln!(
-            text,
-            "| {} | {} | {:+.1} | {} | {} | {} |",
-            sphere.name,
-            sphere.preset,
-            sphere.figures.bias_percent,
-            rmse(&sphere.figures),
-            noise(&sphere.figures),
-            sphere.pixels
-        );
-    }
-    text + "\n"
 }

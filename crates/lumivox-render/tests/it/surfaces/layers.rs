@@ -6,7 +6,7 @@ use glam::{Vec3, Vec4};
 use lumivox_render::{RenderSettings, View};
 use lumivox_scene::{
     Camera, Clearcoat, Light, LightKind, Material, MetallicRoughness, Scene, Shading, Sheen,
-    TextureRef, Unlit,
+    TextureRef, Unlit, builtin,
 };
 
 use crate::surfaces::stage::*;
@@ -73,6 +73,30 @@ fn a_dielectric_in_even_light_is_right_at_every_angle() {
             println!("roughness {roughness}, {degrees} degrees: {found}, expected {expected}");
             assert_near("floor", found / expected, Vec3::ONE, 0.02);
         }
+    }
+}
+
+/// Walls that glow evenly light a rough metal as an even sky does. Drawing points of emitters counts
+/// for all of a pixel's draws, also for those whose own direction lies below the surface.
+#[test]
+fn glowing_walls_light_a_metal_as_a_sky_does() {
+    for roughness in [0.6, 1.0] {
+        let metal = metallic_roughness(MetallicRoughness {
+            base_color: Vec4::new(0.9, 0.9, 0.9, 1.0),
+            metallic: 1.0,
+            roughness,
+            ..Default::default()
+        });
+        let expected = under_the_sky(0.6, metal.clone());
+        let mut scene = seen_under(0.6, metal);
+        let glow = Material { emissive: Vec3::ONE, ..Material::diffuse("glow", Vec3::ZERO) };
+        let walls =
+            builtin::shapes::interior(Vec3::new(-4.0, -0.5, -4.0), Vec3::new(4.0, 3.0, 4.0));
+        add(&mut scene, walls, glow);
+        let settings = RenderSettings { bounces: 1, frames: 32, ..settings(View::Final) };
+        let found = mean(&render(&scene, settings));
+        println!("roughness {roughness}: {found}, under a sky {expected}");
+        assert_near("metal", found / expected, Vec3::ONE, 0.03);
     }
 }
 
