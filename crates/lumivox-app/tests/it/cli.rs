@@ -81,7 +81,7 @@ fn a_scene_is_converted_and_stays_the_same() {
 fn the_scenes_are_listed() {
     let folder = folder();
     let list = lumivox(folder.path(), "scenes").expect_ok().stdout;
-    for name in ["cornell", "two-rooms", "atrium", "furnace", "panel", "spheres", "-rotated"] {
+    for name in ["cornell", "two-rooms", "atrium", "furnace", "panel", "spheres", "arcade"] {
         assert!(list.contains(name), "{name} is missing in {list}");
     }
 }
