@@ -14,7 +14,7 @@ use crate::{Camera, Environment, Light, LightKind, Mesh, Scene};
 
 /// Half the length of arcade and court, along x.
 const HALF_LENGTH_M: f32 = 9.0;
-/// Depth of the arcade along +z, and of the court along -z; the arches stand at z = 0.
+/// Depth of the arcade along +z, and of the court along -z; the arches are at z = 0.
 const ARCADE_M: f32 = 3.4;
 const COURT_M: f32 = 8.0;
 const CEILING_M: f32 = 4.0;
@@ -116,7 +116,7 @@ fn arch(index: usize) -> Mesh {
         let back = SPANDREL_M;
         parts.push(panel([point(b, 0.0), point(a, 0.0), top(a, 0.0), top(b, 0.0)]));
         parts.push(panel([point(a, back), point(b, back), top(b, back), top(a, back)]));
-        // The half piers stand below both ends.
+        // The half piers are below both ends.
         if a.x > -HALF_LENGTH_M && b.x < HALF_LENGTH_M {
             parts.push(panel([point(a, 0.0), point(b, 0.0), point(b, back), point(a, back)]));
         }

@@ -21,7 +21,7 @@ use crate::{Scene, SceneError};
 /// A built-in scene.
 struct Builtin {
     name: &'static str,
-    /// What it is for, in a line.
+    /// Its purpose in a line.
     about: &'static str,
     /// A kilometre large.
     is_large: bool,
@@ -121,7 +121,7 @@ pub fn names() -> &'static [&'static str] {
     &NAMES
 }
 
-/// What a built-in scene is for, in a line; `None` if the name is unknown.
+/// The purpose of a built-in scene in a line; `None` if the name is unknown.
 pub fn about(name: &str) -> Option<&'static str> {
     Some(find(name)?.about)
 }

@@ -57,8 +57,8 @@ const SHARING_FACES = 7u;
 // ones, too.
 const JITTER_STEP = 3u;
 
-// The jitter of a face's rays within their cells. Any SHARING_FACES x SHARING_FACES faces of a plane
-// have evenly distributed jitters: in a grid, and along both of its sides.
+// The jitter of a face's rays within their cells. Any square of SHARING_FACES x SHARING_FACES faces
+// has evenly distributed jitters: in a grid, and along both of its sides.
 fn face_jitter(face: Face) -> vec2f {
     let voxel = vec3u(voxel_of(morton_decode(face.cell)).voxel + 0x400000);
     let axis = lobe_axis(face.lobe);

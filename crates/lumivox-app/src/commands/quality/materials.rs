@@ -41,7 +41,7 @@ const DARK: f64 = 0.1;
 pub struct Cell {
     /// The error of the mean in each of [`ANGLES`].
     bias: [f64; 3],
-    /// The same over all angles in the first frame.
+    /// The error of the first frame's mean over all angles.
     first_bias: f64,
     /// The root mean square of the difference of the first frame from the mean of 32, as a share of
     /// the mean.
@@ -71,8 +71,11 @@ fn plain(shading: MetallicRoughness) -> Material {
 /// A material, and its texture if it has one.
 type Made = (Material, Option<Texture>);
 
+type Make = fn() -> Made;
+type Shine = fn(&mut Scene);
+
 // No smoother than 0.2: below, the noise of the paths hides errors.
-const MATERIALS: [(&str, fn() -> Made); 16] = [
+const MATERIALS: [(&str, Make); 16] = [
     ("matt", || (Material::diffuse("matt", Vec3::splat(0.5)), None)),
     ("dielectric, roughness 0.2", || (plain(dielectric(0.2)), None)),
     ("dielectric, 0.3", || (plain(dielectric(0.3)), None)),
@@ -109,7 +112,7 @@ const MATERIALS: [(&str, fn() -> Made); 16] = [
     }),
 ];
 
-const LIGHTS: [(&str, fn(&mut Scene)); 8] =
+const LIGHTS: [(&str, Shine); 8] =
     [
         ("even sky", |scene| scene.environment.radiance = Vec3::ONE),
         ("gradient", |scene| {
@@ -184,7 +187,7 @@ fn glow(scene: &mut Scene, center: Vec3, [u, v]: [Vec3; 2], radiance: f32) {
     place(scene, shapes::quad(center, v, u), black);
 }
 
-fn scene((material, texture): Made, light: fn(&mut Scene)) -> Scene {
+fn scene((material, texture): Made, light: Shine) -> Scene {
     let mut scene = Scene::default();
     scene.textures.extend(texture);
     let material = add(&mut scene, material);
@@ -194,8 +197,8 @@ fn scene((material, texture): Made, light: fn(&mut Scene)) -> Scene {
     scene
 }
 
-/// The sine of the angle between the direction to the eye and the ball's normal in each pixel; above
-/// 1 beside the ball.
+/// The sine of the angle between the eye's direction and the ball's normal in each pixel; above 1
+/// beside the ball.
 fn sines() -> Vec<f32> {
     let scale = (0.5 * FOV_RAD).tan() / (0.5 * SIZE as f32);
     let at = |index: u32| (index as f32 + 0.5 - 0.5 * SIZE as f32) * scale;
@@ -221,7 +224,7 @@ fn measure_cell(
     gpu: &Gpu,
     progress: &ProgressDisplay,
     made: Made,
-    light: fn(&mut Scene),
+    light: Shine,
 ) -> anyhow::Result<Cell> {
     let mut scene = scene(made, light);
     scene.validate()?;

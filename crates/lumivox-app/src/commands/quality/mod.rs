@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 /// The folder of the pictures, below the page's folder.
 const PICTURES: &str = "images/quality";
 
-/// What is measured under this name, beside the scenes: balls of all materials.
+/// A name beside the scenes' names: balls of all materials.
 const MATERIALS: &str = "materials";
 
 /// One measurement.

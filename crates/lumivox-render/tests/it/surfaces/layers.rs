@@ -76,8 +76,8 @@ fn a_dielectric_in_even_light_is_right_at_every_angle() {
     }
 }
 
-/// Walls that glow evenly light a rough metal as an even sky does. Drawing points of emitters counts
-/// for all of a pixel's draws, also for those whose own direction lies below the surface.
+/// Walls that glow evenly light a rough metal as an even sky does. Points on emitters count for all
+/// draws of a pixel, also for those whose own direction lies below the surface.
 #[test]
 fn glowing_walls_light_a_metal_as_a_sky_does() {
     for roughness in [0.6, 1.0] {

@@ -159,8 +159,8 @@ fn a_switched_lamp_is_seen_at_once() {
     }
 }
 
-/// A lamp that dims by less than edges differ is followed nevertheless: after six frames the picture
-/// is nearer to the new light than the first frame of a new renderer.
+/// A lamp that dims by less than edges differ is followed nevertheless: after six frames the
+/// picture is nearer to the new light than the first frame of a new renderer.
 #[test]
 fn a_dimmed_lamp_is_followed() {
     let lit = builtin("cornell");
