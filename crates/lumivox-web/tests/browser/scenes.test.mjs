@@ -39,7 +39,7 @@ const agrees = async (/** @type {string} */ scene, /** @type {string[]} */ optio
 
 test("built-in scenes agree with the native picture", async (t) => {
     const names = (await known("builtinScenes")).map(({ name }) => name);
-    assert.equal(names.length, 16);
+    assert.equal(names.length, 17);
     // A lamp; sun, sky and textures; emissive surfaces; mirrors and rough surfaces.
     const shown = ["cornell", "atrium", "glow", "spheres"];
     // Scenes of a kilometre have millions of triangles and take minutes here; by hand they agree as
