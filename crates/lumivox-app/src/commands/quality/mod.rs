@@ -6,7 +6,7 @@ mod noise;
 mod page;
 mod rooms;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, btree_map};
 use std::path::Path;
 
 use anyhow::Context as _;
@@ -75,7 +75,7 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     }
     let is_asked = args.scenes.is_empty() || args.scenes.iter().any(|name| name == MATERIALS);
     let materials = if is_asked { Some(materials::measure(args, &gpu, &progress)?) } else { None };
-    let noise = first_frames(args, &gpu, &progress, &names, rooms.as_ref())?;
+    let noise = first_frames(args, &gpu, &progress, &names, rooms.as_ref(), &mut truths)?;
     let chart = if cases.is_empty() { None } else { Some(page::chart(&cases, &store)?) };
     let machine = format!("{}, {} cores", describe(&gpu.adapter_info), cores());
     let text =
@@ -96,12 +96,14 @@ fn first_frames(
     progress: &ProgressDisplay,
     names: &[String],
     rooms: Option<&rooms::Rooms>,
+    truths: &mut BTreeMap<String, Truth>,
 ) -> anyhow::Result<noise::Rows> {
     let mut meter = noise::Meter::open(args, gpu, progress)?;
     for name in names {
         let scene = builtin::scene(name)?;
-        let truth = if args.kept { None } else { Some(truth_of(args, gpu, progress, &scene)?) };
-        meter.measure(name, &|| Ok(builtin::scene(name)?), truth.as_ref())?;
+        let truth =
+            if args.kept { None } else { Some(truth_of(args, gpu, progress, &scene, truths)?) };
+        meter.measure(name, &|| Ok(builtin::scene(name)?), truth)?;
     }
     if let Some(rooms) = rooms {
         meter.measure_rooms(rooms.seed())?;
@@ -109,13 +111,18 @@ fn first_frames(
     Ok(meter.into_rows())
 }
 
-/// The reference of a built-in scene, traced or from the cache.
-fn truth_of(
+/// The reference of a built-in scene: of an earlier call, from the cache, or traced.
+fn truth_of<'t>(
     args: &QualityArgs,
     gpu: &Gpu,
     progress: &ProgressDisplay,
     scene: &Scene,
-) -> anyhow::Result<Truth> {
+    truths: &'t mut BTreeMap<String, Truth>,
+) -> anyhow::Result<&'t Truth> {
+    let entry = match truths.entry(scene.name.clone()) {
+        btree_map::Entry::Occupied(known) => return Ok(known.into_mut()),
+        btree_map::Entry::Vacant(entry) => entry,
+    };
     let settings = ReferenceSettings {
         size: args.size,
         samples: args.samples,
@@ -124,7 +131,8 @@ fn truth_of(
     let file = args.cache.as_ref().map(|cache| cache.join(format!("{}.exr", scene.name)));
     // All built-in scenes have a camera.
     let camera = &scene.cameras[0];
-    reference(&Subject { gpu, scene, camera, progress }, settings, file.as_deref())
+    let subject = Subject { gpu, scene, camera, progress };
+    Ok(entry.insert(reference(&subject, settings, file.as_deref())?))
 }
 
 /// The failure that reports how much a stopped run has measured.
@@ -197,13 +205,7 @@ impl QualityRun<'_> {
         let straight = builtin::scene(&case.scene)?;
         let scene = turned(&case.scene, case.rotation)?;
         let subject = |scene| self.subject(scene);
-        if !truths.contains_key(&case.scene) {
-            // Cases are sorted by scene, so only one reference is needed at a time.
-            truths.clear();
-            let truth = truth_of(self.args, self.gpu, self.progress, &straight)?;
-            truths.insert(case.scene.clone(), truth);
-        }
-        let truth = &truths[&case.scene];
+        let truth = truth_of(self.args, self.gpu, self.progress, &straight, truths)?;
         let companions = Companions::of(case.preset);
         let settings = RenderSettings {
             directionality: companions.directionality,
