@@ -33,7 +33,8 @@ const FOV_RAD: f32 = 0.3;
 /// pixel is partly beside the ball.
 const ANGLES: [[f32; 2]; 3] = [[0.0, 60.0], [60.0, 75.0], [75.0, 83.0]];
 
-/// Errors are shares of the light of their range, or of this share of the ball's mean if that is more.
+/// Errors are relative to the light of their range, or to this share of the ball's mean if that is
+/// more.
 const DARK: f64 = 0.1;
 
 /// The errors of a material in a light, in percent of paths.
@@ -43,8 +44,8 @@ pub struct Cell {
     bias: [f64; 3],
     /// The error of the first frame's mean over all angles.
     first_bias: f64,
-    /// The root mean square of the difference of the first frame from the mean of all, as a share of
-    /// the mean.
+    /// The root mean square of the first frame's difference from the mean of all, relative to that
+    /// mean.
     noise: f64,
 }
 
