@@ -1,7 +1,7 @@
 // Direct light on the visible surfaces from lamps and sun.
 
 import package::environment::glossy_share;
-import package::light::lights::{incident_light, light_globals, lights};
+import package::light::lights::{incident_light, is_parallel, Light, light_globals, lights};
 import package::light::shadow_map::{
     compare_depths, finest_layer, is_within, place_in_layer, shadow_layers, shadow_sampler,
 };
@@ -88,6 +88,14 @@ fn near_visibility(next: ptr<function, u32>, index: u32, position_in_world: vec3
     return found;
 }
 
+// Added to alpha^2 for the disc of a light: twice the variance of the half vector on an axis. The
+// half vector turns by half the angle, and the variance of a disc on an axis is a quarter of its
+// radius squared.
+fn disc_variance(light: Light, distance_m: f32) -> f32 {
+    let radius = select(light.radius / distance_m, light.radius, is_parallel(light));
+    return radius * radius / 8.0;
+}
+
 fn widened(alpha: f32, added: f32) -> f32 {
     return sqrt(saturate(alpha * alpha + added));
 }
@@ -109,8 +117,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let normal = surface.shading_normal;
     let coat = load_coat(pixel);
     let added = added_variance(pixel, normal);
-    let alpha = widened(alpha_from_roughness(specular.a), added);
-    let varnish_alpha = widened(coat.alpha, added);
+    let lobe_alpha = alpha_from_roughness(specular.a);
     let to_camera = normalize(view.position_in_world - surface.position_in_world);
     // Avoids grazing angles: the visibility term is 0 / 0 there.
     let n_dot_v = max(dot(normal, to_camera), 1e-4);
@@ -146,7 +153,10 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         let fresnel = fresnel_schlick(specular.rgb, dot(half_vector, to_camera));
         // Light that the gloss reflects does not reach the diffuse layer: glTF 2.0, appendix B.3.
         diffuse += irradiance * (1.0 - fresnel) * albedo / PI;
-        glossy += glossy_share(light, alpha_from_roughness(specular.a)) * irradiance * fresnel
+        let widening = added + disc_variance(light, incident.distance_m);
+        let alpha = widened(lobe_alpha, widening);
+        let varnish_alpha = widened(coat.alpha, widening);
+        glossy += glossy_share(light, lobe_alpha) * irradiance * fresnel
             * ggx_distribution(saturate(dot(normal, half_vector)), alpha)
             * ggx_visibility(n_dot_v, n_dot_l, alpha);
         varnish += glossy_share(light, coat.alpha) * irradiance * coat_fresnel(coat, dot(half_vector, to_camera))

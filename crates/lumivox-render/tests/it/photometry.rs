@@ -1,10 +1,11 @@
 //! The light at a pixel, against closed forms and against the picture.
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::{Mat4, UVec2, Vec3};
 use lumivox_render::{Exposure, Photometry, RenderSettings, Renderer, View};
-use lumivox_scene::{Camera, Light, LightKind, Material, Scene, Shading};
+use lumivox_scene::{Camera, EnvironmentMap, Light, LightKind, Material, Scene, Shading};
 
 use crate::common::{builtin, gpu, picture, renderer, zoo};
 
@@ -92,9 +93,11 @@ fn where_nothing_is_lit_there_is_no_illuminance() {
 }
 
 /// A mirroring ball of radius R scatters the light of a sun evenly: E R² / 4 per steradian. At this
-/// size the highlight covers a fifth of a pixel. Half floats had room for 30 % of it.
+/// size the highlight covers a fifth of a pixel. Half floats had room for 30 % of it, and the
+/// panorama's map has none for its sun.
 #[test]
 fn a_highlight_smaller_than_a_pixel_keeps_its_energy() {
+    let to_sun = Vec3::new(0.3, 0.4, 1.0).normalize();
     let mut scene = Scene::default();
     let mut metal = Material::diffuse("metal", Vec3::ONE);
     if let Shading::MetallicRoughness(shading) = &mut metal.shading {
@@ -103,20 +106,41 @@ fn a_highlight_smaller_than_a_pixel_keeps_its_energy() {
     let radius_m = 0.1;
     let scale = Mat4::from_scale(Vec3::splat(radius_m / zoo::RADIUS_M));
     zoo::place(&mut scene, zoo::sphere(), metal, scale);
-    let kind = LightKind::Directional { illuminance_lux: 1000.0, angular_radius_rad: 0.0 };
-    let direction = Vec3::new(-0.3, -0.4, -1.0).normalize();
-    scene.lights.push(Light { kind, direction, ..Light::default() });
     let (distance_m, fov) = (2.0, 0.12_f32);
     scene.cameras.push(Camera::look_at(Vec3::Z * distance_m, Vec3::ZERO, fov));
-    let expected = 1000.0 * radius_m * radius_m / 4.0;
-    for (frames, tolerance) in [(1, 0.1), (8, 0.05)] {
-        let size = UVec2::splat(48);
-        let settings = RenderSettings { size, frames, view: View::Direct, ..small() };
-        let picture = picture(&mut renderer(&gpu(), &scene, settings));
-        let sum: f32 = picture.hdr.iter().map(|pixel| pixel[1]).sum();
-        let pixel_m = 2.0 * distance_m * (fov / 2.0).tan() / size.y as f32;
-        let ratio = sum * pixel_m * pixel_m / expected;
-        println!("the highlight in {frames} frames over the closed form: {ratio}");
-        assert!((ratio - 1.0).abs() < tolerance, "{frames}: {ratio}");
+    let mut in_panorama = scene.clone();
+    let kind = LightKind::Directional { illuminance_lux: 1000.0, angular_radius_rad: 0.0 };
+    scene.lights.push(Light { kind, direction: -to_sun, ..Light::default() });
+    let (panorama, illuminance_lux) = sun_in_panorama(to_sun);
+    in_panorama.environment = Arc::new(panorama).into();
+    for (scene, illuminance_lux) in [(scene, 1000.0), (in_panorama, illuminance_lux)] {
+        let expected = illuminance_lux * radius_m * radius_m / 4.0;
+        for (frames, tolerance) in [(1, 0.1), (8, 0.05)] {
+            let size = UVec2::splat(48);
+            let settings = RenderSettings { size, frames, view: View::Direct, ..small() };
+            let picture = picture(&mut renderer(&gpu(), &scene, settings));
+            let sum: f32 = picture.hdr.iter().map(|pixel| pixel[1]).sum();
+            let pixel_m = 2.0 * distance_m * (fov / 2.0).tan() / size.y as f32;
+            let ratio = sum * pixel_m * pixel_m / expected;
+            println!("the highlight in {frames} frames over the closed form: {ratio}");
+            assert!((ratio - 1.0).abs() < tolerance, "{frames}: {ratio}");
+        }
     }
+}
+
+/// A panorama, black but for a sun of 1.5 degrees radius, and the sun's illuminance.
+fn sun_in_panorama(to_sun: Vec3) -> (EnvironmentMap, f32) {
+    let (width, height) = (512_u32, 256_u32);
+    let mut illuminance_lux = 0.0;
+    let mut texel = |x: u32, y: u32| {
+        let (longitude, colatitude) =
+            ((x as f32 + 0.5) / width as f32 * 2.0 * PI, (y as f32 + 0.5) / height as f32 * PI);
+        let (sin, cos) = colatitude.sin_cos();
+        let cosine = Vec3::new(-sin * longitude.sin(), cos, sin * longitude.cos()).dot(to_sun);
+        let radiance = if cosine > 1.5_f32.to_radians().cos() { 1e5 } else { 0.0 };
+        illuminance_lux += radiance * cosine * sin * (PI / height as f32).powi(2);
+        [radiance; 3]
+    };
+    let rgb = (0..width * height).map(|i| texel(i % width, i / width)).collect();
+    (EnvironmentMap { width, height, rgb, ..EnvironmentMap::default() }, illuminance_lux)
 }
