@@ -43,9 +43,11 @@ const OWN = 1.0;
 // The first surface on a ray.
 struct Hit {
     distance: f32,
-    // The face; or NOTHING, BLACK or UNLIT.
+    // The face whose light the hit shows; or NOTHING, BLACK or UNLIT.
     face: u32,
     is_parted: bool,
+    // The face that was hit; or NOTHING or BLACK.
+    struck: u32,
 }
 
 // Whether a ray passes through a face with holes: drawn at random, so that rays of all directions
@@ -64,7 +66,7 @@ fn hit_faces(
     reach: f32,
     passed: ptr<function, Passed>,
 ) -> Hit {
-    var hit = Hit(reach, NOTHING, false);
+    var hit = Hit(reach, NOTHING, false, NOTHING);
     let first = entry & ((1u << FACE_BITS) - 1u);
     for (var face = first; face < first + (entry >> FACE_BITS); face++) {
         let place = PATCH_WORDS * face;
@@ -80,7 +82,8 @@ fn hit_faces(
             let is_solid = plane.holes == 0u
                 || ((*passed).draws && !passes(direction, face, plane.holes));
             if is_solid {
-                hit = Hit(distance, select(face, BLACK, is_back), plane.is_parted && !is_back);
+                let struck = select(face, BLACK, is_back);
+                hit = Hit(distance, struck, plane.is_parted && !is_back, struck);
             } else if all(point >= vec3f(0.0)) && all(point < vec3f(1.0)) {
                 // Outside of this voxel the hole counts in the next one.
                 (*passed).share *= f32(plane.holes) / 255.0;
@@ -125,7 +128,7 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     let entries = first_entry();
     let size = vec3i(box_size());
     var distance = max(max(enter.x, enter.y), max(enter.z, 0.0));
-    var hit = Hit(3e38, NOTHING, false);
+    var hit = Hit(3e38, NOTHING, false, NOTHING);
     var is_inside = distance < end;
     var edge = 1.0;
     var voxel = vec3i(0);

@@ -20,6 +20,7 @@ struct EmitterPoint {
     // From the place to the point; unit length.
     direction: vec3f,
     radiance: vec3f,
+    is_double_sided: bool,
     // One over the probability density of the direction, sr; 0: no emitter lights the place.
     solid_angle: f32,
 }
@@ -96,7 +97,8 @@ fn point_of(drawn: Drawn, place: vec3f) -> EmitterPoint {
     let ahead = -dot(corner, front);
     let normal = select(front, -front, ahead < 0.0);
     let height = abs(ahead);
-    var point = EmitterPoint(vec3f(0.0), normal, vec3f(0.0), emitter.radiance, 0.0);
+    var point = EmitterPoint(
+        vec3f(0.0), normal, vec3f(0.0), emitter.radiance, emitter.is_double_sided != 0u, 0.0);
     if emitter.power <= 0.0 || drawn.share <= 0.0 || (ahead <= 0.0 && emitter.is_double_sided == 0u) || height < 1e-4 {
         return point;
     }

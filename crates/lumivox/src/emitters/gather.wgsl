@@ -55,6 +55,11 @@ fn candidate(numbers: vec2f, index: u32, count: u32) -> vec2f {
     );
 }
 
+// The cover of a face reaches up to an eighth of a voxel beyond the surface, where it would hide
+// points of a lamp's other sides. So what emits and lies nearer to the point than this, in voxels,
+// is taken for the lamp itself. A double-sided lamp does hide its inner sides.
+const OWN: f32 = 1.0;
+
 // Traces a ray from a place to a point of an emitter.
 fn trace_to(
     point: EmitterPoint,
@@ -69,7 +74,11 @@ fn trace_to(
     let to_point = point.position + START * exp2(f32(at_emitter)) * point.normal - origin;
     let distance = length(to_point);
     let ray = Cone(origin, to_point / max(distance, 1e-6), 0.0, distance, 0.0, level);
-    return trace_cone(ray, ray_settings(settings));
+    var traced = trace_cone(ray, ray_settings(settings));
+    let is_own = traced.meets_emitter && !point.is_double_sided
+        && traced.distance > distance - OWN * exp2(f32(at_emitter));
+    traced.transmittance = select(traced.transmittance, 1.0, is_own);
+    return traced;
 }
 
 // `level` is that of the voxels of the place's surface, `start` in [0, 1)^2 is the place's offset

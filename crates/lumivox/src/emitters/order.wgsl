@@ -102,6 +102,83 @@ fn merge_blocks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocati
     keys[start + local + THREADS] = block[local + THREADS];
 }
 
+// What a ray meets among the emitters that are close in the order.
+struct Met {
+    distance: f32,
+    count: u32,
+}
+
+// Emitters that are searched on each side in the order.
+const SEARCHED = 64u;
+
+// The distance to a triangle (Moeller and Trumbore 1997, "Fast, minimum storage ray/triangle
+// intersection"); FAR if the ray misses it.
+const FAR = 3e38;
+
+fn distance_to(emitter: Emitter, origin: vec3f, direction: vec3f) -> f32 {
+    let across = cross(direction, emitter.along_ac);
+    let volume = dot(emitter.along_ab, across);
+    let from_corner = origin - emitter.corner;
+    let aside = cross(from_corner, emitter.along_ab);
+    let u = dot(from_corner, across) / volume;
+    let v = dot(direction, aside) / volume;
+    let distance = dot(emitter.along_ac, aside) / volume;
+    let is_hit = volume != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 1e-5;
+    return select(FAR, distance, is_hit);
+}
+
+fn meet(index: u32, origin: vec3f, direction: vec3f) -> Met {
+    var met = Met(FAR, 0u);
+    let end = min(index + SEARCHED + 1u, sorting.count);
+    for (var other = max(index, SEARCHED) - SEARCHED; other < end; other++) {
+        let emitter = unsorted[keys[other].y];
+        let distance = distance_to(emitter, origin, direction);
+        let is_met = other != index && emitter.power > 0.0 && distance < FAR;
+        met.count += u32(is_met);
+        met.distance = select(met.distance, min(met.distance, distance), is_met);
+    }
+    return met;
+}
+
+// The length of the line through a point to what it meets both ways.
+fn width_along(index: u32, point: vec3f, direction: vec3f) -> f32 {
+    return meet(index, point, direction).distance + meet(index, point, -direction).distance;
+}
+
+// The emitter with its outer side only, if it is double-sided and part of a closed body thinner
+// than a voxel: what is inside is not seen, and rays through voxels cannot tell. A side is inside
+// where the number of emitters ahead is odd.
+fn without_inside(index: u32, emitter: Emitter) -> Emitter {
+    let outward = cross(emitter.along_ab, emitter.along_ac);
+    if emitter.is_double_sided == 0u || emitter.power <= 0.0 || all(outward == vec3f(0.0)) {
+        return emitter;
+    }
+    let normal = normalize(outward);
+    // Off the middle, whose mirror image may lie on an edge of the other side.
+    let point = emitter.corner + 0.31 * emitter.along_ab + 0.23 * emitter.along_ac;
+    let front = meet(index, point, normal);
+    let back = meet(index, point, -normal);
+    let is_front_inside = (front.count & 1u) != 0u;
+    if is_front_inside == ((back.count & 1u) != 0u) {
+        return emitter;
+    }
+    let depth = select(back.distance, front.distance, is_front_inside);
+    let inside = point + select(-0.5, 0.5, is_front_inside) * depth * normal;
+    let along = normalize(emitter.along_ab);
+    let width = min(width_along(index, inside, along), width_along(index, inside, cross(normal, along)));
+    if min(depth, width) > 1.0 {
+        return emitter;
+    }
+    var outer = emitter;
+    outer.is_double_sided = 0u;
+    outer.power = 0.5 * emitter.power;
+    if is_front_inside {
+        outer.along_ab = emitter.along_ac;
+        outer.along_ac = emitter.along_ab;
+    }
+    return outer;
+}
+
 // Writes the emitters in sorted order.
 @compute @workgroup_size(THREADS)
 fn place(@builtin(global_invocation_id) invocation: vec3u) {
@@ -110,6 +187,6 @@ fn place(@builtin(global_invocation_id) invocation: vec3u) {
         list.count = sorting.count;
     }
     if index < sorting.count {
-        list.records[index] = record_of(unsorted[keys[index].y]);
+        list.records[index] = record_of(without_inside(index, unsorted[keys[index].y]));
     }
 }

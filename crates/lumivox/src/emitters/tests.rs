@@ -155,6 +155,39 @@ fn lamps_shine_to_their_front() {
     }
 }
 
+/// The six sides of a bar thinner than a voxel of 1 / 16, turned against the grid: a corner and two
+/// edges each, counter-clockwise from outside.
+fn bar() -> [[Vec3; 3]; 6] {
+    let turn = Mat4::from_rotation_y(0.5);
+    let edges = [Vec3::X * 0.5, Vec3::Y * 0.015, Vec3::Z * 0.02];
+    let [x, y, z] = edges.map(|edge| turn.transform_vector3(edge));
+    let low = Vec3::new(0.5, 0.88, 0.5) - 0.5 * (x + y + z);
+    [[low, z, y], [low + x, y, z], [low, x, z], [low + y, z, x], [low, y, x], [low + z, x, y]]
+}
+
+/// All sides of a thin lamp are seen from outside, and nothing of what is inside, whether its
+/// material has one side or two, and whichever way its triangles wind.
+#[test]
+fn a_thin_lamp_is_bright_on_all_its_outer_sides_only() {
+    let expected = |point: Vec3, normal: Vec3| -> f32 {
+        let seen =
+            bar().into_iter().filter(|[corner, u, v]| u.cross(*v).dot(point - *corner) > 0.0);
+        seen.map(|side| quad_irradiance(point, normal, side)).sum()
+    };
+    for (double_sided, is_inside_out) in [(false, false), (true, false), (true, true)] {
+        let material = SurfaceMaterial { double_sided, ..lambert(0.0, 1.0) };
+        let scene = bar().into_iter().fold(SceneBuilder::default(), |scene, [corner, u, v]| {
+            let [u, v] = if is_inside_out { [v, u] } else { [u, v] };
+            scene.quad(corner, u, v, material.clone())
+        });
+        let gathered = Lab::new(scene, 16).gather(&receivers(), 64);
+        let [bias, worst] = errors(&gathered, expected);
+        println!("double-sided {double_sided}, inside out {is_inside_out}: {bias:+.4}, {worst:.4}");
+        assert!(bias.abs() < 0.01, "double-sided {double_sided}: bias {bias}");
+        assert!(worst < 0.03, "double-sided {double_sided}: worst {worst}");
+    }
+}
+
 /// Below a plate there is its shadow; beside it the lamp is seen in part.
 #[test]
 fn plates_shade_lamps() {
