@@ -128,7 +128,7 @@ fn a_highlight_smaller_than_a_pixel_keeps_its_energy() {
     }
 }
 
-/// A panorama, black but for a sun of 1.5 degrees radius, and the sun's illuminance.
+/// A panorama with nothing but a sun of 1.5 degrees radius, and the sun's illuminance.
 fn sun_in_panorama(to_sun: Vec3) -> (EnvironmentMap, f32) {
     let (width, height) = (512_u32, 256_u32);
     let mut illuminance_lux = 0.0;

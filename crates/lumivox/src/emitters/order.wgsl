@@ -146,7 +146,7 @@ fn width_along(index: u32, point: vec3f, direction: vec3f) -> f32 {
 }
 
 // The emitter with its outer side only, if it is double-sided and part of a closed body thinner
-// than a voxel: what is inside is not seen, and rays through voxels cannot tell. A side is inside
+// than a voxel: nothing sees its inside, and rays through voxels would. A side is inside
 // where the number of emitters ahead is odd.
 fn without_inside(index: u32, emitter: Emitter) -> Emitter {
     let outward = cross(emitter.along_ab, emitter.along_ac);
