@@ -1,25 +1,11 @@
 #![doc = include_str!("../README.md")]
 
-mod compose;
-mod deform;
-mod gbuffer;
-mod geometry;
-mod instances;
-mod irradiance;
-mod lights;
-mod material;
-mod probes;
+mod light;
 mod report;
 mod scene;
 mod screen;
 mod settings;
-mod shadows;
-mod surfaces;
-mod surroundings;
-mod textures;
-mod views;
 mod volumes;
-mod voxels;
 
 use std::marker::PhantomData;
 
@@ -36,8 +22,8 @@ use bevy::render::renderer::RenderDevice;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderSystems};
 
 pub use lumivox;
-pub use material::{GiSurface, GiTexture, LumivoxMaterial};
 pub use report::LumivoxEvent;
+pub use scene::material::{GiSurface, GiTexture, LumivoxMaterial};
 pub use settings::{GiQuality, GiVolume, LumivoxGi, NotInGi};
 
 use report::Reports;
@@ -101,7 +87,7 @@ enum Extraction {
 
 impl Plugin for LumivoxPlugin {
     fn build(&self, app: &mut App) {
-        let (reports, offers) = (Reports::default(), irradiance::Offers::default());
+        let (reports, offers) = (Reports::default(), light::irradiance::Offers::default());
         if !self.is_forward {
             app.insert_resource(DefaultOpaqueRendererMethod::deferred())
                 .add_observer(settings::draw_deferred)
@@ -113,10 +99,13 @@ impl Plugin for LumivoxPlugin {
             .register_type::<LumivoxGi>()
             .register_type::<NotInGi>()
             .add_systems(First, report::deliver.after(MessageUpdateSystems))
-            .add_systems(First, (irradiance::follow_offers, irradiance::choose_keys).chain())
+            .add_systems(
+                First,
+                (light::irradiance::follow_offers, light::irradiance::choose_keys).chain(),
+            )
             .add_systems(
                 PostUpdate,
-                irradiance::choose_volumes.after(VisibilitySystems::CheckVisibility),
+                light::irradiance::choose_volumes.after(VisibilitySystems::CheckVisibility),
             );
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
@@ -124,28 +113,28 @@ impl Plugin for LumivoxPlugin {
         render_app
             .insert_resource(reports)
             .insert_resource(offers)
-            .insert_resource(views::Method { is_forward: self.is_forward })
-            .init_resource::<irradiance::ShownVolumes>()
-            .init_resource::<views::GiViews>()
-            .init_resource::<lights::SceneLights>()
-            .init_resource::<instances::Instances>()
-            .init_resource::<material::Surfaces>()
-            .init_resource::<surfaces::SurfaceTable>()
-            .init_resource::<textures::TextureCopies>()
-            .init_resource::<geometry::SceneGeometry>()
-            .init_resource::<deform::Deformer>()
-            .init_resource::<deform::ScenePoses>()
+            .insert_resource(screen::views::Method { is_forward: self.is_forward })
+            .init_resource::<light::irradiance::ShownVolumes>()
+            .init_resource::<screen::views::GiViews>()
+            .init_resource::<light::lights::SceneLights>()
+            .init_resource::<scene::instances::Instances>()
+            .init_resource::<scene::material::Surfaces>()
+            .init_resource::<scene::surfaces::SurfaceTable>()
+            .init_resource::<scene::textures::TextureCopies>()
+            .init_resource::<scene::geometry::SceneGeometry>()
+            .init_resource::<scene::deform::Deformer>()
+            .init_resource::<scene::deform::ScenePoses>()
             .init_resource::<scene::ChangedImages>()
             .init_resource::<volumes::Volumes>()
             .configure_sets(ExtractSchedule, (Extraction::Begin, Extraction::Read).chain())
             .add_systems(
                 ExtractSchedule,
                 (
-                    instances::begin_instances.in_set(Extraction::Begin),
-                    views::extract_views.in_set(Extraction::Read),
-                    lights::extract_scene_lights.in_set(Extraction::Read),
-                    irradiance::extract_volumes.in_set(Extraction::Read),
-                    deform::extract_poses.in_set(Extraction::Read),
+                    scene::instances::begin_instances.in_set(Extraction::Begin),
+                    screen::views::extract_views.in_set(Extraction::Read),
+                    light::lights::extract_scene_lights.in_set(Extraction::Read),
+                    light::irradiance::extract_volumes.in_set(Extraction::Read),
+                    scene::deform::extract_poses.in_set(Extraction::Read),
                     scene::extract_changed_images.in_set(Extraction::Read),
                 ),
             )
@@ -153,7 +142,7 @@ impl Plugin for LumivoxPlugin {
                 Render,
                 (
                     // Before Bevy chooses pipelines from the views' components.
-                    (views::take_ambient_over, surroundings::take_maps_over)
+                    (screen::views::take_ambient_over, light::surroundings::take_maps_over)
                         .after(RenderSystems::ExtractCommands)
                         .before(RenderSystems::PrepareAssets),
                     scene::update_scene.in_set(RenderSystems::PrepareResources),
@@ -163,12 +152,14 @@ impl Plugin for LumivoxPlugin {
             .add_systems(
                 Core3d,
                 (
-                    irradiance::fill_volume.after(deferred_lighting).before(main_opaque_pass_3d),
+                    light::irradiance::fill_volume
+                        .after(deferred_lighting)
+                        .before(main_opaque_pass_3d),
                     (volumes::record_volume, screen::light_screen)
                         .chain()
                         .after(main_opaque_pass_3d)
                         .before(main_transparent_pass_3d),
-                    irradiance::empty_volume.after(main_transparent_pass_3d),
+                    light::irradiance::empty_volume.after(main_transparent_pass_3d),
                 )
                     .in_set(Core3dSystems::MainPass),
             );
@@ -203,7 +194,7 @@ impl<M: LumivoxMaterial> Plugin for LumivoxMaterialPlugin<M> {
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
             render_app.add_systems(
                 ExtractSchedule,
-                (instances::extract_instances::<M>, material::extract_surfaces::<M>)
+                (scene::instances::extract_instances::<M>, scene::material::extract_surfaces::<M>)
                     .in_set(Extraction::Read),
             );
         }

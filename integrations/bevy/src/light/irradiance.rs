@@ -28,9 +28,9 @@ use bevy::render::view::ExtractedView;
 use lumivox::Gi;
 use lumivox::gpu::Recorder;
 
-use crate::probes::{ProbeGrid, Probes};
+use crate::light::probes::{ProbeGrid, Probes};
+use crate::screen::views::GiViews;
 use crate::settings::LumivoxGi;
-use crate::views::GiViews;
 use crate::volumes::{VolumeKey, Volumes};
 
 /// Bevy binds no irradiance volumes in browsers (`IRRADIANCE_VOLUMES_ARE_USABLE`).

@@ -9,9 +9,9 @@ use bevy::prelude::*;
 use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
 
-use crate::irradiance::LitFrom;
+use crate::light::irradiance::LitFrom;
+use crate::light::surroundings::Surroundings;
 use crate::settings::LumivoxGi;
-use crate::surroundings::Surroundings;
 use crate::volumes::{VolumeKey, Volumes};
 
 /// A camera of this frame.

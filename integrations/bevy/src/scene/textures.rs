@@ -164,7 +164,7 @@ impl Prepared<'_> {
             .texture_2d_unfilterable()
             .build(self.pipelines, "reduce");
         let mut library = ShaderLibrary::default();
-        library.add("bevy::reduce", include_str!("shaders/reduce.wgsl"));
+        library.add("bevy::reduce", include_str!("reduce.wgsl"));
         let shader = self.pipelines.shader(&library, "bevy::reduce").ok()?;
         let plan = DrawPlan {
             fragment: Some(shader.entry("reduce").ok()?),

@@ -1,5 +1,12 @@
 //! Updates the scene every frame: materials, geometry, volumes.
 
+pub(crate) mod deform;
+pub(crate) mod geometry;
+pub(crate) mod instances;
+pub(crate) mod material;
+pub(crate) mod surfaces;
+pub(crate) mod textures;
+
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use bevy::render::Extract;
@@ -9,15 +16,15 @@ use bevy::render::render_asset::RenderAssets;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::texture::GpuImage;
 
-use crate::deform::{Deformer, ScenePoses};
-use crate::geometry::{SceneGeometry, Sources};
-use crate::instances::Instances;
-use crate::irradiance::Offers;
-use crate::material::Surfaces;
+use crate::light::irradiance::Offers;
 use crate::report::Reports;
-use crate::surfaces::{SurfaceSources, SurfaceTable};
-use crate::textures::{Prepared, TextureCopies};
-use crate::views::GiViews;
+use crate::scene::deform::{Deformer, ScenePoses};
+use crate::scene::geometry::{SceneGeometry, Sources};
+use crate::scene::instances::Instances;
+use crate::scene::material::Surfaces;
+use crate::scene::surfaces::{SurfaceSources, SurfaceTable};
+use crate::scene::textures::{Prepared, TextureCopies};
+use crate::screen::views::GiViews;
 use crate::volumes::Volumes;
 
 /// Frames for which textures are looked up again after images change: Bevy uploads only some per

@@ -1,5 +1,9 @@
 //! Traces cones from the pixels of a camera and adds their light to its picture.
 
+pub(crate) mod compose;
+pub(crate) mod gbuffer;
+pub(crate) mod views;
+
 use bevy::camera::MainPassResolutionOverride;
 use bevy::core_pipeline::prepass::ViewPrepassTextures;
 use bevy::prelude::*;
@@ -11,11 +15,11 @@ use lumivox::gpu::{Buffer, Recorder, uniform_buffer};
 use lumivox::hooks::Resource as Bound;
 use lumivox::{CameraView, GBuffer, TraceSettings, TraceTargets, wgpu};
 
-use crate::compose::{ComposeView, PICTURE_FORMAT};
 use crate::report::{LumivoxEvent, Reports};
-use crate::views::GiViews;
+use crate::screen::compose::{ComposeView, PICTURE_FORMAT};
+use crate::screen::views::GiViews;
+use crate::volumes::voxels::Voxels;
 use crate::volumes::{VolumeKey, Volumes};
-use crate::voxels::Voxels;
 
 /// State of a view that is kept between frames.
 #[derive(Component)]

@@ -3,7 +3,7 @@
 use lumivox::hooks::Mounted;
 use lumivox::wgpu;
 
-/// The module that reads it (`shaders/gbuffer.wgsl`), with its bindings.
+/// The module that reads it (`gbuffer.wgsl`), with its bindings.
 pub(crate) fn module() -> Mounted {
     let texture = |sample_type| wgpu::BindingType::Texture {
         sample_type,
@@ -17,7 +17,7 @@ pub(crate) fn module() -> Mounted {
         min_binding_size: None,
     };
     Mounted::new(
-        include_str!("shaders/gbuffer.wgsl"),
+        include_str!("gbuffer.wgsl"),
         [
             texture(wgpu::TextureSampleType::Uint),
             texture(wgpu::TextureSampleType::Depth),

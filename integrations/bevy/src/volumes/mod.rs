@@ -1,6 +1,8 @@
 //! Manages the volumes of all cameras: makes them, shows them once their voxels are ready, replaces
 //! and drops them.
 
+pub(crate) mod voxels;
+
 use std::ops::RangeInclusive;
 
 use bevy::pbr::{ViewLightEntities, ViewShadowBindings};
@@ -15,18 +17,18 @@ use bevy::tasks::futures::check_ready;
 use lumivox::gpu::{Pipelines, Recorder};
 use lumivox::{GiError, Grid, Light, wgpu};
 
-use crate::deform::{Deformer, ScenePoses};
-use crate::geometry::SceneGeometry;
-use crate::instances::Instances;
-use crate::irradiance::{ARE_USABLE, Forward, Offer};
-use crate::lights::{SceneLights, scaled};
+use crate::light::irradiance::{ARE_USABLE, Forward, Offer};
+use crate::light::lights::{SceneLights, scaled};
+use crate::light::shadows::{BevyShadows, ShadowMaps};
+use crate::light::surroundings::Surroundings;
 use crate::report::{LumivoxEvent, Reports};
 use crate::scene::ChangedImages;
+use crate::scene::deform::{Deformer, ScenePoses};
+use crate::scene::geometry::SceneGeometry;
+use crate::scene::instances::Instances;
+use crate::screen::views::{GiView, GiViews};
 use crate::settings::{GiVolume, LumivoxGi};
-use crate::shadows::{BevyShadows, ShadowMaps};
-use crate::surroundings::Surroundings;
-use crate::views::{GiView, GiViews};
-use crate::voxels::{Frame, Made, Voxels, make};
+use crate::volumes::voxels::{Frame, Made, Voxels, make};
 
 /// Frames that an unused volume is kept.
 const FRAMES_TO_KEEP: u32 = 120;

@@ -227,7 +227,7 @@ impl Deformer {
             }
             let layout = layout.storage_mut().build(pipelines, "deform");
             let mut library = ShaderLibrary::default();
-            library.add("bevy::deform", include_str!("shaders/deform.wgsl"));
+            library.add("bevy::deform", include_str!("deform.wgsl"));
             let kernel = Kernel::new(pipelines, &library, "bevy::deform", "main", &[&layout])?;
             self.kernel = Some((kernel, layout));
         }

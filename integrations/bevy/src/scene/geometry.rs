@@ -10,10 +10,10 @@ use bevy::render::render_asset::RenderAssets;
 use lumivox::{Draw, Geometry, GeometryBatch, Indices, VertexAttributes, VertexPositions, wgpu};
 use wgpu::util::DeviceExt as _;
 
-use crate::deform::{Deformation, Deformer, Wanted};
-use crate::instances::{Instance, Instances};
 use crate::report::{LumivoxEvent, Reports};
-use crate::surfaces::SurfaceTable;
+use crate::scene::deform::{Deformation, Deformer, Wanted};
+use crate::scene::instances::{Instance, Instances};
+use crate::scene::surfaces::SurfaceTable;
 
 /// The properties that all draws of a batch share.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

@@ -43,7 +43,7 @@ impl Compose {
         debug_assert_eq!(CORE_3D_DEPTH_FORMAT, wgpu::TextureFormat::Depth32Float);
         let pipelines = gi.pipelines();
         let mut library = gi.shaders().clone();
-        library.add("bevy::compose", include_str!("shaders/compose.wgsl"));
+        library.add("bevy::compose", include_str!("compose.wgsl"));
         let shader = pipelines.shader(&library, "bevy::compose")?;
         let empty = LayoutBuilder::new(wgpu::ShaderStages::FRAGMENT).build(pipelines, "nothing");
         let layout = LayoutBuilder::new(wgpu::ShaderStages::FRAGMENT)

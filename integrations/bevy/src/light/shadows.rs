@@ -16,7 +16,7 @@ use lumivox::gpu::{Buffer, upload};
 use lumivox::hooks::{Mounted, Resource as Bound};
 use lumivox::{LightSource, Shadow, wgpu};
 
-use crate::lights::SceneLight;
+use crate::light::lights::SceneLight;
 
 /// `ShadowLayer` of `shadow_maps.wgsl`.
 #[repr(C)]
@@ -45,7 +45,7 @@ impl ShadowLayer {
     }
 }
 
-/// The module that reads them (`shaders/shadow_maps.wgsl`), with its bindings.
+/// The module that reads them (`shadow_maps.wgsl`), with its bindings.
 pub(crate) fn module() -> Mounted {
     let maps = wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Depth,
@@ -58,7 +58,7 @@ pub(crate) fn module() -> Mounted {
         min_binding_size: None,
     };
     let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison);
-    Mounted::new(include_str!("shaders/shadow_maps.wgsl"), [layers, maps, maps, sampler])
+    Mounted::new(include_str!("shadow_maps.wgsl"), [layers, maps, maps, sampler])
 }
 
 /// Bevy's data about its shadow maps in a frame.

@@ -13,7 +13,7 @@ use bevy::prelude::*;
 use bevy::render::Extract;
 use std::any::TypeId;
 
-use crate::material::LumivoxMaterial;
+use crate::scene::material::LumivoxMaterial;
 use crate::settings::NotInGi;
 
 /// Frames without a change after which a mesh is static.

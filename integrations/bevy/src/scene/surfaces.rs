@@ -8,8 +8,8 @@ use bevy::render::render_asset::RenderAssets;
 use bevy::render::texture::GpuImage;
 use lumivox::{Gloss, SurfaceMaterial, SurfaceTexture};
 
-use crate::material::{GiSurface, GiTexture, Surfaces};
-use crate::textures::{Prepared, TextureUse};
+use crate::scene::material::{GiSurface, GiTexture, Surfaces};
+use crate::scene::textures::{Prepared, TextureUse};
 
 /// Numbers of assets. The number of a removed asset is used again.
 #[derive(Default)]

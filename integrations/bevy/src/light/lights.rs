@@ -12,9 +12,9 @@ use bevy::render::sync_world::RenderEntity;
 use lumivox::{Light, LightSource, Shadow};
 use std::f32::consts::{FRAC_PI_2, PI};
 
+use crate::light::surroundings::transmittance;
 use crate::report::{LumivoxEvent, Reports};
 use crate::settings::LumivoxGi;
-use crate::surroundings::transmittance;
 
 /// Angular radius of the sun seen from the earth, rad.
 const SUN_RADIUS: f32 = 0.004_65;

@@ -10,14 +10,14 @@ use lumivox::{
     ShadowSource, VolumeKind, wgpu,
 };
 
-use crate::compose::Compose;
-use crate::gbuffer;
-use crate::geometry::SceneGeometry;
-use crate::irradiance::ARE_USABLE;
-use crate::probes::{ProbeKernels, Probes};
+use crate::light::irradiance::ARE_USABLE;
+use crate::light::probes::{ProbeKernels, Probes};
+use crate::light::shadows::{self, ShadowMaps};
+use crate::light::surroundings::{EDGE, Surroundings};
+use crate::scene::geometry::SceneGeometry;
+use crate::screen::compose::Compose;
+use crate::screen::gbuffer;
 use crate::settings::LumivoxGi;
-use crate::shadows::{self, ShadowMaps};
-use crate::surroundings::{EDGE, Surroundings};
 
 /// Frames in which new voxels are lit before they are shown.
 const FRAMES_TO_LIGHT: u32 = 8;

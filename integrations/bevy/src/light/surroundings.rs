@@ -16,8 +16,8 @@ use bevy::render::texture::GpuImage;
 use lumivox::CubeUse;
 use lumivox::wgpu;
 
-use crate::irradiance::{ARE_USABLE, ShownVolumes};
-use crate::views::{GiViews, Method};
+use crate::light::irradiance::{ARE_USABLE, ShownVolumes};
+use crate::screen::views::{GiViews, Method};
 use crate::volumes::Volumes;
 
 /// Texels along an edge of a face of Lumivox's copy: 0.7 degrees.

@@ -11,7 +11,7 @@ use lumivox::gpu::{
 use lumivox::{GatherPoints, GatherSettings, Gi, GiError, Lights, TraceSettings, wgpu};
 
 use crate::settings::{GiVolume, LumivoxGi};
-use crate::voxels::beside_frames;
+use crate::volumes::voxels::beside_frames;
 
 /// Voxels along the edge of a probe's cell: in a box, and in the outermost cascade.
 const VOXELS_A_CELL: [u32; 2] = [4, 2];
@@ -120,7 +120,7 @@ impl ProbeKernels {
         gi.prepare_gather()?;
         let pipelines = gi.pipelines();
         let mut library = gi.shaders().clone();
-        library.add("bevy::probes", include_str!("shaders/probes.wgsl"));
+        library.add("bevy::probes", include_str!("probes.wgsl"));
         let probes_layout = LayoutBuilder::compute()
             .uniform()
             .storage_mut()
