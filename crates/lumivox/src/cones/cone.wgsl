@@ -46,9 +46,8 @@ struct Traced {
     // The radiance emitted by the face that the cone ends on, whether or not the volume contains
     // emission. A march leaves it at zero.
     emission: vec3f,
-    // Whether the cone ends on a face that emits, from whichever side of other surfaces in its
-    // voxel. A march leaves it false.
-    meets_emitter: bool,
+    // The same, whichever side of other surfaces in the voxel the start of the face is on.
+    emission_of_face: vec3f,
 }
 
 // Start of cones above a surface, in its voxels.

@@ -71,6 +71,6 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
         passed.steps,
         select(OUTSIDE * max(extent.x, max(extent.y, extent.z)), hit.distance, is_met),
         emitted_by(hit.face),
-        any(emitted_by(hit.struck) > vec3f(0.0)),
+        emitted_by(hit.struck),
     );
 }

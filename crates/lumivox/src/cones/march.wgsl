@@ -90,7 +90,7 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     // cells around it.
     let reach = min(cone.reach, 1.75 * side + 2.0 * largest_cell);
 
-    var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u, 0.0, vec3f(0.0), false);
+    var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u, 0.0, vec3f(0.0), vec3f(0.0));
     var distance = 0.0;
     var level = cone.level;
     var length = 0.0;

@@ -20,6 +20,10 @@ struct EmitterPoint {
     // From the place to the point; unit length.
     direction: vec3f,
     radiance: vec3f,
+    // From the place to the point, in voxels.
+    distance: f32,
+    // The emitter's place in the list.
+    index: u32,
     is_double_sided: bool,
     // One over the probability density of the direction, sr; 0: no emitter lights the place.
     solid_angle: f32,
@@ -98,7 +102,7 @@ fn point_of(drawn: Drawn, place: vec3f) -> EmitterPoint {
     let normal = select(front, -front, ahead < 0.0);
     let height = abs(ahead);
     var point = EmitterPoint(
-        vec3f(0.0), normal, vec3f(0.0), emitter.radiance, emitter.is_double_sided != 0u, 0.0);
+        vec3f(0.0), normal, vec3f(0.0), emitter.radiance, 0.0, drawn.index, emitter.is_double_sided != 0u, 0.0);
     if emitter.power <= 0.0 || drawn.share <= 0.0 || (ahead <= 0.0 && emitter.is_double_sided == 0u) || height < 1e-4 {
         return point;
     }
@@ -113,6 +117,7 @@ fn point_of(drawn: Drawn, place: vec3f) -> EmitterPoint {
         let distance = -height / dot(direction, normal);
         point.direction = direction;
         point.position = place + distance * direction;
+        point.distance = distance;
         point.solid_angle = solid_angle / drawn.share;
     } else {
         let root = sqrt(on.x);
@@ -120,6 +125,7 @@ fn point_of(drawn: Drawn, place: vec3f) -> EmitterPoint {
         let squared = dot(local, local);
         point.direction = local * inverseSqrt(squared);
         point.position = place + local;
+        point.distance = sqrt(squared);
         point.solid_angle =
             0.5 * twice_area * abs(dot(point.direction, normal)) / (squared * drawn.share);
     }

@@ -37,6 +37,27 @@ fn strength(radiance: vec3f) -> f32 {
     return dot(radiance, vec3f(1.0 / 3.0));
 }
 
+// Emitters before and after one in the list that are searched for other parts of its body.
+const NEIGHBOURS: u32 = 64u;
+
+// The distance along a ray at which it meets nothing.
+const FAR: f32 = 3e38;
+
+// The distance along a ray to an emitter (Moeller and Trumbore 1997, "Fast, minimum storage
+// ray/triangle intersection").
+fn distance_to(emitter: Emitter, origin: vec3f, direction: vec3f) -> f32 {
+    let across = cross(direction, emitter.along_ac);
+    let volume = dot(emitter.along_ab, across);
+    let from_corner = origin - emitter.corner;
+    let aside = cross(from_corner, emitter.along_ab);
+    let u = dot(from_corner, across) / volume;
+    let v = dot(direction, aside) / volume;
+    let distance = dot(emitter.along_ac, aside) / volume;
+    let is_met = emitter.power > 0.0 && volume != 0.0
+        && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 1e-4;
+    return select(FAR, distance, is_met);
+}
+
 fn record_of(emitter: Emitter) -> Record {
     return Record(
         vec4u(bitcast<vec3u>(emitter.corner), bitcast<u32>(emitter.power)),

@@ -9,7 +9,7 @@ import package::cascades::finest_level;
 import package::cones::cone::{Cone, ConeSettings, START, Traced};
 import package::cones::way::{cone_start, trace_cone};
 import package::emitters::draw::{draw_emitter, emitters, point_of, Drawn, EmitterPoint};
-import package::emitters::emitter::strength;
+import package::emitters::emitter::{distance_to, emitter_of, NEIGHBOURS, strength};
 import package::grid::grid_from_world;
 
 const CANDIDATES: u32 = 8u;
@@ -55,10 +55,24 @@ fn candidate(numbers: vec2f, index: u32, count: u32) -> vec2f {
     );
 }
 
-// The cover of a face reaches up to an eighth of a voxel beyond the surface, where it would hide
-// points of a lamp's other sides. So what emits and lies nearer to the point than this, in voxels,
-// is taken for the lamp itself. A double-sided lamp does hide its inner sides.
+// The cover of a face reaches up to an eighth of a voxel beyond the surface, so that the faces of a
+// lamp thinner than a voxel hide its other sides. If a ray ends on the lamp within this distance of
+// the point, in voxels, the triangles themselves decide.
 const OWN: f32 = 1.0;
+
+// The range of a face's radiance over the point's in which the face is taken for the lamp's.
+const LIKE_OWN: vec2f = vec2f(0.5, 2.0);
+
+// Whether an emitter near a point's in the list hides it.
+fn is_hidden(point: EmitterPoint) -> bool {
+    var is_met = false;
+    let end = min(point.index + NEIGHBOURS + 1u, emitters.count);
+    for (var i = max(point.index, NEIGHBOURS) - NEIGHBOURS; i < end; i++) {
+        let distance = distance_to(emitter_of(emitters.records[i]), point.position, -point.direction);
+        is_met |= i != point.index && distance < point.distance;
+    }
+    return is_met;
+}
 
 // Traces a ray from a place to a point of an emitter.
 fn trace_to(
@@ -75,9 +89,12 @@ fn trace_to(
     let distance = length(to_point);
     let ray = Cone(origin, to_point / max(distance, 1e-6), 0.0, distance, 0.0, level);
     var traced = trace_cone(ray, ray_settings(settings));
-    let is_own = traced.meets_emitter && !point.is_double_sided
+    let ratio = strength(traced.emission_of_face) / max(strength(point.radiance), 1e-30);
+    let ends_on_own = ratio > LIKE_OWN.x && ratio < LIKE_OWN.y
         && traced.distance > distance - OWN * exp2(f32(at_emitter));
-    traced.transmittance = select(traced.transmittance, 1.0, is_own);
+    if ends_on_own && !point.is_double_sided {
+        traced.transmittance = select(1.0, 0.0, is_hidden(point));
+    }
     return traced;
 }
 

@@ -3,7 +3,9 @@
 // and their applications"), whose order of exchanges is fixed.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
-import package::emitters::emitter::{record_of, Emitter, EmitterList};
+import package::emitters::emitter::{
+    distance_to, FAR, NEIGHBOURS, record_of, Emitter, EmitterList,
+};
 import package::voxels::morton::morton_encode;
 
 struct Sorting {
@@ -102,80 +104,76 @@ fn merge_blocks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocati
     keys[start + local + THREADS] = block[local + THREADS];
 }
 
-// What a ray meets among the emitters that are close in the order.
+// What a ray meets among the emitters near one in the order.
 struct Met {
     distance: f32,
     count: u32,
 }
 
-// Emitters that are searched on each side in the order.
-const SEARCHED = 64u;
-
-// The distance to a triangle (Moeller and Trumbore 1997, "Fast, minimum storage ray/triangle
-// intersection"); FAR if the ray misses it.
-const FAR = 3e38;
-
-fn distance_to(emitter: Emitter, origin: vec3f, direction: vec3f) -> f32 {
-    let across = cross(direction, emitter.along_ac);
-    let volume = dot(emitter.along_ab, across);
-    let from_corner = origin - emitter.corner;
-    let aside = cross(from_corner, emitter.along_ab);
-    let u = dot(from_corner, across) / volume;
-    let v = dot(direction, aside) / volume;
-    let distance = dot(emitter.along_ac, aside) / volume;
-    let is_hit = volume != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 1e-5;
-    return select(FAR, distance, is_hit);
-}
-
 fn meet(index: u32, origin: vec3f, direction: vec3f) -> Met {
     var met = Met(FAR, 0u);
-    let end = min(index + SEARCHED + 1u, sorting.count);
-    for (var other = max(index, SEARCHED) - SEARCHED; other < end; other++) {
-        let emitter = unsorted[keys[other].y];
-        let distance = distance_to(emitter, origin, direction);
-        let is_met = other != index && emitter.power > 0.0 && distance < FAR;
-        met.count += u32(is_met);
-        met.distance = select(met.distance, min(met.distance, distance), is_met);
+    let end = min(index + NEIGHBOURS + 1u, sorting.count);
+    for (var other = max(index, NEIGHBOURS) - NEIGHBOURS; other < end; other++) {
+        let distance = distance_to(unsorted[keys[other].y], origin, direction);
+        if other != index && distance < FAR {
+            met = Met(min(met.distance, distance), met.count + 1u);
+        }
     }
     return met;
 }
 
-// The length of the line through a point to what it meets both ways.
-fn width_along(index: u32, point: vec3f, direction: vec3f) -> f32 {
-    return meet(index, point, direction).distance + meet(index, point, -direction).distance;
+// Directions into a half space in which a body must be closed: ahead, oblique, and almost along the
+// surface, where two sheets that face each other are open.
+const WAYS = array<vec3f, 9>(
+    vec3f(0.0, 0.0, 1.0),
+    vec3f(0.93, 0.21, 0.3), vec3f(-0.87, 0.35, 0.35),
+    vec3f(0.17, -0.91, 0.38), vec3f(-0.11, 0.9, 0.42),
+    vec3f(0.98, 0.2, 0.03), vec3f(-0.93, 0.37, 0.03),
+    vec3f(0.19, -0.98, 0.03), vec3f(-0.12, 0.99, 0.03),
+);
+
+// How far in front of the surface they start, in voxels, so that its other triangles lie behind.
+const AHEAD = 0.002;
+
+// Points in a triangle, off the middle, whose mirror image may lie on an edge of the other side.
+const PLACES = array<vec2f, 3>(vec2f(0.31, 0.23), vec2f(0.05, 0.88), vec2f(0.87, 0.06));
+
+// Whether an odd number of emitters lies ahead in all directions, and one of them nearer than a
+// voxel: the side that `normal` points to is inside of a thin closed body.
+fn is_inside(index: u32, emitter: Emitter, normal: vec3f) -> bool {
+    let along = normalize(emitter.along_ab);
+    let frame = mat3x3f(along, cross(normal, along), normal);
+    var least = FAR;
+    for (var i = 0u; i < 27u; i++) {
+        let place = PLACES[i % 3u];
+        let on = emitter.corner + place.x * emitter.along_ab + place.y * emitter.along_ac;
+        let point = on + AHEAD * normal;
+        let met = meet(index, point, frame * normalize(WAYS[i / 3u]));
+        if (met.count & 1u) == 0u {
+            return false;
+        }
+        least = min(least, met.distance);
+    }
+    return least < 1.0;
 }
 
 // The emitter with its outer side only, if it is double-sided and part of a closed body thinner
-// than a voxel: nothing sees its inside, and rays through voxels would. A side is inside
-// where the number of emitters ahead is odd.
+// than a voxel: nothing sees its inside, and rays through voxels would.
 fn without_inside(index: u32, emitter: Emitter) -> Emitter {
     let outward = cross(emitter.along_ab, emitter.along_ac);
     if emitter.is_double_sided == 0u || emitter.power <= 0.0 || all(outward == vec3f(0.0)) {
         return emitter;
     }
     let normal = normalize(outward);
-    // Off the middle, whose mirror image may lie on an edge of the other side.
-    let point = emitter.corner + 0.31 * emitter.along_ab + 0.23 * emitter.along_ac;
-    let front = meet(index, point, normal);
-    let back = meet(index, point, -normal);
-    let is_front_inside = (front.count & 1u) != 0u;
-    if is_front_inside == ((back.count & 1u) != 0u) {
-        return emitter;
-    }
-    let depth = select(back.distance, front.distance, is_front_inside);
-    let inside = point + select(-0.5, 0.5, is_front_inside) * depth * normal;
-    let along = normalize(emitter.along_ab);
-    let width = min(width_along(index, inside, along), width_along(index, inside, cross(normal, along)));
-    if min(depth, width) > 1.0 {
+    let is_back_inside = is_inside(index, emitter, -normal);
+    if is_back_inside == is_inside(index, emitter, normal) {
         return emitter;
     }
     var outer = emitter;
     outer.is_double_sided = 0u;
     outer.power = 0.5 * emitter.power;
-    if is_front_inside {
-        outer.along_ab = emitter.along_ac;
-        outer.along_ac = emitter.along_ab;
-    }
+    outer.along_ab = select(emitter.along_ac, emitter.along_ab, is_back_inside);
+    outer.along_ac = select(emitter.along_ab, emitter.along_ac, is_back_inside);
     return outer;
 }
 

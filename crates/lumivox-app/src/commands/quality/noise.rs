@@ -144,14 +144,18 @@ impl<'a> Meter<'a> {
         let errors = |truth: &Truth| {
             let layers = &truth.layers;
             let reference = layers.layer(&layers.radiance);
+            // A dark room has no relative errors.
+            if reference.rgb.iter().all(|pixel| *pixel == [0.0; 3]) {
+                return Ok(None);
+            }
             let error = |ours: &LinearPicture| {
                 ErrorFigures::new(&reference, Some(&layers.radiance_variance), ours)
             };
-            anyhow::Ok([error(&pictures[0])?, error(&pictures[3])?])
+            anyhow::Ok(Some([error(&pictures[0])?, error(&pictures[3])?]))
         };
         Ok(FirstFrames {
             noise: [noise(0), noise(1), noise(2)],
-            errors: truth.map(errors).transpose()?,
+            errors: truth.map(errors).transpose()?.flatten(),
         })
     }
 
