@@ -138,21 +138,24 @@ const AHEAD = 0.002;
 // Points in a triangle, off the middle, whose mirror image may lie on an edge of the other side.
 const PLACES = array<vec2f, 3>(vec2f(0.31, 0.23), vec2f(0.05, 0.88), vec2f(0.87, 0.06));
 
-// Whether an odd number of emitters lies ahead in all directions, and one of them nearer than a
-// voxel: the side that `normal` points to is inside of a thin closed body.
+// Whether an odd number of emitters lies ahead in all directions, and the body is thinner than a
+// voxel ahead or along the surface: the side that `normal` points to is inside of it.
 fn is_inside(index: u32, emitter: Emitter, normal: vec3f) -> bool {
     let along = normalize(emitter.along_ab);
     let frame = mat3x3f(along, cross(normal, along), normal);
     var least = FAR;
-    for (var i = 0u; i < 27u; i++) {
-        let place = PLACES[i % 3u];
-        let on = emitter.corner + place.x * emitter.along_ab + place.y * emitter.along_ac;
-        let point = on + AHEAD * normal;
-        let met = meet(index, point, frame * normalize(WAYS[i / 3u]));
-        if (met.count & 1u) == 0u {
-            return false;
+    for (var i = 0u; i < 3u; i++) {
+        let on = emitter.corner + PLACES[i].x * emitter.along_ab + PLACES[i].y * emitter.along_ac;
+        var widths = array<f32, 9>();
+        for (var way = 0u; way < 9u; way++) {
+            let met = meet(index, on + AHEAD * normal, frame * normalize(WAYS[way]));
+            if (met.count & 1u) == 0u {
+                return false;
+            }
+            widths[way] = met.distance;
         }
-        least = min(least, met.distance);
+        // The last four directions are two opposite pairs.
+        least = min(min(least, widths[0]), min(widths[5] + widths[6], widths[7] + widths[8]));
     }
     return least < 1.0;
 }

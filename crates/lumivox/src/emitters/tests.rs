@@ -214,6 +214,16 @@ fn an_open_ring_is_bright_inside() {
     assert!((light / expected - 1.0).abs() < 0.1, "{light} instead of {expected}");
 }
 
+/// A closed room of twelve voxels is no thin lamp: its double-sided walls shine inwards.
+#[test]
+fn a_glowing_room_is_bright_inside() {
+    let material = SurfaceMaterial { double_sided: true, ..lambert(0.0, 1.0) };
+    let walls = cuboid(Vec3::new(0.7, 0.2, 0.7));
+    let lab = Lab::new(with_sides(SceneBuilder::default(), &walls, &material), 16);
+    let light = lab.gather(&[(Vec3::new(0.5, 0.88, 0.5), Vec3::Y)], 64)[0].y;
+    assert!((light / PI - 1.0).abs() < 0.05, "{light} instead of {PI}");
+}
+
 /// A lamp in a closed cover of a hundredth of its radiance, in the same voxels, is hardly seen: at
 /// the worst place 1.6 % of it, since faces in a voxel are planes.
 #[test]
