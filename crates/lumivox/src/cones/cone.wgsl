@@ -46,7 +46,8 @@ struct Traced {
     // The radiance emitted by the face that the cone ends on, whether or not the volume contains
     // emission. A march leaves it at zero.
     emission: vec3f,
-    // The same, whichever side of other surfaces in the voxel the start of the face is on.
+    // The radiance emitted by the face that the cone hits. `emission` is zero if other surface in the
+    // voxel lies between the hit and the point where the face's light is computed.
     emission_of_face: vec3f,
 }
 

@@ -43,7 +43,7 @@ const NEIGHBOURS: u32 = 64u;
 // The distance along a ray at which it meets nothing.
 const FAR: f32 = 3e38;
 
-// The distance along a ray to an emitter (Moeller and Trumbore 1997, "Fast, minimum storage
+// The distance along a ray to an emitter (Möller and Trumbore 1997, "Fast, minimum storage
 // ray/triangle intersection").
 fn distance_to(emitter: Emitter, origin: vec3f, direction: vec3f) -> f32 {
     let across = cross(direction, emitter.along_ac);

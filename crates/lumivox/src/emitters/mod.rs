@@ -19,7 +19,7 @@
 //! | file | does | once per |
 //! | --- | --- | --- |
 //! | `list.wgsl` | the emitters of a run of triangles | change of triangles |
-//! | `order.wgsl` | their order | change of triangles |
+//! | `order.wgsl` | their order; the outer sides of thin bodies | change of triangles |
 //! | `tree.wgsl`, `cluster.wgsl` | their tree, and a node's importance | change of triangles |
 //! | `draw.wgsl` | a point on an emitter | candidate |
 //! | `gather.wgsl` | the best of some points, and a ray to it | gather |

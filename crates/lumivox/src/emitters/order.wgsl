@@ -1,6 +1,7 @@
 // The order of the emitters along a Morton curve: consecutive emitters are close to each other,
 // whatever the order of the meshes. Sorted by a bitonic network (Batcher 1968, "Sorting networks
-// and their applications"), whose order of exchanges is fixed.
+// and their applications"), whose order of exchanges is fixed. The sorted emitters of thin closed
+// bodies keep only their outer side.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::emitters::emitter::{
@@ -104,7 +105,7 @@ fn merge_blocks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocati
     keys[start + local + THREADS] = block[local + THREADS];
 }
 
-// What a ray meets among the emitters near one in the order.
+// The nearest hit of a ray and the number of its hits, among an emitter's neighbours in the order.
 struct Met {
     distance: f32,
     count: u32,
