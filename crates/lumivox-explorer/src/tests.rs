@@ -127,6 +127,7 @@ fn what_the_renderer_refuses_is_taken_back() {
 /// nothing is voxelized as a whole, and a picture of one frame is complete once the voxels are up
 /// to date.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn what_moves_in_realtime_is_followed_frame_by_frame() {
     let trace = lumivox::TraceSettings::preset(Preset::Realtime);
     let settings = RenderSettings { bounces: 8, frames: 1, trace, ..small() };
@@ -220,6 +221,7 @@ fn a_camera_of_the_scene_goes_where_the_animation_moves_it() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn voxels_follow_when_they_shall() {
     let mut explorer = explorer("cornell");
     picture(&mut explorer);

@@ -13,6 +13,7 @@ use lumivox_explorer::parameters::find_parameter;
 use lumivox_render::RenderSettings;
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn nothing_outlives_the_classics() {
     let (gpu, scene) = (gpu(), builtin("cornell"));
     let physical = RenderSettings {

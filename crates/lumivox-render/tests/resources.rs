@@ -103,6 +103,7 @@ fn frames_leave_nothing_in_memory() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn nothing_outlives_its_owner_and_changes_leave_nothing_behind() {
     let gpu = gpu();
     for name in ["cornell", "spheres", "panel"] {

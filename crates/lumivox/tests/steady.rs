@@ -23,6 +23,7 @@ fn lamp(position: Vec3) -> Light {
 /// 100 frames: a lamp and a plate move; each frame is recorded into an encoder of the caller's, and
 /// none is waited for.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_steady_frame_makes_nothing() {
     for volume in [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())] {
         check_steady(volume);

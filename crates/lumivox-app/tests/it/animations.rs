@@ -29,6 +29,7 @@ fn index(folder: &Path, file: &str) -> Value {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn one_moment_of_an_animation_is_a_still() {
     let folder = moving();
     let still = |options: &str| still(folder.path(), options);
@@ -53,6 +54,7 @@ fn one_moment_of_an_animation_is_a_still() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_sequence_plays_the_animation_in_one_grid() {
     let folder = moving();
     let path = folder.path();
@@ -80,6 +82,7 @@ fn a_sequence_plays_the_animation_in_one_grid() {
 
 /// With history, a sequence is rendered frame by frame, and a resumed run gives the same pictures.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_film_of_an_animation_goes_on_with_the_same_bits() {
     let folder = moving();
     let path = folder.path();
@@ -100,6 +103,7 @@ fn a_film_of_an_animation_goes_on_with_the_same_bits() {
 /// Machines that each render a range have the same grid, exposure and numbering, and may share a
 /// folder.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn ranges_of_pictures_are_those_of_one_machine() {
     let folder = moving();
     let path = folder.path();
@@ -145,6 +149,7 @@ fn the_grid_holds_all_poses() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn an_open_range_and_a_pattern_alone_play_all_of_it() {
     let folder = moving();
     // Only the number of pictures matters; a fixed exposure needs no metering.

@@ -16,6 +16,7 @@ fn texels(file: &Path) -> ([u32; 3], Vec<f32>) {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn probes_in_a_furnace_see_its_light_from_all_sides() {
     let folder = folder();
     let path = folder.path();
@@ -41,6 +42,7 @@ fn probes_in_a_furnace_see_its_light_from_all_sides() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn the_side_of_a_red_wall_is_red() {
     let folder = folder();
     let path = folder.path();

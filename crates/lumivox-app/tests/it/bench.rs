@@ -46,6 +46,7 @@ fn check_tables(page: &str) -> usize {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_measurement_tells_the_machine_and_every_stage() {
     let folder = folder();
     let line = format!("{SMALLEST} --scene builtin:cornell --volumes dense --json a.json -o a.md");

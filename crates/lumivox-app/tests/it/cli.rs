@@ -173,6 +173,7 @@ fn voxelizers_are_compared() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_voxelizer_is_chosen() {
     let folder = folder();
     let report = |method: &str| {
@@ -189,6 +190,7 @@ fn a_voxelizer_is_chosen() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn what_keeping_static_triangles_saves_is_measured() {
     let folder = folder();
     let line = "voxels builtin:cornell --resolution 32 --dynamic-share 0.1 --moves 2";
@@ -291,6 +293,7 @@ fn a_file_is_rendered_under_every_kind_of_light() {
 
 /// Pictures stop at little noise unless `--frames` is given, also in a sequence.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn pictures_stop_at_little_noise() {
     let folder = folder();
     let path = folder.path();

@@ -13,6 +13,7 @@ fn read(folder: &Path, name: &str) -> Vec<u8> {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn parts_add_up_to_the_bytes_of_one_run_whatever_their_order() {
     let folder = folder();
     let path = folder.path();
@@ -40,6 +41,7 @@ fn parts_add_up_to_the_bytes_of_one_run_whatever_their_order() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn parts_that_do_not_fit_are_named() {
     let folder = folder();
     let path = folder.path();

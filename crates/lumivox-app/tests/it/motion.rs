@@ -15,6 +15,7 @@ fn number(value: &Value) -> f64 {
 
 /// Today the renderer restarts with every change: light changes at once, and leaves no trail.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_switched_lamp_is_measured_step_by_step() {
     let folder = folder();
     let line = format!("motion --sequence switch {SMALL} --truth truth --json - -o pictures");
@@ -62,6 +63,7 @@ fn a_switched_lamp_is_measured_step_by_step() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_moving_camera_finds_what_was_hidden_and_stops() {
     let folder = folder();
     let line = format!("motion builtin:cornell --sequence orbit {SMALL} --json figures.json");

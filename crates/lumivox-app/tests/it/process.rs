@@ -169,6 +169,7 @@ fn without_a_desktop_nothing_complains() {
 /// Ctrl-C ends it between two measurements, with its own exit code; finished measurements are kept.
 #[cfg(unix)]
 #[test]
+#[ignore = "slow: over three seconds"]
 fn measurements_that_are_stopped_can_be_gone_on_with() {
     use std::io::{BufRead as _, BufReader, Read as _};
     let folder = folder();

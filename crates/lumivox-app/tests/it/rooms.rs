@@ -7,6 +7,7 @@ use crate::common::{INPUT, USAGE, expect_error, folder, lumivox, names};
 /// A lamp by night, and daylight through a window: errors of 1.2 and 2.7 %, in pictures 1.4 and
 /// 2.5 % (lavapipe).
 #[test]
+#[ignore = "slow: over three seconds"]
 fn rooms_are_measured_within_six_percent() {
     let folder = folder();
     let line = "rooms --seed 8 --count 2 --kinds plain --resolution 64 --samples 512 --frames 8 \

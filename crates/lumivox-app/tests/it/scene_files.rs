@@ -137,6 +137,7 @@ fn panorama(width: usize, rgbe: [u8; 4]) -> Vec<u8> {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn surroundings_come_from_numbers_files_and_the_sky() {
     let folder = folder();
     let path = folder.path();
@@ -178,6 +179,7 @@ fn surroundings_come_from_numbers_files_and_the_sky() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn dark_scenes_are_lit_unless_they_shall_stay_dark() {
     let folder = folder();
     let path = folder.path();

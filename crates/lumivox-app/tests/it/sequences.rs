@@ -111,6 +111,7 @@ fn what_is_there_stays_and_what_is_missing_is_made_the_same() {
 /// With history, pictures are the same after any interruption. Without history, each picture is as
 /// if rendered on its own.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_film_goes_on_with_the_same_bits() {
     let folder = folder();
     let path = folder.path();
@@ -211,6 +212,7 @@ const FORTY: &str = "render builtin:cornell -o turn --size 32x18 --frames 1 --re
 /// Ctrl-C leaves only complete pictures and an index that lists them, and has its own exit code.
 #[cfg(unix)]
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_sequence_that_is_stopped_can_be_gone_on_with() {
     let folder = folder();
     let child = started(folder.path(), "0002.png");
@@ -232,6 +234,7 @@ fn a_sequence_that_is_stopped_can_be_gone_on_with() {
 /// Each would overwrite the index of the other. The second goes on after the first was killed.
 #[cfg(unix)]
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_second_process_is_refused_until_the_first_has_ended() {
     let folder = folder();
     let mut child = started(folder.path(), "0001.png");

@@ -40,6 +40,7 @@ fn a_scene_is_compared_with_its_truth() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn leaks_are_told_where_nothing_else_can_be() {
     let folder = folder();
     let line = format!("compare builtin:two-rooms-closed {SMALL} --json");
@@ -61,6 +62,7 @@ fn what_to_compare_must_be_said_once() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn the_page_on_errors_is_written_and_work_goes_on_where_it_stopped() {
     let folder = folder();
     let line = "quality docs furnace --presets balanced,high --resolutions 16,24 --size 16x12 --samples \

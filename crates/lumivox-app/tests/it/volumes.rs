@@ -13,6 +13,7 @@ fn row<'a>(report: &'a Value, name: &str, resolution: u32) -> &'a Value {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn memory_goes_with_the_surface() {
     let folder = folder();
     let line = "volumes builtin:cornell --resolutions 32,64 --no-trace --alternatives -o chart.svg";
@@ -74,6 +75,7 @@ fn what_cannot_be_is_refused_with_numbers_and_a_remedy() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn commands_take_every_volume_with_presets_or_refuse_it_by_name() {
     let folder = folder();
     let sizes = ["--resolution 16", "--resolution 16", "--cascade-resolution 32"];

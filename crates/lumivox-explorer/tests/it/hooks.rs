@@ -31,6 +31,7 @@ fn set(renderer: &mut Renderer, settings: &RenderSettings) {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn settings_may_change_in_any_order() {
     let (gpu, scene) = (gpu(), builtin("cornell"));
     let mut changing = renderer(&gpu, &scene, small());
@@ -88,6 +89,7 @@ fn cones_out_of_range_are_refused_by_their_names() {
 /// Pictures have the same bits in every run, whichever builder builds the octree's nodes; only the
 /// builder with locks has counts.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn locks_give_the_bits_of_ranks() {
     let gpu = gpu();
     let of = |builder: &str| {
@@ -126,6 +128,7 @@ fn the_builder_goes_with_the_octree() {
 /// Settings that link other shaders are all chosen twice; the second time there is nothing to
 /// compile.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_second_round_asks_for_nothing_new() {
     let gpu = own_gpu();
     let mut renderer = renderer(&gpu, &builtin("cornell"), small());

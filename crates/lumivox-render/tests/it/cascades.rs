@@ -35,6 +35,7 @@ fn new_picture(gpu: &Gpu, scene: &Scene, camera: &Camera, settings: &RenderSetti
 
 /// A still picture after the camera has moved is that of a new renderer, to the bit.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_moved_camera_sees_what_a_new_renderer_shows() {
     let gpu = gpu();
     let scene = builtin("cornell");
@@ -52,6 +53,7 @@ fn a_moved_camera_sees_what_a_new_renderer_shows() {
 /// In motion the boxes follow frame by frame, and the light settles at that of a new renderer; it
 /// is never far from it on the way.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn boxes_follow_a_camera_in_motion() {
     let gpu = gpu();
     let scene = builtin("cornell");
@@ -88,6 +90,7 @@ fn boxes_follow_a_camera_in_motion() {
 /// of the whole ground is as large as 4 m. Places in the shade of each fence have no sun if the
 /// finest boxes, which move with the camera, are there.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn shade_on_a_wide_ground_follows_a_camera_in_motion() {
     let mut scene = Scene::default();
     let grey = || Material::diffuse("grey", Vec3::splat(0.5));

@@ -28,6 +28,7 @@ fn set(renderer: &mut Renderer, settings: &RenderSettings) {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn settings_may_change_in_any_order() {
     let gpu = gpu();
     let mut scene = builtin("cornell");
@@ -154,6 +155,7 @@ fn other_light(scene: &Scene) -> Scene {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn lights_and_materials_may_change() {
     let gpu = gpu();
     let rest = builtin("cornell");
@@ -191,6 +193,7 @@ fn lights_and_materials_may_change() {
 
 /// Objects may move ahead of their voxels, which follow when asked to.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn voxels_may_stay_behind() {
     let gpu = gpu();
     let rest = builtin("cornell");
@@ -220,6 +223,7 @@ fn voxels_may_stay_behind() {
 
 /// Without bounces nothing is traced: what cones left of another view must not show.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn what_was_traced_for_another_view_does_not_show() {
     let gpu = gpu();
     let scene = builtin("cornell");
@@ -272,6 +276,7 @@ fn nothing_in_the_grid_is_a_picture_where_it_may_be() {
 /// Views beside the picture have the same frames as renderers that show nothing else, also after a
 /// change, and the picture does not notice them.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn views_beside_the_picture_are_those_of_renderers_of_their_own() {
     let gpu = gpu();
     let scene = builtin("cornell");

@@ -34,12 +34,14 @@ fn assert_two_runs_agree(settings: &RenderSettings) {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn isotropic_voxels_repeat_to_the_bit() {
     let directionality = Directionality::Isotropic;
     assert_two_runs_agree(&RenderSettings { directionality, ..RenderSettings::default() });
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn half_resolution_and_cone_shadows_repeat_to_the_bit() {
     let trace = TraceSettings { resolution: TraceResolution::Half, ..TraceSettings::default() };
     let shadows = ShadowMethod::Cone;

@@ -227,6 +227,7 @@ fn shadows_fall_away_from_the_sun() {
 /// The sun of a map is reflected once: by its light's highlight on what is rough, as itself in a
 /// mirror.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn the_sun_is_reflected_once() {
     let radius_rad = 0.06_f32;
     let to_sun = Vec3::new(0.0, 1.0, -1.0).normalize();

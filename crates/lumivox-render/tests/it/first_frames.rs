@@ -31,6 +31,7 @@ fn noise(picture: &Picture, mean: &Picture) -> [f32; 2] {
 /// Only nine rays a pixel leave 10 % in Cornell and 25 % in the atrium; edges of one sample a pixel
 /// 94 and 40 % in the first frame.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_first_frame_is_smooth() {
     for name in ["cornell", "atrium"] {
         let mean = irradiance(name, 32);
@@ -87,6 +88,7 @@ fn glossy_picture(scene: &Scene, frames: u32) -> Picture {
 
 /// The noise is 25 % if only rays of the lobe find light, 18 % with known light.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_rough_lobe_takes_known_light_in_a_first_frame() {
     let scene = builtin("lacquer");
     let [first, mean] = [1, 64].map(|frames| glossy_picture(&scene, frames));
@@ -98,6 +100,7 @@ fn a_rough_lobe_takes_known_light_in_a_first_frame() {
 /// If only rays of the lobe find a lamp, 1.6 % of the pixels of such a box are stars, in a first
 /// frame and after sixteen.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_lamp_leaves_no_stars_on_gloss() {
     let mut pictures = [1, 16].map(|frames| glossy_picture(&glossy_box(), frames));
     let shares = pictures.each_mut().map(|picture| stars(picture));

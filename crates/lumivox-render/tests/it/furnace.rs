@@ -147,6 +147,7 @@ fn assert_ceiling_takes_no_light(resolution: u32, gaps_voxels: &[f32]) {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_panel_just_below_a_ceiling_keeps_its_light() {
     assert_ceiling_takes_no_light(16, &[0.001, 0.5]);
 }
@@ -163,6 +164,7 @@ fn a_panel_just_below_a_ceiling_keeps_its_light_in_fine_voxels_at_release() {
 /// no light twice: glossy cones find emission, diffuse cones leave it to the points drawn on
 /// emitters.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_mirror_shows_the_panel() {
     let mut scene = builtin("panel");
     let mut mirror = Material::diffuse("mirror", Vec3::ONE);

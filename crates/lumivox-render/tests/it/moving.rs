@@ -49,6 +49,7 @@ fn assert_no_leak(travelling: &Renderer, fresh: &Renderer) {
 /// Instances of one mesh are drawn in one call; those that move are found in it, and so are those
 /// with other changes.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn moved_instances_give_the_picture_of_a_fresh_renderer() {
     let gpu = gpu();
     let mut rest = builtin("cornell");
@@ -91,6 +92,7 @@ fn moved_instances_give_the_picture_of_a_fresh_renderer() {
 /// Static instances are not voxelized again while they are unchanged; the pictures are those of a
 /// new renderer.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn what_is_static_is_kept_from_pose_to_pose() {
     let gpu = gpu();
     let (mut rest, mut moved) = poses();
@@ -166,6 +168,7 @@ fn another_scene_is_refused() {
 /// Frames that wait for nothing have the voxels and shadows of a new renderer at once, and its
 /// light after some frames.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn moved_frames_come_to_the_picture_of_a_fresh_renderer() {
     let gpu = gpu();
     let mut rest = builtin("cornell");
@@ -212,6 +215,7 @@ fn moved_frames_come_to_the_picture_of_a_fresh_renderer() {
 /// later, when nothing changes any more; the picture is not complete before the voxels are up to
 /// date.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_single_change_without_room_is_followed() {
     let gpu = gpu();
     let mut grown = builtin("cornell");

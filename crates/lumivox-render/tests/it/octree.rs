@@ -53,6 +53,7 @@ fn difference(view: View, a: &Picture, b: &Picture) -> (f64, f64) {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn irradiance_agrees_with_the_dense_volume() {
     let gpu = gpu();
     let views = [View::Diffuse, View::Occlusion];

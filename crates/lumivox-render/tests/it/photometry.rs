@@ -34,6 +34,7 @@ fn lamp_over_floor() -> Scene {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_lamp_lights_the_floor_by_the_inverse_square() {
     let mut renderer = renderer(&gpu(), &lamp_over_floor(), small());
     assert_eq!(measured(&renderer, 24, 16), None, "no frame yet");
@@ -96,6 +97,7 @@ fn where_nothing_is_lit_there_is_no_illuminance() {
 /// size the highlight covers a fifth of a pixel. Half floats had room for 30 % of it, and the
 /// panorama's map has none for its sun.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_highlight_smaller_than_a_pixel_keeps_its_energy() {
     let to_sun = Vec3::new(0.3, 0.4, 1.0).normalize();
     let mut scene = Scene::default();

@@ -29,6 +29,7 @@ fn render(gpu: &Gpu, scene: &Scene) -> Picture {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn millimetres_and_kilometres_look_like_metres() {
     let gpu = gpu();
     let metres = render(&gpu, &atrium(1.0));

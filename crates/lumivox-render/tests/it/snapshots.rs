@@ -110,11 +110,13 @@ fn variants() -> Vec<Snapshot> {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn scenes_look_as_before() {
     check(scenes());
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn materials_look_as_before() {
     check(materials());
 }
@@ -125,11 +127,13 @@ fn views_look_as_before() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn overlays_look_as_before() {
     check(overlays());
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn variants_look_as_before() {
     check(variants());
 }

@@ -90,6 +90,7 @@ fn new_at(gpu: &Gpu, scene: &Scene, camera: &Camera, settings: RenderSettings) -
 /// part is not visible, the picture is nearly that of the whole scene; if all fits the budget, it
 /// is that picture.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn what_is_near_is_there_and_the_rest_is_told() {
     let (gpu, scene) = (gpu(), way());
     let whole = picture(&mut renderer(&gpu, &scene, settings(None)));
@@ -112,6 +113,7 @@ fn what_is_near_is_there_and_the_rest_is_told() {
 
 /// A still picture after the camera has moved is that of a new renderer there, to the bit.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_moved_camera_finds_what_a_new_renderer_has() {
     let (gpu, scene) = (gpu(), way());
     let mut moved = renderer(&gpu, &scene, settings(Some(BUDGET)));
@@ -128,6 +130,7 @@ fn a_moved_camera_finds_what_a_new_renderer_has() {
 /// In motion no frame fails, none has more than the budget, and the ground under the camera is
 /// always there.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn geometry_follows_a_camera_in_motion() {
     let (gpu, scene) = (gpu(), way());
     let trace = TraceSettings { temporal: true, ..TraceSettings::default() };
@@ -152,6 +155,7 @@ fn geometry_follows_a_camera_in_motion() {
 
 /// Another budget is for another renderer, and scenes can be uploaded with one by themselves.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_budget_stays_that_of_its_renderer() {
     let (gpu, scene) = (gpu(), way());
     let mut near = renderer(&gpu, &scene, settings(Some(BUDGET)));

@@ -17,6 +17,7 @@ fn vxct(change: impl FnOnce(&mut VxctSettings)) -> Arc<dyn Look> {
 
 /// Whatever comes before, the picture is the one that a new renderer makes, and so is the memory.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn the_look_comes_and_goes() {
     let gpu = gpu();
     let scene = builtin("cornell");

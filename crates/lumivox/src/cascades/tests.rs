@@ -181,6 +181,7 @@ fn cascade_of(own: &crate::Cascades, stored: UVec3) -> usize {
 /// directions of their cones by where they are stored, which scatters the mean by 0.3 %: that of
 /// dense volumes moved by whole voxels does as much.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn within_a_cascade_light_is_that_of_a_dense_volume() {
     let grid = cascades(ROOM + Vec3::new(0.5, 0.35, 0.45), 3, 96);
     let points = scattered(96);
@@ -204,6 +205,7 @@ fn within_a_cascade_light_is_that_of_a_dense_volume() {
 /// A cascade stores on both sides of its seam what a dense volume has there: light that was not
 /// reflected, so that nothing of it is drawn by a face, is the same within rounding.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn the_seam_of_the_store_is_not_seen() {
     let points = scattered(96);
     let grid = cascades(ROOM + Vec3::new(0.5, 0.35, 0.45), 1, 96);
@@ -226,6 +228,7 @@ fn the_seam_of_the_store_is_not_seen() {
 
 /// Light continues across a cascade's border in a room.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn across_a_border_light_goes_on() {
     let points = scattered(96);
     let center = ROOM + Vec3::new(0.1, 0.35, 0.2);
@@ -246,6 +249,7 @@ fn across_a_border_light_goes_on() {
 
 /// While cascades move over a room nothing of it changes: its voxels stay where they are stored.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn moving_cascades_leave_the_light_of_what_they_hold() {
     let points = scattered(64);
     let center = ROOM + Vec3::new(0.5, 0.35, 0.45);
@@ -262,6 +266,7 @@ fn moving_cascades_leave_the_light_of_what_they_hold() {
 /// The reading of a light meter over a kilometre of ground under an even sky: looking up, and
 /// looking down from different heights.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_kilometre_of_ground_reflects_the_sky() {
     let half = 600.0;
     let corner = Vec3::new(-half, 0.0, -half);
@@ -294,6 +299,7 @@ fn a_kilometre_of_ground_reflects_the_sky() {
 /// Emitters near each other follow one another, wherever the world's origin is and the boxes are: a
 /// draw among many is good only if neighbours in the list are neighbours in the world.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn emitters_follow_a_curve_on_all_sides_of_the_origin() {
     let places: Vec<Vec3> = scattered(128).into_iter().map(|(place, _)| place - ROOM).collect();
     let length = |grid: Grid, center: Vec3| {
@@ -387,6 +393,7 @@ fn boxes_are_stored_tightly_and_stand_well() {
 /// Cascades that follow a camera without waiting arrive at what a new clipmap there has, keep the
 /// light of what stays, and show the same light on the way.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn moved_boxes_arrive_at_those_of_a_new_clipmap() {
     let (device, queue) = device();
     let scene = || room().fixed();
@@ -432,6 +439,7 @@ fn moved_boxes_arrive_at_those_of_a_new_clipmap() {
 /// When a box has moved by its whole edge, other voxels are stored in the places of the former
 /// ones. They do not inherit their light: a closed room without any light stays dark.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn another_voxel_in_the_same_place_has_no_light_of_the_former_one() {
     let (device, _) = device();
     let apart = 32.0 * VOXEL_M * Vec3::X;

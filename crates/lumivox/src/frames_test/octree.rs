@@ -6,6 +6,7 @@ use crate::Duplication;
 /// The buffers of the voxels are large enough and those of the octree are not: it shows what it
 /// showed, whatever light comes, and makes up for all that it has missed.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn an_octree_without_room_shows_what_it_showed() {
     let volume = VolumeKind::Octree(OctreeOptions::default());
     let mut stage = Stage::with(volume, Vec3::new(1.0, 0.7, 0.9), 64);
@@ -42,6 +43,7 @@ fn an_octree_without_room_shows_what_it_showed() {
 /// Moves that overflow nothing leave the same bits with and without waiting for them, including
 /// what cones see.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn an_octree_is_the_same_whether_somebody_waits_or_not() {
     let usual = OctreeOptions::default();
     let volume = VolumeKind::Octree(OctreeOptions { duplication: Duplication::Pointers, ..usual });

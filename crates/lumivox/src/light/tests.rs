@@ -84,6 +84,7 @@ fn candle(position: Vec3, shadow: Shadow) -> Light {
 /// In a closed box that emits e and reflects the share r everywhere, the radiance is e / (1 - r)
 /// everywhere.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn furnace_converges_to_its_closed_form() {
     let bounds = (Vec3::ZERO, Vec3::ONE);
     let room = SceneBuilder::default().room(bounds.0, bounds.1, &lambert(0.5, 1.0));
@@ -403,6 +404,7 @@ fn light_below(cover: Option<crate::SurfaceMaterial>) -> [f32; 2] {
 
 /// A cover of a share of a plane blocks that share of the light, for cones of any width.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_cover_lets_light_through_in_proportion() {
     let cover = |alpha: f32, transmission: f32, double_sided| crate::SurfaceMaterial {
         // Black leaves; white glass, which reflects the rest upwards.

@@ -210,6 +210,7 @@ fn settings(resolution: TraceResolution) -> [TraceSettings; 2] {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn traces_of_one_submission_see_their_own_settings() {
     let room = Room::new();
     for resolution in [TraceResolution::Full, TraceResolution::Half] {
@@ -282,6 +283,7 @@ fn bytes_are_known_before_targets_are_made() {
 
 /// A frame after a cut is that of new targets, and one without a cut is not.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn what_is_forgotten_does_not_shine_through() {
     let room = Room::new();
     for resolution in [TraceResolution::Full, TraceResolution::Half] {
@@ -335,6 +337,7 @@ fn what_is_not_a_number_is_not_remembered() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_packed_gbuffer_gives_the_bits_of_the_textures() {
     let (textures, packed) = (Room::new(), Room::packed());
     for resolution in [TraceResolution::Full, TraceResolution::Half] {

@@ -47,6 +47,7 @@ pub fn pictures_are_written_and_compared() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn animations_play() {
     let mut session = Session::new("--scene moving.glb");
     std::fs::write(session.folder.path().join("moving.glb"), moving_glb()).unwrap();

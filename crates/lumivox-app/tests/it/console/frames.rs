@@ -3,6 +3,7 @@
 use super::session::Session;
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn frames_come_on_demand_and_are_timed() {
     let mut session = Session::new("--scene builtin:cornell");
     session.does("frames 3");
@@ -38,6 +39,7 @@ pub fn frames_come_on_demand_and_are_timed() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn voxels_follow_or_wait() {
     let mut session = Session::new("--scene builtin:cornell --view voxels");
     let start = session.picture();

@@ -3,6 +3,7 @@
 use super::session::Session;
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn lights_come_change_and_go() {
     let mut session = Session::new("--scene builtin:cornell --exposure -4");
     let start = session.picture();
@@ -31,6 +32,7 @@ pub fn lights_come_change_and_go() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn surroundings_are_light_and_panoramas() {
     let mut session = Session::new("--scene builtin:atrium --exposure -12");
     session.picture();
@@ -49,6 +51,7 @@ pub fn surroundings_are_light_and_panoramas() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn a_sky_takes_the_place_of_the_command_lines() {
     let mut session = Session::new("--scene builtin:spheres --exposure -14 --sky 30,120");
     session.picture();

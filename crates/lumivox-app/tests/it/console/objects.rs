@@ -3,6 +3,7 @@
 use super::session::{Session, project};
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn objects_move_and_hide() {
     let mut session = Session::new("--scene builtin:cornell");
     session.says("objects", &["tall block", "white", "shown", "static"]);
@@ -33,6 +34,7 @@ pub fn objects_move_and_hide() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn materials_change() {
     let mut session = Session::new("--scene builtin:cornell --exposure -4");
     session.says("materials", &["white", "red", "metallic_roughness"]);
@@ -49,6 +51,7 @@ pub fn materials_change() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn materials_have_the_names_of_vxct() {
     let mut session = Session::new("--preset vxct");
     session.does(&format!("load '{}'", project("scenes/cornell.scene").display()));
@@ -122,6 +125,7 @@ pub fn cameras_are_stored_under_names() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn changes_are_taken_back_and_done_again() {
     let mut session = Session::new("--scene builtin:cornell");
     let start = session.picture();

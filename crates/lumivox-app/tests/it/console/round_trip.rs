@@ -48,6 +48,7 @@ pub fn of_objects_materials_lights_and_camera() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn of_surroundings() {
     repeats(
         "--scene builtin:spheres",
@@ -74,6 +75,7 @@ pub fn of_animations_and_overlays() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn of_views_that_ask_for_a_volume() {
     repeats(
         "--scene builtin:cornell",
@@ -85,6 +87,7 @@ pub fn of_views_that_ask_for_a_volume() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn of_skies_in_the_place_of_others() {
     repeats(
         "--scene builtin:spheres --sky 30,120",
@@ -94,6 +97,7 @@ pub fn of_skies_in_the_place_of_others() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn of_the_look_of_vxct() {
     let scene = format!("load '{}'", project("scenes/cornell.scene").display());
     repeats(

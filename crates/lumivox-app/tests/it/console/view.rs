@@ -3,6 +3,7 @@
 use super::session::Session;
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn surfaces_voxels_and_wires() {
     let mut session = Session::new("--scene builtin:cornell");
     let start = session.picture();
@@ -50,6 +51,7 @@ pub fn surfaces_voxels_and_wires() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn parts_of_light_in_the_physical_look() {
     let mut session = Session::new("--scene builtin:spheres --exposure -2");
     let all = session.picture();

@@ -46,6 +46,7 @@ pub fn switches() {
 
 /// A script of the commands in VXCT's documentation, in their order, each followed by its inverse.
 #[test]
+#[ignore = "slow: over three seconds"]
 pub fn a_script_of_its_own() {
     let mut session = session();
     session.picture();

@@ -72,6 +72,7 @@ fn assert_built_alike(gpu: &(Pipelines, wgpu::Queue), grid: Grid, geometry: &Geo
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_turned_room_in_a_grid_that_is_no_cube() {
     let gpu = device();
     let geometry = turned_room(&gpu.0);
@@ -93,6 +94,7 @@ fn all_triangles_in_one_voxel() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_full_grid() {
     let gpu = device();
     let (grid, geometry) = full_grid(&gpu.0);

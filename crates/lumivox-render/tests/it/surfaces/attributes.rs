@@ -124,6 +124,7 @@ fn normal_textures_bend_along_tangent_and_bitangent() {
 
 /// A masked texture is cut where its own coordinates say, in the picture and in the shadow.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn masks_are_cut_at_their_own_coordinates() {
     let mut scene = scene();
     scene.textures.push(texture(2, 1, |x, _| [255, 255, 255, if x == 0 { 255 } else { 0 }]));

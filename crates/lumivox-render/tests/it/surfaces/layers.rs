@@ -60,6 +60,7 @@ fn dielectric_in_even_light(roughness: f32, angle: f32) -> f32 {
 
 /// From the front to grazing angles, a floor in an even sky has the light that its BRDF gives it.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_dielectric_in_even_light_is_right_at_every_angle() {
     for roughness in [0.3, 1.0] {
         let paint = MetallicRoughness {
@@ -135,6 +136,7 @@ fn bent_normals_leave_no_dark_rim() {
 /// White paint under varnish in a sky of one: the coat reflects the light that it takes from the
 /// paint. On black paint only the coat is seen; on a mirror both lobes are drawn in turns.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn varnish_adds_what_it_takes() {
     for angle in ANGLES {
         let reflected = fresnel(0.04, angle);
@@ -196,6 +198,7 @@ fn varnish_has_a_highlight_of_its_own() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn velvet_is_brightest_at_grazing_angles_and_takes_what_it_adds() {
     let velvet = |albedo: f32, color: Vec3| {
         let sheen = Sheen { color, roughness: 0.4, texture: None };
@@ -232,6 +235,7 @@ fn gloss_takes_the_colour_of_its_texture() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn what_takes_no_light_shows_its_colour_beside_a_white_wall() {
     let color = Vec3::new(0.5, 0.25, 1.0);
     let unlit = Shading::Unlit(Unlit { color: color.extend(1.0), color_texture: None });

@@ -31,6 +31,7 @@ fn wall(double_sided: bool, lamp_x: f32, seen_x: f32) -> Scene {
 /// Both sides of every wall cast shadows, in maps and for cones: a wall of one side blocks from
 /// behind as well.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_lamp_behind_a_wall_does_not_shine_through() {
     for double_sided in [false, true] {
         for shadows in [ShadowMethod::Map, ShadowMethod::Cone] {
@@ -90,6 +91,7 @@ fn a_wall_lit_from_behind_stays_dark_in_front() {
 /// Walls of two sides that end where they meet: whichever half of its voxels a wall is in, cones
 /// along it start in the room and not outside, where it is dark.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_room_of_two_sided_walls_has_no_dark_edges() {
     let mut room = scene();
     for axis in [Vec3::X, Vec3::Y, Vec3::Z] {

@@ -187,6 +187,7 @@ fn under_a_roof(roof: Material) -> Scene {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn shadows_are_as_deep_as_what_casts_them_is_solid() {
     let black = Vec3::ZERO;
     let mut leaf = Material { alpha: AlphaMode::Mask { cutoff: 0.5 }, ..glowing(black) };
@@ -242,6 +243,7 @@ fn shadows_are_as_deep_as_what_casts_them_is_solid() {
 /// Leaves of a quarter, a half and three quarters between the sky and a floor between black walls:
 /// as much of the sky's light arrives, gathered by cones through voxels.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn leaves_let_the_skys_light_through_in_proportion() {
     let irradiance = |quarters: Option<u32>| {
         let mut scene = scene();

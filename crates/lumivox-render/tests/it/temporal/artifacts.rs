@@ -22,6 +22,7 @@ fn lamp_at(scene: &Scene, x: f32) -> Scene {
 /// Shadows of a lamp that moves are where they belong: its picture is better than a frame of one
 /// sample a pixel without a past, which leaves 0.31.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn direct_light_does_not_lag() {
     let scene = builtin("cornell");
     let own = |preset| RenderSettings { view: View::Direct, ..settings(preset) };
@@ -45,6 +46,7 @@ fn direct_light_does_not_lag() {
 
 /// A still picture settles: from frame to frame it changes by little, and by less and less.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn still_pictures_do_not_boil() {
     let scene = builtin("cornell");
     let mut renderer = renderer(&gpu(), &scene, settings(Preset::Realtime));
@@ -63,6 +65,7 @@ fn still_pictures_do_not_boil() {
 /// Light that changes from frame to frame makes no rings about edges: where the truth is smooth,
 /// pixels do not alternate.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn light_that_moves_makes_no_rings() {
     let scene = builtin("cornell");
     let own = |preset| RenderSettings { view: View::Final, ..settings(preset) };
@@ -115,6 +118,7 @@ fn rmse_where_smooth(picture: &Picture, truth: &Picture) -> f64 {
 
 /// In smooth parts of a picture, the first frame is already near the result of many frames.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn first_frames_are_worth_keeping() {
     let scene = builtin("glow");
     let camera = orbit(&scene, 0);
@@ -126,6 +130,7 @@ fn first_frames_are_worth_keeping() {
 
 /// The light of a pixel does not depend on its place in its block of 4x4.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn blocks_of_traced_pixels_are_not_seen() {
     let scene = builtin("cornell");
     let camera = orbit(&scene, 0);
@@ -149,6 +154,7 @@ fn blocks_of_traced_pixels_are_not_seen() {
 /// The darkest places, where things touch and walls meet, do not take the light around: a first
 /// frame's filter lets them have some, and it goes.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn contact_shadows_are_not_blurred() {
     let scene = builtin("cornell");
     let camera = orbit(&scene, 0);

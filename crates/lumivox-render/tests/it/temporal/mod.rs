@@ -107,6 +107,7 @@ fn mean(picture: &Picture) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_moving_camera_keeps_what_was_gathered() {
     let scene = builtin("cornell");
     let truth = many_frames(Preset::Balanced, 48);
@@ -135,6 +136,7 @@ fn a_moving_camera_keeps_what_was_gathered() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_switched_lamp_is_seen_at_once() {
     let lit = builtin("cornell");
     let mut dark = lit.clone();
@@ -162,6 +164,7 @@ fn a_switched_lamp_is_seen_at_once() {
 /// A lamp that dims by less than edges differ is followed nevertheless: after six frames the
 /// picture is nearer to the new light than the first frame of a new renderer.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_dimmed_lamp_is_followed() {
     let lit = builtin("cornell");
     let mut dimmed = lit.clone();
@@ -182,6 +185,7 @@ fn a_dimmed_lamp_is_followed() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_still_picture_comes_to_that_without_earlier_frames() {
     let scene = builtin("cornell");
     let camera = orbit(&scene, 0);
@@ -194,6 +198,7 @@ fn a_still_picture_comes_to_that_without_earlier_frames() {
 /// A block that leaves the plane of its front takes its history along: only edges, which come and
 /// go with the samples within the pixels, have new light.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn what_moves_takes_its_light_along() {
     let mut scene = builtin("cornell");
     let block = scene.instances.len() - 1;
@@ -225,6 +230,7 @@ fn what_moves_takes_its_light_along() {
 /// Edges of a moving picture are smoother than those of one sample a pixel, which leave 0.22, and
 /// where nothing shines any more nothing is left.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn edges_are_smooth_in_motion() {
     let scene = builtin("cornell");
     let realtime = |camera: Camera| {
@@ -302,6 +308,7 @@ fn the_history_grows_until_something_is_uncovered() {
 
 /// A picture of another size continues the history of the last one, in both directions.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn what_is_known_stays_known_in_another_size() {
     let scene = builtin("cornell");
     let camera = orbit(&scene, 0);
@@ -348,6 +355,7 @@ fn what_is_known_stays_known_in_another_size() {
 
 /// The figures are those of the views, at one pixel of each 8x8.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn figures_are_sums_of_the_views() {
     let scene = builtin("cornell");
     let beside = vec![View::History, View::Cost];
@@ -423,6 +431,7 @@ fn reflections_are_kept_in_motion() {
 /// After a cut the pictures are those of a new renderer, to the bit, whatever was shown before:
 /// other surfaces, other lamps, another camera, many frames; without a cut they are not.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn after_a_cut_nothing_is_left() {
     let gpu = gpu();
     let mut rest = builtin("cornell");

@@ -17,6 +17,7 @@ fn assert_fresh(lit: &Lit, geometry: &Geometry, place: Vec3) {
 /// Only the surface that has entered moved boxes is walked over. Whatever the move, the voxels are
 /// those of a new clipmap there.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn only_what_enters_the_boxes_is_walked() {
     let (device, _) = device();
     let floor = || {
@@ -71,6 +72,7 @@ fn without(geometry: &Geometry, gone: &[usize]) -> Geometry {
 /// If static draws come and go while boxes move, only what is near them is walked, and the voxels
 /// are those of a new clipmap.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn draws_that_come_and_go_are_walked_alone() {
     let geometry = plates().build(&device().0);
     let start = ROOM + Vec3::new(0.5, 0.35, 0.45);
@@ -99,6 +101,7 @@ fn draws_that_come_and_go_are_walked_alone() {
 
 /// If draws come and go in every frame, the voxels follow nevertheless, a few frames late.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn voxels_follow_draws_that_never_rest() {
     let geometry = plates().build(&device().0);
     let start = ROOM + Vec3::new(0.5, 0.35, 0.45);
@@ -117,6 +120,7 @@ fn voxels_follow_draws_that_never_rest() {
 /// If a static draw is removed and added again before the voxels without it are ready, the earlier
 /// voxels are the right ones.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn voxels_stay_where_a_draw_comes_back_at_once() {
     let geometry = plates().build(&device().0);
     let place = ROOM + Vec3::new(0.5, 0.35, 0.45);

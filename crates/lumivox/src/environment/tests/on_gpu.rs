@@ -260,6 +260,7 @@ fn what_a_bent_normal_looks_at_below_the_surface_is_folded_up() {
 /// The cones of a hemisphere sum up to the irradiance: the mean over the jitter of some 4000 faces
 /// against the sum over the panorama, for smooth and for harsh maps.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn cones_sum_up_to_the_irradiance() {
     let half =
         |d: DVec3| if d.x + 0.4 * d.y > 0.1 { Vec3::new(9.0, 6.0, 3.0) } else { Vec3::splat(0.3) };

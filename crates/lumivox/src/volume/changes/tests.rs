@@ -153,16 +153,19 @@ fn check_moves(volume: VolumeKind, directionality: Directionality, shadow: Shado
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn moves_leave_the_bits_of_a_fresh_volume() {
     check_moves(VolumeKind::Dense, Directionality::SixLobes, Shadow::Cone);
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn moves_leave_the_bits_of_a_fresh_isotropic_volume() {
     check_moves(VolumeKind::Dense, Directionality::Isotropic, Shadow::None);
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn moves_leave_the_bits_of_a_fresh_octree() {
     let usual = OctreeOptions::default();
     check_moves(VolumeKind::Octree(usual), Directionality::SixLobes, Shadow::Cone);
@@ -173,6 +176,7 @@ fn moves_leave_the_bits_of_a_fresh_octree() {
 
 /// Lists that are replaced before they are lit, and light that changes without the list.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn any_order_of_calls_leaves_the_bits_of_a_fresh_volume() {
     check_any_order(VolumeKind::Dense);
     check_any_order(VolumeKind::Octree(OctreeOptions::default()));

@@ -155,6 +155,7 @@ type Change<'a> = (&'a str, &'a dyn Fn(&mut Geometry));
 
 /// A change of what is static is found, whoever forgot to say so.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_change_of_static_draws_is_noticed() {
     let lab = Lab::new();
     let (grid, geometry) = (room(), stage(&lab));

@@ -64,6 +64,7 @@ fn dominant(t: &Triangle) -> Vec<usize> {
     axes_of(Some(Raster::DominantAxis), t)
 }
 #[test]
+#[ignore = "slow: over three seconds"]
 fn orders_give_the_same_bits() {
     let grid = unit_grid(32);
     let material = SurfaceMaterial { double_sided: true, ..Default::default() };
@@ -103,6 +104,7 @@ fn what_cannot_be_drawn_is_counted() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_panel_hides_the_wall_behind_it() {
     for method in Raster::ALL {
         assert_are_apart(&lab(Some(method)), method.name());

@@ -77,6 +77,7 @@ fn is_between(found: &Cells, certain: &Cells, possible: &Cells) {
     assert!(extra.is_empty(), "found, but no centre of a pixel is there: {extra:?}");
 }
 #[test]
+#[ignore = "slow: over three seconds"]
 fn centres_of_pixels_decide() {
     let grid = unit_grid(64);
     let triangles = triangles_of_all_sizes();
@@ -93,6 +94,7 @@ fn centres_of_pixels_decide() {
 
 /// The dominant axis finds a part of the exact set, and three planes find that part and more.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn centres_are_a_part_of_the_exact_set() {
     let grid = unit_grid(64);
     let triangles = triangles_of_all_sizes();
@@ -146,6 +148,7 @@ fn conservative_is_as_defined(
     (found.len(), exact.len())
 }
 #[test]
+#[ignore = "slow: over three seconds"]
 fn conservative_misses_nothing() {
     let triangles = triangles_of_all_sizes();
     let (found, exact) = conservative_is_as_defined(&unit_grid(64), &triangles, EPSILON, dominant);

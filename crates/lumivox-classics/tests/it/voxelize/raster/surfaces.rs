@@ -119,6 +119,7 @@ fn conservative_shares_are_exact_within_a_plane() {
 /// Triangles smaller than voxels, most of which cover no pixel centre: those that do represent the
 /// others.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn small_triangles_keep_their_area_in_the_mean() {
     let grid = Grid::fit(Vec3::NEG_ONE, Vec3::ONE, 64, Vec3::ZERO).unwrap();
     let along_of = |method| {
@@ -140,6 +141,7 @@ fn small_triangles_keep_their_area_in_the_mean() {
 /// A triangle that is smaller than its voxel, and the only one in it, is found by few of the
 /// sampled points. These weigh accordingly more: over many triangles the area is kept.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn lonely_triangles_keep_their_area_in_the_mean() {
     let mut random = Random(15);
     let triangles: Vec<_> = (0..20 * 20 * 20)
@@ -163,6 +165,7 @@ fn lonely_triangles_keep_their_area_in_the_mean() {
 
 /// A hundred thousand fragments in one voxel: a quarter of them red, and not one is lost.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn crowded_voxels_average() {
     const COUNT: u32 = 100_000;
     let triangles: Vec<_> = (0..COUNT)
@@ -199,6 +202,7 @@ fn crowded_voxels_average() {
 }
 /// Textures, holes and colours on a wall whose pixels are whole voxels: as of the exact method.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn surfaces_are_those_of_the_exact_method() {
     use crate::voxelize::textures::{columns, texture, textured, wall};
     let material = |lab: &Lab, alpha_is_coverage, transmission| {

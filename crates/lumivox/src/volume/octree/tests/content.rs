@@ -91,6 +91,7 @@ fn bricks_hold_the_cells_of_the_dense_volume_and_their_neighbours() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn every_way_to_duplicate_and_to_filter_gives_the_same_bits() {
     let gpu = device();
     let geometry = turned_room(&gpu.0);
