@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use glam::Mat4;
-use lumivox_render::{RenderProgress, RenderSettings};
+use lumivox_render::{RenderProgress, RenderSettings, View};
 use lumivox_scene::{AnimationChoice, Bounds, Camera, Framing, Note, Scene, Sight, SightOptions};
 
 use crate::ExplorerError;
@@ -118,15 +118,19 @@ fn bounds_of_all_poses(
 const FIRST_RESOLUTION: u32 = 32;
 
 /// Settings for a scene's first picture, which is shown while the requested one takes its time: at
-/// most 32 voxels along the longest axis, and one bounce. If the view shows voxels instead of
-/// light, the requested settings are returned. The size is left as requested.
-pub fn first_look(asked: &RenderSettings) -> RenderSettings {
+/// most 32 voxels along the longest axis, and only direct light, or one bounce if the scene has no
+/// lamps. If the view shows voxels instead of light, the requested settings are returned. The size
+/// is left as requested.
+pub fn first_look(asked: &RenderSettings, scene: Option<&Scene>) -> RenderSettings {
     if !asked.view.is_light() {
         return asked.clone();
     }
+    // Kernels of bounces take as long to compile as all others together.
+    let has_lamps = scene.is_some_and(|scene| !scene.lights.is_empty());
+    let bounces = u32::from(!(asked.view == View::Final && has_lamps));
     RenderSettings {
         resolution: asked.resolution.min(FIRST_RESOLUTION),
-        bounces: asked.bounces.min(1),
+        bounces: asked.bounces.min(bounces),
         ..asked.clone()
     }
 }

@@ -98,7 +98,7 @@ impl SharedGi {
             }
         };
         let pipelines = self.gi.pipelines().clone();
-        self.gi.prepare_frames();
+        self.gi.prepare(&self.geometry, 1, true);
         pipelines.compile(&mut report).await;
         // Kernels for holes and textures are compiled later, in the background.
         wasm_bindgen_futures::spawn_local(async move {

@@ -89,7 +89,7 @@ impl Session {
     async fn preview(&mut self, listener: &Listener) -> Result<(), WebError> {
         let asked = RenderSettings { view: self.view, ..self.console.explorer.settings().clone() };
         let size = self.console.explorer.pacing.next_size(self.full_size());
-        let coarse = RenderSettings { size, ..first_look(&asked) };
+        let coarse = RenderSettings { size, ..first_look(&asked, self.console.explorer.scene()) };
         if !self.view.is_light() || self.console.explorer.set_settings(coarse).is_err() {
             return Ok(());
         }

@@ -187,6 +187,7 @@ fn volumes() -> [VolumeKind; 2] {
 /// From nothing, through walls, out of the grid and back; without the moving box, without the
 /// static room, with nothing at all.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn frames_have_the_bits_of_a_new_object() {
     for volume in volumes() {
         check_frames(volume);
@@ -235,6 +236,7 @@ fn check_frames(volume: VolumeKind) {
 /// A moving object grows a hundredfold at once and overflows the buffers: the former voxels are
 /// kept, and a few frames later the buffers are large enough.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_frame_without_room_is_late_and_never_wrong() {
     for volume in volumes() {
         check_late(volume);
@@ -275,6 +277,7 @@ fn check_late(volume: VolumeKind) {
 /// A call returns what is known of earlier calls. An overflow is reported even if nothing more is
 /// recorded, and a frame whose result is not known yet is reported as pending.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn a_frame_without_room_is_told_though_nothing_is_recorded_any_more() {
     for volume in volumes() {
         check_told(volume);
@@ -436,6 +439,7 @@ fn light_follows_a_switch_within_frames() {
 /// goes when it is dimmed. (Mesa's software driver rounds towards zero, so that it never made
 /// infinities; other devices do.)
 #[test]
+#[ignore = "slow: over three seconds"]
 fn light_beyond_half_floats_is_no_infinity() {
     for volume in volumes() {
         let mut stage = Stage::with(volume, Vec3::ONE, 32);
@@ -461,6 +465,7 @@ fn light_beyond_half_floats_is_no_infinity() {
 /// If walls reflect 95 %, light that feeds itself neither runs away nor drifts; when the lamp is
 /// gone, it dies.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn light_that_feeds_itself_stays_and_dies() {
     let mut stage = Stage::new(Vec3::ONE, 16);
     let room = SceneBuilder::default().room(Vec3::ZERO, Vec3::ONE, &lambert(0.95, 0.0)).fixed();
@@ -494,6 +499,7 @@ fn light_that_feeds_itself_stays_and_dies() {
 
 /// Light settles, and then nothing is recorded any more; it wakes up when something changes.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn what_has_settled_costs_nothing() {
     let mut stage = Stage::new(Vec3::new(1.0, 0.7, 0.9), 16);
     let geometry = moved(&room_with_a_box().build(&stage.device), at(0.3, 0.4, 0.6));

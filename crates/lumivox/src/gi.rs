@@ -303,6 +303,22 @@ impl Gi {
         Ok(Voxelized { stats, times: recorder.finish().await? })
     }
 
+    /// Queues the kernels that a geometry needs for
+    /// [`Pipelines::compile`](crate::gpu::Pipelines::compile): without bounces only those of direct
+    /// light, with `in_frames` also those that only [`Self::light_frame`] runs. All others are
+    /// compiled on first use. Call it after [`Self::targets`].
+    pub fn prepare(&self, geometry: &Geometry, bounces: u32, in_frames: bool) {
+        let has_emitters = self.draws_emitters() && Emitters::are_in(geometry);
+        if has_emitters {
+            self.emitters.expect(&self.device);
+            self.lighting.expect_emitters(&self.device);
+        }
+        if bounces > 0 {
+            self.lighting.expect_bounces(&self.device, has_emitters, in_frames);
+            self.tracer.expect(&self.device, has_emitters);
+        }
+    }
+
     /// `true` if gathers sample emitters directly. A caller's own cones find them in the volume
     /// instead.
     fn draws_emitters(&self) -> bool {

@@ -100,7 +100,7 @@ impl Renderer {
             let mut gi = global_illumination(&self.gpu, settings.gi_config(grid)).await?;
             let passes = Passes::new(&self.gpu, &gi, &self.scene, &settings)?;
             let targets = passes.targets(&self.gpu, &gi, &self.scene, &settings).await?;
-            compile(&self.gpu, &gi, &settings, progress).await?;
+            compile(&self.gpu, (&gi, &self.scene.geometry), &settings, progress).await?;
             progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
             let (geometry, timing) = (&self.scene.geometry, settings.timing);
             let voxelized = voxelize(&mut gi, geometry, timing, self.may_be_empty).await?;
@@ -124,7 +124,7 @@ impl Renderer {
             if settings.shadows != self.settings.shadows {
                 self.passes.set_shadows(&self.gpu, &self.scene, settings.shadows)?;
             }
-            compile(&self.gpu, &self.gi, &settings, progress).await?;
+            compile(&self.gpu, (&self.gi, &self.scene.geometry), &settings, progress).await?;
         }
         let was = std::mem::replace(&mut self.settings, settings);
         if let Some(model) = &self.settings.cone_model {
@@ -201,7 +201,7 @@ impl Renderer {
         &mut self,
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        compile(&self.gpu, &self.gi, &self.settings, progress).await?;
+        compile(&self.gpu, (&self.gi, &self.scene.geometry), &self.settings, progress).await?;
         self.voxelize(progress).await?;
         self.relight(progress).await?;
         self.targets.accumulate.reset();
@@ -253,7 +253,7 @@ impl Renderer {
             let Self { gpu, gi, scene, passes, settings, .. } = self;
             self.targets = passes.targets(gpu, gi, scene, settings).await?;
         }
-        compile(&self.gpu, &self.gi, &self.settings, progress).await?;
+        compile(&self.gpu, (&self.gi, &self.scene.geometry), &self.settings, progress).await?;
         self.look_scene = LookScene::of(scene);
         // The layout of materials may differ, too.
         self.look = None;

@@ -293,6 +293,7 @@ mod tests {
 
     /// Compares with the memory that the renderer reports.
     #[test]
+    #[ignore = "slow: over three seconds"]
     fn what_was_estimated_is_what_is_allocated() {
         let gpu = gpu();
         let octree = VolumeKind::Octree(lumivox::OctreeOptions::default());

@@ -25,7 +25,7 @@ impl Renderer {
     /// # Errors
     /// When the device fails.
     pub async fn trace_figures(&mut self) -> Result<Option<TraceFigures>, RenderError> {
-        let Self { gpu, gi, settings, passes, .. } = self;
+        let Self { gpu, gi, scene, settings, passes, .. } = self;
         let is_of_voxels = settings.view.is_of_voxels() || settings.shown_look().is_some();
         if is_of_voxels
             || !settings.view.needs_cones(settings.bounces)
@@ -35,7 +35,7 @@ impl Renderer {
         }
         if passes.figures.is_none() {
             passes.figures = Some(FiguresPass::new(&gpu.pipelines, &passes.shaders)?);
-            compile(gpu, gi, settings, &mut |_| {}).await?;
+            compile(gpu, (gi, &scene.geometry), settings, &mut |_| {}).await?;
         }
         let Self { gpu, passes, targets, .. } = self;
         let Some(pass) = &passes.figures else { return Ok(None) };

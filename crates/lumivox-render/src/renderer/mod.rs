@@ -144,7 +144,7 @@ impl Renderer {
                 LookParts { gpu, shaders: &passes.shaders, gi: &gi, scene: &scene, resolution };
             look.insert(shown.passes(&look_scene, bounds)).prepare(&parts)?;
         }
-        compile(gpu, &gi, &settings, progress).await?;
+        compile(gpu, (&gi, &scene.geometry), &settings, progress).await?;
 
         progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
         let voxelized = voxelize(&mut gi, &scene.geometry, settings.timing, may_be_empty).await;
@@ -438,8 +438,8 @@ impl Renderer {
             targets.voxel_view.prepare(gi, settings.view)?;
         }
         self.prepare_beside()?;
-        let Self { gpu, gi, settings, .. } = self;
-        compile(gpu, gi, settings, &mut |_| {}).await
+        let Self { gpu, gi, scene, settings, .. } = self;
+        compile(gpu, (gi, &scene.geometry), settings, &mut |_| {}).await
     }
 
     /// Frames in the picture so far.

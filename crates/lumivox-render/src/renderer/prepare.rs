@@ -44,14 +44,13 @@ pub(super) async fn upload(
 /// When the device refuses one.
 pub(super) async fn compile(
     gpu: &Gpu,
-    gi: &Gi,
+    (gi, geometry): (&Gi, &Geometry),
     settings: &RenderSettings,
     progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<(), RenderError> {
     let mut report = |done, total| progress(RenderProgress { stage: "compile", done, total });
-    if settings.follows() {
-        gi.prepare_frames();
-    }
+    let cones = u32::from(settings.view.needs_cones(settings.bounces));
+    gi.prepare(geometry, settings.bounces.max(cones), settings.follows());
     gpu.pipelines.compile(&mut report).await;
     gpu.save_pipelines();
     gpu.check("compiling pipelines")

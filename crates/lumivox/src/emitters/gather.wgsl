@@ -8,6 +8,7 @@
 import package::cascades::finest_level;
 import package::cones::cone::{Cone, ConeSettings, START, Traced};
 import package::cones::way::{cone_start, trace_cone};
+import package::constants::SAMPLES_EMITTERS;
 import package::emitters::draw::{draw_emitter, emitters, point_of, Drawn, EmitterPoint};
 import package::emitters::emitter::{distance_to, emitter_of, NEIGHBOURS, strength};
 import package::grid::grid_from_world;
@@ -24,6 +25,14 @@ const STEPS: vec2f = vec2f(0.46803, 0.7548776662);
 struct FromEmitters {
     irradiance: vec3f,
     samples: u32,
+}
+
+// Whether emitters are sampled. Kernels for geometry without emitters leave out what depends on it.
+fn has_emitters() -> bool {
+    if SAMPLES_EMITTERS == 0u {
+        return false;
+    }
+    return emitters.count > 0u && emitters.is_shown == 0u;
 }
 
 // Shadows are soft because points are spread over the emitter, not because the ray is wide.
@@ -110,7 +119,7 @@ fn gather_emitters(
     settings: ConeSettings,
 ) -> FromEmitters {
     var result = FromEmitters(vec3f(0.0), 0u);
-    if emitters.count == 0u || emitters.is_shown != 0u {
+    if !has_emitters() {
         return result;
     }
     let place = grid_from_world(position_in_world);

@@ -24,6 +24,7 @@
 //! | `draw.wgsl` | a point on an emitter | candidate |
 //! | `gather.wgsl` | the best of some points, and a ray to it | gather |
 
+mod kernel;
 mod order;
 #[cfg(test)]
 mod tests;
@@ -39,6 +40,7 @@ use crate::voxelize::batch::{Fallbacks, run_group, textures_of, triangles_group}
 use crate::voxelize::input::{DrawGroup, PreparedBatch, ShareInput, emission_scale, emits};
 use crate::{Geometry, GeometryBatch, GiError, Grid, SurfaceMaterial, SurfaceTexture};
 
+pub(crate) use kernel::SamplingKernel;
 use order::Order;
 #[cfg(test)]
 pub(crate) use order::{Sorting, TreePart};
@@ -168,7 +170,7 @@ impl Emitters {
         let list_layout =
             LayoutBuilder::compute().uniform().storage_mut().build(device, "emitters::list");
         let groups = [grid_layout, triangles, &list_layout, run];
-        let list_kernel = Kernel::new(device, shaders, "emitters::list", "main", &groups)?;
+        let list_kernel = Kernel::deferred(device, shaders, "emitters::list", "main", &groups)?;
         let globals =
             BindGroupBuilder::new(grid_layout).buffer(&grid.uniform(device)).build(device, "grid");
         Ok(Self {
@@ -204,6 +206,17 @@ impl Emitters {
         });
         let triangles: u64 = shining.map(|draw| u64::from(draw.index_count / 3)).sum();
         (1..=MOST_TRIANGLES).contains(&triangles)
+    }
+
+    /// `true` if emitters are listed; otherwise gathers need not sample them.
+    pub(crate) fn has_any(&self) -> bool {
+        !self.batches.is_empty()
+    }
+
+    /// Queues the kernels for compilation.
+    pub(crate) fn expect(&self, device: &Pipelines) {
+        self.list_kernel.expect(device);
+        self.order.expect(device);
     }
 
     /// Forces the next call of `record` to rebuild the list, even if no draw has changed.
@@ -268,7 +281,11 @@ impl Emitters {
                 self.list_kernel.run_linear(recorder, &groups, u64::from(run.count()));
             }
         }
-        self.order.record(recorder);
+        if self.has_any() {
+            self.order.record(recorder);
+        } else {
+            recorder.clear(self.order.list());
+        }
         Ok(has_grown)
     }
 

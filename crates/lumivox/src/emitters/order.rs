@@ -96,12 +96,13 @@ impl Order {
             .build(device, "emitters::order");
         let tree_layout =
             LayoutBuilder::compute().uniform().storage_mut().build(device, "emitters::tree");
-        let kernel = |entry| Kernel::new(device, shaders, "emitters::order", entry, &[&layout]);
+        let kernel =
+            |entry| Kernel::deferred(device, shaders, "emitters::order", entry, &[&layout]);
         let [sort_blocks, exchange] = [kernel("sort_blocks")?, kernel("exchange")?];
         let [merge_blocks, place] = [kernel("merge_blocks")?, kernel("place")?];
         let record = size_of::<EmitterRecord>() as u64;
         let mut order = Self {
-            tree: Kernel::new(device, shaders, "emitters::tree", "main", &[&tree_layout])?,
+            tree: Kernel::deferred(device, shaders, "emitters::tree", "main", &[&tree_layout])?,
             layout,
             tree_layout,
             sort_blocks,
@@ -116,6 +117,13 @@ impl Order {
         };
         order.bind(device, 0);
         Ok(order)
+    }
+
+    /// Queues the kernels that lists of up to [`BLOCK`] emitters run for compilation.
+    pub(super) fn expect(&self, device: &Pipelines) {
+        for kernel in [&self.sort_blocks, &self.place, &self.tree] {
+            kernel.expect(device);
+        }
     }
 
     /// `EmitterList` of `emitter.wgsl`.

@@ -119,6 +119,7 @@ impl Gi {
         let cones = settings.cones.cones(self.config.grid.voxel_size_m, self.cone_values);
         let bound = [self.volume.globals(), &lights.group];
         self.hide_emission(recorder, true);
+        let bound = (bound, self.emitters.has_any());
         gatherer.run(recorder, bound, points, settings, cones);
         self.hide_emission(recorder, false);
         Ok(())
@@ -131,14 +132,9 @@ impl Gi {
     /// # Errors
     /// [`GiError::Shader`] if it does not link because a module given by the caller is wrong.
     pub fn prepare_gather(&self) -> Result<(), GiError> {
-        self.point_gatherer().map(|_| ())
-    }
-
-    /// Queues the kernels that only [`Self::light_frame`] runs for
-    /// [`Pipelines::compile`](crate::gpu::Pipelines::compile); otherwise they are compiled on first
-    /// use.
-    pub fn prepare_frames(&self) {
-        self.lighting.expect_frames(&self.device);
+        let gatherer = self.point_gatherer()?;
+        gatherer.expect(&self.device, self.emitters.has_any());
+        Ok(())
     }
 
     /// The kernel, created on first use.

@@ -203,6 +203,7 @@ impl Gi {
             globals: self.volume.globals(),
             lights: &lights.group,
             gbuffer,
+            has_emitters: self.emitters.has_any(),
             hide_emission: &|recorder, hides| self.hide_emission(recorder, hides),
             content: [self.content, lights.version],
         };

@@ -49,11 +49,25 @@ struct FarKernels {
 }
 
 impl LightKernels {
-    /// Queues all kernels that only recorded frames use for compilation.
-    pub(super) fn expect_frames(&self, device: &Pipelines) {
-        for [_, fresh] in [&self.bounce, &self.shine] {
-            fresh.expect(device);
+    /// Queues the kernels of bounces for compilation, and with `in_frames` those that only frames
+    /// use.
+    pub(super) fn expect_bounces(&self, device: &Pipelines, has_emitters: bool, in_frames: bool) {
+        let far = self.far.iter().flat_map(|far| [&far.collect, &far.rows, &far.columns]);
+        for kernel in self.find.iter().flatten().chain(far) {
+            kernel.expect(device);
         }
+        let shine = has_emitters.then_some(&self.shine);
+        for [in_turn, fresh] in [&self.bounce].into_iter().chain(shine) {
+            in_turn.expect(device);
+            if in_frames {
+                fresh.expect(device);
+            }
+        }
+    }
+
+    /// Queues the kernel that only geometry with emitters needs for compilation.
+    pub(super) fn expect_emitters(&self, device: &Pipelines) {
+        self.show_without_emission.expect(device);
     }
 
     /// Links the kernels; `grid` is the layout of only the grid, the others are those of groups 0
@@ -80,36 +94,39 @@ impl LightKernels {
         // One kernel for the faces whose turn it is, and one for those that have never gathered.
         let gather = |module| {
             let groups = [globals, &bounce_layout, lights];
-            let in_turn = Kernel::new(device, shaders, module, "main", &groups)?;
-            let fresh = Kernel::deferred(device, shaders, module, "fresh", &groups)?;
-            Ok::<_, ShaderError>([in_turn, fresh])
+            let kernel = |entry| Kernel::deferred(device, shaders, module, entry, &groups);
+            Ok::<_, ShaderError>([kernel("main")?, kernel("fresh")?])
         };
         let find = || {
             let groups = [globals, &bounce_layout];
-            let find = |entry| Kernel::new(device, shaders, "light::find", entry, &groups);
+            let find = |entry| Kernel::deferred(device, shaders, "light::find", entry, &groups);
             Ok::<_, ShaderError>([find("main")?, find("beside")?])
         };
         let far = || {
             let share_layout = layout(1, 2, 1, "share far light");
             let share = |entry| {
-                Kernel::new(device, shaders, "light::share_far", entry, &[globals, &share_layout])
+                let groups = [globals, &share_layout];
+                Kernel::deferred(device, shaders, "light::share_far", entry, &groups)
             };
             let [rows, columns] = [share("rows")?, share("columns")?];
             let groups = [globals, &bounce_layout, lights];
-            let collect = Kernel::new(device, shaders, "light::far", "main", &groups)?;
+            let collect = Kernel::deferred(device, shaders, "light::far", "main", &groups)?;
             Ok::<_, ShaderError>(FarKernels { share_layout, collect, rows, columns })
         };
         let show =
-            |entry| Kernel::new(device, shaders, "light::show", entry, &[grid, &show_layout]);
+            |entry| Kernel::deferred(device, shaders, "light::show", entry, &[grid, &show_layout]);
+        let [bounce, shine] = [gather("light::bounce")?, gather("light::shine")?];
+        let [show, show_without_emission] = [show("main")?, show("without_emission")?];
+        show.expect(device);
         Ok(Self {
             direct_layout: layout(1, 1, 1, "direct light"),
             find: (!marches).then(find).transpose()?,
             far: (!marches).then(far).transpose()?,
-            bounce: gather("light::bounce")?,
-            shine: gather("light::shine")?,
+            bounce,
+            shine,
             reflect: kernel("light::reflect", &reflect_layout)?,
-            show: show("main")?,
-            show_without_emission: show("without_emission")?,
+            show,
+            show_without_emission,
             follow: kernel("light::follow", &follow_layout)?,
             settle: kernel("light::settle", &settle_layout)?,
             inherit: kernel("light::inherit", &inherit_layout)?,

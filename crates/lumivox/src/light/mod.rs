@@ -92,9 +92,15 @@ enum Direct {
 }
 
 impl Lighting {
-    /// Queues all kernels that only recorded frames use for compilation.
-    pub(crate) fn expect_frames(&self, device: &Pipelines) {
-        self.kernels.expect_frames(device);
+    /// Queues the kernels of bounces for compilation, and with `in_frames` those that only frames
+    /// use.
+    pub(crate) fn expect_bounces(&self, device: &Pipelines, has_emitters: bool, in_frames: bool) {
+        self.kernels.expect_bounces(device, has_emitters, in_frames);
+    }
+
+    /// Queues the kernel that only geometry with emitters needs for compilation.
+    pub(crate) fn expect_emitters(&self, device: &Pipelines) {
+        self.kernels.expect_emitters(device);
     }
 
     pub(crate) fn new(

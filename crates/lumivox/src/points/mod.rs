@@ -11,9 +11,10 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::cones::{ConeSettings, TraceSettings};
+use crate::emitters::SamplingKernel;
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, BufferHandle, Kept, Kernel, LayoutBuilder, Pipelines,
-    Recorder, ShaderError, ShaderLibrary, Slot, Slots, storage_buffer, uniform_buffer, upload,
+    BindGroup, BindGroupBuilder, Buffer, BufferHandle, Kept, LayoutBuilder, Pipelines, Recorder,
+    ShaderError, ShaderLibrary, Slot, Slots, storage_buffer, uniform_buffer, upload,
 };
 
 /// How irradiance at points is gathered.
@@ -193,7 +194,7 @@ const FRAMES_A_PASS: u64 = 4;
 #[derive(Debug)]
 pub(crate) struct PointGatherer {
     layout: wgpu::BindGroupLayout,
-    kernel: Kernel,
+    kernel: SamplingKernel,
 }
 
 impl PointGatherer {
@@ -209,15 +210,20 @@ impl PointGatherer {
             .storage_mut()
             .build(device, "points");
         let layouts = [globals, &layout, lights];
-        let kernel = Kernel::new(device, shaders, "points::gather", "main", &layouts)?;
+        let kernel = SamplingKernel::new(device, shaders, "points::gather", "main", &layouts)?;
         Ok(Self { layout, kernel })
+    }
+
+    /// Queues the kernel for compilation.
+    pub(crate) fn expect(&self, device: &Pipelines, has_emitters: bool) {
+        self.kernel.expect(device, has_emitters);
     }
 
     /// Adds frames to the points, a few in each pass.
     pub(crate) fn run(
         &self,
         recorder: &mut Recorder,
-        [globals, lights]: [&BindGroup; 2],
+        (bound, has_emitters): ([&BindGroup; 2], bool),
         points: &GatherPoints,
         settings: &GatherSettings,
         cones: ConeSettings,
@@ -237,14 +243,14 @@ impl PointGatherer {
                 // Only once: direct light does not change from frame to frame.
                 has_direct: u32::from(settings.direct && left == 0),
             };
-            self.pass(recorder, [globals, lights], points, &uniform);
+            self.pass(recorder, (bound, has_emitters), points, &uniform);
         }
     }
 
     fn pass(
         &self,
         recorder: &mut Recorder,
-        [globals, lights]: [&BindGroup; 2],
+        ([globals, lights], has_emitters): ([&BindGroup; 2], bool),
         points: &GatherPoints,
         uniform: &PointSettings,
     ) {
@@ -262,7 +268,11 @@ impl PointGatherer {
         points.slots.with_free(make, |slot| {
             recorder.queue().write_buffer(&slot.settings, 0, bytemuck::bytes_of(uniform));
             let groups = [globals, &slot.group, lights];
-            self.kernel.run_linear(recorder, &groups, u64::from(points.count));
+            self.kernel.variant(has_emitters).run_linear(
+                recorder,
+                &groups,
+                u64::from(points.count),
+            );
         });
     }
 }

@@ -24,6 +24,7 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::UVec2;
 
+use crate::emitters::SamplingKernel;
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
     ShaderLibrary, Texture, TextureView, storage_buffer, uniform_buffer,
@@ -140,7 +141,7 @@ impl Layouts {
 /// The kernels of the steps.
 #[derive(Debug)]
 pub(crate) struct Kernels {
-    trace_probes: Kernel,
+    pub(crate) trace_probes: SamplingKernel,
     drift: Kernel,
     take_probes: Kernel,
     recall: Kernel,
@@ -160,21 +161,32 @@ impl Kernels {
         let kernel = |module: &str, own| {
             let module = format!("temporal::{module}");
             let groups = [globals, own, &layouts.nothing, gbuffer];
-            Kernel::new(device, shaders, &module, "main", &groups)
+            Kernel::deferred(device, shaders, &module, "main", &groups)
         };
         let probes = [globals, &layouts.trace_probes, lights];
+        let trace_probes =
+            SamplingKernel::new(device, shaders, "temporal::trace_probes", "main", &probes)?;
         let drift = [globals, &layouts.drift];
         let filter = [globals, &layouts.filter];
         Ok(Self {
-            trace_probes: Kernel::new(device, shaders, "temporal::trace_probes", "main", &probes)?,
-            drift: Kernel::new(device, shaders, "temporal::drift", "main", &drift)?,
+            trace_probes,
+            drift: Kernel::deferred(device, shaders, "temporal::drift", "main", &drift)?,
             take_probes: kernel("take_probes", &layouts.take_probes)?,
             recall: kernel("recall", &layouts.recall)?,
             compare: kernel("compare", &layouts.compare)?,
-            filter: Kernel::new(device, shaders, "temporal::filter", "main", &filter)?,
+            filter: Kernel::deferred(device, shaders, "temporal::filter", "main", &filter)?,
             resolve: kernel("resolve", &layouts.resolve)?,
             nothing: BindGroupBuilder::new(&layouts.nothing).build(device, "nothing"),
         })
+    }
+
+    /// Queues the kernels that geometry with or without emitters needs for compilation.
+    pub(crate) fn expect(&self, device: &Pipelines, has_emitters: bool) {
+        self.trace_probes.expect(device, has_emitters);
+        let Self { drift, take_probes, recall, compare, filter, resolve, .. } = self;
+        for kernel in [drift, take_probes, recall, compare, filter, resolve] {
+            kernel.expect(device);
+        }
     }
 }
 
@@ -407,13 +419,13 @@ impl Past {
     pub(crate) fn probe(
         &self,
         recorder: &mut Recorder,
-        kernels: &Kernels,
+        (kernels, trace_probes): (&Kernels, &Kernel),
         groups: &Groups,
         [globals, lights]: [&BindGroup; 2],
     ) {
         let UVec2 { x, y } = self.probes();
         let again = [globals, &groups.trace_probes, lights];
-        kernels.trace_probes.run_linear(recorder, &again, u64::from(x) * u64::from(y));
+        trace_probes.run_linear(recorder, &again, u64::from(x) * u64::from(y));
         let traced = [self.traced_size.x, self.traced_size.y, 1];
         kernels.drift.run(recorder, &[globals, &groups.drift], traced);
     }

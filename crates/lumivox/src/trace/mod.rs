@@ -17,6 +17,7 @@ use glam::UVec2;
 
 use crate::GiError;
 use crate::cones::{ConeSettings, TraceResolution, TraceSettings};
+use crate::emitters::SamplingKernel;
 use crate::gpu::{BindGroup, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
 use crate::temporal;
 
@@ -80,8 +81,8 @@ const ARGUMENTS_OFFSET: u64 = 4;
 /// Traces cones from a G-buffer.
 #[derive(Debug)]
 pub(crate) struct Tracer {
-    diffuse: Kernel,
-    specular: Kernel,
+    diffuse: SamplingKernel,
+    specular: SamplingKernel,
     diffuse_layout: wgpu::BindGroupLayout,
     specular_layout: wgpu::BindGroupLayout,
     reconstruct_layout: wgpu::BindGroupLayout,
@@ -106,7 +107,7 @@ struct HalfLayouts {
 #[derive(Debug)]
 struct HalfKernels {
     count: Kernel,
-    edges: [Kernel; 2],
+    edges: [SamplingKernel; 2],
 }
 
 impl Tracer {
@@ -149,7 +150,8 @@ impl Tracer {
                 .build(device, "edges"),
         };
         let kernel = |module, layout| {
-            Kernel::new(device, shaders, module, "main", &[globals, layout, lights, gbuffer])
+            let groups = [globals, layout, lights, gbuffer];
+            SamplingKernel::new(device, shaders, module, "main", &groups)
         };
         Ok(Self {
             diffuse: kernel("trace::diffuse", &diffuse_layout)?,
@@ -165,6 +167,21 @@ impl Tracer {
         })
     }
 
+    /// Queues the kernels that geometry with or without emitters needs for compilation.
+    pub(crate) fn expect(&self, device: &Pipelines, has_emitters: bool) {
+        let half = self.half_kernels.get();
+        let edges = half.into_iter().flat_map(|kernels| &kernels.edges);
+        for kernel in [&self.diffuse, &self.specular].into_iter().chain(edges) {
+            kernel.expect(device, has_emitters);
+        }
+        for kernel in self.reconstruct.get().into_iter().chain(half.map(|kernels| &kernels.count)) {
+            kernel.expect(device);
+        }
+        if let Some(kernels) = self.temporal_kernels.get() {
+            kernels.expect(device, has_emitters);
+        }
+    }
+
     /// Links the kernel that makes a picture without light of earlier frames, at its first use.
     pub(crate) fn prepare_reconstruct(
         &self,
@@ -174,7 +191,7 @@ impl Tracer {
     ) -> Result<(), GiError> {
         if self.reconstruct.get().is_none() {
             let groups = [globals, &self.reconstruct_layout, lights, gbuffer];
-            let kernel = Kernel::new(device, shaders, "trace::reconstruct", "main", &groups)?;
+            let kernel = Kernel::deferred(device, shaders, "trace::reconstruct", "main", &groups)?;
             let _ = self.reconstruct.set(kernel);
         }
         Ok(())
@@ -190,12 +207,13 @@ impl Tracer {
         if self.half_kernels.get().is_some() {
             return Ok(());
         }
-        let kernel = |module, entry, layout| {
-            Kernel::new(device, shaders, module, entry, &[globals, layout, lights, gbuffer])
+        let count = [globals, &self.half.count, lights, gbuffer];
+        let edges = |entry| {
+            let groups = [globals, &self.half.edges, lights, gbuffer];
+            SamplingKernel::new(device, shaders, "trace::edges", entry, &groups)
         };
-        let edges = |entry| kernel("trace::edges", entry, &self.half.edges);
         let _ = self.half_kernels.set(HalfKernels {
-            count: kernel("trace::edge_count", "main", &self.half.count)?,
+            count: Kernel::deferred(device, shaders, "trace::edge_count", "main", &count)?,
             edges: [edges("diffuse")?, edges("specular")?],
         });
         Ok(())
@@ -244,14 +262,16 @@ impl Tracer {
                 }
             };
             hide_emission(recorder, true);
-            self.diffuse.run(recorder, &group(&slot.diffuse), [x, y, 1]);
+            let has_emitters = bound.has_emitters;
+            self.diffuse.variant(has_emitters).run(recorder, &group(&slot.diffuse), [x, y, 1]);
             let temporal = targets.past.as_ref().zip(slot.temporal.as_ref());
             let temporal = temporal.zip(self.temporal_kernels.get());
             if let Some(((past, groups), kernels)) = temporal.filter(|_| has_changed != 0) {
-                past.probe(recorder, kernels, groups, [bound.globals, bound.lights]);
+                let probes = kernels.trace_probes.variant(has_emitters);
+                past.probe(recorder, (kernels, probes), groups, [bound.globals, bound.lights]);
             }
             hide_emission(recorder, false);
-            self.specular.run(recorder, &group(&slot.specular), [x, y, 1]);
+            self.specular.variant(has_emitters).run(recorder, &group(&slot.specular), [x, y, 1]);
             recorder.clear(&slot.counts);
             if let Some(((past, groups), kernels)) = temporal {
                 let settings = (slot.settings(), targets.reflected_distance());
@@ -265,7 +285,8 @@ impl Tracer {
             if let (Some(half), Some(kernels)) = (&slot.half, self.half_kernels.get()) {
                 kernels.count.run(recorder, &group(&half.count), [1, 1, 1]);
                 let groups = group(&half.edges);
-                let trace_edges = |recorder: &mut Recorder<'_>, kernel: &Kernel| {
+                let trace_edges = |recorder: &mut Recorder<'_>, kernel: &SamplingKernel| {
+                    let kernel = kernel.variant(has_emitters);
                     recorder.compute("trace::edges", |pass| {
                         kernel.dispatch_indirect(pass, &groups, &slot.counts, ARGUMENTS_OFFSET);
                     });
@@ -286,6 +307,8 @@ pub(crate) struct Bound<'a> {
     pub(crate) globals: &'a BindGroup,
     pub(crate) lights: &'a BindGroup,
     pub(crate) gbuffer: &'a GBuffer,
+    /// `true` if emitters are listed.
+    pub(crate) has_emitters: bool,
     /// Makes the volume show only reflected light, or all light again.
     pub(crate) hide_emission: &'a dyn Fn(&mut Recorder<'_>, bool),
     /// Changes whenever what the cones see changes.

@@ -22,9 +22,8 @@ import package::cones::cone::Cone;
 import package::cones::way::{cone_growth, cone_start, trace_cone};
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::cones::hemisphere::basis;
-import package::emitters::draw::emitters;
 import package::emitters::emitter::strength;
-import package::emitters::gather::STEPS;
+import package::emitters::gather::{has_emitters, STEPS};
 import package::trace::known_gloss::{reflect_known, share_of_known};
 import package::trace::lobe::{draw_direction, Lobe};
 import package::trace::lobe_emitters::{expected_irradiance, reflect_emitters, share_of_lobe};
@@ -85,7 +84,7 @@ fn trace_specular(pixel: vec2u, turn: u32, turns: u32, samples: f32) -> Reflecti
     let start = random_pair(pixel.y + 0x9e3779b9u, hash(pixel.x));
     let level = drawn_level(surface.position_in_world, start.x);
     var expected = 0.0;
-    if emitters.count > 0u && emitters.is_shown == 0u {
+    if has_emitters() {
         expected = expected_irradiance(surface);
     }
     if share_of_known(max(alpha_from_roughness(material.roughness), coat.alpha)) > 0.0 {
@@ -138,8 +137,8 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
         reflected = known_share * reflect_known(lobe, gloss.cells_from_normal, start.yx, turn);
     }
     var samples = 0.0;
-    let has_emitters = emitters.count > 0u && emitters.is_shown == 0u;
-    if has_emitters {
+    let samples_emitters = has_emitters();
+    if samples_emitters {
         let numbers = fract(start.yx + fract(STEPS * f32(turn & 0xffffu)));
         let from_emitters = reflect_emitters(
             surface, lobe, transpose(gloss.world_from_normal), level, gloss.expected, numbers);
@@ -169,7 +168,7 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
 
     var emission = vec3f(0.0);
     samples += f32(traced.samples);
-    if has_emitters {
+    if samples_emitters {
         let emitted = strength(traced.emission) * drawn.direction.z / gloss.expected;
         emission = share_of_lobe(drawn.density, emitted) * traced.emission;
         radiance = max(radiance - traced.emission, vec3f(0.0));

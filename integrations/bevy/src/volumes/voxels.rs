@@ -6,8 +6,8 @@ use bevy::tasks::{AsyncComputeTaskPool, Task};
 use lumivox::gpu::{Pipelines, Recorder};
 use lumivox::hooks::Resource as Bound;
 use lumivox::{
-    CubeUse, EnvironmentCube, EnvironmentLight, Gi, GiConfig, GiError, Grid, Light, Lights, Shadow,
-    ShadowSource, VolumeKind, wgpu,
+    CubeUse, EnvironmentCube, EnvironmentLight, Geometry, Gi, GiConfig, GiError, Grid, Light,
+    Lights, Shadow, ShadowSource, VolumeKind, wgpu,
 };
 
 use crate::light::irradiance::ARE_USABLE;
@@ -119,9 +119,9 @@ pub(crate) fn make(
             ..GiConfig::new(grid)
         };
         let gi = Gi::with_pipelines(&pipelines, &queue, config)?;
-        gi.prepare_frames();
         // Creates the kernels of these settings, to be compiled with all others.
         gi.targets(UVec2::splat(8), &settings.trace_settings());
+        gi.prepare(&Geometry::default(), 1, true);
         let compose = Compose::new(&gi)?;
         let cube = EnvironmentCube::new(&pipelines, gi.shaders(), EDGE)?;
         Ok((pipelines, Made { gi, cube, compose, probe_kernels: None }))

@@ -207,7 +207,7 @@ impl Worker {
         let asked = explorer.settings().clone();
         if explorer.pacing.is_first() {
             // If the settings of the first look are refused, render without them.
-            let _ = explorer.set_settings(first_look(&asked));
+            let _ = explorer.set_settings(first_look(&asked, explorer.scene()));
         }
         let rendered = pollster::block_on(explorer.frame(&mut tell));
         explorer.set_settings(asked)?;

@@ -60,6 +60,7 @@ fn assert_alike(what: &str, actual: &[[f32; 3]], expected: &[[f32; 4]], median: 
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn guides_are_those_of_the_rasterizer() {
     let scene = zoo::scene();
     let size = UVec2::new(48, 27);
@@ -97,6 +98,7 @@ fn guides_are_those_of_the_rasterizer() {
 /// Texels a third of a pixel and larger, beyond the edges of the texture, in all ways of wrapping
 /// and filtering.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn textures_are_read_as_the_rasterizer_reads_them() {
     let mut scene = stage();
     let wraps = [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat];

@@ -13,6 +13,7 @@ fn small() -> ReferenceSettings {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn runs_bands_and_interruptions_give_the_same_bits() {
     let scene = zoo();
     let whole = traced(&scene, &small());
@@ -103,6 +104,7 @@ fn a_checkpoint_of_anything_else_is_refused() {
 /// A power of two changes only exponents, so all that does not depend on the unit of radiance is
 /// unchanged.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn millimetres_and_kilometres_are_the_same() {
     let scene = zoo();
     let whole = traced(&scene, &small());
@@ -129,6 +131,7 @@ fn millimetres_and_kilometres_are_the_same() {
 
 /// Parts of several tracers add up to the bits of one, whatever their order.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn parts_have_the_bits_of_the_whole() {
     let scene = zoo();
     let whole = ReferenceSettings { samples: 48, ..small() };

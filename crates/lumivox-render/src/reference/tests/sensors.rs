@@ -77,6 +77,7 @@ fn a_sky_reads_as_its_share_of_the_hemisphere() {
 
 /// A sensor on a floor reads what the picture of that floor has, from all bounces.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn sensors_agree_with_pictures() {
     let scene = builtin("cornell");
     let camera = &scene.cameras[0];
@@ -119,6 +120,7 @@ fn sensors_agree_with_pictures() {
 
 /// Other seeds differ by the reported standard error.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn the_standard_error_is_that_of_repetitions() {
     let scene = builtin("cornell");
     let sensor = [up(Vec3::new(0.1, 0.2, 0.1)), up(Vec3::new(-0.2, 0.3, 0.3))];

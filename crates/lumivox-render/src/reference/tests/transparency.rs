@@ -72,6 +72,7 @@ fn assert_cell(what: &str, layers: &[[f32; 3]], variances: &[f32], cell: u32, ex
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn panes_show_what_is_behind_them_in_proportion() {
     let behind = Vec3::new(1.0, 0.5, 0.25);
     let before = Vec3::new(0.2, 0.9, 0.4);
@@ -131,6 +132,7 @@ fn panes_show_what_is_behind_them_in_proportion() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn shadows_are_as_deep_as_what_casts_them_is_solid() {
     let mut scene = stage();
     let leaf = leaf(&mut scene);
