@@ -4,16 +4,16 @@
 // It has no noise from pixel to pixel, but an error that is the same for a few voxels. So the first
 // frame of a mean takes all of it, and later ones less.
 
-import package::gpu::random::sequence_pair;
+import package::emitters::emitter::strength;
 import package::trace::brdf::PI;
-import package::trace::lobe::{draw_direction, Lobe};
+import package::trace::lobe::{draw_direction, Drawn, Lobe};
 import package::trace::screen::{settings, share_in_mean};
 import package::trace::view::view;
 import package::trace::way::known_from;
 import package::volume::far_light::FAR_CELLS;
 
-// Directions in which a frame looks up known light for a pixel.
-const DIRECTIONS: u32 = 8u;
+// Directions from which a frame chooses one to trace.
+const DIRECTIONS: u32 = 16u;
 
 // Frames of a mean that take known light.
 const KNOWN_FRAMES: u32 = 12u;
@@ -27,16 +27,47 @@ fn share_of_known(alpha: f32) -> f32 {
     return select(0.0, wide * share * share, settings.shares != 0u && view.frame < KNOWN_FRAMES);
 }
 
-// The known light that a lobe reflects. `cells_from_normal` transforms to the frame whose z is the
-// surface's own normal.
-fn reflect_known(lobe: Lobe, cells_from_normal: mat3x3f, start: vec2f, turn: u32) -> vec3f {
-    let first = sequence_pair(start, turn);
-    var sum = vec3f(0.0);
-    for (var i = 0u; i < DIRECTIONS; i++) {
-        let numbers = fract(first + vec2f(f32(i) / f32(DIRECTIONS), 0.618034 * f32(i)));
-        let drawn = draw_direction(lobe, numbers);
+// A direction chosen from several draws of a lobe, and the known light that the lobe reflects.
+struct Resampled {
+    // Its weight is that of the choice.
+    drawn: Drawn,
+    known: vec3f,
+}
+
+// Draws DIRECTIONS directions, looks up known light in each if `looks_up`, and chooses one in
+// proportion to its weight (resampled importance sampling: Talbot et al. 2005, "Importance
+// resampling for global illumination"). So the weights of traced light hardly vary: in even light
+// there is little noise. `cells_from_normal` transforms to the frame whose z is the surface's own
+// normal, `numbers` are random. If all weights are equal, the choice is the direction of the first
+// two numbers, so a sequence of them stays well spread.
+fn resample(lobe: Lobe, cells_from_normal: mat3x3f, numbers: vec3f, looks_up: bool) -> Resampled {
+    var chosen = Resampled(Drawn(vec3f(0.0), 0.0, vec3f(0.0)), vec3f(0.0));
+    let parts = f32(DIRECTIONS);
+    let own = floor(numbers.y * parts);
+    let within = fract(numbers.y * parts);
+    let lot = (own + numbers.z) / parts;
+    var sum = 0.0;
+    var so_far = 0.0;
+    // The first half of the turns adds up the weights, the second half chooses.
+    for (var turn = 0u; turn < 2u * DIRECTIONS; turn++) {
+        let i = f32(turn % DIRECTIONS);
+        let drawn = draw_direction(
+            lobe, vec2f(fract(numbers.x + 0.618034 * (i - own)), (i + within) / parts));
         let local = cells_from_normal * drawn.direction;
-        sum += select(vec3f(0.0), known_from(local).radiance * drawn.weight, local.z > 0.0);
+        let weight = select(vec3f(0.0), drawn.weight, local.z > 0.0);
+        let brings = strength(weight);
+        if turn < DIRECTIONS {
+            sum += brings;
+            if looks_up {
+                chosen.known += known_from(local).radiance * weight / parts;
+            }
+        } else {
+            let is_chosen = brings > 0.0 && so_far <= lot * sum;
+            so_far += brings;
+            if is_chosen {
+                chosen.drawn = Drawn(drawn.direction, drawn.density, weight * (sum / parts / brings));
+            }
+        }
     }
-    return sum / f32(DIRECTIONS);
+    return chosen;
 }

@@ -1,11 +1,11 @@
 // A glossy cone from each pixel: reflected radiance in rgb, the pixel's samples (diffuse ones
 // included) in a.
 //
-// Every turn draws one half vector from the distribution of visible normals and traces a cone along
-// the mirrored direction. The cone's solid angle is share / pdf, a share of what the draw
-// represents: the footprint of filtered importance sampling (Krivanek and Colbert 2008, section 4).
-// The weight of the draw is F G2 / G1 (Heitz 2018, equation 19), so the mean over frames is the
-// BRDF's integral, blurred only by the cone.
+// Every turn draws half vectors from the distribution of visible normals, chooses one of them by
+// its weight, F G2 / G1 (Heitz 2018, equation 19), and traces a cone along the mirrored direction.
+// The mean over frames is the BRDF's integral, blurred only by the cone: its solid angle is share /
+// pdf, a share of what a draw represents, the footprint of filtered importance sampling (Krivanek
+// and Colbert 2008, section 4).
 //
 // A rough lobe takes light from afar from what is known (known_gloss.wgsl); surfaces that its cones
 // find near by replace it. Emitters are sampled as well (lobe_emitters.wgsl).
@@ -24,8 +24,8 @@ import package::trace::gbuffer::{load_specular, load_surface};
 import package::cones::hemisphere::basis;
 import package::emitters::emitter::strength;
 import package::emitters::gather::{has_emitters, STEPS};
-import package::trace::known_gloss::{reflect_known, share_of_known};
-import package::trace::lobe::{draw_direction, Lobe};
+import package::trace::known_gloss::{resample, share_of_known};
+import package::trace::lobe::Lobe;
 import package::trace::lobe_emitters::{expected_irradiance, reflect_emitters, share_of_lobe};
 import package::trace::surface::{Specular, Surface};
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
@@ -132,10 +132,10 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
     let level = gloss.level;
     let lobe = choose_lobe(gloss, turn);
     let known_share = share_of_known(lobe.alpha);
-    var reflected = vec3f(0.0);
-    if known_share > 0.0 {
-        reflected = known_share * reflect_known(lobe, gloss.cells_from_normal, start.yx, turn);
-    }
+    let lot = fract(4096.0 * start.x + 0.414214 * f32(turn & 0xffffu));
+    let resampled = resample(
+        lobe, gloss.cells_from_normal, vec3f(sequence_pair(start, turn), lot), known_share > 0.0);
+    var reflected = known_share * resampled.known;
     var samples = 0.0;
     let samples_emitters = has_emitters();
     if samples_emitters {
@@ -145,7 +145,7 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
         reflected += from_emitters.rgb;
         samples = from_emitters.a;
     }
-    let drawn = draw_direction(lobe, sequence_pair(start, turn));
+    let drawn = resampled.drawn;
     let direction = gloss.world_from_normal * drawn.direction;
     let cos_plane = dot(direction, surface.geometric_normal);
     if drawn.direction.z <= 0.0 || cos_plane <= 0.0 {
