@@ -214,7 +214,7 @@ fn check(snapshots: Vec<Snapshot>) {
     assert!(
         failures.is_empty(),
         "{}\nOn {}. Look at the pictures; where the new ones are right, write them as references with\n  \
-         LUMIVOX_BLESS=1 ./test -- -p lumivox-render snapshots\nand commit them with the change \
+         LUMIVOX_BLESS=1 ./test -- -p lumivox-render snapshots -- --include-ignored\nand commit them with the change \
          that explains them.",
         failures.join("\n"),
         lumivox_render::describe(&gpu.adapter_info)

@@ -12,8 +12,8 @@ import package::trace::view::view;
 import package::trace::way::known_from;
 import package::volume::far_light::FAR_CELLS;
 
-// Directions from which a frame chooses one to trace.
-const DIRECTIONS: u32 = 16u;
+// A frame chooses among GRID x GRID directions.
+const GRID: u32 = 4u;
 
 // Frames of a mean that take known light.
 const KNOWN_FRAMES: u32 = 12u;
@@ -34,40 +34,51 @@ struct Resampled {
     known: vec3f,
 }
 
-// Draws DIRECTIONS directions, looks up known light in each if `looks_up`, and chooses one in
-// proportion to its weight (resampled importance sampling: Talbot et al. 2005, "Importance
-// resampling for global illumination"). So the weights of traced light hardly vary: in even light
-// there is little noise. `cells_from_normal` transforms to the frame whose z is the surface's own
-// normal, `numbers` are random. If all weights are equal, the choice is the direction of the first
-// two numbers, so a sequence of them stays well spread.
+// Draws directions in a grid of random numbers, looks up known light in each if `looks_up`, and
+// chooses one in proportion to its weight (resampled importance sampling: Talbot et al. 2005,
+// "Importance resampling for global illumination"). So the weights of traced light hardly vary: in
+// even light there is little noise. `cells_from_normal` transforms to the frame whose z is the
+// surface's own normal, `numbers` are random.
+//
+// If all weights are equal, the choice is the direction of the first two numbers, otherwise one
+// near it, so a sequence of them stays well spread: the grid is gone through in a winding line.
 fn resample(lobe: Lobe, cells_from_normal: mat3x3f, numbers: vec3f, looks_up: bool) -> Resampled {
     var chosen = Resampled(Drawn(vec3f(0.0), 0.0, vec3f(0.0)), vec3f(0.0));
-    let parts = f32(DIRECTIONS);
-    let own = floor(numbers.y * parts);
-    let within = fract(numbers.y * parts);
-    let lot = (own + numbers.z) / parts;
+    let count = GRID * GRID;
+    let own = vec2u(numbers.xy * f32(GRID));
+    let within = fract(numbers.xy * f32(GRID));
+    let lot = f32(GRID * own.x + wind(own.y, own.x)) + numbers.z;
     var sum = 0.0;
     var so_far = 0.0;
     // The first half of the turns adds up the weights, the second half chooses.
-    for (var turn = 0u; turn < 2u * DIRECTIONS; turn++) {
-        let i = f32(turn % DIRECTIONS);
+    for (var turn = 0u; turn < 2u * count; turn++) {
+        let column = turn % count / GRID;
+        let row = wind(turn % GRID, column);
+        // Odd columns are mirrored, so that the errors of two columns cancel.
+        let is_mirrored = ((column ^ own.x) & 1u) != 0u;
+        let up = select(within.y, 1.0 - within.y, is_mirrored);
         let drawn = draw_direction(
-            lobe, vec2f(fract(numbers.x + 0.618034 * (i - own)), (i + within) / parts));
+            lobe, vec2f(f32(column) + within.x, f32(row) + up) / f32(GRID));
         let local = cells_from_normal * drawn.direction;
-        let weight = select(vec3f(0.0), drawn.weight, local.z > 0.0);
+        let weight = select(vec3f(0.0), drawn.weight, local.z > 0.0) / f32(count);
         let brings = strength(weight);
-        if turn < DIRECTIONS {
+        if turn < count {
             sum += brings;
             if looks_up {
-                chosen.known += known_from(local).radiance * weight / parts;
+                chosen.known += known_from(local).radiance * weight;
             }
         } else {
-            let is_chosen = brings > 0.0 && so_far <= lot * sum;
+            let is_chosen = brings > 0.0 && so_far * f32(count) <= lot * sum;
             so_far += brings;
             if is_chosen {
-                chosen.drawn = Drawn(drawn.direction, drawn.density, weight * (sum / parts / brings));
+                chosen.drawn = Drawn(drawn.direction, drawn.density, weight * (sum / brings));
             }
         }
     }
     return chosen;
+}
+
+// The place in a column of the grid, where odd columns run backwards.
+fn wind(place: u32, column: u32) -> u32 {
+    return select(place, GRID - 1u - place, (column & 1u) != 0u);
 }
