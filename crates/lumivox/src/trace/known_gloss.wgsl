@@ -1,8 +1,8 @@
-// Reflection of light from afar that the faces around have gathered (near_and_far.wgsl): a rough
-// lobe takes it without tracing rays.
+// The direction that a glossy lobe traces, and the light from afar that it reflects without tracing
+// rays: what the faces around have gathered (near_and_far.wgsl), for rough lobes.
 //
-// It has no noise from pixel to pixel, but an error that is the same for a few voxels. So the first
-// frame of a mean takes all of it, and later ones less.
+// Known light has no noise from pixel to pixel, but an error that is the same for a few voxels. So
+// the first frame of a mean takes all of it, and later ones less.
 
 import package::emitters::emitter::strength;
 import package::trace::brdf::PI;
