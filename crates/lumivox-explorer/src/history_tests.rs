@@ -15,6 +15,7 @@ fn undone(explorer: &mut Explorer) -> String {
 
 /// Each kind of change is taken back and done again, and the picture is that of before, to the bit.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn all_that_changes_is_taken_back_and_done_again() {
     let mut explorer = explorer("cornell");
     let last = explorer.object_names().len() - 1;

@@ -49,7 +49,7 @@ impl Outside for Browser {
 
     fn check(&self, opening: &SceneRequest) -> anyhow::Result<()> {
         match &opening.source {
-            SceneSource::Builtin(name) if !builtin::names().contains(&name.as_str()) => {
+            SceneSource::Builtin(name) if builtin::about(name).is_none() => {
                 let known = builtin::names().to_vec();
                 Err(SceneError::UnknownBuiltin { name: name.clone(), known }.into())
             }

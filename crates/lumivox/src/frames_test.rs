@@ -422,6 +422,7 @@ fn response(faces: impl Fn(u32) -> Option<u32>, frames: u32) -> (Vec<f64>, [f64;
 
 /// In the share of light that docs/moving.md states.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn light_follows_a_switch_within_frames() {
     let (whole, [settled, solved]) = response(|_| None, 10);
     println!("whole gathers: {whole:.3?}, settles to {settled} of {solved}");
@@ -532,6 +533,7 @@ fn what_has_settled_costs_nothing() {
 /// Repeated frames give the same bits in every run. The places of an octree's bricks depend on when
 /// its buffers grew, so they are large enough from the start.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn frames_have_the_same_bits_in_every_run() {
     for volume in volumes() {
         check_runs(volume);

@@ -47,7 +47,7 @@ pub fn within(folder: &Path, name: &Path) -> Option<PathBuf> {
 /// When there is no built-in scene or no file of that name.
 pub fn check(source: &SceneSource) -> anyhow::Result<()> {
     match source {
-        SceneSource::Builtin(name) if builtin::names().contains(&name.as_str()) => Ok(()),
+        SceneSource::Builtin(name) if builtin::about(name).is_some() => Ok(()),
         SceneSource::Builtin(name) => {
             let known = builtin::names().to_vec();
             Err(SceneError::UnknownBuiltin { name: name.clone(), known }.into())

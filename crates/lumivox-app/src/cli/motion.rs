@@ -37,7 +37,7 @@ pub struct MotionArgs {
     /// orbit (the camera, about any scene), dolly (the camera, through the doorway of two-rooms),
     /// lamp (a lamp moves), switch (lamps go off and on), block (a block of cornell slides and
     /// turns), door (that of two-rooms closes and opens), sun (crosses the sky of atrium), walk (a
-    /// skinned figure), animation (a file's own).
+    /// skinned figure), animation (a file's own); orbit-glossy and block-glossy (in cornell-glossy).
     #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = "Measurement")]
     pub sequence: Vec<String>,
 

@@ -14,7 +14,9 @@ pub fn run(host: &Host) -> anyhow::Result<()> {
 
 fn text() -> String {
     let width = builtin::names().iter().map(|name| name.len()).max().unwrap_or(0);
-    let mut text = String::from("Built-in scenes, to be named as builtin:NAME:\n\n");
+    let mut text = String::from(
+        "Built-in scenes, to be named as builtin:NAME, or builtin:NAME-glossy with a gloss of roughness 0.5:\n\n",
+    );
     for name in builtin::names() {
         text += &format!("  {name:<width$}  {}\n", builtin::about(name).unwrap_or_default());
     }

@@ -137,6 +137,7 @@ fn voxels_are_counted() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn voxelizers_are_compared() {
     let folder = folder();
     // Walls at an angle to the grid: the rasterizer's gaps and surplus both show.

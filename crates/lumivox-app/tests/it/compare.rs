@@ -14,6 +14,7 @@ fn png(path: &Path, width: u32, height: u32, codes: &[u8]) {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn two_renderings_are_compared() {
     let folder = folder();
     for (name, frames) in [("reference", 8), ("ours", 1)] {

@@ -76,6 +76,7 @@ fn irradiance_agrees_with_the_dense_volume() {
 }
 
 #[test]
+#[ignore = "slow: over three seconds"]
 fn isotropic_voxels_and_cone_shadows_agree_too() {
     let gpu = gpu();
     let of = |volume| {

@@ -16,7 +16,7 @@ mod spheres;
 mod two_rooms;
 mod window;
 
-use crate::{Scene, SceneError};
+use crate::{Material, Scene, SceneError, Shading};
 
 /// A built-in scene.
 struct Builtin {
@@ -112,11 +112,22 @@ const NAMES: [&str; ALL.len()] = {
     names
 };
 
+/// Behind the name of a scene: its matt surfaces have the gloss that modelling programs export.
+const GLOSSY: &str = "-glossy";
+
+/// The roughness of glossy surfaces.
+const ROUGHNESS: f32 = 0.5;
+
+fn is_matt(material: &Material) -> bool {
+    matches!(&material.shading, Shading::MetallicRoughness(shading) if shading.specular == 0.0)
+}
+
 fn find(name: &str) -> Option<&'static Builtin> {
+    let name = name.strip_suffix(GLOSSY).unwrap_or(name);
     ALL.iter().find(|scene| scene.name == name)
 }
 
-/// The names that [`scene`] knows.
+/// The names that [`scene`] knows, without those that end in `-glossy`.
 pub fn names() -> &'static [&'static str] {
     &NAMES
 }
@@ -133,7 +144,8 @@ pub fn is_large(name: &str) -> bool {
     find(name).is_some_and(|scene| scene.is_large)
 }
 
-/// Makes the built-in scene of that name.
+/// Makes the built-in scene of that name. If `-glossy` follows the name, its matt surfaces are
+/// dielectrics of roughness 0.5, as modelling programs export them.
 ///
 /// # Errors
 /// [`SceneError::UnknownBuiltin`], which lists the names, if the name is unknown.
@@ -142,6 +154,13 @@ pub fn scene(name: &str) -> Result<Scene, SceneError> {
         return Err(SceneError::UnknownBuiltin { name: name.to_owned(), known: NAMES.to_vec() });
     };
     let mut scene = (builtin.make)()?;
+    if name.ends_with(GLOSSY) {
+        for index in 0..scene.materials.len() {
+            if is_matt(&scene.materials[index]) {
+                build::glaze(&mut scene, index, ROUGHNESS);
+            }
+        }
+    }
     name.clone_into(&mut scene.name);
     scene.validate()?;
     Ok(scene)

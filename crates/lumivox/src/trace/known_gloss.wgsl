@@ -6,14 +6,11 @@
 
 import package::emitters::emitter::strength;
 import package::trace::brdf::PI;
-import package::trace::lobe::{draw_direction, Drawn, Lobe};
+import package::trace::lobe::{draw_in_grid, wind, Drawn, Lobe, DRAWS, GRID};
 import package::trace::screen::{settings, share_in_mean};
 import package::trace::view::view;
 import package::trace::way::known_from;
 import package::volume::far_light::FAR_CELLS;
-
-// A frame chooses among GRID x GRID directions.
-const GRID: u32 = 4u;
 
 // Frames of a mean that take known light.
 const KNOWN_FRAMES: u32 = 12u;
@@ -41,34 +38,26 @@ struct Resampled {
 // surface's own normal, `numbers` are random.
 //
 // If all weights are equal, the choice is the direction of the first two numbers, otherwise one
-// near it, so a sequence of them stays well spread: the grid is gone through in a winding line.
+// near it, so a sequence of them stays well spread.
 fn resample(lobe: Lobe, cells_from_normal: mat3x3f, numbers: vec3f, looks_up: bool) -> Resampled {
     var chosen = Resampled(Drawn(vec3f(0.0), 0.0, vec3f(0.0)), vec3f(0.0));
-    let count = GRID * GRID;
     let own = vec2u(numbers.xy * f32(GRID));
-    let within = fract(numbers.xy * f32(GRID));
     let lot = f32(GRID * own.x + wind(own.y, own.x)) + numbers.z;
     var sum = 0.0;
     var so_far = 0.0;
     // The first half of the turns adds up the weights, the second half chooses.
-    for (var turn = 0u; turn < 2u * count; turn++) {
-        let column = turn % count / GRID;
-        let row = wind(turn % GRID, column);
-        // Odd columns are mirrored, so that the errors of two columns cancel.
-        let is_mirrored = ((column ^ own.x) & 1u) != 0u;
-        let up = select(within.y, 1.0 - within.y, is_mirrored);
-        let drawn = draw_direction(
-            lobe, vec2f(f32(column) + within.x, f32(row) + up) / f32(GRID));
+    for (var turn = 0u; turn < 2u * DRAWS; turn++) {
+        let drawn = draw_in_grid(lobe, numbers.xy, turn % DRAWS);
         let local = cells_from_normal * drawn.direction;
-        let weight = select(vec3f(0.0), drawn.weight, local.z > 0.0) / f32(count);
+        let weight = select(vec3f(0.0), drawn.weight, local.z > 0.0) / f32(DRAWS);
         let brings = strength(weight);
-        if turn < count {
+        if turn < DRAWS {
             sum += brings;
             if looks_up {
                 chosen.known += known_from(local).radiance * weight;
             }
         } else {
-            let is_chosen = brings > 0.0 && so_far * f32(count) <= lot * sum;
+            let is_chosen = brings > 0.0 && so_far * f32(DRAWS) <= lot * sum;
             so_far += brings;
             if is_chosen {
                 chosen.drawn = Drawn(drawn.direction, drawn.density, weight * (sum / brings));
@@ -76,9 +65,4 @@ fn resample(lobe: Lobe, cells_from_normal: mat3x3f, numbers: vec3f, looks_up: bo
         }
     }
     return chosen;
-}
-
-// The place in a column of the grid, where odd columns run backwards.
-fn wind(place: u32, column: u32) -> u32 {
-    return select(place, GRID - 1u - place, (column & 1u) != 0u);
 }

@@ -50,3 +50,25 @@ fn draw_direction(lobe: Lobe, numbers: vec2f) -> Drawn {
         select(vec3f(0.0), weight, direction.z > 0.0),
     );
 }
+
+// A frame draws GRID x GRID directions.
+const GRID: u32 = 4u;
+const DRAWS: u32 = GRID * GRID;
+
+// The place in a column of the grid, where odd columns run backwards.
+fn wind(place: u32, column: u32) -> u32 {
+    return select(place, GRID - 1u - place, (column & 1u) != 0u);
+}
+
+// Direction `place` of DRAWS, each drawn from its own cell of a grid of random numbers, all at the
+// place of `numbers` in its cell. The grid is gone through in a winding line, so that consecutive
+// directions are near each other.
+fn draw_in_grid(lobe: Lobe, numbers: vec2f, place: u32) -> Drawn {
+    let within = fract(numbers * f32(GRID));
+    let column = place / GRID;
+    let row = wind(place % GRID, column);
+    // Every other column is mirrored, so that the errors of two columns cancel.
+    let is_mirrored = ((column ^ u32(numbers.x * f32(GRID))) & 1u) != 0u;
+    let up = select(within.y, 1.0 - within.y, is_mirrored);
+    return draw_direction(lobe, vec2f(f32(column) + within.x, f32(row) + up) / f32(GRID));
+}

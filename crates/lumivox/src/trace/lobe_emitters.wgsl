@@ -1,27 +1,39 @@
 // Reflection of emitters by a glossy lobe.
 //
-// A wide lobe rarely finds a small emitter, so points of emitters are drawn, too. The two ways of
-// sampling are combined by the squares of both densities (the power heuristic: Veach and Guibas
-// 1995, "Optimally combining sampling techniques for Monte Carlo rendering").
+// A narrow lobe rarely meets a point drawn on a large emitter, and a wide one rarely a small
+// emitter. The two ways of sampling are combined by the squares of both densities (the power
+// heuristic: Veach and Guibas 1995, "Optimally combining sampling techniques for Monte Carlo
+// rendering").
 
-import package::emitters::draw::{draw_emitter, point_of, EmitterPoint};
-import package::emitters::emitter::strength;
+import package::emitters::along::{emitter_along, point_along, Met};
+import package::emitters::draw::{draw_emitter, emitters, point_of, EmitterPoint};
+import package::emitters::emitter::{emitter_of, strength, tree_levels, FAR};
 import package::emitters::gather::{candidate, trace_to};
 import package::grid::grid_from_world;
 import package::trace::brdf::{ggx_distribution, ggx_visibility, mirrored_density};
-import package::trace::lobe::{fresnel_of, Lobe};
+import package::trace::lobe::{draw_in_grid, fresnel_of, Lobe, GRID};
 import package::trace::screen::settings;
 import package::trace::surface::Surface;
 
-// Number of emitter points from which the lobe's point is drawn, and number of points for the
-// expected irradiance.
+// Number of points drawn on emitters, and number of points for the expected irradiance.
 const REFLECTED: u32 = 4u;
 const EXPECTING: u32 = 2u;
+
+// More levels of the tree than these take long to go through, so fewer draws of the lobe look for
+// emitters.
+const FEW_LEVELS: u32 = 6u;
+
+// The number of draws of a lobe that look for emitters, in each column of the grid.
+fn draws_in_column() -> u32 {
+    return select(1u, GRID, tree_levels(emitters.count) <= FEW_LEVELS);
+}
 
 // Weight of lobe sampling for the light of a direction: `density` is the lobe's density, `emitted`
 // approximately that of the emitters, both in 1/sr.
 fn share_of_lobe(density: f32, emitted: f32) -> f32 {
-    return density * density / max(density * density + emitted * emitted, 1e-30);
+    let by_lobe = f32(GRID * draws_in_column()) * density;
+    let by_points = f32(REFLECTED) * emitted;
+    return by_lobe * by_lobe / max(by_lobe * by_lobe + by_points * by_points, 1e-30);
 }
 
 // The light of a point on an emitter that the lobe reflects to the camera, without occlusion, times
@@ -52,38 +64,75 @@ fn expected_irradiance(surface: Surface) -> f32 {
     return max(sum / f32(EXPECTING), 1e-20);
 }
 
-// Reflected light of sampled emitters, times the weight of emitter sampling: one of several points
-// is kept, as in emitters/gather.wgsl. In a the samples of its ray.
+// A choice among points on emitters, in proportion to the light that the lobe reflects from them
+// without occlusion.
+struct Choice {
+    met: Met,
+    direction: vec3f,
+    // What the chosen point brings.
+    light: vec3f,
+    // The sum of what all points bring.
+    sum: f32,
+    // A random number, rescaled to [0, 1) after each offer.
+    lot: f32,
+}
+
+fn offer(choice: Choice, met: Met, direction: vec3f, light: vec3f) -> Choice {
+    let brings = strength(light);
+    var next = choice;
+    next.sum += brings;
+    let share = brings / max(next.sum, 1e-30);
+    if brings > 0.0 && choice.lot < share {
+        next.met = met;
+        next.direction = direction;
+        next.light = light;
+        next.lot /= share;
+    } else {
+        next.lot = (next.lot - share) / max(1.0 - share, 1e-6);
+    }
+    return next;
+}
+
+// The light of emitters that the lobe reflects: all draws of the lobe that meet an emitter and
+// several points on emitters say how much it is without occlusion, and a ray to one of them tests
+// visibility. `draws` are the random numbers of the lobe's draws, `numbers` those of the points. In
+// a the samples of the ray.
 fn reflect_emitters(
     surface: Surface,
     lobe: Lobe,
-    normal_from_world: mat3x3f,
+    world_from_normal: mat3x3f,
     level: u32,
     expected: f32,
+    draws: vec2f,
     numbers: vec2f,
 ) -> vec4f {
     let place = grid_from_world(surface.position_in_world);
-    var kept: EmitterPoint;
-    var sum = 0.0;
-    // A random number, rescaled to [0, 1) after each choice.
-    var lot = fract(numbers.x * 4096.0);
-    for (var i = 0u; i < REFLECTED; i++) {
-        let point = point_of(draw_emitter(place, surface.geometric_normal, candidate(numbers, i, REFLECTED)), place);
-        let brings = strength(reflected_from(point, lobe, normal_from_world, surface.geometric_normal, expected));
-        sum += brings;
-        let share = brings / max(sum, 1e-30);
-        if brings > 0.0 && lot < share {
-            kept = point;
-            lot /= share;
-        } else {
-            lot = (lot - share) / max(1.0 - share, 1e-6);
+    var choice = Choice(Met(0u, FAR), vec3f(0.0), vec3f(0.0), 0.0, fract(numbers.x * 4096.0));
+    let rows = draws_in_column();
+    let first_row = u32(draws.y * f32(GRID));
+    for (var i = 0u; i < GRID * rows; i++) {
+        let drawn = draw_in_grid(lobe, draws, GRID * (i / rows) + (first_row + i) % GRID);
+        let direction = world_from_normal * drawn.direction;
+        if drawn.direction.z > 0.0 && dot(direction, surface.geometric_normal) > 0.0 {
+            let met = emitter_along(place, direction);
+            if met.distance < FAR {
+                let radiance = emitter_of(emitters.records[met.index]).radiance;
+                let share = share_of_lobe(drawn.density, strength(radiance) * drawn.direction.z / expected);
+                choice = offer(choice, met, direction, radiance * drawn.weight * (share / f32(GRID * rows)));
+            }
         }
     }
-    if sum <= 0.0 {
+    let normal_from_world = transpose(world_from_normal);
+    for (var i = 0u; i < REFLECTED; i++) {
+        let point = point_of(draw_emitter(place, surface.geometric_normal, candidate(numbers, i, REFLECTED)), place);
+        let light = reflected_from(point, lobe, normal_from_world, surface.geometric_normal, expected);
+        choice = offer(choice, Met(point.index, point.distance), point.direction, light / f32(REFLECTED));
+    }
+    if choice.sum <= 0.0 {
         return vec4f(0.0);
     }
+    let kept = point_along(choice.met, place, choice.direction);
     let traced = trace_to(kept, surface.position_in_world, surface.geometric_normal, level, settings.cones);
-    let its = reflected_from(kept, lobe, normal_from_world, surface.geometric_normal, expected);
-    let seen = traced.transmittance * sum / f32(REFLECTED);
-    return vec4f(its * (seen / max(strength(its), 1e-30)), f32(traced.samples));
+    let seen = traced.transmittance * choice.sum / strength(choice.light);
+    return vec4f(choice.light * seen, f32(traced.samples));
 }

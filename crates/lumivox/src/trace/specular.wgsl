@@ -8,7 +8,7 @@
 // and Colbert 2008, section 4).
 //
 // A rough lobe takes light from afar from what is known (known_gloss.wgsl); surfaces that its cones
-// find near by replace it. Emitters are sampled as well (lobe_emitters.wgsl).
+// find near by replace it. Emitters are reflected by themselves (lobe_emitters.wgsl).
 //
 // Under a clear coat there are two lobes. A turn draws one of them, with a probability proportional
 // to its reflectance, and divides by that probability.
@@ -22,11 +22,10 @@ import package::cones::cone::Cone;
 import package::cones::way::{cone_growth, cone_start, trace_cone};
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::cones::hemisphere::basis;
-import package::emitters::emitter::strength;
 import package::emitters::gather::{has_emitters, STEPS};
 import package::trace::known_gloss::{resample, share_of_known};
 import package::trace::lobe::Lobe;
-import package::trace::lobe_emitters::{expected_irradiance, reflect_emitters, share_of_lobe};
+import package::trace::lobe_emitters::{expected_irradiance, reflect_emitters};
 import package::trace::surface::{Specular, Surface};
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
 import package::trace::view::view;
@@ -137,11 +136,10 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
         lobe, gloss.cells_from_normal, vec3f(sequence_pair(start, turn), lot), known_share > 0.0);
     var reflected = known_share * resampled.known;
     var samples = 0.0;
-    let samples_emitters = has_emitters();
-    if samples_emitters {
+    if has_emitters() {
         let numbers = fract(start.yx + fract(STEPS * f32(turn & 0xffffu)));
         let from_emitters = reflect_emitters(
-            surface, lobe, transpose(gloss.world_from_normal), level, gloss.expected, numbers);
+            surface, lobe, gloss.world_from_normal, level, gloss.expected, sequence_pair(start, turn), numbers);
         reflected += from_emitters.rgb;
         samples = from_emitters.a;
     }
@@ -166,11 +164,8 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
     // than black.
     var radiance = max(traced.radiance + traced.transmittance * outside, vec3f(0.0));
 
-    var emission = vec3f(0.0);
     samples += f32(traced.samples);
-    if samples_emitters {
-        let emitted = strength(traced.emission) * drawn.direction.z / gloss.expected;
-        emission = share_of_lobe(drawn.density, emitted) * traced.emission;
+    if has_emitters() {
         radiance = max(radiance - traced.emission, vec3f(0.0));
     }
     // Near surfaces replace the known light in their direction.
@@ -178,7 +173,7 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
     let its = select(0.0, known_share, known.is_known);
     let is_near = traced.distance < NEAR * exp2(f32(level));
     radiance = select(radiance * (1.0 - its), radiance - known.radiance * its, is_near);
-    return Reflection(vec4f(reflected + (radiance + emission) * drawn.weight, samples), traced.distance);
+    return Reflection(vec4f(reflected + radiance * drawn.weight, samples), traced.distance);
 }
 
 @compute @workgroup_size(8, 8)

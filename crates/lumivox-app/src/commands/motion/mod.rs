@@ -61,7 +61,8 @@ const PAGE: &str = "motion.md";
 /// The presets on the page.
 const PRESETS: [Preset; 2] = [Preset::Fast, Preset::Realtime];
 /// The sequences on the page if none are named: a camera, light, an object and a door move.
-const ON_PAGE: [&str; 6] = ["orbit", "lamp", "switch", "block", "door", "sun"];
+const ON_PAGE: [&str; 8] =
+    ["orbit", "orbit-glossy", "lamp", "switch", "block", "block-glossy", "door", "sun"];
 /// The preset of the page's pictures.
 const SHOWN: Preset = Preset::Realtime;
 /// The rows of strips on the page.

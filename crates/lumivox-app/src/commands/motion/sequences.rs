@@ -124,18 +124,38 @@ const fn holds(name: &'static str, steps: u32) -> Phase {
 /// The steps of a hold after a change: enough for all numbers of frames of latency and trails.
 const AFTER: u32 = 24;
 
+const ORBIT: Sequence = Sequence {
+    name: "orbit",
+    about: "The camera orbits the still scene by 15 degrees, and stops.",
+    home: Home::Any("cornell"),
+    phases: &[holds("start", 1), moves("orbit", 90), holds("stopped", 64)],
+    stop: Some(1),
+    changes: &[],
+    moving: &[],
+    prepare: |_| Ok(()),
+    pose: orbit,
+};
+
+const SLIDING: Sequence = Sequence {
+    name: "block",
+    about: "The short block slides and turns, and is back at once.",
+    home: Home::Only("cornell"),
+    phases: &[holds("start", 1), moves("slides", 16), holds("back", AFTER)],
+    stop: None,
+    changes: &[Change { name: "back", before: 1, after: 2 }],
+    moving: &[BLOCK],
+    prepare: |_| Ok(()),
+    pose: block,
+};
+
 /// All sequences.
 pub const SEQUENCES: &[Sequence] = &[
+    ORBIT,
     Sequence {
-        name: "orbit",
-        about: "The camera orbits the still scene by 15 degrees, and stops.",
-        home: Home::Any("cornell"),
-        phases: &[holds("start", 1), moves("orbit", 90), holds("stopped", 64)],
-        stop: Some(1),
-        changes: &[],
-        moving: &[],
-        prepare: |_| Ok(()),
-        pose: orbit,
+        name: "orbit-glossy",
+        about: "The same in a glossy scene.",
+        home: Home::Only("cornell-glossy"),
+        ..ORBIT
     },
     Sequence {
         name: "dolly",
@@ -173,16 +193,12 @@ pub const SEQUENCES: &[Sequence] = &[
         prepare: needs_lamp,
         pose: switch,
     },
+    SLIDING,
     Sequence {
-        name: "block",
-        about: "The short block slides and turns, and is back at once.",
-        home: Home::Only("cornell"),
-        phases: &[holds("start", 1), moves("slides", 16), holds("back", AFTER)],
-        stop: None,
-        changes: &[Change { name: "back", before: 1, after: 2 }],
-        moving: &[BLOCK],
-        prepare: |_| Ok(()),
-        pose: block,
+        name: "block-glossy",
+        about: "The same in a glossy scene.",
+        home: Home::Only("cornell-glossy"),
+        ..SLIDING
     },
     Sequence {
         name: "door",

@@ -29,6 +29,15 @@ use serde::{Deserialize, Serialize};
 /// The folder of the pictures, below the page's folder.
 const PICTURES: &str = "images/quality";
 
+/// Matt scenes that are measured with glossy surfaces, too.
+const GLOSSY: [&str; 5] = [
+    "cornell-glossy",
+    "two-rooms-glossy",
+    "atrium-glossy",
+    "arcade-glossy",
+    "panel-glossy",
+];
+
 /// A name beside the scenes' names: balls of all materials.
 const MATERIALS: &str = "materials";
 
@@ -163,8 +172,8 @@ fn cores() -> usize {
 
 /// The names of the scenes to measure.
 fn scene_names(asked: &[String]) -> anyhow::Result<Vec<String>> {
-    let known: Vec<&str> =
-        builtin::names().iter().copied().filter(|name| !builtin::is_large(name)).collect();
+    let small = builtin::names().iter().copied().filter(|name| !builtin::is_large(name));
+    let known: Vec<&str> = small.chain(GLOSSY).collect();
     if asked.is_empty() {
         return Ok(known.into_iter().map(str::to_owned).collect());
     }

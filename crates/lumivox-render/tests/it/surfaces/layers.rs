@@ -80,6 +80,7 @@ fn a_dielectric_in_even_light_is_right_at_every_angle() {
 /// Walls that glow evenly light a rough metal as an even sky does. Points on emitters count for all
 /// draws of a pixel, also for those whose own direction lies below the surface.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn glowing_walls_light_a_metal_as_a_sky_does() {
     for roughness in [0.6, 1.0] {
         let metal = metallic_roughness(MetallicRoughness {
@@ -98,6 +99,42 @@ fn glowing_walls_light_a_metal_as_a_sky_does() {
         let found = mean(&render(&scene, settings));
         println!("roughness {roughness}: {found}, under a sky {expected}");
         assert_near("metal", found / expected, Vec3::ONE, 0.03);
+    }
+}
+
+/// A metal reflects the edge of a lamp of one pair of triangles, and of 256 pairs: in the first
+/// frame nearly as in the mean of many.
+#[test]
+#[ignore = "slow: over three seconds"]
+fn a_metal_reflects_the_edge_of_a_lamp_in_one_frame() {
+    let metal = metallic_roughness(MetallicRoughness {
+        base_color: Vec4::new(0.9, 0.9, 0.9, 1.0),
+        metallic: 1.0,
+        roughness: 0.3,
+        ..Default::default()
+    });
+    let glow = Material { emissive: Vec3::ONE, ..Material::diffuse("glow", Vec3::ZERO) };
+    let seen = |tiles: u32, frames: u32| {
+        let mut scene = seen_under(0.6, metal.clone());
+        let size = 2.0 / tiles as f32;
+        let at = |i: u32| size * (2.0 * i as f32 + 1.0);
+        for (x, z) in (0..tiles).flat_map(|x| (0..tiles).map(move |z| (x, z))) {
+            // The eye sees the lamp's edge in the middle of the floor.
+            let middle = Vec3::new(-2.0 * 0.6_f32.tan() - at(x), 2.0, at(z) - 2.0);
+            add(&mut scene, quad(middle, Vec3::X * size, Vec3::Z * size), glow.clone());
+        }
+        render(&scene, RenderSettings { bounces: 1, frames, ..settings(View::Final) }).hdr
+    };
+    for (tiles, limit) in [(1, 0.05), (16, 0.12)] {
+        let truth = seen(tiles, 64);
+        let mean = truth.iter().map(|pixel| pixel[1]).sum::<f32>() / truth.len() as f32;
+        let first = seen(tiles, 1);
+        let squares = truth.iter().zip(&first).map(|(a, b)| (a[1] - b[1]).powi(2));
+        let noise = (squares.sum::<f32>() / truth.len() as f32).sqrt() / mean;
+        println!("{tiles} x {tiles} tiles: {mean}, noise {noise}");
+        // Half of the lobe meets the lamp.
+        assert!((mean / 0.45 - 1.0).abs() < 0.1, "{mean}");
+        assert!(noise < limit, "{noise}");
     }
 }
 

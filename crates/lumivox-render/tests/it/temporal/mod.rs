@@ -269,6 +269,7 @@ fn edges_are_smooth_in_motion() {
 /// The history counts frames of what stays in sight, and starts where something comes into view: a
 /// view of each says which.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn the_history_grows_until_something_is_uncovered() {
     let scene = builtin("cornell");
     let beside = vec![View::History, View::Disocclusion];
@@ -486,6 +487,7 @@ fn after_a_cut_nothing_is_left() {
 
 /// Frames that go on from each other make edges smooth, each a picture of its own.
 #[test]
+#[ignore = "slow: over three seconds"]
 fn frames_of_a_film_make_edges_smooth() {
     let scene = builtin("cornell");
     let settings = RenderSettings { frames: 2, view: View::Albedo, ..settings(Preset::Realtime) };
