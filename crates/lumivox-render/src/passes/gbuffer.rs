@@ -374,9 +374,9 @@ pub fn clip_from_world(camera: &Camera, size: UVec2, jitter: Vec2) -> Mat4 {
 /// unreasonable effectiveness of quasirandom sequences"). The mean is a box filter of one pixel.
 pub fn jitter(sample: u32) -> Vec2 {
     // The powers of 1 / x with x^3 = x + 1, to 32 bits. The start has the best edges of the first
-    // dozen starts.
+    // 60 starts, in frames of 16, 8, 4, 4, 2, 2 and so on samples.
     const STEP: [u32; 2] = [3_242_174_889, 2_447_445_414];
-    const START: u32 = 11;
+    const START: u32 = 52;
     let point =
         STEP.map(|step| step.wrapping_mul(START + sample / 2) as i32 as f32 / 2.0_f32.powi(32));
     if sample.is_multiple_of(2) { Vec2::from(point) } else { -Vec2::from(point) }

@@ -18,17 +18,18 @@ use crate::{RenderError, ShadowMethod, View};
 /// Frames that have several samples.
 const SAMPLED_FRAMES: u32 = 16;
 
-/// Samples of a frame while camera, light or objects move: each costs a sixth of a frame.
+/// Samples of a frame while camera, light or objects move: each costs a tenth to a fifth of a frame.
 const MOVING_SAMPLES: u32 = 2;
 
-/// The samples of frame `frame`: 8, 4, 4, then 2, and 1 from the 17th on. This keeps the error of
+/// The samples of frame `frame`: 16, 8, 4, 4, then 2, and 1 from the 17th on. This keeps the error of
 /// edges from growing with a new frame, although blended frames have a weight of half or more at
 /// first.
 fn samples_of(frame: u32) -> u32 {
     match frame {
-        0 => 8,
-        1 | 2 => 4,
-        3..SAMPLED_FRAMES => 2,
+        0 => 16,
+        1 => 8,
+        2 | 3 => 4,
+        4..SAMPLED_FRAMES => 2,
         _ => 1,
     }
 }

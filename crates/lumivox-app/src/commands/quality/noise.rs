@@ -177,7 +177,7 @@ pub fn section(rows: &Rows) -> String {
          square of the relative difference in blocks of {BLOCK} x {BLOCK} pixels, in per cent, for the median block and the \
          one that 95 % of the blocks stay below. *Dots* are pixels half as bright again or half as dark. Beside it the \
          bias and RMSE of first frame and mean against paths. Antialiasing counts: in so few pixels most blocks have an \
-         edge, whose pixels a first frame samples eight times (*balanced*). Rooms at random have daylight.\n\n\
+         edge, whose pixels a first frame samples 16 times (*balanced*). Rooms at random have daylight.\n\n\
          | scene | preset | 1 frame: median | 95 % | dots | 4 frames: median | 95 % | 16 frames: median | 95 % \
          | bias: 1 frame | mean | RMSE: 1 frame | mean |\n\
          | --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n"

@@ -425,7 +425,7 @@ fn reflections_are_kept_in_motion() {
     let errors = [&still[0], &moving, &still[23]].map(|picture| rmse(picture, &truth));
     let bias = mean(&moving) / mean(&truth) - 1.0;
     println!("reflections: {errors:?} in a first frame, in motion, and of a still picture");
-    assert!(errors[0] < 0.33 && errors[1] < 0.33 && errors[2] < 0.21, "{errors:?}");
+    assert!(errors[0] < 0.33 && errors[1] < 0.33 && errors[2] < 0.22, "{errors:?}");
     assert!(bias.abs() < 0.08, "{bias}");
 }
 
