@@ -18,12 +18,13 @@ use crate::{RenderError, ShadowMethod, View};
 /// Frames that have several samples.
 const SAMPLED_FRAMES: u32 = 16;
 
-/// Samples of a frame while camera, light or objects move: each costs a tenth to a fifth of a frame.
+/// Samples of a frame while camera, light or objects move. Each costs a tenth to a fifth of a
+/// frame.
 const MOVING_SAMPLES: u32 = 2;
 
-/// The samples of frame `frame`: 16, 8, 4, 4, then 2, and 1 from the 17th on. This keeps the error of
-/// edges from growing with a new frame, although blended frames have a weight of half or more at
-/// first.
+/// The samples of frame `frame`: 16, 8, 4, 4, then 2, and 1 from the 17th on. This keeps the error
+/// of edges from growing with a new frame, although blended frames have a weight of half or more
+/// at first.
 fn samples_of(frame: u32) -> u32 {
     match frame {
         0 => 16,
