@@ -3,7 +3,7 @@
 use glam::{DVec3, Mat4, Vec3};
 
 use super::{is_large, names, scene};
-use crate::{Instance, Scene, SceneError};
+use crate::{Instance, Scene, SceneError, Shading};
 
 /// Triangles in world space, with their corners' normals, and a ball around them: most rays miss
 /// most things.
@@ -239,4 +239,20 @@ fn an_unknown_name_lists_the_known_ones() {
     let error = scene("sponza").unwrap_err();
     assert!(matches!(&error, SceneError::UnknownBuiltin { name, .. } if name == "sponza"));
     assert!(error.to_string().contains("interior-night"));
+}
+
+#[test]
+fn glossy_variants_differ_in_gloss_only() {
+    let (matt, glossy) = (scene("cornell").unwrap(), scene("cornell-glossy").unwrap());
+    assert_eq!(glossy.name, "cornell-glossy");
+    assert_eq!(matt.meshes, glossy.meshes);
+    for (a, b) in matt.materials.iter().zip(&glossy.materials) {
+        let (Shading::MetallicRoughness(a), Shading::MetallicRoughness(b)) = (&a.shading, &b.shading)
+        else {
+            panic!("{a:?}, {b:?}");
+        };
+        assert_eq!(a.base_color, b.base_color);
+        assert_eq!((a.specular, b.specular, b.metallic, b.roughness), (0.0, 1.0, 0.0, 0.5));
+    }
+    assert!(scene("sponza-glossy").is_err());
 }

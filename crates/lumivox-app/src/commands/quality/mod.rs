@@ -30,13 +30,8 @@ use serde::{Deserialize, Serialize};
 const PICTURES: &str = "images/quality";
 
 /// Matt scenes that are measured with glossy surfaces, too.
-const GLOSSY: [&str; 5] = [
-    "cornell-glossy",
-    "two-rooms-glossy",
-    "atrium-glossy",
-    "arcade-glossy",
-    "panel-glossy",
-];
+const GLOSSY: [&str; 5] =
+    ["cornell-glossy", "two-rooms-glossy", "atrium-glossy", "arcade-glossy", "panel-glossy"];
 
 /// A name beside the scenes' names: balls of all materials.
 const MATERIALS: &str = "materials";
