@@ -247,7 +247,8 @@ fn glossy_variants_differ_in_gloss_only() {
     assert_eq!(glossy.name, "cornell-glossy");
     assert_eq!(matt.meshes, glossy.meshes);
     for (a, b) in matt.materials.iter().zip(&glossy.materials) {
-        let (Shading::MetallicRoughness(a), Shading::MetallicRoughness(b)) = (&a.shading, &b.shading)
+        let (Shading::MetallicRoughness(a), Shading::MetallicRoughness(b)) =
+            (&a.shading, &b.shading)
         else {
             panic!("{a:?}, {b:?}");
         };
