@@ -22,8 +22,8 @@ const SAMPLED_FRAMES: u32 = 16;
 /// frame.
 const MOVING_SAMPLES: u32 = 2;
 
-/// The samples of frame `frame`: 16, 8, 4, 4, then 2, and 1 from the 17th on. This keeps the error
-/// of edges from growing with a new frame, although blended frames have a weight of half or more
+/// The samples of frame `frame`: 16, 8, 4, 4, then 2, and 1 from the 17th on. So the error
+/// of edges hardly grows with a new frame, although blended frames have a weight of half or more
 /// at first.
 fn samples_of(frame: u32) -> u32 {
     match frame {

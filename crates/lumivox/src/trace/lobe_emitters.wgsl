@@ -69,9 +69,9 @@ fn expected_irradiance(surface: Surface) -> f32 {
 struct Choice {
     met: Met,
     direction: vec3f,
-    // What the chosen point brings.
+    // The light that the lobe reflects from the chosen point.
     light: vec3f,
-    // The sum of what all points bring.
+    // The sum of the strengths of the light from all points.
     sum: f32,
     // A random number, rescaled to [0, 1) after each offer.
     lot: f32,
@@ -109,6 +109,7 @@ fn reflect_emitters(
     let place = grid_from_world(surface.position_in_world);
     var choice = Choice(Met(0u, FAR), vec3f(0.0), vec3f(0.0), 0.0, fract(numbers.x * 4096.0));
     let rows = draws_in_column();
+    // Over the frames, each row has its turn.
     let first_row = u32(draws.y * f32(GRID));
     for (var i = 0u; i < GRID * rows; i++) {
         let drawn = draw_in_grid(lobe, draws, GRID * (i / rows) + (first_row + i) % GRID);
