@@ -53,32 +53,38 @@ struct CompositeSettings {
 @group(1) @binding(9) var traced_depth: texture_storage_2d<r32float, read_write>;
 @group(1) @binding(10) var traced_normal: texture_storage_2d<r32uint, read_write>;
 
+// Weights of traced samples below this are those of samples that match nothing (at most 1e-4 each).
+const MATCH: f32 = 2e-4;
+
 // Irradiance in rgb, openness in a.
 var<private> traced_irradiance: vec4f;
 // Reflected radiance in rgb, cone samples in a.
 var<private> traced_specular: vec4f;
 
-// The mean light of 3 x 3 traced samples, weighted by proximity and by how well they match the
-// surface.
+// The mean light of traced samples around a pixel, weighted by proximity and by how well they match
+// the surface: of 3 x 3 samples, and if none of them matches, of samples further away.
 fn take_traced_around(pixel: vec2u, surface: Surface) {
     traced_irradiance = vec4f(0.0);
     traced_specular = vec4f(0.0);
     var weights = 0.0;
-    for (var i = 0; i < 9; i++) {
-        let place = clamp(vec2i(pixel) + vec2i(i % 3, i / 3) - 1, vec2i(0), vec2i(view.size) - 1);
-        let depth = textureLoad(traced_depth, place).r;
-        if depth <= 0.0 {
-            continue;
+    for (var reach = 1; reach <= 16 && weights < MATCH; reach *= 2) {
+        for (var i = 0; i < 9; i++) {
+            let away = reach * (vec2i(i % 3, i / 3) - 1);
+            let place = clamp(vec2i(pixel) + away, vec2i(0), vec2i(view.size) - 1);
+            let depth = textureLoad(traced_depth, place).r;
+            if depth <= 0.0 {
+                continue;
+            }
+            let seen = vec2f(place) + composite_settings.to_traced;
+            let offset = position_at(seen + 0.5, depth) - surface.position_in_world;
+            let normal = octahedral_decode(unpack2x16snorm(textureLoad(traced_normal, place).r));
+            let near = max(1.0 - abs(seen - vec2f(pixel)), vec2f(0.0));
+            // The floors make a sample that matches nothing use the plain mean.
+            let weight = (near.x * near.y + 1e-3) * (fit(offset, normal, surface) + 1e-4);
+            traced_irradiance += weight * textureLoad(irradiance, place, 0);
+            traced_specular += weight * textureLoad(specular, place, 0);
+            weights += weight;
         }
-        let seen = vec2f(place) + composite_settings.to_traced;
-        let offset = position_at(seen + 0.5, depth) - surface.position_in_world;
-        let normal = octahedral_decode(unpack2x16snorm(textureLoad(traced_normal, place).r));
-        let near = max(1.0 - abs(seen - vec2f(pixel)), vec2f(0.0));
-        // The floors make a sample that matches nothing use the plain mean.
-        let weight = (near.x * near.y + 1e-3) * (fit(offset, normal, surface) + 1e-4);
-        traced_irradiance += weight * textureLoad(irradiance, place, 0);
-        traced_specular += weight * textureLoad(specular, place, 0);
-        weights += weight;
     }
     traced_irradiance /= max(weights, 1e-20);
     traced_specular /= max(weights, 1e-20);

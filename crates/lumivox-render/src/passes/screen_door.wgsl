@@ -5,8 +5,9 @@
 //
 // Surfaces behind each other in a pixel must be drawn independently, or two half-covering panes
 // would let half the light through instead of a quarter. So every surface has its own sequence: van
-// der Corput's over the frames, shuffled and scrambled (Burley 2020, "Practical hash-based Owen
-// scrambling", JCGT 9 (4)), which is evenly spread over any 2^n frames. All pixels share it,
+// der Corput's over the frames, shuffled (Burley 2020, "Practical hash-based Owen scrambling", JCGT
+// 9 (4)), which is evenly spread over any 2^n frames. Its values are not scrambled, so that of 16
+// frames a surface exists in the nearest number below or above its share. All pixels share it,
 // rotated by a pattern that also spreads neighbouring pixels evenly (interleaved gradient noise:
 // Jimenez 2014, "Next generation post processing in Call of Duty: Advanced Warfare"). A number for
 // each tile of 4x4 pixels further rotates the pattern of a surface: even in a single frame two
@@ -39,8 +40,7 @@ fn surface_seed(draw: u32, is_front: bool, distance: f32) -> u32 {
 
 // Whether a surface that covers a share of a pixel exists in a frame.
 fn is_there(coverage: f32, pixel: vec2u, seed: u32, frame: u32) -> bool {
-    let shuffled = reverseBits(laine_karras(reverseBits(frame), seed));
-    let step = reverseBits(laine_karras(shuffled, hash(seed)));
+    let step = laine_karras(reverseBits(frame), seed);
     let tile = pixel / 4u;
     let turn = step + hash(tile.x ^ hash(tile.y ^ seed));
     return fract(f32(turn >> 8u) / 16777216.0 + gradient_noise(pixel)) < coverage;

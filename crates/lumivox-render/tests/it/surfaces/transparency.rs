@@ -92,6 +92,20 @@ fn panes_of_one_mesh_are_drawn_independently() {
     assert_near("two sides of one half", mean(&many), Vec3::new(0.75, 0.0, 0.25), 0.02);
 }
 
+/// A white pane that is there by a fifth cannot be seen under a sky of one all around: also where
+/// none of the neighbours' traced samples, which share their indirect light, is of the pane.
+#[test]
+fn a_faint_pane_has_indirect_light_in_every_pixel() {
+    let mut scene = scene();
+    scene.environment.radiance = Vec3::ONE;
+    let material = Material { alpha: AlphaMode::Blend, ..Material::diffuse("white", Vec3::ONE) };
+    add(&mut scene, pane(0.0), with(material, |shading| shading.base_color.w = 0.2));
+    let lit = RenderSettings { bounces: 1, frames: 1, ..settings(View::Final) };
+    let darkest = render(&scene, lit).hdr.iter().map(|p| p[0]).fold(f32::MAX, f32::min);
+    println!("darkest pixel: {darkest}");
+    assert!(darkest > 0.99, "a pixel has {darkest} of the light");
+}
+
 #[test]
 fn textures_and_vertices_say_how_much_is_there() {
     let mut scene = scene();
