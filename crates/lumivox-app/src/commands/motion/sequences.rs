@@ -153,7 +153,7 @@ pub const SEQUENCES: &[Sequence] = &[
     ORBIT,
     Sequence {
         name: "orbit-glossy",
-        about: "The same in a glossy scene.",
+        about: "As `orbit`, in a glossy scene.",
         home: Home::Only("cornell-glossy"),
         ..ORBIT
     },
@@ -196,7 +196,7 @@ pub const SEQUENCES: &[Sequence] = &[
     SLIDING,
     Sequence {
         name: "block-glossy",
-        about: "The same in a glossy scene.",
+        about: "As `block`, in a glossy scene.",
         home: Home::Only("cornell-glossy"),
         ..SLIDING
     },
