@@ -53,8 +53,9 @@ struct CompositeSettings {
 @group(1) @binding(9) var traced_depth: texture_storage_2d<r32float, read_write>;
 @group(1) @binding(10) var traced_normal: texture_storage_2d<r32uint, read_write>;
 
-// Weights of traced samples below this are those of samples that match nothing (at most 1e-4 each).
-const MATCH: f32 = 2e-4;
+// If the weights of traced samples add up to less, none of them matches: each has at least a ten
+// thousandth of its proximity as weight, and the proximities of 3 x 3 samples add up to one.
+const LEAST_MATCH: f32 = 2e-4;
 
 // Irradiance in rgb, openness in a.
 var<private> traced_irradiance: vec4f;
@@ -67,7 +68,7 @@ fn take_traced_around(pixel: vec2u, surface: Surface) {
     traced_irradiance = vec4f(0.0);
     traced_specular = vec4f(0.0);
     var weights = 0.0;
-    for (var reach = 1; reach <= 16 && weights < MATCH; reach *= 2) {
+    for (var reach = 1; reach <= 16 && weights < LEAST_MATCH; reach *= 2) {
         for (var i = 0; i < 9; i++) {
             let away = reach * (vec2i(i % 3, i / 3) - 1);
             let place = clamp(vec2i(pixel) + away, vec2i(0), vec2i(view.size) - 1);

@@ -43,8 +43,8 @@ fn panes_blend_whatever_their_order() {
         assert_near("one frame", mean(&one), expected, 0.05);
         let many = render(&scene, settings(View::Direct));
         assert_near("16 frames", mean(&many), expected, 0.02);
-        // The error of a pixel's only sample is that of coins, 0.47 here. A first frame has 8
-        // samples, 16 frames have 42, and they are spread evenly.
+        // The error of a pixel's only sample is that of coins, 0.47 here. A first frame has 16
+        // samples, 16 frames have 56, and they are spread evenly.
         let (noise_of_one, noise) = (rms(&one, expected), rms(&many, expected));
         println!("noise: {noise_of_one} in one frame, {noise} in 16");
         assert!(noise_of_one < 0.13 && noise < 0.06, "16 frames leave {noise} of {noise_of_one}");
