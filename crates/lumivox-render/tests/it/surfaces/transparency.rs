@@ -71,8 +71,8 @@ fn oblique_panes_are_as_even_as_straight_ones() {
     };
     let (straight, oblique) = (noise(Vec3::X), noise(Vec3::new(0.8, 0.0, 0.6)));
     println!("noise: {straight} straight, {oblique} oblique");
-    // Coins would leave 0.125.
-    assert!(oblique < 0.05 && oblique < 2.0 * straight.max(0.015), "{straight} {oblique}");
+    // Coins would leave 0.125, a sequence scrambled within its strata 0.027.
+    assert!(straight < 0.02 && oblique < 0.02, "{straight} {oblique}");
 }
 
 #[test]
