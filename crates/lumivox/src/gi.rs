@@ -18,10 +18,10 @@ use crate::points::PointGatherer;
 use crate::trace::{Tracer, gbuffer_layout};
 use crate::volume::changes::{ChangedCells, Changes};
 use crate::volume::{Followed, Volume};
-use crate::voxelize::{Taken, VoxelizeStats, VoxelizedScene, Voxelizer};
+use crate::voxelize::{Taken, VoxelizeStats, VoxelizedScene, Voxelizer, known};
 use crate::{Geometry, GiError};
 pub use config::GiConfig;
-use place::{move_to, refuse_with_cascades};
+use place::refuse_with_cascades;
 
 /// Results of a voxelization.
 #[derive(Clone, Debug)]
@@ -281,26 +281,29 @@ impl Gi {
         geometry: &Geometry,
         timing: Timing,
     ) -> Result<Voxelized, GiError> {
-        let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
-        self.changes.begin(&mut recorder);
-        self.lighting.expect_emission(self.draws_emitters() && Emitters::are_in(geometry));
-        let Self { device, voxelizer, scene, volume, changes, lighting, emitters, config, .. } =
-            self;
-        let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
-            move_to(device, &taken, config, (&mut *lighting, &mut *volume, emitters.list()));
-            follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
-        };
         // Boxed, since its state is too large for the callers' futures.
-        let voxelizing = Box::pin(voxelizer.voxelize_into(&mut recorder, scene, geometry, follow));
-        let stats = voxelizing.await?;
-        self.content += 1;
-        self.list_emitters(&mut recorder, geometry)?;
-        self.follow_taken(&mut recorder)?;
-        let has_moving = self.scene.has_moving();
-        if let Some((volume, followed, _)) = self.followed() {
-            Box::pin(volume.settle(&mut recorder, followed, has_moving)).await?;
-        }
-        Ok(Voxelized { stats, times: recorder.finish().await? })
+        Box::pin(async {
+            let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
+            let Self { device, voxelizer, scene, .. } = self;
+            let is_reused = voxelizer.begin(device, scene, geometry).await?;
+            loop {
+                self.voxelize_frame(&mut recorder, geometry)?;
+                self.scene.refuse_nothing(geometry)?;
+                let told = || self.frame_voxels();
+                if !known(&mut recorder, &self.scene, told).await?.is_late {
+                    break;
+                }
+            }
+            let Self { voxelizer, scene, volume, .. } = self;
+            let stats = voxelizer.complete(&mut recorder, scene, geometry, is_reused).await?;
+            let has_moving = scene.has_moving();
+            volume.hear(&mut recorder, has_moving)?;
+            if !has_moving {
+                volume.trim();
+            }
+            Ok(Voxelized { stats, times: recorder.finish().await? })
+        })
+        .await
     }
 
     /// Queues the kernels that a geometry needs for

@@ -139,7 +139,7 @@ impl OctreeBuilder for LockBuilder {
     fn bind(&mut self, device: &wgpu::Device, tree: &TreeToBuild<'_>) -> Result<(), GiError> {
         let TreeToBuild { voxels, places, verdict, octree, sites: sites_out } = *tree;
         let remedy = Remedy::Surface(self.grid.dimensions.max_element());
-        let mut memory = Memory::new(device);
+        let memory = Memory::new(device);
         let items = voxels.node_capacity() * 8;
         let children = memory.buffer("octree: children", places, 4, remedy)?;
         let locks = memory.buffer("octree: locks", places, 4, remedy)?;

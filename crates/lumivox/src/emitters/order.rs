@@ -150,7 +150,7 @@ impl Order {
         let bytes = HEADER_BYTES + records(count) * record;
         let has_grown = bytes > self.list.size();
         if has_grown {
-            let mut memory = Memory::new(device);
+            let memory = Memory::new(device);
             let keys = count.next_power_of_two().max(BLOCK.into());
             self.list = memory.buffer("emitters", bytes / 16, 16, Remedy::Batch)?;
             self.unsorted = memory.buffer("unsorted emitters", count, record, Remedy::Batch)?;

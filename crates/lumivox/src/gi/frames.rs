@@ -80,7 +80,7 @@ impl Gi {
         geometry: &Geometry,
     ) -> Result<FrameVoxels, GiError> {
         self.changes.begin(recorder);
-        self.volume.hear(recorder)?;
+        self.volume.hear(recorder, self.scene.has_moving())?;
         self.lighting.expect_emission(self.draws_emitters() && Emitters::are_in(geometry));
         let Self { device, voxelizer, scene, volume, changes, lighting, emitters, config, .. } =
             self;

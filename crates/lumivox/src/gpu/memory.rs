@@ -1,13 +1,12 @@
-//! Buffers checked against the device's limits, and accounting of their memory.
+//! Buffers checked against the device's limits.
 
 use crate::GiError;
 use crate::gpu::{Buffer, storage_buffer};
 
-/// Creates storage buffers that fit the device, and tracks their memory.
-#[derive(Debug)]
+/// Creates storage buffers that fit the device.
+#[derive(Clone, Copy, Debug)]
 pub struct Memory<'a> {
     device: &'a wgpu::Device,
-    bytes: Vec<(String, u64)>,
 }
 
 /// Suggestion in the error if a buffer does not fit.
@@ -44,9 +43,9 @@ impl Remedy {
 }
 
 impl<'a> Memory<'a> {
-    /// An empty account.
+    /// Buffers on a device.
     pub fn new(device: &'a wgpu::Device) -> Self {
-        Self { device, bytes: Vec::new() }
+        Self { device }
     }
 
     /// The device that the buffers are on.
@@ -59,14 +58,13 @@ impl<'a> Memory<'a> {
     /// # Errors
     /// [`GiError::Limit`] if the device cannot allocate it or bind it as a whole.
     pub fn buffer(
-        &mut self,
+        &self,
         label: &str,
         count: u64,
         stride: u64,
         remedy: Remedy,
     ) -> Result<Buffer, GiError> {
         let bytes = self.check(label, count, stride, remedy)?;
-        self.bytes.push((label.to_owned(), bytes));
         Ok(storage_buffer(self.device, label, bytes))
     }
 
@@ -99,17 +97,5 @@ impl<'a> Memory<'a> {
             }
         }
         Ok(bytes)
-    }
-
-    /// Bytes by buffer, in the order of creation; equal labels are summed.
-    pub fn into_bytes(self) -> Vec<(String, u64)> {
-        let mut sums: Vec<(String, u64)> = Vec::new();
-        for (label, bytes) in self.bytes {
-            match sums.iter_mut().find(|(other, _)| *other == label) {
-                Some((_, sum)) => *sum += bytes,
-                None => sums.push((label, bytes)),
-            }
-        }
-        sums
     }
 }

@@ -212,14 +212,18 @@ impl Volume {
     }
 
     /// Applies finished read-backs of recorded calls of [`Self::follow`]; grows buffers that
-    /// overflowed.
+    /// overflowed, with a reserve if there is dynamic surface.
     ///
     /// # Errors
     /// [`GiError::Limit`] and [`GiError::Budget`] if an octree does not fit.
-    pub(crate) fn hear(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
+    pub(crate) fn hear(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        has_moving: bool,
+    ) -> Result<(), GiError> {
         match &mut self.cells {
             None | Some(CellVolume::Dense(_)) => Ok(()),
-            Some(CellVolume::Octree(octree)) => octree.hear(recorder),
+            Some(CellVolume::Octree(octree)) => octree.hear(recorder, has_moving),
         }
     }
 
@@ -278,7 +282,7 @@ impl Volume {
     /// Updates the volume to the voxel list: discards cells with changed surface. There is a bit
     /// for each, and a list if [`Self::clears_cells`]. The radiance is stored by [`Self::update`].
     /// If an octree overflows, it keeps showing the earlier list. After [`Self::tell`],
-    /// [`Self::hear`] grows its buffers; [`Self::settle`] waits until the list is followed.
+    /// [`Self::hear`] grows its buffers.
     ///
     /// # Errors
     /// As [`Self::hear`].
@@ -309,20 +313,11 @@ impl Volume {
         }
     }
 
-    /// Waits until a list is followed, and grows buffers that overflow: with a reserve if the list
-    /// will change partially.
-    ///
-    /// # Errors
-    /// As [`Self::hear`]; it then keeps showing the earlier list.
-    pub(crate) async fn settle(
-        &mut self,
-        recorder: &mut Recorder<'_>,
-        followed: Followed<'_>,
-        has_moving: bool,
-    ) -> Result<(), GiError> {
-        match &mut self.cells {
-            None | Some(CellVolume::Dense(_)) => Ok(()),
-            Some(CellVolume::Octree(octree)) => octree.settle(recorder, followed, has_moving).await,
+    /// Frees what only partial updates need. The results of all calls of [`Self::follow`] must be
+    /// known.
+    pub(crate) fn trim(&mut self) {
+        if let Some(CellVolume::Octree(octree)) = &mut self.cells {
+            octree.trim();
         }
     }
 

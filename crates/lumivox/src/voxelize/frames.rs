@@ -7,7 +7,8 @@ use super::scene::{Fixed, FrameVoxels, Rebuild, Taken, VoxelizedScene, with_spar
 use super::share::{Share, Work};
 use super::union::{NO_ROOM_FOR_VOXELS, Union, Verdict};
 use crate::cascades::Walked;
-use crate::gpu::{LateReads, Recorder, uniform_buffer};
+use crate::gpu::{LastRead, LateReads, Recorder, uniform_buffer};
+use crate::volume::SURFACE_BYTES;
 use crate::voxels::{VoxelList, count_bytes};
 use crate::{Geometry, GiError, Grid};
 
@@ -44,7 +45,7 @@ impl Voxelizer {
             scene.rebuild = None;
         }
         let is_needed = ShareKey::is_needed(geometry);
-        let mut arrived = None;
+        let mut arrived: Option<(Fixed, Option<Union>)> = None;
         if let Some(next) = scene.next.clone() {
             if is_needed {
                 arrived = self.rebuild(recorder, scene, geometry, &next.grid)?;
@@ -61,19 +62,20 @@ impl Voxelizer {
         let grid = scene.grid;
         let all = Walked::all(&grid);
         let moving_input = ShareInput::new(geometry, false, (&grid, &all), &limits)?;
+        let has_moving = scene.moving.is_some() || !moving_input.is_empty();
         let globals = scene.globals.clone();
         let mut work = self.work(recorder, &device, &grid, &globals);
         let work = &mut work;
         let mut is_late = Self::hear(work, scene)? | scene.next.is_some() | scene.wanted.is_some();
-        if let Some(fixed) = arrived {
+        if let Some((fixed, union)) = arrived {
             is_late = true;
-            Self::replace(work, scene, Some(fixed))?;
+            Self::replace(work, scene, Some(fixed), (union, has_moving))?;
         } else if scene.next.is_some() {
             // The list does not change until the next grid is ready.
         } else if !is_needed {
             scene.rebuild = None;
             if scene.fixed.is_some() {
-                Self::replace(work, scene, None)?;
+                Self::replace(work, scene, None, (None, has_moving))?;
             }
         } else if scene.rebuild.is_some() {
             is_late = true;
@@ -89,7 +91,7 @@ impl Voxelizer {
         }
         if scene.union.is_none() || scene.list.is_none() {
             let fixed = scene.fixed.take();
-            Self::replace(work, scene, fixed)?;
+            Self::replace(work, scene, fixed, (None, has_moving))?;
         }
         if let Some(moving) = &mut scene.moving
             && moving.capacity()[0] == 0
@@ -128,7 +130,10 @@ impl Voxelizer {
 
     /// Applies finished read-backs; grows buffers that overflowed. Returns `true` if one had
     /// overflowed.
-    fn hear(work: &mut Work<'_, '_>, scene: &mut VoxelizedScene) -> Result<bool, GiError> {
+    pub(super) fn hear(
+        work: &mut Work<'_, '_>,
+        scene: &mut VoxelizedScene,
+    ) -> Result<bool, GiError> {
         let device = work.memory.device();
         let Some(words) = scene.late.as_mut().and_then(|late| late.latest(device)) else {
             return Ok(scene.lacks_room);
@@ -158,10 +163,6 @@ impl Voxelizer {
                 scene.is_bound = false;
             }
         }
-        if sums < needed_sums {
-            moving.make_room_for_sums(work, with_spare(needed_sums), union.verdict())?;
-            scene.is_bound = false;
-        }
         let needed = [u64::from(verdict.nodes), fixed + needed_faces];
         if room[0] < needed[0] || room[1] < needed[1] {
             let nodes = room[0].max(with_spare(needed[0]));
@@ -169,20 +170,25 @@ impl Voxelizer {
             scene.list = Some(resized_list(work, list, nodes, faces)?);
             scene.is_bound = false;
         }
+        if sums < needed_sums {
+            moving.make_room_for_sums(work, with_spare(needed_sums), union.verdict())?;
+            scene.is_bound = false;
+        }
         Ok(scene.lacks_room)
     }
 
-    /// Advances the rebuild of changed static surface by one step, and returns the surface once it
-    /// is complete. With cascades it walks only what has entered their boxes, and the surroundings
-    /// of draws that were added or removed; the rest is copied from the current share. A rebuild is
-    /// finished even if draws have changed again, or draws that always change would starve it.
+    /// Advances the rebuild of changed static surface by one step, and returns the surface and the
+    /// union of the next list once it is complete. With cascades it walks only what has entered
+    /// their boxes, and the surroundings of draws that were added or removed; the rest is copied
+    /// from the current share. A rebuild is finished even if draws have changed again, or draws
+    /// that always change would starve it.
     fn rebuild(
         &self,
         recorder: &mut Recorder<'_>,
         scene: &mut VoxelizedScene,
         geometry: &Geometry,
         grid: &Grid,
-    ) -> Result<Option<Fixed>, GiError> {
+    ) -> Result<Option<(Fixed, Option<Union>)>, GiError> {
         let device = recorder.device().clone();
         let device = &device;
         let kept = scene.fixed.as_ref().filter(|fixed| fixed.share.is_some());
@@ -200,13 +206,15 @@ impl Voxelizer {
             let input = ShareInput::new(geometry, true, (grid, &walked), &device.limits())?;
             let mut share = Share::new(work)?;
             share.bind(work, &scene.fallbacks, &input, geometry)?;
+            share.counts.left_out = input.left_out;
             let kept = kept.filter(|_| keeps).and_then(|kept| kept.share.as_ref());
             share.mark(work, input.draws(), kept);
             let sources = share.marked_counts();
             let mut reads = LateReads::new(device, sources.iter().map(|source| source.2).sum());
             reads.record(work.recorder, &sources);
             let key = ShareKey::new(self.method, geometry, grid);
-            scene.rebuild = Some(Rebuild { key, globals, keeps, share, voxels: None, reads });
+            let (voxels, union) = (None, None);
+            scene.rebuild = Some(Rebuild { key, globals, keeps, share, voxels, union, reads });
             return Ok(None);
         };
         let kept = kept.filter(|_| rebuild.keeps);
@@ -214,7 +222,8 @@ impl Voxelizer {
         let globals = rebuild.globals.clone();
         let work = &mut self.work(recorder, device, grid, &globals);
         let Some(words) = rebuild.reads.latest(device) else {
-            scene.rebuild = Some(rebuild);
+            // If its encoder was dropped, it starts again.
+            scene.rebuild = Some(rebuild).filter(|own| own.reads.peek().0 != LastRead::Lost);
             return Ok(None);
         };
         let share = &mut rebuild.share;
@@ -222,39 +231,46 @@ impl Voxelizer {
             let voxels = share.take_marked(&words)?;
             share.make_room(work, voxels)?;
             share.collect_planes(work, kept_share);
-            let sources = share.face_counts(voxels);
+            let mut union = Union::new(work)?;
+            union.bind_shares(work, [Some(share), None]);
+            union.merge(work);
+            let mut sources = share.face_counts(voxels);
+            sources.push(union.node_count(grid));
             rebuild.reads = LateReads::new(device, sources.iter().map(|source| source.2).sum());
             rebuild.reads.record(work.recorder, &sources);
-            rebuild.voxels = Some(voxels);
+            (rebuild.voxels, rebuild.union) = (Some(voxels), Some(union));
             scene.rebuild = Some(rebuild);
             return Ok(None);
         }
-        let faces = share.take_faces(&words);
+        let (faces, nodes) = (share.take_faces(&words), u64::from(words[3]));
         let verdict = Verdict::of_voxels(share.capacity()[0]);
         let verdict = uniform_buffer(device, "verdict", &verdict);
+        // It is the largest of the buffers of faces.
+        work.memory.check("the surface", faces, SURFACE_BYTES, work.remedy())?;
         share.make_room_for_sums(work, faces, &verdict)?;
         share.sum_up(work, kept_share);
-        let Rebuild { key, share, .. } = rebuild;
+        let Rebuild { key, share, union, .. } = rebuild;
         let counts = kept.map_or(share.counts, |kept| kept.counts);
-        Ok(Some(Fixed { key, share: Some(share), faces, counts }))
+        Ok(Some((Fixed { key, share: Some(share), faces, nodes, counts }, union)))
     }
 
-    /// Replaces the static surface and the list; `None` removes the static surface.
+    /// Replaces the static surface and the list; `None` removes the static surface. A new union is
+    /// made unless there is one. The list has spare capacity only for dynamic surface.
     fn replace(
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
         fixed: Option<Fixed>,
+        (union, has_moving): (Option<Union>, bool),
     ) -> Result<(), GiError> {
-        let share = fixed.as_ref().and_then(|fixed| fixed.share.as_ref());
-        let voxels = share.map_or(0, |share| share.capacity()[0]);
-        let faces = fixed.as_ref().map_or(0, |fixed| fixed.faces);
+        let [faces, nodes] = fixed.as_ref().map_or([0; 2], |fixed| [fixed.faces, fixed.nodes]);
         let moving = scene.moving.as_ref().map_or(FIRST_VOXELS, |moving| moving.capacity()[0]);
+        let moving = if has_moving { moving } else { 0 };
         // Keep the list's current capacity for dynamic surface.
         let so_far = scene.list.as_ref().map_or(0, VoxelList::face_capacity);
         let before = scene.fixed.as_ref().map_or(0, |fixed| fixed.faces);
         let moving_faces = so_far.saturating_sub(before).max(2 * moving);
-        let union = Union::new(work)?;
-        let nodes = most_nodes(work.grid, voxels + moving);
+        let union = union.map_or_else(|| Union::new(work), Ok)?;
+        let nodes = nodes + most_nodes(work.grid, moving);
         let list = new_list(work, nodes, faces + moving_faces)?;
         scene.union = Some(union);
         scene.fixed = fixed;

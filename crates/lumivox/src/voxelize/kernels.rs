@@ -23,6 +23,7 @@ pub(super) struct Layouts {
     pub keep_bits: wgpu::BindGroupLayout,
     pub keep: wgpu::BindGroupLayout,
     pub merge_bits: wgpu::BindGroupLayout,
+    pub renew: wgpu::BindGroupLayout,
     pub unite: wgpu::BindGroupLayout,
     pub verdict: wgpu::BindGroupLayout,
     pub resolve_shares: wgpu::BindGroupLayout,
@@ -70,6 +71,7 @@ impl Layouts {
             keep_bits: voxels(0, 1, 1, "voxelize::keep_bits"),
             keep: keep.build(device, "voxelize::keep"),
             merge_bits: voxels(0, 2, 1, "voxelize::merge_bits"),
+            renew: voxels(0, 1, 1, "voxelize::renew"),
             unite: voxels(0, 5, 2, "voxelize::unite"),
             verdict: voxels(1, 4, 2, "voxelize::verdict"),
             resolve_shares: voxels(2, 4, 2, "voxelize::resolve_shares"),
@@ -181,7 +183,7 @@ impl Kernels {
             take: kernel("voxelize::take", "cells", &[&layouts.take])?,
             take_faces: kernel("voxelize::take_faces", "main", &[&layouts.take_faces])?,
             describe: kernel("voxelize::describe", "main", &[&layouts.describe])?,
-            renew: kernel("voxelize::renew", "main", &[&layouts.merge_bits])?,
+            renew: kernel("voxelize::renew", "main", &[&layouts.renew])?,
             layouts,
         })
     }

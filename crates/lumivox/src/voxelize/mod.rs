@@ -24,7 +24,8 @@
 //! everything.
 //!
 //! Walking again costs less memory than storing the pieces, of which a fine mesh has millions.
-//! Buffers have spare capacity, or are sized from counts that are read back (`waiting.rs`).
+//! Buffers of static surface are sized from counts that are read back, those of dynamic surface
+//! have spare capacity. A voxelization takes a few frames; `settle.rs` waits for it.
 //!
 //! A caller's own [`Voxelization`] may walk differently than over the items; everything else is
 //! shared.
@@ -44,9 +45,9 @@ mod kernels;
 mod layouts_test;
 mod room;
 mod scene;
+mod settle;
 mod share;
 mod union;
-mod waiting;
 mod walk;
 
 use std::mem::offset_of;
@@ -60,6 +61,7 @@ pub use hook::{Detail, Voxelization, VoxelizationShares, Walk, WalkRun, WalkStep
 use kernels::Kernels;
 pub(crate) use scene::Taken;
 pub use scene::{FrameVoxels, VoxelizedScene};
+pub(crate) use settle::known;
 pub(crate) use union::Moving;
 
 /// Columns of voxels along the side of a work item's tile.
@@ -127,8 +129,6 @@ pub struct VoxelizeStats {
     pub voxels: u32,
     /// Sides of voxels that have surface.
     pub faces: u32,
-    /// Bytes by buffer, including buffers that only the voxelization itself needs.
-    pub bytes: Vec<(String, u64)>,
 }
 
 /// The kernels that turn triangles into voxels.

@@ -2,7 +2,6 @@
 //!
 //! Static surface is collected once, in buffers of the exact size. Dynamic surface is collected
 //! again at each change, in buffers with spare capacity, and the list is changed in place.
-//! [`Voxelizer::voxelize`] waits for counts and allocates before it continues.
 //! [`Voxelizer::record`] only records, reads counts back a few frames late, and grows buffers then;
 //! while a buffer is too small, the list does not change.
 
@@ -64,6 +63,8 @@ pub(super) struct Fixed {
     /// `None` if there are no dynamic draws: no update would need it.
     pub(super) share: Option<Share>,
     pub(super) faces: u64,
+    /// Nodes of all levels.
+    pub(super) nodes: u64,
     pub(super) counts: ShareCounts,
 }
 
@@ -79,6 +80,8 @@ pub(super) struct Rebuild {
     pub(super) share: Share,
     /// Number of voxels, once they are counted.
     pub(super) voxels: Option<u64>,
+    /// The union of the next list, once the voxels are counted.
+    pub(super) union: Option<Union>,
     pub(super) reads: LateReads,
 }
 
@@ -341,8 +344,8 @@ impl Voxelizer {
             follow(work.recorder, Taken { list, replaced, moving, grid: work.grid });
         }
         union.take(work);
-        if is_new {
-            renew(work, (replaced, list), union.nothing(), &scene.changed);
+        if let Some(replaced) = replaced {
+            renew(work, replaced, &scene.changed);
         }
         scene.union = Some(union);
         scene.is_bound = true;

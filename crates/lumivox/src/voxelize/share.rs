@@ -40,6 +40,8 @@ pub(super) struct ShareCounts {
     pub triangles: u64,
     pub degenerate: u64,
     pub outside: u64,
+    /// Triangles of draws outside of everything that is walked.
+    pub left_out: u64,
     pub items: u64,
     pub pieces: u64,
 }

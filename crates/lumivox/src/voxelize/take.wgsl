@@ -29,6 +29,7 @@ fn cells(
     if word == arrayLength(&occupancy) {
         return;
     }
+    let former = occupancy[word];
     occupancy[word] = new_occupancy[word];
     if word < arrayLength(&moving_before) {
         // A missing share touches nothing.
@@ -36,9 +37,9 @@ fn cells(
         if word < arrayLength(&moving) {
             now = moving[word];
         }
-        // Voxels that dynamic surface has left have changed; compare.wgsl finds the other changed
-        // voxels.
-        changed[word] |= moving_before[word] & ~now;
+        // Voxels that appear, disappear, or that dynamic surface has left have changed; compare.wgsl
+        // finds the other changed voxels.
+        changed[word] |= (former ^ new_occupancy[word]) | (moving_before[word] & ~now);
         moving_before[word] = now;
     }
 }

@@ -199,11 +199,9 @@ impl Union {
         kernels.list.rank(work.recorder, globals, &self.merged);
     }
 
-    /// The buffers to read back after bits are merged: where each level's nodes start, and their
-    /// total.
-    pub fn level_starts(&self, grid: &Grid) -> Vec<(&Buffer, u64, u64)> {
-        let start = |level| (&self.merged.ranks, level_first_word(grid, level) * 4, 4);
-        (0..=grid.levels).map(start).collect()
+    /// The buffer to read back after bits are merged: the number of nodes of all levels.
+    pub fn node_count(&self, grid: &Grid) -> (&Buffer, u64, u64) {
+        (&self.merged.ranks, level_first_word(grid, grid.levels) * 4, 4)
     }
 
     /// Binds the shares' voxels and allocates as many united ones.
@@ -243,12 +241,6 @@ impl Union {
         let groups = [work.globals, &united.group];
         work.kernels.unite.run_linear(work.recorder, &groups, united.capacity);
         work.kernels.scan.run_bound(work.recorder, &united.scan);
-    }
-
-    /// The buffer to read back after the lobes of `voxels` voxels are united: the number of their
-    /// faces.
-    pub fn united_count(&self, voxels: u64) -> Option<(&Buffer, u64, u64)> {
-        self.united.as_ref().map(|united| (&united.faces, voxels * 4, 4))
     }
 
     /// Binds the list that is updated. `changed` has a bit per cell.
@@ -457,25 +449,12 @@ pub(super) fn resolve_fixed(
     work.kernels.starts.run_linear(work.recorder, &[work.globals, &group], count);
 }
 
-/// Marks all cells of two lists as changed, of which the new one replaces the old one.
-pub(super) fn renew(
-    work: &mut Work<'_, '_>,
-    (old, new): (Option<&VoxelList>, &VoxelList),
-    nothing: &Buffer,
-    changed: &Buffer,
-) {
-    let group = BindGroupBuilder::new(&work.kernels.layouts.merge_bits)
-        .buffer(old.map_or(nothing, |old| &old.occupancy))
-        .buffer(&new.occupancy)
+/// Marks all cells of a list that was replaced as changed.
+pub(super) fn renew(work: &mut Work<'_, '_>, replaced: &VoxelList, changed: &Buffer) {
+    let group = BindGroupBuilder::new(&work.kernels.layouts.renew)
+        .buffer(&replaced.occupancy)
         .buffer(changed)
         .build(work.memory.device(), "voxelize::renew");
     let words = level_first_word(work.grid, work.grid.levels);
     work.kernels.renew.run_linear(work.recorder, &[work.globals, &group], words);
-}
-
-impl Union {
-    /// Zeros, bound in place of missing buffers.
-    pub fn nothing(&self) -> &Buffer {
-        &self.nothing
-    }
 }

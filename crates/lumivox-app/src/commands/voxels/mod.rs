@@ -114,8 +114,6 @@ struct Report {
     /// Memory that stays on the GPU.
     memory: Vec<MemoryReport>,
     memory_bytes: u64,
-    /// Memory of the voxelization, including buffers that only it needs.
-    voxelization_memory: Vec<MemoryReport>,
     /// Wall-clock time of one whole voxelization without timing of passes, ms.
     wall_ms: f64,
     #[serde(flatten)]
@@ -160,7 +158,6 @@ impl Report {
                 occupancy: f64::from(nodes) / cells as f64,
             }
         };
-        let temporary = stats.bytes.into_iter();
         Self {
             scene: SceneCounts::new(scene),
             grid: GridReport::new(grid),
@@ -176,9 +173,6 @@ impl Report {
             octree: OctreeReport::new(gi),
             memory_bytes: total_bytes(&memory),
             memory,
-            voxelization_memory: temporary
-                .map(|(name, bytes)| MemoryReport { name, bytes })
-                .collect(),
             wall_ms,
             times,
             adapter: None,

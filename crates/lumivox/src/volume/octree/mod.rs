@@ -34,7 +34,6 @@ mod tree;
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LastRead, LateReads, Pipelines, Recorder, ShaderLibrary,
-    read_buffer,
 };
 use crate::volume::changes::ChangedCells;
 use crate::voxels::VoxelList;
@@ -100,6 +99,8 @@ pub(crate) struct OctreeVolume {
     late: Option<LateReads>,
     /// `true` if the last verdict that was read back is an overflow, or none was read back yet.
     lacks_room: bool,
+    /// `true` once a list was followed.
+    has_list: bool,
     stats: Option<OctreeStats>,
 }
 
@@ -169,6 +170,7 @@ impl OctreeVolume {
             missed: None,
             late: None,
             lacks_room: true,
+            has_list: false,
             stats: None,
         })
     }
@@ -246,6 +248,7 @@ impl OctreeVolume {
             ));
         }
         let Some(following) = &self.following else { return Ok(()) };
+        self.has_list = true;
         kernels.run(recorder, following, verdict, self.builder.as_deref());
         self.note_missed(recorder);
         Ok(())
@@ -268,20 +271,25 @@ impl OctreeVolume {
         late.record(recorder, &sources);
     }
 
-    /// Applies finished read-backs; grows buffers that overflowed.
-    pub(super) fn hear(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
+    /// Applies finished read-backs; grows buffers that overflowed, with a reserve if there is
+    /// dynamic surface.
+    pub(super) fn hear(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        has_moving: bool,
+    ) -> Result<(), GiError> {
         let device = recorder.device().clone();
         let Some(words) = self.late.as_mut().and_then(|late| late.latest(&device)) else {
             return Ok(());
         };
         let verdict = self.know(&words)?;
         self.lacks_room = verdict.no_room != 0;
-        self.make_room(recorder, verdict, with_spare)
+        self.make_room(recorder, verdict, if has_moving { with_spare } else { |count| count })
     }
 
     /// Whether it shows an earlier list, by the read-backs so far.
     pub(super) fn is_late(&self) -> bool {
-        self.lacks_room && self.following.is_some()
+        self.lacks_room && self.has_list
     }
 
     /// Whether it shows an earlier list, and whether the last verdict is pending, by the read-backs
@@ -294,41 +302,13 @@ impl OctreeVolume {
             (_, Some(words)) => words[0] != 0,
             (_, None) => self.lacks_room,
         };
-        [lacks_room && self.following.is_some(), last == LastRead::Pending]
+        [lacks_room && self.has_list, last == LastRead::Pending]
     }
 
-    /// Waits until the octree shows the followed list, and grows buffers that overflow, with a
-    /// reserve if the list will change partially.
-    pub(super) async fn settle(
-        &mut self,
-        recorder: &mut Recorder<'_>,
-        followed: Followed<'_>,
-        has_moving: bool,
-    ) -> Result<(), GiError> {
-        // Supersedes what was recorded before.
-        (self.late, self.lacks_room) = (None, true);
-        let (device, queue) = (recorder.device().clone(), recorder.queue().clone());
-        loop {
-            recorder.flush();
-            let mut words: Vec<u32> = Vec::new();
-            for (buffer, first, bytes) in verdict_sources(&self.state, self.builder.as_deref()) {
-                let bytes = first..first + bytes;
-                words.extend(read_buffer::<u32>(&device, &queue, buffer, bytes).await?);
-            }
-            let verdict = self.know(&words)?;
-            if verdict.no_room == 0 {
-                break;
-            }
-            self.make_room(recorder, verdict, if has_moving { with_spare } else { |count| count })?;
-            self.follow(recorder, followed)?;
-        }
-        self.lacks_room = false;
-        if !has_moving {
-            // No partial updates can follow.
-            self.scratch = None;
-            self.stop_following();
-        }
-        Ok(())
+    /// Frees what only partial updates need.
+    pub(super) fn trim(&mut self) {
+        self.scratch = None;
+        self.stop_following();
     }
 
     /// Applies a verdict that was read back.

@@ -100,7 +100,7 @@ impl Tree {
             + room.stack_start(MAX_RUN + 1) * 4
             + texels.as_u64vec3().element_product() * TEXEL_BYTES;
         budget::check("the octree with its bricks", needed, memory_budget, grid, GROWTH)?;
-        let mut memory = Memory::new(device);
+        let memory = Memory::new(device);
         let nodes_before = has_pointers
             .then(|| memory.buffer("octree: nodes before", pointers, 4, remedy))
             .transpose()?;
@@ -134,7 +134,7 @@ impl Scratch {
     /// [`GiError::Limit`] if they do not fit.
     pub fn new(device: &wgpu::Device, grid: &Grid, tree: &Tree) -> Result<Self, GiError> {
         let remedy = Remedy::Surface(grid.dimensions.max_element());
-        let mut memory = Memory::new(device);
+        let memory = Memory::new(device);
         let blocks = tree.room.renewals.div_ceil(u64::from(crate::gpu::LINEAR_WORKGROUP_SIZE));
         let renewals = tree.room.renewals;
         Ok(Self {

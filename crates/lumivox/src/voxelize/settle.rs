@@ -1,0 +1,180 @@
+//! Voxelization that waits: it records frames until nothing is late.
+
+use super::input::{self, ShareInput};
+use super::scene::{FrameVoxels, Taken, VoxelizedScene};
+use super::share::ShareCounts;
+use super::{VoxelizeStats, Voxelizer};
+use crate::cascades::Walked;
+use crate::gpu::{Recorder, StageTime, Timing, read_buffer, storage_buffer};
+use crate::voxels::VoxelList;
+use crate::{Geometry, GiError};
+
+impl Voxelizer {
+    /// Voxelizes triangles into the scene's list of voxels. Returns statistics, and the time of
+    /// each pass if requested. Static draws are walked only if they have changed: their transforms,
+    /// materials or buffers. The caller guarantees that the contents of those buffers have not
+    /// changed.
+    ///
+    /// Coordinates are computed in `f32` in units of a voxel: triangles that extend more than about
+    /// 10⁵ voxels beyond the grid may touch voxels that they miss by a fraction of a voxel.
+    ///
+    /// # Errors
+    /// [`GiError::Geometry`] if draws and buffers contradict each other,
+    /// [`GiError::NothingToVoxelize`] if no voxel is touched, [`GiError::Limit`] if something does
+    /// not fit the device. The list is then unchanged, except if dynamic draws touch no voxel.
+    pub async fn voxelize(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        scene: &mut VoxelizedScene,
+        geometry: &Geometry,
+        timing: Timing,
+    ) -> Result<(VoxelizeStats, Vec<StageTime>), GiError> {
+        let mut recorder = Recorder::with_timing(device, queue, timing);
+        let is_reused = self.begin(device, scene, geometry).await?;
+        let nobody = &mut |_: &mut Recorder<'_>, _: Taken<'_>| {};
+        loop {
+            self.record(&mut recorder, scene, geometry, nobody)?;
+            scene.refuse_nothing(geometry)?;
+            if !known(&mut recorder, scene, || scene.told()).await?.is_late {
+                break;
+            }
+        }
+        let stats = self.complete(&mut recorder, scene, geometry, is_reused).await?;
+        Ok((stats, recorder.finish().await?))
+    }
+
+    /// Compiles the kernels, and cancels a rebuild in progress. Returns `true` if static surface is
+    /// kept.
+    pub(crate) async fn begin(
+        &self,
+        device: &wgpu::Device,
+        scene: &mut VoxelizedScene,
+        geometry: &Geometry,
+    ) -> Result<bool, GiError> {
+        input::check_materials(geometry)?;
+        let triangles = geometry.triangle_count();
+        if triangles == 0 {
+            return Err(GiError::NothingToVoxelize { triangles, skipped: 0 });
+        }
+        scene.rebuild = None;
+        if let Some(grid) = scene.wanted {
+            scene.next = Some(self.placed(device, grid));
+        }
+        let is_reused = scene.next.is_none() && scene.has_fixed(self.method, geometry);
+        if self.walker.is_none() {
+            let grid = scene.next.as_ref().map_or(&scene.grid, |next| &next.grid);
+            let (limits, all) = (device.limits(), Walked::all(grid));
+            let share = |is_static| ShareInput::new(geometry, is_static, (grid, &all), &limits);
+            let fixed = if is_reused { ShareInput::default() } else { share(true)? };
+            self.kernels.make(fixed.details().chain(share(false)?.details())).await;
+        }
+        Ok(is_reused)
+    }
+
+    /// Reads the counts of a voxelization of which nothing is late, and frees what no update needs.
+    pub(crate) async fn complete(
+        &self,
+        recorder: &mut Recorder<'_>,
+        scene: &mut VoxelizedScene,
+        geometry: &Geometry,
+        is_reused: bool,
+    ) -> Result<VoxelizeStats, GiError> {
+        let device = recorder.device().clone();
+        let (grid, globals) = (scene.grid, scene.globals.clone());
+        Self::hear(&mut self.work(recorder, &device, &grid, &globals), scene)?;
+        if let Some(moving) = &mut scene.moving {
+            // Only the number of pieces is used of the counts of faces.
+            let sources = [moving.marked_counts(), moving.face_counts(0)];
+            let bytes = sources[0].iter().map(|source| source.2 as usize).sum::<usize>();
+            let words = read(recorder, &sources.concat()).await?;
+            let (marked, faces) = words.split_at(bytes / 4);
+            moving.take_marked(marked)?;
+            moving.take_faces(faces);
+        }
+        let counts = scene.fixed.iter().map(|fixed| &fixed.counts);
+        let counts: Vec<&ShareCounts> =
+            counts.chain(scene.moving.iter().map(|share| &share.counts)).collect();
+        let sum = |count: fn(&ShareCounts) -> u64| counts.iter().copied().map(count).sum();
+        let walked = counts.iter().skip(usize::from(is_reused));
+        let stats = VoxelizeStats {
+            triangles: geometry.triangle_count(),
+            walked: walked.map(|counts| counts.triangles).sum(),
+            static_reused: is_reused,
+            skipped: sum(|counts| counts.degenerate),
+            outside: sum(|counts| counts.outside + counts.left_out),
+            work_items: sum(|counts| counts.items),
+            fragments: sum(|counts| counts.pieces),
+            voxels: scene.list().map_or(0, VoxelList::voxel_count),
+            faces: scene.list().map_or(0, |list| list.face_count),
+        };
+        if scene.moving.is_none() {
+            scene.forget_static();
+            scene.union = None;
+        }
+        if stats.voxels == 0 {
+            let (triangles, skipped) = (stats.triangles, stats.skipped);
+            return Err(GiError::NothingToVoxelize { triangles, skipped });
+        }
+        Ok(stats)
+    }
+}
+
+impl VoxelizedScene {
+    /// Cancels the rebuild of static surface if it touches no voxel and nothing else does.
+    ///
+    /// # Errors
+    /// [`GiError::NothingToVoxelize`] if so.
+    pub(crate) fn refuse_nothing(&mut self, geometry: &Geometry) -> Result<(), GiError> {
+        let skipped = match &self.rebuild {
+            Some(rebuild) if rebuild.voxels == Some(0) => rebuild.share.counts.degenerate,
+            _ => return Ok(()),
+        };
+        let draws = || geometry.batches.iter().flat_map(|batch| &batch.draws);
+        if draws().any(|draw| !draw.is_static && draw.index_count > 0) {
+            return Ok(());
+        }
+        (self.rebuild, self.next) = (None, None);
+        Err(GiError::NothingToVoxelize { triangles: geometry.triangle_count(), skipped })
+    }
+}
+
+/// Submits what is recorded, and waits until its results are known.
+///
+/// # Errors
+/// [`GiError::Device`] if the device is lost.
+pub(crate) async fn known(
+    recorder: &mut Recorder<'_>,
+    scene: &VoxelizedScene,
+    told: impl Fn() -> FrameVoxels,
+) -> Result<FrameVoxels, GiError> {
+    loop {
+        recorder.flush();
+        let (device, queue) = (recorder.device(), recorder.queue());
+        read_buffer::<u32>(device, queue, scene.changed(), 0..4).await?;
+        let frame = told();
+        if !frame.is_pending {
+            return Ok(frame);
+        }
+        // Another thread that polls the device may be about to deliver the results.
+        std::thread::yield_now();
+    }
+}
+
+/// Submits the recorded work and reads parts of buffers back: buffer, byte offset and number of
+/// bytes each.
+async fn read(
+    recorder: &mut Recorder<'_>,
+    sources: &[(&crate::gpu::Buffer, u64, u64)],
+) -> Result<Vec<u32>, GiError> {
+    let bytes = sources.iter().map(|source| source.2).sum();
+    let (device, queue) = (recorder.device().clone(), recorder.queue().clone());
+    let counts = storage_buffer(&device, "counts", bytes);
+    let mut place = 0;
+    for (buffer, from, bytes) in sources {
+        recorder.copy((*buffer, *from), (&counts, place), *bytes);
+        place += bytes;
+    }
+    recorder.flush();
+    read_buffer(&device, &queue, &counts, 0..bytes).await
+}
