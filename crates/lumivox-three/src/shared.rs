@@ -6,8 +6,8 @@ use glam::{UVec2, Vec3};
 use js_sys::{Array, Function};
 use lumivox::gpu::{Buffer, Pipelines, Recorder, storage_buffer};
 use lumivox::{
-    CameraView, EnvironmentLight, EnvironmentMap, GBuffer, Geometry, GeometryBatch, Gi, Indices,
-    Light, Lights, Panorama, SurfaceMaterial, SurfaceTexture, TraceSettings, TraceTargets,
+    CameraView, EnvironmentLight, EnvironmentMap, Frame, GBuffer, Geometry, GeometryBatch, Gi,
+    Indices, Light, Lights, Panorama, SurfaceMaterial, SurfaceTexture, TraceSettings, TraceTargets,
     VertexAttributes, VertexPositions,
 };
 use wasm_bindgen::prelude::*;
@@ -227,7 +227,12 @@ impl SharedGi {
             batch.draws = draws;
             batches.push(batch);
         }
-        self.geometry.batches = batches;
+        // The vertices of what has moved once may have changed, too.
+        let may_change = batches.iter().flat_map(|batch| &batch.draws).any(|draw| !draw.is_static);
+        let draws = |batch: &GeometryBatch| (batch.positions.clone(), batch.draws.clone());
+        if may_change || !batches.iter().map(draws).eq(self.geometry.batches.iter().map(draws)) {
+            self.geometry.batches = batches;
+        }
         Ok(())
     }
 
@@ -320,12 +325,8 @@ impl SharedGi {
             return Err(PageError::value("the sky is four numbers").into());
         };
         let radiance = Vec3::new(red, green, blue);
-        let mut sources = self.sources.clone();
-        if let Some(map) = &self.map {
-            sources.extend(map.lights(radiance, rotation_rad));
-        }
         let environment = EnvironmentLight { radiance, map: self.map.as_ref(), rotation_rad };
-        self.lights.update(&self.queue, &sources, environment, None);
+        self.lights.update(&self.queue, &self.sources, environment, None);
         let Some(screen) = &self.screen else {
             return Err(PageError::value("there is no G-buffer yet").into());
         };
@@ -340,17 +341,15 @@ impl SharedGi {
             self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut recorder = Recorder::on(&self.device, &self.queue, &mut encoder);
         let (settings, lights) = (&self.settings, &self.lights);
-        let voxels =
-            self.gi.voxelize_frame(&mut recorder, &self.geometry).map_err(PageError::from)?;
+        let faces_per_frame = self.faces_per_frame;
+        let frame = Frame { faces_per_frame, ..Frame::new(&self.geometry, lights, settings) };
+        let status = self.gi.frame(&mut recorder, frame).map_err(PageError::from)?;
         self.gi
-            .light_frame(&mut recorder, lights, self.faces_per_frame, settings)
-            .and_then(|()| {
-                self.gi.trace(&mut recorder, &screen.gbuffer, lights, settings, &screen.targets)
-            })
+            .trace(&mut recorder, &screen.gbuffer, lights, settings, &screen.targets)
             .map_err(PageError::from)?;
         drop(recorder);
         self.queue.submit([encoder.finish()]);
-        Ok(vec![u32::from(voxels.is_late), voxels.voxels, voxels.faces])
+        Ok(vec![u32::from(status.is_late), status.voxels, status.faces])
     }
 
     /// Forgets the light of earlier frames: for a cut.

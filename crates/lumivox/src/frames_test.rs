@@ -1,6 +1,7 @@
 //! Frames that never wait: recorded results equal those of the waiting calls, late at most, and
 //! light continues from frame to frame.
 
+mod frame;
 mod octree;
 
 use glam::{Mat4, Vec3};
@@ -10,9 +11,10 @@ use crate::testing::{
     SceneBuilder, busy_room, device, lambert, moved, read, room_with_a_box, wait_told,
 };
 use crate::volume::{CellVolume, read_levels, read_nodes};
+use crate::voxelize::FrameVoxels;
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{
-    FrameVoxels, Geometry, Gi, GiConfig, Grid, Light, LightSource, Lights, OctreeOptions, Shadow,
+    FrameStatus, Geometry, Gi, GiConfig, Grid, Light, LightSource, Lights, OctreeOptions, Shadow,
     SurfaceMaterial, TraceSettings, VolumeKind,
 };
 

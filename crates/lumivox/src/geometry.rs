@@ -1,8 +1,10 @@
 //! The voxelizer's input: an engine's own vertex and index buffers, materials and textures.
 
+use std::ops::{Deref, DerefMut};
+
 use glam::{Affine2, Mat3, Mat4, Vec3, Vec4};
 
-use crate::Gloss;
+use crate::{Gloss, version};
 
 /// A material, as far as it matters for diffuse light in voxels.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,7 +90,7 @@ pub struct Draw {
     pub index_count: u32,
     /// Added to every index.
     pub base_vertex: u32,
-    /// Index into [`Geometry::materials`].
+    /// Index into [`GeometryParts::materials`].
     pub material: u32,
     /// Transform of positions into the world (affine; a mirroring one flips the front side).
     pub world_from_local: Mat4,
@@ -177,7 +179,7 @@ impl Draw {
 /// let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
 /// let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
 /// let materials = vec![SurfaceMaterial::default()];
-/// let geometry = Geometry { batches: vec![batch], materials };
+/// let geometry = Geometry::new(vec![batch], materials);
 /// assert!(gi.voxelize(&geometry, Timing::Off).await?.stats.voxels > 0);
 /// # Ok::<(), lumivox::GiError>(())
 /// # }).unwrap();
@@ -285,16 +287,69 @@ impl VertexAttributes {
     }
 }
 
-/// All the triangles of a scene.
-#[derive(Clone, Debug, Default)]
+/// All the triangles of a scene. It notices its changes: every mutable access to its
+/// [`GeometryParts`], to which it dereferences, counts as one.
+///
+/// ```
+/// # use lumivox::{Geometry, SurfaceMaterial};
+/// let mut geometry = Geometry::default();
+/// geometry.materials.push(SurfaceMaterial::default());
+/// assert_eq!(geometry.triangle_count(), 0);
+/// ```
+#[derive(Clone, Debug)]
 pub struct Geometry {
+    parts: GeometryParts,
+    version: u64,
+}
+
+/// The triangles and materials of a [`Geometry`].
+#[derive(Clone, Debug, Default)]
+pub struct GeometryParts {
     /// Triangles by the buffers that hold them.
     pub batches: Vec<GeometryBatch>,
     /// Materials that the draws refer to.
     pub materials: Vec<SurfaceMaterial>,
 }
 
+impl Default for Geometry {
+    /// No triangles.
+    fn default() -> Self {
+        Self::new(Vec::new(), Vec::new())
+    }
+}
+
+impl Deref for Geometry {
+    type Target = GeometryParts;
+
+    fn deref(&self) -> &GeometryParts {
+        &self.parts
+    }
+}
+
+impl DerefMut for Geometry {
+    fn deref_mut(&mut self) -> &mut GeometryParts {
+        self.invalidate();
+        &mut self.parts
+    }
+}
+
 impl Geometry {
+    /// Triangles by the buffers that hold them, and the materials that their draws refer to.
+    pub fn new(batches: Vec<GeometryBatch>, materials: Vec<SurfaceMaterial>) -> Self {
+        Self { parts: GeometryParts { batches, materials }, version: version::next() }
+    }
+
+    /// Call when the contents of the buffers of dynamic draws have changed, such as the vertices of
+    /// a skinned mesh.
+    pub fn invalidate(&mut self) {
+        self.version = version::next();
+    }
+
+    /// A number that changes whenever the triangles or materials do.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
     /// Triangles of all draws.
     pub fn triangle_count(&self) -> u64 {
         let draws = self.batches.iter().flat_map(|batch| &batch.draws);

@@ -1,7 +1,7 @@
-//! [`Gi`], the library's main type. The calls in `gi/frames.rs` never wait for the GPU.
+//! [`Gi`], the library's main type. The calls in `gi/frame.rs` never wait for the GPU.
 
 mod config;
-mod frames;
+mod frame;
 mod parts;
 mod place;
 mod points;
@@ -21,6 +21,7 @@ use crate::volume::{Followed, Volume};
 use crate::voxelize::{Taken, VoxelizeStats, VoxelizedScene, Voxelizer, known};
 use crate::{Geometry, GiError};
 pub use config::GiConfig;
+pub use frame::{Frame, FrameStatus};
 use place::refuse_with_cascades;
 
 /// Results of a voxelization.
@@ -34,9 +35,9 @@ pub struct Voxelized {
 
 /// Voxel cone tracing on the caller's device.
 ///
-/// The order of calls: [`Self::voxelize`] when triangles change ([`Self::voxelize_dynamic`] when
-/// only those of dynamic draws change), [`Self::light`] when lights or triangles change,
-/// [`Self::trace`] every frame.
+/// An engine calls [`Self::frame`] and [`Self::trace`] in every frame. A still calls
+/// [`Self::voxelize`], [`Self::light`] and [`Self::trace`]: the same voxels, awaited, with as many
+/// bounces as asked for.
 ///
 /// ```
 /// # pollster::block_on(async {
@@ -56,7 +57,7 @@ pub struct Voxelized {
 /// let draws = vec![Draw::new(0, 3, 0)];
 /// let batch = GeometryBatch::new((*positions).clone(), (*indices).clone(), draws);
 /// let materials = vec![SurfaceMaterial::default()];
-/// let geometry = Geometry { batches: vec![batch], materials };
+/// let geometry = Geometry::new(vec![batch], materials);
 ///
 /// let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
 /// let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
@@ -100,6 +101,10 @@ pub struct Gi {
     bounces: u32,
     /// Changes whenever the volume's content changes.
     content: u64,
+    /// The version of the geometry that was voxelized, or refused, last.
+    geometry: Option<u64>,
+    /// `true` if that geometry was refused.
+    is_refused: bool,
     /// Values of the cone model; unused without one.
     cone_values: [f32; 4],
     /// Created on first use.
@@ -186,6 +191,8 @@ impl Gi {
             white: EnvironmentMap::white(device, queue),
             bounces: 0,
             content: 0,
+            geometry: None,
+            is_refused: false,
             cone_values,
             points: OnceLock::new(),
         })
@@ -212,7 +219,7 @@ impl Gi {
     /// # let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
     /// let draws = vec![Draw::new(0, 3, 0)];
     /// let batch = GeometryBatch::new((*positions).clone(), (*indices).clone(), draws);
-    /// let geometry = Geometry { batches: vec![batch], materials };
+    /// let geometry = Geometry::new(vec![batch], materials);
     /// let voxelized = gi.voxelize(&geometry, Timing::for_device(&device)).await?;
     /// assert!(voxelized.stats.voxels > 0 && !voxelized.times.is_empty());
     ///
@@ -264,7 +271,7 @@ impl Gi {
     /// };
     /// let (positions, indices) = ((*positions).clone(), (*indices).clone());
     /// let batch = GeometryBatch::new(positions, indices, vec![floor, lifted(0.3)]);
-    /// let mut geometry = Geometry { batches: vec![batch], materials };
+    /// let mut geometry = Geometry::new(vec![batch], materials);
     /// gi.voxelize(&geometry, Timing::Off).await?;
     ///
     /// geometry.batches[0].draws[1] = lifted(0.5);
@@ -289,11 +296,12 @@ impl Gi {
             loop {
                 self.voxelize_frame(&mut recorder, geometry)?;
                 self.scene.refuse_nothing(geometry)?;
-                let told = || self.frame_voxels();
-                if !known(&mut recorder, &self.scene, told).await?.is_late {
+                let voxels = || self.frame_voxels();
+                if !known(&mut recorder, &self.scene, voxels).await?.is_late {
                     break;
                 }
             }
+            (self.geometry, self.is_refused) = (Some(geometry.version()), false);
             let Self { voxelizer, scene, volume, .. } = self;
             let stats = voxelizer.complete(&mut recorder, scene, geometry, is_reused).await?;
             let has_moving = scene.has_moving();
@@ -308,7 +316,7 @@ impl Gi {
 
     /// Queues the kernels that a geometry needs for
     /// [`Pipelines::compile`](crate::gpu::Pipelines::compile): without bounces only those of direct
-    /// light, with `in_frames` also those that only [`Self::light_frame`] runs. All others are
+    /// light, with `in_frames` also those that only [`Self::frame`] runs. All others are
     /// compiled on first use. Call it after [`Self::targets`].
     pub fn prepare(&self, geometry: &Geometry, bounces: u32, in_frames: bool) {
         let has_emitters = self.draws_emitters() && Emitters::are_in(geometry);
@@ -365,8 +373,9 @@ impl Gi {
     }
 
     /// Binds lights for [`Self::light`] and [`Self::trace`]. `environment` is what lies outside the
-    /// grid: a radiance, or an [`EnvironmentLight`] with a map, whose own lights
-    /// ([`EnvironmentMap::lights`]) must be among `lights`. `shadows` are maps for lights with
+    /// grid: a radiance, or an [`EnvironmentLight`] with a map. The map's brightest parts
+    /// ([`EnvironmentMap::lights`]) are lights as well: they are added after `lights`, with cone
+    /// shadows, unless they are among them. `shadows` are maps for lights with
     /// [`Shadow::Map`](crate::Shadow); `None` if there are none. [`Lights::update`] changes them.
     ///
     /// ```
@@ -453,8 +462,7 @@ impl Gi {
     }
 
     /// Makes the next call of [`Self::light`] store and filter all voxels, even those whose light
-    /// has not changed: for measurements, or if light has changed behind bindings that have not,
-    /// such as in the caller's shadow maps or in an [`EnvironmentCube`](crate::EnvironmentCube).
+    /// has not changed: for measurements.
     pub fn forget_light(&mut self) {
         self.changes.forget();
         self.lighting.disturb();

@@ -1,5 +1,6 @@
-//! Voxel cone tracing on the caller's `wgpu::Device`: dynamic global illumination in physical
-//! units.
+#![doc = include_str!("../README.md")]
+//!
+//! # How it works
 //!
 //! Triangles are voxelized on the GPU into a compact list of occupied voxels ([`voxels`]), each
 //! with a face for every side that has surface. Light is computed on that list: direct light,
@@ -10,9 +11,6 @@
 //! A cone returns radiance, irradiance is the cosine-weighted sum over cones, and outgoing radiance
 //! is albedo / pi times irradiance: there is no scale to tune. All concurrent writes are integer
 //! sums or bit sets, so two runs give the same bits.
-//!
-//! [`Gi`] documents the order of calls; `examples/own_engine` shows them with its own triangles,
-//! lights and G-buffer.
 
 mod cascades;
 mod cones;
@@ -38,6 +36,7 @@ mod temporal;
 #[cfg(test)]
 mod testing;
 mod trace;
+mod version;
 mod volume;
 mod voxelize;
 pub mod voxels;
@@ -53,10 +52,10 @@ pub use environment::{
 };
 pub use error::GiError;
 pub use geometry::{
-    Draw, Geometry, GeometryBatch, Indices, SurfaceMaterial, SurfaceTexture, VertexAttributes,
-    VertexPositions,
+    Draw, Geometry, GeometryBatch, GeometryParts, Indices, SurfaceMaterial, SurfaceTexture,
+    VertexAttributes, VertexPositions,
 };
-pub use gi::{Gi, GiConfig, Voxelized};
+pub use gi::{Frame, FrameStatus, Gi, GiConfig, Voxelized};
 pub use gloss::Gloss;
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps, ShadowSource};
@@ -67,4 +66,4 @@ pub use volume::{Duplication, Mipmapping, OctreeOptions, OctreeStats};
 // Re-exported, since the caller must use this version of wgpu.
 pub use wgpu;
 
-pub use voxelize::{FrameVoxels, VoxelizeStats, VoxelizedScene, Voxelizer};
+pub use voxelize::{VoxelizeStats, VoxelizedScene, Voxelizer};

@@ -24,6 +24,7 @@ pub fn library() -> ShaderLibrary {
         .constant_u32("MAX_WORKGROUPS", crate::gpu::MAX_WORKGROUPS)
         .constant_u32("COUNT_BLOCK_WORDS", crate::voxels::COUNT_BLOCK_WORDS)
         .constant_u32("RAY_CLASSES", crate::light::RAY_CLASSES)
+        .constant_u32("RAREST_CASCADE", crate::light::RAREST_CASCADE)
         .constant_u32("SAMPLES_EMITTERS", 1)
         .constant_u32("TREE_PASS_LEVELS", crate::emitters::TREE_PASS_LEVELS)
         .constant_u32("LIGHT_DIRECTIONAL", crate::light::LIGHT_DIRECTIONAL)

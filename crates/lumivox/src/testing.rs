@@ -89,7 +89,7 @@ impl SceneBuilder {
         let positions = buffer(bytemuck::cast_slice(&self.positions));
         let batch =
             GeometryBatch::new(positions, buffer(bytemuck::cast_slice(&indices)), self.draws);
-        Geometry { batches: vec![batch], materials: self.materials }
+        Geometry::new(vec![batch], self.materials)
     }
 }
 
@@ -156,7 +156,7 @@ pub(crate) fn moved(geometry: &Geometry, place: Mat4) -> Geometry {
 /// It is not enough to poll the device until its work is done: all tests share the device, and
 /// another test's thread may have polled it first, and may still be about to call the callback.
 pub(crate) fn wait_told(device: &wgpu::Device, gi: &Gi) {
-    while gi.frame_voxels().is_pending {
+    while gi.status().is_pending {
         device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
         std::thread::yield_now();
     }

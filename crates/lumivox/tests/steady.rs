@@ -7,8 +7,8 @@ mod common;
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{MadeResources, Recorder, Timing, storage_buffer, waits};
 use lumivox::{
-    Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, OctreeOptions, Shadow,
-    SurfaceMaterial, TraceSettings, VolumeKind,
+    Draw, Frame, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, OctreeOptions,
+    Shadow, SurfaceMaterial, TraceSettings, VolumeKind,
 };
 
 /// A quad over x and z, facing up.
@@ -44,8 +44,7 @@ fn check_steady(volume: VolumeKind) {
     draws[0].is_static = true;
     let batch =
         GeometryBatch::new(wgpu::Buffer::clone(&positions), wgpu::Buffer::clone(&indices), draws);
-    let mut geometry =
-        Geometry { batches: vec![batch], materials: vec![SurfaceMaterial::default()] };
+    let mut geometry = Geometry::new(vec![batch], vec![SurfaceMaterial::default()]);
     let mut lights = gi.bind_lights(&[lamp(Vec3::splat(0.5))], Vec3::ZERO, None);
     let settings = TraceSettings::default();
     pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
@@ -58,12 +57,13 @@ fn check_steady(volume: VolumeKind) {
         lights.update(&queue, &[lamp(Vec3::new(0.5, 0.9 - 0.3 * time, 0.5))], Vec3::ZERO, None);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut recorder = Recorder::on(&device, &queue, &mut encoder);
-        gi.voxelize_frame(&mut recorder, &geometry).expect("it fits");
-        gi.light_frame(&mut recorder, &lights, Some(200), &settings).expect("valid");
+        let faces_per_frame = Some(200);
+        let frame_of = Frame { faces_per_frame, ..Frame::new(&geometry, &lights, &settings) };
+        gi.frame(&mut recorder, frame_of).expect("it fits");
         drop(recorder);
         queue.submit([encoder.finish()]);
         // The first frames may overflow buffers; later frames must have the result of that.
-        while frame < 20 && gi.frame_voxels().is_pending {
+        while frame < 20 && gi.status().is_pending {
             device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
         }
         if frame == 19 {

@@ -16,7 +16,7 @@ mod screen;
 use std::ops::ControlFlow;
 
 use lumivox::gpu::{Recorder, StageTime, Timing};
-use lumivox::{EnvironmentMap, FrameVoxels, Gi, Grid, Lights, VolumeKind, VoxelizeStats};
+use lumivox::{EnvironmentMap, FrameStatus, Gi, Grid, Lights, VolumeKind, VoxelizeStats};
 use lumivox_scene::{Bounds, Camera, Scene};
 
 use crate::gpu::memory::MemoryUse;
@@ -287,20 +287,19 @@ impl Renderer {
         self.draw_frame(false).await.map(|_| ())
     }
 
-    /// Renders a frame; `is_kept` adds it to the mean. Returns the frame's voxels if they were
-    /// updated.
-    async fn draw_frame(&mut self, is_kept: bool) -> Result<Option<FrameVoxels>, RenderError> {
+    /// Renders a frame; `is_kept` adds it to the mean.
+    async fn draw_frame(&mut self, is_kept: bool) -> Result<FrameStatus, RenderError> {
         self.follow_camera().await?;
         self.prepare_view().await?;
         let mut recorder = self.recorder();
-        let voxels = self.follow(&mut recorder)?;
+        self.follow(&mut recorder)?;
         let samples = if is_kept { self.take_samples() } else { 1 };
         self.record_frame(&mut recorder, is_kept, samples)?;
         let mut times = recorder.finish().await?;
         times.extend(self.draw_further_samples(samples).await?);
         self.times.add(times);
         self.gpu.check("rendering a frame")?;
-        Ok(voxels)
+        Ok(self.gi.status())
     }
 
     /// Records the passes of the first of `samples` samples of the next frame; `is_kept` adds it to
@@ -314,7 +313,7 @@ impl Renderer {
         let frame = self.frame_count();
         let sample = self.first_sample(frame);
         let jitter = self.first_in_pixel(sample);
-        let is_relit = self.following.is_settling();
+        let is_relit = self.following.is_settling;
         let Self { settings, camera, scene, gi, lights, near_shadows, passes, targets, .. } = self;
         let mut is_traced = false;
         let (drawn, former_camera) = (&self.drawn, &self.former_camera);

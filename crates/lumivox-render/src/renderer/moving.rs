@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use lumivox::gpu::Recorder;
-use lumivox::{FrameVoxels, GiError};
+use lumivox::{Frame, FrameStatus, GiError};
 use lumivox_scene::Scene;
 
 use super::{RenderError, RenderProgress, Renderer};
@@ -17,40 +17,29 @@ const MANY_BOUNCES: u32 = 8;
 /// The most bytes of vertices uploaded in a frame while streaming with the camera.
 const UPLOADED_BYTES: u64 = 4 << 20;
 
-/// Frames after a change until less than a hundredth of it is missing, at one bounce a frame.
-const SETTLING_FRAMES: u32 = 8;
-
 /// Changes that the next frames have to process.
 #[allow(clippy::struct_excessive_bools, reason = "independent facts about one frame")]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Following {
-    /// Surfaces have moved.
+    /// Surfaces have moved, and their voxels are not recorded, or late.
     pub(super) surfaces: bool,
     /// Whether it is still unknown if the voxels of the last move fitted into their buffers.
     pub(super) is_pending: bool,
     /// Lights or their shadow casters have moved.
     pub(super) lights: bool,
-    /// Frames until the light has nearly converged.
-    settling: u32,
+    /// Whether the light of the last frame was still changing.
+    pub(super) is_settling: bool,
     /// Whether the voxels' light has been updated incrementally since it was computed from
     /// darkness.
     pub(super) goes_on: bool,
 }
 
-impl Following {
-    /// Whether the light is still changing.
-    pub(super) fn is_settling(self) -> bool {
-        self.settling > 0
-    }
-}
-
 impl Renderer {
     /// Moves the instances with the indices `moved` to their transforms in `scene`, applies its
     /// lights, and renders the first sample of a frame: all in one submission, like an engine
-    /// ([`Gi::voxelize_frame`](lumivox::Gi::voxelize_frame) and
-    /// [`Gi::light_frame`](lumivox::Gi::light_frame), with all faces). The picture is only this
-    /// frame, or blended with earlier ones if
-    /// [`TraceSettings::temporal`](lumivox::TraceSettings::temporal) is on.
+    /// ([`Gi::frame`](lumivox::Gi::frame), with all faces). The picture is only this frame, or
+    /// blended with earlier ones if [`TraceSettings::temporal`](lumivox::TraceSettings::temporal)
+    /// is on.
     ///
     /// Light travels one bounce a frame, whatever the number of
     /// [`RenderSettings::bounces`](crate::RenderSettings::bounces). Voxels may be a few frames
@@ -58,19 +47,15 @@ impl Renderer {
     /// method does as well.
     ///
     /// # Errors
-    /// As [`Self::set_scene`] and [`Gi::voxelize_frame`](lumivox::Gi::voxelize_frame).
+    /// As [`Self::set_scene`] and [`Gi::frame`](lumivox::Gi::frame).
     pub async fn render_moved(
         &mut self,
         scene: &Scene,
         moved: &[usize],
-    ) -> Result<FrameVoxels, RenderError> {
+    ) -> Result<FrameStatus, RenderError> {
         self.take_moved(scene, moved)?;
         self.follow_surfaces();
-        let voxels = self.draw_frame(true).await?;
-        voxels.ok_or(RenderError::Device {
-            doing: "following what has moved",
-            reason: "nothing was recorded".to_owned(),
-        })
+        self.draw_frame(true).await
     }
 
     /// Renders `frames` more frames, whatever the settings ask for, and finishes the picture: for
@@ -142,9 +127,9 @@ impl Renderer {
             return surfaces;
         }
         loop {
-            let told = self.gi.frame_voxels();
-            if !told.is_pending || cfg!(target_arch = "wasm32") {
-                return told.is_late;
+            let status = self.gi.status();
+            if !status.is_pending || cfg!(target_arch = "wasm32") {
+                return status.is_late;
             }
             // Another call reports the lost device.
             if self.gpu.wait("following what has moved").is_err() {
@@ -193,47 +178,43 @@ impl Renderer {
     }
 
     /// Records the pending updates before the passes of the frame.
-    pub(super) fn follow(
-        &mut self,
-        recorder: &mut Recorder<'_>,
-    ) -> Result<Option<FrameVoxels>, RenderError> {
-        let mut voxels = None;
-        if self.following.is_pending {
-            let told = self.gi.frame_voxels();
-            self.following.is_pending = told.is_pending;
-            // The last move did not fit, which is known only now.
-            self.following.surfaces |= told.is_late;
-        }
-        if self.following.surfaces {
-            let frame = self.gi.voxelize_frame(recorder, &self.scene.geometry)?;
-            self.voxels_are_stale = frame.is_late;
-            self.following.surfaces = frame.is_late;
-            self.following.is_pending = frame.is_pending;
-            voxels = Some(frame);
-        }
+    pub(super) fn follow(&mut self, recorder: &mut Recorder<'_>) -> Result<(), RenderError> {
+        self.following.is_settling &= self.settings.follows();
         // Shadow maps around cascades move with them.
         self.following.lights |= self.has_fine_maps() && self.mapped_grid != *self.gi.grid();
-        let has_changed = self.following.lights || voxels.is_some();
-        if std::mem::take(&mut self.following.lights) {
+        let Following { is_pending, lights, is_settling, .. } = self.following;
+        let surfaces = self.following.surfaces || is_pending;
+        if lights {
             self.bind_lights(recorder);
             if let Some(look) = &mut self.look {
                 look.relight();
             }
         }
-        if (has_changed || self.settings.follows()) && self.settings.shown_look().is_none() {
-            recorder.stage("light");
-            self.gi.light_frame(recorder, &self.lights, None, &self.settings.trace)?;
-            self.following.goes_on = true;
+        let follows = self.settings.follows();
+        if is_settling {
+            // Light that is still changing must not enter the mean.
+            self.targets.accumulate.reset();
         }
-        if self.settings.follows() {
-            if self.following.settling > 0 {
-                // Light that is still changing must not enter the mean.
-                self.targets.accumulate.reset();
+        if surfaces || lights || follows {
+            let is_lit = self.settings.shown_look().is_none();
+            let frame = Frame {
+                geometry: surfaces.then_some(&self.scene.geometry),
+                lights: is_lit.then_some(&self.lights),
+                ..Frame::new(&self.scene.geometry, &self.lights, &self.settings.trace)
+            };
+            let status = self.gi.frame(recorder, frame)?;
+            self.following = Following {
+                surfaces: surfaces && status.is_late,
+                is_pending: surfaces && status.is_pending,
+                lights: false,
+                is_settling: follows && (status.is_late || status.frames_left > 0),
+                goes_on: self.following.goes_on || is_lit,
+            };
+            if surfaces {
+                self.voxels_are_stale = status.is_late;
             }
-            let left = self.following.settling.saturating_sub(1);
-            self.following.settling = if has_changed { SETTLING_FRAMES } else { left };
         }
-        Ok(voxels)
+        Ok(())
     }
 }
 

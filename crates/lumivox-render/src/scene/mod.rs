@@ -141,7 +141,7 @@ impl GpuScene {
         let placed = Placed::new(gpu, scene, &materials, Vec::new(), budget)?;
         let [vertices, instances] = placed.memory;
         let mut uploaded = Self {
-            geometry: Geometry { batches: placed.geometry, materials: surfaces },
+            geometry: Geometry::new(placed.geometry, surfaces),
             bounds: placed.boxes.all(scene),
             radiance_unit,
             batches: placed.batches,

@@ -233,7 +233,7 @@ fn a_single_change_without_room_is_followed() {
     picture(&mut travelling);
     pollster::block_on(travelling.move_instances(&grown, &[block], &mut |_| {})).expect("it fits");
     picture(&mut travelling);
-    let told = travelling.gi().frame_voxels();
+    let told = travelling.gi().status();
     assert!(!told.is_late && !told.is_pending && travelling.is_complete(), "{told:?}");
     assert_eq!(told.voxels, renderer(&gpu, &grown, settings).voxel_stats().voxels);
 }

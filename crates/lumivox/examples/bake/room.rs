@@ -67,5 +67,5 @@ pub fn geometry(device: &wgpu::Device, quads: &[Quad]) -> (Geometry, [Buffer; 2]
         reflectance: quad.albedo.extend(1.0),
         ..SurfaceMaterial::default()
     });
-    (Geometry { batches: vec![batch], materials: materials.collect() }, [positions, indices])
+    (Geometry::new(vec![batch], materials.collect()), [positions, indices])
 }

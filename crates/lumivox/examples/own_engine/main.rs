@@ -18,8 +18,8 @@ use lumivox::gpu::{
 };
 use lumivox::gpu::{open_device, read_buffer, storage_buffer};
 use lumivox::{
-    CameraView, Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, Shadow,
-    SurfaceMaterial, TraceSettings,
+    CameraView, Draw, Frame, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource,
+    Lights, Shadow, SurfaceMaterial, TraceSettings,
 };
 use raster::{Camera, Mesh, Raster};
 
@@ -119,9 +119,7 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
         reflectance: color.extend(1.0),
         ..SurfaceMaterial::default()
     });
-    let mut geometry = Geometry { batches: vec![batch], materials: materials.collect() };
-    let voxelized = gi.voxelize(&geometry, Timing::Off).await?;
-    println!("{} voxels, {} faces", voxelized.stats.voxels, voxelized.stats.faces);
+    let mut geometry = Geometry::new(vec![batch], materials.collect());
 
     // One light; its shadows come from cones through the voxels, so no shadow map is needed.
     let mut lights = gi.bind_lights(&[lamp_at(0.0)], Vec3::ZERO, None);
@@ -174,8 +172,7 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
         let camera = Camera::new(view.clip_from_world, screen_at(time));
         raster.draw(&mut encoder, &queue, camera);
         let mut recorder = Recorder::on(&device, &queue, &mut encoder);
-        gi.voxelize_frame(&mut recorder, &geometry)?;
-        gi.light_frame(&mut recorder, &lights, Some(FACES_PER_FRAME), &settings)?;
+        gi.frame(&mut recorder, frame_of(&geometry, &lights, &settings))?;
         gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
         let groups = [gi.globals(), &group, &lights.group, &gbuffer.group];
         shade.run(&mut recorder, &groups, [SIZE.x, SIZE.y, 1]);
@@ -198,12 +195,21 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
     // has none.
     lights.update(&queue, &[lamp_at(FRAMES as f32 / 60.0)], Vec3::ZERO, None);
     let mut recorder = Recorder::with_timing(&device, &queue, Timing::for_device(&device));
-    gi.voxelize_frame(&mut recorder, &geometry)?;
-    gi.light_frame(&mut recorder, &lights, Some(FACES_PER_FRAME), &settings)?;
+    gi.frame(&mut recorder, frame_of(&geometry, &lights, &settings))?;
     gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
     let stages = recorder.finish().await?;
     let recording_ms = recording * 1e3 / f64::from(FRAMES);
     Ok((pixels.collect(), Report { recording_ms, frame_ms, made, stages }))
+}
+
+/// What Lumivox gets in a frame.
+fn frame_of<'a>(
+    geometry: &'a Geometry,
+    lights: &'a Lights,
+    settings: &'a TraceSettings,
+) -> Frame<'a> {
+    let faces_per_frame = Some(FACES_PER_FRAME);
+    Frame { faces_per_frame, ..Frame::new(geometry, lights, settings) }
 }
 
 /// The lamp, on a circle below the ceiling.

@@ -10,10 +10,11 @@ use glam::{IVec3, Mat4, UVec3, Vec3};
 use super::{CascadeOptions, STRIDE};
 use crate::gpu::{Recorder, Timing};
 use crate::testing::{SceneBuilder, busy_room, device, lambert, morton_decode, read, wait_told};
+use crate::voxelize::FrameVoxels;
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{
-    FrameVoxels, GatherSettings, Geometry, Gi, GiConfig, GiError, Grid, Light, LightSource, Lights,
-    Shadow, TraceSettings, VolumeKind,
+    GatherSettings, Geometry, Gi, GiConfig, GiError, Grid, Light, LightSource, Lights, Shadow,
+    TraceSettings, VolumeKind,
 };
 
 /// The corner of the room: the seam of the store, the multiples of 64 voxels, goes through it.

@@ -366,7 +366,7 @@ fn half_red(device: &Pipelines, queue: &wgpu::Queue) -> (Geometry, [Buffer; 3]) 
     batch.attributes = Some(VertexAttributes::texcoords((*texcoords).clone()));
     let emission_texture = Some(SurfaceTexture::new(view, sampler));
     let material = SurfaceMaterial { emission_texture, ..lambert(0.0, 2.0) };
-    let geometry = Geometry { batches: vec![batch], materials: vec![material] };
+    let geometry = Geometry::new(vec![batch], vec![material]);
     (geometry, [positions, texcoords, indices])
 }
 

@@ -222,7 +222,7 @@ impl EnvironmentCube {
     /// Records the conversion of a cube texture: of the first mip of `cube`, a cube view of a
     /// filterable format. Values that are not a radiance (negative, not finite) are skipped.
     ///
-    /// Light in the voxels does not change until [`crate::Gi::forget_light`].
+    /// Light in the voxels does not change until [`crate::Lights::invalidate`].
     pub fn record(
         &mut self,
         recorder: &mut Recorder<'_>,

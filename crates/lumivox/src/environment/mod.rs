@@ -109,8 +109,7 @@ pub struct EnvironmentMap {
 pub struct EnvironmentLight<'a> {
     /// Constant radiance; with a map, the map's factor.
     pub radiance: Vec3,
-    /// A picture of the environment. Also pass the lights of [`EnvironmentMap::lights`]: without
-    /// them the map's peaks do not light anything.
+    /// A picture of the environment, whose peaks become lights.
     pub map: Option<&'a EnvironmentMap>,
     /// Rotation of the map about the y axis, rad, counter-clockwise seen from above.
     pub rotation_rad: f32,
@@ -173,10 +172,9 @@ impl EnvironmentMap {
     /// let panorama = Panorama { width: 64, height: 32, rgb: &rgb };
     /// let map = EnvironmentMap::new(&device, &queue, panorama)?;
     /// let (radiance, rotation_rad) = (Vec3::ONE, 0.3);
-    /// let suns = map.lights(radiance, rotation_rad);
-    /// assert_eq!(suns.len(), 1);
     /// let environment = EnvironmentLight { radiance, map: Some(&map), rotation_rad };
-    /// let lights = gi.bind_lights(&suns, environment, None);
+    /// let lights = gi.bind_lights(&[], environment, None);
+    /// assert_eq!(lights.count, 1, "the sun");
     /// # Ok::<(), lumivox::GiError>(())
     /// # }).unwrap();
     /// ```
@@ -226,8 +224,9 @@ impl EnvironmentMap {
         &self.peaks
     }
 
-    /// The lights of the peaks, for an [`EnvironmentLight`] with this radiance and rotation; pass
-    /// them to [`crate::Gi::bind_lights`] together with the map.
+    /// The lights of the peaks, for an [`EnvironmentLight`] with this radiance and rotation, with
+    /// cone shadows. [`crate::Gi::bind_lights`] adds them by itself; pass them to it to give them
+    /// shadow maps.
     pub fn lights(&self, radiance: Vec3, rotation_rad: f32) -> Vec<Light> {
         let turn = Mat3::from_rotation_y(rotation_rad);
         self.peaks

@@ -10,7 +10,7 @@ use crate::voxelize::Taken;
 impl Gi {
     /// Centres the boxes of a clipmap ([`Grid::cascades`](crate::Grid::cascades)) on a place in the
     /// world, m: that of the camera. Returns `true` if they have to move; then the next
-    /// voxelization moves them. [`Self::voxelize`] does so at once. [`Self::voxelize_frame`]
+    /// voxelization moves them. [`Self::voxelize`] does so at once. [`Self::frame`]
     /// voxelizes the moved boxes over a few frames without waiting and shows the old ones until it
     /// has finished; voxels that stay in a box keep the light that they have gathered. A move that
     /// is in progress is finished before the next one starts.

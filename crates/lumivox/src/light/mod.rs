@@ -47,7 +47,7 @@ pub use lights::{
 };
 #[cfg(test)]
 pub(crate) use lights::{LightGlobals, LightRecord, ShadowLayerRecord};
-pub(crate) use turns::RAY_CLASSES;
+pub(crate) use turns::{RAREST_CASCADE, RAY_CLASSES};
 
 /// `BounceSettings` of `turn.wgsl`.
 #[repr(C)]
@@ -407,6 +407,11 @@ impl Lighting {
                 injector.run(recorder, FaceLight { globals, lights, direct });
             }
         }
+    }
+
+    /// Frames until less than a hundredth of the last change of the light is missing.
+    pub(crate) fn frames_left(&self) -> u32 {
+        self.turns.frames_left()
     }
 
     /// Makes the next call of [`Self::step`] compute direct light again, as after a change.

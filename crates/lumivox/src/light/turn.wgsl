@@ -2,6 +2,7 @@
 
 import package::cascades::{cascade_of, voxel_of};
 import package::cones::cone::ConeSettings;
+import package::constants::RAREST_CASCADE;
 import package::gpu::random::{hash, random_pair};
 import package::voxels::counts::ListCounts;
 import package::voxels::list::{Face, lobe_axis};
@@ -80,9 +81,6 @@ fn keep_from_emitters(face: u32, irradiance_of_them: vec3f) {
     }
 }
 
-// log2 of the largest number of turns between two gathers of a cascade.
-const RAREST = 3u;
-
 // The number of turns until all faces have gathered, if they are not grouped by cascade.
 fn turns() -> u32 {
     let most = max(settings.faces_at_a_time, 1u);
@@ -93,7 +91,7 @@ fn turns() -> u32 {
 fn is_in_turn(face: u32) -> bool {
     if settings.by_cascade != 0u {
         let cascade = cascade_of(morton_decode(faces[face].cell));
-        return (settings.turn + cascade) % (1u << min(cascade, RAREST)) == 0u;
+        return (settings.turn + cascade) % (1u << min(cascade, RAREST_CASCADE)) == 0u;
     }
     let all = turns();
     return face % all == settings.turn % all;

@@ -7,8 +7,11 @@ use crate::cones::TraceSettings;
 /// thousandth of the change is missing then; in most rooms far less.
 const SETTLING_GATHERS: u32 = 32;
 
-/// Most frames between two gathers of a cascade (`RAREST` of `turn.wgsl`).
-const RAREST_CASCADE: u64 = 8;
+/// Gathers of every face after a change until less than a hundredth of it is missing.
+const NEARLY_SETTLED_GATHERS: u32 = 9;
+
+/// log2 of the most frames between two gathers of a cascade.
+pub(crate) const RAREST_CASCADE: u32 = 3;
 
 /// After surface has moved, rays are traced again in this many groups, one a frame.
 pub(crate) const RAY_CLASSES: u32 = 4;
@@ -72,6 +75,8 @@ pub(super) struct Turns {
     number: u32,
     /// Frames until the light has converged.
     left: u64,
+    /// Frames until all faces have gathered once.
+    frames_per_gather: u64,
     /// Gathers of the last solve from darkness, until the next frame.
     solved: Option<u32>,
     /// Frames until all faces have sampled the emitters again.
@@ -120,6 +125,12 @@ impl Turns {
         self.rays = Rays::Traced;
     }
 
+    /// Frames until less than a hundredth of the last change is missing.
+    pub fn frames_left(&self) -> u32 {
+        let then = u64::from(SETTLING_GATHERS - NEARLY_SETTLED_GATHERS) * self.frames_per_gather;
+        u32::try_from(self.left.saturating_sub(then)).unwrap_or(u32::MAX)
+    }
+
     /// The work of the next frame; `None` once the light has converged.
     pub fn next(
         &mut self,
@@ -130,8 +141,9 @@ impl Turns {
     ) -> Option<Turn> {
         let cones = Some(cones);
         let is_direct_new = self.is_disturbed || self.lights != Some(lights);
-        let rarest = if self.has_cascades { RAREST_CASCADE } else { 1 };
+        let rarest = if self.has_cascades { 1 << RAREST_CASCADE } else { 1 };
         let turns = budget.map_or(rarest, |budget| capacity.div_ceil(budget.max(1).into()));
+        self.frames_per_gather = turns;
         let done = self.solved.take();
         if is_direct_new {
             self.shines = turns;

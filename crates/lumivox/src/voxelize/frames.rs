@@ -13,7 +13,7 @@ use crate::voxels::{VoxelList, count_bytes};
 use crate::{Geometry, GiError, Grid};
 
 /// Initial capacity for voxels of dynamic surface, before their number is known.
-const FIRST_VOXELS: u64 = 4096;
+const FIRST_VOXELS: u64 = 64;
 
 /// The most nodes that `voxels` voxels can have in all levels.
 fn most_nodes(grid: &Grid, voxels: u64) -> u64 {
@@ -104,7 +104,7 @@ impl Voxelizer {
             && (moving.capacity()[1] == 0 || scene.is_list_new)
         {
             let capacity = moving.capacity();
-            let sums = capacity[1].max(2 * capacity[0]);
+            let sums = capacity[1].max(capacity[0]);
             moving.make_room_for_sums(work, sums, union.verdict())?;
             scene.is_bound = false;
         }
@@ -128,12 +128,20 @@ impl Voxelizer {
         Ok(scene.frame(is_late))
     }
 
+    /// Applies finished read-backs.
+    pub(crate) fn read_back(
+        &self,
+        recorder: &mut Recorder<'_>,
+        scene: &mut VoxelizedScene,
+    ) -> Result<(), GiError> {
+        let device = recorder.device().clone();
+        let (grid, globals) = (scene.grid, scene.globals.clone());
+        Self::hear(&mut self.work(recorder, &device, &grid, &globals), scene).map(drop)
+    }
+
     /// Applies finished read-backs; grows buffers that overflowed. Returns `true` if one had
     /// overflowed.
-    pub(super) fn hear(
-        work: &mut Work<'_, '_>,
-        scene: &mut VoxelizedScene,
-    ) -> Result<bool, GiError> {
+    fn hear(work: &mut Work<'_, '_>, scene: &mut VoxelizedScene) -> Result<bool, GiError> {
         let device = work.memory.device();
         let Some(words) = scene.late.as_mut().and_then(|late| late.latest(device)) else {
             return Ok(scene.lacks_room);
@@ -156,8 +164,8 @@ impl Voxelizer {
         let mut needed_faces = u64::from(verdict.moving_faces);
         if verdict.no_room & NO_ROOM_FOR_VOXELS != 0 {
             let needed = u64::from(verdict.moving_voxels);
-            // The numbers of their faces are not known yet; this is a guess.
-            (needed_sums, needed_faces) = (2 * needed, 2 * needed);
+            // The numbers of their faces are not known yet.
+            (needed_sums, needed_faces) = (0, 0);
             if voxels < needed {
                 moving.make_room(work, with_spare(needed))?;
                 scene.is_bound = false;
@@ -268,7 +276,7 @@ impl Voxelizer {
         // Keep the list's current capacity for dynamic surface.
         let so_far = scene.list.as_ref().map_or(0, VoxelList::face_capacity);
         let before = scene.fixed.as_ref().map_or(0, |fixed| fixed.faces);
-        let moving_faces = so_far.saturating_sub(before).max(2 * moving);
+        let moving_faces = so_far.saturating_sub(before).max(moving);
         let union = union.map_or_else(|| Union::new(work), Ok)?;
         let nodes = nodes + most_nodes(work.grid, moving);
         let list = new_list(work, nodes, faces + moving_faces)?;

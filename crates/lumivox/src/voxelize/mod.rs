@@ -59,8 +59,8 @@ use crate::gpu::{Pipelines, ShaderLibrary};
 use crate::voxels::FaceRecord;
 pub use hook::{Detail, Voxelization, VoxelizationShares, Walk, WalkRun, WalkStep, Walker};
 use kernels::Kernels;
-pub(crate) use scene::Taken;
-pub use scene::{FrameVoxels, VoxelizedScene};
+pub use scene::VoxelizedScene;
+pub(crate) use scene::{FrameVoxels, Taken};
 pub(crate) use settle::known;
 pub(crate) use union::Moving;
 

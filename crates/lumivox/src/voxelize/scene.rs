@@ -100,15 +100,11 @@ pub(crate) struct Taken<'a> {
 
 /// Status of a recorded voxelization, from the results that have been read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct FrameVoxels {
+pub(crate) struct FrameVoxels {
     /// `true` if the voxels are those of an earlier frame: a buffer overflowed, or static surface
     /// is still being rebuilt.
     pub is_late: bool,
-    /// `true` if it is not known yet whether the last call of
-    /// [`Gi::voxelize_frame`](crate::Gi::voxelize_frame) overflowed a buffer; `is_late` then
-    /// describes an earlier call. The return value of that call is pending if it recorded anything;
-    /// poll [`Gi::frame_voxels`](crate::Gi::frame_voxels) later.
+    /// `true` if the last recording is not read back yet; `is_late` then describes an earlier one.
     pub is_pending: bool,
     /// Occupied voxels.
     pub voxels: u32,

@@ -80,9 +80,7 @@ impl Voxelizer {
         geometry: &Geometry,
         is_reused: bool,
     ) -> Result<VoxelizeStats, GiError> {
-        let device = recorder.device().clone();
-        let (grid, globals) = (scene.grid, scene.globals.clone());
-        Self::hear(&mut self.work(recorder, &device, &grid, &globals), scene)?;
+        self.read_back(recorder, scene)?;
         if let Some(moving) = &mut scene.moving {
             // Only the number of pieces is used of the counts of faces.
             let sources = [moving.marked_counts(), moving.face_counts(0)];

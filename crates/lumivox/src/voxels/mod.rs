@@ -113,7 +113,7 @@ pub struct FaceRecord {
 ///
 /// Its buffers have spare capacity. The actual numbers are in `counts`, and, once read back, in
 /// `level_starts` and `face_count`: exact after [`crate::Gi::voxelize`], a few frames late after
-/// [`crate::Gi::voxelize_frame`].
+/// [`crate::Gi::frame`].
 #[derive(Debug)]
 pub struct VoxelList {
     /// The start of each level's nodes in `nodes`, and the total at the end.

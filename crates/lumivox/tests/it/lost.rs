@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{Recorder, Timing, open_device};
-use lumivox::{Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, SurfaceMaterial, TraceSettings};
-use lumivox::{OctreeOptions, VolumeKind};
+use lumivox::{
+    Draw, Frame, Geometry, GeometryBatch, Gi, GiConfig, Grid, OctreeOptions, SurfaceMaterial,
+    TraceSettings, VolumeKind,
+};
 use wgpu::util::{BufferInitDescriptor, DeviceExt as _};
 
 /// A static floor, and one that moves.
@@ -20,7 +22,7 @@ fn geometry(device: &wgpu::Device) -> Geometry {
     let mut draws = vec![Draw::new(0, 6, 0), Draw::new(0, 6, 0)];
     draws[0].is_static = true;
     let batch = GeometryBatch::new(positions, indices, draws);
-    Geometry { batches: vec![batch], materials: vec![SurfaceMaterial::default()] }
+    Geometry::new(vec![batch], vec![SurfaceMaterial::default()])
 }
 
 #[test]
@@ -37,7 +39,6 @@ fn a_device_may_be_lost_in_the_middle_of_a_frame() {
             let rise = Mat4::from_translation(Vec3::Y * 0.05 * frame as f32);
             geometry.batches[0].draws[1].world_from_local = rise;
             let mut recorder = Recorder::new(&device, &queue);
-            let voxelized = gi.voxelize_frame(&mut recorder, &geometry);
             if frame == 5 {
                 device.destroy();
             }
@@ -46,11 +47,10 @@ fn a_device_may_be_lost_in_the_middle_of_a_frame() {
                 geometry.batches[0].draws.extend([Draw::new(0, 6, 0); 40]);
             }
             // Whatever is recorded after the loss is dropped.
-            let lit = gi.light_frame(&mut recorder, &lights, None, &settings);
+            let status = gi.frame(&mut recorder, Frame::new(&geometry, &lights, &settings));
             recorder.submit();
             if frame < 5 {
-                voxelized.expect("it fits");
-                lit.expect("valid settings");
+                status.expect("it fits");
             }
         }
         // Errors of resources created on a lost device go to the engine's handler of errors.

@@ -85,8 +85,6 @@ pub(crate) struct SceneGeometry {
     deforming: Vec<DeformingBatch>,
     /// Meshes that are not loaded yet.
     waits_for: HashSet<AssetId<Mesh>>,
-    /// Rises with each change.
-    pub(crate) version: u64,
 }
 
 /// The inputs from the render world.
@@ -119,15 +117,13 @@ impl SceneGeometry {
         // materials.
         let is_short = self.geometry.materials.len() != table.materials().len();
         if table.take_changed() || is_short {
-            self.version += 1;
             self.geometry.materials.clone_from(table.materials());
         }
     }
 
     /// Drops all references to Bevy's buffers.
     pub(crate) fn clear(&mut self, deformer: &mut Deformer) {
-        let version = self.version + 1;
-        *self = Self { version, ..Self::default() };
+        *self = Self::default();
         deformer.clear();
     }
 
@@ -137,7 +133,6 @@ impl SceneGeometry {
         if let (Some((batch, draw)), Some(instance)) = (place, instances.get(slot)) {
             let draw = &mut self.geometry.batches[batch as usize].draws[draw as usize];
             draw.world_from_local = instance.world_from_local;
-            self.version += 1;
         }
     }
 
@@ -148,7 +143,6 @@ impl SceneGeometry {
         table: &mut SurfaceTable,
         deformer: &mut Deformer,
     ) {
-        self.version += 1;
         self.waits_for.clear();
         self.keys.clear();
         self.meshes.clear();

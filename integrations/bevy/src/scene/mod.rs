@@ -118,7 +118,7 @@ pub(crate) fn update_scene(
     };
     scene.update(&sources, (&mut table, &mut deformer), are_displaced);
     if deformer.follow((device.wgpu_device(), &queue), &poses) {
-        scene.version += 1;
+        scene.geometry.invalidate();
     }
     volumes.follow(&views.views, &instances, (&device, &queue), &reports);
     offers.set(volumes.offers());

@@ -40,15 +40,11 @@ pub(crate) struct Voxels {
     /// Version of the geometry that was voxelized last.
     version: Option<u64>,
     is_late: bool,
-    /// Whether the overflow flags of the last voxelization are not read back yet.
-    is_pending: bool,
     frames_lit: u32,
     /// Frames since lights or geometry have changed.
     frames_at_rest: u32,
     /// The bounds of the scene that the volume was fitted to.
     pub(crate) fitted: Option<[Vec3; 2]>,
-    /// The version of the geometry that could not be voxelized.
-    refused: Option<u64>,
     /// Probes that light forward draws; `None` if there are no such draws.
     pub(crate) probes: Option<Probes>,
     probe_kernels: Option<ProbeKernels>,
@@ -193,11 +189,9 @@ impl Voxels {
             frames_taken: 0,
             version: None,
             is_late: false,
-            is_pending: false,
             frames_lit: 0,
             frames_at_rest: 0,
             fitted,
-            refused: None,
             probes: None,
             probe_kernels,
         }
@@ -227,7 +221,7 @@ impl Voxels {
             return;
         }
         self.cube.record(&mut Recorder::on(device, queue, encoder), cube, settings);
-        self.gi.forget_light();
+        self.lights.invalidate();
         if !is_known || frame.is_map_redrawn {
             self.frames_at_rest = 0;
             self.frames_taken = 0;
@@ -283,52 +277,32 @@ impl Voxels {
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame<'_>,
     ) -> Result<(), GiError> {
-        let version = frame.scene.version;
+        let version = frame.scene.geometry.version();
         self.follow_map((device, queue), encoder, frame);
         self.follow_lights(queue, frame);
         if frame.has_mapped_lights() && FRAMES_OF_NEW_MAPS.contains(&self.frames_at_rest) {
-            self.gi.forget_light();
+            self.lights.invalidate();
         }
         self.frames_at_rest = self.frames_at_rest.saturating_add(1);
         let moves = frame.gi.volume.cascades().is_some() && self.gi.center_on(frame.position)?;
-        if self.is_pending {
-            let told = self.gi.frame_voxels();
-            (self.is_late, self.is_pending) = (told.is_late, told.is_pending);
-        }
-        let is_due = self.version != Some(version) || self.is_late || moves;
-        if is_due && self.refused != Some(version) {
-            let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/voxelize"));
-            let mut recorder = Recorder::on(device, queue, encoder);
-            let voxelized = self.gi.voxelize_frame(&mut recorder, &frame.scene.geometry);
-            drop(recorder);
-            if let Some(span) = span {
-                span.end(encoder);
-            }
-            match voxelized {
-                Ok(voxelized) => {
-                    (self.is_late, self.is_pending) = (voxelized.is_late, voxelized.is_pending);
-                }
-                Err(error) => {
-                    self.refused = Some(version);
-                    return Err(error);
-                }
-            }
+        if self.version != Some(version) || moves {
             self.version = Some(version);
             self.frames_at_rest = 0;
-        }
-        if self.gi.voxels().is_none() {
-            return Ok(());
         }
         let span = frame.diagnostics.map(|to| to.time_span(encoder, "lumivox/light"));
         let mut recorder = Recorder::on(device, queue, encoder);
         let settings = frame.gi.trace_settings();
-        let lit =
-            self.gi.light_frame(&mut recorder, &self.lights, frame.gi.face_budget(), &settings);
+        let faces_per_frame = frame.gi.face_budget();
+        let inputs = lumivox::Frame::new(&frame.scene.geometry, &self.lights, &settings);
+        let lit = self.gi.frame(&mut recorder, lumivox::Frame { faces_per_frame, ..inputs });
         drop(recorder);
         if let Some(span) = span {
             span.end(encoder);
         }
-        lit?;
+        self.is_late = lit?.is_late;
+        if self.gi.voxels().is_none() {
+            return Ok(());
+        }
         self.frames_lit = self.frames_lit.saturating_add(1);
         let Some(kernels) = &self.probe_kernels else { return Ok(()) };
         let of = (&self.gi, &self.lights);

@@ -31,7 +31,7 @@ const EXPLANATION: &str = "\
 - *Still*: *all new* is everything voxelized and lit again, with all bounces, of which *voxelize* and *light* are the GPU's
   parts; *frame* is a frame of a picture in which nothing changes, of which *trace* is the part of the cones.
 - *Moving*: a lamp (or the sun) and a block move in every frame; the frame voxelizes the block, lights the voxels with one more
-  bounce (`Gi::voxelize_frame`, `Gi::light_frame`), and draws the picture. *Late* frames showed the voxels of an earlier one.
+  bounce (`Gi::frame`), and draws the picture. *Late* frames showed the voxels of an earlier one.
 - *Samples* are the steps of the cones' rays in a frame, counted by the shaders; with `~` an estimate (of pictures of which
   one pixel in four is traced).
 ";

@@ -10,7 +10,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use lumivox::gpu::{Pipelines, Recorder, Timing};
-use lumivox::{Geometry, Gi, GiConfig, GiError, Grid, OctreeOptions, TraceSettings, VolumeKind};
+use lumivox::{
+    Frame, Geometry, Gi, GiConfig, GiError, Grid, OctreeOptions, TraceSettings, VolumeKind,
+};
 use lumivox_classics::locks::locks;
 
 use crate::testing::nodes::{
@@ -106,7 +108,12 @@ fn a_full_grid() {
     assert!(deferred > 0 && passes > 1, "nobody had to wait: {passes} passes, {deferred} deferred");
 }
 
-/// `voxelize` reports missing nodes at once, `voxelize_frame` a frame later.
+/// A frame that only voxelizes.
+fn voxels_of<'a>(geometry: &'a Geometry, settings: &'a TraceSettings) -> Frame<'a> {
+    Frame { geometry: Some(geometry), lights: None, settings, faces_per_frame: None }
+}
+
+/// `voxelize` reports missing nodes at once, `frame` a frame later.
 #[test]
 fn missing_nodes_are_an_error() {
     let gpu = device();
@@ -126,8 +133,9 @@ fn missing_nodes_are_an_error() {
 
     let mut gi = Gi::with_pipelines(device, queue, config()).expect("a device");
     let frames = (0..16).find_map(|_| {
+        let settings = TraceSettings::default();
         let mut recorder = Recorder::new(device, queue);
-        let frame = gi.voxelize_frame(&mut recorder, &geometry);
+        let frame = gi.frame(&mut recorder, voxels_of(&geometry, &settings));
         recorder.submit();
         wait_told(device, &gi);
         frame.err()

@@ -11,7 +11,7 @@ use lumivox::{
 };
 
 use super::read::read_bricks;
-use super::{by_locks, by_ranks, radiance};
+use super::{by_locks, by_ranks, radiance, voxels_of};
 use crate::testing::{device, moved, room_with_a_box, wait_told};
 
 /// Two octrees, by ranks and by locks.
@@ -47,10 +47,11 @@ impl Pair {
             let mut in_time = 0;
             for _ in 0..16 {
                 let mut recorder = Recorder::new(device, queue);
-                gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
+                gi.frame(&mut recorder, voxels_of(geometry, &TraceSettings::default()))
+                    .expect("it fits");
                 recorder.submit();
                 wait_told(device, gi);
-                in_time = if gi.frame_voxels().is_late { 0 } else { in_time + 1 };
+                in_time = if gi.status().is_late { 0 } else { in_time + 1 };
                 // The second one has taken over the counts of the first.
                 if in_time == 2 {
                     break;

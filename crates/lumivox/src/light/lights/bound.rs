@@ -1,7 +1,7 @@
 //! Lights bound for the shaders, and updated without rebinding.
 
+use std::borrow::Cow;
 use std::f32::consts::PI;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use bytemuck::Pod;
 
@@ -15,6 +15,7 @@ use crate::gpu::{
     uniform_buffer, upload,
 };
 use crate::mounted::{Mounted, Resource};
+use crate::version;
 
 /// The source of the shadows of lights with [`Shadow::Map`]. `None` and `Some(&maps)` convert into
 /// it.
@@ -176,6 +177,7 @@ impl Lights {
         white: &EnvironmentMap,
         shadows: ShadowSource<'_>,
     ) -> Self {
+        let lights = &*with_suns(lights, environment);
         let stand_ins = StandIns::new(device, white);
         let records = Records::new(lights, environment, stand_ins.white_unit, shadows);
         let textures = stand_ins.textures(environment, shadows);
@@ -218,6 +220,7 @@ impl Lights {
         shadows: impl Into<ShadowSource<'a>>,
     ) {
         let (environment, shadows) = (environment.into(), shadows.into());
+        let lights = &*with_suns(lights, environment);
         let records = Records::new(lights, environment, self.stand_ins.white_unit, shadows);
         let textures = self.stand_ins.textures(environment, shadows);
         if textures == self.textures && records.are_same(&self.known) {
@@ -242,11 +245,17 @@ impl Lights {
         self.describe(lights, shadows);
     }
 
+    /// Call when light has changed behind bindings that have not, such as in the caller's shadow
+    /// maps or in an [`EnvironmentCube`](crate::EnvironmentCube): voxels are then lit again.
+    pub fn invalidate(&mut self) {
+        self.version = version::next();
+    }
+
     /// Updates the fields that describe the lights on the CPU.
     fn describe(&mut self, lights: &[Light], shadows: ShadowSource<'_>) {
         let records = &self.known;
         self.count = records.globals.light_count;
-        self.version = next_version();
+        self.version = version::next();
         let has_own_maps = matches!(shadows, ShadowSource::Own(_));
         self.has_cone_shadows = records
             .lights
@@ -262,10 +271,15 @@ impl Lights {
     }
 }
 
-/// A number that was never returned before.
-fn next_version() -> u64 {
-    static NEXT: AtomicU64 = AtomicU64::new(0);
-    NEXT.fetch_add(1, Ordering::Relaxed)
+/// The lights, followed by the brightest parts of the environment's map with cone shadows, unless
+/// lights of the map are among them.
+fn with_suns<'a>(lights: &'a [Light], environment: EnvironmentLight<'_>) -> Cow<'a, [Light]> {
+    let is_sun = |light: &Light| matches!(light.source, LightSource::Environment { .. });
+    let Some(map) = environment.map.filter(|_| !lights.iter().any(is_sun)) else {
+        return Cow::Borrowed(lights);
+    };
+    let suns = map.lights(environment.radiance, environment.rotation_rad);
+    lights.iter().copied().chain(suns).collect()
 }
 
 /// Writes records into a buffer, or creates a larger one if they do not fit; returns `true` if it

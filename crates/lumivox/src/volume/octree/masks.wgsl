@@ -1,7 +1,7 @@
 // The masks of renewed nodes (the parts that look-ups into their bricks can contain), and the
 // number of runs of bricks of each length that are needed and released.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{LINEAR_WORKGROUP_SIZE, RUN_KINDS};
 import package::gpu::dispatch::linear_index;
 import package::volume::octree::cell_ranks::{cell_rank, NO_CELL};
 import package::volume::octree::renewals::{needed_bricks, returned_bricks, Renewal};
@@ -19,8 +19,6 @@ import package::voxels::morton::morton_decode;
 // For each kind of run, the runs of each workgroup; one more word: the total. Kinds are the lengths
 // 1 to 9 of needed runs, then those of released runs.
 @group(1) @binding(6) var<storage, read_write> run_starts: array<u32>;
-
-const RUN_KINDS: u32 = 18u;
 
 var<workgroup> runs: array<atomic<u32>, RUN_KINDS>;
 

@@ -62,6 +62,7 @@ pub(super) fn add_constants(library: &mut ShaderLibrary) {
     library
         .constant_u32("NODE_LEVELS", layout::NODE_LEVELS as u32)
         .constant_u32("NODE_WORDS", layout::NODE_WORDS)
+        .constant_u32("RUN_KINDS", tree::RUN_KINDS as u32)
         .constant_u32("NO_ROOM_FOR_PLACES", NO_ROOM_FOR_PLACES)
         .constant_u32("NO_ROOM_FOR_RENEWALS", NO_ROOM_FOR_RENEWALS)
         .constant_u32("NO_ROOM_FOR_BRICKS", NO_ROOM_FOR_BRICKS);

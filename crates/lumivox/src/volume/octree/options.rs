@@ -34,7 +34,7 @@ pub enum Mipmapping {
 }
 
 /// Statistics of an octree from the latest read-back: exact after [`crate::Gi::voxelize`], a few
-/// frames late after [`crate::Gi::voxelize_frame`].
+/// frames late after [`crate::Gi::frame`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct OctreeStats {
     /// Groups of eight places for nodes, including the root's.

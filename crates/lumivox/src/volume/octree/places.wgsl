@@ -5,10 +5,9 @@
 // assigned in the order of ranks, so that a sequence of lists leads to the same places in every
 // run.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{LINEAR_WORKGROUP_SIZE, RUN_KINDS};
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
-import package::volume::octree::masks::RUN_KINDS;
 import package::volume::octree::renewals::{needed_bricks, returned_bricks, Renewal};
 import package::volume::octree::tree::{table_entry, tree};
 import package::volume::octree::verdict::Verdict;

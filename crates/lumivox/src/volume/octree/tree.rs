@@ -21,8 +21,8 @@ const TEXEL_BYTES: u64 = 8;
 const BRICK_VALUES: u64 = 8;
 /// The longest run of bricks: one for each part of a cell.
 pub(super) const MAX_RUN: u64 = 9;
-/// Kinds of runs, `RUN_KINDS` of `masks.wgsl`.
-const RUN_KINDS: u64 = 2 * MAX_RUN;
+/// Kinds of runs: of each length, needed and released.
+pub(super) const RUN_KINDS: u64 = 2 * MAX_RUN;
 /// Bytes of `Renewal` of `renewals.wgsl`.
 const RENEWAL_BYTES: u64 = 48;
 

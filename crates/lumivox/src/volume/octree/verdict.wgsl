@@ -4,8 +4,7 @@
 // On overflow nothing of the octree is written: it keeps showing the earlier list until it has
 // grown.
 
-import package::constants::{LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS, NO_ROOM_FOR_BRICKS, NO_ROOM_FOR_PLACES, NO_ROOM_FOR_RENEWALS};
-import package::volume::octree::masks::RUN_KINDS;
+import package::constants::{LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS, NO_ROOM_FOR_BRICKS, NO_ROOM_FOR_PLACES, NO_ROOM_FOR_RENEWALS, RUN_KINDS};
 import package::volume::octree::renewals::Renewal;
 import package::volume::octree::tree::tree;
 import package::volume::parts::PARTS;

@@ -127,7 +127,7 @@ fn materials_with_and_without_textures_mix() {
         emission: Vec3::new(0.0, 300.0, 0.0),
         ..Default::default()
     };
-    let mut geometry = Geometry { batches: Vec::new(), materials: vec![textured, red, green] };
+    let mut geometry = Geometry::new(Vec::new(), vec![textured, red, green]);
     // One batch whose draws take turns with the materials; each wall in a layer of its own.
     let mut batch = wall().batch(&lab.device, 0);
     let whole = batch.draws[0];

@@ -210,6 +210,6 @@ fn transforms_and_batches() {
         }
         batches.push(batch);
     }
-    let geometry = Geometry { batches, materials: vec![SurfaceMaterial::default()] };
+    let geometry = Geometry::new(batches, vec![SurfaceMaterial::default()]);
     compare(&lab, &unit_grid(32), &geometry, &triangles, EPSILON);
 }

@@ -75,7 +75,7 @@ impl Layers {
             batches.reverse();
         }
         let materials = vec![material(WALL_REFLECTANCE, 0.0), material(PANEL_REFLECTANCE, 8.0)];
-        lab.voxelize(&unit_grid(EDGE as u32), &Geometry { batches, materials })
+        lab.voxelize(&unit_grid(EDGE as u32), &Geometry::new(batches, materials))
     }
 }
 

@@ -44,16 +44,16 @@ fn stage(lab: &Lab) -> Geometry {
         double_sided,
         ..SurfaceMaterial::default()
     };
-    Geometry {
-        batches: batches.collect(),
-        materials: vec![
+    Geometry::new(
+        batches.collect(),
+        vec![
             material(0.9, 0.0, 1.0, false),
             material(0.2, 3.0, 1.0, false),
             material(0.4, 0.0, 1.0, true),
             material(0.6, 0.0, 0.4, true),
             material(0.8, 0.5, 1.0, false),
         ],
-    }
+    )
 }
 
 fn set(geometry: &mut Geometry, mesh: usize, transform: Mat4) {

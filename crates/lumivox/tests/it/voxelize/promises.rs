@@ -38,7 +38,7 @@ fn the_order_of_triangles_does_not_matter() {
             Draw { first_index, index_count: end - first_index, material: i % 2, ..whole }
         })
         .collect();
-    let geometry = Geometry { batches, materials: vec![material.clone(), material] };
+    let geometry = Geometry::new(batches, vec![material.clone(), material]);
     let shared = lab.voxelize(&grid, &geometry);
     assert!(first.bits() == shared.bits());
 }
@@ -131,7 +131,7 @@ fn too_many_items_are_an_error() {
     let mut batch = Mesh::from_triangles(&[wall; 100]).batch(&lab.device, 0);
     // 129 * 129 items a triangle, 100 triangles a draw.
     batch.draws = vec![Draw { world_from_local: Mat4::IDENTITY, ..batch.draws[0] }; 2700];
-    let geometry = Geometry { batches: vec![batch], materials: vec![SurfaceMaterial::default()] };
+    let geometry = Geometry::new(vec![batch], vec![SurfaceMaterial::default()]);
     let error = error_of(&lab, &grid, &geometry);
     let GiError::Limit { needed, available, .. } = error else { panic!("{error}") };
     assert!(needed > available, "{error}");

@@ -133,7 +133,7 @@ impl Mesh {
 
     /// The mesh with one material.
     pub fn geometry(&self, device: &wgpu::Device, material: SurfaceMaterial) -> Geometry {
-        Geometry { batches: vec![self.batch(device, 0)], materials: vec![material] }
+        Geometry::new(vec![self.batch(device, 0)], vec![material])
     }
 }
 

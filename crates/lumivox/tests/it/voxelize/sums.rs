@@ -263,7 +263,7 @@ fn mirrored_draws_turn_their_front() {
         world_from_local: Mat4::from_translation(Vec3::new(12.0, 0.0, 0.0)) * mirror,
         ..batch.draws[0]
     }];
-    let geometry = Geometry { batches: vec![batch], materials: vec![grey()] };
+    let geometry = Geometry::new(vec![batch], vec![grey()]);
     let grid = unit_grid(16);
     let list = lab.voxelize(&grid, &geometry);
     let mirrored = t.map(|p| Vec3::new(12.0 - p.x, p.y, p.z));

@@ -41,8 +41,7 @@ fn a_plane_of_two_colours() {
             Draw { index_count: half, ..whole },
             Draw { first_index: half, index_count: half, material: 1, ..whole },
         ];
-        let geometry =
-            Geometry { batches: vec![batch], materials: vec![colored(RED), colored(BLUE)] };
+        let geometry = Geometry::new(vec![batch], vec![colored(RED), colored(BLUE)]);
         let list = lab.voxelize(&unit_grid(64), &geometry);
 
         let (mut sum, mut weight, mut pure) = (Vec3::ZERO, 0.0, 0);
@@ -189,7 +188,7 @@ fn crowded_voxels_average() {
             })
             .collect();
         let materials = vec![colored(RED), colored(BLUE)];
-        let list = lab.voxelize(&unit_grid(16), &Geometry { batches: vec![batch], materials });
+        let list = lab.voxelize(&unit_grid(16), &Geometry::new(vec![batch], materials));
         assert_eq!(list.voxels().into_iter().collect::<Vec<_>>(), [[5, 3, 6]], "{method:?}");
         assert_eq!(list.stats.fragments, u64::from(COUNT), "{method:?}");
         let [face] = list.faces[..] else { panic!("{method:?}: {} faces", list.faces.len()) };

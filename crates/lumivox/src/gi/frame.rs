@@ -1,0 +1,232 @@
+//! A frame of an engine, which never waits for the GPU.
+
+use super::place::move_to;
+use super::{Gi, follow};
+use crate::cones::TraceSettings;
+use crate::emitters::Emitters;
+use crate::gpu::Recorder;
+use crate::light::Lights;
+use crate::voxelize::{FrameVoxels, Taken};
+use crate::{Geometry, GiError};
+
+/// The inputs of [`Gi::frame`].
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// The triangles; `None`: the voxels stay.
+    pub geometry: Option<&'a Geometry>,
+    /// The lights; `None`: the light of the voxels stays.
+    pub lights: Option<&'a Lights>,
+    /// The settings of the cones.
+    pub settings: &'a TraceSettings,
+    /// The maximum number of faces that gather light in a frame; if there are more, they take
+    /// turns, in the same order in every run. `None` (the default): all faces in every frame; with
+    /// cascades, the faces of the finest in every frame, of the next one in every second, then in
+    /// every fourth, and of all others in every eighth.
+    pub faces_per_frame: Option<u32>,
+}
+
+impl<'a> Frame<'a> {
+    /// All faces gather in every frame.
+    pub fn new(geometry: &'a Geometry, lights: &'a Lights, settings: &'a TraceSettings) -> Self {
+        let (geometry, lights) = (Some(geometry), Some(lights));
+        Self { geometry, lights, settings, faces_per_frame: None }
+    }
+}
+
+/// How far voxels and light have followed their inputs, from the results that have been read back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct FrameStatus {
+    /// `true` if the voxels are those of an earlier frame: a buffer overflowed, or static surface
+    /// is still being rebuilt. Later calls of [`Gi::frame`] make up for it by themselves.
+    pub is_late: bool,
+    /// `true` if it is not known yet whether the last frame that recorded voxels overflowed a
+    /// buffer; `is_late` then describes an earlier one.
+    pub is_pending: bool,
+    /// Frames until less than a hundredth of the last change of the light is missing; 0 before
+    /// there is light.
+    pub frames_left: u32,
+    /// Occupied voxels.
+    pub voxels: u32,
+    /// Sides of voxels that have surface.
+    pub faces: u32,
+}
+
+impl FrameStatus {
+    /// Whether voxels and light are those of their inputs.
+    pub fn is_ready(&self) -> bool {
+        !self.is_late && !self.is_pending && self.frames_left == 0
+    }
+}
+
+impl Gi {
+    /// Updates voxels and light in the caller's frame: for engines, in every frame, before
+    /// [`Self::trace`]. It waits for nothing, and records nothing if nothing has changed and all
+    /// light has converged.
+    ///
+    /// Triangles are voxelized if [`Geometry`] has changed, or cascades have moved. The voxels have
+    /// the same bits as those of [`Self::voxelize_dynamic`]. If buffers are too small for them, the
+    /// previous voxels stay; the needed size is known a few frames later, and then the buffers
+    /// grow. New static draws take a few frames, too. An octree has buffers of its own: while they
+    /// are too small, it shows its last voxels, with their light. [`FrameStatus::is_late`] says so.
+    /// Once all buffers are large enough, no buffer and no bind group is created.
+    ///
+    /// Light continues from the last call of this or of [`Self::light`]: direct light, if lights or
+    /// surfaces have changed, and one gather. It travels one bounce a frame, and converges to the
+    /// result of [`Self::light`] with very many bounces. Some 32 gathers after the last change it
+    /// has converged.
+    ///
+    /// The places of an octree's bricks, which decide the last bits of what cones see, depend on
+    /// the lists that it has shown. The same calls lead to the same places as long as no buffer
+    /// overflows; which lists a late octree skips depends on the speed of the GPU.
+    ///
+    /// Transforms are set when this is called, vertices are read when the commands run: submit the
+    /// encoders in the order in which they were recorded.
+    ///
+    /// ```
+    /// # pollster::block_on(async {
+    /// # let (device, queue) = lumivox::gpu::open_device().await?;
+    /// # use glam::{Mat4, Vec3};
+    /// # use lumivox::gpu::{Recorder, upload};
+    /// # use lumivox::{
+    /// #     Draw, Frame, Geometry, GeometryBatch, Gi, GiConfig, Grid, SurfaceMaterial,
+    /// #     TraceSettings,
+    /// # };
+    /// # let corners = [[0.1_f32, 0.1, 0.1], [0.1, 0.1, 0.9], [0.9, 0.1, 0.1]];
+    /// # let positions = upload(&device, "positions", &corners);
+    /// # let indices = upload(&device, "indices", &[0_u32, 1, 2]);
+    /// # let materials = vec![SurfaceMaterial::default()];
+    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
+    /// # let mut gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
+    /// # let lights = gi.bind_lights(&[], Vec3::ONE, None);
+    /// # let (positions, indices) = ((*positions).clone(), (*indices).clone());
+    /// # let batch = GeometryBatch::new(positions, indices, vec![Draw::new(0, 3, 0)]);
+    /// let mut geometry = Geometry::new(vec![batch], materials);
+    /// let settings = TraceSettings::default();
+    /// for frame in 0..64 {
+    ///     if frame < 16 {
+    ///         let place = Mat4::from_translation(0.02 * frame as f32 * Vec3::Y);
+    ///         geometry.batches[0].draws[0].world_from_local = place;
+    ///     }
+    ///     let mut encoder = device.create_command_encoder(&Default::default());
+    ///     let mut recorder = Recorder::on(&device, &queue, &mut encoder);
+    ///     gi.frame(&mut recorder, Frame::new(&geometry, &lights, &settings))?;
+    ///     // The G-buffer, `Gi::trace` and the engine's shading go here.
+    ///     drop(recorder);
+    ///     queue.submit([encoder.finish()]);
+    /// #   let _ = device.poll(lumivox::wgpu::PollType::wait_indefinitely());
+    /// }
+    /// assert!(gi.status().is_ready() && gi.status().voxels > 0);
+    /// # Ok::<(), lumivox::GiError>(())
+    /// # }).unwrap();
+    /// ```
+    ///
+    /// # Errors
+    /// [`GiError::Setting`] when a setting is out of range, [`GiError::Geometry`] if draws and
+    /// buffers contradict each other, [`GiError::Limit`] if the needed buffers do not fit the
+    /// device, [`GiError::Budget`] if an octree exceeds the memory budget. The shown voxels then do
+    /// not change; later calls light them, and try again once the geometry has changed.
+    pub fn frame(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        frame: Frame<'_>,
+    ) -> Result<FrameStatus, GiError> {
+        frame.settings.validate()?;
+        let mut voxels = self.frame_voxels();
+        if let Some(geometry) = frame.geometry {
+            let is_new = self.geometry != Some(geometry.version());
+            if is_new || (voxels.is_late && !self.is_refused) {
+                self.geometry = Some(geometry.version());
+                let voxelized = self.voxelize_frame(recorder, geometry);
+                self.is_refused = voxelized.is_err();
+                voxels = voxelized?;
+            } else {
+                self.voxelizer.read_back(recorder, &mut self.scene)?;
+                self.volume.hear(recorder, self.scene.has_moving())?;
+            }
+        }
+        if let Some(lights) = frame.lights {
+            recorder.stage("light");
+            self.light_frame(recorder, lights, frame.faces_per_frame, frame.settings)?;
+        }
+        Ok(self.status_of(voxels))
+    }
+
+    /// How far voxels and light have followed the last call of [`Self::frame`]. It records nothing
+    /// and does not wait.
+    pub fn status(&self) -> FrameStatus {
+        self.status_of(self.frame_voxels())
+    }
+
+    fn status_of(&self, voxels: FrameVoxels) -> FrameStatus {
+        let FrameVoxels { is_late, is_pending, voxels, faces } = voxels;
+        let is_late = is_late && !self.is_refused;
+        let frames_left = self.lighting.frames_left();
+        FrameStatus { is_late, is_pending, frames_left, voxels, faces }
+    }
+
+    /// Records the voxelization of dynamic draws, and of static ones that have changed.
+    pub(crate) fn voxelize_frame(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        geometry: &Geometry,
+    ) -> Result<FrameVoxels, GiError> {
+        self.changes.begin(recorder);
+        self.volume.hear(recorder, self.scene.has_moving())?;
+        self.lighting.expect_emission(self.draws_emitters() && Emitters::are_in(geometry));
+        let Self { device, voxelizer, scene, volume, changes, lighting, emitters, config, .. } =
+            self;
+        let mut is_taken = false;
+        let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
+            is_taken = true;
+            move_to(device, &taken, config, (&mut *lighting, &mut *volume, emitters.list()));
+            follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
+        };
+        let mut frame = voxelizer.record(recorder, scene, geometry, follow)?;
+        if !is_taken && self.volume.is_late() {
+            // The list has not changed, but the volume does not show it yet.
+            self.lighting.disturb();
+            is_taken = true;
+        }
+        self.list_emitters(recorder, geometry)?;
+        if is_taken {
+            self.content += 1;
+            self.follow_taken(recorder)?;
+            self.volume.tell(recorder);
+        }
+        frame.is_late |= self.volume.is_late();
+        frame.is_pending |= self.volume.told()[1];
+        Ok(frame)
+    }
+
+    /// The state of the last call of [`Self::voxelize_frame`], from the results that have been read
+    /// back.
+    pub(crate) fn frame_voxels(&self) -> FrameVoxels {
+        // A lost device is reported elsewhere.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        let mut frame = self.scene.told();
+        let [is_late, is_pending] = self.volume.told();
+        frame.is_late |= is_late;
+        frame.is_pending |= is_pending;
+        frame
+    }
+
+    /// Continues the light of the voxels by one gather of at most `faces_per_frame` faces.
+    pub(crate) fn light_frame(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        lights: &Lights,
+        faces_per_frame: Option<u32>,
+        settings: &TraceSettings,
+    ) -> Result<(), GiError> {
+        settings.validate()?;
+        self.bounces = u32::MAX;
+        let volume = (&mut self.volume, &mut self.changes);
+        let cones = (settings, self.cone_values);
+        let lights = (lights, &*self.emitters);
+        if self.lighting.step(recorder, volume, lights, faces_per_frame, cones) {
+            self.content += 1;
+        }
+        Ok(())
+    }
+}
