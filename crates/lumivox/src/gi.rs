@@ -164,7 +164,7 @@ impl Gi {
             (config.memory_budget, config.cones.is_some(), config.has_cells()),
             &crate::emitters::empty_list(device),
         )?;
-        let voxelizer = Voxelizer::with(device, &shaders, config.voxelizer.as_deref())?;
+        let voxelizer = Voxelizer::new(device, &shaders, config.voxelizer.as_deref())?;
         let emitters = Emitters::new(device, queue, &shaders, &voxelizer, &config.grid)?;
         volume.bind_emitters(device, emitters.list());
         let scene = voxelizer.scene(device, queue, &config.grid);

@@ -66,4 +66,4 @@ pub use volume::{Duplication, Mipmapping, OctreeOptions, OctreeStats};
 // Re-exported, since the caller must use this version of wgpu.
 pub use wgpu;
 
-pub use voxelize::{VoxelizeStats, VoxelizedScene, Voxelizer};
+pub use voxelize::VoxelizeStats;

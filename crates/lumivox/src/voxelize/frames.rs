@@ -53,7 +53,7 @@ impl Voxelizer {
             if arrived.is_some() || !is_needed {
                 scene.place(next);
             }
-        } else if is_needed && !scene.has_fixed(self.method, geometry) {
+        } else if is_needed && !scene.has_fixed(geometry) {
             arrived = self.rebuild(recorder, scene, geometry, &scene.grid.clone())?;
         } else if is_needed {
             // Static draws match the list again: the rebuild in progress is obsolete.
@@ -200,9 +200,9 @@ impl Voxelizer {
         let device = recorder.device().clone();
         let device = &device;
         let kept = scene.fixed.as_ref().filter(|fixed| fixed.share.is_some());
-        let is_current = |rebuild: &Rebuild| rebuild.key.suits(self.method, geometry, grid);
+        let is_current = |rebuild: &Rebuild| rebuild.key.suits(geometry, grid);
         let Some(mut rebuild) = scene.rebuild.take().filter(is_current) else {
-            let kept = kept.filter(|kept| grid.cascades.is_some() && kept.key.is_by(self.method));
+            let kept = kept.filter(|_| grid.cascades.is_some());
             let changes = kept.and_then(|kept| kept.key.changes(geometry));
             let keeps = changes.is_some();
             let walked = changes.map_or_else(
@@ -220,7 +220,7 @@ impl Voxelizer {
             let sources = share.marked_counts();
             let mut reads = LateReads::new(device, sources.iter().map(|source| source.2).sum());
             reads.record(work.recorder, &sources);
-            let key = ShareKey::new(self.method, geometry, grid);
+            let key = ShareKey::new(geometry, grid);
             let (voxels, union) = (None, None);
             scene.rebuild = Some(Rebuild { key, globals, keeps, share, voxels, union, reads });
             return Ok(None);

@@ -59,8 +59,7 @@ use crate::gpu::{Pipelines, ShaderLibrary};
 use crate::voxels::FaceRecord;
 pub use hook::{Detail, Voxelization, VoxelizationShares, Walk, WalkRun, WalkStep, Walker};
 use kernels::Kernels;
-pub use scene::VoxelizedScene;
-pub(crate) use scene::{FrameVoxels, Taken};
+pub(crate) use scene::{FrameVoxels, Taken, VoxelizedScene};
 pub(crate) use settle::known;
 pub(crate) use union::Moving;
 
@@ -133,28 +132,19 @@ pub struct VoxelizeStats {
 
 /// The kernels that turn triangles into voxels.
 #[derive(Debug)]
-pub struct Voxelizer {
-    /// The name of the voxelization method.
-    method: &'static str,
+pub(crate) struct Voxelizer {
     kernels: Kernels,
     /// The caller's own walker, which replaces the kernels' walks.
     walker: Option<Box<dyn Walker>>,
 }
 
 impl Voxelizer {
-    /// Links the kernels of the exact walk.
+    /// Links the kernels of the exact walk, or makes the caller's own method.
     ///
     /// # Errors
-    /// [`GiError::Shader`] if a shader does not link, which is a bug in this crate.
-    pub fn new(device: &Pipelines, shaders: &ShaderLibrary) -> Result<Self, GiError> {
-        Self::with(device, shaders, None)
-    }
-
-    /// Like [`Self::new`], but with the caller's own voxelization method, if there is one.
-    ///
-    /// # Errors
-    /// The errors of [`Self::new`] and of [`Voxelization::make`].
-    pub fn with(
+    /// [`GiError::Shader`] if a shader does not link, which is a bug in this crate, and the errors
+    /// of [`Voxelization::make`].
+    pub fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
         voxelization: Option<&dyn Voxelization>,
@@ -162,8 +152,7 @@ impl Voxelizer {
         let kernels = Kernels::new(device, shaders, voxelization)?;
         let shares = VoxelizationShares { device, shaders, layouts: &kernels.layouts };
         let walker = voxelization.map(|own| own.make(&shares)).transpose()?;
-        let method = voxelization.map_or("exact", Voxelization::name);
-        Ok(Self { method, kernels, walker })
+        Ok(Self { kernels, walker })
     }
 
     /// The layouts of the bind groups that kernels over triangles share: the grid, the triangles,

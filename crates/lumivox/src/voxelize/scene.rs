@@ -19,7 +19,7 @@ use crate::{Geometry, GiError, Grid};
 
 /// The voxels of a scene, and the data that is kept to update them when some triangles have moved.
 #[derive(Debug)]
-pub struct VoxelizedScene {
+pub(crate) struct VoxelizedScene {
     pub(super) grid: Grid,
     /// Group 0.
     pub(super) globals: BindGroup,
@@ -251,10 +251,10 @@ impl VoxelizedScene {
     }
 
     /// `true` if static draws have not changed and their share is available.
-    pub(super) fn has_fixed(&self, method: &str, geometry: &Geometry) -> bool {
-        self.fixed.as_ref().is_some_and(|fixed| {
-            fixed.share.is_some() && fixed.key.is_of(method, geometry, &self.grid)
-        })
+    pub(super) fn has_fixed(&self, geometry: &Geometry) -> bool {
+        self.fixed
+            .as_ref()
+            .is_some_and(|fixed| fixed.share.is_some() && fixed.key.is_of(geometry, &self.grid))
     }
 }
 

@@ -1,49 +1,15 @@
 //! Voxelization that waits: it records frames until nothing is late.
 
 use super::input::{self, ShareInput};
-use super::scene::{FrameVoxels, Taken, VoxelizedScene};
+use super::scene::{FrameVoxels, VoxelizedScene};
 use super::share::ShareCounts;
 use super::{VoxelizeStats, Voxelizer};
 use crate::cascades::Walked;
-use crate::gpu::{Recorder, StageTime, Timing, read_buffer, storage_buffer};
+use crate::gpu::{Recorder, read_buffer, storage_buffer};
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError};
 
 impl Voxelizer {
-    /// Voxelizes triangles into the scene's list of voxels. Returns statistics, and the time of
-    /// each pass if requested. Static draws are walked only if they have changed: their transforms,
-    /// materials or buffers. The caller guarantees that the contents of those buffers have not
-    /// changed.
-    ///
-    /// Coordinates are computed in `f32` in units of a voxel: triangles that extend more than about
-    /// 10⁵ voxels beyond the grid may touch voxels that they miss by a fraction of a voxel.
-    ///
-    /// # Errors
-    /// [`GiError::Geometry`] if draws and buffers contradict each other,
-    /// [`GiError::NothingToVoxelize`] if no voxel is touched, [`GiError::Limit`] if something does
-    /// not fit the device. The list is then unchanged, except if dynamic draws touch no voxel.
-    pub async fn voxelize(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        scene: &mut VoxelizedScene,
-        geometry: &Geometry,
-        timing: Timing,
-    ) -> Result<(VoxelizeStats, Vec<StageTime>), GiError> {
-        let mut recorder = Recorder::with_timing(device, queue, timing);
-        let is_reused = self.begin(device, scene, geometry).await?;
-        let nobody = &mut |_: &mut Recorder<'_>, _: Taken<'_>| {};
-        loop {
-            self.record(&mut recorder, scene, geometry, nobody)?;
-            scene.refuse_nothing(geometry)?;
-            if !known(&mut recorder, scene, || scene.told()).await?.is_late {
-                break;
-            }
-        }
-        let stats = self.complete(&mut recorder, scene, geometry, is_reused).await?;
-        Ok((stats, recorder.finish().await?))
-    }
-
     /// Compiles the kernels, and cancels a rebuild in progress. Returns `true` if static surface is
     /// kept.
     pub(crate) async fn begin(
@@ -61,7 +27,7 @@ impl Voxelizer {
         if let Some(grid) = scene.wanted {
             scene.next = Some(self.placed(device, grid));
         }
-        let is_reused = scene.next.is_none() && scene.has_fixed(self.method, geometry);
+        let is_reused = scene.next.is_none() && scene.has_fixed(geometry);
         if self.walker.is_none() {
             let grid = scene.next.as_ref().map_or(&scene.grid, |next| &next.grid);
             let (limits, all) = (device.limits(), Walked::all(grid));

@@ -4,7 +4,7 @@ use anyhow::Context as _;
 use std::time::Instant;
 
 use lumivox::gpu::Timing;
-use lumivox::{Geometry, GiError, Grid, Voxelizer};
+use lumivox::{Geometry, Gi, GiConfig, GiError, Grid};
 use lumivox_console::report::{AdapterReport, GridReport, SceneCounts, Table, count};
 use lumivox_console::shown;
 use lumivox_explorer::parameters::{Kind, Value};
@@ -106,20 +106,15 @@ impl Found {
         geometry: &Geometry,
         method: &'static str,
     ) -> anyhow::Result<Self> {
-        let library = lumivox::shaders::library();
         let mut settings = RenderSettings::default();
         voxelizers().set(&mut settings, Value::Choice(method))?;
-        let voxelizer = Voxelizer::with(&gpu.pipelines, &library, settings.voxelizer.as_deref())?;
-        let once = || {
-            let mut scene = voxelizer.scene(&gpu.pipelines, &gpu.queue, grid);
-            let (device, queue) = (&gpu.device, &gpu.queue);
-            let work = voxelizer.voxelize(device, queue, &mut scene, geometry, Timing::Off);
-            match pollster::block_on(work) {
-                Ok((stats, _)) => Ok(Some((scene, stats))),
-                // Small triangles may all miss the centres of pixels.
-                Err(GiError::NothingToVoxelize { .. }) => Ok(None),
-                Err(error) => Err(error),
-            }
+        let config = GiConfig { voxelizer: settings.voxelizer, ..GiConfig::new(*grid) };
+        let mut gi = Gi::with_pipelines(&gpu.pipelines, &gpu.queue, config)?;
+        let mut once = || match pollster::block_on(gi.voxelize(geometry, Timing::Off)) {
+            Ok(voxelized) => Ok(Some(voxelized.stats)),
+            // Small triangles may all miss the centres of pixels.
+            Err(GiError::NothingToVoxelize { .. }) => Ok(None),
+            Err(error) => Err(error),
         };
         // The first one is not timed: drivers compile kernels at their first use.
         let voxelized = once()?;
@@ -132,8 +127,8 @@ impl Found {
             wall_ms = wall_ms.min(start.elapsed().as_secs_f64() * 1e3);
         }
         let (set, fragments, faces) = match voxelized {
-            Some((scene, stats)) => {
-                let list = scene.list().context("a voxelization makes a list")?;
+            Some(stats) => {
+                let list = gi.voxels().context("a voxelization makes a list")?;
                 let set = pollster::block_on(VoxelSet::read(gpu, grid, list))?;
                 (set, stats.fragments, stats.faces)
             }

@@ -78,7 +78,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
 
     let way = voxelizers().get(&settings).name();
     let times = TimesReport::new(&timed.times);
-    let report = Report::new(&scene, &gi, way, voxelized.stats, times, wall_ms);
+    let report = Report::new(&scene, &gi, way, &voxelized.stats, times, wall_ms);
     let report = Report { adapter: Some(AdapterReport::new(&gpu.adapter_info)), ..report };
     if args.json {
         return host.print_json(&report);
@@ -139,7 +139,7 @@ impl Report {
         scene: &Scene,
         gi: &Gi,
         voxelizer: &'static str,
-        stats: VoxelizeStats,
+        stats: &VoxelizeStats,
         times: TimesReport,
         wall_ms: f64,
     ) -> Self {

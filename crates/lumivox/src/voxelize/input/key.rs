@@ -13,8 +13,6 @@ use crate::{Geometry, Grid, SurfaceMaterial};
 /// computed from it, so that unchanged input only has to be compared.
 #[derive(Clone, Debug)]
 pub(crate) struct ShareKey {
-    /// The name of the voxelization method.
-    method: &'static str,
     grid: Grid,
     /// With only the static draws that have triangles.
     batches: Vec<GeometryBatch>,
@@ -53,7 +51,7 @@ impl ShareKey {
     }
 
     /// The key of the static draws.
-    pub(crate) fn new(method: &'static str, geometry: &Geometry, grid: &Grid) -> Self {
+    pub(crate) fn new(geometry: &Geometry, grid: &Grid) -> Self {
         let key = |batch: &GeometryBatch| {
             let draws = static_draws(batch).copied().collect();
             // Does not copy all draws, which may be many.
@@ -68,7 +66,6 @@ impl ShareKey {
             .into_iter()
             .filter_map(|number| Some((number, geometry.materials.get(number as usize)?.clone())));
         Self {
-            method,
             grid: *grid,
             batches,
             materials: materials.collect(),
@@ -76,17 +73,10 @@ impl ShareKey {
         }
     }
 
-    /// `true` if the share was made by that method.
-    pub(crate) fn is_by(&self, method: &str) -> bool {
-        self.method == method
-    }
-
     /// Whether surface that was made of other draws can be shown until that of these draws is
-    /// ready: it must have the same method, grid and scale of emission.
-    pub(crate) fn suits(&self, method: &str, geometry: &Geometry, grid: &Grid) -> bool {
-        self.is_by(method)
-            && self.grid == *grid
-            && self.emission_scale.to_bits() == emission_scale(geometry).to_bits()
+    /// ready: it must have the same grid and scale of emission.
+    pub(crate) fn suits(&self, geometry: &Geometry, grid: &Grid) -> bool {
+        self.grid == *grid && self.emission_scale.to_bits() == emission_scale(geometry).to_bits()
     }
 
     /// Boxes in the world, m, around the static draws that were added or removed since: surface
@@ -115,7 +105,7 @@ impl ShareKey {
     }
 
     /// `true` if it is the key of these static draws.
-    pub(crate) fn is_of(&self, method: &str, geometry: &Geometry, grid: &Grid) -> bool {
+    pub(crate) fn is_of(&self, geometry: &Geometry, grid: &Grid) -> bool {
         let mut known = self.batches.iter();
         let is_same_batch = |batch: &GeometryBatch| {
             let mut draws = static_draws(batch).peekable();
@@ -124,7 +114,7 @@ impl ShareKey {
                     .next()
                     .is_some_and(|key| key.is_same_but_draws(batch) && draws.eq(&key.draws))
         };
-        self.suits(method, geometry, grid)
+        self.suits(geometry, grid)
             && geometry.batches.iter().all(is_same_batch)
             && known.next().is_none()
             && self.materials.iter().all(|(number, material)| {

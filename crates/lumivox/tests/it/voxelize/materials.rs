@@ -297,14 +297,7 @@ fn attributes_that_do_not_fit_are_refused() {
     let error_of = |change: &dyn Fn(&mut lumivox::VertexAttributes)| {
         let mut geometry = good();
         change(geometry.batches[0].attributes.as_mut().expect("coordinates"));
-        let voxelized = pollster::block_on(lab.voxelizer.voxelize(
-            &lab.device,
-            &lab.queue,
-            &mut lab.scene(&unit_grid(16)),
-            &geometry,
-            lumivox::gpu::Timing::Off,
-        ));
-        voxelized.expect_err("refused").to_string()
+        super::promises::error_of(&lab, &unit_grid(16), &geometry).to_string()
     };
     assert!(error_of(&|a| a.stride = 10).contains("multiple of 4"));
     assert!(error_of(&|a| a.texcoords[1] = Some(4)).contains("byte 4"));

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3};
 use lumivox::gpu::Timing;
-use lumivox::{Draw, Geometry, GiError, Grid, SurfaceMaterial};
+use lumivox::{Draw, Geometry, Gi, GiConfig, GiError, Grid, SurfaceMaterial};
 
 use crate::voxelize::read::Lab;
 use crate::voxelize::scenes::{Mesh, Random, cornell_box, triangle_soup, unit_grid};
@@ -45,9 +45,8 @@ fn the_order_of_triangles_does_not_matter() {
 
 /// The error with which voxelizing fails.
 pub fn error_of(lab: &Lab, grid: &Grid, geometry: &Geometry) -> GiError {
-    let (device, queue, mut scene) = (&lab.device, &lab.queue, lab.scene(grid));
-    let voxelizing = lab.voxelizer.voxelize(device, queue, &mut scene, geometry, Timing::Off);
-    pollster::block_on(voxelizing).expect_err("this must fail")
+    let mut gi = lab.gi(grid);
+    pollster::block_on(gi.voxelize(geometry, Timing::Off)).expect_err("this must fail")
 }
 
 #[test]
@@ -94,15 +93,14 @@ fn indices_out_of_range_do_no_harm() {
 #[test]
 fn what_does_not_fit_names_the_limit_and_what_would() {
     let lab = Lab::new();
-    let geometry = cornell_box().geometry(&lab.device, SurfaceMaterial::default());
     let grid = Grid::fit(Vec3::ZERO, Vec3::splat(2.0), 1024, Vec3::ZERO).unwrap();
-    let error = error_of(&lab, &grid, &geometry);
-    let GiError::Limit { limit, needed, available, ref remedy, .. } = error else {
-        panic!("{error}");
+    let error = Gi::with_pipelines(&lab.device, &lab.queue, GiConfig::new(grid));
+    let Err(GiError::Limit { limit, needed, available, remedy, .. }) = error else {
+        panic!("{error:?}");
     };
     assert_eq!(limit, "max_storage_buffer_binding_size");
     assert!(needed > available);
-    assert_eq!(remedy, "a resolution of 512 would fit");
+    assert_eq!(remedy, "set the resolution to at most 512");
 
     // Faces, of which there are too many only once they are counted.
     // Buffers of the list, or only what rays know of its faces.

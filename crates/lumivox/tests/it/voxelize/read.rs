@@ -1,13 +1,14 @@
 //! A voxel list read back, and what every list must be.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use bytemuck::Pod;
 use glam::{UVec3, Vec3};
 use lumivox::gpu::{Pipelines, Timing, read_buffer};
 use lumivox::hooks::Voxelization;
 use lumivox::voxels::{FaceRecord, NodeRecord};
-use lumivox::{Geometry, Grid, VoxelizeStats, VoxelizedScene, Voxelizer};
+use lumivox::{Geometry, Gi, GiConfig, Grid, VoxelizeStats};
 
 /// All of a list.
 #[derive(Debug)]
@@ -22,11 +23,11 @@ pub struct ReadList {
     pub stats: VoxelizeStats,
 }
 
-/// A device with the kernels.
+/// A device, and a way to find voxels; `None`: the exact one.
 pub struct Lab {
     pub device: Pipelines,
     pub queue: wgpu::Queue,
-    pub voxelizer: Voxelizer,
+    voxelizer: Option<Arc<dyn Voxelization>>,
 }
 
 impl Lab {
@@ -35,34 +36,27 @@ impl Lab {
     }
 
     /// With another way to find voxels, or the exact one.
-    pub fn by(voxelization: Option<&dyn Voxelization>) -> Self {
+    pub fn by(voxelizer: Option<Arc<dyn Voxelization>>) -> Self {
         let (device, queue) = crate::common::device();
-        let library = lumivox::shaders::library();
-        let voxelizer = Voxelizer::with(&device, &library, voxelization).expect("kernels");
         Self { device, queue, voxelizer }
     }
 
-    /// A scene without voxels.
-    pub fn scene(&self, grid: &Grid) -> VoxelizedScene {
-        self.voxelizer.scene(&self.device, &self.queue, grid)
+    /// An object without voxels.
+    pub fn gi(&self, grid: &Grid) -> Gi {
+        let config = GiConfig { voxelizer: self.voxelizer.clone(), ..GiConfig::new(*grid) };
+        Gi::with_pipelines(&self.device, &self.queue, config).expect("a device")
     }
 
     /// Voxelizes, reads everything back and checks what holds for every list.
     pub fn voxelize(&self, grid: &Grid, geometry: &Geometry) -> ReadList {
-        self.voxelize_into(grid, geometry, &mut self.scene(grid))
+        self.voxelize_into(geometry, &mut self.gi(grid))
     }
 
-    /// As [`Self::voxelize`], with the static draws that a scene has kept.
-    pub fn voxelize_into(
-        &self,
-        grid: &Grid,
-        geometry: &Geometry,
-        scene: &mut VoxelizedScene,
-    ) -> ReadList {
-        let (device, queue) = (&self.device, &self.queue);
-        let voxelizing = self.voxelizer.voxelize(device, queue, scene, geometry, Timing::Off);
-        let (stats, _) = pollster::block_on(voxelizing).expect("the geometry is voxelized");
-        let list = scene.list().expect("there is a list");
+    /// As [`Self::voxelize`], with the static draws that an object has kept.
+    pub fn voxelize_into(&self, geometry: &Geometry, gi: &mut Gi) -> ReadList {
+        let voxelizing = gi.voxelize_dynamic(geometry, Timing::Off);
+        let stats = pollster::block_on(voxelizing).expect("the geometry is voxelized").stats;
+        let (grid, list) = (gi.grid(), gi.voxels().expect("there is a list"));
         let nodes: Vec<NodeRecord> =
             self.read(&list.nodes, u64::from(list.level_starts[grid.levels as usize]));
         let first_faces: Vec<u32> = self.read(&list.first_faces, u64::from(list.voxel_count()));

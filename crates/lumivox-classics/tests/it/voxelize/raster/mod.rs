@@ -28,7 +28,7 @@ const RASTER: [Method; 3] =
 const ALL: [Method; 4] = [EXACT, RASTER[0], RASTER[1], RASTER[2]];
 
 fn lab(method: Method) -> Lab {
-    Lab::by(method.as_ref().map(|raster| raster as &dyn Voxelization))
+    Lab::by(method.map(|raster| Arc::new(raster) as Arc<dyn Voxelization>))
 }
 
 fn voxelize(method: Method, grid: &Grid, triangles: &[[Vec3; 3]]) -> ReadList {
