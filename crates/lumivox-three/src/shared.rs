@@ -343,12 +343,12 @@ impl SharedGi {
         let (settings, lights) = (&self.settings, &self.lights);
         let faces_per_frame = self.faces_per_frame;
         let frame = Frame { faces_per_frame, ..Frame::new(&self.geometry, lights, settings) };
-        let status = self.gi.frame(&mut recorder, frame).map_err(PageError::from)?;
-        self.gi
-            .trace(&mut recorder, &screen.gbuffer, lights, settings, &screen.targets)
-            .map_err(PageError::from)?;
+        let status = self.gi.frame(&mut recorder, frame);
+        let traced =
+            self.gi.trace(&mut recorder, &screen.gbuffer, lights, settings, &screen.targets);
         drop(recorder);
         self.queue.submit([encoder.finish()]);
+        let status = traced.and(status).map_err(PageError::from)?;
         Ok(vec![u32::from(status.is_late), status.voxels, status.faces])
     }
 

@@ -1,5 +1,5 @@
-//! Frames that never wait: recorded results equal those of the waiting calls, late at most, and
-//! light continues from frame to frame.
+//! Frames that never wait: their voxels equal those of a new object, late at most, and light
+//! continues from frame to frame.
 
 mod frame;
 mod octree;

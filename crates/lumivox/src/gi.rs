@@ -232,7 +232,7 @@ impl Gi {
     /// # Errors
     /// [`GiError::NothingToVoxelize`] without a usable triangle, [`GiError::Limit`] if the voxels
     /// do not fit the device, [`GiError::Budget`] if they exceed the memory budget. After an error
-    /// the previous voxels are still there.
+    /// the previous voxels are still there, unless there are dynamic draws.
     pub async fn voxelize(
         &mut self,
         geometry: &Geometry,

@@ -196,7 +196,9 @@ impl Renderer {
             self.targets.accumulate.reset();
         }
         if surfaces || lights || follows {
-            let is_lit = self.settings.shown_look().is_none();
+            // A move whose voxels had room needs no more light.
+            let is_changing = self.following.surfaces || lights || self.gi.status().is_late;
+            let is_lit = (is_changing || follows) && self.settings.shown_look().is_none();
             let frame = Frame {
                 geometry: surfaces.then_some(&self.scene.geometry),
                 lights: is_lit.then_some(&self.lights),
@@ -211,7 +213,7 @@ impl Renderer {
                 goes_on: self.following.goes_on || is_lit,
             };
             if surfaces {
-                self.voxels_are_stale = status.is_late;
+                self.voxels_are_stale = status.is_late || status.is_refused;
             }
         }
         Ok(())

@@ -65,7 +65,7 @@ fn a_refused_geometry_is_reported_once() {
     };
     assert!(matches!(frame(&broken), Err(crate::GiError::Geometry { .. })));
     let status = frame(&broken).expect("it was reported");
-    assert!(!status.is_late && status.voxels > 0, "{status:?}");
-    frame(&geometry).expect("it fits");
+    assert!(status.is_refused && !status.is_ready() && status.voxels > 0, "{status:?}");
+    assert!(!frame(&geometry).expect("it fits").is_refused);
     stage.assert_fresh(&geometry, "mended");
 }

@@ -1,7 +1,6 @@
 //! Frames with an octree, which has room of its own.
 
 use super::*;
-use crate::Duplication;
 
 /// The buffers of the voxels are large enough and those of the octree are not: it shows what it
 /// showed, whatever light comes, and makes up for all that it has missed.
@@ -38,40 +37,4 @@ fn an_octree_without_room_shows_what_it_showed() {
     let last = sized(4.1, 5.4);
     stage.catch_up(&last);
     stage.assert_fresh(&last, "in the end");
-}
-
-/// Moves that overflow nothing leave the same bits with and without waiting for them, including
-/// what cones see.
-#[test]
-#[ignore = "slow: over three seconds"]
-fn an_octree_is_the_same_whether_somebody_waits_or_not() {
-    let usual = OctreeOptions::default();
-    let volume = VolumeKind::Octree(OctreeOptions { duplication: Duplication::Pointers, ..usual });
-    let run = |waits: bool| {
-        let mut stage = Stage::with(volume, Vec3::new(1.0, 0.7, 0.9), 32);
-        let geometry = room_with_a_box().build(&stage.device);
-        let start = moved(&geometry, at(0.3, 0.4, 0.6));
-        pollster::block_on(stage.gi.voxelize(&start, Timing::Off)).expect("there are voxels");
-        let mut seen = Vec::new();
-        for frame in 0..6 {
-            let time = frame as f32 * 0.04;
-            let geometry = moved(&geometry, at(0.3 + time, 0.4 - 0.5 * time, 0.6));
-            if waits {
-                let work = stage.gi.voxelize_dynamic(&geometry, Timing::Off);
-                pollster::block_on(work).expect("there are voxels");
-            } else {
-                stage.voxelize(&geometry);
-            }
-            let lights = stage.lamp(Vec3::new(0.2 + time, 0.4, 0.7), Vec3::ONE);
-            stage.light(&lights, 3);
-            if !waits {
-                // Hears of the last one.
-                assert!(!stage.voxelize(&geometry).is_late, "frame {frame} had no room");
-                stage.light(&lights, 3);
-            }
-            seen.push((stage.lit(), read_nodes(&stage.device, &stage.queue, &stage.gi)));
-        }
-        seen
-    };
-    assert!(run(true) == run(false));
 }

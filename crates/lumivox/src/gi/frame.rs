@@ -43,8 +43,10 @@ pub struct FrameStatus {
     /// `true` if it is not known yet whether the last frame that recorded voxels overflowed a
     /// buffer; `is_late` then describes an earlier one.
     pub is_pending: bool,
-    /// Frames until less than a hundredth of the last change of the light is missing; 0 before
-    /// there is light.
+    /// `true` if the last geometry was an error: the voxels are those of an earlier one.
+    pub is_refused: bool,
+    /// Frames until less than a hundredth of the last change of the light is missing, with cascades
+    /// in the finest; 0 before there is light.
     pub frames_left: u32,
     /// Occupied voxels.
     pub voxels: u32,
@@ -55,7 +57,7 @@ pub struct FrameStatus {
 impl FrameStatus {
     /// Whether voxels and light are those of their inputs.
     pub fn is_ready(&self) -> bool {
-        !self.is_late && !self.is_pending && self.frames_left == 0
+        !self.is_late && !self.is_pending && !self.is_refused && self.frames_left == 0
     }
 }
 
@@ -125,44 +127,57 @@ impl Gi {
     /// [`GiError::Setting`] when a setting is out of range, [`GiError::Geometry`] if draws and
     /// buffers contradict each other, [`GiError::Limit`] if the needed buffers do not fit the
     /// device, [`GiError::Budget`] if an octree exceeds the memory budget. The shown voxels then do
-    /// not change; later calls light them, and try again once the geometry has changed.
+    /// not change; later calls light them, and try again once geometry or cascades have changed.
+    /// Submit the encoder all the same: buffers may have grown.
     pub fn frame(
         &mut self,
         recorder: &mut Recorder<'_>,
         frame: Frame<'_>,
     ) -> Result<FrameStatus, GiError> {
         frame.settings.validate()?;
-        let mut voxels = self.frame_voxels();
         if let Some(geometry) = frame.geometry {
-            let is_new = self.geometry != Some(geometry.version());
-            if is_new || (voxels.is_late && !self.is_refused) {
-                self.geometry = Some(geometry.version());
-                let voxelized = self.voxelize_frame(recorder, geometry);
-                self.is_refused = voxelized.is_err();
-                voxels = voxelized?;
-            } else {
-                self.voxelizer.read_back(recorder, &mut self.scene)?;
-                self.volume.hear(recorder, self.scene.has_moving())?;
-            }
+            let voxelized = self.follow_geometry(recorder, geometry);
+            self.is_refused |= voxelized.is_err();
+            voxelized?;
         }
         if let Some(lights) = frame.lights {
             recorder.stage("light");
             self.light_frame(recorder, lights, frame.faces_per_frame, frame.settings)?;
         }
-        Ok(self.status_of(voxels))
+        Ok(self.status())
+    }
+
+    /// Applies read-backs, and voxelizes if something has changed or is late.
+    fn follow_geometry(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        geometry: &Geometry,
+    ) -> Result<(), GiError> {
+        let is_new = self.geometry.replace(geometry.version()) != Some(geometry.version());
+        self.is_refused &= !is_new;
+        self.voxelizer.read_back(recorder, &mut self.scene)?;
+        let has_grown = self.volume.hear(recorder, self.scene.has_moving())?;
+        let mut voxelized = Ok(());
+        if is_new || (self.frame_voxels().is_late && !self.is_refused) {
+            voxelized = self.voxelize_frame(recorder, geometry).map(drop);
+        }
+        if has_grown && (self.is_refused || voxelized.is_err()) {
+            // The volume has to show the last list in its new buffers.
+            self.changes.begin(recorder);
+            self.lighting.disturb();
+            self.show_list(recorder)?;
+        }
+        voxelized
     }
 
     /// How far voxels and light have followed the last call of [`Self::frame`]. It records nothing
     /// and does not wait.
     pub fn status(&self) -> FrameStatus {
-        self.status_of(self.frame_voxels())
-    }
-
-    fn status_of(&self, voxels: FrameVoxels) -> FrameStatus {
-        let FrameVoxels { is_late, is_pending, voxels, faces } = voxels;
-        let is_late = is_late && !self.is_refused;
+        let FrameVoxels { is_late, is_pending, voxels, faces } = self.frame_voxels();
+        let is_refused = self.is_refused;
+        let is_late = is_late && !is_refused;
         let frames_left = self.lighting.frames_left();
-        FrameStatus { is_late, is_pending, frames_left, voxels, faces }
+        FrameStatus { is_late, is_pending, is_refused, frames_left, voxels, faces }
     }
 
     /// Records the voxelization of dynamic draws, and of static ones that have changed.
@@ -190,13 +205,19 @@ impl Gi {
         }
         self.list_emitters(recorder, geometry)?;
         if is_taken {
-            self.content += 1;
-            self.follow_taken(recorder)?;
-            self.volume.tell(recorder);
+            self.show_list(recorder)?;
         }
         frame.is_late |= self.volume.is_late();
         frame.is_pending |= self.volume.told()[1];
         Ok(frame)
+    }
+
+    /// Shows the list of voxels to cones.
+    fn show_list(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
+        self.content += 1;
+        self.follow_taken(recorder)?;
+        self.volume.tell(recorder);
+        Ok(())
     }
 
     /// The state of the last call of [`Self::voxelize_frame`], from the results that have been read

@@ -20,7 +20,10 @@ impl Gi {
     pub fn center_on(&mut self, place: glam::Vec3) -> Result<bool, GiError> {
         let mut grid = *self.scene.grid();
         grid.center_on(place)?;
-        Ok(self.scene.move_to(grid))
+        let before = self.scene.wanted;
+        let moves = self.scene.move_to(grid);
+        self.is_refused &= self.scene.wanted == before;
+        Ok(moves)
     }
 
     /// Work items of the last walks over static draws.

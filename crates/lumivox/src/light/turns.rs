@@ -75,8 +75,8 @@ pub(super) struct Turns {
     number: u32,
     /// Frames until the light has converged.
     left: u64,
-    /// Frames until all faces have gathered once.
-    frames_per_gather: u64,
+    /// `left` when less than a hundredth of the change is missing.
+    nearly_settled: u64,
     /// Gathers of the last solve from darkness, until the next frame.
     solved: Option<u32>,
     /// Frames until all faces have sampled the emitters again.
@@ -125,10 +125,10 @@ impl Turns {
         self.rays = Rays::Traced;
     }
 
-    /// Frames until less than a hundredth of the last change is missing.
+    /// Frames until less than a hundredth of the last change is missing, with cascades in the
+    /// finest.
     pub fn frames_left(&self) -> u32 {
-        let then = u64::from(SETTLING_GATHERS - NEARLY_SETTLED_GATHERS) * self.frames_per_gather;
-        u32::try_from(self.left.saturating_sub(then)).unwrap_or(u32::MAX)
+        u32::try_from(self.left.saturating_sub(self.nearly_settled)).unwrap_or(u32::MAX)
     }
 
     /// The work of the next frame; `None` once the light has converged.
@@ -143,7 +143,10 @@ impl Turns {
         let is_direct_new = self.is_disturbed || self.lights != Some(lights);
         let rarest = if self.has_cascades { 1 << RAREST_CASCADE } else { 1 };
         let turns = budget.map_or(rarest, |budget| capacity.div_ceil(budget.max(1).into()));
-        self.frames_per_gather = turns;
+        // The finest cascade gathers in every frame.
+        let turns_of_finest = if budget.is_some() { turns } else { 1 };
+        self.nearly_settled = u64::from(SETTLING_GATHERS) * turns
+            - u64::from(NEARLY_SETTLED_GATHERS) * turns_of_finest;
         let done = self.solved.take();
         if is_direct_new {
             self.shines = turns;

@@ -212,7 +212,8 @@ impl Volume {
     }
 
     /// Applies finished read-backs of recorded calls of [`Self::follow`]; grows buffers that
-    /// overflowed, with a reserve if there is dynamic surface.
+    /// overflowed, with a reserve if there is dynamic surface. Returns `true` if it has grown, and
+    /// must follow a list before anything else.
     ///
     /// # Errors
     /// [`GiError::Limit`] and [`GiError::Budget`] if an octree does not fit.
@@ -220,9 +221,9 @@ impl Volume {
         &mut self,
         recorder: &mut Recorder<'_>,
         has_moving: bool,
-    ) -> Result<(), GiError> {
+    ) -> Result<bool, GiError> {
         match &mut self.cells {
-            None | Some(CellVolume::Dense(_)) => Ok(()),
+            None | Some(CellVolume::Dense(_)) => Ok(false),
             Some(CellVolume::Octree(octree)) => octree.hear(recorder, has_moving),
         }
     }

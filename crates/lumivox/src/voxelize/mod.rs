@@ -106,7 +106,7 @@ struct VoxelFaces {
     planes: [u32; 24],
 }
 
-/// Results and memory of a voxelization.
+/// Results of a voxelization.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct VoxelizeStats {
     /// Triangles given.

@@ -44,7 +44,7 @@ pub(crate) struct VoxelizedScene {
     pub(super) lacks_room: bool,
     pub(super) rebuild: Option<Rebuild>,
     /// The next grid: that of a clipmap whose boxes have moved.
-    pub(super) wanted: Option<Grid>,
+    pub(crate) wanted: Option<Grid>,
     /// Grid of the rebuild in progress.
     pub(super) next: Option<PlacedGrid>,
 }

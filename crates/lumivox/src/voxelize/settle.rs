@@ -24,10 +24,11 @@ impl Voxelizer {
             return Err(GiError::NothingToVoxelize { triangles, skipped: 0 });
         }
         scene.rebuild = None;
-        if let Some(grid) = scene.wanted {
-            scene.next = Some(self.placed(device, grid));
-        }
+        scene.next = scene.wanted.map(|grid| self.placed(device, grid));
         let is_reused = scene.next.is_none() && scene.has_fixed(geometry);
+        if !is_reused {
+            scene.forget_static();
+        }
         if self.walker.is_none() {
             let grid = scene.next.as_ref().map_or(&scene.grid, |next| &next.grid);
             let (limits, all) = (device.limits(), Walked::all(grid));

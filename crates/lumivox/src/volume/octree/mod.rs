@@ -278,10 +278,10 @@ impl OctreeVolume {
         &mut self,
         recorder: &mut Recorder<'_>,
         has_moving: bool,
-    ) -> Result<(), GiError> {
+    ) -> Result<bool, GiError> {
         let device = recorder.device().clone();
         let Some(words) = self.late.as_mut().and_then(|late| late.latest(&device)) else {
-            return Ok(());
+            return Ok(false);
         };
         let verdict = self.know(&words)?;
         self.lacks_room = verdict.no_room != 0;
@@ -327,13 +327,14 @@ impl OctreeVolume {
         Ok(verdict)
     }
 
-    /// Grows the buffers to what a verdict needs, and some more. What is shown stays.
+    /// Grows the buffers to what a verdict needs, and some more. What is shown stays. Returns `true`
+    /// if they have grown.
     fn make_room(
         &mut self,
         recorder: &mut Recorder<'_>,
         verdict: TreeVerdict,
         spare: fn(u64) -> u64,
-    ) -> Result<(), GiError> {
+    ) -> Result<bool, GiError> {
         let mut room = self.tree.room;
         let grown = |bit: u32, room: u64, needed: u32| {
             let lacks = verdict.no_room & bit != 0 && room < needed.into();
@@ -343,7 +344,7 @@ impl OctreeVolume {
         room.renewals = grown(NO_ROOM_FOR_RENEWALS, room.renewals, verdict.renewals);
         room.bricks = grown(NO_ROOM_FOR_BRICKS, room.bricks, verdict.brick_places);
         if room == self.tree.room {
-            return Ok(());
+            return Ok(false);
         }
         let device = recorder.device().clone();
         let grid = (&self.grid, &self.layout);
@@ -356,7 +357,7 @@ impl OctreeVolume {
         self.globals = bind_globals(&device, &self.globals_layout, &tree, around);
         (self.tree, self.scratch) = (tree, Some(scratch));
         self.unbind();
-        Ok(())
+        Ok(true)
     }
 
     pub(super) fn update(&self, recorder: &mut Recorder, changed: &ChangedCells) {
