@@ -37,8 +37,8 @@ fn cells(
         if word < arrayLength(&moving) {
             now = moving[word];
         }
-        // Voxels that appear, disappear, or that dynamic surface has left have changed; compare.wgsl
-        // finds the other changed voxels.
+        // Voxels that appear, disappear, or that dynamic surface has left; compare.wgsl finds the
+        // other changed voxels.
         changed[word] |= (former ^ new_occupancy[word]) | (moving_before[word] & ~now);
         moving_before[word] = now;
     }

@@ -327,8 +327,8 @@ impl OctreeVolume {
         Ok(verdict)
     }
 
-    /// Grows the buffers to what a verdict needs, and some more. What is shown stays. Returns `true`
-    /// if they have grown.
+    /// Grows the buffers to what a verdict needs, and some more. What is shown stays. Returns
+    /// `true` if they have grown.
     fn make_room(
         &mut self,
         recorder: &mut Recorder<'_>,
