@@ -229,8 +229,13 @@ impl SharedGi {
         }
         // The vertices of what has moved once may have changed, too.
         let may_change = batches.iter().flat_map(|batch| &batch.draws).any(|draw| !draw.is_static);
-        let draws = |batch: &GeometryBatch| (batch.positions.clone(), batch.draws.clone());
-        if may_change || !batches.iter().map(draws).eq(self.geometry.batches.iter().map(draws)) {
+        let known = &self.geometry.batches;
+        let is_known = batches.len() == known.len()
+            && batches
+                .iter()
+                .zip(known)
+                .all(|(new, old)| new.positions == old.positions && new.draws == old.draws);
+        if may_change || !is_known {
             self.geometry.batches = batches;
         }
         Ok(())

@@ -151,13 +151,16 @@ pub(crate) fn moved(geometry: &Geometry, place: Mat4) -> Geometry {
     geometry
 }
 
-/// Waits until the result of the last recorded voxelization is known.
+/// Waits until the results of everything submitted are known, those of a rebuild included.
 ///
 /// It is not enough to poll the device until its work is done: all tests share the device, and
 /// another test's thread may have polled it first, and may still be about to call the callback.
 pub(crate) fn wait_told(device: &wgpu::Device, gi: &Gi) {
-    while gi.status().is_pending {
+    loop {
         device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
+        if !gi.status().is_pending {
+            return;
+        }
         std::thread::yield_now();
     }
 }

@@ -1,7 +1,7 @@
 //! Lumivox in a custom engine: own triangles, own G-buffer, own shading, no other crate of the
 //! project.
 //!
-//! `cargo run --release -p lumivox --example own_engine -- [picture.png] [--json]` renders 300
+//! `cargo run --release -p lumivox --example own_engine -- [picture.png] [--json]` renders 120
 //! frames of a room in which a lamp and a screen move, and saves the mean of the last ones, in
 //! which they rest. The engine records each frame into an encoder of its own and never waits. Then
 //! it prints what a frame took, what it created (nothing), and the time of each stage of one more
@@ -24,7 +24,7 @@ use lumivox::{
 use raster::{Camera, Mesh, Raster};
 
 const SIZE: UVec2 = UVec2::new(480, 360);
-const FRAMES: u32 = 300;
+const FRAMES: u32 = 120;
 /// The last of them, in which nothing moves: their mean is the picture that is saved.
 const STILL_FRAMES: u32 = 16;
 /// Frames in which buffers may still grow.
@@ -120,6 +120,9 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
         ..SurfaceMaterial::default()
     });
     let mut geometry = Geometry::new(vec![batch], materials.collect());
+    // The first voxels, awaited, so that no frame is shown without them.
+    let voxelized = gi.voxelize(&geometry, Timing::Off).await?;
+    println!("{} voxels, {} faces", voxelized.stats.voxels, voxelized.stats.faces);
 
     // One light; its shadows come from cones through the voxels, so no shadow map is needed.
     let mut lights = gi.bind_lights(&[lamp_at(0.0)], Vec3::ZERO, None);
@@ -191,9 +194,10 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
     let frame_ms = start.elapsed().as_secs_f64() * 1e3 / f64::from(FRAMES);
     let pixels = picture.iter().flat_map(|pixel| [pixel[0], pixel[1], pixel[2]].map(srgb));
 
-    // The time of each stage, of a frame that a recorder of its own submits: an engine's encoder
-    // has none.
+    // The time of each stage when something moves, of a frame that a recorder of its own submits:
+    // an engine's encoder has none.
     lights.update(&queue, &[lamp_at(FRAMES as f32 / 60.0)], Vec3::ZERO, None);
+    geometry.invalidate();
     let mut recorder = Recorder::with_timing(&device, &queue, Timing::for_device(&device));
     gi.frame(&mut recorder, frame_of(&geometry, &lights, &settings))?;
     gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
@@ -202,7 +206,7 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
     Ok((pixels.collect(), Report { recording_ms, frame_ms, made, stages }))
 }
 
-/// What Lumivox gets in a frame.
+/// The inputs of [`Gi::frame`].
 fn frame_of<'a>(
     geometry: &'a Geometry,
     lights: &'a Lights,

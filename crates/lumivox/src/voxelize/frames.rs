@@ -104,7 +104,7 @@ impl Voxelizer {
             && (moving.capacity()[1] == 0 || scene.is_list_new)
         {
             let capacity = moving.capacity();
-            let sums = capacity[1].max(capacity[0]);
+            let sums = capacity[1].max(with_spare(capacity[0]));
             moving.make_room_for_sums(work, sums, union.verdict())?;
             scene.is_bound = false;
         }
@@ -272,11 +272,11 @@ impl Voxelizer {
     ) -> Result<(), GiError> {
         let [faces, nodes] = fixed.as_ref().map_or([0; 2], |fixed| [fixed.faces, fixed.nodes]);
         let moving = scene.moving.as_ref().map_or(FIRST_VOXELS, |moving| moving.capacity()[0]);
-        let moving = if has_moving { moving } else { 0 };
+        let [moving, spare] = if has_moving { [moving, with_spare(moving)] } else { [0; 2] };
         // Keep the list's current capacity for dynamic surface.
         let so_far = scene.list.as_ref().map_or(0, VoxelList::face_capacity);
         let before = scene.fixed.as_ref().map_or(0, |fixed| fixed.faces);
-        let moving_faces = so_far.saturating_sub(before).max(moving);
+        let moving_faces = so_far.saturating_sub(before).max(spare);
         let union = union.map_or_else(|| Union::new(work), Ok)?;
         let nodes = nodes + most_nodes(work.grid, moving);
         let list = new_list(work, nodes, faces + moving_faces)?;
