@@ -39,6 +39,8 @@ fn a_device_may_be_lost_in_the_middle_of_a_frame() {
             let rise = Mat4::from_translation(Vec3::Y * 0.05 * frame as f32);
             geometry.batches[0].draws[1].world_from_local = rise;
             let mut recorder = Recorder::new(&device, &queue);
+            let frame_of = Frame::new(&geometry, &lights, &settings);
+            let voxelized = gi.frame(&mut recorder, Frame { lights: None, ..frame_of });
             if frame == 5 {
                 device.destroy();
             }
@@ -47,10 +49,12 @@ fn a_device_may_be_lost_in_the_middle_of_a_frame() {
                 geometry.batches[0].draws.extend([Draw::new(0, 6, 0); 40]);
             }
             // Whatever is recorded after the loss is dropped.
-            let status = gi.frame(&mut recorder, Frame::new(&geometry, &lights, &settings));
+            let frame_of = Frame::new(&geometry, &lights, &settings);
+            let lit = gi.frame(&mut recorder, Frame { geometry: None, ..frame_of });
             recorder.submit();
             if frame < 5 {
-                status.expect("it fits");
+                voxelized.expect("it fits");
+                lit.expect("valid settings");
             }
         }
         // Errors of resources created on a lost device go to the engine's handler of errors.
